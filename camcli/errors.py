@@ -1,0 +1,81 @@
+"""Faults a user can meet, and what each kernel status means: one table, nothing else.
+
+This module is the bottom of the package: it imports nothing of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+# Status codes returned by the kernel. They are data, not exceptions: the row is kept.
+OK = 0
+LOG_FULL = 1  # internal: the caller provides more room and resumes
+IMPACT_BUDGET = 2
+NO_RETURN = 3
+UNRESOLVED = 4
+PAUSED = 5  # internal: the caller's slice of work is used up; resume
+
+
+@dataclass(frozen=True)
+class Status:
+    """Name of a kernel status in a `status` column, with its cause and cure in words."""
+
+    name: str
+    cause: str
+    cure: str
+
+
+STATUSES = {
+    OK: Status("ok", "", ""),
+    LOG_FULL: Status("log-full", "the event log was too small", "this is a fault of the program"),
+    IMPACT_BUDGET: Status(
+        "impact-budget",
+        "more impacts in one turn than run.impact_budget allows",
+        "raise run.impact_budget, raise run.chatter_tolerance, or lower restitution",
+    ),
+    NO_RETURN: Status(
+        "no-return",
+        "the follower left the cam and nothing brings it back",
+        "give it a spring, gravity or a preload",
+    ),
+    UNRESOLVED: Status(
+        "unresolved",
+        "a contact is closer to grazing than double precision can tell",
+        "move the speed by a relative 1e-12, or treat both outcomes as possible",
+    ),
+    PAUSED: Status("paused", "the work was interrupted", "run the same command again"),
+}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault of the input: where it stands, its path, what was found and what to do.
+
+    `where` is `file:line:column`, `--set` or an option's name; `path` the dotted scene path.
+    """
+
+    where: str
+    path: str
+    found: str
+    expected: str
+    cure: str
+
+    def __str__(self) -> str:
+        parts = [part for part in (self.found, self.expected, self.cure) if part]
+        return ": ".join(part for part in (self.where, self.path) if part) + ": " + ", ".join(parts)
+
+
+class CamError(Exception):
+    """Base of every error this package raises on purpose."""
+
+
+class SceneError(CamError):
+    """The input cannot be used; carries every fault found (exit code 2)."""
+
+    def __init__(self, *faults: Fault):
+        self.faults = faults
+        super().__init__("\n".join(str(fault) for fault in faults))
+
+
+class NumericsError(CamError):
+    """A guarantee could not be kept; finished rows are kept (exit code 3)."""

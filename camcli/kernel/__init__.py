@@ -1,0 +1,11 @@
+"""The hybrid core: flow, contact search, reset, chatter and sticking on bare numbers.
+
+Rules of this package (they keep the bits portable, see README):
+only IEEE add, subtract, multiply, divide and sqrt; no libm function; no callables as
+arguments; no exceptions, only status codes; no allocation per event. Every function runs
+the same, bit for bit, in plain Python and compiled by numba.
+
+Units inside: lengths in m, the cam angle theta in rad as the independent variable, so a
+velocity is dq/dtheta (m/rad) and the follower is described by dimensionless numbers
+(`flight.Lane`). That makes results exactly scale-free.
+"""

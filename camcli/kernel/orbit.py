@@ -1,0 +1,186 @@
+"""One orbit: find the next event, move there, reset; count and log what was asked for."""
+
+from typing import Any, NamedTuple
+
+from camcli.errors import IMPACT_BUDGET, LOG_FULL, NO_RETURN, OK, PAUSED, UNRESOLVED
+from camcli.kernel.backend import kernel
+from camcli.kernel.events import (
+    ACCUMULATED,
+    BOUNCED,
+    CLEAR,
+    FREE,
+    LANDED,
+    LOST,
+    RELEASED,
+    STEPS,
+    STUCK,
+    fly,
+)
+from camcli.kernel.profile import lift_at
+from camcli.kernel.sliding import slide
+
+RESTING = 3  # further `mode` beside FREE, BOUNCED, RELEASED
+IMPACT, CHATTER, DETACHMENT = 1, 2, 3  # event kinds in the log
+SKIP = 1e-8  # rad, past a phase where the contact force touches zero without lift-off
+MOST_STEPS_BETWEEN = 100_000  # without an impact or a corner
+
+THETA, GAP, RATE = 0, 1, 2  # entries of `state`
+MODE, STRETCH, PERIOD, IMPACTS, CHATTERED, LOGGED, IDLE, TOTAL = 0, 1, 2, 3, 4, 5, 6, 7  # `count`
+
+
+class Log(NamedTuple):
+    """Events, a row each; `kind` decides the capacity."""
+
+    kind: Any  # int
+    period: Any  # int
+    theta: Any  # rad
+    q: Any  # m
+    u: Any  # m/rad, relative velocity before the event
+
+
+class Strobe(NamedTuple):
+    """State at the start of each recorded period, and what happened during it."""
+
+    q: Any  # m
+    w: Any  # m/rad
+    impacts: Any  # int
+    chatter: Any  # int, 1 where a complete chatter ended in it
+
+
+class Plan(NamedTuple):
+    """How far to go: periods are numbered by strobes, negative ones are the transient."""
+
+    log_from: int  # first period whose events are logged
+    stop: int  # return when this period begins
+    steps: int  # return PAUSED after so many steps
+
+
+@kernel
+def run(cam, lane, turns, state, count, plan, log, strobe, work):
+    """Advance one orbit to the start of period plan.stop; returns a status (camcli.errors).
+
+    `state` and `count` hold everything, so the call can be repeated after PAUSED or LOG_FULL and
+    gives the same bits as one long call.
+    """
+    theta, gap, rate = state[THETA], state[GAP], state[RATE]
+    mode, i = count[MODE], count[STRETCH]
+    steps = 0
+    status = OK
+    while True:
+        if steps >= plan.steps:
+            status = PAUSED
+        elif count[LOGGED] >= len(log.kind) and len(log.kind) > 0:
+            status = LOG_FULL
+        elif count[IDLE] > MOST_STEPS_BETWEEN:
+            status = UNRESOLVED
+        elif count[IMPACTS] >= lane.impact_budget:
+            status = IMPACT_BUDGET
+        if status != OK or count[PERIOD] >= plan.stop:
+            break
+        steps += 1
+        count[IDLE] += 1
+        if mode == RESTING:
+            released, theta = slide(cam, lane, i, theta)
+            if released:
+                write(cam, count, plan, log, DETACHMENT, i, theta, 0.0)
+                mode, gap, rate = RELEASED, 0.0, 0.0
+                continue
+        else:
+            code, theta, gap, rate = fly(cam, lane, turns, i, theta, gap, rate, mode, work)
+            if code == LANDED and theta < cam.end[i]:
+                if rate < 0.0:
+                    count[IMPACTS] += 1
+                    count[TOTAL] += 1
+                    count[IDLE] = 0
+                    write(cam, count, plan, log, IMPACT, i, theta, rate)
+                    rate = -lane.r * rate
+                mode = BOUNCED
+                continue
+            if code == CLEAR or code == LANDED:
+                mode = FREE
+            elif code == ACCUMULATED:
+                count[CHATTERED] = 1
+                write(cam, count, plan, log, CHATTER, i, theta, 0.0)
+                mode = RESTING
+            elif code == STUCK:
+                if mode == RELEASED:
+                    theta = min(theta + SKIP, cam.end[i])
+                mode = RESTING
+            elif code == LOST:
+                status = UNRESOLVED
+                break
+        if theta < cam.end[i]:
+            continue
+        i, theta, rate, mode = cross(cam, count, plan, log, i, gap, rate, mode)
+        if i == cam.strobe:
+            begin_period(cam, count, plan, strobe, i, gap, rate)
+            if mode == FREE and gone(cam, lane, i, gap, rate):
+                status = NO_RETURN
+                break
+    state[THETA], state[GAP], state[RATE] = theta, gap, rate
+    count[MODE], count[STRETCH] = mode, i
+    work[STEPS] += steps
+    return status
+
+
+@kernel
+def write(cam, count, plan, log, kind, i, theta, u):
+    """Log one event if a log was asked for and this period is in it."""
+    n = count[LOGGED]
+    if n < len(log.kind) and count[PERIOD] >= plan.log_from:
+        log.kind[n] = kind
+        log.period[n] = count[PERIOD]
+        log.theta[n] = theta
+        log.q[n] = lift_at(cam, i, theta)[0]
+        log.u[n] = u
+        count[LOGGED] = n + 1
+
+
+@kernel
+def cross(cam, count, plan, log, i, gap, rate, mode):
+    """Enter the next stretch: (i, theta, rate, mode); a jump of c_theta there is a blow or a launch."""
+    count[IDLE] = 0
+    i += 1
+    if i == len(cam.start):
+        i = 0
+    theta = cam.start[i]
+    kick = cam.kick[i]
+    if kick != 0.0:
+        rate -= kick
+        if mode == RESTING and rate != 0.0:
+            if rate > 0.0:
+                write(cam, count, plan, log, DETACHMENT, i, theta, 0.0)
+            mode = FREE
+        elif mode != FREE and rate < 0.0:
+            mode = FREE
+    return i, theta, rate, mode
+
+
+@kernel
+def begin_period(cam, count, plan, strobe, i, gap, rate):
+    """Count the period that ends in this strobe, and record the state that begins the next."""
+    period = count[PERIOD]
+    if 0 <= period < len(strobe.impacts):
+        strobe.impacts[period] = count[IMPACTS]
+        strobe.chatter[period] = count[CHATTERED]
+    period += 1
+    if 0 <= period < len(strobe.q):
+        strobe.q[period] = cam.start0[i] + gap
+        strobe.w[period] = cam.start1[i] + rate
+    count[PERIOD] = period
+    count[IMPACTS] = 0
+    count[CHATTERED] = 0
+
+
+@kernel
+def gone(cam, lane, i, gap, rate):
+    """True where nothing can bring the follower back: no spring, no weight, above the cam for good."""
+    if lane.W2 > 0.0 or lane.G > 0.0:
+        return False
+    q = cam.start0[i] + gap
+    w = cam.start1[i] + rate
+    if q <= cam.top:
+        return False
+    if lane.Z == 0.0:
+        return w >= 0.0
+    return q + 0.5 * w / lane.Z > cam.top

@@ -1,0 +1,56 @@
+"""Sticking: the follower rests on the cam until the contact force reaches zero.
+
+The relative acceleration in contact, a = -(G + W^2 c + 2 Z c_theta) - c_thetatheta (per rad^2), is
+minus the contact force over the mass and omega^2. Contact lasts while a < 0.
+"""
+
+from math import sqrt
+
+from camcli.kernel.backend import kernel
+from camcli.kernel.profile import TERMS, lift_at, piece_at, polynomial
+
+MOST_STEPS = 500
+ROUNDING = 4.0 * 2.220446049250313e-16
+
+
+@kernel
+def contact_accel(cam, lane, i, theta):
+    """(a, da/dtheta, size of its terms) in contact at theta within stretch i."""
+    c, c1, c2 = lift_at(cam, i, theta)
+    k = piece_at(cam, i, theta)
+    c3 = polynomial(cam.c3, k * TERMS, theta - cam.center[k])
+    a = -(lane.G + lane.W2 * c + 2.0 * lane.Z * c1) - c2
+    slope = -(lane.W2 * c1 + 2.0 * lane.Z * c2) - c3
+    size = abs(lane.G) + abs(lane.W2 * c) + abs(2.0 * lane.Z * c1) + abs(c2)
+    return a, slope, size
+
+
+@kernel
+def slide(cam, lane, i, theta):
+    """(released, theta): first phase in the rest of stretch i where the contact force is zero.
+
+    With |a''| <= M on the stretch, a + a' s + M s^2/2 < 0 up to its first root, so no zero is
+    stepped over; near the zero the steps become Newton's.
+    """
+    force = lane.G + lane.W2 * cam.low[i] + 2.0 * lane.Z * cam.slope_low[i]
+    if -force - cam.accel_min[i] < 0.0:
+        return False, cam.end[i]
+    largest = max(abs(cam.accel_min[i]), abs(cam.accel_max[i]))
+    curve = lane.W2 * largest + 2.0 * lane.Z * cam.jerk_max[i] + cam.snap_max[i]
+    for _ in range(MOST_STEPS):
+        a, slope, size = contact_accel(cam, lane, i, theta)
+        if a >= -ROUNDING * size:
+            return True, theta
+        root = sqrt(slope * slope - 2.0 * curve * a)
+        if slope >= 0.0:
+            step = -2.0 * a / (slope + root)
+        elif curve > 0.0:
+            step = (root - slope) / curve
+        else:
+            return False, cam.end[i]
+        if theta + step >= cam.end[i]:
+            return False, cam.end[i]
+        if theta + step == theta:
+            return True, theta
+        theta += step
+    return True, theta

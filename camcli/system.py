@@ -1,0 +1,76 @@
+"""The machine: a follower and a compiled cam, frozen; from it the lane of one speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi, sqrt
+
+from camcli.kernel.flight import Lane
+from camcli.kernel.profile import Cam
+from camcli.profiles.pieces import Part
+from camcli.profiles.table import build, corners, native
+
+
+@dataclass(frozen=True)
+class Follower:
+    """Constants of the follower: kg, N/m, N s/m, m/s2, N, -."""
+
+    mass: float
+    stiffness: float
+    damping: float = 0.0
+    gravity: float = 0.0
+    preload: float = 0.0
+    restitution: float = 0.8
+
+    @cached_property
+    def omega0(self) -> float:
+        """Natural frequency sqrt(k/m), rad/s."""
+        return sqrt(self.stiffness / self.mass)
+
+    @cached_property
+    def zeta(self) -> float:
+        """Decay rate b/(2 m), 1/s."""
+        return self.damping / (2.0 * self.mass)
+
+
+def omega_of(rpm: float) -> float:
+    """rad/s from revolutions per minute; exact under scaling by powers of two."""
+    return rpm * (pi / 30.0)
+
+
+@dataclass(frozen=True)
+class System:
+    """A follower on a cam, seen through a strobe phase (rad boundaries are in the table)."""
+
+    follower: Follower
+    cam: Cam
+
+    @classmethod
+    def build(cls, follower: Follower, parts: list[Part], strobe_deg: float = 0.0) -> System:
+        """Compile the cam's parts; strobe_deg becomes a boundary of the table."""
+        return cls(follower, build(parts, strobe_deg))
+
+    def native_cam(self) -> Cam:
+        """The table for the kernel as it runs now (plain Python or compiled)."""
+        return native(self.cam)
+
+    @cached_property
+    def corners_deg(self) -> list[float]:
+        """Phases of the cam's corners, degrees."""
+        return [self.cam.start[n] * (180.0 / pi) for n in corners(self.cam)]
+
+    def lane(self, rpm: float, tolerance: float, impact_budget: int) -> Lane:
+        """The dimensionless constants at one speed; tolerance as a fraction of a turn."""
+        f, omega = self.follower, omega_of(rpm)
+        W, Z = f.omega0 / omega, f.zeta / omega
+        return Lane(
+            W=W,
+            W2=W * W,
+            Z=Z,
+            D=(Z - W) * (Z + W),
+            G=(f.gravity + f.preload / f.mass) / omega / omega,
+            r=float(f.restitution),
+            tolerance=tolerance * (2.0 * pi),
+            impact_budget=impact_budget,
+        )
