@@ -9,7 +9,7 @@ from math import pi, sqrt
 from camcli.kernel.flight import Lane
 from camcli.kernel.profile import Cam
 from camcli.profiles.pieces import Part
-from camcli.profiles.table import build, corners, native
+from camcli.profiles.table import build, column, corners, native
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,8 @@ class System:
     @cached_property
     def corners_deg(self) -> list[float]:
         """Phases of the cam's corners, degrees."""
-        return [self.cam.start[n] * (180.0 / pi) for n in corners(self.cam)]
+        starts = column(self.cam, "START")
+        return [starts[n] * (180.0 / pi) for n in corners(self.cam)]
 
     def lane(self, rpm: float, tolerance: float, impact_budget: int) -> Lane:
         """The dimensionless constants at one speed; tolerance as a fraction of a turn."""

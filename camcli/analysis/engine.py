@@ -13,7 +13,7 @@ from camcli.errors import LOG_FULL, OK, PAUSED
 from camcli.kernel import backend, lanes
 from camcli.kernel.events import BOUNCED, FREE
 from camcli.kernel.orbit import Log, Plan, Strobe
-from camcli.kernel.profile import Cam, lift_at, stretch_at
+from camcli.kernel.profile import ROW, START, Cam, lift_at, stretch_at
 from camcli.system import System, omega_of
 
 PLAIN_STEPS = 60_000  # steps in plain Python before compiling pays (about a second)
@@ -77,10 +77,9 @@ class Orbit:
         record = self.settings.record
         logs: list[Log] = []
         rows = record if strobes else 0
-        strobe = Strobe([0.0] * rows, [0.0] * rows, [0] * rows, [0] * rows)
+        strobe = Strobe([0.0] * (2 * rows), [0] * (2 * rows), rows)
         if rows and self.count[2] == 0:
-            q, w = self.position()
-            strobe.q[0], strobe.w[0] = q, w
+            strobe.state[:2] = self.position()
         capacity = FIRST_CAPACITY if events else 0
         first = 0 if self.settings.transient else -1
         while True:
@@ -102,14 +101,8 @@ class Orbit:
 
     def _slice(self, capacity: int, first: int, record: int, strobe: Strobe):
         plain = not backend.is_compiled() and backend.may_compile()
-        cam, b, b1, p = tables(self.system, self.lane)
-        log = Log(
-            kind=backend.zeros(capacity, int),
-            period=backend.zeros(capacity, int),
-            theta=backend.zeros(capacity),
-            q=backend.zeros(capacity),
-            u=backend.zeros(capacity),
-        )
+        cam, turns = tables(self.system, self.lane)
+        whole, real = backend.zeros(2 * capacity, int), backend.zeros(3 * capacity)
         plan = Plan(first, record, PLAIN_STEPS if plain else EVERYTHING)
         state, count, work = (
             backend.numbers(self.state),
@@ -117,24 +110,24 @@ class Orbit:
             backend.numbers(self.work, int),
         )
         count[5] = 0
-        strobe = Strobe(
-            backend.numbers(strobe.q),
-            backend.numbers(strobe.w),
-            backend.numbers(strobe.impacts, int),
-            backend.numbers(strobe.chatter, int),
+        strobe = strobe._replace(
+            state=backend.numbers(strobe.state), events=backend.numbers(strobe.events, int)
         )
-        status = lanes.advance(cam, self.lane, b, b1, p, state, count, plan, log, strobe, work)
+        log = Log(whole, real, capacity)
+        status = lanes.advance(cam, self.lane, turns, state, count, plan, log, strobe, work)
         self.state, self.count, self.work = list(state), list(count), list(work)
         used = int(count[5])
-        return int(status), Log(*(column[:used] for column in log)), strobe
+        return int(status), Log(whole[: 2 * used], real[: 3 * used], used), strobe
 
     def _tape(self, logs: list[Log], strobe: Strobe, status: int) -> Tape:
-        columns = [[] for _ in Log._fields]
-        for log in logs:
-            for column, part in zip(columns, log, strict=True):
-                column.extend(part.tolist() if hasattr(part, "tolist") else part)
+        whole = [value for log in logs for value in _list(log.whole)]
+        real = [value for log in logs for value in _list(log.real)]
         return Tape(
-            *columns,
+            kind=whole[::2],
+            period=whole[1::2],
+            theta=real[::3],
+            q=real[1::3],
+            u=real[2::3],
             strobe=strobe,
             periods=max(0, min(int(self.count[2]), self.settings.record)),
             status=OK if status == OK else status,
@@ -144,13 +137,16 @@ class Orbit:
         )
 
 
-def tables(system: System, lane) -> tuple[Cam, list, list, list]:
+def _list(values) -> list:
+    return values.tolist() if hasattr(values, "tolist") else values
+
+
+def tables(system: System, lane) -> tuple[Cam, list]:
     """The cam in native form and the lane's whole-stretch flows."""
     cam = system.native_cam()
-    n = len(system.cam.start)
-    b, b1, p = backend.zeros(n), backend.zeros(n), backend.zeros(n)
-    lanes.prepare(cam, lane, b, b1, p)
-    return cam, b, b1, p
+    turns = backend.zeros(3 * cam.stretches)
+    lanes.prepare(cam, lane, turns)
+    return cam, turns
 
 
 def _initial(cam: Cam, omega: float, settings: Settings, start: Start):
@@ -166,6 +162,6 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start):
             f"c = {c:.17g} m at {start.theta_deg:g} deg"
         )
     mode = FREE if gap > 0.0 or rate < 0.0 else BOUNCED
-    on_strobe = i == cam.strobe and theta == cam.start[i]
+    on_strobe = i == cam.strobe and theta == cam.rows[i * ROW + START]
     period = -settings.transient - (0 if on_strobe else 1)
     return [theta, gap, rate], [mode, i, period, 0, 0, 0, 0, 0]

@@ -96,7 +96,8 @@ def compile_kernel() -> None:
         compiled = {}
         for function in _functions:
             cached = function in _entries and folder is not None
-            jit = numba.njit(nogil=True, error_model="numpy", cache=cached)
+            # Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
+            jit = numba.njit(nogil=True, error_model="numpy", cache=cached, _nrt=False)
             compiled[function] = jit(function)
         for module in modules:
             for name, value in list(vars(module).items()):

@@ -1,7 +1,7 @@
 """At the contact: the chatter map with its error, and the local Taylor series of the gap."""
 
 from camcli.kernel.backend import kernel
-from camcli.kernel.profile import higher
+from camcli.kernel.profile import RADIUS, ROW, higher
 
 REFUSED = 1e300
 LARGEST_CHANGE = 0.25  # relative change of the acceleration the error estimate covers
@@ -57,7 +57,7 @@ def taylor(cam, lane, i, theta, q2, q3, c2):
 @kernel
 def taylor_holds(cam, lane, i, s):
     """True where the series of order 6 is more exact over s than q - c computed in doubles."""
-    return s <= cam.radius[i] and (lane.W + 2.0 * lane.Z) * s <= TAYLOR_PHASE
+    return s <= cam.rows[i * ROW + RADIUS] and (lane.W + 2.0 * lane.Z) * s <= TAYLOR_PHASE
 
 
 @kernel

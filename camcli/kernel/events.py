@@ -24,7 +24,20 @@ from camcli.kernel.contact import (
     taylor_holds,
 )
 from camcli.kernel.flight import flow
-from camcli.kernel.profile import lift_at
+from camcli.kernel.profile import (
+    ACCEL_MAX,
+    ACCEL_MIN,
+    END,
+    END0,
+    END1,
+    JERK_MAX,
+    RADIUS,
+    ROW,
+    SNAP_MAX,
+    START,
+    lift_at,
+    third,
+)
 
 CLEAR, LANDED, ACCUMULATED, STUCK, LOST = 0, 1, 2, 3, 4
 FREE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins: gap > 0, after an impact, from sticking
@@ -43,7 +56,7 @@ def fly(cam, lane, turns, i, theta, gap, rate, begin, work):
     """Advance a flight within stretch i from theta: (code, theta, gap, rate).
 
     gap >= 0 and rate = d gap/dtheta at theta; `begin` says how the flight begins; `turns` holds
-    `flow` over every whole stretch. Codes: CLEAR (moved on, at most to the stretch's end), LANDED
+    `flow` over every whole stretch (B, B', P in turn). Codes: CLEAR (moved on, at most to the stretch's end), LANDED
     (contact; rate <= 0 is the relative velocity), ACCUMULATED (chatter ends at theta), STUCK (rests
     on the cam), LOST (the step shrank to nothing: closer to grazing than doubles can tell).
     """
@@ -59,10 +72,10 @@ def fly(cam, lane, turns, i, theta, gap, rate, begin, work):
     q3 = -2.0 * lane.Z * q2 - lane.W2 * w
     accel = q2 - c2
     energy = abs(q3) + lane.W * abs(q2)
-    bound = energy + cam.jerk_max[i]
-    end = cam.end[i] - theta
+    bound = energy + cam.rows[i * ROW + JERK_MAX]
+    end = cam.rows[i * ROW + END] - theta
 
-    if begin != FREE and accel >= 0.0 or begin == RELEASED:
+    if (begin != FREE and accel >= 0.0) or begin == RELEASED:
         return _leave(cam, lane, turns, i, theta, rate, q, w, force, q2, q3, c2, energy, end, work)
     if begin == BOUNCED and rate <= 0.0:
         return STUCK, theta, 0.0, 0.0
@@ -92,10 +105,10 @@ def _leave(cam, lane, turns, i, theta, rate, q, w, force, q2, q3, c2, energy, en
     rest with jerk > 0, gap = accel s^2/2 + jerk s^3/6 + ... stays positive for s <= 2 jerk/K.
     """
     accel = max(q2 - c2, 0.0)
-    t2, t3, t4, t5, t6 = taylor(cam, lane, i, theta, q2, q3, c2)
+    _t2, t3, t4, t5, t6 = taylor(cam, lane, i, theta, q2, q3, c2)
     t = (0.5 * accel, t3, t4, t5, t6)
     jerk = 6.0 * t3
-    snap = (2.0 * lane.Z + lane.W) * energy + cam.snap_max[i]
+    snap = (2.0 * lane.Z + lane.W) * energy + cam.rows[i * ROW + SNAP_MAX]
     if jerk < 0.0 and (accel > 0.0 or rate > 0.0):
         hop = 3.0 * (0.5 * accel + sqrt(0.25 * accel * accel - 2.0 / 3.0 * rate * jerk)) / -jerk
         reach = min(1.5 * hop, end)
@@ -104,12 +117,12 @@ def _leave(cam, lane, turns, i, theta, rate, q, w, force, q2, q3, c2, energy, en
     if rate <= 0.0 and jerk <= 0.0 and accel <= 0.0:
         return STUCK, theta, 0.0, 0.0
     if rate <= 0.0 and jerk > 0.0:
-        s = min(end, cam.radius[i], 2.0 * jerk / snap if snap > 0.0 else end)
+        s = min(end, cam.rows[i * ROW + RADIUS], 2.0 * jerk / snap if snap > 0.0 else end)
         if (lane.W + 2.0 * lane.Z) * s > TAYLOR_PHASE:
             s = TAYLOR_PHASE / (lane.W + 2.0 * lane.Z)
         work[EVALUATIONS] += 1
         gap, rate = series_gap(0.0, 0.0, t, s)
-        return CLEAR, cam.end[i] if s == end else theta + s, gap, rate
+        return CLEAR, cam.rows[i * ROW + END] if s == end else theta + s, gap, rate
     return _search(
         cam, lane, turns, i, theta, 0.0, rate, q, w, force, q2, q3, c2, energy, end, work
     )
@@ -118,11 +131,11 @@ def _leave(cam, lane, turns, i, theta, rate, q, w, force, q2, q3, c2, energy, en
 @kernel
 def _accumulation(cam, lane, i, theta, u, q2, q3, c2, accel, energy, end):
     """Phase until chatter accumulates, or -1 where the map is not exact enough or passes a corner."""
-    jerk_bound = energy + cam.jerk_max[i]
+    jerk_bound = energy + cam.rows[i * ROW + JERK_MAX]
     if 2.0 * u * jerk_bound > 0.25 * (1.0 - lane.r) * accel * accel:
         return -1.0
-    snap_bound = (2.0 * lane.Z + lane.W) * energy + cam.snap_max[i]
-    jerk = 6.0 * taylor(cam, lane, i, theta, q2, q3, c2)[1]
+    snap_bound = (2.0 * lane.Z + lane.W) * energy + cam.rows[i * ROW + SNAP_MAX]
+    jerk = q3 - third(cam, i, theta)
     tau, error = chatter_map(lane, u, accel, jerk, jerk_bound, snap_bound)
     if error > lane.tolerance or tau + error >= end:
         return -1.0
@@ -152,7 +165,7 @@ def _series(cam, i, theta, gap, rate, t, hop, reach, end, work):
         work[EVALUATIONS] += 1
         g, u = series_gap(gap, rate, t, end)
         if g > 0.0:
-            return CLEAR, cam.end[i], g, u
+            return CLEAR, cam.rows[i * ROW + END], g, u
     low, high = 0.0, reach
     s = hop if hop < reach else 0.5 * reach
     for _ in range(MOST_REFINEMENTS):
@@ -168,13 +181,13 @@ def _series(cam, i, theta, gap, rate, t, hop, reach, end, work):
             break
         if not low < after < high:
             after = 0.5 * (low + high)
-            if after == low or after == high:
+            if after in (low, high):
                 break
         s = after
     g, u = series_gap(gap, rate, t, s)
     if u > 0.0:
         u = 0.0
-    return LANDED, min(theta + s, cam.end[i]), 0.0, u
+    return LANDED, min(theta + s, cam.rows[i * ROW + END]), 0.0, u
 
 
 @kernel
@@ -182,7 +195,7 @@ def _to_end(cam, lane, i, theta, gap, rate, q, w, force, hop, end, work):
     """A concave flight whose predicted landing is near the stretch's end: look there first."""
     g, u, _ = _gap_at(cam, lane, i, theta, q, w, force, end, work)
     if g > 0.0:
-        return CLEAR, cam.end[i], g, u
+        return CLEAR, cam.rows[i * ROW + END], g, u
     return _land(cam, lane, i, theta, q, w, force, 0.0, end, hop, work)
 
 
@@ -191,8 +204,8 @@ def _gap_at(cam, lane, i, theta, q, w, force, s, work):
     """(gap, gap_rate, gap_accel) after s of flight from (q, w) at theta, within stretch i."""
     work[EVALUATIONS] += 1
     at = theta + s
-    if at > cam.end[i]:
-        at = cam.end[i]
+    if at > cam.rows[i * ROW + END]:
+        at = cam.rows[i * ROW + END]
     c, c1, c2 = lift_at(cam, i, at)
     b, b1, p = flow(lane, s)
     x = q + (w * b - force * p)
@@ -226,7 +239,7 @@ def _land(cam, lane, i, theta, q, w, force, low, high, guess, work):
                 break
             after = 0.5 * (low + high)
             step = after - s
-            if after == low or after == high:
+            if after in (low, high):
                 break
         elif abs(step) * abs(a) <= CONVERGED * -u and abs(step) <= CONVERGED:
             s = after
@@ -235,46 +248,65 @@ def _land(cam, lane, i, theta, q, w, force, low, high, guess, work):
         s = after
     if u > 0.0:
         u = 0.0
-    return LANDED, min(theta + s, cam.end[i]), 0.0, u
+    return LANDED, min(theta + s, cam.rows[i * ROW + END]), 0.0, u
 
 
 @kernel
 def _search(cam, lane, turns, i, theta, gap, rate, q, w, force, q2, q3, c2, energy, end, work):
     """One certified step of a flight (see the module): CLEAR, LANDED or LOST."""
-    b_whole, b1_whole, p_whole = turns
-    drift = cam.jerk_max[i]
+    drift = cam.rows[i * ROW + JERK_MAX]
     curvature = (2.0 * lane.Z + lane.W) * energy * 0.125
     s = end
     if lane.W * s > PHASE_CAP:
         s = PHASE_CAP / lane.W
     for _ in range(MOST_HALVINGS):
-        if s == end and theta == cam.start[i]:
+        if s == end and theta == cam.rows[i * ROW + START]:
             work[CROSSINGS] += 1
-            b, b1, p = b_whole[i], b1_whole[i], p_whole[i]
+            b, b1, p = turns[3 * i], turns[3 * i + 1], turns[3 * i + 2]
             x = q + (w * b - force * p)
             v = w * b1 - force * b
-            g1 = x - cam.end0[i]
-            u1 = v - cam.end1[i]
+            g1 = x - cam.rows[i * ROW + END0]
+            u1 = v - cam.rows[i * ROW + END1]
             y1 = -lane.G - lane.W2 * x - 2.0 * lane.Z * v
         else:
             g1, u1, a1 = _gap_at(cam, lane, i, theta, q, w, force, s, work)
-            y1 = a1 + lift_at(cam, i, min(theta + s, cam.end[i]))[2]
+            y1 = a1 + lift_at(cam, i, min(theta + s, cam.rows[i * ROW + END]))[2]
         slack = curvature * s * s
-        low = min(q2, y1) - slack - min(cam.accel_max[i], c2 + drift * s)
-        high = max(q2, y1) + slack - max(cam.accel_min[i], c2 - drift * s)
-        stop = cam.end[i] if s == end else theta + s
+        low = min(q2, y1) - slack - min(cam.rows[i * ROW + ACCEL_MAX], c2 + drift * s)
+        high = max(q2, y1) + slack - max(cam.rows[i * ROW + ACCEL_MIN], c2 - drift * s)
+        stop = cam.rows[i * ROW + END] if s == end else theta + s
         if high <= 0.0:
             if g1 > 0.0:
                 return CLEAR, stop, g1, u1
             return _land(
-                cam, lane, i, theta, q, w, force, 0.0, s, _guess(gap, rate, q2 - c2, s, g1, u1), work
+                cam,
+                lane,
+                i,
+                theta,
+                q,
+                w,
+                force,
+                0.0,
+                s,
+                _guess(gap, rate, q2 - c2, s, g1, u1),
+                work,
             )
         if low >= 0.0:
-            if rate >= 0.0 or gap > 0.0 and u1 <= 0.0 and g1 > 0.0:
+            if rate >= 0.0 or (gap > 0.0 and u1 <= 0.0 and g1 > 0.0):
                 return CLEAR, stop, max(g1, 0.0), u1
             if g1 <= 0.0:
                 return _land(
-                    cam, lane, i, theta, q, w, force, 0.0, s, _guess(gap, rate, q2 - c2, s, g1, u1), work
+                    cam,
+                    lane,
+                    i,
+                    theta,
+                    q,
+                    w,
+                    force,
+                    0.0,
+                    s,
+                    _guess(gap, rate, q2 - c2, s, g1, u1),
+                    work,
                 )
             if u1 <= 0.0:
                 return CLEAR, stop, g1, u1

@@ -3,21 +3,22 @@
 from camcli.kernel.backend import entry
 from camcli.kernel.flight import flow, move
 from camcli.kernel.orbit import run
-from camcli.kernel.profile import lift, stretch_at
+from camcli.kernel.profile import END, ROW, START, lift, stretch_at
 from camcli.kernel.sliding import contact_accel, slide
 
 
 @entry
-def prepare(cam, lane, b, b1, p):
-    """Fill b, b1, p with `flow` over every whole stretch: crossing one then needs no series."""
-    for i in range(len(cam.start)):
-        b[i], b1[i], p[i] = flow(lane, cam.end[i] - cam.start[i])
+def prepare(cam, lane, turns):
+    """Fill turns with `flow` over every whole stretch: crossing one then needs no series."""
+    for i in range(cam.stretches):
+        length = cam.rows[i * ROW + END] - cam.rows[i * ROW + START]
+        turns[3 * i], turns[3 * i + 1], turns[3 * i + 2] = flow(lane, length)
 
 
 @entry
-def advance(cam, lane, b, b1, p, state, count, plan, log, strobe, work):
+def advance(cam, lane, turns, state, count, plan, log, strobe, work):
     """`orbit.run` for one lane; returns its status."""
-    return run(cam, lane, (b, b1, p), state, count, plan, log, strobe, work)
+    return run(cam, lane, turns, state, count, plan, log, strobe, work)
 
 
 @entry

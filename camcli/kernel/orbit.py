@@ -16,7 +16,7 @@ from camcli.kernel.events import (
     STUCK,
     fly,
 )
-from camcli.kernel.profile import lift_at
+from camcli.kernel.profile import END, KICK, ROW, START, START0, START1, lift_at
 from camcli.kernel.sliding import slide
 
 RESTING = 3  # further `mode` beside FREE, BOUNCED, RELEASED
@@ -29,22 +29,19 @@ MODE, STRETCH, PERIOD, IMPACTS, CHATTERED, LOGGED, IDLE, TOTAL = 0, 1, 2, 3, 4, 
 
 
 class Log(NamedTuple):
-    """Events, a row each; `kind` decides the capacity."""
+    """Events, `capacity` rows; two flat tables."""
 
-    kind: Any  # int
-    period: Any  # int
-    theta: Any  # rad
-    q: Any  # m
-    u: Any  # m/rad, relative velocity before the event
+    whole: Any  # (rows * 2,) int: event kind, period
+    real: Any  # (rows * 3,): theta (rad), q (m), u (m/rad) before the event
+    capacity: int
 
 
 class Strobe(NamedTuple):
     """State at the start of each recorded period, and what happened during it."""
 
-    q: Any  # m
-    w: Any  # m/rad
-    impacts: Any  # int
-    chatter: Any  # int, 1 where a complete chatter ended in it
+    state: Any  # (rows * 2,): q (m), dq/dtheta (m/rad)
+    events: Any  # (rows * 2,) int: impacts; 1 where a complete chatter ended in it
+    rows: int
 
 
 class Plan(NamedTuple):
@@ -69,7 +66,7 @@ def run(cam, lane, turns, state, count, plan, log, strobe, work):
     while True:
         if steps >= plan.steps:
             status = PAUSED
-        elif count[LOGGED] >= len(log.kind) and len(log.kind) > 0:
+        elif count[LOGGED] >= log.capacity > 0:
             status = LOG_FULL
         elif count[IDLE] > MOST_STEPS_BETWEEN:
             status = UNRESOLVED
@@ -87,7 +84,7 @@ def run(cam, lane, turns, state, count, plan, log, strobe, work):
                 continue
         else:
             code, theta, gap, rate = fly(cam, lane, turns, i, theta, gap, rate, mode, work)
-            if code == LANDED and theta < cam.end[i]:
+            if code == LANDED and theta < cam.rows[i * ROW + END]:
                 if rate < 0.0:
                     count[IMPACTS] += 1
                     count[TOTAL] += 1
@@ -96,7 +93,7 @@ def run(cam, lane, turns, state, count, plan, log, strobe, work):
                     rate = -lane.r * rate
                 mode = BOUNCED
                 continue
-            if code == CLEAR or code == LANDED:
+            if code in (CLEAR, LANDED):
                 mode = FREE
             elif code == ACCUMULATED:
                 count[CHATTERED] = 1
@@ -104,12 +101,12 @@ def run(cam, lane, turns, state, count, plan, log, strobe, work):
                 mode = RESTING
             elif code == STUCK:
                 if mode == RELEASED:
-                    theta = min(theta + SKIP, cam.end[i])
+                    theta = min(theta + SKIP, cam.rows[i * ROW + END])
                 mode = RESTING
             elif code == LOST:
                 status = UNRESOLVED
                 break
-        if theta < cam.end[i]:
+        if theta < cam.rows[i * ROW + END]:
             continue
         i, theta, rate, mode = cross(cam, count, plan, log, i, gap, rate, mode)
         if i == cam.strobe:
@@ -127,12 +124,12 @@ def run(cam, lane, turns, state, count, plan, log, strobe, work):
 def write(cam, count, plan, log, kind, i, theta, u):
     """Log one event if a log was asked for and this period is in it."""
     n = count[LOGGED]
-    if n < len(log.kind) and count[PERIOD] >= plan.log_from:
-        log.kind[n] = kind
-        log.period[n] = count[PERIOD]
-        log.theta[n] = theta
-        log.q[n] = lift_at(cam, i, theta)[0]
-        log.u[n] = u
+    if n < log.capacity and count[PERIOD] >= plan.log_from:
+        log.whole[2 * n] = kind
+        log.whole[2 * n + 1] = count[PERIOD]
+        log.real[3 * n] = theta
+        log.real[3 * n + 1] = lift_at(cam, i, theta)[0]
+        log.real[3 * n + 2] = u
         count[LOGGED] = n + 1
 
 
@@ -141,10 +138,10 @@ def cross(cam, count, plan, log, i, gap, rate, mode):
     """Enter the next stretch: (i, theta, rate, mode); a jump of c_theta there is a blow or a launch."""
     count[IDLE] = 0
     i += 1
-    if i == len(cam.start):
+    if i == cam.stretches:
         i = 0
-    theta = cam.start[i]
-    kick = cam.kick[i]
+    theta = cam.rows[i * ROW + START]
+    kick = cam.rows[i * ROW + KICK]
     if kick != 0.0:
         rate -= kick
         if mode == RESTING and rate != 0.0:
@@ -160,13 +157,13 @@ def cross(cam, count, plan, log, i, gap, rate, mode):
 def begin_period(cam, count, plan, strobe, i, gap, rate):
     """Count the period that ends in this strobe, and record the state that begins the next."""
     period = count[PERIOD]
-    if 0 <= period < len(strobe.impacts):
-        strobe.impacts[period] = count[IMPACTS]
-        strobe.chatter[period] = count[CHATTERED]
+    if 0 <= period < strobe.rows:
+        strobe.events[2 * period] = count[IMPACTS]
+        strobe.events[2 * period + 1] = count[CHATTERED]
     period += 1
-    if 0 <= period < len(strobe.q):
-        strobe.q[period] = cam.start0[i] + gap
-        strobe.w[period] = cam.start1[i] + rate
+    if 0 <= period < strobe.rows:
+        strobe.state[2 * period] = cam.rows[i * ROW + START0] + gap
+        strobe.state[2 * period + 1] = cam.rows[i * ROW + START1] + rate
     count[PERIOD] = period
     count[IMPACTS] = 0
     count[CHATTERED] = 0
@@ -177,8 +174,8 @@ def gone(cam, lane, i, gap, rate):
     """True where nothing can bring the follower back: no spring, no weight, above the cam for good."""
     if lane.W2 > 0.0 or lane.G > 0.0:
         return False
-    q = cam.start0[i] + gap
-    w = cam.start1[i] + rate
+    q = cam.rows[i * ROW + START0] + gap
+    w = cam.rows[i * ROW + START1] + rate
     if q <= cam.top:
         return False
     if lane.Z == 0.0:

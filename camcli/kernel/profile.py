@@ -13,39 +13,43 @@ from camcli.kernel.backend import kernel
 TERMS = 14  # coefficients of a piece
 ORDERS = 7  # c and its derivatives up to the sixth
 
+# Columns of `Cam.rows`, a row per stretch. Lengths in m, angles in rad, derivatives by theta.
+COLUMNS = (
+    "START",  # right-sided values here belong to this stretch
+    "END",  # the next start; 2 pi for the last
+    "FIRST",  # first piece
+    "COUNT",  # number of pieces
+    "PER_ANGLE",  # pieces per rad
+    "START0",  # c, right-sided at the start
+    "START1",  # c_theta
+    "START2",  # c_thetatheta
+    "END0",  # c, left-sided at the end
+    "END1",
+    "END2",
+    "KICK",  # jump of c_theta at the start, 0 where it is continuous
+    "ACCEL_MIN",  # bounds of c_thetatheta on the stretch
+    "ACCEL_MAX",
+    "JERK_MAX",  # bound on the third derivative
+    "SNAP_MAX",  # bound on the fourth
+    "RADIUS",  # how far a Taylor series of order 6 is exact to 2e-17 m
+    "LOW",  # lower bound of c
+    "SLOPE_LOW",  # lower bound of c_theta
+)
+ROW = len(COLUMNS)
+START, END, FIRST, COUNT, PER_ANGLE = 0, 1, 2, 3, 4
+START0, START1, START2, END0, END1, END2, KICK = 5, 6, 7, 8, 9, 10, 11
+ACCEL_MIN, ACCEL_MAX, JERK_MAX, SNAP_MAX, RADIUS, LOW, SLOPE_LOW = 12, 13, 14, 15, 16, 17, 18
+PIECE = 1 + ORDERS * TERMS  # a piece: its centre, then the coefficients of each derivative
+
 
 class Cam(NamedTuple):
-    """Tables of one cam; a row per stretch (n), a row per piece (k). Lengths in m, angles in rad."""
+    """Tables of one cam. Two flat tables only: every array costs at every call."""
 
-    start: Any  # (n,) rad
-    end: Any  # (n,) rad, the next start; 2 pi for the last
-    first: Any  # (n,) int, first piece
-    count: Any  # (n,) int, number of pieces
-    per_angle: Any  # (n,) pieces per rad
-    start0: Any  # (n,) c, right-sided at the start
-    start1: Any  # (n,) c_theta
-    start2: Any  # (n,) c_thetatheta
-    kick: Any  # (n,) jump of c_theta at the start, 0 where it is continuous
-    end0: Any  # (n,) c, left-sided at the end
-    end1: Any  # (n,)
-    end2: Any  # (n,)
-    accel_min: Any  # (n,) smallest c_thetatheta on the stretch
-    accel_max: Any  # (n,) largest
-    jerk_max: Any  # (n,) bound on |c'''|
-    snap_max: Any  # (n,) bound on |c''''|
-    radius: Any  # (n,) rad, how far a Taylor series of order 6 is exact to 2e-17 m
-    low: Any  # (n,) smallest c
-    slope_low: Any  # (n,) smallest c_theta
-    center: Any  # (k,) rad
-    c0: Any  # (k * TERMS,) coefficients of c, lowest power first
-    c1: Any
-    c2: Any
-    c3: Any
-    c4: Any
-    c5: Any
-    c6: Any
-    top: float  # largest c of the turn
+    rows: Any  # (stretches * ROW,)
+    pieces: Any  # (pieces * PIECE,), coefficients lowest power first
+    stretches: int
     strobe: int  # stretch that begins at the strobe phase
+    top: float  # largest c of the turn, m
 
 
 @kernel
@@ -73,51 +77,62 @@ def polynomial(table, o, x):
 
 @kernel
 def piece_at(cam, i, theta):
-    """Piece of stretch i that holds theta (clamped to the stretch)."""
-    k = int((theta - cam.start[i]) * cam.per_angle[i])
-    last = cam.count[i] - 1
+    """Offset in cam.pieces of the piece of stretch i that holds theta (clamped to the stretch)."""
+    row = i * ROW
+    k = int((theta - cam.rows[row + START]) * cam.rows[row + PER_ANGLE])
+    last = int(cam.rows[row + COUNT]) - 1
     if k > last:
         k = last
-    return cam.first[i] + k
+    return (int(cam.rows[row + FIRST]) + k) * PIECE
 
 
 @kernel
 def lift(cam, i, theta):
     """(c, c_theta, c_thetatheta) at theta within stretch i."""
-    k = piece_at(cam, i, theta)
-    x = theta - cam.center[k]
-    o = k * TERMS
-    return polynomial(cam.c0, o, x), polynomial(cam.c1, o, x), polynomial(cam.c2, o, x)
+    o = piece_at(cam, i, theta)
+    x = theta - cam.pieces[o]
+    return (
+        polynomial(cam.pieces, o + 1, x),
+        polynomial(cam.pieces, o + 1 + TERMS, x),
+        polynomial(cam.pieces, o + 1 + 2 * TERMS, x),
+    )
 
 
 @kernel
 def lift_at(cam, i, theta):
     """`lift`, reading the stored values at the two ends of the stretch."""
-    if theta == cam.start[i]:
-        return cam.start0[i], cam.start1[i], cam.start2[i]
-    if theta == cam.end[i]:
-        return cam.end0[i], cam.end1[i], cam.end2[i]
+    row = i * ROW
+    if theta == cam.rows[row + START]:
+        return cam.rows[row + START0], cam.rows[row + START1], cam.rows[row + START2]
+    if theta == cam.rows[row + END]:
+        return cam.rows[row + END0], cam.rows[row + END1], cam.rows[row + END2]
     return lift(cam, i, theta)
+
+
+@kernel
+def third(cam, i, theta):
+    """Third derivative of c at theta within stretch i."""
+    o = piece_at(cam, i, theta)
+    return polynomial(cam.pieces, o + 1 + 3 * TERMS, theta - cam.pieces[o])
 
 
 @kernel
 def higher(cam, i, theta):
     """Third to sixth derivative of c at theta within stretch i."""
-    k = piece_at(cam, i, theta)
-    x = theta - cam.center[k]
-    o = k * TERMS
+    o = piece_at(cam, i, theta)
+    x = theta - cam.pieces[o]
     return (
-        polynomial(cam.c3, o, x),
-        polynomial(cam.c4, o, x),
-        polynomial(cam.c5, o, x),
-        polynomial(cam.c6, o, x),
+        polynomial(cam.pieces, o + 1 + 3 * TERMS, x),
+        polynomial(cam.pieces, o + 1 + 4 * TERMS, x),
+        polynomial(cam.pieces, o + 1 + 5 * TERMS, x),
+        polynomial(cam.pieces, o + 1 + 6 * TERMS, x),
     )
 
 
 @kernel
 def stretch_at(cam, theta):
     """Index of the stretch that holds theta in [0, 2 pi); a boundary belongs to the right."""
-    i = len(cam.start) - 1
-    while cam.start[i] > theta:
+    i = cam.stretches - 1
+    while cam.rows[i * ROW + START] > theta:
         i -= 1
     return i

@@ -7,7 +7,18 @@ minus the contact force over the mass and omega^2. Contact lasts while a < 0.
 from math import sqrt
 
 from camcli.kernel.backend import kernel
-from camcli.kernel.profile import TERMS, lift_at, piece_at, polynomial
+from camcli.kernel.profile import (
+    ACCEL_MAX,
+    ACCEL_MIN,
+    END,
+    JERK_MAX,
+    LOW,
+    ROW,
+    SLOPE_LOW,
+    SNAP_MAX,
+    lift_at,
+    third,
+)
 
 MOST_STEPS = 500
 ROUNDING = 4.0 * 2.220446049250313e-16
@@ -17,8 +28,7 @@ ROUNDING = 4.0 * 2.220446049250313e-16
 def contact_accel(cam, lane, i, theta):
     """(a, da/dtheta, size of its terms) in contact at theta within stretch i."""
     c, c1, c2 = lift_at(cam, i, theta)
-    k = piece_at(cam, i, theta)
-    c3 = polynomial(cam.c3, k * TERMS, theta - cam.center[k])
+    c3 = third(cam, i, theta)
     a = -(lane.G + lane.W2 * c + 2.0 * lane.Z * c1) - c2
     slope = -(lane.W2 * c1 + 2.0 * lane.Z * c2) - c3
     size = abs(lane.G) + abs(lane.W2 * c) + abs(2.0 * lane.Z * c1) + abs(c2)
@@ -32,11 +42,17 @@ def slide(cam, lane, i, theta):
     With |a''| <= M on the stretch, a + a' s + M s^2/2 < 0 up to its first root, so no zero is
     stepped over; near the zero the steps become Newton's.
     """
-    force = lane.G + lane.W2 * cam.low[i] + 2.0 * lane.Z * cam.slope_low[i]
-    if -force - cam.accel_min[i] < 0.0:
-        return False, cam.end[i]
-    largest = max(abs(cam.accel_min[i]), abs(cam.accel_max[i]))
-    curve = lane.W2 * largest + 2.0 * lane.Z * cam.jerk_max[i] + cam.snap_max[i]
+    force = (
+        lane.G + lane.W2 * cam.rows[i * ROW + LOW] + 2.0 * lane.Z * cam.rows[i * ROW + SLOPE_LOW]
+    )
+    if -force - cam.rows[i * ROW + ACCEL_MIN] < 0.0:
+        return False, cam.rows[i * ROW + END]
+    largest = max(abs(cam.rows[i * ROW + ACCEL_MIN]), abs(cam.rows[i * ROW + ACCEL_MAX]))
+    curve = (
+        lane.W2 * largest
+        + 2.0 * lane.Z * cam.rows[i * ROW + JERK_MAX]
+        + cam.rows[i * ROW + SNAP_MAX]
+    )
     for _ in range(MOST_STEPS):
         a, slope, size = contact_accel(cam, lane, i, theta)
         if a >= -ROUNDING * size:
@@ -47,9 +63,9 @@ def slide(cam, lane, i, theta):
         elif curve > 0.0:
             step = (root - slope) / curve
         else:
-            return False, cam.end[i]
-        if theta + step >= cam.end[i]:
-            return False, cam.end[i]
+            return False, cam.rows[i * ROW + END]
+        if theta + step >= cam.rows[i * ROW + END]:
+            return False, cam.rows[i * ROW + END]
         if theta + step == theta:
             return True, theta
         theta += step

@@ -6,6 +6,7 @@ at Chebyshev nodes, cut into equal pieces until the last coefficients no longer 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
@@ -49,6 +50,10 @@ class Piece:
             if j >= order
         ]
         return tuple(values + [0.0] * order)
+
+    def row(self) -> list[float]:
+        """The kernel's row: centre, then the coefficients of each derivative."""
+        return [self.center, *(x for order in range(ORDERS) for x in self.derivative(order))]
 
     def bounds(self, order: int) -> tuple[float, float]:
         """Rigorous (low, high) of the order-th derivative on the piece, by power-sum bounds."""
@@ -137,7 +142,7 @@ def compile_part(part: Part, low: float, high: float) -> list[Piece]:
             width = (high - low) / count
             edges = [low + width * j for j in range(count)] + [high]
             pieces = []
-            for a, b in zip(edges, edges[1:], strict=False):
+            for a, b in itertools.pairwise(edges):
                 piece, good = _fit(part, a, b)
                 if not good and count < MOST_PIECES:
                     break
@@ -145,10 +150,3 @@ def compile_part(part: Part, low: float, high: float) -> list[Piece]:
             else:
                 return pieces
             count += 1 + count // 4
-
-
-def derivative_tables(pieces: Sequence[Piece]) -> list[list[float]]:
-    """Flat coefficient tables of c and its derivatives, `ORDERS` of them."""
-    return [
-        [value for piece in pieces for value in piece.derivative(order)] for order in range(ORDERS)
-    ]

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from decimal import Decimal
 
 from camcli.kernel.backend import numbers
-from camcli.kernel.profile import TERMS, Cam, polynomial
+from camcli.kernel.profile import COLUMNS, ROW, Cam, polynomial
 from camcli.profiles.digits import radians
-from camcli.profiles.pieces import Part, Piece, compile_part, derivative_tables
+from camcli.profiles.pieces import Part, Piece, compile_part
 
 TURN = 6.283185307179586  # rad, 2 pi as a double
 TAYLOR_ERROR = 2e-17  # m, allowed remainder of the local series of the gap
@@ -21,40 +21,44 @@ def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
     cuts = _cuts(parts, strobe)
     stretches = [compile_part(part, low, high) for part, low, high in cuts]
     pieces = [piece for group in stretches for piece in group]
-    tables = derivative_tables(pieces)
     first = [sum(len(group) for group in stretches[:n]) for n in range(len(stretches))]
-    starts = [_values(tables, pieces, k, low) for k, (_, low, _) in zip(first, cuts, strict=True)]
+    starts = [_values(pieces[k], low) for k, (_, low, _) in zip(first, cuts, strict=True)]
     lasts = [k + len(group) - 1 for k, group in zip(first, stretches, strict=True)]
-    ends = [_values(tables, pieces, k, high) for k, (_, _, high) in zip(lasts, cuts, strict=True)]
+    ends = [_values(pieces[k], high) for k, (_, _, high) in zip(lasts, cuts, strict=True)]
     bounds = [[_bounds(group, order) for order in range(5)] for group in stretches]
     starts_at = [low for _, low, _ in cuts]
-    return Cam(
-        start=starts_at,
-        end=[high for _, _, high in cuts],
-        first=first,
-        count=[len(group) for group in stretches],
-        per_angle=[
+    columns = {
+        "START": starts_at,
+        "END": [high for _, _, high in cuts],
+        "FIRST": first,
+        "COUNT": [len(group) for group in stretches],
+        "PER_ANGLE": [
             len(group) / (high - low) for group, (_, low, high) in zip(stretches, cuts, strict=True)
         ],
-        start0=[row[0] for row in starts],
-        start1=[row[1] for row in starts],
-        start2=[row[2] for row in starts],
-        kick=[_kick(starts[n][1] - ends[n - 1][1]) for n in range(len(starts))],
-        end0=[row[0] for row in ends],
-        end1=[row[1] for row in ends],
-        end2=[row[2] for row in ends],
-        accel_min=[row[2][0] for row in bounds],
-        accel_max=[row[2][1] for row in bounds],
-        jerk_max=[_largest(row[3]) for row in bounds],
-        snap_max=[_largest(row[4]) for row in bounds],
-        radius=[_radius(group) for group in stretches],
-        low=[row[0][0] for row in bounds],
-        slope_low=[row[1][0] for row in bounds],
-        center=[piece.center for piece in pieces],
-        **{f"c{order}": table for order, table in enumerate(tables)},
-        top=max(row[0][1] for row in bounds),
+        "KICK": [_kick(starts[n][1] - ends[n - 1][1]) for n in range(len(starts))],
+        "ACCEL_MIN": [row[2][0] for row in bounds],
+        "ACCEL_MAX": [row[2][1] for row in bounds],
+        "JERK_MAX": [_largest(row[3]) for row in bounds],
+        "SNAP_MAX": [_largest(row[4]) for row in bounds],
+        "RADIUS": [_radius(group) for group in stretches],
+        "LOW": [row[0][0] for row in bounds],
+        "SLOPE_LOW": [row[1][0] for row in bounds],
+    }
+    for order in range(3):
+        columns[f"START{order}"] = [row[order] for row in starts]
+        columns[f"END{order}"] = [row[order] for row in ends]
+    return Cam(
+        rows=[float(columns[name][n]) for n in range(len(cuts)) for name in COLUMNS],
+        pieces=[value for piece in pieces for value in piece.row()],
+        stretches=len(cuts),
         strobe=starts_at.index(strobe),
+        top=max(row[0][1] for row in bounds),
     )
+
+
+def column(cam: Cam, name: str) -> list[float]:
+    """One column of the stretch table, by the name in `kernel.profile.COLUMNS`."""
+    return [float(value) for value in cam.rows[COLUMNS.index(name) :: ROW]]
 
 
 def _cuts(parts: Sequence[Part], strobe: float) -> list[tuple[Part, float, float]]:
@@ -69,10 +73,10 @@ def _cuts(parts: Sequence[Part], strobe: float) -> list[tuple[Part, float, float
     return cuts
 
 
-def _values(tables, pieces: Sequence[Piece], k: int, theta: float) -> tuple[float, ...]:
-    """c, c_theta, c_thetatheta of piece k at theta, by the kernel's own arithmetic."""
-    x = theta - pieces[k].center
-    return tuple(polynomial(tables[order], k * TERMS, x) for order in range(3))
+def _values(piece: Piece, theta: float) -> tuple[float, ...]:
+    """c, c_theta, c_thetatheta of a piece at theta, by the kernel's own arithmetic."""
+    x = theta - piece.center
+    return tuple(polynomial(piece.derivative(order), 0, x) for order in range(3))
 
 
 def _kick(jump: float) -> float:
@@ -99,23 +103,15 @@ def _radius(group: Sequence[Piece]) -> float:
 
 def corners(cam: Cam) -> list[int]:
     """Stretches that begin with a jump of c_theta or c_thetatheta."""
-    size = max(_largest((low, high)) for low, high in zip(cam.accel_min, cam.accel_max, strict=True))
+    size = max(abs(value) for name in ("ACCEL_MIN", "ACCEL_MAX") for value in column(cam, name))
+    starts, ends, kicks = column(cam, "START2"), column(cam, "END2"), column(cam, "KICK")
     return [
         n
-        for n in range(len(cam.start))
-        if cam.kick[n] != 0.0 or abs(cam.start2[n] - cam.end2[n - 1]) > 1e-9 * size
+        for n in range(cam.stretches)
+        if kicks[n] != 0.0 or abs(starts[n] - ends[n - 1]) > 1e-9 * size
     ]
-
-
-INTEGERS = {"first", "count"}
 
 
 def native(cam: Cam) -> Cam:
     """The table in the form the running kernel wants (lists, or arrays once it is compiled)."""
-    columns = {
-        name: value
-        if isinstance(value, int | float)
-        else numbers(value, int if name in INTEGERS else float)
-        for name, value in cam._asdict().items()
-    }
-    return Cam(**columns)
+    return cam._replace(rows=numbers(cam.rows), pieces=numbers(cam.pieces))

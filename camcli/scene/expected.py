@@ -1,0 +1,103 @@
+"""What the scene expects at a path, in words, from its JSON Schema (made only on a fault)."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+from camcli.scene.places import Path
+
+_TYPES = {
+    "number": "a number",
+    "integer": "a whole number",
+    "string": "text",
+    "boolean": "true or false",
+    "array": "a list",
+    "null": "null",
+}
+
+
+class Expectations:
+    """Looks up paths in a JSON Schema; unions are resolved by the `kind` in the data."""
+
+    def __init__(self, make_schema):
+        self._make_schema = make_schema
+
+    @cached_property
+    def _schema(self) -> dict[str, Any]:
+        return self._make_schema()
+
+    def at(self, path: Path, data: object) -> dict[str, Any]:
+        """Schema of a path, {} where there is none."""
+        schema, value = self._settle(self._schema, data), data
+        for key in path:
+            if isinstance(key, int):
+                entry = schema.get("items", {})
+                value = value[key] if isinstance(value, list) and key < len(value) else None
+            else:
+                entry = schema.get("properties", {}).get(key, {})
+                value = value.get(key) if isinstance(value, dict) else None
+            schema = self._settle(entry, value)
+        return schema
+
+    def _settle(self, schema: dict[str, Any], value: object) -> dict[str, Any]:
+        """Follow references, optional values and unions; the outermost description is kept."""
+        description = schema.get("description")
+        for _ in range(8):
+            if "$ref" in schema:
+                schema = self._schema["$defs"][schema["$ref"].rpartition("/")[2]]
+            elif "anyOf" in schema:
+                schema = next(s for s in schema["anyOf"] if s.get("type") != "null")
+            elif "oneOf" in schema:
+                schema = self._chosen(schema, value)
+        return {**schema, "description": description or schema.get("description", "")}
+
+    def _chosen(self, union: dict[str, Any], value: object) -> dict[str, Any]:
+        models = union.get("discriminator", {}).get("mapping", {})
+        kind = value.get("kind") if isinstance(value, dict) else None
+        if isinstance(kind, str) and kind in models:
+            return {"$ref": models[kind]}
+        return {"type": "object", "properties": {"kind": {"enum": list(models)}}}
+
+    def dotted_paths(self, leaf: str) -> list[str]:
+        """Dotted paths of the sections' keys with this name."""
+        found = []
+        for name in self._schema["properties"]:
+            section = self.at((name,), {})
+            if leaf in section.get("properties", {}):
+                found.append(f"{name}.{leaf}")
+        return found
+
+
+def in_words(schema: dict[str, Any]) -> str:
+    """`a number greater than 0`, `one of fixed, up, down`, `a map with the keys ...`."""
+    choices = schema.get("enum") or ([schema["const"]] if "const" in schema else [])
+    if choices:
+        return ("one of " if len(choices) > 1 else "") + ", ".join(str(c) for c in choices)
+    kind = schema.get("type")
+    if kind == "object":
+        return "a map with the keys " + ", ".join(schema.get("properties", {}))
+    words = _TYPES.get(kind, "another value")
+    if kind in ("number", "integer"):
+        limits = _range(schema)
+        return words + limits if limits or kind == "integer" else "a finite number"
+    if kind == "array" and "items" in schema:
+        return f"a list of {in_words(schema['items'])}"
+    return words
+
+
+def _range(schema: dict[str, Any]) -> str:
+    low, high = schema.get("minimum"), schema.get("maximum")
+    if low is not None and high is not None:
+        return f" from {low:.15g} to {high:.15g}"
+    parts = [
+        f" {words} {schema[key]:.15g}"
+        for key, words in (
+            ("minimum", "of at least"),
+            ("exclusiveMinimum", "greater than"),
+            ("maximum", "at most"),
+            ("exclusiveMaximum", "less than"),
+        )
+        if key in schema
+    ]
+    return " and".join(parts)

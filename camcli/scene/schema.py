@@ -1,0 +1,160 @@
+"""The scene: every section, its units, ranges and defaults (those of configs/chapter.yaml).
+
+Sections and keys are optional, except `follower` and `cam`: a scene without a cam is a mistake.
+An empty section counts as left out. Text and booleans are never numbers, NaN and infinities
+never pass.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Union
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    model_validator,
+)
+
+from camcli.profiles import CAMS
+
+SLOWEST, FASTEST = 1e-9, 1e9  # rpm
+MOST_TURNS = 10**9
+MOST_SPEEDS = 10_000_000
+
+
+def _whole(value: Any) -> Any:
+    """600.0 is a whole number; anything else is left to the validation."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _items(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
+    if len(set(values)) < len(values):
+        raise ValueError("found the same name twice")
+    return values
+
+
+def cam_union(cams: tuple[type[BaseModel], ...]) -> Any:
+    """Type of the cam section: the model that `kind` names."""
+    if len(cams) == 1:  # a discriminator needs at least two models
+        return cams[0]
+    return Annotated[Union[cams], Field(discriminator="kind")]  # noqa: UP007 - made at run time
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Whole = Annotated[int, Field(strict=True), BeforeValidator(_whole)]
+Speed = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
+SectionName = Literal["impacts", "strobe"]
+Cam = cam_union(CAMS)
+TAGGED = len(CAMS) > 1  # pydantic then names the kind in the location of an error
+
+
+class Section(BaseModel):
+    """Base of the sections: unknown keys are faults, nothing changes after validation."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _left_out(cls, data: Any) -> Any:
+        return {} if data is None else data
+
+
+class Follower(Section):
+    """A mass on a spring and a damper; q is its height, zero where the cam's offset puts it."""
+
+    mass: Number = Field(gt=0, description="mass of the follower, kg")
+    stiffness: Number = Field(ge=0, description="stiffness of the spring, N/m")
+    damping: Number = Field(0.0, ge=0, description="damping to the frame, N s/m")
+    gravity: Number = Field(0.0, description="gravity, positive towards the cam, m/s2")
+    preload: Number = Field(0.0, description="spring force at q = 0, positive towards the cam, N")
+    restitution: Number = Field(ge=0, le=1, description="coefficient of restitution, 0..1")
+
+
+class Start(Section):
+    """State at the first instant; without q and v the follower rests on the cam."""
+
+    q: Number | None = Field(None, description="height of the follower, m; null: on the cam")
+    v: Number | None = Field(None, description="velocity of the follower, m/s; null: the cam's")
+    theta_deg: Number = Field(0.0, description="angle of the cam, deg")
+
+
+class Run(Section):
+    """One simulation: its speed, start and length, and what bounds its error and cost."""
+
+    rpm: Speed = Field(700.0, description="speed of the cam, turns per minute")
+    start: Start = Field(default_factory=Start, description="state at the first instant")
+    transient: Whole = Field(600, ge=0, le=MOST_TURNS, description="turns before recording")
+    record: Whole = Field(400, ge=1, le=MOST_TURNS, description="turns recorded")
+    strobe_deg: Number = Field(0.0, ge=0, lt=360, description="phase of the strobe, deg")
+    chatter_tolerance: Number = Field(
+        1e-9,
+        ge=1e-13,
+        le=1e-3,
+        description="largest error of the accumulation phase, fraction of a turn",
+    )
+    impact_budget: Whole = Field(
+        1_000_000, ge=1, le=10**15, description="impacts in one turn before the run is given up"
+    )
+
+
+class Simulate(Section):
+    """What `cam simulate` writes and draws."""
+
+    samples: Whole = Field(360, ge=1, le=100_000, description="points per turn in trajectory.csv")
+    plot_turns: Whole = Field(
+        3, ge=1, le=MOST_TURNS, description="turns drawn, counted from the end"
+    )
+
+
+class RpmRange(Section):
+    """Equally spaced speeds, ascending or descending; one speed (num: 1) is the start."""
+
+    start: Speed = Field(660.0, description="first speed, turns per minute")
+    stop: Speed = Field(760.0, description="last speed, turns per minute")
+    num: Whole = Field(401, ge=1, le=MOST_SPEEDS, description="number of speeds")
+
+
+class Sweep(Section):
+    """What `cam sweep` does at each speed of a range."""
+
+    rpm: RpmRange = Field(default_factory=RpmRange, description="range of speeds")
+    direction: Literal["fixed", "up", "down"] = Field(
+        "fixed", description="start every speed alike, or carry the state up or down"
+    )
+    sections: Annotated[
+        tuple[SectionName, ...],
+        Field(min_length=1),
+        BeforeValidator(_items),
+        AfterValidator(_unique),
+    ] = Field(
+        ("impacts", "strobe"),
+        description="sections recorded",
+        json_schema_extra={"uniqueItems": True},
+    )
+
+
+class Scene(Section):
+    """Everything a run depends on."""
+
+    follower: Follower = Field(description="the follower, its spring and its restitution")
+    cam: Cam = Field(description="the cam, by kind")  # type: ignore[valid-type]
+    run: Run = Field(default_factory=Run, description="one simulation")
+    simulate: Simulate = Field(default_factory=Simulate, description="cam simulate")
+    sweep: Sweep = Field(default_factory=Sweep, description="cam sweep")
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of a scene file, for editors: sections that may be left out may be null."""
+    schema = Scene.model_json_schema()
+    for model in (schema, *schema["$defs"].values()):
+        for key, entry in model.get("properties", {}).items():
+            if "$ref" in entry and key not in model.get("required", ()):
+                entry["anyOf"] = [{"$ref": entry.pop("$ref")}, {"type": "null"}]
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
