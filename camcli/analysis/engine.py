@@ -142,9 +142,9 @@ def _list(values) -> list:
 
 
 def tables(system: System, lane) -> tuple[Cam, list]:
-    """The cam in native form and the lane's whole-stretch flows."""
+    """The cam in native form and the lane's flows over whole stretches."""
     cam = system.native_cam()
-    turns = backend.zeros(3 * cam.stretches)
+    turns = backend.zeros(3 * cam.stretches * cam.stretches)
     lanes.prepare(cam, lane, turns)
     return cam, turns
 

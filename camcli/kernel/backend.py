@@ -18,6 +18,7 @@ MODULES = ("trig", "profile", "flight", "contact", "events", "sliding", "orbit",
 
 _functions: list = []
 _entries: set = set()
+_outlined: set = set()
 _compiled = False
 _lock = threading.Lock()
 
@@ -26,6 +27,12 @@ def kernel(function):
     """Mark a function as part of the kernel; it stays plain Python until compiled."""
     _functions.append(function)
     return function
+
+
+def outlined(function):
+    """`kernel`, for rarely taken paths: compiled as a call instead of in line."""
+    _outlined.add(function)
+    return kernel(function)
 
 
 def entry(function):
@@ -97,7 +104,13 @@ def compile_kernel() -> None:
         for function in _functions:
             cached = function in _entries and folder is not None
             # Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
-            jit = numba.njit(nogil=True, error_model="numpy", cache=cached, _nrt=False)
+            jit = numba.njit(
+                nogil=True,
+                error_model="numpy",
+                cache=cached,
+                forceinline=function not in _entries and function not in _outlined,
+                _nrt=False,
+            )
             compiled[function] = jit(function)
         for module in modules:
             for name, value in list(vars(module).items()):

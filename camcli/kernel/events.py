@@ -15,7 +15,7 @@ Contacts closer than the rounding of q - c (about 1e-16 of the lift) to a graze 
 
 from math import sqrt
 
-from camcli.kernel.backend import kernel
+from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.contact import (
     TAYLOR_PHASE,
     chatter_map,
@@ -35,6 +35,9 @@ from camcli.kernel.profile import (
     ROW,
     SNAP_MAX,
     START,
+    START0,
+    START1,
+    TURN,
     lift_at,
     third,
 )
@@ -46,6 +49,7 @@ PHASE_CAP = 1.5  # largest W s of one step, so that one series covers it
 MOST_HALVINGS = 60
 MOST_REFINEMENTS = 80
 MEANING = 4.0 * 2.220446049250313e-16
+HALF_PERIOD = 9.8  # just below pi squared
 CONVERGED = 3e-6  # a Halley step this small, in units of u/accel, leaves less than one ulp
 
 EVALUATIONS, CROSSINGS, STEPS = 0, 1, 2  # counters in `work`
@@ -55,8 +59,8 @@ EVALUATIONS, CROSSINGS, STEPS = 0, 1, 2  # counters in `work`
 def fly(cam, lane, turns, i, theta, gap, rate, begin, work):
     """Advance a flight within stretch i from theta: (code, theta, gap, rate).
 
-    gap >= 0 and rate = d gap/dtheta at theta; `begin` says how the flight begins; `turns` holds
-    `flow` over every whole stretch (B, B', P in turn). Codes: CLEAR (moved on, at most to the stretch's end), LANDED
+    gap >= 0 and rate = d gap/dtheta at theta; `begin` says how the flight begins; `turns` is the
+    table of `lanes.prepare`. Codes: CLEAR (moved on, at most to the stretch's end), LANDED
     (contact; rate <= 0 is the relative velocity), ACCUMULATED (chatter ends at theta), STUCK (rests
     on the cam), LOST (the step shrank to nothing: closer to grazing than doubles can tell).
     """
@@ -96,9 +100,9 @@ def fly(cam, lane, turns, i, theta, gap, rate, begin, work):
     )
 
 
-@kernel
+@outlined
 def _leave(cam, lane, turns, i, theta, rate, q, w, force, q2, q3, c2, energy, end, work):
-    """Leave the cam with rate >= 0 and gap_accel >= 0 (exactly 0 where a zero of the force released).
+    """Leave the cam with rate >= 0 and gap_accel >= 0 (or released by a zero of the force).
 
     With jerk < 0 and the fourth derivative below K the gap rises once and falls once while
     K s <= |jerk|/2, so a landing predicted by the cubic within that range is the only one. From
@@ -130,7 +134,7 @@ def _leave(cam, lane, turns, i, theta, rate, q, w, force, q2, q3, c2, energy, en
 
 @kernel
 def _accumulation(cam, lane, i, theta, u, q2, q3, c2, accel, energy, end):
-    """Phase until chatter accumulates, or -1 where the map is not exact enough or passes a corner."""
+    """Phase until chatter accumulates; -1 where the map is too inexact or passes a corner."""
     jerk_bound = energy + cam.rows[i * ROW + JERK_MAX]
     if 2.0 * u * jerk_bound > 0.25 * (1.0 - lane.r) * accel * accel:
         return -1.0
@@ -262,7 +266,8 @@ def _search(cam, lane, turns, i, theta, gap, rate, q, w, force, q2, q3, c2, ener
     for _ in range(MOST_HALVINGS):
         if s == end and theta == cam.rows[i * ROW + START]:
             work[CROSSINGS] += 1
-            b, b1, p = turns[3 * i], turns[3 * i + 1], turns[3 * i + 2]
+            o = 3 * cam.stretches * i
+            b, b1, p = turns[o], turns[o + 1], turns[o + 2]
             x = q + (w * b - force * p)
             v = w * b1 - force * b
             g1 = x - cam.rows[i * ROW + END0]
@@ -339,7 +344,7 @@ def _guess(gap, rate, accel, s, g1, u1):
     return s - g1 / u1 if u1 < 0.0 else 0.5 * s
 
 
-@kernel
+@outlined
 def _dip(cam, lane, i, theta, gap, rate, q, w, force, end, stop, g_end, u_end, work):
     """A convex gap with its minimum inside the step: Newton from the left, contact or minimum.
 
@@ -359,3 +364,44 @@ def _dip(cam, lane, i, theta, gap, rate, q, w, force, end, stop, g_end, u_end, w
             return CLEAR, stop, g_end, u_end
         g, u, _ = _gap_at(cam, lane, i, theta, q, w, force, s, work)
     return LANDED, theta + s, 0.0, u
+
+
+@kernel
+def leap(cam, lane, turns, i, gap, rate, work):
+    """Skip whole stretches while the follower is above the cam's top: (stretches, gap, gap_rate).
+
+    From the start of stretch i, at most to the strobe. Where q lies above the top at both ends and
+    q'' < 0 between, q is concave and stays above. y = q'' has no two zeros closer than half a
+    period of y'' + 2 Z y' + W^2 y = 0, so within that y < 0 at both ends is enough.
+    """
+    q = cam.rows[i * ROW + START0] + gap
+    if not q > cam.top:
+        return 0, gap, rate
+    w = cam.rows[i * ROW + START1] + rate
+    force = lane.G + lane.W2 * q
+    if -force - 2.0 * lane.Z * w >= 0.0:
+        return 0, gap, rate
+    n = cam.stretches
+    o = 3 * n * i
+    most = (cam.strobe - i - 1) % n + 1
+    skipped = 0
+    x = q
+    while skipped < most:
+        after = q + (w * turns[o] - force * turns[o + 2])
+        if not after > cam.top:
+            break
+        x = after
+        o += 3
+        skipped += 1
+    if skipped < 2:
+        return 0, gap, rate
+    v = w * turns[o - 2] - force * turns[o - 3]
+    j = i + skipped
+    length = cam.rows[(j - 1) * ROW + END] if j <= n else TURN + cam.rows[(j - n - 1) * ROW + END]
+    length -= cam.rows[i * ROW + START]
+    if -lane.D * length * length > HALF_PERIOD or -lane.G - lane.W2 * x - 2.0 * lane.Z * v >= 0.0:
+        return 0, gap, rate
+    work[CROSSINGS] += 1
+    if j >= n:
+        j -= n
+    return skipped, x - cam.rows[j * ROW + START0], v - cam.rows[j * ROW + START1]

@@ -12,7 +12,7 @@ holds for stiffness 0 (the bouncing ball) and keeps q(s) - q0 relatively exact.
 from math import sqrt
 from typing import NamedTuple
 
-from camcli.kernel.backend import kernel
+from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.trig import cos_sin_series, exp_decay, one_minus_exp_ratio, sincos
 
 SERIES_LIMIT = 2.5  # largest |D s^2| that one series covers
@@ -49,7 +49,7 @@ def _flow_undamped(W, W2, s):
     return sine / W, cosine, (1.0 - cosine) / W2
 
 
-@kernel
+@outlined
 def _flow_damped(lane, s):
     zs = lane.Z * s
     ws2 = lane.W2 * s * s
@@ -71,7 +71,7 @@ def _flow_damped(lane, s):
     return decay * b, decay * (c - lane.Z * b), (1.0 - position) / lane.W2
 
 
-@kernel
+@outlined
 def _flow_short(lane, s):
     """Taylor series of P by its own differential equation: no cancellation for short s."""
     if s == 0.0:
@@ -90,7 +90,7 @@ def _flow_short(lane, s):
     return b, 1.0 - 2.0 * lane.Z * b - lane.W2 * p, p
 
 
-@kernel
+@outlined
 def _flow_overdamped(lane, s):
     """Two real exponentials; the slow root as W^2/(Z + d), never by subtraction."""
     d = sqrt(lane.D)

@@ -3,16 +3,25 @@
 from camcli.kernel.backend import entry
 from camcli.kernel.flight import flow, move
 from camcli.kernel.orbit import run
-from camcli.kernel.profile import END, ROW, START, lift, stretch_at
+from camcli.kernel.profile import END, ROW, START, TURN, lift, stretch_at
 from camcli.kernel.sliding import contact_accel, slide
 
 
 @entry
 def prepare(cam, lane, turns):
-    """Fill turns with `flow` over every whole stretch: crossing one then needs no series."""
-    for i in range(cam.stretches):
-        length = cam.rows[i * ROW + END] - cam.rows[i * ROW + START]
-        turns[3 * i], turns[3 * i + 1], turns[3 * i + 2] = flow(lane, length)
+    """Fill turns with `flow` from the start of stretch i over 1, 2, ... whole stretches.
+
+    turns has 3 stretches^2 entries: B, B', P for i and the number of stretches - 1, in this order.
+    With them neither crossing a stretch nor leaping over several needs a series.
+    """
+    n = cam.stretches
+    for i in range(n):
+        for k in range(n):
+            j = i + k
+            stop = cam.rows[j * ROW + END] if j < n else TURN + cam.rows[(j - n) * ROW + END]
+            o = 3 * (n * i + k)
+            length = stop - cam.rows[i * ROW + START]
+            turns[o], turns[o + 1], turns[o + 2] = flow(lane, length)
 
 
 @entry

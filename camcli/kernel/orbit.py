@@ -3,11 +3,10 @@
 from typing import Any, NamedTuple
 
 from camcli.errors import IMPACT_BUDGET, LOG_FULL, NO_RETURN, OK, PAUSED, UNRESOLVED
-from camcli.kernel.backend import kernel
+from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.events import (
     ACCUMULATED,
     BOUNCED,
-    CLEAR,
     FREE,
     LANDED,
     LOST,
@@ -15,6 +14,7 @@ from camcli.kernel.events import (
     STEPS,
     STUCK,
     fly,
+    leap,
 )
 from camcli.kernel.profile import END, KICK, ROW, START, START0, START1, lift_at
 from camcli.kernel.sliding import slide
@@ -76,39 +76,30 @@ def run(cam, lane, turns, state, count, plan, log, strobe, work):
             break
         steps += 1
         count[IDLE] += 1
-        if mode == RESTING:
-            released, theta = slide(cam, lane, i, theta)
-            if released:
-                write(cam, count, plan, log, DETACHMENT, i, theta, 0.0)
-                mode, gap, rate = RELEASED, 0.0, 0.0
-                continue
+        skipped = 0
+        if mode == FREE and theta == cam.rows[i * ROW + START]:
+            skipped, gap, rate = leap(cam, lane, turns, i, gap, rate, work)
+        if skipped > 0:
+            i += skipped
+            if i >= cam.stretches:
+                i -= cam.stretches
+            theta = cam.rows[i * ROW + START]
         else:
-            code, theta, gap, rate = fly(cam, lane, turns, i, theta, gap, rate, mode, work)
-            if code == LANDED and theta < cam.rows[i * ROW + END]:
-                if rate < 0.0:
-                    count[IMPACTS] += 1
-                    count[TOTAL] += 1
-                    count[IDLE] = 0
-                    write(cam, count, plan, log, IMPACT, i, theta, rate)
-                    rate = -lane.r * rate
-                mode = BOUNCED
+            if mode == RESTING:
+                released, theta = slide(cam, lane, i, theta)
+                if released:
+                    write(cam, count, plan, log, DETACHMENT, i, theta, 0.0)
+                    mode, gap, rate = RELEASED, 0.0, 0.0
+                    continue
+            else:
+                code, theta, gap, rate = fly(cam, lane, turns, i, theta, gap, rate, mode, work)
+                if code == LOST:
+                    status = UNRESOLVED
+                    break
+                mode, theta, rate = settle(cam, lane, count, plan, log, i, theta, rate, mode, code)
+            if theta < cam.rows[i * ROW + END]:
                 continue
-            if code in (CLEAR, LANDED):
-                mode = FREE
-            elif code == ACCUMULATED:
-                count[CHATTERED] = 1
-                write(cam, count, plan, log, CHATTER, i, theta, 0.0)
-                mode = RESTING
-            elif code == STUCK:
-                if mode == RELEASED:
-                    theta = min(theta + SKIP, cam.rows[i * ROW + END])
-                mode = RESTING
-            elif code == LOST:
-                status = UNRESOLVED
-                break
-        if theta < cam.rows[i * ROW + END]:
-            continue
-        i, theta, rate, mode = cross(cam, count, plan, log, i, gap, rate, mode)
+            i, theta, rate, mode = cross(cam, count, plan, log, i, gap, rate, mode)
         if i == cam.strobe:
             begin_period(cam, count, plan, strobe, i, gap, rate)
             if mode == FREE and gone(cam, lane, i, gap, rate):
@@ -118,6 +109,31 @@ def run(cam, lane, turns, state, count, plan, log, strobe, work):
     count[MODE], count[STRETCH] = mode, i
     work[STEPS] += steps
     return status
+
+
+@kernel
+def settle(cam, lane, count, plan, log, i, theta, rate, mode, code):
+    """What follows the end of `fly`: (mode, theta, rate) after the reset map u+ = -r u-.
+
+    A landing at the very end of a stretch is left to the next one, whose right-sided values rule.
+    """
+    if code == LANDED and theta < cam.rows[i * ROW + END]:
+        if rate < 0.0:
+            count[IMPACTS] += 1
+            count[TOTAL] += 1
+            count[IDLE] = 0
+            write(cam, count, plan, log, IMPACT, i, theta, rate)
+            rate = -lane.r * rate
+        return BOUNCED, theta, rate
+    if code == ACCUMULATED:
+        count[CHATTERED] = 1
+        write(cam, count, plan, log, CHATTER, i, theta, 0.0)
+        return RESTING, theta, rate
+    if code == STUCK:
+        if mode == RELEASED:
+            theta = min(theta + SKIP, cam.rows[i * ROW + END])
+        return RESTING, theta, rate
+    return FREE, theta, rate
 
 
 @kernel
@@ -135,7 +151,7 @@ def write(cam, count, plan, log, kind, i, theta, u):
 
 @kernel
 def cross(cam, count, plan, log, i, gap, rate, mode):
-    """Enter the next stretch: (i, theta, rate, mode); a jump of c_theta there is a blow or a launch."""
+    """Enter the next stretch: (i, theta, rate, mode); a jump of c_theta is a blow or a launch."""
     count[IDLE] = 0
     i += 1
     if i == cam.stretches:
@@ -169,9 +185,9 @@ def begin_period(cam, count, plan, strobe, i, gap, rate):
     count[CHATTERED] = 0
 
 
-@kernel
+@outlined
 def gone(cam, lane, i, gap, rate):
-    """True where nothing can bring the follower back: no spring, no weight, above the cam for good."""
+    """True where nothing brings the follower back: no spring, no weight, above for good."""
     if lane.W2 > 0.0 or lane.G > 0.0:
         return False
     q = cam.rows[i * ROW + START0] + gap

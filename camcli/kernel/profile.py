@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from camcli.kernel.backend import kernel
 
+TURN = 6.283185307179586  # rad, 2 pi as a double
 TERMS = 14  # coefficients of a piece
 ORDERS = 7  # c and its derivatives up to the sixth
 
@@ -54,7 +55,7 @@ class Cam(NamedTuple):
 
 @kernel
 def polynomial(table, o, x):
-    """Sum of table[o + j] x^j for j < TERMS, as two interleaved Horner chains (half the latency)."""
+    """Sum of table[o + j] x^j for j < TERMS, as two Horner chains at half the latency."""
     y = x * x
     even = table[o] + y * (
         table[o + 2]

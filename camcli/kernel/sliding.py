@@ -6,7 +6,7 @@ minus the contact force over the mass and omega^2. Contact lasts while a < 0.
 
 from math import sqrt
 
-from camcli.kernel.backend import kernel
+from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.profile import (
     ACCEL_MAX,
     ACCEL_MIN,
@@ -35,7 +35,7 @@ def contact_accel(cam, lane, i, theta):
     return a, slope, size
 
 
-@kernel
+@outlined
 def slide(cam, lane, i, theta):
     """(released, theta): first phase in the rest of stretch i where the contact force is zero.
 

@@ -6,7 +6,7 @@ differs with them; these give the same bits everywhere.
 
 from math import factorial
 
-from camcli.kernel.backend import kernel
+from camcli.kernel.backend import kernel, outlined
 
 # pi/2 in three parts of 33 bits, ln 2 in two parts: products with small integers are exact.
 PIO2_1 = 1.57079632673412561417e00
@@ -40,7 +40,7 @@ def cos_sin_series(t):
     return v_even + t * v_odd, s_even + t * s_odd
 
 
-@kernel
+@outlined
 def sincos(x):
     """(sin x, cos x); full precision for |x| < 1.6e6, bounded for any finite x."""
     if x > MEANINGLESS or x < -MEANINGLESS:
@@ -63,7 +63,7 @@ def sincos(x):
     return -cosine, sine
 
 
-@kernel
+@outlined
 def exp_decay(x):
     """exp(-x) for x >= 0, to about 1 ulp; 0 where it underflows."""
     if -x < UNDERFLOW:
@@ -82,7 +82,7 @@ def exp_decay(x):
     return term
 
 
-@kernel
+@outlined
 def one_minus_exp_ratio(z):
     """(1 - exp(-z))/z for z >= 0, without cancellation at small z."""
     if z > 0.5:

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from decimal import Decimal
 
 from camcli.kernel.backend import numbers
-from camcli.kernel.profile import COLUMNS, ROW, Cam, polynomial
+from camcli.kernel.profile import COLUMNS, ROW, TURN, Cam, polynomial
 from camcli.profiles.digits import radians
 from camcli.profiles.pieces import Part, Piece, compile_part
 
-TURN = 6.283185307179586  # rad, 2 pi as a double
 TAYLOR_ERROR = 2e-17  # m, allowed remainder of the local series of the gap
 SMALLEST_KICK = 1e-9  # m/rad: a jump of c_theta below it is rounding
 
