@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt
 
+from camcli.kernel.backend import is_compiled
 from camcli.kernel.flight import Lane
 from camcli.kernel.profile import Cam
 from camcli.profiles.pieces import Part
@@ -53,7 +54,18 @@ class System:
 
     def native_cam(self) -> Cam:
         """The table for the kernel as it runs now (plain Python or compiled)."""
+        if not is_compiled():
+            return self.cam
+        return self._array_cam
+
+    @cached_property
+    def _array_cam(self) -> Cam:
         return native(self.cam)
+
+    @property
+    def strobe(self) -> float:
+        """Phase of the stroboscopic section, rad."""
+        return column(self.cam, "START")[self.cam.strobe]
 
     @cached_property
     def corners_deg(self) -> list[float]:

@@ -6,19 +6,35 @@ same bits, so the switch can happen in the middle of an orbit.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from math import pi
 
-from camcli.errors import LOG_FULL, OK, PAUSED
+from camcli.errors import LOG_FULL, PAUSED
 from camcli.kernel import backend, lanes
 from camcli.kernel.events import BOUNCED, FREE
-from camcli.kernel.orbit import Log, Plan, Strobe
+from camcli.kernel.orbit import (
+    DETACHMENT,
+    IMPACT,
+    LEAVES,
+    LOGGED,
+    MODE,
+    PERIOD,
+    RESTING,
+    STRETCH,
+    TOTAL,
+    Log,
+    Plan,
+    Strobe,
+)
 from camcli.kernel.profile import ROW, START, Cam, lift_at, stretch_at
 from camcli.system import System, omega_of
 
-PLAIN_STEPS = 60_000  # steps in plain Python before compiling pays (about a second)
-FIRST_CAPACITY = 256
+__all__ = ["DETACHMENT", "IMPACT", "Cost", "Orbit", "Settings", "Start", "StartError", "Tape"]
+
+PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
 EVERYTHING = 1 << 62
+FIRST_CAPACITY = 1024
 
 
 @dataclass(frozen=True)
@@ -45,108 +61,155 @@ class StartError(ValueError):
     """The start lies below the cam; the message says how deep."""
 
 
-@dataclass
-class Tape:
-    """Recorded rows of one orbit as plain lists or arrays; lengths in m, velocities per rad."""
+@dataclass(frozen=True)
+class Cost:
+    """Work done, transient included."""
 
-    kind: list
-    period: list
-    theta: list
-    q: list
-    u: list
-    strobe: Strobe
-    periods: int  # recorded periods that are whole
+    impacts: int = 0
+    evaluations: int = 0
+    crossings: int = 0
+
+    def __add__(self, other: Cost) -> Cost:
+        return Cost(
+            self.impacts + other.impacts,
+            self.evaluations + other.evaluations,
+            self.crossings + other.crossings,
+        )
+
+
+@dataclass(frozen=True)
+class Tape:
+    """Recorded rows of one orbit; angles in rad, lengths in m, velocities in m/rad.
+
+    Columns are lists (plain Python) or arrays (compiled kernel). `strobe_*` have a row per started
+    period; `impacts` and `chatter` count within it, `periods` of them are whole.
+    """
+
+    kind: Sequence[int]
+    period: Sequence[int]
+    theta: Sequence[float]
+    q: Sequence[float]
+    u: Sequence[float]
+    strobe_q: Sequence[float]
+    strobe_w: Sequence[float]
+    impacts: Sequence[int]
+    chatter: Sequence[int]
+    periods: int
+    detachments: int
+    resting: bool
     status: int
-    impacts: int  # of the whole run, transient included
-    evaluations: int
-    crossings: int
+    cost: Cost
+
+    @property
+    def touches(self) -> bool:
+        """False where the follower rested on the cam during the whole record."""
+        return self.detachments > 0 or not self.resting or any(self.impacts)
 
 
 class Orbit:
     """One lane's state between calls of the kernel."""
 
-    def __init__(self, system: System, rpm: float, settings: Settings, start: Start):
+    def __init__(self, system: System, rpm: float, settings: Settings, start: Start | None = None):
         self.system, self.settings = system, settings
         self.omega = omega_of(rpm)
         self.lane = system.lane(rpm, settings.chatter_tolerance, settings.impact_budget)
-        self.state, self.count = _initial(system.cam, self.omega, settings, start)
+        self.state, self.count = _initial(
+            system.cam, self.omega, settings, settings.start if start is None else start
+        )
         self.work = [0, 0, 0]
 
     def run(self, events: bool = True, strobes: bool = True) -> Tape:
         """Run transient and record; `events` and `strobes` say what is logged at all."""
-        record = self.settings.record
-        logs: list[Log] = []
-        rows = record if strobes else 0
+        rows = self.settings.record if strobes else 0
         strobe = Strobe([0.0] * (2 * rows), [0] * (2 * rows), rows)
-        if rows and self.count[2] == 0:
+        if rows and self.count[PERIOD] == 0:
             strobe.state[:2] = self.position()
+        logs: list[Log] = []
         capacity = FIRST_CAPACITY if events else 0
-        first = 0 if self.settings.transient else -1
         while True:
-            status, log, strobe = self._slice(capacity, first, record, strobe)
-            if events:
-                logs.append(log)
+            status, log, strobe = self._slice(capacity, strobe)
+            logs.append(log)
             if status == LOG_FULL:
                 capacity *= 2
             elif status == PAUSED:
                 backend.compile_kernel()
             else:
-                break
-        return self._tape(logs, strobe, status)
+                return self._tape(logs, strobe, status)
 
     def position(self) -> tuple[float, float]:
-        """(q, dq/dtheta) now."""
-        c, c1, _ = lift_at(self.system.cam, self.count[1], self.state[0])
+        """(q, dq/dtheta) now; m, m/rad."""
+        c, c1, _ = lift_at(self.system.cam, self.count[STRETCH], self.state[0])
         return c + self.state[1], c1 + self.state[2]
 
-    def _slice(self, capacity: int, first: int, record: int, strobe: Strobe):
+    def here(self) -> Start:
+        """The present state as a start for another run; None values where it rests on the cam."""
+        theta_deg = self.state[0] * (180.0 / pi)
+        if self.count[MODE] == RESTING:
+            return Start(None, None, theta_deg)
+        q, w = self.position()
+        return Start(q, w * self.omega, theta_deg)
+
+    def _slice(self, capacity: int, strobe: Strobe):
         plain = not backend.is_compiled() and backend.may_compile()
-        cam, turns = tables(self.system, self.lane)
-        whole, real = backend.zeros(2 * capacity, int), backend.zeros(3 * capacity)
-        plan = Plan(first, record, PLAIN_STEPS if plain else EVERYTHING)
+        cam, turns = self.system.native_cam(), _turns(self.system, self.lane)
+        first = 0 if self.settings.transient else -1
+        plan = Plan(first, self.settings.record, PLAIN_STEPS if plain else EVERYTHING)
+        self.count[LOGGED] = 0
         state, count, work = (
             backend.numbers(self.state),
             backend.numbers(self.count, int),
             backend.numbers(self.work, int),
         )
-        count[5] = 0
         strobe = strobe._replace(
             state=backend.numbers(strobe.state), events=backend.numbers(strobe.events, int)
         )
-        log = Log(whole, real, capacity)
+        log = Log(backend.zeros(2 * capacity, int), backend.zeros(3 * capacity), capacity)
         status = lanes.advance(cam, self.lane, turns, state, count, plan, log, strobe, work)
-        self.state, self.count, self.work = list(state), list(count), list(work)
-        used = int(count[5])
-        return int(status), Log(whole[: 2 * used], real[: 3 * used], used), strobe
+        self.state = [float(value) for value in state]
+        self.count = [int(value) for value in count]
+        self.work = [int(value) for value in work]
+        used = self.count[LOGGED]
+        return int(status), Log(log.whole[: 2 * used], log.real[: 3 * used], used), strobe
 
     def _tape(self, logs: list[Log], strobe: Strobe, status: int) -> Tape:
-        whole = [value for log in logs for value in _list(log.whole)]
-        real = [value for log in logs for value in _list(log.real)]
+        whole = _joined([log.whole for log in logs])
+        real = _joined([log.real for log in logs])
+        periods = max(0, min(self.count[PERIOD], self.settings.record))
+        started = min(periods + 1, strobe.rows) if self.count[PERIOD] >= 0 else 0
         return Tape(
             kind=whole[::2],
             period=whole[1::2],
             theta=real[::3],
             q=real[1::3],
             u=real[2::3],
-            strobe=strobe,
-            periods=max(0, min(int(self.count[2]), self.settings.record)),
-            status=OK if status == OK else status,
-            impacts=int(self.count[7]),
-            evaluations=int(self.work[0]),
-            crossings=int(self.work[1]),
+            strobe_q=strobe.state[: 2 * started : 2],
+            strobe_w=strobe.state[1 : 2 * started : 2],
+            impacts=strobe.events[: 2 * started : 2],
+            chatter=strobe.events[1 : 2 * started : 2],
+            periods=periods,
+            detachments=self.count[LEAVES],
+            resting=self.count[MODE] == RESTING,
+            status=status,
+            cost=Cost(self.count[TOTAL], self.work[0], self.work[1]),
         )
 
 
-def _list(values) -> list:
-    return values.tolist() if hasattr(values, "tolist") else values
+def _joined(parts: list):
+    """Concatenate lists or arrays; a mixture (compiled in mid-run) becomes a list."""
+    if len(parts) == 1:
+        return parts[0]
+    joined: list = []
+    for part in parts:
+        joined.extend(part if isinstance(part, list) else part.tolist())
+    return joined
 
 
-def tables(system: System, lane) -> tuple[Cam, list]:
-    """The cam in native form and the lane's flows over whole stretches."""
+def _turns(system: System, lane):
+    """The lane's flows over whole stretches (`lanes.prepare`)."""
     cam = system.native_cam()
     turns = backend.zeros(3 * cam.stretches * cam.stretches)
     lanes.prepare(cam, lane, turns)
-    return cam, turns
+    return turns
 
 
 def _initial(cam: Cam, omega: float, settings: Settings, start: Start):
@@ -158,10 +221,17 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start):
     rate = 0.0 if start.v is None else start.v / omega - c1
     if gap < 0.0:
         raise StartError(
-            f"the follower starts {-gap:.6g} m below the cam: q = {start.q:.17g} m, "
-            f"c = {c:.17g} m at {start.theta_deg:g} deg"
+            f"the follower starts {-gap:.6g} m below the cam: q = {start.q!r} m, "
+            f"c = {c!r} m at {start.theta_deg!r} deg"
         )
-    mode = FREE if gap > 0.0 or rate < 0.0 else BOUNCED
     on_strobe = i == cam.strobe and theta == cam.rows[i * ROW + START]
-    period = -settings.transient - (0 if on_strobe else 1)
-    return [theta, gap, rate], [mode, i, period, 0, 0, 0, 0, 0]
+    count = [0] * 9
+    count[MODE] = FREE if gap > 0.0 or rate < 0.0 else BOUNCED
+    count[STRETCH] = i
+    count[PERIOD] = -settings.transient - (0 if on_strobe else 1)
+    return [theta, gap, rate], count
+
+
+def with_turns(settings: Settings, transient: int, record: int) -> Settings:
+    """The same settings for another number of turns."""
+    return replace(settings, transient=transient, record=record)

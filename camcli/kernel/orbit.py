@@ -25,7 +25,7 @@ SKIP = 1e-8  # rad, past a phase where the contact force touches zero without li
 MOST_STEPS_BETWEEN = 100_000  # without an impact or a corner
 
 THETA, GAP, RATE = 0, 1, 2  # entries of `state`
-MODE, STRETCH, PERIOD, IMPACTS, CHATTERED, LOGGED, IDLE, TOTAL = 0, 1, 2, 3, 4, 5, 6, 7  # `count`
+MODE, STRETCH, PERIOD, IMPACTS, CHATTERED, LOGGED, IDLE, TOTAL, LEAVES = range(9)  # `count`
 
 
 class Log(NamedTuple):
@@ -88,7 +88,7 @@ def run(cam, lane, turns, state, count, plan, log, strobe, work):
             if mode == RESTING:
                 released, theta = slide(cam, lane, i, theta)
                 if released:
-                    write(cam, count, plan, log, DETACHMENT, i, theta, 0.0)
+                    detach(cam, count, plan, log, i, theta)
                     mode, gap, rate = RELEASED, 0.0, 0.0
                     continue
             else:
@@ -150,6 +150,14 @@ def write(cam, count, plan, log, kind, i, theta, u):
 
 
 @kernel
+def detach(cam, count, plan, log, i, theta):
+    """Count (outside the transient) and log a detachment."""
+    if count[PERIOD] >= 0:
+        count[LEAVES] += 1
+    write(cam, count, plan, log, DETACHMENT, i, theta, 0.0)
+
+
+@kernel
 def cross(cam, count, plan, log, i, gap, rate, mode):
     """Enter the next stretch: (i, theta, rate, mode); a jump of c_theta is a blow or a launch."""
     count[IDLE] = 0
@@ -162,7 +170,7 @@ def cross(cam, count, plan, log, i, gap, rate, mode):
         rate -= kick
         if mode == RESTING and rate != 0.0:
             if rate > 0.0:
-                write(cam, count, plan, log, DETACHMENT, i, theta, 0.0)
+                detach(cam, count, plan, log, i, theta)
             mode = FREE
         elif mode != FREE and rate < 0.0:
             mode = FREE

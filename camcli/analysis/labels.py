@@ -1,0 +1,87 @@
+"""Name a motion from its stroboscopic record: P(m;s1:...:sm), contact or aperiodic.
+
+An mT-periodic orbit has s_i impacts in its i-th period, `inf` where the period holds a complete
+chatter. Of the m rotations the lexically largest is the name.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from math import inf
+
+from camcli.analysis.engine import Tape
+from camcli.errors import OK
+
+LONGEST_PERIOD = 64
+SETTLED = 1e-7  # relative distance between a period and the next that counts as none
+WINDOW = 16  # periods compared at least
+LIMIT_SHARE = 0.1  # what extrapolation may leave of a distance that is still shrinking
+SLOWEST = 0.97  # ratio of distances from a quarter of the record to the next
+
+
+def label(tape: Tape) -> str:
+    """The label of the attractor a record ends on; `aperiodic` where no period fits."""
+    n = tape.periods
+    if n == 0:
+        return "undecided"
+    if tape.status == OK and not tape.touches:
+        return "contact"
+    q, w = _plain(tape.strobe_q)[:n], _plain(tape.strobe_w)[:n]
+    symbols = [
+        inf if full else count
+        for count, full in zip(_plain(tape.impacts)[:n], _plain(tape.chatter)[:n], strict=True)
+    ]
+    m = find_period(q, w, symbols)
+    if m == 0:
+        return "aperiodic" if n > 1 else "undecided"
+    return name(symbols[-m:])
+
+
+def name(symbols: Sequence[float]) -> str:
+    """P(m;...) in the rotation that is largest in lexical order."""
+    best = max(list(symbols[k:]) + list(symbols[:k]) for k in range(len(symbols)))
+    return f"P({len(best)};{':'.join('inf' if s == inf else str(int(s)) for s in best)})"
+
+
+def find_period(q: Sequence[float], w: Sequence[float], symbols: Sequence[float]) -> int:
+    """Smallest m whose shift repeats the record, or 0.
+
+    A shift repeats where the symbols do and the states agree to SETTLED of their size, or approach
+    each other geometrically with an extrapolated limit of nothing (slow multipliers).
+    """
+    n = len(q)
+    size_q = max(abs(value) for value in q) or 1.0
+    size_w = max(abs(value) for value in w) or 1.0
+    for m in range(1, min(LONGEST_PERIOD, n // 2) + 1):
+        window = min(n - m, max(2 * m, WINDOW))
+        if any(symbols[k] != symbols[k - m] for k in range(n - window, n)):
+            continue
+
+        def distance(k: int, m: int = m) -> float:
+            return max(abs(q[k] - q[k - m]) / size_q, abs(w[k] - w[k - m]) / size_w)
+
+        if distance(n - 1) > 0.1:
+            continue
+        if max(distance(k) for k in range(n - window, n)) <= SETTLED:
+            return m
+        if symbols[m:] == symbols[:-m] and _shrinks([distance(k) for k in range(m, n)], m):
+            return m
+    return 0
+
+
+def _shrinks(distances: list[float], m: int) -> bool:
+    """True where the largest distance of each quarter shrinks geometrically towards zero."""
+    quarter = len(distances) // 4
+    if quarter < 2 * m:
+        return False
+    d = [max(distances[k * quarter : (k + 1) * quarter]) for k in range(4)]
+    if not all(after <= SLOWEST * before for before, after in itertools.pairwise(d)):
+        return False
+    bend = (d[3] - d[2]) - (d[2] - d[1])
+    limit = d[3] - (d[3] - d[2]) ** 2 / bend if bend > 0.0 else d[3]
+    return abs(limit) <= LIMIT_SHARE * d[3]
+
+
+def _plain(values) -> list:
+    return values.tolist() if hasattr(values, "tolist") else list(values)

@@ -1,0 +1,175 @@
+"""One orbit in time: exact events, and a trajectory sampled from the closed-form flow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi
+
+from camcli.analysis.engine import Cost, Orbit, Settings, Tape
+from camcli.analysis.labels import label
+from camcli.errors import OK
+from camcli.kernel.flight import move
+from camcli.kernel.orbit import CHATTER, DETACHMENT, IMPACT
+from camcli.kernel.profile import TURN, lift, stretch_at
+from camcli.kernel.sliding import contact_accel
+from camcli.system import System
+
+FLIGHT, STICKING = "flight", "sticking"
+EVENT_NAMES = {IMPACT: "impact", CHATTER: "chatter", DETACHMENT: "detachment"}
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """Rows as in the artefacts: s, deg, m, m/s. `trajectory` and `events` are lists of tuples.
+
+    trajectory: t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact
+    events: t_s, period, theta_deg, event, q_m, u_minus_m_per_s, u_plus_m_per_s
+    """
+
+    rpm: float
+    trajectory: list[tuple]
+    events: list[tuple]
+    label: str
+    status: int
+    periods: int
+    corners_deg: list[float]
+    cost: Cost
+
+
+@dataclass(frozen=True)
+class _Node:
+    """Where a segment begins: phase after the strobe (rad), state (m, m/rad) and contact."""
+
+    s: float
+    q: float
+    w: float
+    sticking: bool
+
+
+def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Simulation:
+    """Run one orbit; `samples` per turn in the trajectory, besides the events (0: none)."""
+    orbit = Orbit(system, rpm, settings)
+    first = orbit.position(), orbit.state[0]
+    tape = orbit.run()
+    sampler = _Sampler(system, orbit, tape, samples)
+    return Simulation(
+        rpm=rpm,
+        trajectory=list(sampler.rows(first)) if samples else [],
+        events=list(_events(tape, orbit, sampler.strobe)),
+        label=label(tape),
+        status=tape.status,
+        periods=tape.periods,
+        corners_deg=system.corners_deg,
+        cost=tape.cost,
+    )
+
+
+def _events(tape: Tape, orbit: Orbit, strobe: float) -> Iterator[tuple]:
+    omega, r = orbit.omega, orbit.lane.r
+    for kind, period, theta, q, u in zip(
+        tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True
+    ):
+        after = -r * u if kind == IMPACT and u != 0.0 else 0.0
+        yield (
+            (TURN * int(period) + _since(theta, strobe)) / omega,
+            int(period),
+            float(theta) * (180.0 / pi),
+            EVENT_NAMES[int(kind)],
+            float(q),
+            float(u) * omega,
+            after * omega,
+        )
+
+
+def _since(theta: float, strobe: float) -> float:
+    """Phase after the strobe, rad in [0, 2 pi)."""
+    s = float(theta) - strobe
+    return s if s >= 0.0 else s + TURN
+
+
+class _Sampler:
+    """Samples a tape period by period; cam values at the fixed phases are computed once."""
+
+    def __init__(self, system: System, orbit: Orbit, tape: Tape, samples: int):
+        self.cam, self.lane, self.tape = system.cam, orbit.lane, tape
+        self.omega = orbit.omega
+        self.strobe = system.strobe
+        self.grid = [(j / samples) * TURN for j in range(samples)]
+        self.lifts = [self._lift(s) for s in self.grid]
+        self.by_period: dict[int, list] = {}
+        for row in zip(tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True):
+            self.by_period.setdefault(int(row[1]), []).append(row)
+
+    def _lift(self, s: float) -> tuple[float, float, float]:
+        """(theta, c, c_theta) at the phase s after the strobe."""
+        theta = self.strobe + s
+        theta = theta - TURN if theta >= TURN else theta
+        c, c1, _ = lift(self.cam, stretch_at(self.cam, theta), theta)
+        return theta, c, c1
+
+    def rows(self, first) -> Iterator[tuple]:
+        """All rows of the record; `first` is ((q, w), theta) of the very start."""
+        (q, w), theta = first
+        node = _Node(_since(theta, self.strobe), q, w, False)
+        if -1 in self.by_period:
+            node = self._rested(node)
+            yield from self._period(-1, node, TURN)
+        sticking = None
+        for p in range(len(self.tape.strobe_q)):
+            whole = p < self.tape.periods
+            events = self.by_period.get(p, [])
+            if not whole and (self.tape.status == OK or not events):
+                break
+            node = _Node(0.0, float(self.tape.strobe_q[p]), float(self.tape.strobe_w[p]), False)
+            node = (
+                self._rested(node) if sticking is None else _Node(node.s, node.q, node.w, sticking)
+            )
+            stop = TURN if whole else _since(events[-1][2], self.strobe)
+            sticking = yield from self._period(p, node, stop)
+
+    def _period(self, p: int, node: _Node, stop: float):
+        """Rows of one period from `node` to `stop`; returns whether it ends sticking."""
+        j = 0
+        while j < len(self.grid) and self.grid[j] < node.s:
+            j += 1
+        for kind, _, theta, q, u in self.by_period.get(p, []):
+            s = _since(theta, self.strobe)
+            while j < len(self.grid) and self.grid[j] < s:
+                yield self._sample(p, node, j)
+                j += 1
+            _, _c, c1 = self._lift(s)
+            at = (TURN * p + s) / self.omega, float(theta) * (180.0 / pi), float(q)
+            cam_now = float(q), c1 * self.omega
+            if kind == IMPACT:
+                yield (*at, (c1 + float(u)) * self.omega, *cam_now, FLIGHT)
+            w = c1 - self.lane.r * float(u) if kind == IMPACT else c1
+            node = _Node(s, float(q), w, kind == CHATTER)
+            if kind == IMPACT and self.lane.r * u == 0.0:
+                node = self._rested(node)
+            yield (*at, w * self.omega, *cam_now, STICKING if node.sticking else FLIGHT)
+        while j < len(self.grid) and self.grid[j] < stop:
+            yield self._sample(p, node, j)
+            j += 1
+        return node.sticking
+
+    def _sample(self, p: int, node: _Node, j: int) -> tuple:
+        theta, c, c1 = self.lifts[j]
+        q, w = c, c1
+        if not node.sticking:
+            q, w = move(self.lane, node.q, node.w, self.grid[j] - node.s)
+        return (
+            (TURN * p + self.grid[j]) / self.omega,
+            theta * (180.0 / pi),
+            q,
+            w * self.omega,
+            c,
+            c1 * self.omega,
+            STICKING if node.sticking else FLIGHT,
+        )
+
+    def _rested(self, node: _Node) -> _Node:
+        """The node with its contact decided: on the cam, at its velocity and pressed to it."""
+        theta, c, c1 = self._lift(node.s)
+        pressed = contact_accel(self.cam, self.lane, stretch_at(self.cam, theta), theta)[0] < 0.0
+        return _Node(node.s, node.q, node.w, node.q == c and node.w == c1 and pressed)
