@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import pi
+from time import perf_counter
 
 from camcli.errors import LOG_FULL, PAUSED
 from camcli.kernel import backend, lanes
@@ -132,7 +133,7 @@ class Orbit:
             if status == LOG_FULL:
                 capacity *= 2
             elif status == PAUSED:
-                backend.compile_kernel()
+                compile_for(self.system)
             else:
                 return self._tape(logs, strobe, status)
 
@@ -194,6 +195,16 @@ class Orbit:
         )
 
 
+def compile_for(system: System) -> None:
+    """Compile the kernel, and have numba do it now by a first orbit of one turn."""
+    if backend.is_compiled():
+        return
+    began = perf_counter()
+    backend.compile_kernel()
+    Orbit(system, 600.0, Settings(0, 1, 1e-3, 100)).run()
+    backend.compile_seconds = perf_counter() - began
+
+
 def _joined(parts: list):
     """Concatenate lists or arrays; a mixture (compiled in mid-run) becomes a list."""
     if len(parts) == 1:
@@ -214,7 +225,7 @@ def _turns(system: System, lane):
 
 def _initial(cam: Cam, omega: float, settings: Settings, start: Start):
     """(state, count) of the kernel at the start; raises StartError below the cam."""
-    theta = start.theta_deg * (pi / 180.0)
+    theta = (start.theta_deg % 360.0) * (pi / 180.0)
     i = stretch_at(cam, theta)
     c, c1, _ = lift_at(cam, i, theta)
     gap = 0.0 if start.q is None else start.q - c

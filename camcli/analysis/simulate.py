@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import pi
 
-from camcli.analysis.engine import Cost, Orbit, Settings, Tape
+from camcli.analysis.engine import Cost, Orbit, Settings, Tape, compile_for
 from camcli.analysis.labels import label
 from camcli.errors import OK
+from camcli.kernel import backend
 from camcli.kernel.flight import move
 from camcli.kernel.orbit import CHATTER, DETACHMENT, IMPACT
 from camcli.kernel.profile import TURN, lift, stretch_at
@@ -50,6 +51,8 @@ class _Node:
 def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Simulation:
     """Run one orbit; `samples` per turn in the trajectory, besides the events (0: none)."""
     orbit = Orbit(system, rpm, settings)
+    if backend.must_compile():
+        compile_for(system)
     first = orbit.position(), orbit.state[0]
     tape = orbit.run()
     sampler = _Sampler(system, orbit, tape, samples)

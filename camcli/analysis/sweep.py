@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import pi
 
-from camcli.analysis.engine import Cost, Orbit, Settings, StartError
+from camcli.analysis.engine import Cost, Orbit, Settings, StartError, compile_for
 from camcli.analysis.labels import label
 from camcli.errors import OK, STATUSES
 from camcli.kernel import backend
@@ -74,7 +74,9 @@ def sweep(
     """
     if rpms:
         Orbit(system, rpms[0], settings)
-    _choose_backend(len(rpms) * (settings.transient + settings.record))
+    turns = len(rpms) * (settings.transient + settings.record)
+    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
+        compile_for(system)  # before the threads start
     speeds: list[Speed] = []
     if direction == FIXED:
 
@@ -92,12 +94,6 @@ def sweep(
         cost = cost + speed.cost
         on_speed(speed)
     return Sweep(speeds, direction, cost)
-
-
-def _choose_backend(turns: int) -> None:
-    """Compile once, before the threads start, where the work is worth it or it is demanded."""
-    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
-        backend.compile_kernel()
 
 
 def _carried(system, rpms, settings, impacts, strobe):

@@ -20,6 +20,8 @@ _functions: list = []
 _entries: set = set()
 _outlined: set = set()
 _compiled = False
+compile_seconds = 0.0  # spent loading numba and compiling, or reading the cache
+on_compile = None  # called with a line for the user when the kernel must be compiled anew
 _lock = threading.Lock()
 
 
@@ -98,6 +100,8 @@ def compile_kernel() -> None:
 
         modules = [importlib.import_module(f"{__package__}.{name}") for name in MODULES]
         folder = _usable_cache()
+        if on_compile is not None and not is_cached():
+            on_compile("compiling the kernel for this machine: some seconds, once ...")
         if folder is not None:
             numba.config.CACHE_DIR = str(folder)
         compiled = {}

@@ -1,0 +1,74 @@
+"""CSV text: numbers as the shortest text that reads back to the same double."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import repeat
+
+from camcli.analysis.simulate import Simulation
+from camcli.analysis.sweep import Speed, Sweep, status_name
+
+TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "contact")
+EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
+IMPACTS = ("rpm", "period", "theta_deg", "q_m", "u_minus_m_per_s")
+STROBE = ("rpm", "period", "q_m", "v_m_per_s", "impacts", "chatter")
+SPEEDS = ("rpm", "label", "impacts", "lyapunov_per_period", "status")
+
+
+def header(columns: Sequence[str]) -> str:
+    """The first line."""
+    return ",".join(columns) + "\n"
+
+
+def mixed_rows(rows: Iterable[Sequence]) -> Iterator[str]:
+    """Lines of rows that hold text beside numbers; no text here contains a comma or a quote."""
+    for row in rows:
+        yield ",".join([repr(v) if isinstance(v, float) else str(v) for v in row]) + "\n"
+
+
+def number_rows(columns: Sequence[Iterable]) -> str:
+    """Lines of purely numeric columns, by one repr of the whole list (a tenth of the time)."""
+    rows = list(zip(*columns, strict=False))
+    if not rows:
+        return ""
+    return repr(rows)[2:-2].replace("), (", "\n").replace(", ", ",") + "\n"
+
+
+def trajectory_csv(simulation: Simulation) -> Iterator[str]:
+    """trajectory.csv"""
+    yield header(TRAJECTORY)
+    yield from mixed_rows(simulation.trajectory)
+
+
+def events_csv(simulation: Simulation) -> Iterator[str]:
+    """events.csv"""
+    yield header(EVENTS)
+    yield from mixed_rows(simulation.events)
+
+
+def impacts_csv(sweep: Sweep) -> Iterator[str]:
+    """impacts.csv, a speed at a time."""
+    yield header(IMPACTS)
+    for speed in sweep.speeds:
+        yield _of_speed(speed, speed.impacts)
+
+
+def strobe_csv(sweep: Sweep) -> Iterator[str]:
+    """strobe.csv: the state at the start of each recorded period, and what happened in it."""
+    yield header(STROBE)
+    for speed in sweep.speeds:
+        yield _of_speed(speed, speed.strobe)
+
+
+def speeds_csv(sweep: Sweep) -> Iterator[str]:
+    """speeds.csv"""
+    yield header(SPEEDS)
+    yield from mixed_rows(
+        (speed.rpm, speed.label, speed.impact_count, "", status_name(speed.status))
+        for speed in sweep.speeds
+    )
+
+
+def _of_speed(speed: Speed, columns) -> str:
+    plain = [list(c.tolist() if hasattr(c, "tolist") else c) for c in columns]
+    return number_rows([repeat(speed.rpm), *plain])

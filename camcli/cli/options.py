@@ -1,0 +1,107 @@
+"""The options every command shares, declared once."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user asked for, unvalidated; field names are the option names."""
+
+    config: Path | None
+    sets: list[str]
+    rpm: str | None
+    points: int | None
+    out: Path | None
+    no_plot: bool
+    json: bool
+    quiet: bool
+    threads: int | None
+    dry_run: bool
+
+    def folder(self, command: str) -> Path:
+        """Where the artefacts go."""
+        return self.out if self.out is not None else Path("out") / command
+
+    def as_options(self) -> dict[str, Any]:
+        """The options that change artefacts, for the run record."""
+        return {"rpm": self.rpm, "points": self.points, "set": self.sets, "plot": not self.no_plot}
+
+
+COMMON: dict[str, tuple[Any, Any]] = {
+    "config": (
+        Annotated[
+            Path | None,
+            typer.Option("-c", "--config", help="Scene file (YAML). Default: the chapter's scene."),
+        ],
+        None,
+    ),
+    "sets": (
+        Annotated[
+            list[str] | None,
+            typer.Option(
+                "--set", help="path.to.key=value, read as YAML. Repeatable.", metavar="KEY=VALUE"
+            ),
+        ],
+        None,
+    ),
+    "rpm": (
+        Annotated[str | None, typer.Option("--rpm", help="Speed X or range LO:HI, rpm.")],
+        None,
+    ),
+    "points": (
+        Annotated[
+            int | None,
+            typer.Option("--points", help="Speeds of a range; samples per turn in simulate."),
+        ],
+        None,
+    ),
+    "out": (
+        Annotated[
+            Path | None,
+            typer.Option("-o", "--out", help="Folder for the artefacts. Default: out/COMMAND."),
+        ],
+        None,
+    ),
+    "no_plot": (Annotated[bool, typer.Option("--no-plot", help="Draw nothing.")], False),
+    "json": (Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")], False),
+    "quiet": (
+        Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no notes.")],
+        False,
+    ),
+    "threads": (
+        Annotated[
+            int | None,
+            typer.Option("--threads", help="Threads; never changes a result. Default: all."),
+        ],
+        None,
+    ),
+    "dry_run": (
+        Annotated[bool, typer.Option("--dry-run", help="Validate, print the plan and its cost.")],
+        False,
+    ),
+}
+
+
+def command(app: typer.Typer, name: str, run: Callable[[Request], int], help_text: str) -> None:
+    """Register `cam NAME` with the shared options; `run` returns the exit code."""
+
+    def call(**values: Any) -> None:
+        values["sets"] = values["sets"] or []
+        raise typer.Exit(run(Request(**values)))
+
+    call.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [
+            inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=default)
+            for key, (kind, default) in COMMON.items()
+        ]
+    )
+    call.__annotations__ = {key: kind for key, (kind, _) in COMMON.items()}
+    app.command(name, help=help_text)(call)

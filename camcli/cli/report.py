@@ -1,0 +1,68 @@
+"""The end of every run: artefact list, one line of cost and error, run.json."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from camcli.analysis.engine import Cost
+from camcli.artefacts.record import cost_record, error_record, run_record, to_text
+from camcli.artefacts.store import Store
+from camcli.cli.options import Request
+from camcli.cli.setup import Setup
+from camcli.scene import resolved, scene_hash
+
+
+def finish(
+    command: str,
+    request: Request,
+    setup: Setup,
+    store: Store,
+    cost: Cost,
+    seconds: float,
+    result: Mapping[str, Any],
+) -> None:
+    """Write run.json and print the closing lines, or the record itself with --json."""
+    costs = cost_record(cost, seconds)
+    errors = error_record(setup.settings.chatter_tolerance, setup.system.cam.top)
+    record = run_record(
+        command,
+        resolved(setup.scene),
+        scene_hash(setup.scene),
+        request.as_options(),
+        costs,
+        errors,
+        result,
+        store.hashes,
+    )
+    text = to_text(record)
+    store.write_text("run.json", [text])
+    if request.json:
+        print(text, end="")
+        return
+    print(f"{store.folder}/: {', '.join([*store.hashes])}")
+    print(closing_line(costs, errors))
+
+
+def closing_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
+    """One line of cost and error."""
+    rate = costs["impacts_per_s"] or 0.0
+    per_impact = costs["gap_evaluations"] / max(1, costs["impacts"])
+    return (
+        f"{costs['impacts']} impacts in {costs['seconds']:.3g} s ({rate:.3g}/s, {per_impact:.2g} "
+        f"gap evaluations each); error per event: contact within {errors['contact_gap_m']:.1g} m, "
+        f"accumulation within {errors['accumulation_phase_turns']:.1g} turn"
+    )
+
+
+def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
+    """A table for people on stdout."""
+    from rich.console import Console
+    from rich.table import Table
+
+    grid = Table(title=title, title_justify="left")
+    for k, column in enumerate(columns):
+        grid.add_column(column, justify="left" if k == 0 else "right")
+    for row in rows:
+        grid.add_row(*row)
+    Console().print(grid)

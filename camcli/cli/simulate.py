@@ -1,0 +1,81 @@
+"""cam simulate"""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+from camcli.analysis.engine import StartError
+from camcli.analysis.simulate import Simulation, simulate
+from camcli.artefacts.store import Store
+from camcli.artefacts.tables import events_csv, trajectory_csv
+from camcli.cli import plan
+from camcli.cli.options import Request
+from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.report import finish, table
+from camcli.cli.setup import Setup, one_speed, set_up, start_fault
+from camcli.errors import OK, STATUSES
+from camcli.kernel import backend
+
+NAME = "simulate"
+SHOWN = 12  # events in the table on stdout
+
+
+def run(request: Request) -> int:
+    """Simulate one orbit and write its artefacts; returns the exit code."""
+    setup = set_up(request, one_speed(request))
+    rpm, samples = setup.scene.run.rpm, setup.scene.simulate.samples
+    plan.refuse_if_too_large(1 + samples // 4, setup.settings)
+    try:
+        if request.dry_run:
+            cost = plan.estimate(setup.system, [rpm], setup.settings, 1, 200.0, 110.0 * samples)
+            table("cam simulate, planned", ["", ""], cost.lines())
+            return DONE
+        store = Store(request.folder(NAME))
+        began = perf_counter()
+        result = simulate(setup.system, rpm, setup.settings, samples)
+        seconds = perf_counter() - began - backend.compile_seconds
+    except StartError as error:
+        raise start_fault(error) from None
+    store.write_text("trajectory.csv", trajectory_csv(result))
+    store.write_text("events.csv", events_csv(result))
+    _draw(request, setup, store, result)
+    if not request.json:
+        _show(result)
+    finish(NAME, request, setup, store, result.cost, seconds, _summary(result))
+    if result.status != OK:
+        status = STATUSES[result.status]
+        note(f"{status.name}: {status.cause}; {status.cure}")
+        return NUMERICS
+    return DONE
+
+
+def _draw(request: Request, setup: Setup, store: Store, result: Simulation) -> None:
+    if request.no_plot:
+        store.remove("simulate.png")
+        return
+    from camcli.artefacts.figures.simulate import draw_simulation
+
+    turns = setup.scene.simulate.plot_turns
+    store.write("simulate.png", lambda file: draw_simulation(result, file, turns=turns))
+
+
+def _summary(result: Simulation) -> dict:
+    return {
+        "rpm": result.rpm,
+        "label": result.label,
+        "status": STATUSES[result.status].name,
+        "periods": result.periods,
+        "events": len(result.events),
+        "corners_deg": result.corners_deg,
+    }
+
+
+def _show(result: Simulation) -> None:
+    rows = [
+        [name, str(period), f"{theta:.10f}", f"{u:.6g}", f"{after:.6g}"]
+        for _, period, theta, name, _, u, after in result.events[-SHOWN:]
+    ]
+    title = f"{result.rpm:g} rpm: {result.label}, {len(result.events)} events recorded"
+    if len(result.events) > SHOWN:
+        title += f", the last {SHOWN}"
+    table(title, ["event", "period", "theta (deg)", "u- (m/s)", "u+ (m/s)"], rows)

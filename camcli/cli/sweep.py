@@ -1,0 +1,143 @@
+"""cam sweep"""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from itertools import groupby
+from time import perf_counter
+
+from camcli.analysis.engine import StartError
+from camcli.analysis.sweep import FIXED, Speed, Sweep, rpm_grid, status_name, sweep
+from camcli.artefacts.store import Store
+from camcli.artefacts.tables import impacts_csv, speeds_csv, strobe_csv
+from camcli.cli import plan
+from camcli.cli.options import Request
+from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.progress import bar
+from camcli.cli.report import finish, table
+from camcli.cli.setup import Setup, set_up, speed_range, start_fault
+from camcli.errors import STATUSES
+from camcli.kernel import backend
+
+NAME = "sweep"
+SHOWN = 40  # rows of the table on stdout
+
+
+def run(request: Request) -> int:
+    """Sweep a range of speeds and write its artefacts; returns the exit code."""
+    setup = set_up(request, speed_range(request, "sweep"))
+    section = setup.scene.sweep
+    plan.refuse_if_too_large(section.rpm.num, setup.settings)
+    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
+    try:
+        if request.dry_run:
+            cost = plan.estimate(setup.system, rpms, setup.settings, request.threads, 65.0, 55.0)
+            table("cam sweep, planned", ["", ""], cost.lines())
+            return DONE
+        store = Store(request.folder(NAME))
+        result, seconds = _compute(request, setup, rpms)
+    except StartError as error:
+        raise start_fault(error) from None
+    _write(request, setup, store, result)
+    if not request.json:
+        _show(result)
+    finish(NAME, request, setup, store, result.cost, seconds, _summary(result))
+    return _verdict(result)
+
+
+def _compute(request: Request, setup: Setup, rpms: list[float]) -> tuple[Sweep, float]:
+    sections = setup.scene.sweep.sections
+    began = perf_counter()
+    with nullcontext() if request.quiet else bar("speeds", len(rpms)) as tick:
+        result = sweep(
+            setup.system,
+            rpms,
+            setup.settings,
+            direction=setup.scene.sweep.direction,
+            impacts="impacts" in sections,
+            strobe="strobe" in sections,
+            threads=request.threads,
+            on_speed=(lambda speed: None) if tick is None else (lambda speed: tick()),
+        )
+    return result, perf_counter() - began - backend.compile_seconds
+
+
+def _write(request: Request, setup: Setup, store: Store, result: Sweep) -> None:
+    sections = setup.scene.sweep.sections
+    for section, name, text in (
+        ("impacts", "impacts.csv", impacts_csv),
+        ("strobe", "strobe.csv", strobe_csv),
+    ):
+        if section in sections:
+            store.write_text(name, text(result))
+        else:
+            store.remove(name)
+    store.write_text("speeds.csv", speeds_csv(result))
+    if request.no_plot:
+        store.remove("sweep.png")
+        return
+    from camcli.artefacts.figures.sweep import draw_sweep
+
+    how = start_text(setup, result)
+    store.write("sweep.png", lambda file: draw_sweep(result, setup.system, file, start_text=how))
+
+
+def start_text(setup: Setup, result: Sweep) -> str:
+    """How the orbits were started, in words for the picture."""
+    start, turns = setup.settings.start, setup.settings.transient
+    if start.q is None and start.v is None:
+        place = "at rest on the cam"
+    else:
+        q = "on the cam" if start.q is None else f"q = {start.q:g} m"
+        v = "the cam's v" if start.v is None else f"v = {start.v:g} m/s"
+        place = f"at {q}, {v}"
+    if result.direction == FIXED:
+        return f"each speed started {place}, {turns} turns of transient"
+    first = result.speeds[0].rpm
+    return (
+        f"carried {result.direction} from {first:g} rpm, started there {place}; "
+        f"{turns} turns of transient at each speed"
+    )
+
+
+def _summary(result: Sweep) -> dict:
+    return {
+        "direction": result.direction,
+        "ranges": [
+            {"label": label, "status": status, "from_rpm": a.rpm, "to_rpm": b.rpm, "speeds": n}
+            for label, status, a, b, n in _ranges(result)
+        ],
+    }
+
+
+def _ranges(result: Sweep) -> list[tuple[str, str, Speed, Speed, int]]:
+    """Consecutive speeds of one label and status."""
+    found = []
+    for (label, status), group in groupby(
+        result.speeds, lambda s: (s.label, status_name(s.status))
+    ):
+        speeds = list(group)
+        found.append((label, status, speeds[0], speeds[-1], len(speeds)))
+    return found
+
+
+def _show(result: Sweep) -> None:
+    ranges = _ranges(result)
+    rows = [
+        [label, f"{a.rpm:g}", f"{b.rpm:g}", str(n), status] for label, status, a, b, n in ranges
+    ]
+    title = f"{len(result.speeds)} speeds, {len(ranges)} ranges of one label"
+    if len(rows) > SHOWN:
+        title += f", the first {SHOWN} (all of them in speeds.csv)"
+    table(title, ["label", "from (rpm)", "to (rpm)", "speeds", "status"], rows[:SHOWN])
+
+
+def _verdict(result: Sweep) -> int:
+    """Exit code 3 and a note per kind of trouble, with the speeds it happened at."""
+    troubled = result.troubled
+    for code in sorted({speed.status for speed in troubled}):
+        rpms = [f"{speed.rpm:g}" for speed in troubled if speed.status == code]
+        shown = ", ".join(rpms[:5]) + (", ..." if len(rpms) > 5 else "")
+        status = STATUSES[code]
+        note(f"{status.name} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
+    return NUMERICS if troubled else DONE

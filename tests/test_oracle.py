@@ -1,0 +1,280 @@
+"""The high-precision reference against closed forms and independently known numbers."""
+
+import pytest
+from mpmath import mp, mpf
+
+from tests.oracle import (
+    ArcsCam,
+    Oracle,
+    corner_impact_rpm,
+    first_detachment_rpm,
+    period_doubling_rpm,
+    region_filling_rpm,
+    single_impact_orbit,
+)
+
+MASS, STIFFNESS, R = 1.221, 146 * 9.8, 0.8
+CAM = ArcsCam()
+
+
+def chapter(rpm, **changes):
+    data = {"mass": MASS, "stiffness": STIFFNESS, "restitution": R, "rpm": rpm}
+    return Oracle(CAM, **{**data, **changes})
+
+
+def degrees(event):
+    return float(mp.degrees(event.theta))
+
+
+def close(value, expected, tol):
+    assert abs(value - mpf(expected)) < tol, mp.nstr(value, 20)
+
+
+def test_breakpoints_follow_from_the_tangency():
+    expected = [90, "150.1793714951576", 160, 200, "209.8206285048424", 270]
+    for angle, value in zip(CAM.breakpoints, expected, strict=True):
+        close(mp.degrees(angle), value, 2e-12)
+
+
+@pytest.mark.parametrize(
+    ("corner", "side", "c", "c1", "c2"),
+    [
+        (0, 1, "0.1", 0, "0.2117647058823529"),
+        (1, -1, "0.2312555620189976", "0.2747021271326710", "0.3415971000285428"),
+        (1, 1, "0.2312555620189976", "0.2747021271326710", "-1.869212582774405"),
+        (2, -1, "0.25393320723821", 0, "-1.491680113303188"),
+        (2, 1, "0.25393320723821", 0, 0),
+        (4, -1, "0.2312555620189976", "-0.2747021271326710", "-1.869212582774405"),
+        (5, 1, "0.1", 0, 0),
+    ],
+)
+def test_cam_law_at_the_corners(corner, side, c, c1, c2):
+    angle = CAM.breakpoints[corner]
+    close(CAM.c(angle, side), c, 1e-14)
+    close(CAM.c1(angle, side), c1, 1e-13)
+    close(CAM.c2(angle, side), c2, 1e-12)
+
+
+def test_cam_law_is_smooth_where_it_should_be():
+    """c and c_theta are continuous at every corner, and the derivatives are derivatives."""
+    with mp.workdps(60):
+        for angle in CAM.breakpoints:
+            assert abs(CAM.c(angle) - CAM.c(angle, -1)) < mpf(10) ** -55
+            assert abs(CAM.c1(angle) - CAM.c1(angle, -1)) < mpf(10) ** -55
+        for x in (1, 2, mpf("2.7"), 3, mpf("3.6"), 4, 5, -1, 9):
+            h = mpf(10) ** -20
+            up, mid, down = (CAM.laws(x + s * h) for s in (1, 0, -1))
+            for i in (0, 1):
+                assert abs((up[i] - down[i]) / (2 * h) - mid[i + 1]) < mpf(10) ** -35
+
+
+def test_a_base_circle_that_is_not_tangent_is_refused():
+    with pytest.raises(ValueError, match="touch"):
+        ArcsCam(base_radius=0.41)
+
+
+def test_speeds_of_detachment():
+    close(first_detachment_rpm(CAM, MASS, STIFFNESS), "114.979326744", 1e-9)
+    close(region_filling_rpm(CAM, MASS, STIFFNESS), "134.872968058", 1e-9)
+
+
+def test_the_first_detachment_is_where_a_run_first_leaves_the_cam():
+    speed = first_detachment_rpm(CAM, MASS, STIFFNESS)
+    assert chapter(speed * (1 - mpf("1e-12"))).run(turns=1) == []
+    first = chapter(speed * (1 + mpf("1e-12"))).run(turns=1)[0]
+    assert first.kind == "detachment"
+    assert abs(first.theta - CAM.breakpoints[1]) < mpf(10) ** -40
+
+
+@pytest.mark.parametrize(
+    ("piece", "phase", "trace"),
+    [("A1", "104.1608293878", "1.9307756743"), ("A2", "155.3036856027", "0.6027216709")],
+)
+def test_single_impact_orbits_at_700_rpm(piece, phase, trace):
+    (orbit,) = single_impact_orbit(CAM, MASS, STIFFNESS, R, 700, piece)
+    close(orbit.phase_deg, phase, 2e-10)
+    close(orbit.trace, trace, 2e-10)
+    close(orbit.det, "0.64", 1e-15)
+
+
+def test_bifurcations_of_the_single_impact_orbit():
+    close(corner_impact_rpm(CAM, MASS, STIFFNESS, R), "673.2344450038120", 1e-12)
+    close(period_doubling_rpm(CAM, MASS, STIFFNESS, R), "739.3197802160", 1e-9)
+    (orbit,) = single_impact_orbit(CAM, MASS, STIFFNESS, R, "738.7743752", "A2")
+    close(orbit.trace, "-1.6", 1e-8)  # the multipliers turn real: trace^2 = 4 det
+
+
+@pytest.mark.parametrize("piece", ["A1", "A2"])
+def test_a_run_stays_on_the_single_impact_orbit(piece):
+    """Started on the orbit the run repeats it, and errors grow as the multipliers say."""
+    (orbit,) = single_impact_orbit(CAM, MASS, STIFFNESS, R, 700, piece)
+    with mp.workdps(60):
+        theta, r = mp.radians(orbit.phase_deg), mpf(R)
+        v = (1 + r) / (1 - r) * mpf(700) * mp.pi / 30 * CAM.c1(theta)
+        events = chapter(700).run(v=v, theta=theta, impacts=15)
+    assert [e.turn for e in events] == list(range(1, 16))
+    assert max(abs(e.theta - theta) for e in events) < mpf(10) ** -40
+    s = [e.stretching for e in events]
+    if piece == "A1":
+        multiplier = (orbit.trace + mp.sqrt(orbit.trace**2 - 4 * orbit.det)) / 2
+        close((s[-1] - s[-2]) / (s[-2] - s[-3]), multiplier, 1e-2)
+    else:
+        assert max(s) < 10
+
+
+@pytest.mark.parametrize(
+    ("n", "rpm"),
+    [(1, 124.998297), (2, 122.699318), (3, 121.685872), (5, 120.735577), (8, 120.165355)],
+)
+def test_the_nth_impact_after_lift_off_lands_on_c(n, rpm):
+    events = chapter(rpm).run(impacts=n)
+    assert [e.kind for e in events] == ["detachment"] + ["impact"] * n
+    assert degrees(events[-1]) == pytest.approx(160, abs=1e-5)
+
+
+@pytest.mark.parametrize(("rpm", "corner"), [(119.712, 160), (136.312, 200)])
+def test_chatter_that_accumulates_at_a_corner(rpm, corner):
+    before, after = (
+        next(e for e in chapter(rpm + d).run(turns=1, chatter_cut=1e-12) if e.kind == "chatter")
+        for d in (-5e-3, 5e-3)
+    )
+    assert corner - 0.1 < degrees(before) < corner < degrees(after)
+
+
+def test_a_chatter_ends_where_it_accumulates_whatever_the_cut():
+    """Stopping at 1e-22 or at 1e-12 rad differs by the time left out, at most the cut."""
+    fine, coarse = (chapter(119.5).run(turns=0.5, chatter_cut=x) for x in (None, 1e-12))
+    assert fine[-1].kind == coarse[-1].kind == "chatter"
+    assert 0 < fine[-1].theta - coarse[-1].theta < 1e-12
+    assert len(fine) > len(coarse) + 90
+
+
+def test_ball_dropped_on_a_dwell():
+    """Impacts at sqrt(2h/g) (1 + 2r + ... + 2r^(n-1)), rest after (1+r)/(1-r) sqrt(2h/g)."""
+    ball = chapter(1, mass=1, stiffness=0, gravity=9.81)
+    with mp.workdps(60):
+        events = ball.run(q=CAM.c(0) + 1, v=0, turns=0.25)
+    *impacts, rest = events
+    assert [e.kind for e in impacts] == ["impact"] * len(impacts)
+    assert rest.kind == "chatter"
+    with mp.workdps(60):
+        g, r, omega = mpf(9.81), mpf(0.8), mp.pi / 30
+        fall = mp.sqrt(2 / g)
+        close(rest.theta / omega, "4.06371277", 1e-8)
+        close(rest.theta / omega, fall * (1 + r) / (1 - r), 1e-20)
+        for n, event in enumerate(impacts):
+            hops = 2 * r * (1 - r**n) / (1 - r)
+            assert abs(event.theta / omega - fall * (1 + hops)) < mpf(10) ** -45
+            assert abs(event.u_minus / (g * fall * r**n) + 1) < mpf(10) ** -20
+            assert abs(event.u_plus + r * event.u_minus) < mpf(10) ** -50
+            assert event.stretching == 1
+
+
+def test_a_hop_on_a_moving_cam_with_constant_acceleration():
+    """On the top dwell the spring force of a short hop is constant: the hops sum to 2u/((1-r)a)."""
+    theta, u = mp.radians(165), mpf("1e-9")
+    events = chapter(100).run(v=u, theta=theta, turns=0.05)
+    with mp.workdps(60):
+        a, omega = mpf(STIFFNESS) / mpf(MASS) * CAM.c(theta), 100 * mp.pi / 30
+        time = (events[-1].theta - theta) / omega
+        close(time * (1 - mpf(R)) * a / (2 * u), 1, 1e-8)
+    assert events[-1].kind == "chatter"
+
+
+def test_no_restitution_means_no_chatter():
+    events = chapter(125, restitution=0).run(turns=2)
+    assert [e.kind for e in events] == ["detachment", "impact"] * 4
+    assert degrees(events[4]) == pytest.approx(degrees(events[0]), abs=1e-12)
+    assert events[1].u_plus == 0
+
+
+def test_elastic_impacts_conserve_energy_on_a_dwell():
+    ball = chapter(1, restitution=1, gravity=9.81, preload=3)
+    events = ball.run(q=CAM.c(0) + 1, v=0, impacts=10)
+    assert len(events) == 10
+    assert max(e.turn for e in events) == 0
+    assert max(abs(e.u_minus - events[0].u_minus) for e in events) < mpf(10) ** -40
+
+
+@pytest.mark.parametrize(("shift", "hits"), [("1e-30", 1), ("-1e-30", 0)])
+def test_a_double_contact_is_not_missed(shift, hits):
+    """A straight flight along the tangent of the nose, shifted into it or away by 1e-30 m."""
+    with mp.workdps(80):
+        omega, delta = mpf(700) * mp.pi / 30, mpf(shift)
+        start, touch = mp.radians(140), mp.radians(155)
+        c, c1, c2 = CAM.laws(touch)
+        straight = chapter(700, stiffness=0)
+        q = c - c1 * (touch - start) - delta
+        events = straight.run(q=q, v=omega * c1, theta=start, turns=0.1, impacts=1)
+        assert len([e for e in events if e.u_minus < 0]) >= hits
+        assert bool(events) == bool(hits)
+        if hits:
+            depth = mp.sqrt(2 * delta / -c2)
+            assert abs((touch - events[0].theta) / depth - 1) < mpf(10) ** -10
+
+
+B_CRITICAL = 2 * mp.sqrt(mpf(STIFFNESS) * mpf(MASS))
+
+
+def test_critical_damping_of_the_chapter():
+    close(B_CRITICAL, "83.594", 1e-3)
+
+
+@pytest.mark.parametrize("stiffness", [0, STIFFNESS])
+@pytest.mark.parametrize("damping", [0, 5, B_CRITICAL, 400])
+def test_the_flow_solves_the_equation_of_motion(stiffness, damping):
+    data = {"stiffness": stiffness, "damping": damping, "gravity": 9.81, "preload": 7}
+    follower = chapter(700, **data)
+    with mp.workdps(60):
+        t, h = mpf("0.037"), mpf(10) ** -15
+        (_, lo), (q, v), (_, hi) = (follower.flow(t + s * h, 0.3, -2) for s in (-1, 0, 1))
+        force = mpf(MASS) * (hi - lo) / (2 * h) + mpf(damping) * v + mpf(stiffness) * q
+        close(force, -mpf(MASS) * mpf(9.81) - 7, mpf(10) ** -18)
+        close(follower.flow(2 * t, 0.3, -2)[0], follower.flow(t, q, v)[0], mpf(10) ** -55)
+    assert follower.flow(0, 0.3, -2) == (mpf(0.3), -2)
+
+
+def test_the_flow_conserves_energy_without_damping():
+    follower = chapter(700, gravity=9.81, preload=7)
+    with mp.workdps(60):
+        m, k, load = mpf(MASS), mpf(STIFFNESS), mpf(MASS) * mpf(9.81) + 7
+        energies = [
+            m * v**2 / 2 + k * q**2 / 2 + load * q
+            for q, v in (follower.flow(t, 0.3, -2) for t in (0, 0.1, 3))
+        ]
+        assert max(energies) - min(energies) < mpf(10) ** -50
+
+
+def test_the_flow_and_a_run_are_continuous_through_critical_damping():
+    with mp.workdps(60):
+        nudges = [B_CRITICAL * (1 + s * mpf("1e-20")) for s in (-1, 0, 1)]
+        flows = [chapter(700, damping=b, gravity=9.81).flow(0.05, 0.3, -2) for b in nudges]
+        assert max(abs(f[i] - flows[1][i]) for f in flows for i in (0, 1)) < mpf("1e-18")
+    runs = [chapter(200, damping=b).run(impacts=4) for b in nudges]
+    assert len(runs[0]) >= 4
+    for events in zip(*runs, strict=True):
+        assert max(abs(e.theta - events[0].theta) for e in events) < 1e-15
+
+
+def test_the_flow_is_continuous_as_the_spring_vanishes():
+    for damping in (0, 5):
+        soft, none = (
+            chapter(1, stiffness=k, damping=damping, gravity=9.81).flow(0.2, 0.3, -2)
+            for k in (mpf("1e-25"), 0)
+        )
+        assert max(abs(x - y) for x, y in zip(soft, none, strict=True)) < 1e-22
+
+
+def test_rest_below_the_first_detachment_and_a_start_inside_the_cam():
+    assert chapter(30).run() == []
+    with pytest.raises(ValueError, match="inside"):
+        chapter(30).run(q=0.05)
+
+
+def test_stretching_is_the_sensitivity_to_the_data():
+    """A chaotic run against one at a speed 1e-12 higher."""
+    base, other = (chapter(x).run(impacts=20) for x in (361.5, mpf(361.5) * (1 + mpf("1e-12"))))
+    for e, f in zip(base, other, strict=True):
+        assert e.kind == f.kind
+        assert abs(e.theta - f.theta) / (2 * mp.pi) < 1.01e-12 * e.stretching
+    assert base[-1].stretching > 100
