@@ -26,12 +26,21 @@ def mixed_rows(rows: Iterable[Sequence]) -> Iterator[str]:
         yield ",".join([repr(v) if isinstance(v, float) else str(v) for v in row]) + "\n"
 
 
-def number_rows(columns: Sequence[Iterable]) -> str:
-    """Lines of purely numeric columns, by one repr of the whole list (a tenth of the time)."""
-    rows = list(zip(*columns, strict=False))
-    if not rows:
-        return ""
-    return repr(rows)[2:-2].replace("), (", "\n").replace(", ", ",") + "\n"
+def number_rows(first: str, columns: Sequence[Iterable]) -> str:
+    """Lines that begin with `first`, then numeric columns; equal numbers are formatted once."""
+    texts = [repeat(first), *map(_texts, columns)]
+    lines = "\n".join(map(",".join, zip(*texts, strict=False)))
+    return lines + "\n" if lines else ""
+
+
+def _texts(column: Iterable) -> list[str]:
+    """repr of every value; a periodic orbit repeats few values, so each is formatted once."""
+    values = column.tolist() if hasattr(column, "tolist") else list(column)
+    distinct = set(values)
+    if len(distinct) * 2 > len(values):
+        return repr(values)[1:-1].split(", ") if values else []
+    known = {value: repr(value) for value in distinct}
+    return [known[value] for value in values]
 
 
 def trajectory_csv(simulation: Simulation) -> Iterator[str]:
@@ -70,5 +79,4 @@ def speeds_csv(sweep: Sweep) -> Iterator[str]:
 
 
 def _of_speed(speed: Speed, columns) -> str:
-    plain = [list(c.tolist() if hasattr(c, "tolist") else c) for c in columns]
-    return number_rows([repeat(speed.rpm), *plain])
+    return number_rows(repr(speed.rpm), columns)

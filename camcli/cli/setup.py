@@ -70,6 +70,7 @@ def set_up(request: Request, options: dict[str, tuple[Any, str]]) -> Setup:
         impact_budget=run.impact_budget,
         start=Start(run.start.q, run.start.v, run.start.theta_deg),
     )
+    backend.skip_blas = True
     if not request.quiet:
         _notes(follower)
         backend.on_compile = note

@@ -12,6 +12,7 @@ import importlib
 import os
 import sys
 import threading
+from contextlib import contextmanager
 from pathlib import Path
 
 MODULES = ("trig", "profile", "flight", "contact", "events", "sliding", "orbit", "lanes")
@@ -20,6 +21,7 @@ _functions: list = []
 _entries: set = set()
 _outlined: set = set()
 _compiled = False
+skip_blas = False  # set by the command line, see `without_blas`
 compile_seconds = 0.0  # spent loading numba and compiling, or reading the cache
 on_compile = None  # called with a line for the user when the kernel must be compiled anew
 _lock = threading.Lock()
@@ -121,6 +123,22 @@ def compile_kernel() -> None:
                 if callable(value) and getattr(value, "__hash__", None) and value in compiled:
                     setattr(module, name, compiled[value])
         _compiled = True
+
+
+@contextmanager
+def without_blas():
+    """Keep numba from importing scipy.linalg (0.2 s) for matrix products no kernel has.
+
+    Only where `skip_blas` is set: in another program's process numba may be wanted whole.
+    """
+    if not skip_blas or "scipy" in sys.modules:
+        yield
+        return
+    sys.modules["scipy"] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        del sys.modules["scipy"]
 
 
 def numbers(values, kind=float):

@@ -27,7 +27,7 @@ def flow(W, Z, G, q, w, s):
     """(q, w) after s of flight, by textbook formulas with the equilibrium subtracted (W > 0)."""
     rest = -G / W**2
     d = np.sqrt(complex(Z * Z - W * W))
-    cosh, sinh = np.cosh(d * s), np.sinh(d * s) / d
+    cosh, sinh = np.cosh(d * s), np.sinh(d * s) / d if d else s + 0j
     decay = np.exp(-Z * s)
     x, y = q - rest, w + Z * (q - rest)
     position = decay * (x * cosh + y * sinh).real

@@ -50,10 +50,12 @@ def run(rpm, machine=None, record=3, transient=0, tolerance=1e-9, budget=1_000_0
     return Orbit(machine or system(), rpm, wanted).run()
 
 
-def events(tape):
-    """(kind, turn, theta, q, u) of every logged event, with kinds in words."""
+def events(tape, first=0):
+    """(kind, turn, theta, q, u) of every logged event; `first`: 1 for a start off the strobe."""
     columns = zip(tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True)
-    return [(KINDS[int(k)], int(p), float(t), float(q), float(u)) for k, p, t, q, u in columns]
+    return [
+        (KINDS[int(k)], int(p) + first, float(t), float(q), float(u)) for k, p, t, q, u in columns
+    ]
 
 
 def reference(rpm, *, impacts=20, turns=None, cut=None, start=None, **changes):

@@ -1,0 +1,121 @@
+"""One look for every picture: colours by meaning, sizes for print, bytes without a date.
+
+Positions are pixels from the top left corner, so images land on the pixel grid of the PNG.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from string import ascii_lowercase
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+DPI = 200
+WIDTH = 1340  # px: 170 mm, the text width of an A4 page
+LINE = 30  # px from one line of text to the next
+
+# Okabe and Ito's colours, told apart by colour-blind readers, one meaning each.
+FLIGHT = "#0072B2"  # the follower, free
+STICKING = "#E69F00"  # the follower, pressed to the cam
+IMPACT = "#000000"
+CHATTER = "#CC79A7"  # where a chatter accumulates
+DETACHMENT = "#009E73"
+TROUBLE = "#D55E00"  # a status that is not ok
+CAM = "#4D4D4D"
+CAM_BODY = "#EFEFEF"
+GUIDE = "#9A9A9A"  # corners, turns: lines that help to read
+BAND = "#F3EEDF"  # the range shown enlarged in another panel
+
+DENSITY = LinearSegmentedColormap.from_list("cam", ["#9CCBE8", "#3D97CC", FLIGHT, "#003A5C", "k"])
+
+KEPT = ("backend", "backend_fallback", "interactive", "toolbar")  # not of our business
+RC = {
+    "axes.labelsize": 8,
+    "axes.linewidth": 0.6,
+    "axes.titlesize": 9,
+    "axes.formatter.useoffset": False,
+    "axes.unicode_minus": True,
+    "font.family": "DejaVu Sans",
+    "font.size": 8,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "lines.linewidth": 1.0,
+    "lines.solid_capstyle": "butt",
+    "mathtext.fontset": "dejavusans",
+    "xtick.direction": "out",
+    "xtick.labelsize": 8,
+    "xtick.major.size": 3,
+    "xtick.major.width": 0.6,
+    "ytick.labelsize": 8,
+    "ytick.major.size": 3,
+    "ytick.major.width": 0.6,
+}
+
+
+@contextmanager
+def page(path_or_buffer, height: int) -> Iterator[Figure]:
+    """A figure in our style whatever the user's matplotlibrc says, saved as PNG at the end."""
+    defaults = {k: v for k, v in matplotlib.rcParamsDefault.items() if k not in KEPT}
+    with matplotlib.rc_context({**defaults, **RC}):
+        figure = Figure(figsize=(WIDTH / DPI, height / DPI), dpi=DPI)
+        yield figure
+        figure.savefig(path_or_buffer, format="png", dpi=DPI, metadata={"Software": None})
+
+
+def place(figure: Figure, left: float, top: float, width: float, height: float, **more) -> Axes:
+    """Axes in pixels from the top left corner of the figure."""
+    whole = round(figure.get_figheight() * DPI)
+    box = (left / WIDTH, (whole - top - height) / whole, width / WIDTH, height / whole)
+    return figure.add_axes(box, **more)
+
+
+def write(figure: Figure, left: float, top: float, text: str, **more) -> None:
+    """Text whose top left corner is at a pixel."""
+    whole = round(figure.get_figheight() * DPI)
+    figure.text(left / WIDTH, 1.0 - top / whole, text, va="top", **more)
+
+
+def note(axes: Axes, text: str) -> None:
+    """Words in the middle of a panel that has nothing to draw."""
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=CAM)
+
+
+def number(value: float) -> str:
+    """A number as it reads best: 190, 198.56, 739.378."""
+    return f"{value:.10g}"
+
+
+def motion(label: str, longest: int = 32) -> str:
+    """A label for print: P(1;∞), long ones cut."""
+    text = label.replace("inf", "∞")
+    return text if len(text) <= longest else text[: longest - 2].rstrip(":;") + "…)"
+
+
+def corner_names(corners_deg: Sequence[float]) -> dict[str, float]:
+    """Corners as a, b, c, ... by phase; none where a cam has more than there are letters."""
+    if len(corners_deg) > len(ascii_lowercase):
+        return {}
+    return dict(zip(ascii_lowercase, sorted(corners_deg), strict=False))
+
+
+def spread(values: Sequence[float], gap: float, low: float, high: float) -> list[float]:
+    """Ascending positions moved apart to at least `gap`, each group centred, within the range."""
+    groups: list[list[float]] = []
+    for value in values:
+        groups.append([value])
+        while len(groups) > 1 and _first(groups[-1], gap) - _last(groups[-2], gap) < gap:
+            groups[-2:] = [groups[-2] + groups[-1]]
+    places = [_first(group, gap) + k * gap for group in groups for k in range(len(group))]
+    return [min(max(place, low), high) for place in places]
+
+
+def _first(group: list[float], gap: float) -> float:
+    return sum(group) / len(group) - gap * (len(group) - 1) / 2.0
+
+
+def _last(group: list[float], gap: float) -> float:
+    return sum(group) / len(group) + gap * (len(group) - 1) / 2.0
