@@ -1,8 +1,8 @@
 """Run the kernel in plain Python, or compile it with numba when there is work enough.
 
 Importing numba costs about 0.4 s and compiling a few seconds; plain Python does some ten
-thousand impacts a second. So every kernel function starts as plain Python, and `compile_kernel`
-replaces all of them by numba dispatchers in place. Both give the same bits.
+thousand impacts a second. So every kernel function is plain Python, and `compile_kernel` replaces
+the entry points in `lanes` by compiled copies. Both give the same bits.
 """
 
 from __future__ import annotations
@@ -14,8 +14,20 @@ import sys
 import threading
 from contextlib import contextmanager
 from pathlib import Path
+from types import FunctionType
 
-MODULES = ("trig", "profile", "flight", "contact", "events", "sliding", "orbit", "lanes")
+MODULES = (
+    "trig",
+    "profile",
+    "flight",
+    "contact",
+    "search",
+    "events",
+    "leap",
+    "sliding",
+    "orbit",
+    "lanes",
+)
 
 _functions: list = []
 _entries: set = set()
@@ -90,7 +102,7 @@ def _usable_cache() -> Path | None:
 
 
 def compile_kernel() -> None:
-    """Replace every kernel function by its numba dispatcher, in all kernel modules, once.
+    """Make the entry points in `lanes` numba dispatchers, once; all else stays plain Python.
 
     A cache folder that cannot be written only costs the compile time again.
     """
@@ -100,29 +112,40 @@ def compile_kernel() -> None:
             return
         import numba
 
-        modules = [importlib.import_module(f"{__package__}.{name}") for name in MODULES]
         folder = _usable_cache()
         if on_compile is not None and not is_cached():
             on_compile("compiling the kernel for this machine: some seconds, once ...")
         if folder is not None:
             numba.config.CACHE_DIR = str(folder)
-        compiled = {}
-        for function in _functions:
-            cached = function in _entries and folder is not None
-            # Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
-            jit = numba.njit(
-                nogil=True,
-                error_model="numpy",
-                cache=cached,
-                forceinline=function not in _entries and function not in _outlined,
-                _nrt=False,
-            )
-            compiled[function] = jit(function)
-        for module in modules:
-            for name, value in list(vars(module).items()):
-                if callable(value) and getattr(value, "__hash__", None) and value in compiled:
-                    setattr(module, name, compiled[value])
+        _replace_entries(numba.njit, folder is not None)
         _compiled = True
+
+
+def _replace_entries(njit, cached: bool) -> None:
+    """Compile copies of all kernel functions that see each other, and publish the entries.
+
+    The copies live in namespaces of their own, so that a plain function still calls plain ones.
+    """
+    modules = {name: importlib.import_module(f"{__package__}.{name}") for name in MODULES}
+    spaces = {module.__name__: dict(vars(module)) for module in modules.values()}
+    compiled = {}
+    for function in _functions:
+        copy = FunctionType(function.__code__, spaces[function.__module__], function.__name__)
+        copy.__module__, copy.__doc__ = function.__module__, function.__doc__
+        # Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
+        compiled[function] = njit(
+            nogil=True,
+            error_model="numpy",
+            cache=cached and function in _entries,
+            forceinline=function not in _entries and function not in _outlined,
+            _nrt=False,
+        )(copy)
+    for space in spaces.values():
+        for name, value in space.items():
+            if isinstance(value, FunctionType) and value in compiled:
+                space[name] = compiled[value]
+    for function in _entries:
+        setattr(modules["lanes"], function.__name__, compiled[function])
 
 
 @contextmanager

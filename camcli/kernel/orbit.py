@@ -4,19 +4,10 @@ from typing import Any, NamedTuple
 
 from camcli.errors import IMPACT_BUDGET, LOG_FULL, NO_RETURN, OK, PAUSED, UNRESOLVED
 from camcli.kernel.backend import kernel, outlined
-from camcli.kernel.events import (
-    ACCUMULATED,
-    BOUNCED,
-    FREE,
-    LANDED,
-    LOST,
-    RELEASED,
-    STEPS,
-    STUCK,
-    fly,
-    leap,
-)
+from camcli.kernel.events import BOUNCED, FREE, RELEASED, fly
+from camcli.kernel.leap import leap
 from camcli.kernel.profile import END, KICK, ROW, START, START0, START1, lift_at
+from camcli.kernel.search import ACCUMULATED, LANDED, LOST, STEPS, STUCK
 from camcli.kernel.sliding import slide
 
 RESTING = 3  # further `mode` beside FREE, BOUNCED, RELEASED

@@ -18,7 +18,7 @@ _TYPES = {
 
 
 class Expectations:
-    """Looks up paths in a JSON Schema; unions are resolved by the `kind` in the data."""
+    """Looks up paths in a JSON Schema; unions are resolved by the data's `kind` or the like."""
 
     def __init__(self, make_schema):
         self._make_schema = make_schema
@@ -53,11 +53,12 @@ class Expectations:
         return {**schema, "description": description or schema.get("description", "")}
 
     def _chosen(self, union: dict[str, Any], value: object) -> dict[str, Any]:
-        models = union.get("discriminator", {}).get("mapping", {})
-        kind = value.get("kind") if isinstance(value, dict) else None
-        if isinstance(kind, str) and kind in models:
-            return {"$ref": models[kind]}
-        return {"type": "object", "properties": {"kind": {"enum": list(models)}}}
+        by = union.get("discriminator", {})
+        name, models = by.get("propertyName", ""), by.get("mapping", {})
+        chosen = value.get(name) if isinstance(value, dict) else None
+        if isinstance(chosen, str) and chosen in models:
+            return {"$ref": models[chosen]}
+        return {"type": "object", "properties": {name: {"enum": list(models)}}}
 
     def dotted_paths(self, leaf: str) -> list[str]:
         """Dotted paths of the sections' keys with this name."""

@@ -35,7 +35,7 @@ class Translator:
         kind = error["type"]
         path = self._path(error["loc"], kind)
         if kind in ("union_tag_invalid", "union_tag_not_found"):
-            path = (*path, "kind")
+            path = (*path, error["ctx"]["discriminator"].strip("'"))
             kind = "missing" if kind == "union_tag_not_found" else "literal_error"
         node, key_mark = at(self.root, path)
         mark = key_mark if kind in _AT_KEY else node.mark

@@ -91,6 +91,7 @@ def test_every_fault_says_what_was_found_what_is_expected_and_what_to_do(faults)
         ("run: {record: yes}", "'yes'", "a whole number", "plain text"),
         ("run: {strobe_deg: 360}", "360", "at least 0 and less than 360", "in this range"),
         ("run: {start: resting}", "'resting'", "a map with the keys q, v, theta_deg", "key: value"),
+        ("run: {start: {q: 1 m}}", "'1 m'", "a finite number", "(height of the follower, m;"),
         ("run: [rpm, 700]", "a list", "a map with the keys rpm, start", "without dashes"),
         ("run: {<<: {rpm: 3}}", "merge key", "one of rpm, start", "write the keys out"),
         ("run: {recrod: 4}", "unknown key 'recrod'", "one of rpm", "did you mean 'record'?"),
@@ -163,6 +164,11 @@ def test_a_file_that_is_no_map_is_one_fault(faults, text):
     assert "follower, cam, run" in fault.expected
 
 
+def test_one_value_is_one_fault(faults, valid):
+    (fault,) = faults(valid + "run: {rpm: !!float fast}\n")
+    assert fault.found == "found the tag !!float"
+
+
 def test_too_many_faults_are_counted(faults, valid):
     found = faults(valid + "".join(f"k{i}: 1\n" for i in range(500)))
     assert len(found) == load_module.MAX_FAULTS + 1
@@ -180,12 +186,18 @@ from typing import Literal
 from pathlib import Path
 from pydantic import BaseModel, ConfigDict, Field
 import camcli.profiles
+class Linear(BaseModel):
+    shape: Literal["linear"]
+    gain: float = Field(gt=0, description="gain, m")
+class Square(BaseModel):
+    shape: Literal["square"]
 class Toy(BaseModel):
-    '''A stand-in for a second kind; it has a key named like its kind.'''
+    '''A stand-in for a second kind: a key named like it, and a union inside.'''
     model_config = ConfigDict(extra="forbid")
     kind: Literal["toy"]
     lift: float = Field(gt=0, description="lift, m")
     toy: float = Field(gt=0, description="toy, m")
+    law: Linear | Square = Field({"shape": "square"}, discriminator="shape", description="law")
 camcli.profiles.CAMS = (camcli.profiles.ArcsCam, Toy)
 from camcli.scene import load_scene
 from camcli.errors import SceneError
@@ -206,7 +218,18 @@ def test_two_kinds_of_cam(tmp_path):
         "cam: {kind: toy, lift: 1, toy: x}": "2:32 cam.toy expected a number greater than 0",
         "cam: {kind: toy, lift: '1', toy: 1}": "2:24 cam.lift expected a number greater than 0",
         "cam: {kind: toy, toy: 1}": ":2:1 cam.lift expected a number greater than 0",
-        "cam: {kind: toy, lift: 1, toy: 1, x: 1}": "2:35 cam.x expected one of kind, lift, toy",
+        "cam: {kind: toy, lift: 1, toy: 1, x: 1}": (
+            "2:35 cam.x expected one of kind, lift, toy, law"
+        ),
+        "cam: {kind: toy, lift: 1, toy: 1, law: {shape: linear, gain: x}}": (
+            "2:62 cam.law.gain expected a number greater than 0"
+        ),
+        "cam: {kind: toy, lift: 1, toy: 1, law: {shape: round}}": (
+            "2:48 cam.law.shape expected one of linear, square"
+        ),
+        "cam: {kind: toy, lift: 1, toy: 1, law: {}}": (
+            "2:35 cam.law.shape expected one of linear, square"
+        ),
         "cam: {lift: 1}": ":2:1 cam.kind expected one of arcs, toy",
         "cam: {kind: 3}": "2:13 cam.kind expected one of arcs, toy",
         "cam: toy": ":2:6 cam expected a map with the keys kind",

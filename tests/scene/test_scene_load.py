@@ -136,6 +136,7 @@ def test_resolved_scene_is_a_scene_again():
     scene = load_scene(None, ["run.start.q=0.1"])
     text = json.dumps(resolved(scene), allow_nan=False)
     assert Scene.model_validate(json.loads(text)) == scene
+    assert resolved(scene)["sweep"]["sections"] == ["impacts", "strobe"]
 
 
 def test_a_scene_does_not_change():

@@ -54,6 +54,7 @@ def test_empty_document_is_null(text):
 def test_aliases_stand_for_values_and_keys():
     root = parse("a: &x {b: 1}\nc: *x\nd: &k key\n*k : 2\n", FILE).root
     assert plain(root) == {"a": {"b": 1}, "c": {"b": 1}, "d": "key", "key": 2}
+    assert plain(parse("a: &n 010\n*n : &m 1\n*m : 3", FILE).root) == {"a": "010", "010": 1, "1": 3}
     assert str(at(root, ("c",))[0].mark) == "f:2:4"
     assert str(at(root, ("c", "b"))[0].mark) == "f:1:11"
 

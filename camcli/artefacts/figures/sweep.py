@@ -25,7 +25,8 @@ from camcli.artefacts.figures.density import (
     phase_range,
     shares,
 )
-from camcli.kernel.profile import ORDERS, PIECE, TERMS
+from camcli.errors import OK
+from camcli.kernel.profile import PIECE, TERMS
 from camcli.profiles.table import column
 from camcli.system import System
 
@@ -74,8 +75,10 @@ def _title(speeds: Sequence[Speed]) -> str:
     if not speeds:
         return "Bifurcation diagram"
     low, high = style.number(speeds[0].rpm), style.number(speeds[-1].rpm)
-    return f"Bifurcation diagram, {low} rpm" if low == high else (
-        f"Bifurcation diagram, {low} to {high} rpm"
+    return (
+        f"Bifurcation diagram, {low} rpm"
+        if low == high
+        else (f"Bifurcation diagram, {low} to {high} rpm")
     )
 
 
@@ -89,7 +92,7 @@ def _subtitle(speeds: Sequence[Speed], start_text: str) -> str:
 
 
 def _troubled(speeds: Sequence[Speed]) -> list[Speed]:
-    return Sweep(list(speeds), "", None).troubled
+    return [speed for speed in speeds if speed.status != OK]
 
 
 def _panels(speeds: Sequence[Speed]) -> list[_Panel]:
@@ -107,3 +110,122 @@ def _panels(speeds: Sequence[Speed]) -> list[_Panel]:
         largest = float(np.abs(cloud.values).max(initial=0.0))
         panels.append(_Panel(cloud, *padded(cloud.values, 0.1 * largest or 1.0), 430, False))
     return panels
+
+
+def _draw_panels(figure, panels: Sequence[_Panel], speeds, system: System, top: int) -> None:
+    columns = Columns.of([speed.rpm for speed in speeds], WIDE)
+    faintest = min(one_point([panel.cloud for panel in panels]), 0.1 * FULLEST)
+    norm = LogNorm(faintest, FULLEST, clip=True)
+    corners = style.corner_names(system.corners_deg)
+    image, last_phases = None, [panel.phases for panel in panels].count(True) - 1
+    for n, panel in enumerate(panels):
+        axes = style.place(figure, LEFT, top, WIDE, panel.height)
+        image = _draw_cloud(axes, panel, columns, norm) or image
+        axes.set_xlim(columns.low, columns.high)
+        axes.set_ylim(panel.low, panel.high)
+        _draw_troubles(axes, speeds)
+        if panel.phases:
+            _draw_corners(axes, panel, corners)
+            _draw_cam(figure, panel, system, corners, top, n == last_phases)
+        else:
+            axes.set_ylabel("stroboscopic position $q$ (m)")
+        if n < len(panels) - 1:
+            axes.tick_params(labelbottom=False)
+        else:
+            axes.set_xlabel("cam speed (rpm)")
+        top += panel.height + GAP
+    if image is not None:
+        _draw_key(figure, image)
+
+
+def _draw_cloud(axes: Axes, panel: _Panel, columns: Columns, norm: LogNorm):
+    """The points as one image on the pixels of the panel; words where there are none."""
+    if not len(panel.cloud.values):
+        what = "no impact" if panel.phases else "no whole turn recorded"
+        style.note(axes, f"{what} at any of these speeds")
+        return None
+    if panel.enlarged is not None:
+        axes.axhspan(*panel.enlarged, color=style.BAND, linewidth=0, zorder=0)
+    return axes.imshow(
+        shares(panel.cloud, columns, panel.low, panel.high, panel.height),
+        extent=(columns.low, columns.high, panel.low, panel.high),
+        origin="lower",
+        aspect="auto",
+        interpolation="none",
+        cmap=style.DENSITY,
+        norm=norm,
+        zorder=2,
+    )
+
+
+def _draw_troubles(axes: Axes, speeds: Sequence[Speed]) -> None:
+    """A red tick below every speed whose status is not ok."""
+    rpms = [speed.rpm for speed in _troubled(speeds)]
+    ticks = {"marker": "|", "markersize": 7, "markeredgewidth": 0.9, "linestyle": ""}
+    bottom = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
+    axes.plot(rpms, [0.0] * len(rpms), color=style.TROUBLE, **ticks, **bottom)
+
+
+def _draw_corners(axes: Axes, panel: _Panel, corners: dict[str, float]) -> None:
+    """Thin lines at the corners of the cam, named at the right edge."""
+    seen = {name: phase for name, phase in corners.items() if panel.low <= phase <= panel.high}
+    gap = 24.0 * (panel.high - panel.low) / panel.height
+    places = style.spread(list(seen.values()), gap, panel.low, panel.high)
+    for (name, phase), place in zip(seen.items(), places, strict=True):
+        axes.axhline(phase, color=style.GUIDE, linewidth=0.5, zorder=1)
+        at = {"transform": axes.get_yaxis_transform(), "va": "center_baseline", "ha": "left"}
+        axes.text(1.012, place, name, color=style.CAM, **at)
+
+
+def _draw_cam(figure: Figure, panel: _Panel, system, corners, top: int, labelled: bool) -> None:
+    """The cam's lift and its derivatives beside a panel, over the same phases."""
+    theta, orders = _lift(system)
+    for k, (name, unit) in enumerate(CURVES):
+        left = CAM_LEFT + k * (CAM_WIDE + CAM_GAP)
+        axes = style.place(figure, left, top, CAM_WIDE, panel.height)
+        axes.plot(orders[k], theta, color=style.CAM, linewidth=0.9)
+        for phase in corners.values():
+            axes.axhline(phase, color=style.GUIDE, linewidth=0.5, zorder=1)
+        axes.set_ylim(panel.low, panel.high)
+        axes.xaxis.set_major_locator(MaxNLocator(1))
+        _phase_axis(axes, panel, k == 0)
+        if labelled:
+            axes.set_xlabel(f"{name}\n({unit})")
+        else:
+            axes.tick_params(labelbottom=False)
+
+
+def _phase_axis(axes: Axes, panel: _Panel, labelled: bool) -> None:
+    if (panel.low, panel.high) == (0.0, TURN_DEG):
+        axes.set_yticks(range(0, 361, 60))
+    if labelled:
+        axes.set_ylabel(r"impact phase $\theta$ (deg)")
+    else:
+        axes.tick_params(labelleft=False, left=False)
+
+
+def _lift(system: System) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Phases in degrees, and c, c_theta, c_thetatheta there; nan between stretches."""
+    cam = system.cam
+    pieces = np.asarray(cam.pieces, dtype=float).reshape(-1, PIECE)
+    starts, ends = column(cam, "START"), column(cam, "END")
+    first, count = column(cam, "FIRST"), column(cam, "COUNT")
+    theta, orders = [], [[] for _ in CURVES]
+    for n, (start, end) in enumerate(zip(starts, ends, strict=True)):
+        x = np.linspace(start, end, 2 + int((end - start) * 200))
+        k = ((x - start) / (end - start) * count[n]).astype(int)
+        piece = pieces[int(first[n]) + np.minimum(k, int(count[n]) - 1)]
+        theta += [np.degrees(x), [np.nan]]
+        for order, rows in enumerate(orders):
+            terms = piece[:, 1 + order * TERMS : 1 + (order + 1) * TERMS]
+            powers = (x - piece[:, 0])[:, None] ** np.arange(TERMS)
+            rows += [(terms * powers).sum(axis=1), [np.nan]]
+    return np.concatenate(theta), [np.concatenate(rows) for rows in orders]
+
+
+def _draw_key(figure: Figure, image) -> None:
+    """What the shades mean, right of the title."""
+    key = style.place(figure, LEFT + WIDE - 240, 22, 240, 16)
+    figure.colorbar(image, cax=key, orientation="horizontal", extend="max")
+    key.xaxis.set_major_formatter(PercentFormatter(1.0))
+    key.minorticks_off()

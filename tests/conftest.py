@@ -1,0 +1,48 @@
+"""Shared fixtures: the chapter's machine, and the command line as a user runs it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from camcli.analysis.engine import Settings, Start
+from camcli.scene import load_scene
+from camcli.system import Follower, System
+
+
+def chapter_system(strobe_deg: float = 0.0, **follower) -> System:
+    """The chapter's machine with some constants of the follower replaced."""
+    scene = load_scene(None)
+    values = {**scene.follower.model_dump(), **follower}
+    return System.build(Follower(**values), scene.cam.parts(), strobe_deg)
+
+
+def settings(transient: int = 0, record: int = 1, tolerance: float = 1e-9, **start) -> Settings:
+    """Settings of a run with a start given as q, v, theta_deg."""
+    return Settings(transient, record, tolerance, 1_000_000, Start(**start))
+
+
+@pytest.fixture(scope="session")
+def chapter() -> System:
+    return chapter_system()
+
+
+@pytest.fixture
+def cam(tmp_path: Path):
+    """Run `cam` in an empty folder; returns the finished process with text output."""
+
+    def call(*words: str, env: dict[str, str] | None = None) -> subprocess.CompletedProcess:
+        return subprocess.run(
+            [sys.executable, "-m", "camcli", *words],
+            cwd=tmp_path,
+            env={**os.environ, **(env or {})},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    return call

@@ -1,0 +1,70 @@
+"""The rules of the house: lint, format, import contracts, file sizes, what README promises."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+BIN = Path(sys.executable).parent
+
+
+def run(*words: str) -> subprocess.CompletedProcess:
+    return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("ruff", "check", "."), ("ruff", "format", "--check", "."), ("lint-imports", "--no-cache")],
+    ids=["ruff check", "ruff format", "import contracts"],
+)
+def test_tool_finds_nothing(words):
+    done = run(str(BIN / words[0]), *words[1:])
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_files_stay_readable():
+    long = {
+        str(path.relative_to(ROOT)): count
+        for path in (ROOT / "camcli").rglob("*.py")
+        if (count := len(path.read_text().splitlines())) > 300
+    }
+    assert not long
+
+
+def test_every_public_definition_says_what_it_does():
+    bare = []
+    for path in (ROOT / "camcli").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            kinds = (ast.FunctionDef, ast.ClassDef)
+            if isinstance(node, kinds) and not node.name.startswith("_") and _is_public(node):
+                bare.append(f"{path.relative_to(ROOT)}:{node.lineno} {node.name}")
+    assert not bare
+
+
+def _is_public(node) -> bool:
+    """A definition without a docstring that is not nested in a function."""
+    return ast.get_docstring(node) is None and node.col_offset == 0
+
+
+def test_ci_runs_the_command_of_the_readme():
+    command = "python3 -m venv .venv && .venv/bin/pip install -q -e '.[test]' && .venv/bin/pytest"
+    assert command in (ROOT / "README.md").read_text()
+    assert command in (ROOT / ".ci" / "run").read_text()
+
+
+def test_default_scene_is_the_chapter_and_complete():
+    from camcli.scene import Scene, default_scene_path, load_scene, resolved
+
+    assert default_scene_path().read_text() == (ROOT / "configs" / "chapter.yaml").read_text()
+    assert set(resolved(load_scene(None))) == set(Scene.model_fields)
+
+
+def test_schema_beside_the_configs_is_current():
+    import json
+
+    from camcli.scene import json_schema
+
+    assert json.loads((ROOT / "configs" / "schema.json").read_text()) == json_schema()
