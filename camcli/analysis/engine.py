@@ -35,7 +35,7 @@ __all__ = ["DETACHMENT", "IMPACT", "Cost", "Orbit", "Settings", "Start", "StartE
 
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
 EVERYTHING = 1 << 62
-FIRST_CAPACITY = 1024
+FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
 
 
 @dataclass(frozen=True)
@@ -122,16 +122,18 @@ class Orbit:
     def run(self, events: bool = True, strobes: bool = True) -> Tape:
         """Run transient and record; `events` and `strobes` say what is logged at all."""
         rows = self.settings.record if strobes else 0
-        strobe = Strobe([0.0] * (2 * rows), [0] * (2 * rows), rows)
+        strobe = Strobe(backend.zeros(2 * rows), backend.zeros(2 * rows, int), rows)
         if rows and self.count[PERIOD] == 0:
-            strobe.state[:2] = self.position()
+            strobe.state[0], strobe.state[1] = self.position()
         logs: list[Log] = []
-        capacity = FIRST_CAPACITY if events else 0
+        capacity = (
+            min(max(FIRST_CAPACITY, 2 * self.settings.record), MOST_CAPACITY) if events else 0
+        )
         while True:
             status, log, strobe = self._slice(capacity, strobe)
             logs.append(log)
             if status == LOG_FULL:
-                capacity *= 2
+                capacity = min(2 * capacity, MOST_CAPACITY)
             elif status == PAUSED:
                 compile_for(self.system)
             else:
@@ -210,6 +212,10 @@ def _joined(parts: list):
     """Concatenate lists or arrays; a mixture (compiled in mid-run) becomes a list."""
     if len(parts) == 1:
         return parts[0]
+    if not any(isinstance(part, list) for part in parts):
+        import numpy as np
+
+        return np.concatenate(parts)
     joined: list = []
     for part in parts:
         joined.extend(part if isinstance(part, list) else part.tolist())

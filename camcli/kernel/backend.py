@@ -170,9 +170,9 @@ def numbers(values, kind=float):
     kind is float or int. Lists keep plain Python free of numpy scalars, which are slow.
     """
     if not _compiled:
-        return [kind(value) for value in values]
+        return values if isinstance(values, list) else [kind(value) for value in values]
     np = sys.modules.get("numpy") or importlib.import_module("numpy")
-    return np.array(values, dtype=np.float64 if kind is float else np.int64)
+    return np.asarray(values, dtype=np.float64 if kind is float else np.int64)
 
 
 def zeros(count: int, kind=float):

@@ -55,6 +55,12 @@ def fly(cam, lane, turns, i, theta, gap, rate, begin, work):
     bound = energy + cam.rows[i * ROW + JERK_MAX]
     end = cam.rows[i * ROW + END] - theta
 
+    radius = cam.rows[i * ROW + RADIUS]
+    if begin == BOUNCED and accel >= 0.0 and 6.0 * rate > bound * radius * radius:
+        # gap >= rate s - bound s^3/6 > 0 as far as a series reaches: no short hop to look for
+        return search(
+            cam, lane, turns, i, theta, gap, rate, q, w, force, q2, q3, c2, energy, end, work
+        )
     if (begin != FREE and accel >= 0.0) or begin == RELEASED:
         return _leave(cam, lane, turns, i, theta, rate, q, w, force, q2, q3, c2, energy, end, work)
     if begin == BOUNCED and rate <= 0.0:

@@ -1,4 +1,4 @@
-"""Point clouds as pictures: points counted per speed and pixel, ranges worth showing."""
+"""What the picture of a sweep shows: points counted per pixel, ranges, the cam's curves."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from camcli.kernel.profile import PIECE, TERMS, Cam
+from camcli.profiles.table import column
 
 TURN_DEG = 360.0
 WIDEST = 8  # px, column of one speed where there are few
@@ -20,7 +23,6 @@ class Cloud:
 
     values: np.ndarray
     owner: np.ndarray
-    counts: np.ndarray
 
     @classmethod
     def of(cls, columns: Sequence) -> Cloud:
@@ -29,8 +31,7 @@ class Cloud:
         values = np.concatenate([*arrays, np.empty(0)])
         owner = np.repeat(np.arange(len(arrays)), [len(array) for array in arrays])
         finite = np.isfinite(values)
-        values, owner = values[finite], owner[finite]
-        return cls(values, owner, np.bincount(owner, minlength=len(arrays)))
+        return cls(values[finite], owner[finite])
 
     def ends(self) -> tuple[np.ndarray, np.ndarray]:
         """Smallest and largest value of every speed that has any."""
@@ -53,6 +54,11 @@ class Columns:
     bins: int
     bin_of_speed: np.ndarray
     bin_of_column: np.ndarray
+
+    @property
+    def width(self) -> int:
+        """Of the picture, in pixels."""
+        return len(self.bin_of_column)
 
     @classmethod
     def of(cls, rpms: Sequence[float], width: int) -> Columns:
@@ -97,9 +103,10 @@ def shares(cloud: Cloud, columns: Columns, low: float, high: float, height: int)
     return np.ma.masked_equal(picture, 0.0)
 
 
-def one_point(clouds: Sequence[Cloud]) -> float:
-    """The share that a single point has where the points are most."""
-    return 1.0 / max([1, *(int(cloud.counts.max(initial=0)) for cloud in clouds)])
+def one_point(clouds: Sequence[Cloud], columns: Columns) -> float:
+    """The share that a single point has in the column with most of them."""
+    totals = [np.bincount(columns.bin_of_speed[cloud.owner]) for cloud in clouds]
+    return 1.0 / max([1, *(int(total.max(initial=0)) for total in totals)])
 
 
 def padded(values: np.ndarray, constant: float) -> tuple[float, float]:
@@ -132,3 +139,20 @@ def enlarged_range(cloud: Cloud) -> tuple[float, float] | None:
         return None
     low, high = padded(np.concatenate([low[narrow], high[narrow]]), 5.0)
     return (max(low, 0.0), min(high, TURN_DEG)) if high - low <= NARROW_DEG else None
+
+
+def lift_curves(cam: Cam, count: int) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Phases in degrees, and there c and its first derivatives by theta; nan between stretches."""
+    pieces = np.asarray(cam.pieces, dtype=float).reshape(-1, PIECE)
+    theta, orders = [], [[] for _ in range(count)]
+    columns = [column(cam, name) for name in ("START", "END", "FIRST", "COUNT")]
+    for start, end, first, number in zip(*columns, strict=True):
+        x = np.linspace(start, end, 2 + int((end - start) * 200))
+        k = ((x - start) / (end - start) * number).astype(int)
+        piece = pieces[int(first) + np.minimum(k, int(number) - 1)]
+        powers = (x - piece[:, 0])[:, None] ** np.arange(TERMS)
+        theta += [np.degrees(x), [np.nan]]
+        for order, rows in enumerate(orders):
+            terms = piece[:, 1 + order * TERMS : 1 + (order + 1) * TERMS]
+            rows += [(terms * powers).sum(axis=1), [np.nan]]
+    return np.concatenate(theta), [np.concatenate(rows) for rows in orders]

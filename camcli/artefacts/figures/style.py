@@ -30,7 +30,9 @@ CAM_BODY = "#EFEFEF"
 GUIDE = "#9A9A9A"  # corners, turns: lines that help to read
 BAND = "#F3EEDF"  # the range shown enlarged in another panel
 
-DENSITY = LinearSegmentedColormap.from_list("cam", ["#9CCBE8", "#3D97CC", FLIGHT, "#003A5C", "k"])
+DENSITY = LinearSegmentedColormap.from_list(
+    "cam", [(0.0, "#A9D3EE"), (0.33, "#4FA3D6"), (0.6, FLIGHT), (0.82, "#003A5C"), (1.0, "black")]
+)
 
 KEPT = ("backend", "backend_fallback", "interactive", "toolbar")  # not of our business
 RC = {

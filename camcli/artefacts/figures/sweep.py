@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, PercentFormatter
+from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.sweep import Speed, Sweep, status_name
 from camcli.artefacts.figures import style
@@ -20,19 +20,19 @@ from camcli.artefacts.figures.density import (
     Cloud,
     Columns,
     enlarged_range,
+    lift_curves,
     one_point,
     padded,
     phase_range,
     shares,
 )
 from camcli.errors import OK
-from camcli.kernel.profile import PIECE, TERMS
-from camcli.profiles.table import column
 from camcli.system import System
 
-LEFT, WIDE, RIGHT = 365, 925, 50  # px, of the diagrams
-CAM_LEFT, CAM_WIDE, CAM_GAP = 105, 68, 16  # px, of the three cam curves beside them
+LEFT, RIGHT = 110, 50  # px, margins of the diagrams
+CAM, CAM_GAP = 72, 18  # px, width of the three curves of the cam beside them
 GAP, BOTTOM = 36, 90  # px, between panels and below the last
+KEY = 140  # px, height of the scales above the panels
 CHARS = 118  # in a line of the subtitle
 FULLEST = 0.1  # share of a speed's points in a pixel from which it is darkest
 CURVES = (("$c$", "m"), (r"$c_\theta$", "m/rad"), (r"$c_{\theta\theta}$", "m/rad²"))
@@ -58,14 +58,15 @@ def draw_sweep(sweep: Sweep, system: System, path_or_buffer, *, start_text: str)
     speeds = sorted(sweep.speeds, key=lambda speed: speed.rpm)
     panels = _panels(speeds)
     lines = textwrap.wrap(_subtitle(speeds, start_text), CHARS)
-    top = 70 + style.LINE * len(lines) + 20
+    top = 54 + style.LINE * len(lines) + KEY
     heights = [panel.height for panel in panels] or [200]
     height = top + sum(heights) + GAP * (len(heights) - 1) + BOTTOM
     with style.page(path_or_buffer, height) as figure:
-        style.write(figure, 20, 16, _title(speeds), size=9, weight="bold")
-        style.write(figure, 20, 66, "\n".join(lines), linespacing=1.25)
+        style.write(figure, 20, 14, _title(speeds), size=9, weight="bold")
+        style.write(figure, 20, 54, "\n".join(lines), linespacing=1.25)
         if not panels:
-            empty = style.place(figure, LEFT, top, WIDE, heights[0], xticks=[], yticks=[])
+            wide = style.WIDTH - LEFT - RIGHT
+            empty = style.place(figure, LEFT, top, wide, heights[0], xticks=[], yticks=[])
             style.note(empty, "nothing was recorded")
             return
         _draw_panels(figure, panels, speeds, system, top)
@@ -112,30 +113,28 @@ def _panels(speeds: Sequence[Speed]) -> list[_Panel]:
     return panels
 
 
-def _draw_panels(figure, panels: Sequence[_Panel], speeds, system: System, top: int) -> None:
-    columns = Columns.of([speed.rpm for speed in speeds], WIDE)
-    faintest = min(one_point([panel.cloud for panel in panels]), 0.1 * FULLEST)
-    norm = LogNorm(faintest, FULLEST, clip=True)
-    corners = style.corner_names(system.corners_deg)
-    image, last_phases = None, [panel.phases for panel in panels].count(True) - 1
+def _draw_panels(figure: Figure, panels, speeds, system: System, top: int) -> None:
+    left = LEFT + (len(CURVES) * (CAM + CAM_GAP) + CAM_GAP if panels[0].phases else 0)
+    columns = Columns.of([speed.rpm for speed in speeds], style.WIDTH - left - RIGHT)
+    faintest = one_point([panel.cloud for panel in panels], columns)
+    norm = LogNorm(min(faintest, 0.1 * FULLEST), FULLEST, clip=True)
+    image, above = None, top
     for n, panel in enumerate(panels):
-        axes = style.place(figure, LEFT, top, WIDE, panel.height)
+        axes = style.place(figure, left, top, columns.width, panel.height)
         image = _draw_cloud(axes, panel, columns, norm) or image
-        axes.set_xlim(columns.low, columns.high)
-        axes.set_ylim(panel.low, panel.high)
+        axes.set(xlim=(columns.low, columns.high), ylim=(panel.low, panel.high))
+        axes.tick_params(labelbottom=panel is panels[-1])
         _draw_troubles(axes, speeds)
         if panel.phases:
-            _draw_corners(axes, panel, corners)
-            _draw_cam(figure, panel, system, corners, top, n == last_phases)
+            axes.tick_params(left=False, labelleft=False)
+            _draw_corners(axes, panel, system)
+            _draw_cam(figure, panel, system, top, n == 0)
         else:
             axes.set_ylabel("stroboscopic position $q$ (m)")
-        if n < len(panels) - 1:
-            axes.tick_params(labelbottom=False)
-        else:
-            axes.set_xlabel("cam speed (rpm)")
         top += panel.height + GAP
+    axes.set_xlabel("cam speed (rpm)")
     if image is not None:
-        _draw_key(figure, image)
+        _draw_key(figure, image, above - 60)
 
 
 def _draw_cloud(axes: Axes, panel: _Panel, columns: Columns, norm: LogNorm):
@@ -166,66 +165,52 @@ def _draw_troubles(axes: Axes, speeds: Sequence[Speed]) -> None:
     axes.plot(rpms, [0.0] * len(rpms), color=style.TROUBLE, **ticks, **bottom)
 
 
-def _draw_corners(axes: Axes, panel: _Panel, corners: dict[str, float]) -> None:
-    """Thin lines at the corners of the cam, named at the right edge."""
-    seen = {name: phase for name, phase in corners.items() if panel.low <= phase <= panel.high}
+def _corner_lines(axes: Axes, panel: _Panel, system: System) -> dict[str, float]:
+    """A thin line at every corner of the cam in the panel; returns those by name."""
+    names = style.corner_names(system.corners_deg)
+    seen = {name: phase for name, phase in names.items() if panel.low <= phase <= panel.high}
+    for phase in seen.values():
+        axes.axhline(phase, color=style.GUIDE, linewidth=0.5, zorder=1)
+    return seen
+
+
+def _draw_corners(axes: Axes, panel: _Panel, system: System) -> None:
+    """The corners' lines, named at the right edge."""
+    seen = _corner_lines(axes, panel, system)
     gap = 24.0 * (panel.high - panel.low) / panel.height
     places = style.spread(list(seen.values()), gap, panel.low, panel.high)
-    for (name, phase), place in zip(seen.items(), places, strict=True):
-        axes.axhline(phase, color=style.GUIDE, linewidth=0.5, zorder=1)
+    for name, place in zip(seen, places, strict=True):
         at = {"transform": axes.get_yaxis_transform(), "va": "center_baseline", "ha": "left"}
         axes.text(1.012, place, name, color=style.CAM, **at)
 
 
-def _draw_cam(figure: Figure, panel: _Panel, system, corners, top: int, labelled: bool) -> None:
+def _draw_cam(figure: Figure, panel: _Panel, system: System, top: int, first: bool) -> None:
     """The cam's lift and its derivatives beside a panel, over the same phases."""
-    theta, orders = _lift(system)
+    theta, orders = lift_curves(system.cam, len(CURVES))
     for k, (name, unit) in enumerate(CURVES):
-        left = CAM_LEFT + k * (CAM_WIDE + CAM_GAP)
-        axes = style.place(figure, left, top, CAM_WIDE, panel.height)
+        left = LEFT + k * (CAM + CAM_GAP)
+        axes = style.place(figure, left, top, CAM, panel.height)
         axes.plot(orders[k], theta, color=style.CAM, linewidth=0.9)
-        for phase in corners.values():
-            axes.axhline(phase, color=style.GUIDE, linewidth=0.5, zorder=1)
+        _corner_lines(axes, panel, system)
         axes.set_ylim(panel.low, panel.high)
-        axes.xaxis.set_major_locator(MaxNLocator(1))
-        _phase_axis(axes, panel, k == 0)
-        if labelled:
-            axes.set_xlabel(f"{name}\n({unit})")
-        else:
-            axes.tick_params(labelbottom=False)
+        if (panel.low, panel.high) == (0.0, TURN_DEG):
+            axes.set_yticks(range(0, 361, 60))
+        axes.tick_params(left=k == 0, labelleft=k == 0, bottom=False, labelbottom=False)
+        if k == 0:
+            axes.set_ylabel(r"impact phase $\theta$ (deg)" + ("" if first else ", enlarged"))
+        if first:
+            axes.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 5, 10], min_n_ticks=2))
+            axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90)
+            middle = left + CAM / 2
+            style.write(figure, middle, top - 124, f"{name}\n{unit}", ha="center", linespacing=1.0)
 
 
-def _phase_axis(axes: Axes, panel: _Panel, labelled: bool) -> None:
-    if (panel.low, panel.high) == (0.0, TURN_DEG):
-        axes.set_yticks(range(0, 361, 60))
-    if labelled:
-        axes.set_ylabel(r"impact phase $\theta$ (deg)")
-    else:
-        axes.tick_params(labelleft=False, left=False)
-
-
-def _lift(system: System) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Phases in degrees, and c, c_theta, c_thetatheta there; nan between stretches."""
-    cam = system.cam
-    pieces = np.asarray(cam.pieces, dtype=float).reshape(-1, PIECE)
-    starts, ends = column(cam, "START"), column(cam, "END")
-    first, count = column(cam, "FIRST"), column(cam, "COUNT")
-    theta, orders = [], [[] for _ in CURVES]
-    for n, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        x = np.linspace(start, end, 2 + int((end - start) * 200))
-        k = ((x - start) / (end - start) * count[n]).astype(int)
-        piece = pieces[int(first[n]) + np.minimum(k, int(count[n]) - 1)]
-        theta += [np.degrees(x), [np.nan]]
-        for order, rows in enumerate(orders):
-            terms = piece[:, 1 + order * TERMS : 1 + (order + 1) * TERMS]
-            powers = (x - piece[:, 0])[:, None] ** np.arange(TERMS)
-            rows += [(terms * powers).sum(axis=1), [np.nan]]
-    return np.concatenate(theta), [np.concatenate(rows) for rows in orders]
-
-
-def _draw_key(figure: Figure, image) -> None:
-    """What the shades mean, right of the title."""
-    key = style.place(figure, LEFT + WIDE - 240, 22, 240, 16)
+def _draw_key(figure: Figure, image, top: int) -> None:
+    """What the shades mean, above the right end of the first panel."""
+    left = style.WIDTH - RIGHT - 260
+    key = style.place(figure, left, top, 260, 14)
     figure.colorbar(image, cax=key, orientation="horizontal", extend="max")
-    key.xaxis.set_major_formatter(PercentFormatter(1.0))
+    key.xaxis.set_major_formatter(lambda share, _: f"{100.0 * share:g} %")
     key.minorticks_off()
+    words = "share of a speed's points in a pixel"
+    style.write(figure, left - 14, top - 8, words, ha="right")
