@@ -34,7 +34,7 @@ CAM, CAM_GAP = 72, 18  # px, width of the three curves of the cam beside them
 GAP, BOTTOM = 36, 90  # px, between panels and below the last
 KEY = 140  # px, height of the scales above the panels
 CHARS = 118  # in a line of the subtitle
-FULLEST = 0.1  # share of a speed's points in a pixel from which it is darkest
+FULLEST = 0.1  # share of a column's points per pixel from which it is darkest
 CURVES = (("$c$", "m"), (r"$c_\theta$", "m/rad"), (r"$c_{\theta\theta}$", "m/rad²"))
 
 
@@ -212,5 +212,5 @@ def _draw_key(figure: Figure, image, top: int) -> None:
     figure.colorbar(image, cax=key, orientation="horizontal", extend="max")
     key.xaxis.set_major_formatter(lambda share, _: f"{100.0 * share:g} %")
     key.minorticks_off()
-    words = "share of a speed's points in a pixel"
+    words = "share of a column's points per pixel"
     style.write(figure, left - 14, top - 8, words, ha="right")

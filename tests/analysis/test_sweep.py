@@ -1,0 +1,66 @@
+"""Sweeps: directions, sections, independence of threads and order."""
+
+import pytest
+from conftest import chapter_system, settings
+
+from camcli.analysis.engine import StartError
+from camcli.analysis.sweep import rpm_grid, sweep
+
+
+def rows(result):
+    return [(s.rpm, s.label, list(s.impacts[1]), list(s.strobe[1])) for s in result.speeds]
+
+
+def test_grid_hits_both_ends():
+    grid = rpm_grid(660.0, 760.0, 401)
+    assert (grid[0], grid[-1], len(grid)) == (660.0, 760.0, 401)
+    assert rpm_grid(3.0, 1.0, 3) == [3.0, 2.0, 1.0]
+    assert rpm_grid(5.0, 9.0, 1) == [5.0]
+
+
+def test_threads_and_order_change_nothing(chapter):
+    rpms = rpm_grid(736.0, 746.0, 7)
+    one = sweep(chapter, rpms, settings(50, 20), threads=1)
+    many = sweep(chapter, rpms, settings(50, 20), threads=4)
+    backwards = sweep(chapter, rpms[::-1], settings(50, 20), threads=2)
+    assert rows(one) == rows(many) == rows(backwards)[::-1]
+
+
+def test_from_rest_the_periodic_branch_begins_between_682_and_684(chapter):
+    result = sweep(chapter, [680.0, 682.0, 684.0, 700.0], settings(600, 100))
+    assert [s.label for s in result.speeds] == ["aperiodic", "aperiodic", "P(1;1)", "P(1;1)"]
+
+
+def test_carried_down_it_lives_to_the_corner_impact(chapter):
+    result = sweep(chapter, [735.0, 700.0, 680.0, 675.0, 673.5, 673.0], settings(600, 100),
+                   direction="down")  # fmt: skip
+    labels = {s.rpm: s.label for s in result.speeds}
+    assert [s.rpm for s in result.speeds] == [735.0, 700.0, 680.0, 675.0, 673.5, 673.0]
+    assert all(labels[rpm] == "P(1;1)" for rpm in (735.0, 700.0, 680.0, 675.0, 673.5))
+    assert labels[673.0] != "P(1;1)"
+
+
+def test_up_runs_in_ascending_order(chapter):
+    result = sweep(chapter, [190.0, 150.0], settings(5, 5), direction="up")
+    assert [s.rpm for s in result.speeds] == [150.0, 190.0]
+
+
+def test_only_what_was_asked_for_is_recorded(chapter):
+    result = sweep(chapter, [700.0], settings(5, 5), impacts=False)
+    assert result.speeds[0].impacts is None
+    result = sweep(chapter, [700.0], settings(5, 5), strobe=False)
+    assert result.speeds[0].strobe is None
+
+
+def test_start_below_the_cam_says_how_deep(chapter):
+    with pytest.raises(StartError, match=r"0\.05 m below"):
+        sweep(chapter, [700.0], settings(1, 1, q=0.05, v=0.0))
+
+
+def test_strobe_phase_moves_the_section_not_the_orbit():
+    plain = sweep(chapter_system(), [700.0], settings(600, 4))
+    moved = sweep(chapter_system(strobe_deg=90.0), [700.0], settings(600, 4))
+    assert list(moved.speeds[0].impacts[1]) == pytest.approx(
+        list(plain.speeds[0].impacts[1]), abs=1e-10
+    )
+    assert moved.speeds[0].strobe[1][0] != plain.speeds[0].strobe[1][0]
