@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from camcli.analysis.engine import Cost
 from camcli.artefacts.record import cost_record, error_record, run_record, to_text
 from camcli.artefacts.store import Store
 from camcli.cli.options import Request
+from camcli.cli.panel import note
 from camcli.cli.setup import Setup
 from camcli.scene import resolved, scene_hash
+
+ABSURD_HEIGHT = 1000.0  # times the cam's lift
 
 
 def finish(
@@ -53,6 +56,17 @@ def closing_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
         f"gap evaluations each); error per event: contact within {errors['contact_gap_m']:.1g} m, "
         f"accumulation within {errors['accumulation_phase_turns']:.1g} turn"
     )
+
+
+def warn_of_height(heights: Iterable[tuple[float, float]], top: float) -> None:
+    """Note speeds at which the follower flies absurdly high; heights are (rpm, largest q in m)."""
+    absurd = [(rpm, q) for rpm, q in heights if q > ABSURD_HEIGHT * abs(top)]
+    if absurd:
+        rpm, q = max(absurd, key=lambda pair: pair[1])
+        note(
+            f"warning: at {rpm:.10g} rpm the follower rises to {q:.3g} m, {q / abs(top):.3g} times "
+            "the cam's lift: a model of rigid bodies means little there"
+        )
 
 
 def table(title: str, columns: list[str], rows: list[list[str]]) -> None:

@@ -11,7 +11,7 @@ from camcli.artefacts.tables import events_csv, trajectory_csv
 from camcli.cli import plan
 from camcli.cli.options import Request
 from camcli.cli.panel import DONE, NUMERICS, note
-from camcli.cli.report import finish, table
+from camcli.cli.report import finish, table, warn_of_height
 from camcli.cli.setup import Setup, one_speed, set_up, start_fault
 from camcli.errors import OK, STATUSES
 from camcli.kernel import backend
@@ -42,6 +42,9 @@ def run(request: Request) -> int:
     if not request.json:
         _show(result)
     finish(NAME, request, setup, store, result.cost, seconds, _summary(result))
+    if not request.quiet:
+        highest = max((row[2] for row in result.trajectory), default=0.0)
+        warn_of_height([(rpm, highest)], setup.system.cam.top)
     if result.status != OK:
         status = STATUSES[result.status]
         note(f"{status.name}: {status.cause}; {status.cure}")
@@ -75,7 +78,7 @@ def _show(result: Simulation) -> None:
         [name, str(period), f"{theta:.10f}", f"{u:.6g}", f"{after:.6g}"]
         for _, period, theta, name, _, u, after in result.events[-SHOWN:]
     ]
-    title = f"{result.rpm:g} rpm: {result.label}, {len(result.events)} events recorded"
+    title = f"{result.rpm:.10g} rpm: {result.label}, {len(result.events)} events recorded"
     if len(result.events) > SHOWN:
         title += f", the last {SHOWN}"
     table(title, ["event", "period", "theta (deg)", "u- (m/s)", "u+ (m/s)"], rows)

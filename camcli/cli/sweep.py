@@ -14,7 +14,7 @@ from camcli.cli import plan
 from camcli.cli.options import Request
 from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.progress import bar
-from camcli.cli.report import finish, table
+from camcli.cli.report import finish, table, warn_of_height
 from camcli.cli.setup import Setup, set_up, speed_range, start_fault
 from camcli.errors import STATUSES
 from camcli.kernel import backend
@@ -42,6 +42,10 @@ def run(request: Request) -> int:
     if not request.json:
         _show(result)
     finish(NAME, request, setup, store, result.cost, seconds, _summary(result))
+    if not request.quiet:
+        strobed = [speed for speed in result.speeds if speed.strobe is not None]
+        heights = [(s.rpm, max(s.strobe[1], default=0.0)) for s in strobed]
+        warn_of_height(heights, setup.system.cam.top)
     return _verdict(result)
 
 
@@ -124,7 +128,8 @@ def _ranges(result: Sweep) -> list[tuple[str, str, Speed, Speed, int]]:
 def _show(result: Sweep) -> None:
     ranges = _ranges(result)
     rows = [
-        [label, f"{a.rpm:g}", f"{b.rpm:g}", str(n), status] for label, status, a, b, n in ranges
+        [label, f"{a.rpm:.10g}", f"{b.rpm:.10g}", str(n), status]
+        for label, status, a, b, n in ranges
     ]
     title = f"{len(result.speeds)} speeds, {len(ranges)} ranges of one label"
     if len(rows) > SHOWN:
@@ -136,7 +141,7 @@ def _verdict(result: Sweep) -> int:
     """Exit code 3 and a note per kind of trouble, with the speeds it happened at."""
     troubled = result.troubled
     for code in sorted({speed.status for speed in troubled}):
-        rpms = [f"{speed.rpm:g}" for speed in troubled if speed.status == code]
+        rpms = [f"{speed.rpm:.10g}" for speed in troubled if speed.status == code]
         shown = ", ".join(rpms[:5]) + (", ..." if len(rpms) > 5 else "")
         status = STATUSES[code]
         note(f"{status.name} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")

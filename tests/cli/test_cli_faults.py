@@ -91,3 +91,10 @@ def test_read_only_cache_only_costs_time(cam, tmp_path):
         env={"XDG_CACHE_HOME": str(tmp_path / "cache"), "CAMCLI_KERNEL": "compiled"},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("command", ["simulate", "sweep"])
+def test_warning_of_absurd_height(cam, command):
+    done = cam(command, "--no-plot", "--rpm", "1e6")
+    assert done.returncode == 0
+    assert "times the cam's lift" in done.stderr

@@ -40,6 +40,7 @@ def draw_simulation(simulation: Simulation, path_or_buffer, *, turns: int) -> No
         phase.set_ylabel(r"relative velocity $v - \dot c$ (m/s)")
         if trace is None:
             for axes in (motion, gap, phase):
+                axes.set(xticks=[], yticks=[])
                 style.note(axes, "no trajectory was sampled")
             return
         _draw_motion(motion, trace, simulation)

@@ -6,6 +6,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import degrees
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -32,8 +33,8 @@ from camcli.system import System
 LEFT, RIGHT = 110, 50  # px, margins of the diagrams
 CAM, CAM_GAP = 72, 18  # px, width of the three curves of the cam beside them
 GAP, BOTTOM = 36, 90  # px, between panels and below the last
-KEY = 140  # px, height of the scales above the panels
-CHARS = 118  # in a line of the subtitle
+KEY = 140  # px, height of the scales above the panels; half is enough without the cam
+CHARS = 108  # in a line of the subtitle
 FULLEST = 0.1  # share of a column's points per pixel from which it is darkest
 CURVES = (("$c$", "m"), (r"$c_\theta$", "m/rad"), (r"$c_{\theta\theta}$", "m/rad²"))
 
@@ -57,8 +58,8 @@ def draw_sweep(sweep: Sweep, system: System, path_or_buffer, *, start_text: str)
     """
     speeds = sorted(sweep.speeds, key=lambda speed: speed.rpm)
     panels = _panels(speeds)
-    lines = textwrap.wrap(_subtitle(speeds, start_text), CHARS)
-    top = 54 + style.LINE * len(lines) + KEY
+    lines = textwrap.wrap(_subtitle(speeds, start_text), CHARS, break_on_hyphens=False)
+    top = 54 + style.LINE * len(lines) + (KEY if panels and panels[0].phases else KEY // 2)
     heights = [panel.height for panel in panels] or [200]
     height = top + sum(heights) + GAP * (len(heights) - 1) + BOTTOM
     with style.page(path_or_buffer, height) as figure:
@@ -84,12 +85,12 @@ def _title(speeds: Sequence[Speed]) -> str:
 
 
 def _subtitle(speeds: Sequence[Speed], start_text: str) -> str:
-    text = f"{start_text}; {len(speeds)} speed" + ("s" if len(speeds) != 1 else "")
+    parts = [start_text, f"{len(speeds)} speed" + ("s" if len(speeds) != 1 else "")]
     troubles = Counter(status_name(speed.status) for speed in _troubled(speeds))
     if troubles:
         kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
-        text += f"; {troubles.total()} not ok, red ticks below the diagrams ({kinds})"
-    return text
+        parts.append(f"{troubles.total()} not ok, red ticks below the diagrams ({kinds})")
+    return "; ".join(part for part in parts if part)
 
 
 def _troubled(speeds: Sequence[Speed]) -> list[Speed]:
@@ -130,7 +131,8 @@ def _draw_panels(figure: Figure, panels, speeds, system: System, top: int) -> No
             _draw_corners(axes, panel, system)
             _draw_cam(figure, panel, system, top, n == 0)
         else:
-            axes.set_ylabel("stroboscopic position $q$ (m)")
+            phase = style.number(round(degrees(system.strobe), 9))
+            axes.set_ylabel(rf"stroboscopic $q$ (m), $\theta$ = {phase} deg")
         top += panel.height + GAP
     axes.set_xlabel("cam speed (rpm)")
     if image is not None:

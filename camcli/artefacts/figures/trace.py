@@ -55,7 +55,7 @@ class Trace:
             origin=origin,
             angle=360.0 * per_second * _finer(t, t, np.ones_like(t), parts)[0] + origin,
             cam=_finer(t, c, c_dot, parts)[0],
-            gap=np.maximum(gap, 0.0),
+            gap=np.maximum(gap, min(0.0, float((q - c).min()))),
             u=u,
             sticks=np.append(np.repeat(sticks[:-1], parts), sticks[-1]).astype(bool),
             events=_events(events, 360.0 * per_second, origin),
