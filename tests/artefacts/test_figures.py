@@ -176,7 +176,7 @@ def test_the_ends_of_the_range_are_inside():
     assert shares.mask[1:6, 4].all()
 
 
-def test_columns_are_even_for_even_speeds_and_shared_beyond_a_pixel_each():
+def test_columns_are_even_for_even_speeds_and_hold_several_beyond_one_per_pixel():
     columns = density.Columns.of(np.linspace(660.0, 760.0, 101), 303)
     assert np.bincount(columns.bin_of_column).tolist() == [3] * 101
     assert (columns.low, columns.high) == (659.5, 760.5)

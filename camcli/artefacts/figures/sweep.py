@@ -76,12 +76,8 @@ def draw_sweep(sweep: Sweep, system: System, path_or_buffer, *, start_text: str)
 def _title(speeds: Sequence[Speed]) -> str:
     if not speeds:
         return "Bifurcation diagram"
-    low, high = style.number(speeds[0].rpm), style.number(speeds[-1].rpm)
-    return (
-        f"Bifurcation diagram, {low} rpm"
-        if low == high
-        else (f"Bifurcation diagram, {low} to {high} rpm")
-    )
+    ends = dict.fromkeys(style.number(speed.rpm) for speed in (speeds[0], speeds[-1]))
+    return f"Bifurcation diagram, {' to '.join(ends)} rpm"
 
 
 def _subtitle(speeds: Sequence[Speed], start_text: str) -> str:
@@ -89,7 +85,7 @@ def _subtitle(speeds: Sequence[Speed], start_text: str) -> str:
     troubles = Counter(status_name(speed.status) for speed in _troubled(speeds))
     if troubles:
         kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
-        parts.append(f"{troubles.total()} not ok, red ticks below the diagrams ({kinds})")
+        parts.append(f"{troubles.total()} not ok, marked at the bottom edge ({kinds})")
     return "; ".join(part for part in parts if part)
 
 
