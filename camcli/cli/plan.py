@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 from camcli.analysis.engine import Orbit, Settings, with_turns
+from camcli.cli.report import table
 from camcli.errors import Fault, SceneError
 from camcli.kernel import backend
 from camcli.parallel import thread_count
@@ -28,8 +30,14 @@ class Plan:
     bytes: int
     memory: int
 
-    def lines(self) -> list[list[str]]:
-        """Rows for a table."""
+    def show(self, name: str, as_json: bool) -> None:
+        """Print the plan of `cam NAME`, as a table or as one JSON object."""
+        if as_json:
+            print(json.dumps({"command": name, "plan": asdict(self)}, indent=2))
+        else:
+            table(f"cam {name}, planned", ["what", "how much"], self._lines())
+
+    def _lines(self) -> list[list[str]]:
         return [
             ["orbits", f"{self.orbits}"],
             ["periods", f"{self.periods}"],

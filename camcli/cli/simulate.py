@@ -28,7 +28,7 @@ def run(request: Request) -> int:
     try:
         if request.dry_run:
             cost = plan.estimate(setup.system, [rpm], setup.settings, 1, 200.0, 110.0 * samples)
-            table("cam simulate, planned", ["", ""], cost.lines())
+            cost.show(NAME, request.json)
             return DONE
         store = Store(request.folder(NAME))
         began = perf_counter()

@@ -32,7 +32,7 @@ def run(request: Request) -> int:
     try:
         if request.dry_run:
             cost = plan.estimate(setup.system, rpms, setup.settings, request.threads, 65.0, 55.0)
-            table("cam sweep, planned", ["", ""], cost.lines())
+            cost.show(NAME, request.json)
             return DONE
         store = Store(request.folder(NAME))
         result, seconds = _compute(request, setup, rpms)

@@ -123,6 +123,8 @@ def test_dry_run_writes_nothing(cam, tmp_path):
     done = cam("sweep", "--rpm", "660:760", "--dry-run")
     assert done.returncode == 0
     assert all(word in done.stdout for word in ("orbits", "periods", "impacts", "seconds", "MB"))
+    done = cam("simulate", "--dry-run", "--json")
+    assert json.loads(done.stdout)["plan"]["periods"] == 1000
     assert list(tmp_path.iterdir()) == []
 
 
