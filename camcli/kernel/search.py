@@ -14,6 +14,7 @@ Contacts closer than the rounding of q - c (about 1e-16 of the lift) to a graze 
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.flight import flow
@@ -39,114 +40,114 @@ MEANING = 4.0 * 2.220446049250313e-16
 CONVERGED = 3e-6  # a Halley step this small, in units of u/accel, leaves less than one ulp
 
 
+class Flight(NamedTuple):
+    """A flight as it begins at theta within a stretch; derivatives by theta, m and rad."""
+
+    theta: float
+    gap: float  # q - c >= 0
+    rate: float  # d gap/dtheta
+    q: float
+    w: float  # q'
+    force: float  # G + W^2 q
+    q2: float  # q'' = -force - 2 Z w
+    q3: float
+    c2: float  # c_thetatheta
+    energy: float  # bound on the third derivative of q from here on
+    end: float  # rad to the end of the stretch
+
+
 @kernel
-def search(cam, lane, turns, i, theta, gap, rate, q, w, force, q2, q3, c2, energy, end, work):
+def flight_at(cam, lane, i, theta, gap, rate):
+    """The flight that begins with (gap, rate) at theta of stretch i."""
+    c, c1, c2 = lift_at(cam, i, theta)
+    q = c + gap
+    w = c1 + rate
+    force = lane.G + lane.W2 * q
+    q2 = -force - 2.0 * lane.Z * w
+    q3 = -2.0 * lane.Z * q2 - lane.W2 * w
+    energy = abs(q3) + lane.W * abs(q2)
+    end = cam.rows[i * ROW + END] - theta
+    return Flight(theta, gap, rate, q, w, force, q2, q3, c2, energy, end)
+
+
+@kernel
+def search(cam, lane, turns, i, f, work):
     """One certified step of a flight (see the module): CLEAR, LANDED or LOST."""
-    drift = cam.rows[i * ROW + JERK_MAX]
-    curvature = (2.0 * lane.Z + lane.W) * energy * 0.125
-    s = end
+    row = i * ROW
+    drift = cam.rows[row + JERK_MAX]
+    curvature = (2.0 * lane.Z + lane.W) * f.energy * 0.125
+    s = f.end
     if lane.W * s > PHASE_CAP:
         s = PHASE_CAP / lane.W
     for _ in range(MOST_HALVINGS):
-        if s == end and theta == cam.rows[i * ROW + START]:
-            work[CROSSINGS] += 1
-            o = 3 * cam.stretches * i
-            b, b1, p = turns[o], turns[o + 1], turns[o + 2]
-            x = q + (w * b - force * p)
-            v = w * b1 - force * b
-            g1 = x - cam.rows[i * ROW + END0]
-            u1 = v - cam.rows[i * ROW + END1]
-            y1 = -lane.G - lane.W2 * x - 2.0 * lane.Z * v
+        if s == f.end and f.theta == cam.rows[row + START]:
+            g1, u1, y1 = _across(cam, lane, turns, i, f, work)
         else:
-            g1, u1, a1 = gap_at(cam, lane, i, theta, q, w, force, s, work)
-            y1 = a1 + lift_at(cam, i, min(theta + s, cam.rows[i * ROW + END]))[2]
+            g1, u1, a1 = gap_at(cam, lane, i, f, s, work)
+            y1 = a1 + lift_at(cam, i, min(f.theta + s, cam.rows[row + END]))[2]
         slack = curvature * s * s
-        low = min(q2, y1) - slack - min(cam.rows[i * ROW + ACCEL_MAX], c2 + drift * s)
-        high = max(q2, y1) + slack - max(cam.rows[i * ROW + ACCEL_MIN], c2 - drift * s)
-        stop = cam.rows[i * ROW + END] if s == end else theta + s
+        low = min(f.q2, y1) - slack - min(cam.rows[row + ACCEL_MAX], f.c2 + drift * s)
+        high = max(f.q2, y1) + slack - max(cam.rows[row + ACCEL_MIN], f.c2 - drift * s)
+        stop = cam.rows[row + END] if s == f.end else f.theta + s
+        if (high <= 0.0 or (low >= 0.0 and f.rate < 0.0)) and g1 <= 0.0:
+            return land(cam, lane, i, f, s, guess(f.gap, f.rate, f.q2 - f.c2, s, g1, u1), work)
         if high <= 0.0:
-            if g1 > 0.0:
-                return CLEAR, stop, g1, u1
-            return land(
-                cam,
-                lane,
-                i,
-                theta,
-                q,
-                w,
-                force,
-                0.0,
-                s,
-                guess(gap, rate, q2 - c2, s, g1, u1),
-                work,
-            )
-        if low >= 0.0:
-            if rate >= 0.0 or (gap > 0.0 and u1 <= 0.0 and g1 > 0.0):
-                return CLEAR, stop, max(g1, 0.0), u1
-            if g1 <= 0.0:
-                return land(
-                    cam,
-                    lane,
-                    i,
-                    theta,
-                    q,
-                    w,
-                    force,
-                    0.0,
-                    s,
-                    guess(gap, rate, q2 - c2, s, g1, u1),
-                    work,
-                )
-            if u1 <= 0.0:
-                return CLEAR, stop, g1, u1
-            meet = (g1 - gap - u1 * s) / (rate - u1)
-            if gap + rate * meet > 0.0:
-                return CLEAR, stop, g1, u1
-            return dip(cam, lane, i, theta, gap, rate, q, w, force, s, stop, g1, u1, work)
-        if g1 > 0.0 and gap >= 0.0 and gap + rate * s + 0.5 * low * s * s > 0.0:
             return CLEAR, stop, g1, u1
-        if min(gap, g1) > 0.125 * high * s * s:
+        if low >= 0.0:
+            if f.rate >= 0.0 or u1 <= 0.0:
+                return CLEAR, stop, max(g1, 0.0), u1
+            meet = (g1 - f.gap - u1 * s) / (f.rate - u1)
+            if f.gap + f.rate * meet > 0.0:
+                return CLEAR, stop, g1, u1
+            return dip(cam, lane, i, f, s, stop, g1, u1, work)
+        if g1 > 0.0 and f.gap + f.rate * s + 0.5 * low * s * s > 0.0:
+            return CLEAR, stop, g1, u1
+        if min(f.gap, g1) > 0.125 * high * s * s:
             return CLEAR, stop, g1, u1
         s *= 0.5
-        if theta + s == theta:
+        if f.theta + s == f.theta:
             break
-    return LOST, theta, gap, rate
+    return LOST, f.theta, f.gap, f.rate
 
 
 @kernel
-def to_end(cam, lane, i, theta, gap, rate, q, w, force, hop, end, work):
-    """A concave flight whose predicted landing is near the stretch's end: look there first."""
-    g, u, _ = gap_at(cam, lane, i, theta, q, w, force, end, work)
-    if g > 0.0:
-        return CLEAR, cam.rows[i * ROW + END], g, u
-    return land(cam, lane, i, theta, q, w, force, 0.0, end, hop, work)
+def _across(cam, lane, turns, i, f, work):
+    """(gap, gap_rate, q'') at the end of stretch i of a flight from its start, by the table."""
+    work[CROSSINGS] += 1
+    o = 3 * cam.stretches * i
+    b, b1, p = turns[o], turns[o + 1], turns[o + 2]
+    x = f.q + (f.w * b - f.force * p)
+    v = f.w * b1 - f.force * b
+    y = -lane.G - lane.W2 * x - 2.0 * lane.Z * v
+    return x - cam.rows[i * ROW + END0], v - cam.rows[i * ROW + END1], y
 
 
 @kernel
-def gap_at(cam, lane, i, theta, q, w, force, s, work):
-    """(gap, gap_rate, gap_accel) after s of flight from (q, w) at theta, within stretch i."""
+def gap_at(cam, lane, i, f, s, work):
+    """(gap, gap_rate, gap_accel) after s rad of the flight, within stretch i."""
     work[EVALUATIONS] += 1
-    at = theta + s
+    at = f.theta + s
     if at > cam.rows[i * ROW + END]:
         at = cam.rows[i * ROW + END]
     c, c1, c2 = lift_at(cam, i, at)
     b, b1, p = flow(lane, s)
-    x = q + (w * b - force * p)
-    v = w * b1 - force * b
+    x = f.q + (f.w * b - f.force * p)
+    v = f.w * b1 - f.force * b
     return x - c, v - c1, -lane.G - lane.W2 * x - 2.0 * lane.Z * v - c2
 
 
 @kernel
-def land(cam, lane, i, theta, q, w, force, low, high, guess, work):
-    """Root of the gap between low (gap >= 0) and high (gap <= 0) where it is the only one.
+def land(cam, lane, i, f, high, first, work):
+    """Root of the gap between 0 and `high` (gap <= 0) where it is the only one; first: a guess.
 
     Halley's iteration kept inside the bracket. A step below CONVERGED u/accel leaves an error of
     its cube, less than one rounding, so the last evaluation is spared.
     """
-    s = guess if low < guess < high else 0.5 * (low + high)
+    low = 0.0
+    s = first if low < first < high else 0.5 * high
     u = 0.0
     for _ in range(MOST_REFINEMENTS):
-        g, u, a = gap_at(cam, lane, i, theta, q, w, force, s, work)
+        g, u, a = gap_at(cam, lane, i, f, s, work)
         if g > 0.0:
             low = s
         else:
@@ -158,10 +159,9 @@ def land(cam, lane, i, theta, q, w, force, low, high, guess, work):
             step = newton / (1.0 + 0.5 * curve) if abs(curve) < 0.5 else newton
         after = s + step
         if not low < after < high:
-            if abs(step) <= MEANING * (theta + s):
+            if abs(step) <= MEANING * (f.theta + s):
                 break
             after = 0.5 * (low + high)
-            step = after - s
             if after in (low, high):
                 break
         elif abs(step) * abs(a) <= CONVERGED * -u and abs(step) <= CONVERGED:
@@ -171,7 +171,7 @@ def land(cam, lane, i, theta, q, w, force, low, high, guess, work):
         s = after
     if u > 0.0:
         u = 0.0
-    return LANDED, min(theta + s, cam.rows[i * ROW + END]), 0.0, u
+    return LANDED, min(f.theta + s, cam.rows[i * ROW + END]), 0.0, u
 
 
 @kernel
@@ -190,22 +190,22 @@ def guess(gap, rate, accel, s, g1, u1):
 
 
 @outlined
-def dip(cam, lane, i, theta, gap, rate, q, w, force, end, stop, g_end, u_end, work):
+def dip(cam, lane, i, f, end, stop, g_end, u_end, work):
     """A convex gap with its minimum inside the step: Newton from the left, contact or minimum.
 
     Every iterate is left of the first root, if there is one (the tangent lies below the gap); a
     positive slope means that the minimum was passed without contact.
     """
     s = 0.0
-    g, u = gap, rate
+    g, u = f.gap, f.rate
     for _ in range(MOST_REFINEMENTS):
         if u >= 0.0:
             return CLEAR, stop, g_end, u_end
         step = -g / u
         if s + step == s or g <= 0.0:
-            return LANDED, theta + s, 0.0, u
+            return LANDED, f.theta + s, 0.0, u
         s += step
         if s >= end:
             return CLEAR, stop, g_end, u_end
-        g, u, _ = gap_at(cam, lane, i, theta, q, w, force, s, work)
-    return LANDED, theta + s, 0.0, u
+        g, u, _ = gap_at(cam, lane, i, f, s, work)
+    return LANDED, f.theta + s, 0.0, u
