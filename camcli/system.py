@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi, sqrt
+from math import isfinite, pi, sqrt
 
+from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import is_compiled
 from camcli.kernel.flight import Lane
 from camcli.kernel.profile import Cam
@@ -77,12 +78,17 @@ class System:
         """The dimensionless constants at one speed; tolerance as a fraction of a turn."""
         f, omega = self.follower, omega_of(rpm)
         W, Z = f.omega0 / omega, f.zeta / omega
+        numbers = (W * W, Z * Z, (f.gravity + f.preload / f.mass) / omega / omega)
+        if not all(isfinite(number) for number in numbers):
+            found = f"found omega0/omega = {W:g}, zeta/omega = {Z:g} at {rpm!r} rpm"
+            cure = "check mass, stiffness, damping, preload and rpm"
+            raise SceneError(Fault("", "follower", found, "expected numbers of this world", cure))
         return Lane(
             W=W,
             W2=W * W,
             Z=Z,
             D=(Z - W) * (Z + W),
-            G=(f.gravity + f.preload / f.mass) / omega / omega,
+            G=numbers[2],
             r=float(f.restitution),
             tolerance=tolerance * (2.0 * pi),
             impact_budget=impact_budget,

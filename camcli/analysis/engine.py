@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from math import pi
 from time import perf_counter
 
-from camcli.errors import LOG_FULL, PAUSED
+from camcli.errors import LOG_FULL, PAUSED, Fault, SceneError
 from camcli.kernel import backend, lanes
 from camcli.kernel.events import BOUNCED, FREE
 from camcli.kernel.orbit import (
@@ -58,8 +58,8 @@ class Settings:
     start: Start = field(default_factory=Start)
 
 
-class StartError(ValueError):
-    """The start lies below the cam; the message says how deep."""
+class StartError(SceneError):
+    """The start lies below the cam; the fault says how deep."""
 
 
 @dataclass(frozen=True)
@@ -238,10 +238,9 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start):
     gap = 0.0 if start.q is None else start.q - c
     rate = 0.0 if start.v is None else start.v / omega - c1
     if gap < 0.0:
-        raise StartError(
-            f"the follower starts {-gap:.6g} m below the cam: q = {start.q!r} m, "
-            f"c = {c!r} m at {start.theta_deg!r} deg"
-        )
+        found = f"found q = {start.q!r} m, {-gap:.6g} m below the cam"
+        expected = f"expected at least c = {c!r} m at {start.theta_deg!r} deg"
+        raise StartError(Fault("", "run.start.q", found, expected, "raise it, or null for rest"))
     on_strobe = i == cam.strobe and theta == cam.rows[i * ROW + START]
     count = [0] * 9
     count[MODE] = FREE if gap > 0.0 or rate < 0.0 else BOUNCED

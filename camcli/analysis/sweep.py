@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import pi
 
-from camcli.analysis.engine import Cost, Orbit, Settings, StartError, compile_for
+from camcli.analysis.engine import Cost, Orbit, Settings, compile_for
 from camcli.analysis.labels import label
 from camcli.errors import OK, STATUSES
 from camcli.kernel import backend
@@ -100,11 +100,7 @@ def _carried(system, rpms, settings, impacts, strobe):
     """Speeds one after the other, each starting where the one before ended."""
     start = settings.start
     for rpm in rpms:
-        try:
-            speed, orbit = _at(system, rpm, settings, impacts, strobe, start)
-        except StartError:  # rounding of q = c at the new speed: rest on the cam instead
-            start = settings.start
-            speed, orbit = _at(system, rpm, settings, impacts, strobe, start)
+        speed, orbit = _at(system, rpm, settings, impacts, strobe, start)
         start = orbit.here() if speed.status == OK else settings.start
         yield speed
 

@@ -77,13 +77,6 @@ def set_up(request: Request, options: dict[str, tuple[Any, str]]) -> Setup:
     return Setup(scene, system, settings)
 
 
-def start_fault(error: Exception) -> SceneError:
-    """A start below the cam, as a fault of the scene."""
-    return SceneError(
-        Fault("run.start", "", str(error), "expected q on or above the cam", "raise run.start.q")
-    )
-
-
 def _notes(follower: Follower) -> None:
     if follower.restitution == 1.0 and follower.damping == 0.0:
         note("warning: restitution 1 and no damping: nothing dissipates, no orbit attracts another")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from time import perf_counter
 
-from camcli.analysis.engine import StartError
 from camcli.analysis.simulate import Simulation, simulate
 from camcli.artefacts.store import Store
 from camcli.artefacts.tables import events_csv, trajectory_csv
@@ -12,7 +11,7 @@ from camcli.cli import plan
 from camcli.cli.options import Request
 from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.report import finish, table, warn_of_height
-from camcli.cli.setup import Setup, one_speed, set_up, start_fault
+from camcli.cli.setup import Setup, one_speed, set_up
 from camcli.errors import OK, STATUSES
 from camcli.kernel import backend
 
@@ -25,17 +24,14 @@ def run(request: Request) -> int:
     setup = set_up(request, one_speed(request))
     rpm, samples = setup.scene.run.rpm, setup.scene.simulate.samples
     plan.refuse_if_too_large(1 + samples // 4, setup.settings)
-    try:
-        if request.dry_run:
-            cost = plan.estimate(setup.system, [rpm], setup.settings, 1, 200.0, 110.0 * samples)
-            cost.show(NAME, request.json)
-            return DONE
-        store = Store(request.folder(NAME))
-        began = perf_counter()
-        result = simulate(setup.system, rpm, setup.settings, samples)
-        seconds = perf_counter() - began - backend.compile_seconds
-    except StartError as error:
-        raise start_fault(error) from None
+    if request.dry_run:
+        cost = plan.estimate(setup.system, [rpm], setup.settings, 1, 200.0, 110.0 * samples)
+        cost.show(NAME, request.json)
+        return DONE
+    store = Store(request.folder(NAME))
+    began = perf_counter()
+    result = simulate(setup.system, rpm, setup.settings, samples)
+    seconds = perf_counter() - began - backend.compile_seconds
     store.write_text("trajectory.csv", trajectory_csv(result))
     store.write_text("events.csv", events_csv(result))
     _draw(request, setup, store, result)

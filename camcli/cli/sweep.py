@@ -6,7 +6,6 @@ from contextlib import nullcontext
 from itertools import groupby
 from time import perf_counter
 
-from camcli.analysis.engine import StartError
 from camcli.analysis.sweep import FIXED, Speed, Sweep, rpm_grid, status_name, sweep
 from camcli.artefacts.store import Store
 from camcli.artefacts.tables import impacts_csv, speeds_csv, strobe_csv
@@ -15,7 +14,7 @@ from camcli.cli.options import Request
 from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.progress import bar
 from camcli.cli.report import finish, table, warn_of_height
-from camcli.cli.setup import Setup, set_up, speed_range, start_fault
+from camcli.cli.setup import Setup, set_up, speed_range
 from camcli.errors import STATUSES
 from camcli.kernel import backend
 
@@ -29,15 +28,12 @@ def run(request: Request) -> int:
     section = setup.scene.sweep
     plan.refuse_if_too_large(section.rpm.num, setup.settings)
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
-    try:
-        if request.dry_run:
-            cost = plan.estimate(setup.system, rpms, setup.settings, request.threads, 65.0, 55.0)
-            cost.show(NAME, request.json)
-            return DONE
-        store = Store(request.folder(NAME))
-        result, seconds = _compute(request, setup, rpms)
-    except StartError as error:
-        raise start_fault(error) from None
+    if request.dry_run:
+        cost = plan.estimate(setup.system, rpms, setup.settings, request.threads, 65.0, 55.0)
+        cost.show(NAME, request.json)
+        return DONE
+    store = Store(request.folder(NAME))
+    result, seconds = _compute(request, setup, rpms)
     _write(request, setup, store, result)
     if not request.json:
         _show(result)

@@ -1,0 +1,78 @@
+"""Lowest value over an interval, and a bracketed root; IEEE arithmetic only, no luck involved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf
+
+GOLDEN = 0.6180339887498949
+CLOSEST = 1e-9  # rad: a smooth minimum is then exact to rounding
+NARROW = 1e-12  # relative width of a bracket of speeds
+FIRST_CUT, MOST_STEPS = 0.2, 200
+
+
+def lowest(f: Callable[[float], float], low: float, high: float, samples: int):
+    """(value, x) of the smallest f on [low, high], ends included; f may be inf in places.
+
+    Every local minimum among the samples is refined by golden sections; f must be smooth enough
+    to have one minimum between three neighbouring samples.
+    """
+    xs = [low + (high - low) * (k / samples) for k in range(samples)] + [high]
+    ys = [f(x) for x in xs]
+    best = min(range(len(xs)), key=ys.__getitem__)
+    value, place = ys[best], xs[best]
+    for k, y in enumerate(ys):
+        left, right = max(k - 1, 0), min(k + 1, samples)
+        if y == inf or y > ys[left] or y > ys[right] or y == ys[left] == ys[right]:
+            continue
+        refined, x = _golden(f, xs[left], xs[right])
+        if refined < value:
+            value, place = refined, x
+    return value, place
+
+
+def _golden(f: Callable[[float], float], a: float, b: float):
+    x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+    fx, fy = f(x), f(y)
+    while b - a > CLOSEST:
+        if fx <= fy:
+            b, y, fy = y, x, fx
+            x = b - GOLDEN * (b - a)
+            fx = f(x)
+        else:
+            a, x, fx = x, y, fy
+            y = a + GOLDEN * (b - a)
+            fy = f(y)
+    return (fx, x) if fx <= fy else (fy, y)
+
+
+def bracket(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float):
+    """(low, high, f_low, f_high) with f_low < 0 <= f_high, narrowed to NARROW of high.
+
+    The ITP method: secant steps that never need more than one step beyond bisection, so a jump of
+    f is bracketed as well as a root. Needs f(low) < 0 <= f(high).
+    """
+    width = high - low
+    spare = 2.0 * width
+    for _ in range(MOST_STEPS):
+        goal = NARROW * high
+        if high - low <= goal:
+            break
+        spare *= 0.5
+        middle = 0.5 * (low + high)
+        reach = max(0.5 * goal, spare - 0.5 * (high - low))
+        x = (f_high * low - f_low * high) / (f_high - f_low) if f_high < inf else middle
+        push = max(FIRST_CUT * (high - low) * (high - low) / width, 0.3 * goal)
+        toward = 1.0 if middle >= x else -1.0
+        x = x + toward * push if push <= abs(middle - x) else middle
+        x = min(max(x, middle - reach), middle + reach)
+        if not low < x < high:
+            x = middle
+        if x in (low, high):
+            break
+        y = f(x)
+        if y < 0.0:
+            low, f_low = x, y
+        else:
+            high, f_high = x, y
+    return low, high, f_low, f_high
