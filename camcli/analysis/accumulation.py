@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
+from camcli import errors
 from camcli.analysis.detach import JUMP, OK, UNRESOLVED, Critical
-from camcli.analysis.detach_burst import FINEST, Bursts
+from camcli.analysis.detach_burst import Bursts
 from camcli.analysis.detach_regions import corner_list
 from camcli.analysis.detach_search import bracket
 from camcli.kernel.profile import TURN
@@ -92,13 +93,9 @@ def _changes(bursts, excess, speeds, goal, quantity="accumulation_at_corner") ->
 
 
 def _critical(bursts, quantity, goal, low, high, left, distance) -> Critical:
-    troubled = any(bursts.at(rpm).status != OK_KERNEL for rpm in (low, high))
+    troubled = any(bursts.at(rpm).status != errors.OK for rpm in (low, high))
     status = UNRESOLVED if troubled else (OK if distance < AT else JUMP)
     theta = goal.within
     if quantity == "completion_loss":  # where the chatter ends at the last complete speed
         theta = bursts.at(left[0]).release
     return Critical(quantity, goal.name, theta, 0.5 * (low + high), low, high, status)
-
-
-OK_KERNEL = 0
-PHASE_ERROR = FINEST * TURN  # rad, of every accumulation phase used here

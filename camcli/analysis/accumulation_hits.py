@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from camcli.analysis.accumulation import FAR, Goal
 from camcli.analysis.detach import JUMP, OK
 from camcli.analysis.detach_burst import Bursts
+from camcli.analysis.detach_force import DEG
 from camcli.analysis.detach_search import bracket
 
 AT = 1e-7  # rad: a landing this close to the corner, at a bracket of relative 1e-12, is on it
@@ -42,17 +43,17 @@ def corner_hits(bursts: Bursts, goal: Goal, low: float, high: float, count: int)
     for n in range(1, count + 1):
 
         def excess(rpm: float, n: int = n) -> float:
-            impacts = bursts.at(rpm).impacts
-            if len(impacts) >= n:
-                return impacts[n - 1] - goal.theta
-            return min(bursts.at(rpm).end, FAR) - goal.theta
+            burst = bursts.at(rpm, n)
+            if len(burst.impacts) >= n:
+                return burst.impacts[n - 1] - goal.theta
+            return min(burst.end, FAR) - goal.theta
 
         e_low, e_high = excess(low), excess(high)
         if not e_low < 0.0 <= e_high:
             continue
         a, b, e_a, e_b = bracket(excess, low, high, e_low, e_high)
         good = min(-e_a, e_b) < AT
-        ends = None if good else (e_a + goal.theta, e_b + goal.theta)
+        ends = None if good else ((e_a + goal.theta) * DEG, (e_b + goal.theta) * DEG)
         hits.append(Hit(n, goal.name, 0.5 * (a + b), a, b, OK if good else JUMP, ends))
         high = b
     return hits

@@ -62,17 +62,21 @@ def _at(system: System, force: Force, rpm: float, settings: Settings) -> Settled
     )
     orbit = Orbit(system, rpm, turns)
     tape = orbit.run(strobes=False)
-    bursts: list[list] = []  # region, phase it begins at, phase it ends at, impacts
+    bursts: list[list] = []  # region, phase it begins at, phase it ends at
     turn = []
+    landed = inf
     for kind, theta, phase in timeline(system, orbit, tape):
         if kind == DETACHMENT:
+            if bursts and bursts[-1][2] == inf:  # it rested unseen, below the kernel's resolution
+                bursts[-1][2] = landed
             bursts.append([_region(force, theta), phase, inf])
         elif kind == CHATTER and bursts and bursts[-1][2] == inf:
             bursts[-1][2] = phase
         elif kind == IMPACT and not bursts:
             bursts.append(["", phase, inf])
-        if kind == IMPACT and phase < TURN:
-            turn.append(theta * DEG)
+        if kind == IMPACT:
+            landed = phase
+            turn += [theta * DEG] if phase < TURN else []
     if tape.status == OK:
         bursts = _of_one_turn(bursts)
     offset = system.strobe

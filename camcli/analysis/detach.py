@@ -54,11 +54,12 @@ class Loss:
 
 @dataclass(frozen=True)
 class Detachment:
-    """`first` is None where no speed marks the beginning; `words` say why."""
+    """`first` is None where no speed marks the beginning; `words` say why, `never` which way."""
 
     first: Critical | None
     losses: list[Loss]
     words: list[str]
+    never: bool = False
 
     @property
     def first_loss(self) -> Loss | None:
@@ -78,7 +79,7 @@ def detachment(system: System) -> Detachment:
         return Detachment(None, losses, words)
     if not finite:
         never = "contact is never lost: the contact force stays positive at every speed"
-        return Detachment(None, losses, [never])
+        return Detachment(None, losses, [never], True)
     least = min(loss.opens.rpm for loss in finite)
     opens = next(loss.opens for loss in finite if loss.opens.rpm <= least * (1.0 + TIE))
     first = Critical(

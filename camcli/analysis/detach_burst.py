@@ -9,7 +9,7 @@ from camcli.analysis.detach_force import DEG, Force
 from camcli.analysis.engine import Cost, Orbit, Settings, Start
 from camcli.errors import OK
 from camcli.kernel.orbit import CHATTER, DETACHMENT, IMPACT
-from camcli.kernel.profile import TURN
+from camcli.kernel.profile import TURN, stretch_at
 from camcli.kernel.sliding import contact_accel
 from camcli.system import System, omega_of
 
@@ -39,20 +39,22 @@ class Bursts:
         self.system, self.force, self.theta = system, Force(system), theta
         self.impact_budget = impact_budget
         self.cost, self.count = Cost(), 0
-        self._known: dict[float, Burst] = {}
+        self._known: dict[tuple[float, int], Burst] = {}
 
-    def at(self, rpm: float) -> Burst:
-        """The burst at one speed, simulated once."""
-        if rpm not in self._known:
-            self._known[rpm] = self._simulated(rpm)
-        return self._known[rpm]
+    def at(self, rpm: float, impacts: int = 0) -> Burst:
+        """The burst at one speed, or its first `impacts` impacts; each simulated once."""
+        key = rpm, impacts
+        if key not in self._known:
+            self._known[key] = self._simulated(rpm, impacts)
+        return self._known[key]
 
-    def _simulated(self, rpm: float) -> Burst:
+    def _simulated(self, rpm: float, impacts: int) -> Burst:
         start = self._held_before(omega_of(rpm))
         if start is None:
             return Burst(inf, [], inf)
+        budget = impacts or self.impact_budget  # the kernel stops where it is used up
         for turns in TURNS:
-            settings = Settings(0, turns, FINEST, self.impact_budget, Start(None, None, start))
+            settings = Settings(0, turns, FINEST, budget, Start(None, None, start))
             orbit = Orbit(self.system, rpm, settings)
             tape = orbit.run(strobes=False)
             self.cost, self.count = self.cost + tape.cost, self.count + 1
@@ -85,8 +87,6 @@ def timeline(system: System, orbit: Orbit, tape) -> list[tuple[int, float, float
 
 
 def _pressed(system: System, orbit: Orbit, theta: float) -> bool:
-    from camcli.kernel.profile import stretch_at
-
     return contact_accel(system.cam, orbit.lane, stretch_at(system.cam, theta), theta)[0] < 0.0
 
 
@@ -95,7 +95,9 @@ def first_burst(system: System, orbit: Orbit, tape) -> Burst:
     release = origin = inf
     impacts: list[float] = []
     for kind, theta, phase in timeline(system, orbit, tape):
-        if kind == DETACHMENT and origin == inf:
+        if kind == DETACHMENT and origin < inf:  # it rested unseen, below the kernel's resolution
+            return Burst(release, impacts, impacts[-1] if impacts else release, tape.status)
+        if kind == DETACHMENT:
             release, origin = theta, phase
         elif origin < inf and kind == IMPACT:
             impacts.append(release + (phase - origin))

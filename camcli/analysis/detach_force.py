@@ -19,6 +19,7 @@ from camcli.kernel.sliding import slide
 from camcli.profiles.table import column
 from camcli.system import System, omega_of
 
+TIE = 1e-14  # relative difference that counts as none: the earlier stretch is named
 PER_PIECE = 48  # samples per polynomial piece in the search of extremes
 DEG = 57.29577951308232
 
@@ -82,7 +83,7 @@ class Force:
         for i in stretches:
             count = PER_PIECE * self.counts[i]
             value, theta = lowest(lambda x, i=i: f(i, x), self.starts[i], self.ends[i], count)
-            if value < best[0]:
+            if value < best[0] - TIE * abs(value):
                 best = value, i, theta
         return best
 

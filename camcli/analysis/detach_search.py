@@ -47,7 +47,7 @@ def _golden(f: Callable[[float], float], a: float, b: float):
 
 
 def bracket(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float):
-    """(low, high, f_low, f_high) with f_low < 0 <= f_high, narrowed to NARROW of high.
+    """(low, high, f_low, f_high) with f_low < 0 <= f_high, narrowed to a relative NARROW.
 
     The ITP method: secant steps that never need more than one step beyond bisection, so a jump of
     f is bracketed as well as a root. Needs f(low) < 0 <= f(high).
@@ -55,7 +55,7 @@ def bracket(f: Callable[[float], float], low: float, high: float, f_low: float, 
     width = high - low
     spare = 2.0 * width
     for _ in range(MOST_STEPS):
-        goal = NARROW * high
+        goal = NARROW * abs(high)
         if high - low <= goal:
             break
         spare *= 0.5

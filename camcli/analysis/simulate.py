@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 from camcli.analysis.engine import Cost, Orbit, Settings, Tape, compile_for
@@ -46,6 +46,7 @@ class _Node:
     q: float
     w: float
     sticking: bool
+    chatter: tuple[float, float] | None = None  # (u rad, length rad) of hops that follow unlogged
 
 
 def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Simulation:
@@ -89,6 +90,23 @@ def _since(theta: float, strobe: float) -> float:
     """Phase after the strobe, rad in [0, 2 pi)."""
     s = float(theta) - strobe
     return s if s >= 0.0 else s + TURN
+
+
+def _hopping(u: float, length: float, r: float, s: float) -> tuple[float, float]:
+    """(gap, gap_rate) at s in a chatter closed by the map: hops that shrink by r, m and m/rad.
+
+    The first begins with u and lasts (1 - r) length, so hop n has u r^n and (1 - r) length r^n; at
+    the share y of a hop the gap is u p y (1 - y). Exact up to what the chatter map neglects.
+    """
+    left = 1.0 - s / length
+    if left <= 0.0:
+        return 0.0, 0.0
+    shrink = 1.0
+    while shrink * r > left:
+        shrink *= r
+    y = (shrink - left) / ((1.0 - r) * shrink)
+    u *= shrink
+    return u * (1.0 - r) * length * shrink * y * (1.0 - y), u * (1.0 - 2.0 * y)
 
 
 class _Sampler:
@@ -136,7 +154,8 @@ class _Sampler:
         j = 0
         while j < len(self.grid) and self.grid[j] < node.s:
             j += 1
-        for kind, _, theta, q, u in self.by_period.get(p, []):
+        events = self.by_period.get(p, [])
+        for n, (kind, _, theta, q, u) in enumerate(events):
             s = _since(theta, self.strobe)
             while j < len(self.grid) and self.grid[j] < s:
                 yield self._sample(p, node, j)
@@ -148,7 +167,10 @@ class _Sampler:
                 yield (*at, (c1 + float(u)) * self.omega, *cam_now, FLIGHT)
             w = c1 - self.lane.r * float(u) if kind == IMPACT else c1
             node = _Node(s, float(q), w, kind == CHATTER)
-            if kind == IMPACT and self.lane.r * u == 0.0:
+            if kind == IMPACT and n + 1 < len(events) and events[n + 1][0] == CHATTER:
+                length = _since(events[n + 1][2], self.strobe) - s
+                node = replace(node, chatter=(-self.lane.r * float(u), length))
+            elif kind == IMPACT and self.lane.r * u == 0.0:
                 node = self._rested(node)
             yield (*at, w * self.omega, *cam_now, STICKING if node.sticking else FLIGHT)
         while j < len(self.grid) and self.grid[j] < stop:
@@ -159,7 +181,10 @@ class _Sampler:
     def _sample(self, p: int, node: _Node, j: int) -> tuple:
         theta, c, c1 = self.lifts[j]
         q, w = c, c1
-        if not node.sticking:
+        if node.chatter is not None:
+            gap, rate = _hopping(*node.chatter, self.lane.r, self.grid[j] - node.s)
+            q, w = c + gap, c1 + rate
+        elif not node.sticking:
             q, w = move(self.lane, node.q, node.w, self.grid[j] - node.s)
         return (
             (TURN * p + self.grid[j]) / self.omega,

@@ -5,14 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import repeat
 
+from camcli.analysis.detach_study import Study
 from camcli.analysis.simulate import Simulation
 from camcli.analysis.sweep import Speed, Sweep, status_name
+from camcli.system import omega_of
 
 TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "contact")
 EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
 IMPACTS = ("rpm", "period", "theta_deg", "q_m", "u_minus_m_per_s")
 STROBE = ("rpm", "period", "q_m", "v_m_per_s", "impacts", "chatter")
 SPEEDS = ("rpm", "label", "impacts", "lyapunov_per_period", "status")
+
+DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s")
+ACCUMULATION = ("rpm", "theta_deg")
+CORNER_HITS = ("impact", "corner", "rpm")
+FORCE = ("rpm", "theta_deg", "force_n")
 
 
 def header(columns: Sequence[str]) -> str:
@@ -76,6 +83,39 @@ def speeds_csv(sweep: Sweep) -> Iterator[str]:
         (speed.rpm, speed.label, speed.impact_count, "", status_name(speed.status))
         for speed in sweep.speeds
     )
+
+
+def detach_csv(study: Study) -> Iterator[str]:
+    """detach.csv: critical speeds; a speed that does not exist is inf, without a phase."""
+    yield header(DETACH)
+    for c in study.criticals:
+        theta = c.theta_deg if c.finite else ""
+        yield from mixed_rows([(c.quantity, c.region, theta, c.rpm, omega_of(c.rpm))])
+    for hold in study.holds:
+        if hold.detaches_rpm is not None:
+            theta = "" if hold.theta_deg is None else hold.theta_deg
+            omega = omega_of(hold.detaches_rpm)
+            row = (hold.quantity, hold.region, theta, hold.detaches_rpm, omega)
+            yield from mixed_rows([row])
+
+
+def accumulation_csv(study: Study) -> Iterator[str]:
+    """accumulation.csv"""
+    yield header(ACCUMULATION)
+    yield from mixed_rows((speed.rpm, end) for speed in study.speeds for end in speed.ends)
+
+
+def corner_hits_csv(study: Study) -> Iterator[str]:
+    """corner_hits.csv"""
+    yield header(CORNER_HITS)
+    yield from mixed_rows((hit.impact, hit.corner, hit.rpm) for hit in study.hits)
+
+
+def force_csv(study: Study) -> Iterator[str]:
+    """force.csv: two rows at a corner, one for each side."""
+    yield header(FORCE)
+    for curve in study.forces:
+        yield number_rows(repr(curve.rpm), (curve.theta_deg, curve.force_n))
 
 
 def _of_speed(speed: Speed, columns) -> str:

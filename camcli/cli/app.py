@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import Annotated
 
 import typer
 
@@ -47,6 +48,35 @@ Status: ok; impact-budget, no-return, unresolved: the row ends early, exit code 
 sweep.direction up or down carries the state from speed to speed, fixed starts each one alike.
 """
 
+DETACH_HELP = """Where contact is lost, where chattering ends, and which spring would hold.
+
+\b
+detach.csv        quantity, region, theta_deg, rpm, omega_rad_per_s
+accumulation.csv  rpm, theta_deg: where a complete chatter ends, a row per burst and speed
+corner_hits.csv   impact, corner, rpm: impact n after lift-off lands on a corner
+force.csv         rpm, theta_deg, force_n: contact force of a follower kept on the cam
+detach.png        impacts with accumulation curve and corner hits; the contact force
+
+\b
+Regions A1, A2, ... lie between the cam's corners a, b, c, ... Quantities of detach.csv:
+first_detachment        lowest speed at which the contact force reaches zero anywhere
+opens, fills            contact begins to be lost in a region; is lost all over it (inf: never)
+accumulation_at_corner  the burst from the first detachment ends exactly on the corner `region`
+completion_loss         its end reaches, one turn later, the phase of the next lift-off
+hold_stiffness, hold_preload, hold_both
+                        first detachment with the spring that --hold-to found (in run.json)
+
+\b
+Every critical speed has a bracket and a status in run.json: ok; never; at-standstill; jump (the
+end of the chatter jumps over a corner); unresolved, exit code 3. A curve of corner hits may end
+where its impact ceases to exist: run.json says where.
+"""
+
+HOLD_TO = Annotated[
+    str | None,
+    typer.Option("--hold-to", help="Find the spring that holds up to this speed.", metavar="RPM"),
+]
+
 
 def _simulate(request: Request) -> int:
     from camcli.cli.simulate import run
@@ -60,8 +90,15 @@ def _sweep(request: Request) -> int:
     return run(request)
 
 
+def _detach(request: Request) -> int:
+    from camcli.cli.detach import run
+
+    return run(request)
+
+
 command(app, "simulate", _simulate, SIMULATE_HELP)
 command(app, "sweep", _sweep, SWEEP_HELP)
+command(app, "detach", _detach, DETACH_HELP, {"hold_to": (HOLD_TO, None)})
 
 
 @app.command("schema", help="Print the scene's JSON Schema, for editors.")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -25,6 +25,7 @@ class Request:
     quiet: bool
     threads: int | None
     dry_run: bool
+    extra: dict[str, Any] = field(default_factory=dict)  # options of one command only
 
     def folder(self, command: str) -> Path:
         """Where the artefacts go."""
@@ -32,7 +33,9 @@ class Request:
 
     def as_options(self) -> dict[str, Any]:
         """The options that change artefacts, for the run record."""
-        return {"rpm": self.rpm, "points": self.points, "set": self.sets, "plot": not self.no_plot}
+        given = {key: value for key, value in self.extra.items() if value is not None}
+        shared = {"rpm": self.rpm, "points": self.points, "set": self.sets}
+        return {**shared, "plot": not self.no_plot, **given}
 
 
 COMMON: dict[str, tuple[Any, Any]] = {
@@ -90,18 +93,30 @@ COMMON: dict[str, tuple[Any, Any]] = {
 }
 
 
-def command(app: typer.Typer, name: str, run: Callable[[Request], int], help_text: str) -> None:
-    """Register `cam NAME` with the shared options; `run` returns the exit code."""
+def command(
+    app: typer.Typer,
+    name: str,
+    run: Callable[[Request], int],
+    help_text: str,
+    extra: Mapping[str, tuple[Any, Any]] | None = None,
+) -> None:
+    """Register `cam NAME` with the shared options; `run` returns the exit code.
+
+    `extra` declares options of this command alone, as in COMMON; they arrive in Request.extra.
+    """
+    own = dict(extra or {})
+    options = {**COMMON, **own}
 
     def call(**values: Any) -> None:
         values["sets"] = values["sets"] or []
+        values["extra"] = {key: values.pop(key) for key in own}
         raise typer.Exit(run(Request(**values)))
 
     call.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [
             inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=default)
-            for key, (kind, default) in COMMON.items()
+            for key, (kind, default) in options.items()
         ]
     )
-    call.__annotations__ = {key: kind for key, (kind, _) in COMMON.items()}
+    call.__annotations__ = {key: kind for key, (kind, _) in options.items()}
     app.command(name, help=help_text)(call)

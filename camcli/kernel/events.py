@@ -156,6 +156,4 @@ def _series(cam, i, f, t, hop, reach, work):
                 break
         s = after
     g, u = series_gap(f.gap, f.rate, t, s)
-    if u > 0.0:
-        u = 0.0
     return LANDED, min(f.theta + s, cam.rows[i * ROW + END]), 0.0, u

@@ -8,11 +8,10 @@ from camcli.kernel.events import BOUNCED, FREE, RELEASED, fly
 from camcli.kernel.leap import leap
 from camcli.kernel.profile import END, KICK, ROW, START, START0, START1, lift_at
 from camcli.kernel.search import ACCUMULATED, LANDED, LOST, STEPS, STUCK
-from camcli.kernel.sliding import slide
+from camcli.kernel.sliding import SKIP, slide
 
 RESTING = 3  # further `mode` beside FREE, BOUNCED, RELEASED
 IMPACT, CHATTER, DETACHMENT = 1, 2, 3  # event kinds in the log
-SKIP = 1e-8  # rad, past a phase where the contact force touches zero without lift-off
 MOST_STEPS_BETWEEN = 100_000  # without an impact or a corner
 
 THETA, GAP, RATE = 0, 1, 2  # entries of `state`

@@ -17,6 +17,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from camcli.kernel.backend import kernel, outlined
+from camcli.kernel.contact import series_accel, series_gap, taylor, taylor_holds
 from camcli.kernel.flight import flow
 from camcli.kernel.profile import (
     ACCEL_MAX,
@@ -124,8 +125,14 @@ def _across(cam, lane, turns, i, f, work):
 
 @kernel
 def gap_at(cam, lane, i, f, s, work):
-    """(gap, gap_rate, gap_accel) after s rad of the flight, within stretch i."""
+    """(gap, gap_rate, gap_accel) after s rad of the flight, within stretch i.
+
+    From the closed form of q and c, or where s is short from the gap's own series: q - c of two
+    large numbers would drown a low hop.
+    """
     work[EVALUATIONS] += 1
+    if taylor_holds(cam, lane, i, s):
+        return _gap_near(cam, lane, i, f, s)
     at = f.theta + s
     if at > cam.rows[i * ROW + END]:
         at = cam.rows[i * ROW + END]
@@ -134,6 +141,14 @@ def gap_at(cam, lane, i, f, s, work):
     x = f.q + (f.w * b - f.force * p)
     v = f.w * b1 - f.force * b
     return x - c, v - c1, -lane.G - lane.W2 * x - 2.0 * lane.Z * v - c2
+
+
+@outlined
+def _gap_near(cam, lane, i, f, s):
+    """`gap_at` by the Taylor series of order 6 about the beginning of the flight."""
+    t = taylor(cam, lane, i, f.theta, f.q2, f.q3, f.c2)
+    gap, rate = series_gap(f.gap, f.rate, t, s)
+    return gap, rate, series_accel(t, s)
 
 
 @kernel
@@ -169,8 +184,6 @@ def land(cam, lane, i, f, high, first, work):
             u += a * step
             break
         s = after
-    if u > 0.0:
-        u = 0.0
     return LANDED, min(f.theta + s, cam.rows[i * ROW + END]), 0.0, u
 
 

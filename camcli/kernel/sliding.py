@@ -21,6 +21,7 @@ from camcli.kernel.profile import (
 )
 
 MOST_STEPS = 500
+SKIP = 1e-8  # rad, past a phase where the contact force touches zero without lift-off
 ROUNDING = 4.0 * 2.220446049250313e-16
 
 
@@ -37,16 +38,19 @@ def contact_accel(cam, lane, i, theta):
 
 @outlined
 def slide(cam, lane, i, theta):
-    """(released, theta): first phase in the rest of stretch i where the contact force is zero.
+    """(released, theta): first phase in the rest of stretch i where the contact force is lost.
 
+    That is where a becomes positive, or is zero and rising; a force that only touches zero, or is
+    zero throughout, releases nothing. False comes with the phase that was reached.
     With |a''| <= M on the stretch, a + a' s + M s^2/2 < 0 up to its first root, so no zero is
     stepped over; near the zero the steps become Newton's.
     """
+    end = cam.rows[i * ROW + END]
     force = (
         lane.G + lane.W2 * cam.rows[i * ROW + LOW] + 2.0 * lane.Z * cam.rows[i * ROW + SLOPE_LOW]
     )
     if -force - cam.rows[i * ROW + ACCEL_MIN] < 0.0:
-        return False, cam.rows[i * ROW + END]
+        return False, end
     largest = max(abs(cam.rows[i * ROW + ACCEL_MIN]), abs(cam.rows[i * ROW + ACCEL_MAX]))
     curve = (
         lane.W2 * largest
@@ -55,18 +59,19 @@ def slide(cam, lane, i, theta):
     )
     for _ in range(MOST_STEPS):
         a, slope, size = contact_accel(cam, lane, i, theta)
-        if a >= -ROUNDING * size:
+        if a > ROUNDING * size or (a >= -ROUNDING * size and slope > 0.0):
             return True, theta
-        root = sqrt(slope * slope - 2.0 * curve * a)
-        if slope >= 0.0:
-            step = -2.0 * a / (slope + root)
-        elif curve > 0.0:
-            step = (root - slope) / curve
+        if a >= -ROUNDING * size:  # the force only touches zero here
+            step = max(-2.0 * slope / curve, SKIP) if curve > 0.0 else end
         else:
-            return False, cam.rows[i * ROW + END]
-        if theta + step >= cam.rows[i * ROW + END]:
-            return False, cam.rows[i * ROW + END]
+            root = sqrt(slope * slope - 2.0 * curve * a)
+            if slope >= 0.0 and slope + root > 0.0:
+                step = -2.0 * a / (slope + root)
+            else:
+                step = (root - slope) / curve if curve > 0.0 else end
+        if theta + step >= end:
+            return False, end
         if theta + step == theta:
             return True, theta
         theta += step
-    return True, theta
+    return False, theta

@@ -5,6 +5,7 @@ from camcli.scene.load import load_scene, resolved, scene_hash
 from camcli.scene.overrides import parse_rpm
 from camcli.scene.schema import (
     Cam,
+    Detach,
     Follower,
     RpmRange,
     Run,
@@ -17,6 +18,7 @@ from camcli.scene.schema import (
 
 __all__ = [
     "Cam",
+    "Detach",
     "Follower",
     "RpmRange",
     "Run",

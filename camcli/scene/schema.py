@@ -140,6 +140,36 @@ class Sweep(Section):
     )
 
 
+class DetachRange(RpmRange):
+    """Equally spaced speeds of the accumulation curve."""
+
+    start: Speed = Field(110.0, description="first speed, turns per minute")
+    stop: Speed = Field(200.0, description="last speed, turns per minute")
+    num: Whole = Field(181, ge=1, le=MOST_SPEEDS, description="number of speeds")
+
+
+class Detach(Section):
+    """What `cam detach` looks for; it always starts from rest."""
+
+    rpm: DetachRange = Field(default_factory=DetachRange, description="range of speeds")
+    settle: Whole = Field(
+        3, ge=0, le=MOST_TURNS, description="turns from rest before a speed is looked at"
+    )
+    impacts: Whole = Field(
+        8, ge=0, le=1000, description="corner hits are followed for impacts 1 to this"
+    )
+    force_rpm: Annotated[tuple[Speed, ...] | None, BeforeValidator(_items)] = Field(
+        None, description="speeds of the force curves, turns per minute; null: a telling few"
+    )
+    hold_to: Speed | None = Field(
+        None, description="speed up to which a spring shall hold contact; null: not asked"
+    )
+    margin_n: Number = Field(0.0, ge=0, description="least contact force up to hold_to, N")
+    precompression_m: Number = Field(
+        0.05, ge=0, description="preload per stiffness where hold_to chooses both, m"
+    )
+
+
 class Scene(Section):
     """Everything a run depends on."""
 
@@ -148,6 +178,7 @@ class Scene(Section):
     run: Run = Field(default_factory=Run, description="one simulation")
     simulate: Simulate = Field(default_factory=Simulate, description="cam simulate")
     sweep: Sweep = Field(default_factory=Sweep, description="cam sweep")
+    detach: Detach = Field(default_factory=Detach, description="cam detach")
 
 
 def json_schema() -> dict[str, Any]:

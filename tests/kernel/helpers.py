@@ -5,11 +5,13 @@ from math import pi
 
 from camcli.analysis.engine import Orbit, Settings, Start
 from camcli.profiles.arcs import ArcsCam
+from camcli.profiles.table import build
 from camcli.system import Follower, System
 from tests import oracle
 
+CLOSED = 0.85 - 0.45  # exact in doubles: package and oracle then have the same circles
 GEOMETRY = {
-    "base_radius": 0.4,
+    "base_radius": CLOSED,
     "flank_center": 0.45,
     "flank_radius": 0.85,
     "nose_center": 0.40393320723821,
@@ -24,19 +26,15 @@ MEANINGLESS = 1e9  # stretching above which doubles cannot follow
 
 
 @cache
-def parts():
-    """The smooth parts of the chapter's cam."""
-    return ArcsCam(kind="arcs", **GEOMETRY).parts()
+def cam(strobe_deg=0.0, base_radius=CLOSED):
+    """The table of the chapter's cam; base_radius=0.4 is what a user writes."""
+    parts = ArcsCam(kind="arcs", **{**GEOMETRY, "base_radius": base_radius}).parts()
+    return build(parts, strobe_deg)
 
 
-@cache
-def _system(strobe_deg, data):
-    return System.build(Follower(**dict(data)), parts(), strobe_deg)
-
-
-def system(strobe_deg=0.0, **changes):
+def system(strobe_deg=0.0, base_radius=CLOSED, **changes):
     """The chapter's follower on the chapter's cam, some constants changed."""
-    return _system(strobe_deg, tuple(sorted({**CHAPTER, **changes}.items())))
+    return System(Follower(**{**CHAPTER, **changes}), cam(strobe_deg, base_radius))
 
 
 def settings(record=3, transient=0, tolerance=1e-9, budget=1_000_000, **start):

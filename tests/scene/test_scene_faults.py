@@ -161,7 +161,7 @@ def test_wrong_kind_of_cam(faults, valid):
 @pytest.mark.parametrize("text", ["", "- a\n", "7\n", "# comment\n", "~\n"])
 def test_a_file_that_is_no_map_is_one_fault(faults, text):
     (fault,) = faults(text)
-    assert "follower, cam, run" in fault.expected
+    assert "a map with the sections follower, cam, run" in fault.expected
 
 
 def test_one_value_is_one_fault(faults, valid):

@@ -1,0 +1,155 @@
+"""Everything `cam detach` answers for one machine and one range of speeds, in one result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf
+
+from camcli import errors
+from camcli.analysis.accumulation import completion_loss, corners_ahead, reaching, scan_speeds
+from camcli.analysis.accumulation_hits import Hit, corner_hits
+from camcli.analysis.accumulation_range import Settled, settled
+from camcli.analysis.detach import JUMP, OK, STANDSTILL, Critical, Detachment, detachment
+from camcli.analysis.detach_burst import Bursts
+from camcli.analysis.detach_follow import Follow, follow
+from camcli.analysis.detach_force import Force, ForceCurve
+from camcli.analysis.engine import Cost, Settings, compile_for
+from camcli.analysis.hold import Hold, hold_to, replaced
+from camcli.kernel import backend
+from camcli.system import System
+
+LITTLE_WORK = 4000  # turns in all that plain Python does before a compiler would be loaded
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked beside the range: impacts to follow, force curves, and the spring to find."""
+
+    impacts: int = 8
+    force_rpm: Sequence[float] | None = None
+    hold_to: float | None = None
+    margin: float = 0.0
+    precompression: float = 0.05
+
+
+@dataclass(frozen=True)
+class Study:
+    """The answers. `hits` are landings on a corner, `ended` curves of hits that end in a graze.
+
+    `jumps`: changes of the burst's end that pass a corner without reaching it. `springs`: curves
+    at the speed of --hold-to, (name, curve), the present spring first.
+    """
+
+    detachment: Detachment
+    follows: list[Follow]
+    accumulation: list[Critical]
+    jumps: list[Critical]
+    completion: list[Critical]
+    hits: list[Hit]
+    ended: list[Hit]
+    speeds: list[Settled]
+    forces: list[ForceCurve]
+    holds: list[Hold]
+    springs: list[tuple[str, ForceCurve]]
+    cost: Cost
+
+    @property
+    def criticals(self) -> list[Critical]:
+        """Critical speeds in the order of detach.csv; standstill is no speed."""
+        d = self.detachment
+        rows = [d.first] if d.first else []
+        rows += [c for loss in d.losses for c in (loss.opens, loss.fills)]
+        return [c for c in rows + self.accumulation + self.completion if c.status != STANDSTILL]
+
+    @property
+    def troubled(self) -> list[tuple[float, int]]:
+        """(rpm, status) of the speeds whose simulation could not be finished."""
+        return [(speed.rpm, speed.status) for speed in self.speeds if speed.status != errors.OK]
+
+
+def study(
+    system: System,
+    rpms: list[float],
+    settings: Settings,
+    question: Question,
+    on_speed: Callable[[], None] = lambda: None,
+) -> Study:
+    """Answer `question`; settings.transient turns settle each of the speeds from rest."""
+    turns = len(rpms) * (settings.transient + 2)
+    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
+        compile_for(system)
+    found = detachment(system)
+    follows, cost = _follows(system, found, settings)
+    events, more = _events(system, found, rpms, settings, question.impacts)
+    speeds = settled(system, rpms, settings, lambda speed: on_speed())
+    holds, springs = _springs(system, question)
+    force = Force(system)
+    return Study(
+        detachment=found,
+        follows=follows,
+        **events,
+        speeds=speeds,
+        forces=[force.curve(rpm) for rpm in _force_speeds(found, rpms, question.force_rpm)],
+        holds=holds,
+        springs=springs,
+        cost=sum((speed.cost for speed in speeds), cost + more),
+    )
+
+
+def _follows(system: System, found: Detachment, settings: Settings) -> tuple[list[Follow], Cost]:
+    follows, cost = [], Cost()
+    for loss in found.losses:
+        if found.first is not None and loss.opens.finite:
+            bursts = Bursts(system, loss.opens.theta, settings.impact_budget)
+            follows.append(follow(bursts, loss))
+            cost = cost + bursts.cost
+    return follows, cost
+
+
+def _events(system: System, found: Detachment, rpms, settings, impacts: int) -> tuple[dict, Cost]:
+    """Accumulation at corners, completion loss and corner hits of the first burst."""
+    reached: list[Critical] = []
+    completion: list[Critical] = []
+    hits: list[Hit] = []
+    first = found.first
+    bursts = Bursts(system, first.theta if first else 0.0, settings.impact_budget)
+    speeds = scan_speeds(rpms, first.rpm) if first else []
+    if speeds:
+        for goal in corners_ahead(bursts):
+            changes = reaching(bursts, goal, speeds)
+            reached += changes
+            if changes:
+                hits += corner_hits(bursts, goal, changes[0].low, speeds[-1], impacts)
+        completion = completion_loss(bursts, first.region, speeds)
+    events = {
+        "accumulation": [c for c in reached if c.status != JUMP],
+        "jumps": [c for c in reached if c.status == JUMP],
+        "completion": completion,
+        "hits": [hit for hit in hits if hit.status == OK],
+        "ended": [hit for hit in hits if hit.status != OK],
+    }
+    return events, bursts.cost
+
+
+def _springs(system: System, question: Question) -> tuple[list[Hold], list]:
+    rpm = question.hold_to
+    if rpm is None:
+        return [], []
+    holds = hold_to(system, rpm, question.margin, question.precompression)
+    springs = [("present spring", Force(system).curve(rpm))]
+    for hold in holds:
+        if hold.stiffness is not None and hold.preload is not None:
+            other = replaced(system, hold.stiffness, hold.preload)
+            springs.append((hold.words, Force(other).curve(rpm)))
+    return holds, springs
+
+
+def _force_speeds(found: Detachment, rpms: list[float], asked) -> list[float]:
+    """The speeds asked for, else the ends of the range, first detachment and filling."""
+    if asked is not None:
+        return list(dict.fromkeys(asked))
+    low, high = min(rpms), max(rpms)
+    telling = [found.first, found.first_loss.fills if found.first_loss else None]
+    between = [c.rpm for c in telling if c is not None and low < c.rpm < min(high, inf)]
+    return sorted({low, *between, high})

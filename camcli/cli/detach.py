@@ -1,0 +1,114 @@
+"""cam detach"""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+from camcli.analysis.accumulation_range import RECORD
+from camcli.analysis.detach import UNRESOLVED
+from camcli.analysis.detach_study import Question, Study, study
+from camcli.analysis.engine import Start
+from camcli.analysis.sweep import rpm_grid
+from camcli.artefacts.store import Store
+from camcli.artefacts.tables import accumulation_csv, corner_hits_csv, detach_csv, force_csv
+from camcli.cli import plan
+from camcli.cli.detach_words import show, summary
+from camcli.cli.options import Request
+from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.progress import bar
+from camcli.cli.report import finish
+from camcli.cli.setup import Setup, set_up, speed_range
+from camcli.errors import STATUSES, Fault, SceneError
+from camcli.kernel import backend
+from camcli.scene import parse_rpm
+
+NAME = "detach"
+
+
+def run(request: Request) -> int:
+    """Find where contact is lost and chatter ends, write the artefacts; returns the exit code."""
+    setup = set_up(request, _options(request))
+    section = setup.scene.detach.rpm
+    settings = replace(
+        setup.settings, transient=setup.scene.detach.settle, record=RECORD, start=Start()
+    )
+    setup = replace(setup, settings=settings)
+    plan.refuse_if_too_large(section.num, settings)
+    rpms = rpm_grid(section.start, section.stop, section.num)
+    if request.dry_run:
+        cost = plan.estimate(setup.system, rpms, settings, 1, 1.0, 20.0)
+        cost.show(NAME, request.json)
+        return DONE
+    store = Store(request.folder(NAME))
+    began = perf_counter()
+    result = _compute(request, setup, rpms)
+    seconds = perf_counter() - began - backend.compile_seconds
+    _write(request, setup, store, result)
+    if not request.json:
+        show(result, rpms)
+    finish(NAME, request, setup, store, result.cost, seconds, summary(result, rpms))
+    return _verdict(result)
+
+
+def _options(request: Request) -> dict[str, tuple[Any, str]]:
+    """Scene values of --rpm, --points and --hold-to."""
+    values = speed_range(request, "detach")
+    if request.rpm is not None and not isinstance(parse_rpm(request.rpm), tuple):
+        values["detach.force_rpm"] = ([parse_rpm(request.rpm)], "--rpm")
+    asked = request.extra["hold_to"]
+    if asked is not None:
+        values["detach.hold_to"] = (_speed(asked), "--hold-to")
+    return values
+
+
+def _speed(text: str) -> float:
+    try:
+        rpm = parse_rpm(text)
+    except SceneError as error:
+        raise SceneError(*(replace(fault, where="--hold-to") for fault in error.faults)) from None
+    if isinstance(rpm, tuple):
+        found = f"found the range '{text}'"
+        raise SceneError(Fault("--hold-to", "", found, "expected one speed", "give its top"))
+    return rpm
+
+
+def _compute(request: Request, setup: Setup, rpms: list[float]) -> Study:
+    section = setup.scene.detach
+    question = Question(
+        impacts=section.impacts,
+        force_rpm=section.force_rpm,
+        hold_to=section.hold_to,
+        margin=section.margin_n,
+        precompression=section.precompression_m,
+    )
+    with nullcontext() if request.quiet else bar("speeds", len(rpms)) as tick:
+        return study(setup.system, rpms, setup.settings, question, tick or (lambda: None))
+
+
+def _write(request: Request, setup: Setup, store: Store, result: Study) -> None:
+    store.write_text("detach.csv", detach_csv(result))
+    store.write_text("accumulation.csv", accumulation_csv(result))
+    store.write_text("corner_hits.csv", corner_hits_csv(result))
+    store.write_text("force.csv", force_csv(result))
+    if request.no_plot:
+        store.remove("detach.png")
+        return
+    from camcli.artefacts.figures.detach import draw_detach
+
+    store.write("detach.png", lambda file: draw_detach(result, setup.system, file))
+
+
+def _verdict(result: Study) -> int:
+    """Exit code 3 and a note where a speed or a simulation could not be settled."""
+    for code in sorted({status for _, status in result.troubled}):
+        rpms = [f"{rpm:.10g}" for rpm, status in result.troubled if status == code]
+        shown = ", ".join(rpms[:5]) + (", ..." if len(rpms) > 5 else "")
+        status = STATUSES[code]
+        note(f"{status.name} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
+    open_ = [c for c in result.criticals if c.status == UNRESOLVED]
+    for c in open_:
+        note(f"{UNRESOLVED}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket")
+    return NUMERICS if result.troubled or open_ else DONE

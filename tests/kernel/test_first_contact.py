@@ -1,0 +1,126 @@
+"""Impacts of whole orbits against the high-precision reference."""
+
+import itertools
+from math import inf, nextafter, pi, sqrt
+
+import pytest
+
+from tests.kernel.helpers import ORACLE_CAM, events, reference, run, system, worst_phase_error
+
+CRITICAL = 2 * sqrt(1430.8 * 1.221)
+TINY = 1e-16  # chatter tolerance, so that the hops of a chatter are flown one by one
+SCENES = {
+    "chapter at 700 rpm": (700.0, {}, {}),
+    "chapter at 190 rpm": (190.0, {}, {}),
+    "chapter at 358.5 rpm": (358.5, {}, {}),
+    "chapter at 745 rpm": (745.0, {}, {}),
+    "incomplete chatter": (199.0, {}, {}),
+    "underdamped": (400.0, {"damping": 20.0}, {}),
+    "critical": (700.0, {"damping": CRITICAL}, {}),
+    "overdamped": (900.0, {"damping": 300.0}, {}),
+    "strongly overdamped": (130.0, {"damping": 2000.0}, {}),
+    "gravity": (500.0, {"gravity": 9.81}, {}),
+    "gravity and preload": (300.0, {"gravity": 9.81, "preload": 50.0}, {}),
+    "stiff and fast": (50000.0, {"stiffness": 1e8}, {}),
+    "elastic": (500.0, {"restitution": 1.0}, {}),
+    "nearly elastic": (300.0, {"restitution": 0.99}, {}),
+    "plastic": (500.0, {"restitution": 0.0}, {}),
+    "no spring": (200.0, {"stiffness": 0.0, "gravity": 9.81}, {}),
+    "no spring, damped": (200.0, {"stiffness": 0.0, "gravity": 9.81, "damping": 1.0}, {}),
+    "thrown": (500.0, {}, {"q": 0.7, "v": 3.0}),
+    "thrown down": (250.0, {"damping": 5.0}, {"q": 0.3, "v": -4.0}),
+}
+
+
+def both(rpm, changes, start, impacts=20):
+    """Events of the package and of the oracle."""
+    theirs = reference(rpm, impacts=impacts, cut=1e-18, start=start, **changes)
+    turns = max(event.turn for event in theirs) + 2
+    ours = events(run(rpm, system(**changes), record=turns, tolerance=TINY, **start))
+    return ours, theirs
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_twenty_impacts(scene):
+    rpm, changes, start = SCENES[scene]
+    ours, theirs = both(rpm, changes, start)
+    assert len(ours) >= len(theirs) - 1
+    worst, compared = worst_phase_error(ours, theirs)
+    assert compared >= (10 if "no spring" in scene else 20)
+    assert worst < 1e-12
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_speeds_of_the_impacts(scene):
+    """u- of an impact hangs on the phase error; positions lie on the cam."""
+    rpm, changes, start = SCENES[scene]
+    ours, theirs = both(rpm, changes, start, impacts=10)
+    omega = rpm * pi / 30
+    for (kind, _, theta, q, u), event in zip(ours, theirs, strict=False):
+        if event.stretching > 1e6:
+            break
+        assert abs(q - float(ORACLE_CAM.c(theta))) < 1e-15
+        if kind == "impact":
+            assert abs(u * omega - event.u_minus) < 1e-9 * abs(event.u_minus)
+
+
+@pytest.mark.parametrize("rpm", [114.98, 114.99, 115.0, 115.2, 116.0, 118.0])
+def test_hops_after_the_first_detachment(rpm):
+    """Hops of micrometres and less just above 114.979 rpm: no digit is lost to the size of q."""
+    ours, theirs = both(rpm, {}, {})
+    worst, compared = worst_phase_error(ours, theirs)
+    assert compared == 21
+    assert worst < 1e-12
+
+
+@pytest.mark.parametrize("rpm", [114.98, 115.0])
+def test_speeds_after_the_first_detachment(rpm):
+    """Impacts of 1e-7 m/s are resolved, not invented: u- falls from one to the next."""
+    ours, theirs = both(rpm, {}, {})
+    speeds = [-u for kind, _, _, _, u in ours[1:21] if kind == "impact"]
+    assert all(later < earlier for earlier, later in itertools.pairwise(speeds))
+    for (_, _, _, _, u), event in zip(ours[1:], theirs[1:], strict=False):
+        assert u * rpm * pi / 30 == pytest.approx(float(event.u_minus), rel=1e-6)
+
+
+HEAVY = {"mass": 1.0, "stiffness": 1.935, "damping": 370.0, "gravity": 14.5, "restitution": 0.5}
+
+
+@pytest.mark.parametrize("changes", [{"gravity": 9.81}, HEAVY], ids=["light", "heavy"])
+@pytest.mark.parametrize("corner", [0, 2])
+@pytest.mark.parametrize("before", [1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8])
+@pytest.mark.parametrize("u", [1e-6, 3e-4, 1e-2])
+def test_a_bounce_just_before_a_corner_is_a_bounce(changes, corner, before, u):
+    """However near the corner, a follower that leaves with u > 0 flies on."""
+    theta = float(ORACLE_CAM.breakpoints[corner]) - before
+    rpm = 400.0
+    v = rpm * pi / 30 * (float(ORACLE_CAM.c1(theta)) + u)
+    degrees = theta * 180 / pi
+    tape = run(rpm, system(**changes), record=2, tolerance=TINY, theta_deg=degrees, v=v)
+    there = {"theta": degrees * (pi / 180), "v": v}
+    (first,) = reference(rpm, impacts=1, cut=1e-18, start=there, **changes)
+    kind, turn, theta, _, _ = events(tape, 1)[0]
+    assert (kind, turn) == (first.kind, first.turn)
+    assert abs(theta - float(first.theta)) < 1e-6
+
+
+@pytest.mark.parametrize("n", range(1, 9))
+def test_no_hop_is_lost_when_an_impact_lands_next_to_a_corner(n):
+    """Speeds within a few ulp of those whose n-th impact is on c: the chatter goes on past c."""
+    corner, machine = float(ORACLE_CAM.breakpoints[2]), system()
+    rpms = [124.998297, 122.699318, 121.685872, 121.106981]
+    rpms += [120.735577, 120.481041, 120.299126, 120.165355]
+    low, high = rpms[n - 1] - 1e-3, rpms[n - 1] + 1e-3
+
+    def impacts(rpm):
+        rows = events(run(rpm, machine, record=1, tolerance=TINY))
+        return [row[2] for row in rows if row[0] == "impact"]
+
+    usual = len(impacts(high))
+    while high - low > 1e-14 * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if impacts(middle)[n - 1] < corner else (low, middle)
+    rpm = low - 8 * 1.42e-14
+    for _ in range(24):
+        assert abs(len(impacts(rpm)) - usual) <= 3, rpm
+        rpm = nextafter(rpm, inf)

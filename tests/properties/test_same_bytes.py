@@ -1,0 +1,130 @@
+"""The same bytes however the kernel runs and however the work is cut."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from camcli.analysis import engine
+from camcli.analysis.sweep import sweep
+from camcli.kernel import backend
+from tests.kernel.helpers import run, settings, system
+from tests.properties import digest
+
+ROOT = Path(__file__).resolve().parents[2]
+VARIANTS = {
+    "interpreted": {"CAMCLI_KERNEL": "python"},
+    "compiled": {"CAMCLI_KERNEL": "compiled"},
+    "compiled for any processor": {"CAMCLI_KERNEL": "compiled", "NUMBA_CPU_NAME": "generic"},
+    "numba without its compiler": {"CAMCLI_KERNEL": "compiled", "NUMBA_DISABLE_JIT": "1"},
+    "chosen by the program": {},
+}
+
+
+@pytest.fixture(scope="module")
+def outputs(tmp_path_factory):
+    """(compiled, hash) of each variant, each in its own process."""
+    inherited = ("CAMCLI_KERNEL", "NUMBA_CPU_NAME", "NUMBA_DISABLE_JIT")
+    base = {key: value for key, value in os.environ.items() if key not in inherited}
+    base["PYTHONPATH"] = str(ROOT)
+    found = {}
+    for name, changes in VARIANTS.items():
+        environment = {**base, **changes}
+        if "NUMBA_CPU_NAME" in changes:
+            environment["XDG_CACHE_HOME"] = str(tmp_path_factory.mktemp("cache"))
+        command = [sys.executable, "-m", "tests.properties.digest"]
+        done = subprocess.run(
+            command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=300
+        )
+        assert done.returncode == 0, done.stderr
+        found[name] = done.stdout.split()
+    return found
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_every_way_to_run_gives_the_same_bytes(outputs, name):
+    assert outputs[name][1] == outputs["interpreted"][1]
+
+
+def test_the_variants_differ_in_what_they_run(outputs):
+    compiled = {name: rows[0] == "True" for name, rows in outputs.items()}
+    assert compiled["compiled"]
+    assert compiled["compiled for any processor"]
+    assert not compiled["interpreted"]
+    assert not compiled["numba without its compiler"]
+
+
+def parts_of(tape):
+    columns = (tape.kind, tape.period, tape.theta, tape.u, tape.strobe_q, tape.strobe_w)
+    counts = tape.impacts, tape.chatter
+    rows = [[float(x) for x in column] for column in columns + counts]
+    return rows, tape.status, tape.cost, tape.detachments, tape.periods
+
+
+def always_plain(monkeypatch, steps):
+    """Slices of `steps` steps each, in whichever kernel runs, without ever compiling."""
+    monkeypatch.setattr(engine, "PLAIN_STEPS", steps)
+    monkeypatch.setattr(backend, "is_compiled", lambda: False)
+    monkeypatch.setattr(backend, "may_compile", lambda: True)
+    monkeypatch.setattr(engine, "compile_for", lambda machine: None)
+
+
+@pytest.mark.parametrize(("rpm", "damping"), [(745.0, 0.0), (190.0, 0.0), (520.0, 3.0)])
+@pytest.mark.parametrize("steps", [1, 2, 7, 100])
+def test_slices_do_not_change_an_orbit(monkeypatch, rpm, damping, steps):
+    if backend.is_compiled():
+        pytest.skip("the kernel of this process is compiled already")
+    whole = run(rpm, system(damping=damping), record=20, transient=3)
+    always_plain(monkeypatch, steps)
+    assert parts_of(run(rpm, system(damping=damping), record=20, transient=3)) == parts_of(whole)
+
+
+@pytest.mark.parametrize("capacity", [1, 2, 3, 64])
+def test_the_room_for_the_log_does_not_change_an_orbit(monkeypatch, capacity):
+    whole = run(190.0, record=12)
+    monkeypatch.setattr(engine, "FIRST_CAPACITY", capacity)
+    assert parts_of(run(190.0, record=12)) == parts_of(whole)
+
+
+def test_what_is_logged_does_not_change_an_orbit():
+    orbits = [engine.Orbit(system(), 745.0, settings(30)) for _ in range(3)]
+    tapes = [o.run(events=e, strobes=s) for o, (e, s) in zip(
+        orbits, [(True, True), (False, True), (True, False)], strict=True
+    )]  # fmt: skip
+    assert list(tapes[0].strobe_w) == list(tapes[1].strobe_w)
+    assert list(tapes[0].theta) == list(tapes[2].theta)
+    assert orbits[0].state == orbits[1].state == orbits[2].state
+
+
+def test_the_transient_is_the_same_orbit():
+    whole, late = run(745.0, record=40), run(745.0, record=20, transient=20)
+    assert list(whole.strobe_w)[20:40] == list(late.strobe_w)[:20]
+    assert list(whole.impacts)[20:40] == list(late.impacts)[:20]
+    assert [x for x, p in zip(whole.theta, whole.period, strict=True) if p >= 20] == list(
+        late.theta
+    )
+
+
+def test_lanes_do_not_know_of_each_other():
+    """Order of speeds and number of threads change no digit."""
+    rpms = [745.0, 190.0, 361.0, 682.0, 100.0, 520.0]
+    wanted = settings(30, transient=20)
+    first = sweep(system(), rpms, wanted, threads=1).speeds
+    second = sweep(system(), rpms[::-1], wanted, threads=2).speeds[::-1]
+    for a, b in zip(first, second, strict=True):
+        assert a.rpm == b.rpm
+        assert a.label == b.label
+        assert [list(x) for x in a.impacts] == [list(x) for x in b.impacts]
+        assert [list(x) for x in a.strobe] == [list(x) for x in b.strobe]
+
+
+def test_the_digest_sees_one_bit(monkeypatch):
+    """A check of the check: another last bit of one speed changes the hash."""
+    monkeypatch.setattr(digest, "ORBITS", [(745.0, {}, {}, 100)])
+    one, two = bytearray(), bytearray()
+    digest.digest(one.extend)
+    monkeypatch.setattr(digest, "ORBITS", [(745.0000000000001, {}, {}, 100)])
+    digest.digest(two.extend)
+    assert one != two
