@@ -21,6 +21,7 @@ MODULES = (
     "profile",
     "flight",
     "contact",
+    "near",
     "search",
     "events",
     "leap",

@@ -67,10 +67,3 @@ def series_gap(gap, rate, t, s):
     value = s * (t2 + s * (t3 + s * (t4 + s * (t5 + s * t6))))
     slope = s * (2.0 * t2 + s * (3.0 * t3 + s * (4.0 * t4 + s * (5.0 * t5 + s * 6.0 * t6))))
     return gap + s * (rate + value), rate + slope
-
-
-@kernel
-def series_accel(t, s):
-    """gap_accel at s from the coefficients of `taylor`."""
-    t2, t3, t4, t5, t6 = t
-    return 2.0 * t2 + s * (6.0 * t3 + s * (12.0 * t4 + s * (20.0 * t5 + s * 30.0 * t6)))

@@ -8,12 +8,12 @@ from math import sqrt
 
 from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.contact import (
-    TAYLOR_PHASE,
     chatter_map,
     series_gap,
     taylor,
     taylor_holds,
 )
+from camcli.kernel.near import LONGEST_PHASE, NEAR, gap_near
 from camcli.kernel.profile import END, JERK_MAX, RADIUS, ROW, SNAP_MAX, third
 from camcli.kernel.search import (
     ACCUMULATED,
@@ -89,12 +89,12 @@ def _leave(cam, lane, turns, i, f, work):
     if f.rate <= 0.0 and jerk <= 0.0 and accel <= 0.0:
         return STUCK, f.theta, 0.0, 0.0
     if f.rate <= 0.0 and jerk > 0.0:
-        s = min(f.end, cam.rows[i * ROW + RADIUS], 2.0 * jerk / snap if snap > 0.0 else f.end)
-        if (lane.W + 2.0 * lane.Z) * s > TAYLOR_PHASE:
-            s = TAYLOR_PHASE / (lane.W + 2.0 * lane.Z)
+        s = min(f.end, NEAR, 2.0 * jerk / snap if snap > 0.0 else f.end)
+        if (lane.W + 2.0 * lane.Z) * s > LONGEST_PHASE:
+            s = LONGEST_PHASE / (lane.W + 2.0 * lane.Z)
         work[EVALUATIONS] += 1
-        gap, rate = series_gap(0.0, 0.0, t, s)
-        return CLEAR, cam.rows[i * ROW + END] if s == f.end else f.theta + s, gap, rate
+        gap, rate, _ = gap_near(cam, lane, i, f, s)
+        return CLEAR, cam.rows[i * ROW + END] if s == f.end else f.theta + s, max(gap, 0.0), rate
     return search(cam, lane, turns, i, f, work)
 
 

@@ -32,7 +32,7 @@ COLUMNS = (
     "ACCEL_MAX",
     "JERK_MAX",  # bound on the third derivative
     "SNAP_MAX",  # bound on the fourth
-    "RADIUS",  # how far a Taylor series of order 6 is exact to 2e-17 m
+    "RADIUS",  # how far a Taylor series of order 6 is exact to 2e-17 m/rad
     "LOW",  # lower bound of c
     "SLOPE_LOW",  # lower bound of c_theta
 )

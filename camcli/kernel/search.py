@@ -17,8 +17,8 @@ from math import sqrt
 from typing import NamedTuple
 
 from camcli.kernel.backend import kernel, outlined
-from camcli.kernel.contact import series_accel, series_gap, taylor, taylor_holds
 from camcli.kernel.flight import flow
+from camcli.kernel.near import LONGEST_PHASE, NEAR, gap_near
 from camcli.kernel.profile import (
     ACCEL_MAX,
     ACCEL_MIN,
@@ -105,7 +105,7 @@ def search(cam, lane, turns, i, f, work):
             return CLEAR, stop, g1, u1
         if min(f.gap, g1) > 0.125 * high * s * s:
             return CLEAR, stop, g1, u1
-        s *= 0.5
+        s *= 0.5 if lane.Z * s < 8.0 else 0.125  # a stiff damper's layer is thin
         if f.theta + s == f.theta:
             break
     return LOST, f.theta, f.gap, f.rate
@@ -127,12 +127,12 @@ def _across(cam, lane, turns, i, f, work):
 def gap_at(cam, lane, i, f, s, work):
     """(gap, gap_rate, gap_accel) after s rad of the flight, within stretch i.
 
-    From the closed form of q and c, or where s is short from the gap's own series: q - c of two
-    large numbers would drown a low hop.
+    From the closed form of q and c, or where s is short in relative coordinates: q - c of two large
+    numbers would drown a low hop.
     """
     work[EVALUATIONS] += 1
-    if taylor_holds(cam, lane, i, s):
-        return _gap_near(cam, lane, i, f, s)
+    if s <= NEAR and (lane.W + 2.0 * lane.Z) * s <= LONGEST_PHASE:
+        return gap_near(cam, lane, i, f, s)
     at = f.theta + s
     if at > cam.rows[i * ROW + END]:
         at = cam.rows[i * ROW + END]
@@ -141,14 +141,6 @@ def gap_at(cam, lane, i, f, s, work):
     x = f.q + (f.w * b - f.force * p)
     v = f.w * b1 - f.force * b
     return x - c, v - c1, -lane.G - lane.W2 * x - 2.0 * lane.Z * v - c2
-
-
-@outlined
-def _gap_near(cam, lane, i, f, s):
-    """`gap_at` by the Taylor series of order 6 about the beginning of the flight."""
-    t = taylor(cam, lane, i, f.theta, f.q2, f.q3, f.c2)
-    gap, rate = series_gap(f.gap, f.rate, t, s)
-    return gap, rate, series_accel(t, s)
 
 
 @kernel

@@ -10,7 +10,7 @@ from camcli.kernel.profile import COLUMNS, ROW, TURN, Cam, polynomial
 from camcli.profiles.digits import radians
 from camcli.profiles.pieces import Part, Piece, compile_part
 
-TAYLOR_ERROR = 2e-17  # m, allowed remainder of the local series of the gap
+TAYLOR_ERROR = 2e-17  # m/rad, allowed remainder of the slope of the gap's local series
 SMALLEST_KICK = 1e-9  # m/rad: a jump of c_theta below it is rounding
 
 
@@ -92,10 +92,10 @@ def _largest(bounds: tuple[float, float]) -> float:
 
 
 def _radius(group: Sequence[Piece]) -> float:
-    """Largest power of two s <= 1/16 rad with max|c^(7)| s^7/5040 <= TAYLOR_ERROR."""
+    """Largest power of two s <= 1/16 rad with max|c^(7)| s^6/720 <= TAYLOR_ERROR."""
     seventh = _largest(_bounds(group, 7))
     s = 1.0 / 16.0
-    while seventh * s * s * s * s * s * s * s > 5040.0 * TAYLOR_ERROR:
+    while seventh * s * s * s * s * s * s > 720.0 * TAYLOR_ERROR:
         s *= 0.5
     return s
 
