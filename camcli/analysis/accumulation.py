@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from math import inf
 
 from camcli import errors
+from camcli.analysis.accumulation_range import COMPLETE, Settled
 from camcli.analysis.detach import JUMP, OK, UNRESOLVED, Critical
 from camcli.analysis.detach_burst import Bursts
 from camcli.analysis.detach_regions import corner_list
 from camcli.analysis.detach_search import bracket
 from camcli.kernel.profile import TURN
 
-FEWEST = 41  # speeds of the scan for changes
 AT = 1e-4  # rad: a phase this close to a corner, at a bracket of relative 1e-12, has reached it
 FAR = 10.0 * TURN  # stands for a burst that does not accumulate
 JUST_ABOVE = 1e-6
@@ -28,7 +30,7 @@ class Goal:
 
 
 def corners_ahead(bursts: Bursts) -> list[Goal]:
-    """Corners in the turn after the first detachment, in the order a burst meets them."""
+    """Corners in the turn after lift-off, in the order a burst meets them."""
     goals = []
     for corner in corner_list(bursts.system.cam):
         ahead = corner.theta - bursts.theta
@@ -39,15 +41,22 @@ def corners_ahead(bursts: Bursts) -> list[Goal]:
     return sorted(goals, key=lambda goal: goal.theta)
 
 
-def scan_speeds(rpms: list[float], first: float) -> list[float]:
-    """Ascending speeds above the first detachment, FEWEST at least, up to the fastest asked for."""
-    top = max(rpms)
-    low = max(min(rpms), first * (1.0 + JUST_ABOVE))
-    if len(rpms) < 2 or low >= top:
+def scan_speeds(opens: float, region: str, speeds: Sequence[Settled]) -> list[float]:
+    """Where to look for changes of the bursts of one region: ascending speeds.
+
+    The longest row of neighbouring speeds at which the settled motion has such a burst, complete,
+    the speed after it, and before it the opening speed itself.
+    """
+    speeds = sorted(speeds, key=lambda speed: speed.rpm)
+    present = [(region, COMPLETE) in speed.bursts for speed in speeds]
+    rows = [list(row) for there, row in groupby(range(len(speeds)), present.__getitem__) if there]
+    if not rows:
         return []
-    even = [low + (top - low) * (k / (FEWEST - 1)) for k in range(FEWEST - 1)] + [top]
-    dense = [rpm for rpm in rpms if low <= rpm <= top]
-    return sorted({low, top, *(dense if len(dense) >= FEWEST else even)})
+    row = max(rows, key=len)
+    scan = [speed.rpm for speed in speeds[row[0] : row[-1] + 2]]
+    before = speeds[row[0] - 1].rpm if row[0] else inf
+    just_above = opens * (1.0 + JUST_ABOVE)
+    return [just_above, *scan] if before <= opens and just_above < scan[0] else scan
 
 
 def reaching(bursts: Bursts, goal: Goal, speeds: list[float]) -> list[Critical]:
@@ -58,14 +67,14 @@ def reaching(bursts: Bursts, goal: Goal, speeds: list[float]) -> list[Critical]:
     return _changes(bursts, lambda rpm: _capped(bursts, rpm) - goal.theta, speeds, goal)
 
 
-def completion_loss(bursts: Bursts, region: str, speeds: list[float]) -> list[Critical]:
+def completion_loss(bursts: Bursts, speeds: list[float]) -> list[Critical]:
     """Where the burst's end reaches, one turn later, the phase at which the next one begins."""
 
     def excess(rpm: float) -> float:
         release = bursts.at(rpm).release
         return _capped(bursts, rpm) - release - TURN if release < inf else FAR
 
-    goal = Goal(region, bursts.theta + TURN, bursts.theta)
+    goal = Goal(bursts.name, bursts.theta + TURN, bursts.theta)
     return _changes(bursts, excess, speeds, goal, "completion_loss")
 
 
@@ -98,4 +107,5 @@ def _critical(bursts, quantity, goal, low, high, left, distance) -> Critical:
     theta = goal.within
     if quantity == "completion_loss":  # where the chatter ends at the last complete speed
         theta = bursts.at(left[0]).release
-    return Critical(quantity, goal.name, theta, 0.5 * (low + high), low, high, status)
+    rpm = 0.5 * (low + high)
+    return Critical(quantity, goal.name, theta, rpm, low, high, status, bursts.name)

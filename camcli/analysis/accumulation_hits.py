@@ -30,6 +30,7 @@ class Hit:
     low: float
     high: float
     status: str
+    burst: str
     ends_deg: tuple[float, float] | None = None  # phase of the impact on both sides of a jump
 
 
@@ -54,6 +55,6 @@ def corner_hits(bursts: Bursts, goal: Goal, low: float, high: float, count: int)
         a, b, e_a, e_b = bracket(excess, low, high, e_low, e_high)
         good = min(-e_a, e_b) < AT
         ends = None if good else ((e_a + goal.theta) * DEG, (e_b + goal.theta) * DEG)
-        hits.append(Hit(n, goal.name, 0.5 * (a + b), a, b, OK if good else JUMP, ends))
+        hits.append(Hit(n, goal.name, 0.5 * (a + b), a, b, OK if good else JUMP, bursts.name, ends))
         high = b
     return hits

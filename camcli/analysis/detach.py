@@ -21,7 +21,10 @@ TIE = 1e-12  # relative difference of speeds that counts as none
 
 @dataclass(frozen=True)
 class Critical:
-    """One critical speed: value and bracket in rpm (inf: never), phase in rad."""
+    """One critical speed: value and bracket in rpm (inf: never), phase in rad.
+
+    `burst`: the region in which the burst begins whose end the speed is about, if any.
+    """
 
     quantity: str
     region: str
@@ -30,6 +33,7 @@ class Critical:
     low: float
     high: float
     status: str
+    burst: str = ""
 
     @property
     def finite(self) -> bool:
@@ -125,11 +129,11 @@ def _always(force: Force) -> list[str]:
     if weakest < 0.0:
         words.append(
             f"contact is not held even at standstill: the contact force is {weakest:.6g} N at "
-            f"{theta * DEG:.10g} deg; raise the preload or the cam's offset from the spring's rest"
+            f"{theta * DEG:.10g} deg; give it more preload or weight"
         )
     elif weakest == 0.0:
         words.append(
             f"contact is not held even at standstill: the contact force is zero at "
-            f"{theta * DEG:.10g} deg; give the follower a preload, gravity or a stretched spring"
+            f"{theta * DEG:.10g} deg; give it a preload, weight or a spring"
         )
     return words

@@ -33,10 +33,13 @@ class Burst:
 
 
 class Bursts:
-    """Bursts of one machine that begin where contact is lost around the phase `theta`."""
+    """Bursts of one machine that begin where contact is lost around the phase `theta`.
 
-    def __init__(self, system: System, theta: float, impact_budget: int):
-        self.system, self.force, self.theta = system, Force(system), theta
+    `name` is the region they begin in.
+    """
+
+    def __init__(self, system: System, name: str, theta: float, impact_budget: int):
+        self.system, self.force, self.name, self.theta = system, Force(system), name, theta
         self.impact_budget = impact_budget
         self.cost, self.count = Cost(), 0
         self._known: dict[tuple[float, int], Burst] = {}

@@ -83,7 +83,7 @@ class Force:
         for i in stretches:
             count = PER_PIECE * self.counts[i]
             value, theta = lowest(lambda x, i=i: f(i, x), self.starts[i], self.ends[i], count)
-            if value < best[0] - TIE * abs(value):
+            if value < best[0] and not value >= best[0] - TIE * abs(best[0]):
                 best = value, i, theta
         return best
 

@@ -16,10 +16,13 @@ from camcli.analysis.detach_follow import Follow, follow
 from camcli.analysis.detach_force import Force, ForceCurve
 from camcli.analysis.engine import Cost, Settings, compile_for
 from camcli.analysis.hold import Hold, hold_to, replaced
+from camcli.analysis.sweep import rpm_grid
 from camcli.kernel import backend
 from camcli.system import System
 
-LITTLE_WORK = 4000  # turns in all that plain Python does before a compiler would be loaded
+FEWEST = 41  # speeds of the scan for changes
+LITTLE_WORK = 4000  # turns in all that plain Python does before the kernel would be compiled
+LEAST_WORK = 500  # the same where a compiled kernel only has to be read
 
 
 @dataclass(frozen=True)
@@ -77,59 +80,60 @@ def study(
 ) -> Study:
     """Answer `question`; settings.transient turns settle each of the speeds from rest."""
     turns = len(rpms) * (settings.transient + 2)
-    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
+    worth = turns > LITTLE_WORK or (turns > LEAST_WORK and backend.is_cached())
+    if backend.must_compile() or (backend.may_compile() and worth):
         compile_for(system)
     found = detachment(system)
-    follows, cost = _follows(system, found, settings)
-    events, more = _events(system, found, rpms, settings, question.impacts)
     speeds = settled(system, rpms, settings, lambda speed: on_speed())
+    scan = _scan(system, rpms, settings) if 1 < len(rpms) < FEWEST else speeds
+    events, cost = _events(system, found, scan, settings.impact_budget, question.impacts)
     holds, springs = _springs(system, question)
     force = Force(system)
     return Study(
         detachment=found,
-        follows=follows,
         **events,
         speeds=speeds,
         forces=[force.curve(rpm) for rpm in _force_speeds(found, rpms, question.force_rpm)],
         holds=holds,
         springs=springs,
-        cost=sum((speed.cost for speed in speeds), cost + more),
+        cost=sum((speed.cost for speed in speeds), cost),
     )
 
 
-def _follows(system: System, found: Detachment, settings: Settings) -> tuple[list[Follow], Cost]:
-    follows, cost = [], Cost()
-    for loss in found.losses:
-        if found.first is not None and loss.opens.finite:
-            bursts = Bursts(system, loss.opens.theta, settings.impact_budget)
-            follows.append(follow(bursts, loss))
-            cost = cost + bursts.cost
-    return follows, cost
+def _scan(system: System, rpms: list[float], settings: Settings) -> list[Settled]:
+    """The settled motion at FEWEST speeds, where fewer were asked for."""
+    return settled(system, rpm_grid(min(rpms), max(rpms), FEWEST), settings)
 
 
-def _events(system: System, found: Detachment, rpms, settings, impacts: int) -> tuple[dict, Cost]:
-    """Accumulation at corners, completion loss and corner hits of the first burst."""
+def _events(system: System, found: Detachment, scan, budget: int, impacts: int):
+    """Release, accumulation at corners, completion loss and corner hits of every burst."""
+    follows: list[Follow] = []
     reached: list[Critical] = []
     completion: list[Critical] = []
     hits: list[Hit] = []
-    first = found.first
-    bursts = Bursts(system, first.theta if first else 0.0, settings.impact_budget)
-    speeds = scan_speeds(rpms, first.rpm) if first else []
-    if speeds:
+    cost = Cost()
+    for loss in found.losses if found.first is not None else ():
+        if not loss.opens.finite:
+            continue
+        bursts = Bursts(system, loss.region.name, loss.opens.theta, budget)
+        follows.append(follow(bursts, loss))
+        speeds = scan_speeds(loss.opens.rpm, loss.region.name, scan)
         for goal in corners_ahead(bursts):
             changes = reaching(bursts, goal, speeds)
             reached += changes
             if changes:
                 hits += corner_hits(bursts, goal, changes[0].low, speeds[-1], impacts)
-        completion = completion_loss(bursts, first.region, speeds)
+        completion += completion_loss(bursts, speeds)
+        cost = cost + bursts.cost
     events = {
+        "follows": follows,
         "accumulation": [c for c in reached if c.status != JUMP],
         "jumps": [c for c in reached if c.status == JUMP],
         "completion": completion,
         "hits": [hit for hit in hits if hit.status == OK],
         "ended": [hit for hit in hits if hit.status != OK],
     }
-    return events, bursts.cost
+    return events, cost
 
 
 def _springs(system: System, question: Question) -> tuple[list[Hold], list]:

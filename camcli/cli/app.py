@@ -61,7 +61,8 @@ detach.png        impacts with accumulation curve and corner hits; the contact f
 Regions A1, A2, ... lie between the cam's corners a, b, c, ... Quantities of detach.csv:
 first_detachment        lowest speed at which the contact force reaches zero anywhere
 opens, fills            contact begins to be lost in a region; is lost all over it (inf: never)
-accumulation_at_corner  the burst from the first detachment ends exactly on the corner `region`
+accumulation_at_corner  a burst ends exactly on the corner `region`; looked for between the speeds
+                        of the range (--points), from rest at each lift-off
 completion_loss         its end reaches, one turn later, the phase of the next lift-off
 hold_stiffness, hold_preload, hold_both
                         first detachment with the spring that --hold-to found (in run.json)

@@ -14,6 +14,9 @@ from camcli.cli.report import table
 def remarks(result: Study, rpms: list[float]) -> list[str]:
     """Sentences: what no number says."""
     said = list(result.detachment.words)
+    never = [loss.region.name for loss in result.detachment.losses if loss.opens.rpm == inf]
+    if never and result.detachment.first is not None:
+        said.append(f"contact is never lost in {', '.join(never)}, at any speed")
     first = result.detachment.first
     if first is not None and first.rpm > max(rpms):
         said.append(f"contact is held at every speed up to {max(rpms):.10g} rpm, all asked for")
@@ -21,13 +24,14 @@ def remarks(result: Study, rpms: list[float]) -> list[str]:
         said.append(f"contact is lost at every speed asked for, {min(rpms):.10g} rpm and above")
     said += [f"just above {f.rpm:.10g} rpm, {f.region}: {f.words}" for f in result.follows]
     said += [
-        f"impact {hit.impact} of a burst ends at {hit.rpm:.10g} rpm before it lands on "
-        f"{hit.corner}: it was at {hit.ends_deg[0]:.6g} deg, the next contact is at "
+        f"impact {hit.impact} of the burst from {hit.burst} ends at {hit.rpm:.10g} rpm before it "
+        f"lands on {hit.corner}: it was at {hit.ends_deg[0]:.6g} deg, the next contact is at "
         f"{hit.ends_deg[1]:.6g} deg"
         for hit in result.ended
     ]
     said += [
-        f"at {c.rpm:.10g} rpm the end of the chatter jumps over {c.region}" for c in result.jumps
+        f"at {c.rpm:.10g} rpm the end of the burst from {c.burst} jumps over {c.region}"
+        for c in result.jumps
     ]
     said += [f"{h.quantity}: {h.words}" for h in result.holds if h.stiffness is None]
     return said
@@ -35,9 +39,10 @@ def remarks(result: Study, rpms: list[float]) -> list[str]:
 
 def show(result: Study, rpms: list[float]) -> None:
     """Print the tables, then the sentences."""
-    rows = [_row(c) for c in result.criticals]
-    columns = ["quantity", "region", "theta (deg)", "rpm", "bracket (rpm)", "status"]
-    table("Critical speeds", columns, rows)
+    rows = [_row(c) for c in result.criticals if c.finite]
+    columns = ["speed", "region", "theta (deg)", "rpm", "bracket", "status"]
+    if rows:
+        table("Critical speeds", columns, rows)
     hits = [
         [str(h.impact), h.corner, f"{h.rpm:.9f}", f"{h.high - h.low:.1e}", h.status]
         for h in result.hits
@@ -55,20 +60,26 @@ def show(result: Study, rpms: list[float]) -> None:
 
 def _show_holds(result: Study) -> None:
     rows = [
-        [h.words, _text(h.theta_deg), _text(h.detaches_rpm), _text(h.least_n), h.status]
+        [
+            h.quantity.removeprefix("hold_"),
+            f"{h.stiffness:.10g}",
+            f"{h.preload:.10g}",
+            "" if h.theta_deg is None else f"{h.theta_deg:.6g}",
+            _text(h.detaches_rpm),
+            h.status,
+        ]
         for h in result.holds
         if h.stiffness is not None
     ]
     if rows:
-        columns = ["spring", "decided at (deg)", "detaches at (rpm)", "least force (N)", "status"]
+        columns = ["least", "k (N/m)", "preload (N)", "at (deg)", "detaches (rpm)", "status"]
         table("Springs that hold contact", columns, rows)
 
 
 def _row(c: Critical) -> list[str]:
-    if not c.finite:
-        return [c.quantity, c.region, "", "never", "", c.status]
-    width = f"{c.high - c.low:.1e}"
-    return [c.quantity, c.region, f"{c.theta_deg:.8f}", f"{c.rpm:.9f}", width, c.status]
+    name = {"accumulation_at_corner": "accumulates at"}.get(c.quantity, c.quantity)
+    numbers = [f"{c.theta_deg:.8f}", f"{c.rpm:.9f}", f"{c.high - c.low:.1e}"]
+    return [name.replace("_", " "), c.region, *numbers, c.status]
 
 
 def _text(value: float | None) -> str:
@@ -102,11 +113,12 @@ def summary(result: Study, rpms: list[float]) -> dict[str, Any]:
 def _critical(c: Critical) -> dict[str, Any]:
     values = {"theta_deg": c.theta_deg if c.finite else None, "rpm": c.rpm}
     ends = {"low_rpm": c.low, "high_rpm": c.high, "status": c.status}
-    return _finite({"quantity": c.quantity, "region": c.region, **values, **ends})
+    burst = {"burst": c.burst} if c.burst else {}
+    return _finite({"quantity": c.quantity, "region": c.region, **values, **ends, **burst})
 
 
 def _hit(hit) -> dict[str, Any]:
-    row = {"impact": hit.impact, "corner": hit.corner, "rpm": hit.rpm}
+    row = {"impact": hit.impact, "corner": hit.corner, "rpm": hit.rpm, "burst": hit.burst}
     ends = (
         {}
         if hit.ends_deg is None

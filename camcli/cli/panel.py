@@ -27,6 +27,11 @@ def guarded(call: Callable[[], object]) -> int:
     except KeyboardInterrupt:
         note("interrupted")
         return INTERRUPTED
+    except SystemExit as leave:  # the option parser's own way out of an interrupt
+        code = leave.code if isinstance(leave.code, int) else INTERNAL
+        if code == INTERRUPTED:
+            note("interrupted")
+        return code
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
