@@ -16,6 +16,8 @@ def guarded(call: Callable[[], object]) -> int:
     try:
         code = call()
         sys.stdout.flush()
+        if code == INTERRUPTED:  # the option parser has caught the interrupt
+            note("interrupted")
         return code if isinstance(code, int) else DONE
     except SceneError as error:
         for fault in error.faults:
@@ -27,11 +29,6 @@ def guarded(call: Callable[[], object]) -> int:
     except KeyboardInterrupt:
         note("interrupted")
         return INTERRUPTED
-    except SystemExit as leave:  # the option parser's own way out of an interrupt
-        code = leave.code if isinstance(leave.code, int) else INTERNAL
-        if code == INTERRUPTED:
-            note("interrupted")
-        return code
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE

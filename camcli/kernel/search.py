@@ -9,7 +9,7 @@ minus (2 Z + W) E s^2/8, minus the range of c_thetatheta), and one of these deci
 - concave (gap'' <= 0): positive at both ends means no contact, negative at the end exactly one;
 - convex (gap'' >= 0): the tangents at both ends bound the gap from below; where they do not
   decide, Newton from the left never passes the first root, and a minimum is found as a minimum;
-- otherwise a parabola below the gap decides, or the step is halved.
+- otherwise a slope that stays negative, or a parabola below the gap decides, or the step is halved.
 Contacts closer than the rounding of q - c (about 1e-16 of the lift) to a graze may fall either way.
 """
 
@@ -90,7 +90,8 @@ def search(cam, lane, turns, i, f, work):
         low = min(f.q2, y1) - slack - min(cam.rows[row + ACCEL_MAX], f.c2 + drift * s)
         high = max(f.q2, y1) + slack - max(cam.rows[row + ACCEL_MIN], f.c2 - drift * s)
         stop = cam.rows[row + END] if s == f.end else f.theta + s
-        if (high <= 0.0 or (low >= 0.0 and f.rate < 0.0)) and g1 <= 0.0:
+        falls = f.rate < 0.0 and (low >= 0.0 or f.rate + high * s < 0.0)
+        if (high <= 0.0 or falls) and g1 <= 0.0:
             return land(cam, lane, i, f, s, guess(f.gap, f.rate, f.q2 - f.c2, s, g1, u1), work)
         if high <= 0.0:
             return CLEAR, stop, g1, u1

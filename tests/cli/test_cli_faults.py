@@ -1,6 +1,11 @@
 """What a user gets for a mistake: one message per fault, the exit code, never a traceback."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 
 import pytest
 
@@ -99,3 +104,22 @@ def test_warning_of_absurd_height(cam, command):
     done = cam(command, "--no-plot", "--rpm", "1e6")
     assert done.returncode == 0
     assert "times the cam's lift" in done.stderr
+
+
+def test_interrupt_says_so_and_leaves_the_old_artefacts(cam, tmp_path):
+    cam("sweep", "--rpm", "700", *QUICK)
+    before = (tmp_path / "out/sweep/speeds.csv").read_bytes()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "camcli", "sweep", "--points", "100001", "--no-plot"],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert "interrupted" in said
+    assert (tmp_path / "out/sweep/speeds.csv").read_bytes() == before

@@ -5,8 +5,11 @@ from math import nextafter, pi
 
 import pytest
 
+from camcli.analysis.engine import Orbit, Settings
 from camcli.analysis.labels import label
 from camcli.errors import OK
+from camcli.scene import load_scene
+from camcli.system import Follower, System
 from tests.kernel.helpers import ORACLE_CAM, events, run, system
 
 B, C = (float(ORACLE_CAM.breakpoints[k]) for k in (1, 2))
@@ -146,3 +149,12 @@ def test_row_23_chatter_turns_incomplete_once():
     assert complete == sorted(complete, reverse=True)
     assert complete[0]
     assert not complete[-1]
+
+
+def test_a_spring_without_force_on_the_dwell_is_no_trouble():
+    """c = 0 on the base, so force and acceleration of a landing there vanish together."""
+    scene = load_scene(None, ["cam.offset=0.4"])
+    machine = System.build(Follower(**scene.follower.model_dump()), scene.cam.parts())
+    tape = Orbit(machine, 300.0, Settings(5, 50, 1e-9, 10**6)).run()
+    assert tape.status == OK
+    assert tape.cost.evaluations < 10 * tape.cost.impacts
