@@ -74,8 +74,6 @@ def always_plain(monkeypatch, steps):
 @pytest.mark.parametrize(("rpm", "damping"), [(745.0, 0.0), (190.0, 0.0), (520.0, 3.0)])
 @pytest.mark.parametrize("steps", [1, 2, 7, 100])
 def test_slices_do_not_change_an_orbit(monkeypatch, rpm, damping, steps):
-    if backend.is_compiled():
-        pytest.skip("the kernel of this process is compiled already")
     whole = run(rpm, system(damping=damping), record=20, transient=3)
     always_plain(monkeypatch, steps)
     assert parts_of(run(rpm, system(damping=damping), record=20, transient=3)) == parts_of(whole)
