@@ -15,6 +15,7 @@ from camcli.errors import OK
 
 LONGEST_PERIOD = 64
 SETTLED = 1e-7  # relative distance between a period and the next that counts as none
+NEARLY = 1e-2  # relative distance beyond which no extrapolation is tried
 WINDOW = 16  # periods compared at least
 LIMIT_SHARE = 0.1  # what extrapolation may leave of a distance that is still shrinking
 SLOWEST = 0.97  # ratio of distances from a quarter of the record to the next
@@ -55,16 +56,17 @@ def find_period(q: Sequence[float], w: Sequence[float], symbols: Sequence[float]
     size_w = max(abs(value) for value in w) or 1.0
     for m in range(1, min(LONGEST_PERIOD, n // 2) + 1):
         window = min(n - m, max(2 * m, WINDOW))
-        if any(symbols[k] != symbols[k - m] for k in range(n - window, n)):
+        if symbols[n - window :] != symbols[n - window - m : n - m]:
             continue
 
         def distance(k: int, m: int = m) -> float:
             return max(abs(q[k] - q[k - m]) / size_q, abs(w[k] - w[k - m]) / size_w)
 
-        if distance(n - 1) > 0.1:
-            continue
-        if max(distance(k) for k in range(n - window, n)) <= SETTLED:
+        last = distance(n - 1)
+        if last <= SETTLED and all(distance(k) <= SETTLED for k in range(n - window, n)):
             return m
+        if last > NEARLY or last > SLOWEST * distance(m + (n - m) // 4):
+            continue
         if symbols[m:] == symbols[:-m] and _shrinks([distance(k) for k in range(m, n)], m):
             return m
     return 0
