@@ -17,12 +17,16 @@ LONGEST_PERIOD = 64
 SETTLED = 1e-7  # relative distance between a period and the next that counts as none
 NEARLY = 1e-2  # relative distance beyond which no extrapolation is tried
 WINDOW = 16  # periods compared at least
+FEWEST_IMPACTS = 16  # in the record, to call it aperiodic
 LIMIT_SHARE = 0.1  # what extrapolation may leave of a distance that is still shrinking
 SLOWEST = 0.97  # ratio of distances from a quarter of the record to the next
 
 
 def label(tape: Tape) -> str:
-    """The label of the attractor a record ends on; `aperiodic` where no period fits."""
+    """The label of the attractor a record ends on.
+
+    `aperiodic` where no period fits, `undecided` where the record is too short to say even that.
+    """
     n = tape.periods
     if n == 0:
         return "undecided"
@@ -35,7 +39,7 @@ def label(tape: Tape) -> str:
     ]
     m = find_period(q, w, symbols)
     if m == 0:
-        return "aperiodic" if n > 1 else "undecided"
+        return "aperiodic" if sum(_plain(tape.impacts)[:n]) >= FEWEST_IMPACTS else "undecided"
     return name(symbols[-m:])
 
 

@@ -18,7 +18,16 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-SIMULATE_HELP = """Time response of one orbit: exact events and a sampled trajectory.
+LABELS_HELP = """
+\b
+Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a complete
+chatter); contact: the follower never leaves the cam; aperiodic: no period up to 64 turns fits;
+undecided: the record holds too few impacts to tell.
+Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
+"""
+
+SIMULATE_HELP = (
+    """Time response of one orbit: exact events and a sampled trajectory.
 
 \b
 trajectory.csv  t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact (flight, sticking)
@@ -31,8 +40,11 @@ An impact has two rows in trajectory.csv, just before and just after. t_s counts
 first recorded turn (run.transient), period from the strobe phase; a start off the strobe phase
 without transient records the turn's rest before the first strobe as period -1.
 """
+    + LABELS_HELP
+)
 
-SWEEP_HELP = """Brute-force bifurcation diagram over a range of speeds.
+SWEEP_HELP = (
+    """Brute-force bifurcation diagram over a range of speeds.
 
 \b
 impacts.csv  rpm, period, theta_deg, q_m, u_minus_m_per_s
@@ -42,11 +54,12 @@ speeds.csv   rpm, label, impacts, lyapunov_per_period, status
 sweep.png    impact phases beside the cam's c, c', c''; stroboscopic positions
 
 \b
-Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a complete
-chatter); contact: the follower never leaves the cam; aperiodic: no period up to 64 fits.
-Status: ok; impact-budget, no-return, unresolved: the row ends early, exit code 3.
-sweep.direction up or down carries the state from speed to speed, fixed starts each one alike.
+In speeds.csv, impacts counts the recorded turns; lyapunov_per_period stays empty (exponents are
+not computed yet). sweep.direction up or down carries the state from speed to speed in that order;
+fixed starts each speed alike and keeps the order of the range.
 """
+    + LABELS_HELP
+)
 
 DETACH_HELP = """Where contact is lost, where chattering ends, and which spring would hold.
 

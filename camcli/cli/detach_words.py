@@ -10,6 +10,8 @@ from camcli.analysis.detach import Critical
 from camcli.analysis.detach_study import Study
 from camcli.cli.report import table
 
+SLIGHT_N = 1e-9  # N
+
 
 def remarks(result: Study, rpms: list[float]) -> list[str]:
     """Sentences: what no number says."""
@@ -22,7 +24,10 @@ def remarks(result: Study, rpms: list[float]) -> list[str]:
         said.append(f"contact is held at every speed up to {max(rpms):.10g} rpm, all asked for")
     elif first is not None and first.rpm < min(rpms):
         said.append(f"contact is lost at every speed asked for, {min(rpms):.10g} rpm and above")
-    said += [f"just above {f.rpm:.10g} rpm, {f.region}: {f.words}" for f in result.follows]
+    said += [
+        f"at {f.rpm:.10g} rpm, a little above the opening of {f.region}: {f.words}"
+        for f in result.follows
+    ]
     said += [
         f"impact {hit.impact} of the burst from {hit.burst} ends at {hit.rpm:.10g} rpm before it "
         f"lands on {hit.corner}: it was at {hit.ends_deg[0]:.6g} deg, the next contact is at "
@@ -49,13 +54,21 @@ def show(result: Study, rpms: list[float]) -> None:
     ]
     if hits:
         table("Impacts on corners", ["impact", "corner", "rpm", "bracket (rpm)", "status"], hits)
-    force = [[f"{f.rpm:.10g}", f"{f.lowest_n:.6g}", f"{f.lowest_deg:.8g}"] for f in result.forces]
+    force = [
+        [f"{f.rpm:.10g}", f"{_plain_force(f.lowest_n):.6g}", f"{f.lowest_deg:.8g}"]
+        for f in result.forces
+    ]
     table("Least contact force if kept on the cam", ["rpm", "least (N)", "theta (deg)"], force)
     spans = [[w, f"{a:.10g}", f"{b:.10g}", str(n)] for w, a, b, n in ranges(result.speeds)]
     table("Bursts after settling", ["chattering", "from (rpm)", "to (rpm)", "speeds"], spans)
     _show_holds(result)
     for line in remarks(result, rpms):
         print(f"- {line}")
+
+
+def _plain_force(newton: float) -> float:
+    """Without the rounding noise of a force that is zero."""
+    return 0.0 if abs(newton) < SLIGHT_N else newton
 
 
 def _show_holds(result: Study) -> None:

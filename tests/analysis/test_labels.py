@@ -3,8 +3,10 @@
 from math import cos, exp, inf
 
 import pytest
+from conftest import settings
 
 from camcli.analysis.labels import find_period, name
+from camcli.analysis.sweep import sweep
 
 
 def test_name_is_the_largest_rotation():
@@ -41,3 +43,10 @@ def test_quasiperiodic_and_chaotic_records_have_no_period():
     for _ in range(399):
         chaos.append(3.9 * chaos[-1] * (1 - chaos[-1]))
     assert find_period(chaos, chaos, [1] * 400) == 0
+
+
+def test_a_record_of_few_impacts_is_undecided(chapter):
+    result = sweep(chapter, [745.0], settings(100, 10))
+    assert result.speeds[0].label == "undecided"
+    result = sweep(chapter, [745.0], settings(100, 40))
+    assert result.speeds[0].label == "aperiodic"
