@@ -7,7 +7,7 @@ number of threads nor their timing can be seen in a result.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
@@ -40,9 +40,3 @@ def run_pieces(
         finally:
             for future in futures:
                 future.cancel()
-
-
-def chunks(items: Iterable[Piece], size: int) -> list[list[Piece]]:
-    """Consecutive groups of at most `size`."""
-    items = list(items)
-    return [items[k : k + size] for k in range(0, len(items), size)]
