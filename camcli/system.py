@@ -8,7 +8,7 @@ from math import isfinite, pi, sqrt
 
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import is_compiled
-from camcli.kernel.flight import Lane
+from camcli.kernel.flight import RAD_PER_S, Lane, lane_of
 from camcli.kernel.profile import Cam
 from camcli.profiles.pieces import Part
 from camcli.profiles.table import build, column, corners, native
@@ -38,7 +38,7 @@ class Follower:
 
 def omega_of(rpm: float) -> float:
     """rad/s from revolutions per minute; exact under scaling by powers of two."""
-    return rpm * (pi / 30.0)
+    return rpm * RAD_PER_S
 
 
 @dataclass(frozen=True)
@@ -76,20 +76,15 @@ class System:
 
     def lane(self, rpm: float, tolerance: float, impact_budget: int) -> Lane:
         """The dimensionless constants at one speed; tolerance as a fraction of a turn."""
-        f, omega = self.follower, omega_of(rpm)
-        W, Z = f.omega0 / omega, f.zeta / omega
-        numbers = (W * W, Z * Z, (f.gravity + f.preload / f.mass) / omega / omega)
-        if not all(isfinite(number) for number in numbers):
-            found = f"found omega0/omega = {W:g}, zeta/omega = {Z:g} at {rpm!r} rpm"
+        lane = lane_of(self.machine(rpm), tolerance * (2.0 * pi), impact_budget)
+        if not all(isfinite(number) for number in (lane.W2, lane.Z * lane.Z, lane.G)):
+            found = f"found omega0/omega = {lane.W:g}, zeta/omega = {lane.Z:g} at {rpm!r} rpm"
             cure = "check mass, stiffness, damping, preload and rpm"
             raise SceneError(Fault("", "follower", found, "expected numbers of this world", cure))
-        return Lane(
-            W=W,
-            W2=W * W,
-            Z=Z,
-            D=(Z - W) * (Z + W),
-            G=numbers[2],
-            r=float(f.restitution),
-            tolerance=tolerance * (2.0 * pi),
-            impact_budget=impact_budget,
-        )
+        return lane
+
+    def machine(self, rpm: float) -> list[float]:
+        """The follower's constants and the speed as the kernel's table (`kernel.flight`)."""
+        f = self.follower
+        values = (rpm, f.mass, f.stiffness, f.damping, f.gravity, f.preload, f.restitution)
+        return [float(value) for value in values]

@@ -27,6 +27,10 @@ MODULES = (
     "leap",
     "sliding",
     "orbit",
+    "tangent",
+    "shooting",
+    "certify",
+    "cells",
     "lanes",
 )
 

@@ -31,6 +31,22 @@ class Lane(NamedTuple):
     impact_budget: int  # impacts in one period
 
 
+# Entries of a machine's table: SI, rpm. Any of them may be a bifurcation parameter.
+RPM, MASS, STIFFNESS, DAMPING, GRAVITY, PRELOAD, RESTITUTION = range(7)
+RAD_PER_S = 0.10471975511965977  # pi/30, rad/s per rpm
+
+
+@kernel
+def lane_of(machine, tolerance, impact_budget):
+    """The constants of one orbit; `machine` is indexed by RPM to RESTITUTION, tolerance in rad."""
+    omega = machine[RPM] * RAD_PER_S
+    mass = machine[MASS]
+    W = sqrt(machine[STIFFNESS] / mass) / omega
+    Z = machine[DAMPING] / (2.0 * mass) / omega
+    G = (machine[GRAVITY] + machine[PRELOAD] / mass) / omega / omega
+    return Lane(W, W * W, Z, (Z - W) * (Z + W), G, machine[RESTITUTION], tolerance, impact_budget)
+
+
 @kernel
 def flow(lane, s):
     """(B, B', P) after s >= 0 rad of flight; see the module's equations."""

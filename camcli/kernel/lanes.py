@@ -1,9 +1,12 @@
 """Entry points from Python: one lane is one orbit, lanes do not know of each other."""
 
 from camcli.kernel.backend import entry
+from camcli.kernel.cells import follow
+from camcli.kernel.certify import certify
 from camcli.kernel.flight import flow
 from camcli.kernel.orbit import run
 from camcli.kernel.profile import END, ROW, START, TURN
+from camcli.kernel.shooting import correct
 
 
 @entry
@@ -27,3 +30,21 @@ def prepare(cam, lane, turns):
 def advance(cam, lane, turns, state, count, plan, log, strobe, work):
     """`orbit.run` for one lane; returns its status."""
     return run(cam, lane, turns, state, count, plan, log, strobe, work)
+
+
+@entry
+def correct_orbit(cam, machine, parameter, n, turns, whole, x, border, rates, tables, out):
+    """`shooting.correct`: Newton's method for a periodic orbit of n impacts; returns a status."""
+    return correct(cam, machine, parameter, n, turns, whole, x, border, rates, tables, out)
+
+
+@entry
+def certify_orbit(cam, machine, n, turns, whole, x, rates, table, found, work):
+    """`certify.certify`: the verdict on a solved orbit."""
+    return certify(cam, machine, n, turns, whole, x, rates, table, found, work)
+
+
+@entry
+def settle_cells(cam, lane, turns, targets, cells, budget, room):
+    """`cells.follow` for a block of starts; outcomes and last states are left in `cells`."""
+    follow(cam, lane, turns, targets, cells, budget, room)

@@ -1,0 +1,213 @@
+"""Newton's method for periodic orbits with impacts, through the kernel's `shooting`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import sqrt
+
+from camcli.analysis.engine import Cost, compile_for
+from camcli.errors import OK
+from camcli.kernel import backend, lanes
+from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS, certify
+from camcli.kernel.flight import (
+    DAMPING,
+    GRAVITY,
+    MASS,
+    PRELOAD,
+    RESTITUTION,
+    RPM,
+    STIFFNESS,
+    lane_of,
+)
+from camcli.kernel.profile import TURN
+from camcli.kernel.shooting import (
+    BLOCK,
+    ROWS,
+    STEP,
+    STEPS_TAKEN,
+    TRACE,
+    WIDE,
+    Border,
+    Tables,
+    correct,
+)
+from camcli.kernel.trig import exp_decay
+from camcli.system import System
+
+PARAMETERS = {
+    "rpm": RPM,
+    "mass": MASS,
+    "stiffness": STIFFNESS,
+    "damping": DAMPING,
+    "gravity": GRAVITY,
+    "preload": PRELOAD,
+    "restitution": RESTITUTION,
+}
+VERDICTS = {
+    ADMISSIBLE: "admissible",
+    EARLY: "virtual: penetrates the cam",
+    LATE: "virtual: an impact is missing",
+    PULLS: "virtual: an impact would have to pull",
+    DOUBTFUL: "nearer to grazing than double precision can tell",
+}
+
+
+@dataclass(frozen=True)
+class Root:
+    """A solution of the shooting equations, admissible or not.
+
+    x: theta_1, v_1, ..., theta_n, v_n, parameter (rad in the turn, outgoing m/rad); whole: stretch
+    and turn of each impact; rates: incoming m/rad; tangent: direction of the branch, not normed;
+    machine: constants at this point (`kernel.flight`); step: the last Newton step, relative.
+    """
+
+    x: list[float]
+    whole: tuple[int, ...]
+    turns: int
+    machine: tuple[float, ...]
+    parameter: int
+    rates: list[float]
+    tangent: list[float]
+    trace: float
+    step: float
+    steps: int
+
+    @property
+    def count(self) -> int:
+        """Impacts in one period of the orbit."""
+        return len(self.rates)
+
+    @property
+    def value(self) -> float:
+        """The parameter."""
+        return self.x[-1]
+
+    @property
+    def det(self) -> float:
+        """r^(2 n) exp(-b m T/mass), exact for every orbit without sticking."""
+        return determinant(self.machine, self.count, self.turns)
+
+    @property
+    def theta(self) -> list[float]:
+        """Impact phases within the turn, rad."""
+        return self.x[:-1:2]
+
+
+def determinant(machine: Sequence[float], impacts: int, turns: int) -> float:
+    """Determinant of the monodromy matrix: r^2 from an impact, exp(-2 Z s) from s rad of flight."""
+    lane = lane_of(machine, 0.0, 0)
+    value = exp_decay(2.0 * lane.Z * TURN * turns)
+    for _ in range(impacts):
+        value *= lane.r * lane.r
+    return value
+
+
+def multipliers(trace: float, det: float) -> tuple[complex, complex]:
+    """Roots of z^2 - trace z + det: the larger first (upper half plane first), no cancellation."""
+    disc = 0.25 * trace * trace - det
+    if disc < 0.0:
+        return complex(0.5 * trace, sqrt(-disc)), complex(0.5 * trace, -sqrt(-disc))
+    half = 0.5 * trace
+    large = half + sqrt(disc) if half >= 0.0 else half - sqrt(disc)
+    return complex(large), complex(det / large if large != 0.0 else 0.0)
+
+
+class Shooter:
+    """Room and machine for solving many orbits; one per thread.
+
+    Plain Python solves an impact in some 0.1 ms, which is enough: the compiled copies, with the
+    same bits, are taken only where the user forces the compiled kernel.
+    """
+
+    def __init__(self, system: System, rpm: float, parameter: str = "rpm"):
+        self.system = system
+        self.machine = tuple(system.machine(rpm))
+        self.parameter = PARAMETERS[parameter]
+        self.work = [0, 0, 0]
+        self.compiled = backend.must_compile()
+        if self.compiled:
+            compile_for(system)
+        self.cam = system.native_cam() if self.compiled else system.cam
+        self._rooms: dict[int, tuple] = {}
+
+    def at(self, value: float) -> tuple[float, ...]:
+        """The machine with the parameter replaced."""
+        machine = list(self.machine)
+        machine[self.parameter] = value
+        return tuple(machine)
+
+    @property
+    def cost(self) -> Cost:
+        """Work of the certifying flights so far."""
+        return Cost(0, int(self.work[0]), int(self.work[1]))
+
+    def _room(self, n: int):
+        if n not in self._rooms:
+            z = backend.zeros if self.compiled else _zeros
+            tables = Tables(
+                z(n * BLOCK), z(2 * n), z(2 * n + 1), z(2 * n + 1), z(ROWS * WIDE),
+                z(2 * n * WIDE), z(35),
+            )  # fmt: skip
+            stretches = self.system.cam.stretches
+            scratch = z(n), z(3), z(3 * stretches * stretches), z(2), z(3, int)
+            self._rooms[n] = tables, scratch
+        return self._rooms[n]
+
+    def _table(self, values, kind=float):
+        return backend.numbers(list(values), kind) if self.compiled else list(values)
+
+    def correct(
+        self,
+        guess: Sequence[float],
+        whole: Sequence[int],
+        turns: int,
+        row: Sequence[float],
+        origin: Sequence[float],
+        right: float = 0.0,
+    ) -> Root | None:
+        """The root near `guess` with row (x - origin) = right, or None where Newton fails.
+
+        The machine's constants are those of the shooter, the parameter is the last entry of x.
+        """
+        n = len(whole) // 2
+        tables, (rates, out, *_) = self._room(n)
+        x, ends = self._table(guess), Border(self._table(row), self._table(origin), right)
+        machine, places = self._table(self.machine), self._table(whole, int)
+        solve = lanes.correct_orbit if self.compiled else correct
+        status = solve(
+            self.cam, machine, self.parameter, n, turns, places, x, ends, rates, tables, out
+        )
+        if status != OK:
+            return None
+        return Root(
+            x=_plain(x), whole=tuple(whole), turns=turns, machine=tuple(_plain(machine)),
+            parameter=self.parameter, rates=_plain(rates), tangent=_plain(tables.tangent),
+            trace=float(out[TRACE]), step=float(out[STEP]), steps=int(out[STEPS_TAKEN]),
+        )  # fmt: skip
+
+    def at_value(self, guess: Sequence[float], whole: Sequence[int], turns: int, value: float):
+        """The root near `guess` at a fixed value of the parameter, or None."""
+        x = [*guess[:-1], value]
+        return self.correct(x, whole, turns, [0.0] * (len(x) - 1) + [1.0], x)
+
+    def verdict(self, root: Root) -> tuple[int, int, float]:
+        """(verdict, impact, phase): `certify`'s code, and where the root fails (0-based, rad)."""
+        n = root.count
+        _, (_, _, table, found, work) = self._room(n)
+        check = lanes.certify_orbit if self.compiled else certify
+        machine, places = self._table(root.machine), self._table(root.whole, int)
+        x, rates = self._table(root.x), self._table(root.rates)
+        code = check(self.cam, machine, n, root.turns, places, x, rates, table, found, work)
+        for k in range(3):
+            self.work[k] += int(work[k])
+            work[k] = 0
+        return int(code), int(found[0]), float(found[1])
+
+
+def _zeros(count: int, kind=float) -> list:
+    return [kind(0)] * count
+
+
+def _plain(values) -> list[float]:
+    return values.tolist() if hasattr(values, "tolist") else list(values)

@@ -1,0 +1,97 @@
+"""All orbits with one impact, in every region of the cam, by one scalar equation.
+
+A flight of s = 2 pi m rad from theta with q = c, w = c_theta + v comes back to q = c and meets the
+reset map v = -r u where, with F = G + W^2 c and the flow's B, B', P over s,
+    w = F P/B,    h(theta) = K F - (1 + r) B c_theta = 0,    K = P (1 + r B') - r B^2.
+Undamped and without load that is c = (1 + r)/(1 - r) cot(m pi W) c_theta/W. On a stretch h is as
+smooth as the cam, so bounds of c_thetatheta and c''' isolate every root: none is missed.
+"""
+
+from __future__ import annotations
+
+from camcli.analysis.detach_search import bracket
+from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.kernel.flight import flow, lane_of
+from camcli.kernel.profile import (
+    ACCEL_MAX,
+    ACCEL_MIN,
+    END,
+    JERK_MAX,
+    ROW,
+    START,
+    TURN,
+    lift,
+)
+
+NARROWEST = 1e-13  # rad: closer roots count as one, on the verge of a fold
+
+
+def single_impact_roots(shooter: Shooter, value: float, turns: int) -> list[Root]:
+    """Every orbit of `turns` turns with one impact at this parameter value, virtual ones too."""
+    equation = _Equation(shooter, value, turns)
+    found = []
+    for i in range(shooter.system.cam.stretches):
+        for theta in equation.roots(i):
+            v = equation.rate(i, theta)
+            root = shooter.at_value([theta, v, value], (i, 0), turns, value)
+            if root is not None and abs(root.theta[0] - theta) < 1e-6:
+                found.append(root)
+    return found
+
+
+class _Equation:
+    """h(theta) at one value of the parameter."""
+
+    def __init__(self, shooter: Shooter, value: float, turns: int):
+        self.cam = shooter.system.cam
+        self.lane = lane = lane_of(shooter.at(value), 0.0, 0)
+        self.B, slope, self.P = flow(lane, TURN * turns)
+        self.K = self.P * (1.0 + lane.r * slope) - lane.r * self.B * self.B
+        self.turn = (1.0 + lane.r) * self.B
+
+    def rate(self, i: int, theta: float) -> float:
+        """Outgoing relative rate of the orbit that impacts at theta, m/rad."""
+        c, c1, _ = lift(self.cam, i, theta)
+        return (self.lane.G + self.lane.W2 * c) * self.P / self.B - c1
+
+    def h(self, i: int, theta: float) -> float:
+        """The module's equation; zero at an orbit."""
+        c, c1, _ = lift(self.cam, i, theta)
+        return self.K * (self.lane.G + self.lane.W2 * c) - self.turn * c1
+
+    def slope(self, i: int, theta: float) -> float:
+        """dh/dtheta."""
+        _, c1, c2 = lift(self.cam, i, theta)
+        return self.K * self.lane.W2 * c1 - self.turn * c2
+
+    def roots(self, i: int) -> list[float]:
+        """Every zero of h on stretch i, ends included, in ascending order."""
+        if self.B == 0.0:
+            return []
+        row = self.cam.rows[i * ROW : (i + 1) * ROW]
+        accel = max(abs(row[ACCEL_MIN]), abs(row[ACCEL_MAX]))
+        bend = abs(self.K) * self.lane.W2 * accel + abs(self.turn) * row[JERK_MAX]
+        return list(self._within(i, row[START], row[END], bend))
+
+    def _within(self, i: int, low: float, high: float, bend: float):
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        h, slope = self.h(i, middle), self.slope(i, middle)
+        if abs(h) > abs(slope) * half + 0.5 * bend * half * half:
+            return
+        if abs(slope) > bend * half:
+            yield from self._single(i, low, high)
+        elif half < NARROWEST:
+            yield middle
+        else:
+            yield from self._within(i, low, middle, bend)
+            yield from self._within(i, middle, high, bend)
+
+    def _single(self, i: int, low: float, high: float):
+        """The zero of a monotone h, if its signs differ; one at an end is the next interval's."""
+        before, after = self.h(i, low), self.h(i, high)
+        if before == 0.0:
+            yield low
+        elif (before < 0.0) != (after < 0.0) and after != 0.0:
+            sign = 1.0 if before < 0.0 else -1.0
+            ends = bracket(lambda x: sign * self.h(i, x), low, high, sign * before, sign * after)
+            yield 0.5 * (ends[0] + ends[1])
