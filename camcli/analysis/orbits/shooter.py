@@ -9,6 +9,7 @@ from math import sqrt
 from camcli.analysis.engine import Cost, compile_for
 from camcli.errors import OK
 from camcli.kernel import backend, lanes
+from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
 from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS, certify
 from camcli.kernel.flight import (
     DAMPING,
@@ -21,17 +22,7 @@ from camcli.kernel.flight import (
     lane_of,
 )
 from camcli.kernel.profile import TURN
-from camcli.kernel.shooting import (
-    BLOCK,
-    ROWS,
-    STEP,
-    STEPS_TAKEN,
-    TRACE,
-    WIDE,
-    Border,
-    Tables,
-    correct,
-)
+from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border, correct
 from camcli.kernel.trig import exp_decay
 from camcli.system import System
 

@@ -1,0 +1,146 @@
+"""One direction of a branch, from a known orbit to whatever ends it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from camcli.analysis.orbits.crossing import Crossing, cross
+from camcli.analysis.orbits.locate import (
+    CLOSED,
+    CORNER,
+    GRAZING,
+    LOST,
+    RANGE,
+    Found,
+    corners_on,
+    graze_on,
+    smooth_events,
+)
+from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.analysis.orbits.walk import Metric, Step, oriented, walk
+
+POINTS_PER_SPACING = 30  # times the range over the spacing: a branch longer than that is given up
+
+
+@dataclass(frozen=True)
+class Span:
+    """Range of the parameter, and the largest step of it between points."""
+
+    low: float
+    high: float
+    spacing: float
+
+    @property
+    def width(self) -> float:
+        """high - low."""
+        return self.high - self.low
+
+
+@dataclass
+class Leg:
+    """Points in order, events in order, and the reason for the end (a kind of event, or `lost`)."""
+
+    points: list[Root] = field(default_factory=list)
+    events: list[tuple[Found, Crossing | None]] = field(default_factory=list)
+    end: str = LOST
+    turned: Crossing | None = None  # a nonsmooth fold: another branch leaves from here
+
+
+def follow(shooter: Shooter, root: Root, along: Sequence[float], span: Span) -> Leg:
+    """Follow a branch from `root` in the direction `along` to the end of range or of motion."""
+    leg = Leg(points=[root])
+    metric = Metric.of(root, span.width)
+    longest = span.spacing / span.width
+    most = POINTS_PER_SPACING * span.width / span.spacing
+    while True:
+        for step in walk(shooter, root, along, metric, longest):
+            if step is None or len(leg.points) > most:
+                return leg
+            crossing = _advance(shooter, leg, step, span)
+            if leg.end != LOST:
+                return leg
+            if _closes(leg, metric, step):
+                leg.end = CLOSED
+                return leg
+            if crossing is not None:
+                root, along = crossing.far, crossing.ahead
+                break
+
+
+def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | None:
+    """Take a step up to the first thing that cuts it; sets leg.end where the branch ends."""
+    bounded = _within_range(shooter, step, span)
+    reached = bounded is not None
+    step = bounded or step
+    corner = next(iter(corners_on(shooter, step)), None)
+    if corner is not None:
+        step, reached = step.cut(corner.root), False
+    graze = graze_on(shooter, step)
+    if graze is not None:
+        step, reached, corner = step.cut(graze.root), False, None
+    heading = oriented(step.metric, step.after, step.unit)[-1]
+    turned = (heading < 0.0) != (step.unit[-1] < 0.0)
+    for found in smooth_events(shooter, step, turned and graze is None):
+        leg.events.append((found, None))
+        leg.points.append(found.root)
+    if step.length > 0.0:
+        leg.points.append(step.after)
+    if graze is not None:
+        leg.events.append((graze, None))
+        leg.end = GRAZING
+    elif reached:
+        leg.end = RANGE
+    elif corner is not None:
+        return _pass_corner(shooter, leg, corner)
+    return None
+
+
+def _within_range(shooter: Shooter, step: Step, span: Span) -> Step | None:
+    """The step cut at the end of the range, None where it stays inside."""
+    value = step.after.value
+    if span.low <= value <= span.high:
+        return None
+    bound = span.low if value < span.low else span.high
+    before = step.before.value
+    if before == bound:
+        return step.cut(step.before)
+    share = (bound - before) / (value - before)
+    guess = [a + share * (b - a) for a, b in zip(step.before.x, step.after.x, strict=True)]
+    root = shooter.at_value(guess, step.before.whole, step.before.turns, bound)
+    return step if root is None else step.cut(root)
+
+
+def _pass_corner(shooter: Shooter, leg: Leg, found: Found) -> Crossing | None:
+    """Record a corner impact and go on behind it; a nonsmooth fold or a kink ends the branch."""
+    crossing = cross(shooter, found)
+    if crossing is None:
+        leg.end = CORNER
+        leg.events.append((found, None))
+        return None
+    if crossing.corner:
+        leg.events.append((found, crossing))
+        if crossing.turns_back or crossing.kink:
+            leg.end = CORNER
+            leg.turned = None if crossing.kink else crossing
+            return None
+        leg.points.append(crossing.far)
+    return crossing
+
+
+def _closes(leg: Leg, metric: Metric, step: Step) -> bool:
+    """True where the step passes the first point again in the same direction."""
+    first = leg.points[0]
+    if len(leg.points) < 5 or step.after.whole != first.whole:
+        return False
+    away = [a - b for a, b in zip(first.x, step.before.x, strict=True)]
+    along = metric.dot(away, step.unit)
+    across = metric.dot(away, away) - along * along
+    return 0.0 < along <= step.length and across < (0.1 * step.length) ** 2
+
+
+def both_ways(shooter: Shooter, root: Root, span: Span) -> Iterator[Leg]:
+    """The legs down and up from a root, by the parameter's sign."""
+    up = root.tangent if root.tangent[-1] >= 0.0 else [-x for x in root.tangent]
+    yield follow(shooter, root, [-x for x in up], span)
+    yield follow(shooter, root, up, span)

@@ -1,0 +1,137 @@
+"""Where on a step of a branch something happens: each event is the root of its own equation.
+
+period-doubling  1 + trace + det = 0        a multiplier is -1
+fold             the parameter turns round   1 - trace + det = 0, a multiplier is 1
+corner-impact    theta_k = corner
+grazing          the certificate is lost: a contact appears in a flight, or an impact fades
+A Neimark-Sacker bifurcation needs det = 1; here det = r^(2 n) exp(-b m T/mass) < 1 whenever
+anything dissipates, so none is looked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ulp
+
+from camcli.analysis.detach_search import bracket
+from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.analysis.orbits.walk import Step, beyond
+from camcli.kernel.certify import ADMISSIBLE
+from camcli.kernel.profile import END, ROW, START
+
+PERIOD_DOUBLING, FOLD, CORNER, GRAZING = "period-doubling", "fold", "corner-impact", "grazing"
+COMPLETION, RANGE, LOST, CLOSED = "chatter-completion", "end-of-range", "lost", "closed"
+OK, UNRESOLVED = "ok", "unresolved"
+ERRORS = (1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # relative half widths tried for a bracket
+
+
+@dataclass(frozen=True)
+class Found:
+    """An event on a step: its root, how far along, and the bracket of the parameter.
+
+    `impact` (0-based) and `side` belong to a corner impact: +1 at the end of its region, -1 at the
+    start; for grazing `impact` is the flight's and `phase` where the contact appears, rad.
+    """
+
+    kind: str
+    root: Root
+    reach: float
+    error: float
+    status: str
+    impact: int = -1
+    side: int = 0
+    phase: float = 0.0
+
+
+def flip_test(root: Root) -> float:
+    """1 + trace + det, zero at a period doubling."""
+    return 1.0 + root.trace + root.det
+
+
+def corners_on(shooter: Shooter, step: Step) -> list[Found]:
+    """The first place on the step where an impact reaches the end of its region."""
+    found = []
+    for _, k, side in beyond(shooter, step.after):
+        root = at_corner(shooter, step.after, k, side)
+        if root is None:
+            continue
+        reach = step.reach(root)
+        if -1e-9 * step.length <= reach <= step.length:
+            error, status = _bracket(shooter, root, lambda r, k=k, x=root.x[2 * k]: r.x[2 * k] - x)
+            found.append(Found(CORNER, root, max(reach, 0.0), error, status, k, side))
+    return sorted(found, key=lambda f: f.reach)[:1]
+
+
+def at_corner(shooter: Shooter, guess: Root, k: int, side: int) -> Root | None:
+    """The root with impact k exactly at the end (side 1) or start (-1) of its stretch."""
+    row = [0.0] * len(guess.x)
+    row[2 * k] = 1.0
+    x = list(guess.x)
+    x[2 * k] = shooter.cam.rows[guess.whole[2 * k] * ROW + (END if side > 0 else START)]
+    return shooter.correct(x, guess.whole, guess.turns, row, x)
+
+
+def smooth_events(shooter: Shooter, step: Step, turned: bool) -> list[Found]:
+    """Period doublings and folds on a step, in order; `turned`: the parameter turns round on it."""
+    found = []
+    before, after = flip_test(step.before), flip_test(step.after)
+    if (before < 0.0) != (after < 0.0) and before != 0.0:
+        found.append(_root_of(shooter, step, PERIOD_DOUBLING, flip_test, before, after))
+    if turned:
+        sign = 1.0 if step.unit[-1] >= 0.0 else -1.0
+        found.append(_root_of(shooter, step, FOLD, lambda r: sign * r.tangent[-1], 1.0, -1.0))
+    return sorted((f for f in found if f is not None), key=lambda f: f.reach)
+
+
+def _root_of(shooter, step: Step, kind: str, test: Callable[[Root], float], before, after):
+    """The place on a step where `test` changes sign."""
+    sign = 1.0 if before < 0.0 else -1.0
+
+    def value(length: float) -> float:
+        root = step.at(shooter, length)
+        return sign * test(root) if root is not None else float("nan")
+
+    ends = bracket(value, 0.0, step.length, sign * before, sign * after)
+    root = step.at(shooter, 0.5 * (ends[0] + ends[1]))
+    if root is None:
+        return None
+    if kind == FOLD:
+        sides = [step.at(shooter, end) for end in ends[:2]]
+        width = max((abs(r.value - root.value) for r in sides if r is not None), default=0.0)
+        error, status = max(width, 8.0 * ulp(root.value)), OK
+    else:
+        error, status = _bracket(shooter, root, test)
+    return Found(kind, root, 0.5 * (ends[0] + ends[1]), error, status)
+
+
+def _bracket(shooter: Shooter, root: Root, test: Callable[[Root], float]) -> tuple[float, str]:
+    """Smallest half width of the parameter around the root at whose ends `test` differs in sign."""
+    for relative in ERRORS:
+        width = relative * abs(root.value)
+        ends = [
+            shooter.at_value(root.x, root.whole, root.turns, root.value + side * width)
+            for side in (-1.0, 1.0)
+        ]
+        if None not in ends and (test(ends[0]) < 0.0) != (test(ends[1]) < 0.0):
+            return width, OK
+    return ERRORS[-1] * abs(root.value), UNRESOLVED
+
+
+def graze_on(shooter: Shooter, step: Step) -> Found | None:
+    """Where on the step the orbit ceases to be a motion; its end must be none."""
+    if shooter.verdict(step.after)[0] == ADMISSIBLE:
+        return None
+
+    def value(length: float) -> float:
+        root = step.at(shooter, length)
+        good = root is not None and shooter.verdict(root)[0] == ADMISSIBLE
+        return -1.0 if good else 1.0
+
+    low, high, _, _ = bracket(value, 0.0, step.length, -1.0, 1.0)
+    last, first = step.at(shooter, low), step.at(shooter, high)
+    last = last if last is not None else step.before
+    first = first if first is not None else step.after
+    _, impact, phase = shooter.verdict(first)
+    error = max(abs(first.value - last.value), 8.0 * ulp(last.value))
+    return Found(GRAZING, last, low, error, OK, impact=impact, phase=phase)

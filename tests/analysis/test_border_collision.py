@@ -1,0 +1,308 @@
+"""Border collisions of the normal form in the plane: verdicts, cycles, attractors."""
+
+import random
+from math import inf, isclose, log, prod, sqrt
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from camcli.analysis.border_collision import KINDS, classify, growth_at_zero
+from camcli.analysis.border_cycles import NormalForm, Side, attractor, cycle, repeating
+
+SWAP = str.maketrans("LR", "RL")
+
+
+def sides(trace_left, det_left, trace_right, det_right):
+    return Side(trace_left, det_left), Side(trace_right, det_right)
+
+
+def reals(size):
+    return st.floats(-size, size).map(lambda value: round(value, 3))
+
+
+ANY = st.builds(sides, reals(3.0), reals(1.5), reals(3.0), reals(1.5))
+STABLE = st.builds(
+    lambda a, b, s, t: sides(s * (1.0 + a), a, t * (1.0 + b), b),
+    *[st.floats(0.02, 0.98)] * 2,
+    *[st.floats(-0.98, 0.98)] * 2,
+)
+
+
+def step(left, right, mu, x, y):
+    """The map once more, written out."""
+    side = left if x <= 0.0 else right
+    return side.trace * x + y + mu, -side.det * x
+
+
+def iterate(left, right, mu, point, steps):
+    for _ in range(steps):
+        point = step(left, right, mu, *point)
+        if not abs(point[0]) < 1e12:
+            return None
+    return point
+
+
+# Sides
+
+
+@pytest.mark.parametrize(
+    ("side", "kind"),
+    [
+        (Side(1.0, 0.2), "attracting node"),
+        (Side(-1.0, 0.2), "flip attractor"),
+        (Side(0.1, -0.5), "flip attractor"),
+        (Side(0.5, 0.5), "spiral attractor"),
+        (Side(0.5, 1.5), "spiral repeller"),
+        (Side(1.7, 0.5), "regular saddle"),
+        (Side(-1.7, 0.5), "flip saddle"),
+        (Side(4.0, 3.5), "repelling node"),
+        (Side(0.1, -3.0), "flip repeller"),
+        (Side(1.3, 0.3), "nonhyperbolic"),
+        (Side(0.3, 1.0), "nonhyperbolic"),
+    ],
+)
+def test_kind_of_a_side(side, kind):
+    assert side.kind == kind
+    assert side.stable == ("attract" in kind)
+
+
+@given(reals(1e3), reals(1e3))
+def test_multipliers_have_the_sum_and_the_product(trace, det):
+    large, small = Side(trace, det).multipliers
+    assert abs(large) >= abs(small) * (1.0 - 1e-15)
+    assert isclose((large + small).real, trace, rel_tol=1e-14, abs_tol=1e-13)
+    assert isclose((large * small).real, det, rel_tol=1e-14, abs_tol=1e-300)
+
+
+def test_small_multiplier_is_not_a_difference():
+    assert Side(1e8, 1.0).multipliers[1] == pytest.approx(1e-8, rel=1e-15)
+
+
+# Verdicts
+
+
+@pytest.mark.parametrize(
+    ("parameters", "kind", "below", "above"),
+    [
+        ((0.5, 0.2, -0.5, 0.3), "persistence", "fixed-point", "fixed-point"),
+        ((0.5, 0.2, -1.6, 0.3), "border-period-doubling", "fixed-point", "chaos"),
+        ((0.2, 0.2, -1.4, 0.3), "border-period-doubling", "fixed-point", "cycle"),
+        ((1.7, 0.5, -1.7, 0.5), "robust-chaos", "none", "chaos"),
+        ((-1.7, 0.5, 1.7, 0.5), "robust-chaos", "chaos", "none"),
+        ((1.6418699, 0.64, 1.3714214, 0.64), "nonsmooth-fold", "none", "fixed-point"),
+        ((1.3816246, 0.4096, -4.0910731, 0.4096), "border-period-doubling", "fixed-point", "chaos"),
+        ((1.7, 0.5, -4.0, 0.5), "no-attractor", "none", "none"),
+        ((-0.5, 0.2, -3.6, 0.3), "no-attractor", "fixed-point", "none"),
+        ((-1.85, 0.9, 0.4, 0.95), "dangerous", "several", "several"),
+        ((1.2, 0.2, 0.1, 0.3), "degenerate", None, "fixed-point"),
+        ((0.5, 0.2, -1.3, 0.3), "degenerate", "fixed-point", None),
+    ],
+)
+def test_verdict(parameters, kind, below, above):
+    found = classify(*sides(*parameters))
+    assert found.kind == kind
+    assert below in (None, found.below.kind)
+    assert above in (None, found.above.kind)
+    assert found.words[0].startswith(f"{kind}: {dict(KINDS)[kind]}")
+
+
+def test_unstable_two_cycle_of_a_period_doubling():
+    found = classify(*sides(0.5, 0.2, -1.6, 0.3)).cycles[2]
+    assert (found.word, found.exists_for, found.stable) == ("LR", 1, False)
+    assert found.multipliers == pytest.approx((-1.25207973, -0.04792027), abs=5e-9)
+    q = 1.0 - (0.5 * -1.6 - 0.5) + 0.06
+    assert [x for x, _ in found.points] == pytest.approx([-0.3 / q, 1.7 / q], rel=1e-14)
+
+
+def test_inequalities_carry_their_numbers():
+    found = classify(*sides(1.6418699, 0.64, 1.3714214, 0.64))
+    fold, last = found.inequalities[0], found.inequalities[-1]
+    assert not fold.holds
+    assert fold.left == pytest.approx(-0.0018699 * 0.2685786, rel=1e-12)
+    assert (last.text, last.left) == ("tau_R < -(1 + delta_R)", 1.3714214)
+    assert last.right == pytest.approx(-1.64, rel=1e-15)
+    assert not last.holds
+    assert "tau_R < -(1 + delta_R) fails, 1.37142 against -1.64" in found.words[-1]
+
+
+def test_equality_is_named():
+    words = classify(*sides(0.5, 0.2, -1.3, 0.3)).words
+    assert "Equal within rounding: on R, a multiplier is -1." in words
+    trace = -(1.0 + 0.06 - 0.5) / 0.5  # along LR: 1 + tau_L tau_R - delta_L - delta_R + 0.06 = 0
+    assert 1.0 + trace + 0.3 > 0.0
+    assert classify(*sides(0.5, 0.2, trace, 0.3)).kind == "persistence"
+    trace = -(1.0 + 0.02 + -0.3) / 0.5
+    along = classify(*sides(0.5, 0.1, trace, 0.2))
+    assert along.words[1] == "Equal within rounding: along LR, a multiplier is -1."
+
+
+def test_chaos_exponent_of_the_lozi_map():
+    """tau = -+ 1.7, delta = 0.5 is (x, y) -> (1 - 1.7 |x| + y, ...) with b = -0.5."""
+    found = attractor(*sides(1.7, 0.5, -1.7, 0.5), 1)
+    form, tangent, total = NormalForm(*sides(1.7, 0.5, -1.7, 0.5), 1.0), (1.0, 0.3), 0.0
+    point, steps = (0.1, 0.0), 60_000
+    for _ in range(steps):
+        trace = 1.7 if point[0] <= 0.0 else -1.7
+        tangent = trace * tangent[0] + tangent[1], -0.5 * tangent[0]
+        size = sqrt(tangent[0] ** 2 + tangent[1] ** 2)
+        total, tangent = total + log(size), (tangent[0] / size, tangent[1] / size)
+        point = step(form.left, form.right, 1.0, *point)
+    assert abs(found.exponent - total / steps) < 5.0 * found.spread + 1e-3
+
+
+def test_huge_numbers_do_not_raise():
+    for big in (1e150, 1e308, -1e308):
+        assert classify(Side(big, 0.5), Side(0.5, big)).kind in dict(KINDS)
+    assert cycle("L" * 20 + "R" * 20, Side(1e300, 1e300), Side(-1e300, 1e300)).exists_for == 0
+
+
+# Robust chaos: the existence condition against iteration
+
+
+def test_the_theorem_of_robust_chaos_agrees_with_iteration():
+    rng, agreeing, lost = random.Random(7), 0, 0
+    for _ in range(300):
+        a, b = rng.random(), rng.random()
+        left, right = sides(1.0 + a + rng.random(), a, -1.0 - b - rng.random(), b)
+        last = classify(left, right).inequalities[-1]
+        assert "l1" in last.text
+        start = cycle("R", left, right).points[0]
+        bounded = iterate(left, right, 1.0, (start[0] + 1e-6, start[1]), 3_000) is not None
+        assert bounded or not last.holds
+        agreeing += bounded == last.holds
+        lost += not bounded
+    assert agreeing > 275
+    assert lost > 100
+
+
+def test_robust_chaos_has_no_attracting_cycle():
+    rng, seen = random.Random(11), 0
+    for _ in range(120):
+        a, b = rng.random(), rng.random()
+        pair = sides(1.0 + a + 0.5 * rng.random(), a, -1.0 - b - 0.5 * rng.random(), b)
+        found = classify(*pair)
+        if found.kind == "robust-chaos":
+            seen += 1
+            assert found.below.kind == "none"
+            assert found.above.kind == "chaos", pair
+    assert seen > 30
+
+
+# Dangerous: the map at mu = 0
+
+
+def grows(left, right, directions=90):
+    """Largest log of growth over many directions of the homogeneous map, in 4000 steps."""
+    best = -inf
+    for k in range(directions):
+        t = 4.0 * k / directions
+        x, y = (t - 1.0, 1.0) if t < 2.0 else (3.0 - t, -1.0)
+        total = 0.0
+        for _ in range(4_000):
+            x, y = step(left, right, 0.0, x, y)
+            size = abs(x) + abs(y)
+            total, x, y = total + log(size), x / size, y / size
+            if abs(total) > 25.0:
+                break
+        best = max(best, total)
+    return best
+
+
+@settings(max_examples=15, deadline=None)
+@given(STABLE)
+def test_danger_is_growth_in_some_direction(pair):
+    brute = grows(*pair)
+    assume(abs(brute) > 20.0)
+    assert (growth_at_zero(*pair) > 0.0) == (brute > 0.0)
+    assert (classify(*pair).kind in ("dangerous", "degenerate")) == (brute > 0.0)
+
+
+def test_a_dangerous_basin_shrinks_with_mu():
+    left, right = sides(-1.85, 0.9, 0.4, 0.95)
+    starts = [(0.1 * k, 0.1 * j) for k in range(-9, 10, 2) for j in range(-9, 10, 2)]
+    lost = [
+        sum(iterate(left, right, mu, start, 6_000) is None for start in starts)
+        for mu in (1.0, 0.01, 1e-4)
+    ]
+    assert lost[0] < lost[-1]
+
+
+# Invariants
+
+
+def mirrored(found):
+    """A prediction with its words read from the other side."""
+    words = [word.translate(SWAP) for word in found.word.split(", ")] if found.word else []
+    turned = [min(w[k:] + w[:k] for k in range(len(w))) for w in words if set(w) <= set("LR")]
+    return found.kind, found.period, sorted(turned)
+
+
+def plain(found):
+    words = [word for word in found.word.split(", ") if word and set(word) <= set("LR")]
+    return found.kind, found.period, sorted(words)
+
+
+@settings(max_examples=60, deadline=None)
+@given(ANY)
+def test_exchange_of_the_sides_mirrors_the_verdict(pair):
+    there, back = classify(*pair), classify(*reversed(pair))
+    assert there.kind == back.kind
+    assume(there.kind != "degenerate")  # there an orbit may stay on the border, which is L's
+    assert (mirrored(there.below), mirrored(there.above)) == (plain(back.above), plain(back.below))
+    assert there.cycles[0].multipliers == back.cycles[1].multipliers
+    assert there.cycles[2].exists_for == -back.cycles[2].exists_for
+
+
+@settings(max_examples=60, deadline=None)
+@given(ANY)
+def test_feigins_parities_are_the_signs(pair):
+    beyond = [[z for z in side.multipliers if not isinstance(z, complex)] for side in pair]
+    assume(not any(side.degenerate for side in pair))
+    above_one = sum(z > 1.0 for row in beyond for z in row)
+    below_minus_one = sum(z < -1.0 for row in beyond for z in row)
+    fold, flip = classify(*pair).inequalities[:2]
+    assert fold.holds == (above_one % 2 == 0)
+    assert flip.holds == (below_minus_one % 2 == 1)
+    assert flip.holds == (cycle("LR", *pair).exists_for != 0)
+
+
+@settings(max_examples=150, deadline=None)
+@given(ANY, st.text("LR", min_size=1, max_size=7))
+def test_a_cycle_that_exists_returns(pair, word):
+    found = cycle(word, *pair)
+    assume(found.exists_for)
+    spin = 1.0 + sum(abs(x) for x, _ in found.points)
+    for k, (x, y) in enumerate(found.points):
+        assert (x <= 0.0) == (word[k] == "L")
+        after = found.points[(k + 1) % len(word)]
+        now = step(*pair, float(found.exists_for), x, y)
+        assert now == pytest.approx(after, rel=1e-6, abs=1e-7 * spin)
+    dets = {"L": pair[0].det, "R": pair[1].det}
+    det = (found.multipliers[0] * found.multipliers[1]).real
+    assert det == pytest.approx(prod(dets[symbol] for symbol in word), rel=1e-9, abs=1e-12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(ANY)
+def test_a_predicted_cycle_attracts(pair):
+    for mu in (-1, 1):
+        found = attractor(*pair, mu)
+        if found.kind not in ("fixed-point", "cycle"):
+            continue
+        orbit = cycle(found.word, *pair)
+        assert orbit.stable
+        assert orbit.exists_for == mu
+        assert found.exponent < 0.0
+        x, y = orbit.points[0]
+        away = 1e-6 * min(abs(point[0]) for point in orbit.points)
+        turns = min(int(-25.0 / found.exponent), 20_000) // len(found.word) * len(found.word)
+        end = iterate(*pair, float(mu), (x + away, y), turns + 10 * len(found.word))
+        assert end is not None
+        assert abs(end[0] - x) + abs(end[1] - y) < 0.1 * away + 1e-9 * (abs(x) + abs(y))
+
+
+def test_repeating_word():
+    assert repeating("LRR" * 60) == "LRR"
+    assert repeating("R" * 99) == "R"
+    assert repeating("LRRLLRLR" + "LRLLLRRL" * 2) == ""
