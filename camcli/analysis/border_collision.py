@@ -30,7 +30,7 @@ KINDS = (
     ("degenerate", "an equality holds within rounding: the linear parts do not decide"),
     ("dangerous", "a stable fixed point on both sides, yet its basin shrinks to nothing at mu = 0"),
     ("robust-chaos", "a chaotic attractor for one sign of mu, and for all sides close to these"),
-    ("no-attractor", "nothing bounded attracts on either side, or on one where a fixed point is"),
+    ("no-attractor", "something attracts on one side, nothing bounded on the other"),
     ("nonsmooth-fold", "two fixed points are born for one sign of mu, there is none for the other"),
     ("border-period-doubling", "a fixed point on each side, and a cycle LR is born for one sign"),
     ("persistence", "a fixed point on each side, and no cycle LR is born"),
@@ -182,7 +182,7 @@ def _kind(checks, chaos, below: Prediction, above: Prediction) -> str:
         return "dangerous"
     if len(chaos) == THEOREM and chaos[-1].holds:
         return "robust-chaos"
-    if all(nowhere) or (one_each_side and any(nowhere)):
+    if one_each_side and nowhere[0] != nowhere[1]:
         return "no-attractor"
     if not one_each_side:
         return "nonsmooth-fold"

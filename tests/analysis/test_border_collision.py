@@ -92,7 +92,7 @@ def test_small_multiplier_is_not_a_difference():
         ((-1.7, 0.5, 1.7, 0.5), "robust-chaos", "chaos", "none"),
         ((1.6418699, 0.64, 1.3714214, 0.64), "nonsmooth-fold", "none", "fixed-point"),
         ((1.3816246, 0.4096, -4.0910731, 0.4096), "border-period-doubling", "fixed-point", "chaos"),
-        ((1.7, 0.5, -4.0, 0.5), "no-attractor", "none", "none"),
+        ((1.7, 0.5, -4.0, 0.5), "nonsmooth-fold", "none", "none"),
         ((-0.5, 0.2, -3.6, 0.3), "no-attractor", "fixed-point", "none"),
         ((-1.85, 0.9, 0.4, 0.95), "dangerous", "several", "several"),
         ((1.2, 0.2, 0.1, 0.3), "degenerate", None, "fixed-point"),

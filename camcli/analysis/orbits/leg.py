@@ -18,23 +18,9 @@ from camcli.analysis.orbits.locate import (
     smooth_events,
 )
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.analysis.orbits.walk import Metric, Step, oriented, walk
+from camcli.analysis.orbits.walk import Metric, Span, Step, oriented, walk
 
 POINTS_PER_SPACING = 30  # times the range over the spacing: a branch longer than that is given up
-
-
-@dataclass(frozen=True)
-class Span:
-    """Range of the parameter, and the largest step of it between points."""
-
-    low: float
-    high: float
-    spacing: float
-
-    @property
-    def width(self) -> float:
-        """high - low."""
-        return self.high - self.low
 
 
 @dataclass
@@ -51,10 +37,9 @@ def follow(shooter: Shooter, root: Root, along: Sequence[float], span: Span) -> 
     """Follow a branch from `root` in the direction `along` to the end of range or of motion."""
     leg = Leg(points=[root])
     metric = Metric.of(root, span.width)
-    longest = span.spacing / span.width
     most = POINTS_PER_SPACING * span.width / span.spacing
     while True:
-        for step in walk(shooter, root, along, metric, longest):
+        for step in walk(shooter, root, along, metric, span):
             if step is None or len(leg.points) > most:
                 return leg
             crossing = _advance(shooter, leg, step, span)
@@ -70,9 +55,7 @@ def follow(shooter: Shooter, root: Root, along: Sequence[float], span: Span) -> 
 
 def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | None:
     """Take a step up to the first thing that cuts it; sets leg.end where the branch ends."""
-    bounded = _within_range(shooter, step, span)
-    reached = bounded is not None
-    step = bounded or step
+    reached = step.after.value in (span.low, span.high)
     corner = next(iter(corners_on(shooter, step)), None)
     if corner is not None:
         step, reached = step.cut(corner.root), False
@@ -94,21 +77,6 @@ def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | N
     elif corner is not None:
         return _pass_corner(shooter, leg, corner)
     return None
-
-
-def _within_range(shooter: Shooter, step: Step, span: Span) -> Step | None:
-    """The step cut at the end of the range, None where it stays inside."""
-    value = step.after.value
-    if span.low <= value <= span.high:
-        return None
-    bound = span.low if value < span.low else span.high
-    before = step.before.value
-    if before == bound:
-        return step.cut(step.before)
-    share = (bound - before) / (value - before)
-    guess = [a + share * (b - a) for a, b in zip(step.before.x, step.after.x, strict=True)]
-    root = shooter.at_value(guess, step.before.whole, step.before.turns, bound)
-    return step if root is None else step.cut(root)
 
 
 def _pass_corner(shooter: Shooter, leg: Leg, found: Found) -> Crossing | None:

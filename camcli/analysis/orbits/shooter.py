@@ -24,7 +24,7 @@ from camcli.kernel.flight import (
 from camcli.kernel.profile import TURN
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border, correct
 from camcli.kernel.trig import exp_decay
-from camcli.system import System
+from camcli.system import System, omega_of
 
 PARAMETERS = {
     "rpm": RPM,
@@ -35,6 +35,7 @@ PARAMETERS = {
     "preload": PRELOAD,
     "restitution": RESTITUTION,
 }
+SMALL = 1e-3  # share of its natural size below which a parameter counts as zero
 VERDICTS = {
     ADMISSIBLE: "admissible",
     EARLY: "virtual: penetrates the cam",
@@ -115,6 +116,7 @@ class Shooter:
         self.system = system
         self.machine = tuple(system.machine(rpm))
         self.parameter = PARAMETERS[parameter]
+        self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
         self.work = [0, 0, 0]
         self.compiled = backend.must_compile()
         if self.compiled:
@@ -163,7 +165,10 @@ class Shooter:
         """
         n = len(whole) // 2
         tables, (rates, out, *_) = self._room(n)
-        x, ends = self._table(guess), Border(self._table(row), self._table(origin), right)
+        x, ends = (
+            self._table(guess),
+            Border(self._table(row), self._table(origin), right, self.scale),
+        )
         machine, places = self._table(self.machine), self._table(whole, int)
         solve = lanes.correct_orbit if self.compiled else correct
         status = solve(
@@ -198,6 +203,19 @@ class Shooter:
 
 def _zeros(count: int, kind=float) -> list:
     return [kind(0)] * count
+
+
+def _natural(parameter: int, mass: float, omega: float) -> float:
+    """A size of the parameter that matters: inertia forces of a metre at the cam's frequency."""
+    return {
+        RPM: 0.0,
+        MASS: 0.0,
+        STIFFNESS: mass * omega * omega,
+        DAMPING: mass * omega,
+        GRAVITY: omega * omega,
+        PRELOAD: mass * omega * omega,
+        RESTITUTION: 1.0,
+    }[parameter]
 
 
 def _plain(values) -> list[float]:

@@ -102,17 +102,32 @@ def beyond(shooter: Shooter, root: Root) -> list[tuple[float, int, int]]:
     return out
 
 
+@dataclass(frozen=True)
+class Span:
+    """Range of the parameter, and the largest step of it between points."""
+
+    low: float
+    high: float
+    spacing: float
+
+    @property
+    def width(self) -> float:
+        """high - low."""
+        return self.high - self.low
+
+
 def walk(
-    shooter: Shooter, root: Root, along: Sequence[float], metric: Metric, longest: float
+    shooter: Shooter, root: Root, along: Sequence[float], metric: Metric, span: Span
 ) -> Iterator[Step | None]:
     """Steps from a root in the direction `along`, for ever; None where no step succeeds.
 
-    The generator is sent nothing; the caller stops it at the end of what it wants, and starts a new
-    one where it cut a step short.
+    No step leaves the range: one that would ends at its bound. The caller stops at the end of what
+    it wants, and starts anew where it cuts a step short.
     """
+    longest = span.spacing / span.width
     unit, length = oriented(metric, root, along), longest
     while True:
-        step = _step(shooter, root, unit, metric, length)
+        step = _step(shooter, root, unit, metric, length, span)
         if step is None:
             length *= 0.5
             if length < SMALLEST:
@@ -124,15 +139,30 @@ def walk(
         length = min(longest, step.length * (GROWTH if root.steps <= QUICK else 1.0))
 
 
-def _step(shooter, root: Root, unit, metric: Metric, length: float) -> Step | None:
-    guess = [x + length * t for x, t in zip(root.x, unit, strict=True)]
-    after = shooter.correct(guess, root.whole, root.turns, metric.row(unit), root.x, length)
-    if after is None or after.steps > MOST_NEWTON or not after.value > 0.0:
+def _step(shooter, root: Root, unit, metric: Metric, length: float, span: Span) -> Step | None:
+    step = _corrected(shooter, root, unit, metric, length, span)
+    if step is None or step.after.steps > MOST_NEWTON or step.length <= 0.0:
         return None
+    after = step.after
     if metric.dot(oriented(metric, after, unit), unit) < TURNED:
         return None
     if any(far > OVERSHOOT for far, _, _ in beyond(shooter, after)):
         return None
     if abs(after.trace - root.trace) > TRACE_CHANGE * (1.0 + abs(root.trace)):
         return None
-    return Step(root, unit, after, length, metric)
+    return step
+
+
+def _corrected(shooter, root: Root, unit, metric: Metric, length: float, span: Span):
+    """Predictor and corrector; at the end of the range with a fixed parameter."""
+    guess = [x + length * t for x, t in zip(root.x, unit, strict=True)]
+    if span.low <= guess[-1] <= span.high:
+        after = shooter.correct(guess, root.whole, root.turns, metric.row(unit), root.x, length)
+        if after is None or not span.low <= after.value <= span.high:
+            return None
+        return Step(root, unit, after, length, metric)
+    bound = span.low if guess[-1] < span.low else span.high
+    share = (bound - root.value) / (guess[-1] - root.value)
+    guess = [x + share * length * t for x, t in zip(root.x, unit, strict=True)]
+    after = shooter.at_value(guess, root.whole, root.turns, bound)
+    return None if after is None else Step(root, unit, after, length, metric).cut(after)

@@ -1,0 +1,154 @@
+"""Everything `cam orbits` asks: find orbits, follow them, classify what happens to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from camcli.analysis.engine import Cost, Settings, compile_for
+from camcli.analysis.orbits.branch import Bifurcation, Branch, Writer
+from camcli.analysis.orbits.crossing import Crossing, doubled
+from camcli.analysis.orbits.find import RECORD, Found, find
+from camcli.analysis.orbits.identify import settled
+from camcli.analysis.orbits.leg import Leg, both_ways, follow
+from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
+from camcli.analysis.orbits.resting import follow_resting
+from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.analysis.orbits.walk import Span
+from camcli.analysis.sweep import LITTLE_WORK
+from camcli.kernel import backend
+from camcli.kernel.certify import ADMISSIBLE
+from camcli.system import System
+
+SAME_PHASE = 1e-8  # rad
+
+
+@dataclass(frozen=True)
+class Question:
+    """What to find and follow.
+
+    rpm: where orbits are looked for; parameter and span: what is varied (None: nothing); label:
+    only this one; branches: how many that leave from events to follow; starts: motions simulated.
+    """
+
+    rpm: float
+    parameter: str = "rpm"
+    span: Span | None = None
+    label: str | None = None
+    branches: int = 3
+    starts: int = 24
+
+
+@dataclass(frozen=True)
+class Study:
+    """The orbits at question.rpm, and the branches through them."""
+
+    question: Question
+    value: float
+    orbits: list[PeriodicOrbit]
+    virtual: list[PeriodicOrbit]
+    branches: list[Branch]
+    bifurcations: list[Bifurcation]
+    cost: Cost
+    nearest: Bifurcation | None = None  # where an absent label begins to exist
+
+
+def study(
+    system: System,
+    settings: Settings,
+    question: Question,
+    on_branch: Callable[[], None] = lambda: None,
+) -> Study:
+    """Find, follow and classify; `on_branch` is called after each branch."""
+    turns = (question.starts + 1) * (settings.transient + RECORD)
+    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
+        compile_for(system)
+    found = find(system, question.rpm, settings, question.starts, question.label)
+    shooter = Shooter(system, question.rpm, question.parameter)
+    value = shooter.machine[shooter.parameter]
+    writer = Writer(shooter, settings)
+    if question.span is not None:
+        _follow_all(shooter, settings, question, found, writer, on_branch)
+    return Study(
+        question, value, found.orbits, found.virtual, writer.branches, writer.bifurcations,
+        found.cost + shooter.cost,
+    )  # fmt: skip
+
+
+def _follow_all(shooter, settings, question: Question, found: Found, writer: Writer, tick) -> None:
+    """Branches through the orbits found, then those that leave from events on them."""
+    span = question.span
+    for orbit in found.orbits:
+        if orbit.root is None:
+            start = replace(orbit, value=shooter.machine[shooter.parameter])
+            legs = [follow_resting(shooter, settings, start, span, up) for up in (False, True)]
+            writer.resting(*legs, "found")
+        else:
+            root = in_parameter(shooter, orbit.root)
+            if root is None or on_branches(shooter, writer.branches, root):
+                continue
+            writer.bouncing(list(both_ways(shooter, root, span)), "found")
+        tick()
+    for index, event in _first(writer, question.branches):
+        leg = _leaving(shooter, writer, event, span)
+        if leg is None or len(leg.points) < 2:
+            continue
+        source = writer.bifurcations[index]
+        writer.bouncing([leg], source.kind)
+        number = len(writer.branches)
+        writer.bifurcations[index] = replace(source, continues=number)
+        tick()
+
+
+def _first(writer: Writer, most: int):
+    """Events from which a branch leaves, in the order of discovery, until `most` have been used."""
+    known, done = len(writer.branches), 0
+    while done < len(writer.shoots) and len(writer.branches) < known + most:
+        yield writer.shoots[done]
+        done += 1
+
+
+def in_parameter(shooter: Shooter, root: Root) -> Root | None:
+    """The same root with its tangent in the shooter's parameter."""
+    value = shooter.machine[shooter.parameter]
+    return shooter.at_value([*root.x[:-1], value], root.whole, root.turns, value)
+
+
+def _leaving(shooter: Shooter, writer: Writer, event, span: Span) -> Leg | None:
+    """The branch that leaves from a nonsmooth fold or a period doubling, unless it is known."""
+    if isinstance(event, Crossing):
+        root, along = event.far, event.ahead
+    else:
+        start = doubled(shooter, event)
+        root = None if start is None else settled(shooter.system, shooter, start[0])
+        if root is None or shooter.verdict(root)[0] != ADMISSIBLE:
+            return None
+        along = start[1]
+    leg = follow(shooter, root, along, span)
+    inside = leg.points[len(leg.points) // 2]
+    return None if on_branches(shooter, writer.branches, inside) else leg
+
+
+def on_branches(shooter: Shooter, branches: list[Branch], root: Root) -> bool:
+    """True where some branch passes through the root."""
+    orbit = from_root(shooter.system, root)
+    return any(_passes(shooter, branch, orbit, root.value) for branch in branches)
+
+
+def _passes(shooter: Shooter, branch: Branch, orbit: PeriodicOrbit, value: float) -> bool:
+    for a, b in zip(branch.points, branch.points[1:], strict=False):
+        if not min(a.value, b.value) <= value <= max(a.value, b.value):
+            continue
+        for point in (a, b):
+            if point.root is None or point.root.count != orbit.impacts:
+                continue
+            r = point.root
+            near = shooter.at_value(r.x, r.whole, r.turns, value)
+            if near is None:
+                continue
+            other = from_root(shooter.system, near)
+            if other.symbols == orbit.symbols and all(
+                abs(s - t) <= SAME_PHASE for s, t in zip(other.theta, orbit.theta, strict=True)
+            ):
+                return True
+    return False
