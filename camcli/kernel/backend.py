@@ -28,6 +28,7 @@ MODULES = (
     "sliding",
     "orbit",
     "tangent",
+    "bordered",
     "shooting",
     "certify",
     "cells",

@@ -27,7 +27,8 @@ class Bifurcation:
 
     value: of the parameter, +- error; corner: name or empty; left, right: one-sided traces and
     determinants at a corner impact; classification: the border collision's kind; words: sentences;
-    orbit: at the event; continues: number of the branch that leaves here, 0 for none.
+    orbit: at the event; agrees: prediction and simulation; continues: number of the branch that
+    leaves here, 0 for none.
     """
 
     branch: int
@@ -44,6 +45,8 @@ class Bifurcation:
     words: tuple[str, ...] = ()
     agrees: bool | None = None
     continues: int = 0
+    impact: int = -1  # of the root: the one at the corner, 0-based
+    side: int = 0  # +1: the corner ends the region of that impact, -1: it begins it
 
     @property
     def label(self) -> str:
@@ -121,7 +124,7 @@ class Writer:
                 *common, corner=crossing.corner, left=impact.left, right=impact.right,
                 classification=impact.collision.kind,
                 inequalities=impact.collision.inequalities, words=words,
-                agrees=None if None in agree else all(agree),
+                agrees=None if None in agree else all(agree), impact=found.impact, side=found.side,
             )
         )  # fmt: skip
 

@@ -39,6 +39,9 @@ def follow(shooter: Shooter, root: Root, along: Sequence[float], span: Span) -> 
     metric = Metric.of(root, span.width)
     most = POINTS_PER_SPACING * span.width / span.spacing
     while True:
+        if _leaves(root, oriented(metric, root, along)[-1], span):
+            leg.end = RANGE
+            return leg
         for step in walk(shooter, root, along, metric, span):
             if step is None or len(leg.points) > most:
                 return leg
@@ -51,6 +54,11 @@ def follow(shooter: Shooter, root: Root, along: Sequence[float], span: Span) -> 
             if crossing is not None:
                 root, along = crossing.far, crossing.ahead
                 break
+
+
+def _leaves(root: Root, heading: float, span: Span) -> bool:
+    """True at an end of the range, heading out of it."""
+    return (root.value <= span.low and heading < 0.0) or (root.value >= span.high and heading > 0.0)
 
 
 def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | None:
