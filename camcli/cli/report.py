@@ -13,6 +13,7 @@ from camcli.cli.panel import note
 from camcli.cli.setup import Setup
 from camcli.scene import resolved, scene_hash
 
+FILE_WIDTH = 140  # columns of a table that no person watches
 ABSURD_HEIGHT = 1000.0  # times the cam's lift
 
 
@@ -76,7 +77,8 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
 
     grid = Table(title=title, title_justify="left")
     for k, column in enumerate(columns):
-        grid.add_column(column, justify="left" if k == 0 else "right")
+        grid.add_column(column, justify="left" if k == 0 else "right", overflow="fold")
     for row in rows:
         grid.add_row(*row)
-    Console().print(grid)
+    person = Console().is_terminal
+    Console(width=None if person else FILE_WIDTH).print(grid)

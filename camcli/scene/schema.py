@@ -40,6 +40,12 @@ def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
     return values
 
 
+def _ascending(values: tuple[float, float]) -> tuple[float, float]:
+    if not values[0] < values[1]:
+        raise ValueError(f"found [{values[0]:g}, {values[1]:g}], expected [low, high]")
+    return values
+
+
 def cam_union(cams: tuple[type[BaseModel], ...]) -> Any:
     """Type of the cam section: the model that `kind` names."""
     if len(cams) == 1:  # a discriminator needs at least two models
@@ -50,7 +56,14 @@ def cam_union(cams: tuple[type[BaseModel], ...]) -> Any:
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Whole = Annotated[int, Field(strict=True), BeforeValidator(_whole)]
 Speed = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
+Span = Annotated[
+    tuple[Number, Number],
+    BeforeValidator(_items),
+    AfterValidator(_ascending),
+]
 SectionName = Literal["impacts", "strobe"]
+ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
+CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
 Cam = cam_union(CAMS)
 TAGGED = len(CAMS) > 1  # pydantic then names the kind in the location of an error
 
@@ -170,6 +183,74 @@ class Detach(Section):
     )
 
 
+class OrbitsRange(RpmRange):
+    """Speeds over which branches are followed; num: the least number of points across them."""
+
+    start: Speed = Field(672.0, description="first speed, turns per minute")
+    stop: Speed = Field(756.0, description="last speed, turns per minute")
+    num: Whole = Field(201, ge=1, le=100_000, description="points across the range, at least")
+
+
+class Orbits(Section):
+    """What `cam orbits` finds, follows and locates."""
+
+    rpm: OrbitsRange = Field(default_factory=OrbitsRange, description="range of speeds")
+    at: Speed | None = Field(
+        None, description="speed at which orbits are found; null: run.rpm, or the range's middle"
+    )
+    label: Annotated[str, Field(max_length=400)] | None = Field(
+        None, description="only orbits with this label, P(m;s1:...:sm)"
+    )
+    starts: Whole = Field(
+        24, ge=0, le=100_000, description="motions simulated beside the scene's start"
+    )
+    branches: Whole = Field(
+        3, ge=0, le=1000, description="branches followed that leave from bifurcations"
+    )
+    parameter: ParameterName = Field("rpm", description="parameter varied along a branch")
+    range: Annotated[tuple[Number, Number] | None, BeforeValidator(_items)] = Field(
+        None, description="range of the parameter, or of curve_in; null: around its value"
+    )
+    curve: CurveKind | None = Field(
+        None, description="kind of bifurcation to continue in two parameters"
+    )
+    curve_in: ParameterName = Field("restitution", description="second parameter of the curve")
+
+
+class BasinsRange(RpmRange):
+    """Equally spaced speeds; one where start and stop are equal."""
+
+    start: Speed = Field(358.5, description="first speed, turns per minute")
+    stop: Speed = Field(358.5, description="last speed, turns per minute")
+    num: Whole = Field(41, ge=1, le=100_000, description="number of speeds, if they differ")
+
+
+Side = Annotated[Whole, Field(ge=1, le=16_384)]
+
+
+class Basins(Section):
+    """The window of starts at the strobe phase, and how `cam basins` follows them."""
+
+    rpm: BasinsRange = Field(default_factory=BasinsRange, description="range of speeds")
+    q: Span = Field((0.1, 1.3), description="[low, high] of the starts' position, m")
+    v: Span = Field((-45.0, 45.0), description="[low, high] of the starts' velocity, m/s")
+    cells: Annotated[tuple[Side, Side], BeforeValidator(_items)] = Field(
+        (200, 200), description="cells along q and along v"
+    )
+    method: Literal["orbit", "simple"] = Field(
+        "orbit", description="follow every cell, or simple cell mapping: fast and approximate"
+    )
+    budget: Whole = Field(
+        4000, ge=1, le=10_000_000, description="turns after which a cell is left undecided"
+    )
+    refine: Whole = Field(
+        0, ge=0, le=10, description="times that cells at boundaries are cut in four"
+    )
+    boundary: Annotated[bool, Field(strict=True)] = Field(
+        False, description="measure the uncertainty exponent of the boundary"
+    )
+
+
 class Scene(Section):
     """Everything a run depends on."""
 
@@ -179,6 +260,8 @@ class Scene(Section):
     simulate: Simulate = Field(default_factory=Simulate, description="cam simulate")
     sweep: Sweep = Field(default_factory=Sweep, description="cam sweep")
     detach: Detach = Field(default_factory=Detach, description="cam detach")
+    orbits: Orbits = Field(default_factory=Orbits, description="cam orbits")
+    basins: Basins = Field(default_factory=Basins, description="cam basins")
 
 
 def json_schema() -> dict[str, Any]:

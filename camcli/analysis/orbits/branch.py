@@ -14,7 +14,6 @@ from camcli.analysis.orbits.locate import CORNER, GRAZING, PERIOD_DOUBLING, Foun
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.resting import Change, RestingLeg
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.kernel.flight import RPM
 from camcli.kernel.profile import TURN
 
 DEG = 57.29577951308232
@@ -113,11 +112,10 @@ class Writer:
             return
         impact = self._collision(crossing)
         agree = [side.agrees for side in (impact.below, impact.above)]
-        name = "rpm" if self.shooter.parameter == RPM else "the parameter"
         words = (
             *impact.collision.words,
-            f"below this value of {name}, {impact.below.words}.",
-            f"above it, {impact.above.words}.",
+            f"Just below it {impact.below.words}.",
+            f"Just above it {impact.above.words}.",
         )
         self.bifurcations.append(
             Bifurcation(

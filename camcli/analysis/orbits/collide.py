@@ -41,9 +41,9 @@ class Beside:
 
     @property
     def words(self) -> str:
-        """One sentence."""
-        verdict = {True: "as", False: "NOT as", None: "beside"}[self.agrees]
-        return f"simulated: {self.simulated}, {verdict} predicted ({_said(self.predicted)})"
+        """What a simulation shows, and whether that was predicted."""
+        verdict = {True: "as", False: "NOT as", None: "beside what was"}[self.agrees]
+        return f"a simulation {self.simulated}, {verdict} predicted ({_said(self.predicted)})"
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def _beside(shooter, crossing: Crossing, collision: Collision, settings: Setting
     tape = _simulate(shooter.system, machine, settings, start)
     simulated, near = _name(shooter.system, machine, tape, crossing.left)
     agrees = _agrees(predicted, simulated, near, crossing.left.turns)
-    words = simulated if near else f"leaves for {simulated}"
+    words = f"stays near, {simulated}" if near else f"leaves for {simulated}"
     return Beside(value, mu, predicted, words, agrees), tape.cost
 
 

@@ -69,13 +69,18 @@ def primitive(orbit: PeriodicOrbit) -> bool:
 
 
 def find(
-    system: System, rpm: float, settings: Settings, starts: int, label: str | None = None
+    system: System,
+    rpm: float,
+    settings: Settings,
+    starts: int,
+    label: str | None = None,
+    most: int = MOST_STARTS,
 ) -> Found:
     """Orbits at one speed: of the scene's start, of a cloud of starts, and with one impact.
 
     `starts` motions are simulated beside the scene's own. With a label only orbits of that label
-    are kept; more starts are tried until one settles on it, then close returns of the simulated
-    motions as guesses for an unstable one.
+    are kept; up to `most` starts are tried until one settles on it, then close returns of the
+    simulated motions as guesses for an unstable one.
     """
     found = Found()
     shooter = Shooter(system, rpm)
@@ -86,7 +91,7 @@ def find(
     if label is None:
         _simulated(system, rpm, settings, starts, found)
     elif not found.orbits:
-        _simulated(system, rpm, settings, max(starts, MOST_STARTS), found, label)
+        _simulated(system, rpm, settings, max(starts, most), found, label)
         found.orbits = [orbit for orbit in found.orbits if orbit.label == label]
         if not found.orbits and inf not in symbols_of(label):
             _by_returns(system, shooter, rpm, settings, max(starts, 4), label, found)

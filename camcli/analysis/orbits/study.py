@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from camcli.analysis.engine import Cost, Settings, compile_for
+from camcli.analysis.orbits.absence import Absence, look_around
 from camcli.analysis.orbits.branch import Bifurcation, Branch, Writer
 from camcli.analysis.orbits.crossing import Crossing, doubled
 from camcli.analysis.orbits.find import RECORD, Found, find
@@ -50,7 +51,7 @@ class Study:
     branches: list[Branch]
     bifurcations: list[Bifurcation]
     cost: Cost
-    nearest: Bifurcation | None = None  # where an absent label begins to exist
+    absent: Absence | None = None  # the label asked for does not exist at the speed asked for
 
 
 def study(
@@ -61,9 +62,16 @@ def study(
 ) -> Study:
     """Find, follow and classify; `on_branch` is called after each branch."""
     turns = (question.starts + 1) * (settings.transient + RECORD)
-    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
+    if backend.must_compile() or (backend.may_compile() and turns > 2 * LITTLE_WORK):
         compile_for(system)
     found = find(system, question.rpm, settings, question.starts, question.label)
+    absent = None
+    if question.label is not None and not found.orbits:
+        span = question.span if question.parameter == "rpm" else None
+        ends = None if span is None else (span.low, span.high)
+        absent = look_around(system, settings, question.rpm, question.label, ends)
+        if span is not None and absent.orbit is not None:
+            found.orbits, question = [absent.orbit], replace(question, rpm=absent.orbit.rpm)
     shooter = Shooter(system, question.rpm, question.parameter)
     value = shooter.machine[shooter.parameter]
     writer = Writer(shooter, settings)
@@ -71,7 +79,7 @@ def study(
         _follow_all(shooter, settings, question, found, writer, on_branch)
     return Study(
         question, value, found.orbits, found.virtual, writer.branches, writer.bifurcations,
-        found.cost + shooter.cost,
+        found.cost + shooter.cost, absent,
     )  # fmt: skip
 
 

@@ -1,0 +1,212 @@
+"""cam orbits"""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+from camcli.analysis.orbits.curve import Bounds, Curve, curve
+from camcli.analysis.orbits.find import RECORD, canonical
+from camcli.analysis.orbits.locate import LOST, UNRESOLVED
+from camcli.analysis.orbits.study import Question, Study, study
+from camcli.analysis.orbits.walk import Span
+from camcli.artefacts.orbits import bifurcations_csv, branch_csv, curve_csv
+from camcli.artefacts.store import Store
+from camcli.cli import plan
+from camcli.cli.options import Request
+from camcli.cli.orbits_words import show, summary
+from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.progress import bar
+from camcli.cli.report import finish
+from camcli.cli.setup import Setup, set_up
+from camcli.errors import Fault, SceneError
+from camcli.kernel import backend
+from camcli.scene import parse_rpm
+
+NAME = "orbits"
+NATURAL = {"restitution": (0.0, 1.0)}
+AROUND = 0.1  # relative range of a parameter where none is given
+OPTIONS = ("label", "parameter", "branches", "curve")
+
+
+def run(request: Request) -> int:
+    """Find, follow and classify periodic orbits; returns the exit code."""
+    setup = set_up(request, _options(request))
+    question = _question(request, setup)
+    bounds = _bounds(setup, question)
+    if request.dry_run:
+        run = replace(setup.settings, record=RECORD)
+        count = setup.scene.orbits.starts + 1
+        plan.estimate(setup.system, [question.rpm] * count, run, 1, 0.0, 1.0).show(
+            NAME, request.json
+        )
+        return DONE
+    store = Store(request.folder(NAME))
+    began = perf_counter()
+    with nullcontext() if request.quiet else bar("branches", question.branches + 2) as tick:
+        result = study(setup.system, setup.settings, question, tick or (lambda: None))
+    curves = _curves(setup, result, bounds)
+    seconds = perf_counter() - began - backend.compile_seconds
+    _write(request, setup, store, result, curves)
+    if not request.json:
+        show(result, curves)
+    finish(NAME, request, setup, store, result.cost, seconds, summary(result, curves))
+    return _verdict(result, curves)
+
+
+def _options(request: Request) -> dict[str, tuple[Any, str]]:
+    """Scene values of the options."""
+    values: dict[str, tuple[Any, str]] = {}
+    if request.rpm is not None:
+        rpm = parse_rpm(request.rpm)
+        low, high = rpm if isinstance(rpm, tuple) else (rpm, rpm)
+        values["orbits.rpm.start"] = (low, "--rpm")
+        values["orbits.rpm.stop"] = (high, "--rpm")
+    if request.points is not None:
+        values["orbits.rpm.num"] = (request.points, "--points")
+    for name in OPTIONS:
+        if request.extra[name] is not None:
+            values[f"orbits.{name}"] = (request.extra[name], f"--{name}")
+    if request.extra["at"] is not None:
+        values["orbits.at"] = (_numbers(request.extra["at"], "--at", 1)[0], "--at")
+    if request.extra["second"] is not None:
+        values["orbits.curve_in"] = (request.extra["second"], "--in")
+    if request.extra["range"] is not None:
+        values["orbits.range"] = (_numbers(request.extra["range"], "--range", 2), "--range")
+    return values
+
+
+def _numbers(text: str, option: str, count: int) -> list[float]:
+    """One number, or LO:HI."""
+    try:
+        values = [float(word) for word in text.split(":")]
+    except ValueError:
+        values = []
+    if len(values) != count or any(value != value for value in values):
+        expected = "expected one number" if count == 1 else "expected two numbers LO:HI"
+        raise SceneError(Fault(option, "", f"found '{text}'", expected, "e.g. 0.6:0.9"))
+    return values
+
+
+def _question(request: Request, setup: Setup) -> Question:
+    section, parameter = setup.scene.orbits, setup.scene.orbits.parameter
+    low, high = sorted((section.rpm.start, section.rpm.stop))
+    at = section.at
+    if at is None:
+        inside = low <= setup.scene.run.rpm <= high
+        at = setup.scene.run.rpm if inside else 0.5 * (low + high)
+    span = None
+    if parameter != "rpm" and section.curve is None:
+        low, high = _range(setup, parameter)
+    if low < high:
+        span = Span(low, high, (high - low) / max(1, section.rpm.num - 1))
+    return Question(
+        rpm=at, parameter=parameter if section.curve is None else "rpm", span=span,
+        label=_label(section.label), branches=section.branches, starts=section.starts,
+    )  # fmt: skip
+
+
+def _label(text: str | None) -> str | None:
+    if text is None:
+        return None
+    try:
+        return canonical(text)
+    except ValueError as error:
+        expected = "expected P(m;s1:...:sm) with one count or inf for each of the m turns"
+        cure = "quote it for the shell: 'P(3;3:3:2)'"
+        raise SceneError(Fault("", "orbits.label", str(error), expected, cure)) from None
+
+
+def _range(setup: Setup, name: str) -> tuple[float, float]:
+    """The range asked for, or one around the scene's value."""
+    given = setup.scene.orbits.range
+    if given is not None:
+        if not given[0] < given[1]:
+            found = f"found {given[0]!r} to {given[1]!r}"
+            expected = "expected the lower end first, and two different ends"
+            raise SceneError(Fault("", "orbits.range", found, expected, "exchange them"))
+        _check_range(name, given)
+        return given
+    value = getattr(setup.scene.follower, name)
+    if value == 0.0:
+        found = f"found no range for {name}, which is 0 in the scene"
+        cure = "give one, e.g. --range 0:2"
+        raise SceneError(Fault("", "orbits.range", found, "expected LO:HI", cure))
+    low, high = sorted((value * (1.0 - AROUND), value * (1.0 + AROUND)))
+    least, most = NATURAL.get(name, (low, high))
+    return max(low, least), min(high, most)
+
+
+def _check_range(name: str, given: tuple[float, float]) -> None:
+    """No constant outside what a scene may hold."""
+    least = {"mass": 0.0, "stiffness": 0.0, "damping": 0.0, "restitution": 0.0}.get(name)
+    bad = (least is not None and given[0] < least) or (name == "mass" and given[0] == 0.0)
+    if bad or (name == "restitution" and given[1] > 1.0):
+        found = f"found {given[0]!r} to {given[1]!r}"
+        expected = {
+            "restitution": "expected values from 0 to 1",
+            "mass": "expected a positive mass",
+        }.get(name, f"expected {name} of 0 or more")
+        raise SceneError(Fault("", "orbits.range", found, expected, "correct the range"))
+
+
+def _bounds(setup: Setup, question: Question) -> Bounds | None:
+    """Ranges of a two-parameter curve, if one is asked for."""
+    section = setup.scene.orbits
+    if section.curve is None:
+        return None
+    if section.curve_in == "rpm":
+        found = "found rpm as the second parameter"
+        cure = "the first one is rpm already"
+        expected = "expected another constant of the follower"
+        raise SceneError(Fault("", "orbits.curve_in", found, expected, cure))
+    if question.span is None:
+        found = "found one speed"
+        cure = "give --rpm LO:HI"
+        raise SceneError(Fault("", "orbits.rpm", found, "expected a range for a curve", cure))
+    second = _range(setup, section.curve_in)
+    return Bounds((question.span.low, question.span.high), second, max(2, section.rpm.num // 4))
+
+
+def _curves(setup: Setup, result: Study, bounds: Bounds | None) -> list[Curve]:
+    """Every located bifurcation of the kind asked for, continued; the same curve only once."""
+    section, found = setup.scene.orbits, []
+    if bounds is None:
+        return []
+    seen = set()
+    for b in result.bifurcations:
+        key = (b.label, b.corner, f"{b.value:.9g}")
+        if b.kind != section.curve or b.orbit.root is None or key in seen:
+            continue
+        seen.add(key)
+        found.append(curve(setup.system, b, "rpm", section.curve_in, bounds))
+    return found
+
+
+def _write(request: Request, setup: Setup, store: Store, result: Study, curves) -> None:
+    store.write_text("branch.csv", branch_csv(result))
+    store.write_text("bifurcations.csv", bifurcations_csv(result))
+    if setup.scene.orbits.curve is None:
+        store.remove("curve.csv")
+    else:
+        store.write_text("curve.csv", curve_csv(curves, setup.scene.orbits.curve_in))
+    if request.no_plot:
+        store.remove("orbits.png")
+        return
+    from camcli.artefacts.figures.orbits import draw_orbits
+
+    store.write("orbits.png", lambda file: draw_orbits(result, setup.system, file))
+
+
+def _verdict(result: Study, curves: list[Curve]) -> int:
+    """Exit code 3 and a note for what has no safe bracket, or could not be followed."""
+    open_ = [b for b in result.bifurcations if b.status == UNRESOLVED]
+    for b in open_:
+        note(f"{UNRESOLVED}: {b.kind} of {b.label} near {b.value:.10g} has no safe bracket")
+    lost = [branch for branch in result.branches if LOST in branch.ends]
+    for branch in lost:
+        value = branch.points[0 if branch.ends[0] == LOST else -1].value
+        note(f"branch {branch.number} could not be followed beyond {value:.10g}: unresolved there")
+    return NUMERICS if open_ or lost else DONE
