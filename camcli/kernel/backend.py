@@ -28,6 +28,7 @@ MODULES = (
     "sliding",
     "orbit",
     "tangent",
+    "exponents",
     "bordered",
     "shooting",
     "certify",

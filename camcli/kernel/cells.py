@@ -21,7 +21,7 @@ LINK = 4  # entries of a point in Targets.whole
 CELL = 5  # entries of a cell in Cells.whole
 MODE_OF, OUTCOME, TURNS, STAY, SYMBOL = 0, 1, 2, 3, 4
 CHATTERED_TURN = -1  # symbol of a turn in which a chatter is completed, else its impacts
-SETTLED_FORM = 1e-16  # a form below this is rounding; it need not shrink any more
+SETTLED_FORM = 1e-10  # a form below this may be rounding; it need not shrink any more
 
 
 class Targets(NamedTuple):
@@ -92,7 +92,7 @@ def trouble(status):
 @kernel
 def settle_cell(cam, lane, turns, targets, budget, room):
     """(outcome, turns used, longest stay in boxes, symbol of the last turn) of one cell."""
-    plan = Plan(0, 1, ENDLESS)
+    plan, log, strobe, work = Plan(0, 1, ENDLESS), room.log, room.strobe, room.work
     at = enter(targets, room.state[GAP], room.state[RATE])
     first = form(targets, at, room.state[GAP], room.state[RATE]) if at >= 0 else 0.0
     passed = 0
@@ -100,12 +100,10 @@ def settle_cell(cam, lane, turns, targets, budget, room):
     stay, longest, symbol = 0, 0, 0
     for used in range(1, budget + 1):
         room.count[PERIOD] = 0
-        status = run(
-            cam, lane, turns, room.state, room.count, plan, room.log, room.strobe, room.work
-        )
+        status = run(cam, lane, turns, room.state, room.count, plan, log, strobe, work)
         if status != OK:
             return trouble(status), used, longest, symbol
-        symbol = CHATTERED_TURN if room.strobe.events[1] else room.strobe.events[0]
+        symbol = CHATTERED_TURN if strobe.events[1] else strobe.events[0]
         gap, rate = room.state[GAP], room.state[RATE]
         if at >= 0:
             to = targets.whole[LINK * at + 1]

@@ -3,6 +3,7 @@
 from camcli.kernel.backend import entry
 from camcli.kernel.cells import follow
 from camcli.kernel.certify import certify
+from camcli.kernel.exponents import stretch_log
 from camcli.kernel.flight import flow
 from camcli.kernel.orbit import run
 from camcli.kernel.profile import END, ROW, START, TURN
@@ -48,3 +49,9 @@ def certify_orbit(cam, machine, n, turns, whole, x, rates, table, found, work):
 def settle_cells(cam, lane, turns, targets, cells, budget, room):
     """`cells.follow` for a block of starts; outcomes and last states are left in `cells`."""
     follow(cam, lane, turns, targets, cells, budget, room)
+
+
+@entry
+def stretch_events(cam, lane, whole, real, rows, pair, growth):
+    """`exponents.stretch_log`: growth of differences along logged events."""
+    stretch_log(cam, lane, whole, real, rows, pair, growth)

@@ -10,7 +10,7 @@ from math import inf
 from camcli.analysis.engine import Cost, Orbit, Settings, Start
 from camcli.analysis.labels import LONGEST_PERIOD, name
 from camcli.analysis.orbits.identify import identify, impacts_of, newton_from, passages
-from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
+from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root, primitive
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.singles import single_impact_roots
 from camcli.errors import OK
@@ -53,19 +53,6 @@ def same_orbit(a: PeriodicOrbit, b: PeriodicOrbit) -> bool:
         for s, t in zip(a.states, b.states, strict=True)
         for j in range(2)
     )
-
-
-def primitive(orbit: PeriodicOrbit) -> bool:
-    """False for an orbit that is another one gone through several times."""
-    turns, size = orbit.turns, [max(abs(s[j]) for s in orbit.states) or 1.0 for j in range(2)]
-    for m in range(1, turns // 2 + 1):
-        if turns % m == 0 and all(
-            abs(orbit.states[k][j] - orbit.states[k - m][j]) <= SAME * size[j]
-            for k in range(turns)
-            for j in range(2)
-        ):
-            return False
-    return True
 
 
 def find(

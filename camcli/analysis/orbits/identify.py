@@ -13,6 +13,8 @@ from camcli.analysis.orbits.orbit import (
     from_root,
     region_names,
     rotation,
+    section_states,
+    shortest_period,
     whole_of,
 )
 from camcli.analysis.orbits.shooter import VERDICTS, Root, Shooter
@@ -162,6 +164,7 @@ def _bouncing(system, shooter, tape, m, distance) -> PeriodicOrbit | None:
     """The orbit of m turns near the end of the record, if it is one and attracts."""
     window = range(tape.periods - m, tape.periods)
     root = newton_from(system, shooter, impacts_of(tape, window), m)
+    root = None if root is None else once(system, shooter, root)
     if root is None:
         return None
     code, _, _ = shooter.verdict(root)
@@ -169,11 +172,21 @@ def _bouncing(system, shooter, tape, m, distance) -> PeriodicOrbit | None:
     if code != ADMISSIBLE or not orbit.stable:
         return None
     states, symbols = passages(tape)
-    if sorted(orbit.symbols) != sorted(symbols[-m:]):
+    if sorted(orbit.symbols * (m // orbit.turns)) != sorted(symbols[-m:]):
         return None
     off = min(_far(states[-1], state, orbit.states) for state in orbit.states)
     slow = 1.0 / max(1e-6, 1.0 - abs(orbit.multipliers[0]))
     return orbit if off <= DRIFT * (distance * slow + 1e-9) else None
+
+
+def once(system: System, shooter: Shooter, root: Root) -> Root | None:
+    """The orbit itself where the root goes through it several times."""
+    turns = shortest_period(section_states(system, root)[0])
+    if turns == root.turns:
+        return root
+    n = root.count * turns // root.turns
+    x = [*root.x[: 2 * n], root.value]
+    return shooter.at_value(x, root.whole[: 2 * n], turns, root.value)
 
 
 def _far(state, other, states) -> float:

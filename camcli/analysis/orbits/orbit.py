@@ -14,6 +14,7 @@ from camcli.kernel.flight import RPM, lane_of, move
 from camcli.kernel.profile import TURN, lift, stretch_at
 from camcli.system import System
 
+REPEATS = 1e-7  # relative distance of section states that counts as none
 DIGITS = 12  # significant digits that decide between rotations of one label
 
 
@@ -149,3 +150,21 @@ def whole_of(system: System, thetas: Sequence[float], turns: Sequence[int]) -> t
         (stretch_at(system.cam, theta), turn) for theta, turn in zip(thetas, turns, strict=True)
     ]
     return tuple(value for pair in pairs for value in pair)
+
+
+def primitive(orbit: PeriodicOrbit) -> bool:
+    """False for an orbit that is another one gone through several times."""
+    return shortest_period(orbit.states) == orbit.turns
+
+
+def shortest_period(states: Sequence[tuple[float, float]]) -> int:
+    """The least number of turns after which the section states repeat."""
+    turns, size = len(states), [max(abs(s[j]) for s in states) or 1.0 for j in range(2)]
+    for m in range(1, turns // 2 + 1):
+        if turns % m == 0 and all(
+            abs(states[k][j] - states[k - m][j]) <= REPEATS * size[j]
+            for k in range(turns)
+            for j in range(2)
+        ):
+            return m
+    return turns

@@ -1,0 +1,191 @@
+"""Name the motion at one speed: solved periodic orbit, chaos with its exponent, or undecided."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+from math import inf
+
+from camcli.analysis.engine import IMPACT, Cost, Orbit, Settings, Start, Tape, with_turns
+from camcli.analysis.exponents import Exponents, of_orbit, of_tape
+from camcli.analysis.labels import LONGEST_PERIOD
+from camcli.analysis.orbits.find import cloud, same_orbit
+from camcli.analysis.orbits.identify import identify, passages
+from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.errors import OK
+from camcli.system import System
+
+COMPLETE, INCOMPLETE, NONE = "complete", "incomplete", "none"
+BURST = 8  # impacts in a row, each weaker than the one before, that make an incomplete chatter
+LONGER = 8  # times the record, where neither a period nor an exponent was certain
+ARRIVED = 1e-6  # relative distance from the solved orbit that ends the transient
+MEMORY = 1e15  # growth of differences beyond which doubles have forgotten the start
+APERIODIC, UNDECIDED = "aperiodic", "undecided"
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What one start leads to.
+
+    label: P(m;...), contact, aperiodic or undecided; orbit: solved, where periodic; exponents: None
+    where the record shows too little; transient: turns until the orbit is reached (None without
+    one); impacts: in one period of the orbit, or the mean per turn; tape: the record.
+    """
+
+    rpm: float
+    start: Start
+    label: str
+    orbit: PeriodicOrbit | None
+    exponents: Exponents | None
+    impacts: float
+    chatter: str
+    transient: int | None
+    status: int
+    cost: Cost
+    tape: Tape
+
+    @property
+    def period(self) -> int:
+        """Turns after which the motion repeats; 0 where it does not."""
+        return 0 if self.orbit is None else self.orbit.turns
+
+    @property
+    def stable(self) -> bool | None:
+        """True for a solved attracting orbit, None where nothing is solved."""
+        return None if self.orbit is None else self.orbit.stable
+
+
+def classify_at(
+    system: System, rpm: float, settings: Settings, start: Start | None = None
+) -> Motion:
+    """The motion from a start (settings.start unless given), after settings.transient turns.
+
+    Periodic means: Newton's iteration from the end of the record converges to an admissible,
+    attracting orbit that the record approaches, of a period up to LONGEST_PERIOD. Aperiodic means:
+    no such orbit, and a largest Lyapunov exponent above zero by three standard errors. Where
+    neither can be shown in LONGER times the record, it is undecided.
+    """
+    start = settings.start if start is None else start
+    record = max(settings.record, 2 * LONGEST_PERIOD + 2)
+    run = with_turns(settings, settings.transient, record)
+    orbit_run = Orbit(system, rpm, run, start)
+    tape = orbit_run.run()
+    cost = tape.cost
+    orbit = identify(system, rpm, tape)
+    exponents = None if orbit is not None else _measured(system, rpm, tape)
+    if tape.status == OK and orbit is None and not _certain(exponents):
+        longer = with_turns(settings, 0, LONGER * record)
+        more = Orbit(system, rpm, longer, orbit_run.here()).run()
+        cost = cost + more.cost
+        orbit = identify(system, rpm, more)
+        exponents = None if orbit is not None else _measured(system, rpm, more)
+        tape = more if more.status == OK else tape
+    if orbit is not None:
+        exponents = of_orbit(system, orbit)
+    return Motion(
+        rpm=rpm, start=start, label=_label(orbit, exponents, tape), orbit=orbit,
+        exponents=exponents, impacts=_impacts(orbit, tape), chatter=_chatter(tape),
+        transient=None, status=tape.status, cost=cost, tape=tape,
+    )  # fmt: skip
+
+
+def attractors(
+    system: System, rpm: float, settings: Settings, starts: int, seed: int
+) -> list[Motion]:
+    """The different motions reached from the scene's start and a cloud, in a fixed order."""
+    skip = seed * starts
+    found: list[Motion] = []
+    for start in (settings.start, *islice(cloud(system, rpm), skip, skip + starts)):
+        motion = classify_at(system, rpm, settings, start)
+        if not any(same_motion(motion, other) for other in found):
+            found.append(motion)
+    return sorted(found, key=_order)
+
+
+def same_motion(a: Motion, b: Motion) -> bool:
+    """The same solved orbit, or the same word for what is not solved."""
+    if a.orbit is not None and b.orbit is not None:
+        return same_orbit(a.orbit, b.orbit)
+    return a.label == b.label and a.orbit is None and b.orbit is None
+
+
+def _order(motion: Motion):
+    orbit = motion.orbit
+    state = (0.0, 0.0) if orbit is None else orbit.states[0]
+    return (orbit is None, motion.period, motion.label, state)
+
+
+def _measured(system: System, rpm: float, tape: Tape) -> Exponents | None:
+    return of_tape(system, rpm, tape) if tape.status == OK else None
+
+
+def _certain(exponents: Exponents | None) -> bool:
+    return exponents is not None and exponents.chaotic
+
+
+def _label(orbit: PeriodicOrbit | None, exponents: Exponents | None, tape: Tape) -> str:
+    if orbit is not None:
+        return orbit.label
+    return APERIODIC if _certain(exponents) and tape.status == OK else UNDECIDED
+
+
+def _impacts(orbit: PeriodicOrbit | None, tape: Tape) -> float:
+    """Impacts in one period, inf with a complete chatter; of no period the mean per turn."""
+    if orbit is not None:
+        return sum(orbit.symbols) if orbit.theta else 0.0
+    return sum(float(x) for x in tape.impacts[: tape.periods]) / max(1, tape.periods)
+
+
+def _chatter(tape: Tape) -> str:
+    """Complete where impacts accumulate in the record, incomplete where a long burst does not."""
+    if any(tape.chatter[: tape.periods]):
+        return COMPLETE
+    before, row = inf, 0
+    for kind, u in zip(tape.kind, tape.u, strict=True):
+        if kind != IMPACT:
+            continue
+        row = row + 1 if -u < before else 0
+        before = -u
+        if row >= BURST:
+            return INCOMPLETE
+    return NONE
+
+
+def with_transient(system: System, settings: Settings, motion: Motion) -> Motion:
+    """The motion with the length of its transient, from a run logged from the start.
+
+    Counted in turns until the state at the strobe stays within ARRIVED of the solved orbit.
+    """
+    if motion.orbit is None:
+        return motion
+    turns = settings.transient + 2 * LONGEST_PERIOD
+    run = with_turns(settings, 0, turns)
+    tape = Orbit(system, motion.rpm, run, motion.start).run(events=False)
+    states, _ = passages(tape)
+    orbit = motion.orbit
+    size = [max(abs(s[j]) for s in orbit.states) or 1.0 for j in range(2)]
+    away = [
+        min(max(abs(s[j] - o[j]) / size[j] for j in range(2)) for o in orbit.states) > ARRIVED
+        for s in states
+    ]
+    if not away or away[-1]:
+        return motion
+    last = max((k for k, far in enumerate(away) if far), default=-1)
+    return replace(motion, transient=last + 1, cost=motion.cost + tape.cost)
+
+
+def growth_from_start(system: System, settings: Settings, motion: Motion) -> float:
+    """Natural logarithm of the growth of differences over the transient; inf if unknown.
+
+    Above ln MEMORY the start decides nothing any more: another rounding may end elsewhere.
+    """
+    run = with_turns(settings, 0, max(1, motion.transient or settings.transient))
+    tape = Orbit(system, motion.rpm, run, motion.start).run(strobes=False)
+    exponents = of_tape(system, motion.rpm, tape)
+    return inf if exponents is None else exponents.largest * run.record
+
+
+def labels_of(motions: Sequence[Motion]) -> list[str]:
+    """The labels, in order."""
+    return [motion.label for motion in motions]

@@ -1,0 +1,138 @@
+"""Lyapunov exponents of a recorded orbit, with an error bar and the sum rule as a check."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, sqrt
+
+from camcli.analysis.engine import Tape
+from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.kernel import backend, lanes
+from camcli.kernel.exponents import (
+    AREA,
+    COUNT,
+    FIRST,
+    LENGTH,
+    ZEROS,
+    log_growth,
+    natural_log,
+    stretch_log,
+)
+from camcli.kernel.profile import TURN
+from camcli.system import System
+
+BATCHES = 20  # for the error bar: the exponents of equal parts of the record
+FEWEST = 4  # impacts in a batch
+
+
+@dataclass(frozen=True)
+class Exponents:
+    """Both exponents in 1/period of the cam; -inf after sticking.
+
+    spread: standard error of the largest from batches, 0 for a solved periodic orbit; rule: what
+    the sum must be, 2 ln r impacts per period - b T/m; impacts: per period.
+    """
+
+    largest: float
+    second: float
+    spread: float
+    rule: float
+    impacts: float
+
+    @property
+    def defect(self) -> float:
+        """Sum minus rule; nan where it is infinite."""
+        return self.largest + self.second - self.rule if self.largest > -inf else float("nan")
+
+    @property
+    def chaotic(self) -> bool:
+        """Positive by three standard errors, and by more than its convergence could feign."""
+        return self.largest > 3.0 * self.spread and self.largest > 0.0
+
+
+def of_orbit(system: System, orbit: PeriodicOrbit) -> Exponents:
+    """ln |multiplier| per period of the cam, of a solved periodic orbit."""
+    lane = system.lane(orbit.rpm, 1.0, 1)
+    if orbit.resting or orbit.root is None:
+        return Exponents(-inf, -inf, 0.0, -inf, inf)
+    per_turn = orbit.impacts / orbit.turns
+    large, small = orbit.multipliers
+    sizes = [_size(z) for z in (large, small)]
+    logs = [natural_log(size) / orbit.turns if size > 0.0 else -inf for size in sizes]
+    return Exponents(logs[0], logs[1], 0.0, sum_rule(lane, per_turn), per_turn)
+
+
+def _size(z: complex) -> float:
+    """|z| by IEEE arithmetic."""
+    return abs(z.real) if z.imag == 0.0 else sqrt(z.real * z.real + z.imag * z.imag)
+
+
+def sum_rule(lane, impacts_per_turn: float) -> float:
+    """2 ln r per impact and -2 Z per rad; -inf for r = 0 with impacts."""
+    if lane.r == 0.0:
+        return -inf if impacts_per_turn > 0.0 else -2.0 * lane.Z * TURN
+    return 2.0 * natural_log(lane.r) * impacts_per_turn - 2.0 * lane.Z * TURN
+
+
+def of_tape(system: System, rpm: float, tape: Tape) -> Exponents | None:
+    """From the logged impacts of a record; None where there are too few to say anything."""
+    lane = system.lane(rpm, 1.0, 1)
+    compiled = backend.is_compiled()
+    cam = system.native_cam()
+    whole, real = _interleaved(tape, compiled)
+    rows = len(tape.kind)
+    size = rows // BATCHES
+    if size < FEWEST or lane.r == 0.0:
+        return None
+    stretch = lanes.stretch_events if compiled else stretch_log
+    pair, total, logs = backend.zeros(7), backend.zeros(7), []
+    total[FIRST] = total[AREA] = 1.0
+    zeros = 0.0
+    sums = [0.0] * 4  # first, area, impacts, length
+    for k in range(BATCHES):
+        begin, end = k * size, rows if k == BATCHES - 1 else (k + 1) * size
+        growth = backend.zeros(7)
+        growth[FIRST] = growth[AREA] = 1.0
+        stretch(
+            cam, lane, whole[2 * begin : 2 * end], real[3 * begin : 3 * end], end - begin, pair,
+            growth,
+        )  # fmt: skip
+        zeros += growth[ZEROS]
+        if not growth[LENGTH] > 0.0 or growth[FIRST] == 0.0 or growth[AREA] == 0.0:
+            continue
+        first, area = log_growth(growth, FIRST), log_growth(growth, AREA)
+        logs.append((first, float(growth[LENGTH])))
+        for j, value in enumerate((first, area, growth[COUNT], growth[LENGTH])):
+            sums[j] += float(value)
+    if zeros > 0.0:
+        return Exponents(-inf, -inf, 0.0, -inf, inf)
+    if sums[3] == 0.0:
+        return None
+    turns = sums[3] / TURN
+    largest = sums[0] / turns
+    rates = [first / length * TURN for first, length in logs]
+    spread = _standard_error(rates, [length for _, length in logs])
+    per_turn = sums[2] / turns
+    return Exponents(largest, sums[1] / turns - largest, spread, sum_rule(lane, per_turn), per_turn)
+
+
+def _standard_error(rates: list[float], weights: list[float]) -> float:
+    """Of the mean of batches, weighed by their lengths."""
+    n, total = len(rates), sum(weights)
+    if n < 2:
+        return inf
+    mean = sum(r * w for r, w in zip(rates, weights, strict=True)) / total
+    square = sum(w * w * (r - mean) ** 2 for r, w in zip(rates, weights, strict=True))
+    return sqrt(square * n / (n - 1.0)) / total
+
+
+def _interleaved(tape: Tape, compiled: bool):
+    """The log's own two tables back from the columns of a tape."""
+    if not compiled or isinstance(tape.kind, list):
+        whole = [x for pair in zip(tape.kind, tape.period, strict=True) for x in pair]
+        real = [x for row in zip(tape.theta, tape.q, tape.u, strict=True) for x in row]
+        return backend.numbers(whole, int), backend.numbers(real)
+    import numpy as np
+
+    whole = np.column_stack((tape.kind, tape.period)).ravel()
+    return whole, np.column_stack((tape.theta, tape.q, tape.u)).ravel()
