@@ -46,6 +46,7 @@ class Bifurcation:
     continues: int = 0
     impact: int = -1  # of the root: the one at the corner, 0-based
     side: int = 0  # +1: the corner ends the region of that impact, -1: it begins it
+    phase: float | None = None  # where grazing happens, rad in the turn
 
     @property
     def label(self) -> str:
@@ -107,8 +108,10 @@ class Writer:
         orbit = from_root(self.system, found.root)
         common = (number, found.kind, found.root.value, found.error, found.status, orbit)
         if crossing is None:
-            words = (_graze_words(found),) if found.kind == GRAZING else ()
-            self.bifurcations.append(Bifurcation(*common, words=words))
+            grazes = found.kind == GRAZING
+            words = (_graze_words(found),) if grazes else ()
+            phase = found.phase if grazes else None
+            self.bifurcations.append(Bifurcation(*common, words=words, phase=phase))
             return
         impact = self._collision(crossing)
         agree = [side.agrees for side in (impact.below, impact.above)]

@@ -8,7 +8,6 @@ is the one given, so that the curve may turn round in either.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from camcli.analysis.detach_search import bracket
@@ -23,6 +22,7 @@ from camcli.analysis.orbits.locate import (
     Found,
     at_corner,
     flip_test,
+    secant,
 )
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.shooter import PARAMETERS, Root, Shooter
@@ -32,7 +32,6 @@ from camcli.system import System
 
 KINDS = (PERIOD_DOUBLING, FOLD, CORNER, GRAZING)
 MOST_SECANTS = 30
-CONVERGED = 1e-13
 SMALLEST = 1e-4  # of the spacing: a step below it ends the curve
 END_RANGE, END_CORNER, END_MOTION, END_LOST = (
     "end-of-range",
@@ -131,7 +130,7 @@ class _Tracer:
             return (0.0, None) if root is None else (flip_test(root), root)
 
         size = abs(near.x[-1]) + shooter.scale
-        return _secant(at, near.x[-1], 1e-6 * size, size)
+        return secant(at, near.x[-1], 1e-6 * size, size)
 
     def _fold(self, shooter: Shooter, near: Root) -> Root | None:
         """Along the branch the parameter has an extremum: its part of the tangent is zero."""
@@ -145,7 +144,7 @@ class _Tracer:
             root = shooter.correct(near.x, near.whole, near.turns, row, near.x, place)
             return (0.0, None) if root is None else (root.tangent[-1], root)
 
-        return _secant(at, 0.0, 1e-5, 1.0)
+        return secant(at, 0.0, 1e-5, 1.0)
 
     def _graze(self, shooter: Shooter, near: Root) -> Root | None:
         """The last motion before the certificate is lost, looked for on both sides."""
@@ -250,21 +249,3 @@ class _Tracer:
 
 def _difference(a: Root, b: Root) -> list[float]:
     return [x - y for x, y in zip(a.theta, b.theta, strict=True)]
-
-
-def _secant(at: Callable[[float], tuple], start: float, width: float, size: float) -> Root | None:
-    """Secant method for the zero of at(x)[0]; the root of the last evaluation."""
-    x0, x1 = start, start + width
-    (y0, root), (y1, other) = at(x0), at(x1)
-    if root is None or other is None:
-        return None
-    for _ in range(MOST_SECANTS):
-        if y1 == y0:
-            return other
-        x0, x1, y0 = x1, x1 - y1 * (x1 - x0) / (y1 - y0), y1
-        y1, other = at(x1)
-        if other is None:
-            return None
-        if abs(x1 - x0) <= CONVERGED * size:
-            return other
-    return None

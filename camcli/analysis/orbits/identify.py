@@ -8,6 +8,7 @@ from math import inf
 
 from camcli.analysis.engine import DETACHMENT, IMPACT, Orbit, Settings, Start, Tape, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD
+from camcli.analysis.orbits.memory import forgets
 from camcli.analysis.orbits.orbit import (
     PeriodicOrbit,
     from_root,
@@ -58,7 +59,8 @@ def identify(
     for m, distance in _candidates(tape, longest):
         window = range(tape.periods - m, tape.periods)
         if any(tape.chatter[k] for k in window) or _rests(tape, window):
-            orbit = _resting(system, rpm, tape, m) if distance <= CLOSED else None
+            kept = distance <= CLOSED and not forgets(system, rpm, tape, m)
+            orbit = _resting(system, rpm, tape, m) if kept else None
         else:
             orbit = _bouncing(system, shooter, tape, m, distance)
         if orbit is not None:

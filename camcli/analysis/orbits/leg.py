@@ -9,12 +9,15 @@ from camcli.analysis.orbits.crossing import Crossing, cross
 from camcli.analysis.orbits.locate import (
     CLOSED,
     CORNER,
+    FOLD,
     GRAZING,
     LOST,
+    PERIOD_DOUBLING,
     RANGE,
     Found,
     corners_on,
     graze_on,
+    parent_of,
     smooth_events,
 )
 from camcli.analysis.orbits.shooter import Root, Shooter
@@ -73,6 +76,12 @@ def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | N
     heading = oriented(step.metric, step.after, step.unit)[-1]
     turned = (heading < 0.0) != (step.unit[-1] < 0.0)
     for found in smooth_events(shooter, step, turned and graze is None):
+        born = parent_of(shooter, found) if found.kind == FOLD else None
+        if born is not None:
+            leg.events.append((born, None))
+            leg.points.append(found.root)
+            leg.end = PERIOD_DOUBLING
+            return None
         leg.events.append((found, None))
         leg.points.append(found.root)
     if step.length > 0.0:

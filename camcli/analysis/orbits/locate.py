@@ -23,6 +23,10 @@ from camcli.kernel.profile import END, ROW, START
 PERIOD_DOUBLING, FOLD, CORNER, GRAZING = "period-doubling", "fold", "corner-impact", "grazing"
 COMPLETION, RANGE, LOST, CLOSED = "chatter-completion", "end-of-range", "lost", "closed"
 OK, UNRESOLVED = "ok", "unresolved"
+MOST_SECANTS = 30
+SETTLED = 1e-13  # of its size: a secant step of the parameter that ends the iteration
+HALVES = 0.05  # rad, between the halves of an orbit that is about to be a single one
+SAME_VALUE = 1e-6  # relative distance of the parameters of a fold and of its period doubling
 ERRORS = (1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # relative half widths tried for a bracket
 
 
@@ -118,6 +122,31 @@ def _bracket(shooter: Shooter, root: Root, test: Callable[[Root], float]) -> tup
     return ERRORS[-1] * abs(root.value), UNRESOLVED
 
 
+def parent_of(shooter: Shooter, found: Found) -> Found | None:
+    """The period doubling from which a branch was born, where it turns round at a fold there.
+
+    On the doubled branch it looks like a fold, at which both halves of the orbit are the same.
+    """
+    root = found.root
+    n, turns = root.count // 2, root.turns // 2
+    if root.count % 2 or root.turns % 2:
+        return None
+    halves = zip(root.x[: 2 * n : 2], root.x[2 * n : -1 : 2], strict=True)
+    if any(abs(a - b) > HALVES for a, b in halves):
+        return None
+
+    def at(value: float) -> tuple[float, Root | None]:
+        parent = shooter.at_value([*root.x[: 2 * n], value], root.whole[: 2 * n], turns, value)
+        return (0.0, None) if parent is None else (flip_test(parent), parent)
+
+    size = abs(root.value) + shooter.scale
+    parent = secant(at, root.value, 1e-7 * size, size)
+    if parent is None or abs(parent.value - root.value) > SAME_VALUE * size:
+        return None
+    error, status = _bracket(shooter, parent, flip_test)
+    return Found(PERIOD_DOUBLING, parent, found.reach, error, status)
+
+
 def graze_on(shooter: Shooter, step: Step) -> Found | None:
     """Where on the step the orbit ceases to be a motion; its end must be none."""
     if shooter.verdict(step.after)[0] == ADMISSIBLE:
@@ -135,3 +164,21 @@ def graze_on(shooter: Shooter, step: Step) -> Found | None:
     _, impact, phase = shooter.verdict(first)
     error = max(abs(first.value - last.value), 8.0 * ulp(last.value))
     return Found(GRAZING, last, low, error, OK, impact=impact, phase=phase)
+
+
+def secant(at: Callable[[float], tuple], start: float, width: float, size: float) -> Root | None:
+    """Secant method for the zero of at(x)[0]; the root of the last evaluation."""
+    x0, x1 = start, start + width
+    (y0, root), (y1, other) = at(x0), at(x1)
+    if root is None or other is None:
+        return None
+    for _ in range(MOST_SECANTS):
+        if y1 == y0:
+            return other
+        x0, x1, y0 = x1, x1 - y1 * (x1 - x0) / (y1 - y0), y1
+        y1, other = at(x1)
+        if other is None:
+            return None
+        if abs(x1 - x0) <= SETTLED * size:
+            return other
+    return None

@@ -2,7 +2,8 @@
 
 There the state is the cam's own, so the orbit needs no Newton iteration: a run from the orbit
 nearby closes on itself exactly, and its multipliers are zero. Such a branch ends where its turns
-change: a chatter is no longer completed, an impact appears or fades, contact is kept or lost.
+change: a chatter is no longer completed, contact is kept or lost, or the itinerary: an impact
+appears, fades, or moves to another turn.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from camcli.analysis.detach_search import bracket
 from camcli.analysis.engine import Settings, Start
 from camcli.analysis.orbits.collide import with_machine
 from camcli.analysis.orbits.identify import solve_from
-from camcli.analysis.orbits.locate import COMPLETION, GRAZING, LOST, RANGE
+from camcli.analysis.orbits.locate import COMPLETION, LOST, RANGE
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.walk import Span
@@ -24,7 +25,7 @@ from camcli.system import System, omega_of
 
 SETTLE = 40  # turns from the orbit at the neighbouring speed
 LONGEST = 8  # periods longer than the orbit's own are not looked for
-DETACHMENT, DEPARTURE = "detachment", "departure"
+DETACHMENT, DEPARTURE, ITINERARY = "detachment", "departure", "itinerary"
 
 
 @dataclass(frozen=True)
@@ -124,8 +125,8 @@ def _change(shooter: Shooter, settings: Settings, last: PeriodicOrbit, beyond: f
 
 
 def _name(last: PeriodicOrbit, after: PeriodicOrbit | None) -> str:
-    if after is not None and after.label == "contact":
+    if "contact" in (last.label, "" if after is None else after.label):
         return DETACHMENT
     complete = last.symbols.count(inf) / last.turns
     left = 0.0 if after is None else after.symbols.count(inf) / after.turns
-    return COMPLETION if left < complete else GRAZING
+    return COMPLETION if left < complete else ITINERARY

@@ -98,13 +98,7 @@ def _follow_all(shooter, settings, question: Question, found: Found, writer: Wri
             writer.bouncing(list(both_ways(shooter, root, span)), "found")
         tick()
     for index, event in _first(writer, question.branches):
-        leg = _leaving(shooter, writer, event, span)
-        if leg is None or len(leg.points) < 2:
-            continue
-        source = writer.bifurcations[index]
-        writer.bouncing([leg], source.kind)
-        number = len(writer.branches)
-        writer.bifurcations[index] = replace(source, continues=number)
+        continue_from(shooter, writer, index, event, span)
         tick()
 
 
@@ -122,8 +116,20 @@ def in_parameter(shooter: Shooter, root: Root) -> Root | None:
     return shooter.at_value([*root.x[:-1], value], root.whole, root.turns, value)
 
 
-def _leaving(shooter: Shooter, writer: Writer, event, span: Span) -> Leg | None:
-    """The branch that leaves from a nonsmooth fold or a period doubling, unless it is known."""
+def continue_from(shooter: Shooter, writer: Writer, index: int, event, span: Span) -> None:
+    """Follow the branch that leaves from an event, unless it is one already followed."""
+    leg = _leaving(shooter, event, span)
+    if leg is None or len(leg.points) < 2:
+        return
+    if on_branches(shooter, writer.branches, leg.points[len(leg.points) // 2]):
+        return
+    source = writer.bifurcations[index]
+    writer.bouncing([leg], source.kind)
+    writer.bifurcations[index] = replace(source, continues=len(writer.branches))
+
+
+def _leaving(shooter: Shooter, event, span: Span) -> Leg | None:
+    """The branch that leaves from a nonsmooth fold or a period doubling, if there is one."""
     if isinstance(event, Crossing):
         root, along = event.far, event.ahead
     else:
@@ -132,9 +138,7 @@ def _leaving(shooter: Shooter, writer: Writer, event, span: Span) -> Leg | None:
         if root is None or shooter.verdict(root)[0] != ADMISSIBLE:
             return None
         along = start[1]
-    leg = follow(shooter, root, along, span)
-    inside = leg.points[len(leg.points) // 2]
-    return None if on_branches(shooter, writer.branches, inside) else leg
+    return follow(shooter, root, along, span)
 
 
 def on_branches(shooter: Shooter, branches: list[Branch], root: Root) -> bool:

@@ -1,0 +1,173 @@
+"""Qualitative changes between neighbouring speeds of a diagram, each given its cause."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import inf
+
+from camcli.analysis.classify import APERIODIC, COMPLETE, Motion
+from camcli.analysis.engine import IMPACT, Cost, Settings
+from camcli.analysis.explain.events import Event, Events, find_events
+from camcli.analysis.orbits.branch import Branch
+from camcli.analysis.orbits.resting import follow_resting
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.walk import Span
+from camcli.system import System
+
+ENLARGED = 1.25  # ratio of the widths of the impact phases that counts as another attractor
+LEAST_WIDTH = 2.0  # deg, and the least difference of widths
+UNEXPLAINED = "unexplained"
+BASIN = "basin"
+
+
+@dataclass(frozen=True)
+class Change:
+    """Between two neighbouring speeds the motion changes from `before` to `after`.
+
+    cause: a kind of event, `basin` (both attractors exist on both sides, the start changes basins)
+    or `unexplained`; events: those inside; words: the sentence, with what was tried.
+    """
+
+    low: float
+    high: float
+    before: str
+    after: str
+    cause: str
+    words: str
+    events: tuple[Event, ...] = ()
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """All events of attractors in the range, and the changes of the diagram with their causes."""
+
+    events: list[Event]
+    changes: list[Change]
+    found: Events
+    cost: Cost
+
+
+def explain(
+    system: System,
+    settings: Settings,
+    motions: Sequence[Motion],
+    on_change: Callable[[], None] = lambda: None,
+) -> Explanation:
+    """Walk the diagram of `motions` (ascending speeds) and explain each change."""
+    motions = sorted(motions, key=lambda m: m.rpm)
+    found = find_events(system, settings, motions)
+    changes, extra, cost = [], [], found.cost
+    for a, b in pairwise(motions):
+        if not changes_between(a, b):
+            continue
+        change, more = _cause(system, settings, found, a, b)
+        changes.append(change)
+        extra += [e for e in change.events if e not in found.events]
+        cost = cost + more
+        on_change()
+    events = sorted([*found.events, *extra], key=lambda e: e.rpm)
+    return Explanation(events, changes, found, cost)
+
+
+def changes_between(a: Motion, b: Motion) -> bool:
+    """Another label, or a chaotic attractor of another size."""
+    if a.label != b.label:
+        return not (a.chatter == b.chatter == COMPLETE and a.period == b.period)
+    return a.label == APERIODIC and enlarged(a, b)
+
+
+def extent(motion: Motion) -> tuple[float, float]:
+    """Least and largest impact phase of the record, deg."""
+    thetas = [
+        float(theta) * 57.29577951308232
+        for kind, theta in zip(motion.tape.kind, motion.tape.theta, strict=True)
+        if kind == IMPACT
+    ]
+    return (min(thetas), max(thetas)) if thetas else (inf, -inf)
+
+
+def enlarged(a: Motion, b: Motion) -> bool:
+    """True where the impact phases of one fill a clearly wider range than those of the other."""
+    widths = sorted(high - low for low, high in (extent(a), extent(b)))
+    return widths[1] > ENLARGED * widths[0] and widths[1] - widths[0] > LEAST_WIDTH
+
+
+def _cause(system, settings, found: Events, a: Motion, b: Motion) -> tuple[Change, Cost]:
+    """The events inside the interval, else coexistence, else a crisis, else unexplained."""
+    ends = (a.rpm, b.rpm, a.label, b.label)
+    inside = [e for e in found.events if a.rpm - e.error <= e.rpm <= b.rpm + e.error]
+    relevant = [e for e in inside if _concerns(e, a, b)]
+    if relevant:
+        kinds = list(dict.fromkeys(e.kind for e in relevant))
+        words = "; ".join(f"{e.kind} at {e.rpm:.10g} rpm ({e.label})" for e in relevant)
+        return Change(*ends, "+".join(kinds), words, tuple(relevant)), Cost()
+    resting = _resting(system, settings, a, b)
+    if resting is not None:
+        return Change(*ends, resting.kind, resting.words, (resting,)), Cost()
+    persists = [m for m in (a, b) if m.orbit is not None and _persists(found.branches, m, a, b)]
+    crisis, cost = _crisis(system, settings, a, b)
+    if crisis is not None:
+        return Change(*ends, crisis.kind, crisis.words, (crisis,)), cost
+    if persists:
+        return Change(*ends, BASIN, _coexistence(found, persists)), cost
+    tried = ["no bifurcation of a solved branch lies in it", "no branch passes through it stably"]
+    if APERIODIC in (a.label, b.label):
+        tried.append("no crisis of the chaotic attractor could be solved")
+    return Change(*ends, UNEXPLAINED, "tried: " + "; ".join(tried)), cost
+
+
+def _resting(system: System, settings: Settings, a: Motion, b: Motion) -> Event | None:
+    """Where an orbit that rests on the cam ends, followed from either side into the interval."""
+    for motion, other in ((a, b), (b, a)):
+        orbit = motion.orbit
+        if orbit is None or not orbit.resting or not orbit.theta:
+            continue
+        shooter = Shooter(system, motion.rpm)
+        span = Span(a.rpm, b.rpm, b.rpm - a.rpm)
+        leg = follow_resting(shooter, settings, orbit, span, other.rpm > motion.rpm)
+        for change in leg.changes[-1:]:
+            after = "nothing found" if change.beyond is None else change.beyond.label
+            words = f"{orbit.label} ends ({change.kind}), beyond it a run settles on {after}"
+            return Event(change.value, change.error, change.kind, orbit.label, words=words)
+    return None
+
+
+def _concerns(event: Event, a: Motion, b: Motion) -> bool:
+    """True where the event belongs to one of the two motions or to what doubles from it."""
+    labels = {a.label, b.label}
+    if event.label in labels or event.bifurcation is None:
+        return True
+    orbit = event.bifurcation.orbit
+    return any(m.orbit is not None and m.orbit.turns % orbit.turns == 0 for m in (a, b)) or (
+        APERIODIC in labels and orbit.stable
+    )
+
+
+def _persists(branches: Sequence[Branch], motion: Motion, a: Motion, b: Motion) -> bool:
+    """True where the motion's orbit exists and attracts on both sides of the interval."""
+    for branch in branches:
+        own = [p for p in branch.points if p.label == motion.label and p.stable]
+        if own and min(p.value for p in own) <= a.rpm and max(p.value for p in own) >= b.rpm:
+            return True
+    return False
+
+
+def _coexistence(found: Events, persists: Sequence[Motion]) -> str:
+    """The orbit exists on both sides: what changes is the basin; and where it really ends."""
+    said = []
+    for motion in persists:
+        label = motion.label
+        ends = [e for e in found.events if e.label == label]
+        where = ", ".join(f"{e.kind} at {e.rpm:.10g} rpm" for e in ends) or "nowhere in the range"
+        said.append(
+            f"{label} exists and attracts on both sides, the start changes basins; {label} changes "
+            f"at: {where}"
+        )
+    return "; ".join(said)
+
+
+def _crisis(system: System, settings: Settings, a: Motion, b: Motion):
+    """A crisis of the chaotic attractor between the two speeds, as an event."""
+    return None, Cost()
