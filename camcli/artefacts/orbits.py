@@ -58,11 +58,14 @@ def bifurcations_csv(study: Study) -> Iterator[str]:
     other = study.question.parameter
     more = [UNITS[other], f"{UNITS[other]}_error"] if other != "rpm" else []
     yield header([*BIFURCATIONS, *more])
-    for b in study.bifurcations:
-        error = b.error if other == "rpm" else 0.0
-        row = [b.branch, b.label, b.kind, b.orbit.rpm, error, b.corner, *_sides(b)]
-        row += [b.classification, *([b.value, b.error] if more else [])]
-        yield from mixed_rows([row])
+    yield from mixed_rows(bifurcation_row(b, other) for b in study.bifurcations)
+
+
+def bifurcation_row(b: Bifurcation, parameter: str) -> list:
+    """A row of bifurcations.csv, with value and error of another parameter at the end."""
+    error = b.error if parameter == "rpm" else 0.0
+    row = [b.branch, b.label, b.kind, b.orbit.rpm, error, b.corner, *_sides(b)]
+    return [*row, b.classification, *([b.value, b.error] if parameter != "rpm" else [])]
 
 
 def _sides(b: Bifurcation) -> list:

@@ -1,0 +1,120 @@
+"""cam classify"""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from time import perf_counter
+from typing import Any
+
+from camcli.analysis.classify import Motion, attractors, with_transient
+from camcli.analysis.engine import Cost, Orbit, compile_for
+from camcli.analysis.explain.changes import Explanation, explain
+from camcli.analysis.sweep import LITTLE_WORK, rpm_grid
+from camcli.artefacts.classify import classify_csv, corners_csv
+from camcli.artefacts.store import Store
+from camcli.cli import plan
+from camcli.cli.classify_words import show, summary
+from camcli.cli.options import Request
+from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.progress import bar
+from camcli.cli.report import finish
+from camcli.cli.setup import Setup, set_up, speed_range
+from camcli.errors import OK, STATUSES, Fault, SceneError
+from camcli.kernel import backend
+from camcli.parallel import run_pieces
+
+NAME = "classify"
+
+
+def run(request: Request) -> int:
+    """Classify every speed, explain the changes if asked, write the artefacts."""
+    if request.extra["trace"] is not None or request.extra["det"] is not None:
+        from camcli.cli.border import run as calculate
+
+        return calculate(request)
+    setup = set_up(request, _options(request))
+    section = setup.scene.classify
+    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
+    if section.explain and len(rpms) < 2:
+        found = f"found one speed, {rpms[0]!r}"
+        cure = "give --rpm LO:HI and --points"
+        raise SceneError(Fault("--explain", "classify.rpm", found, "expected a range", cure))
+    if request.dry_run:
+        many = [rpm for rpm in rpms for _ in range(section.starts + 1)]
+        plan.estimate(setup.system, many, setup.settings, request.threads, 0.0, 1.0).show(
+            NAME, request.json
+        )
+        return DONE
+    store = Store(request.folder(NAME))
+    began = perf_counter()
+    motions = _classify(request, setup, rpms)
+    explanation = _explain(request, setup, motions) if section.explain else None
+    seconds = perf_counter() - began - backend.compile_seconds
+    _write(request, setup, store, motions, explanation)
+    if not request.json:
+        show(motions, explanation)
+    cost = sum((m.cost for m in motions), explanation.cost if explanation else Cost())
+    finish(NAME, request, setup, store, cost, seconds, summary(motions, explanation))
+    return _verdict(motions)
+
+
+def _options(request: Request) -> dict[str, tuple[Any, str]]:
+    values = speed_range(request, NAME)
+    for name in ("starts", "seed"):
+        if request.extra[name] is not None:
+            values[f"classify.{name}"] = (request.extra[name], f"--{name}")
+    if request.extra["explain"]:
+        values["classify.explain"] = (True, "--explain")
+    return values
+
+
+def _classify(request: Request, setup: Setup, rpms: list[float]) -> list[Motion]:
+    """Motions of all speeds, in the order of the speeds."""
+    section, settings = setup.scene.classify, setup.settings
+    Orbit(setup.system, rpms[0], settings)  # a start below the cam is said before any work
+    turns = len(rpms) * (section.starts + 1) * (settings.transient + settings.record)
+    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
+        compile_for(setup.system)
+
+    def piece(rpm: float) -> list[Motion]:
+        found = attractors(setup.system, rpm, settings, section.starts, section.seed)
+        return [with_transient(setup.system, settings, motion) for motion in found]
+
+    motions: list[Motion] = []
+    with nullcontext() if request.quiet else bar("speeds", len(rpms)) as tick:
+        for found in run_pieces(piece, rpms, request.threads):
+            motions += found
+            if tick:
+                tick()
+    return motions
+
+
+def _explain(request: Request, setup: Setup, motions: list[Motion]) -> Explanation:
+    """The changes of the motion from the scene's own start."""
+    own = [m for m in motions if m.start == setup.settings.start]
+    with nullcontext() if request.quiet else bar("changes", max(1, len(own) - 1)) as tick:
+        return explain(setup.system, setup.settings, own, tick or (lambda: None))
+
+
+def _write(request, setup: Setup, store: Store, motions, explanation) -> None:
+    store.write_text("classify.csv", classify_csv(motions))
+    found = [] if explanation is None else explanation.found.bifurcations
+    store.write_text("corners.csv", corners_csv(found))
+    if request.no_plot:
+        store.remove("classify.png")
+        return
+    from camcli.artefacts.figures.classify import draw_classify
+
+    events = [] if explanation is None else explanation.events
+    store.write("classify.png", lambda file: draw_classify(motions, events, file))
+
+
+def _verdict(motions: list[Motion]) -> int:
+    """Exit code 3 and a note where a record ended early."""
+    troubled = [m for m in motions if m.status != OK]
+    for code in sorted({m.status for m in troubled}):
+        rpms = [f"{m.rpm:.10g}" for m in troubled if m.status == code]
+        shown = ", ".join(rpms[:5]) + (", ..." if len(rpms) > 5 else "")
+        status = STATUSES[code]
+        note(f"{status.name} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
+    return NUMERICS if troubled else DONE
