@@ -1,0 +1,73 @@
+"""Naming a motion: the model's labels, slow multipliers, chaos, and honest doubt."""
+
+import math
+
+import pytest
+from conftest import chapter_system, settings
+
+from camcli.analysis.classify import attractors, classify_at, with_transient
+
+RUN = settings(600, 400)
+
+
+@pytest.mark.parametrize(
+    ("rpm", "start", "label", "impacts", "chatter"),
+    [
+        (100.0, {}, "contact", 0.0, "none"),
+        (190.0, {}, "P(1;inf)", math.inf, "complete"),
+        (358.0, {}, "P(3;3:3:2)", 8.0, "none"),
+        (359.0, {}, "P(3;3:3:2)", 8.0, "none"),
+        (358.5, {"q": 0.546, "v": 32.48}, "P(1;2)", 2.0, "none"),
+        (360.0, {}, "P(6;3:3:2:3:3:2)", 16.0, "none"),
+        (700.0, {}, "P(1;1)", 1.0, "none"),
+        (739.35, {}, "P(2;1:1)", 2.0, "none"),
+    ],
+)
+def test_labels_of_the_model(chapter, rpm, start, label, impacts, chatter):
+    motion = classify_at(chapter, rpm, settings(600, 400, **start))
+    assert (motion.label, motion.impacts, motion.chatter) == (label, impacts, chatter)
+    assert motion.stable
+
+
+@pytest.mark.parametrize("rpm", [361.0, 670.0, 745.0])
+def test_chaos_has_a_positive_exponent_with_an_error_bar(chapter, rpm):
+    motion = classify_at(chapter, rpm, RUN)
+    assert motion.label == "aperiodic"
+    assert motion.period == 0
+    assert motion.stable is None
+    assert motion.exponents.largest > 3.0 * motion.exponents.spread > 0.0
+
+
+def test_a_multiplier_of_minus_one_minus_a_hair_is_told_from_the_doubled_orbit(chapter):
+    # the doubling lies at 739.31978022 rpm: 1e-5 relative on both sides nothing has settled yet
+    below, above = (classify_at(chapter, rpm, RUN) for rpm in (739.3197, 739.3199))
+    assert below.label == "P(1;1)"
+    assert above.label == "P(2;1:1)"
+    assert -1e-3 < below.exponents.largest < 0.0
+
+
+def test_a_cycle_that_rounding_closed_is_no_orbit(chapter):
+    # from rest, differences grow by e^50 between two rests: which cycle it is, no double can tell
+    assert classify_at(chapter, 358.8, RUN).label == "undecided"
+
+
+def test_coexisting_attractors_from_a_cloud_in_a_fixed_order(chapter):
+    found = attractors(chapter, 358.5, settings(600, 150), 20, 0)
+    assert [m.label for m in found] == ["P(1;2)", "P(3;3:3:2)"]
+    again = attractors(chapter, 358.5, settings(600, 150), 24, 1)
+    assert [m.orbit.states for m in again if m.label == "P(1;2)"] in (
+        [], [found[0].orbit.states],
+    )  # fmt: skip
+
+
+def test_the_transient_ends_where_the_orbit_is_reached(chapter):
+    motion = with_transient(chapter, RUN, classify_at(chapter, 700.0, RUN))
+    # |multiplier| 0.8 per turn: from the order of a metre to 1e-6 takes some 60 turns
+    assert 40 < motion.transient < 120
+    assert with_transient(chapter, RUN, classify_at(chapter, 100.0, RUN)).transient == 0
+
+
+def test_nothing_dissipates_at_restitution_one():
+    system = chapter_system(restitution=1.0)
+    motion = classify_at(system, 700.0, settings(50, 150))
+    assert motion.label in ("aperiodic", "undecided")
