@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from camcli.cli.basins_help import BASINS_HELP, BASINS_OPTIONS
+from camcli.cli.classify_help import CLASSIFY_HELP, CLASSIFY_OPTIONS
 from camcli.cli.options import Request, command
 
 app = typer.Typer(
@@ -160,10 +162,24 @@ def _orbits(request: Request) -> int:
     return run(request)
 
 
+def _classify(request: Request) -> int:
+    from camcli.cli.classify import run
+
+    return run(request)
+
+
+def _basins(request: Request) -> int:
+    from camcli.cli.basins import run
+
+    return run(request)
+
+
 command(app, "simulate", _simulate, SIMULATE_HELP)
 command(app, "sweep", _sweep, SWEEP_HELP)
 command(app, "detach", _detach, DETACH_HELP, {"hold_to": (HOLD_TO, None)})
 command(app, "orbits", _orbits, ORBITS_HELP, ORBITS_OPTIONS)
+command(app, "basins", _basins, BASINS_HELP, BASINS_OPTIONS)
+command(app, "classify", _classify, CLASSIFY_HELP, CLASSIFY_OPTIONS)
 
 
 @app.command("schema", help="Print the scene's JSON Schema, for editors.")

@@ -81,14 +81,14 @@ def estimate(
 def refuse_if_too_large(orbits: int, settings: Settings) -> None:
     """Raise SceneError where the record alone cannot fit the memory (allocates nothing)."""
     needed = orbits * settings.record * 48
-    available = _memory()
+    available = memory()
     if needed > SHARE_OF_MEMORY * available:
         found = f"found {orbits} speeds x {settings.record} recorded turns, {needed / 1e9:.3g} GB"
         expected = f"expected at most {SHARE_OF_MEMORY * available / 1e9:.3g} GB of memory"
         raise SceneError(Fault("run.record", "", found, expected, "ask for fewer points or turns"))
 
 
-def _memory() -> float:
+def memory() -> float:
     """Bytes of memory of this machine."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))

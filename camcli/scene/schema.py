@@ -232,8 +232,8 @@ class Basins(Section):
     """The window of starts at the strobe phase, and how `cam basins` follows them."""
 
     rpm: BasinsRange = Field(default_factory=BasinsRange, description="range of speeds")
-    q: Span = Field((0.1, 1.3), description="[low, high] of the starts' position, m")
-    v: Span = Field((-45.0, 45.0), description="[low, high] of the starts' velocity, m/s")
+    q: Span = Field((0.1, 0.9), description="[low, high] of the starts' position, m")
+    v: Span = Field((-50.0, 50.0), description="[low, high] of the starts' velocity, m/s")
     cells: Annotated[tuple[Side, Side], BeforeValidator(_items)] = Field(
         (200, 200), description="cells along q and along v"
     )
@@ -251,6 +251,23 @@ class Basins(Section):
     )
 
 
+class ClassifyRange(RpmRange):
+    """Equally spaced speeds to classify."""
+
+    num: Whole = Field(101, ge=1, le=MOST_SPEEDS, description="number of speeds")
+
+
+class Classify(Section):
+    """What `cam classify` names, measures and explains."""
+
+    rpm: ClassifyRange = Field(default_factory=ClassifyRange, description="range of speeds")
+    starts: Whole = Field(0, ge=0, le=1_000_000, description="further starts at each speed")
+    seed: Whole = Field(0, ge=0, le=10**9, description="which cloud of starts")
+    explain: Annotated[bool, Field(strict=True)] = Field(
+        False, description="find the cause of every change"
+    )
+
+
 class Scene(Section):
     """Everything a run depends on."""
 
@@ -261,6 +278,7 @@ class Scene(Section):
     sweep: Sweep = Field(default_factory=Sweep, description="cam sweep")
     detach: Detach = Field(default_factory=Detach, description="cam detach")
     orbits: Orbits = Field(default_factory=Orbits, description="cam orbits")
+    classify: Classify = Field(default_factory=Classify, description="cam classify")
     basins: Basins = Field(default_factory=Basins, description="cam basins")
 
 
