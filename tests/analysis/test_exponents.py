@@ -26,7 +26,7 @@ def measured(system, rpm, record=1500, **start):
         (361.0, {}),
         (745.0, {"damping": 2.0}),
         (745.0, {"gravity": 9.81, "restitution": 0.7}),
-        (400.0, {"stiffness": 300.0, "gravity": 9.81, "damping": 0.5}),
+        (400.0, {"preload": 50.0, "restitution": 0.9}),
     ],
 )
 def test_the_sum_of_both_exponents_is_the_mean_contraction(rpm, follower):
