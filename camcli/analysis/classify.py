@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from math import inf
@@ -20,7 +19,6 @@ COMPLETE, INCOMPLETE, NONE = "complete", "incomplete", "none"
 BURST = 8  # impacts in a row, each weaker than the one before, that make an incomplete chatter
 LONGER = 8  # times the record, where neither a period nor an exponent was certain
 ARRIVED = 1e-6  # relative distance from the solved orbit that ends the transient
-MEMORY = 1e15  # growth of differences beyond which doubles have forgotten the start
 APERIODIC, UNDECIDED = "aperiodic", "undecided"
 
 
@@ -173,19 +171,3 @@ def with_transient(system: System, settings: Settings, motion: Motion) -> Motion
         return motion
     last = max((k for k, far in enumerate(away) if far), default=-1)
     return replace(motion, transient=last + 1, cost=motion.cost + tape.cost)
-
-
-def growth_from_start(system: System, settings: Settings, motion: Motion) -> float:
-    """Natural logarithm of the growth of differences over the transient; inf if unknown.
-
-    Above ln MEMORY the start decides nothing any more: another rounding may end elsewhere.
-    """
-    run = with_turns(settings, 0, max(1, motion.transient or settings.transient))
-    tape = Orbit(system, motion.rpm, run, motion.start).run(strobes=False)
-    exponents = of_tape(system, motion.rpm, tape)
-    return inf if exponents is None else exponents.largest * run.record
-
-
-def labels_of(motions: Sequence[Motion]) -> list[str]:
-    """The labels, in order."""
-    return [motion.label for motion in motions]

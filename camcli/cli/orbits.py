@@ -102,10 +102,22 @@ def _question(request: Request, setup: Setup) -> Question:
         low, high = _range(setup, parameter)
     if low < high:
         span = Span(low, high, (high - low) / max(1, section.rpm.num - 1))
+        _check_inside(setup, parameter if section.curve is None else "rpm", at, span)
     return Question(
         rpm=at, parameter=parameter if section.curve is None else "rpm", span=span,
         label=_label(section.label), branches=section.branches, starts=section.starts,
     )  # fmt: skip
+
+
+def _check_inside(setup: Setup, parameter: str, rpm: float, span: Span) -> None:
+    """Orbits are found at a value that lies in the range followed."""
+    value = rpm if parameter == "rpm" else getattr(setup.scene.follower, parameter)
+    if span.holds(value):
+        return
+    path = "orbits.at" if parameter == "rpm" else "orbits.range"
+    found = f"found {parameter} = {value!r} where orbits are looked for"
+    expected = f"expected a value from {span.low!r} to {span.high!r}, the range followed"
+    raise SceneError(Fault("", path, found, expected, "choose another range, or --at"))
 
 
 def _label(text: str | None) -> str | None:

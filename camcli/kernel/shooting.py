@@ -25,6 +25,7 @@ from camcli.kernel.tangent import after_flight, after_impact, relative_accel
 MOST_STEPS = 25
 CONVERGED = 4e-15  # a Newton step relative to the unknowns' sizes that rounding alone can make
 STALLED = 1e-8  # a step that no longer shrinks, but small enough to be rounding
+NO_TRACE = 1e300
 LONGEST_STEP = 0.5  # rad, a Newton step beyond which the guess was no good
 DIFFERENCE = 1e-5  # relative width of the parameter's difference
 TRACE, STEP, STEPS_TAKEN = 0, 1, 2  # entries of `out`
@@ -37,6 +38,7 @@ class Border(NamedTuple):
     origin: Any  # (2 n + 1,)
     right: float
     scale: float  # size of the parameter below which changes count as absolute
+    rate: float  # the same for the rates, m/rad
 
 
 @kernel
@@ -136,23 +138,23 @@ def correct(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
             right -= border.row[j] * (x[j] - border.origin[j])
         if not solve_bordered(n, t, border.row, right):
             return UNRESOLVED
-        size = _take(n, x, t.step, border.scale)
+        size = _take(n, x, t, border)
         out[STEP], out[STEPS_TAKEN] = size, count + 1.0
         if not size < LONGEST_STEP:
             return UNRESOLVED
         if size <= CONVERGED or (size <= STALLED and size > 0.5 * before):
             out[TRACE] = _finish(cam, machine, n, turns, whole, x, rates)
-            return OK
+            return OK if out[TRACE] < NO_TRACE else UNRESOLVED
         before = size
     return UNRESOLVED
 
 
 @kernel
-def _take(n, x, step, scale):
+def _take(n, x, t, border):
     """Add the step to x; its size relative to 1 rad, the largest rate and the parameter."""
-    rate = 1e-300
+    step, rate, scale = t.step, border.rate, border.scale
     for k in range(n):
-        rate = max(rate, abs(x[2 * k + 1]))
+        rate = max(rate, abs(x[2 * k + 1]), abs(t.blocks[BLOCK * k + 4]))
     size = abs(step[2 * n]) / max(abs(x[2 * n]), abs(x[2 * n] + step[2 * n]), scale)
     for k in range(n):
         size = max(size, abs(step[2 * k]), abs(step[2 * k + 1]) / rate)
@@ -163,13 +165,15 @@ def _take(n, x, step, scale):
 
 @kernel
 def _finish(cam, machine, n, turns, whole, x, rates):
-    """Incoming rates of all impacts, and the trace of the monodromy matrix."""
+    """Incoming rates of all impacts, and the trace of the monodromy matrix, if no rate is zero."""
     lane = lane_of(machine, 0.0, 0)
     qq, qw, wq, ww = 1.0, 0.0, 0.0, 1.0
     for k in range(n):
         j = (k + 1) % n
         u = _arrival(cam, lane, x, whole, turns, k, n)[1]
         rates[j] = u
+        if u == 0.0:
+            return NO_TRACE
         qq, qw, wq, ww = after_flight(lane, _length(x, whole, turns, k, n), qq, qw, wq, ww)
         lifts = lift(cam, whole[2 * j], x[2 * j])
         qq, qw, wq, ww = after_impact(lane, lifts, u, qq, qw, wq, ww)

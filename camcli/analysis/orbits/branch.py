@@ -109,7 +109,7 @@ class Writer:
         common = (number, found.kind, found.root.value, found.error, found.status, orbit)
         if crossing is None:
             grazes = found.kind == GRAZING
-            words = (_graze_words(found),) if grazes else ()
+            words = (_graze_words(found, self.shooter.rate),) if grazes else ()
             phase = found.phase if grazes else None
             self.bifurcations.append(Bifurcation(*common, words=words, phase=phase))
             return
@@ -162,11 +162,11 @@ class Writer:
         return ""
 
 
-def _graze_words(found: Found) -> str:
+def _graze_words(found: Found, slow: float) -> str:
     place = f"{(found.phase % TURN) * DEG:.8g} deg"
     u = found.root.rates
     smallest = min(range(len(u)), key=lambda k: abs(u[k]))
-    if abs(u[smallest]) < 1e-3 * max(abs(v) for v in u):
+    if abs(u[smallest]) < slow:
         return f"the impact at {found.root.theta[smallest] * DEG:.8g} deg fades to zero velocity."
     return f"beyond it the flight after impact {found.impact + 1} meets the cam at {place}."
 

@@ -13,6 +13,7 @@ from math import hypot
 
 from camcli.analysis.border_collision import Collision, Prediction, Side, classify
 from camcli.analysis.engine import Cost, Orbit, Settings, Start, with_turns
+from camcli.analysis.exponents import of_tape
 from camcli.analysis.labels import LONGEST_PERIOD, label
 from camcli.analysis.orbits.crossing import Crossing
 from camcli.analysis.orbits.identify import identify, settled
@@ -134,7 +135,7 @@ def _name(system: System, machine, tape, root: Root) -> tuple[str, bool]:
     """(label of the attractor reached, whether it stayed near the corner's orbit)."""
     changed, rpm = with_machine(system, machine)
     orbit = identify(changed, rpm, tape)
-    name = label(tape) if orbit is None else orbit.label
+    name = _unsolved(changed, rpm, tape) if orbit is None else orbit.label
     states = section_states(system, root)[0]
     size = [max(abs(s[j]) for s in states) or 1.0 for j in range(2)]
     last = [(float(tape.strobe_q[k]), float(tape.strobe_w[k])) for k in range(tape.periods)]
@@ -143,6 +144,12 @@ def _name(system: System, machine, tape, root: Root) -> tuple[str, bool]:
         default=1.0,
     )
     return name, tape.status == OK and far <= REACH
+
+
+def _unsolved(system: System, rpm: float, tape) -> str:
+    """The label of a record without a solved orbit; chaos may be very small beside a corner."""
+    exponents = of_tape(system, rpm, tape) if tape.status == OK else None
+    return "aperiodic" if exponents is not None and exponents.chaotic else label(tape)
 
 
 def _agrees(predicted: Prediction, simulated: str, near: bool, turns: int) -> bool | None:

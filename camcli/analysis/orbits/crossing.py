@@ -6,13 +6,21 @@ from dataclasses import dataclass
 from math import sqrt
 
 from camcli.analysis.detach_regions import corner_list
+from camcli.analysis.orbits.identify import settled
 from camcli.analysis.orbits.locate import Found
+from camcli.analysis.orbits.orbit import section_states, shortest_period
 from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.kernel.certify import ADMISSIBLE
 from camcli.kernel.flight import flow, lane_of
 from camcli.kernel.profile import END, KICK, ROW, START, TURN, lift
 from camcli.kernel.tangent import relative_accel
 
-FIRST_AMPLITUDES = (1e-3, 1e-4, 1e-2)  # rad, distance of the doubled orbit from the single one
+FIRST_AMPLITUDES = (
+    1e-3,
+    1e-4,
+    1e-5,
+    1e-2,
+)  # rad, distance of the doubled orbit from the single one
 
 
 @dataclass(frozen=True)
@@ -93,7 +101,10 @@ def doubled(shooter: Shooter, found: Found) -> tuple[Root, list[float]] | None:
         guess = [x + amplitude * d for x, d in zip(origin, twice, strict=True)]
         length = amplitude * sum(d * d for d in twice)
         orbit = shooter.correct(guess, whole, 2 * root.turns, twice, origin, length)
-        if orbit is not None and abs(orbit.x[0] - orbit.x[2 * root.count]) > 0.1 * amplitude:
+        orbit = None if orbit is None else settled(shooter.system, shooter, orbit)
+        if orbit is None or shooter.verdict(orbit)[0] != ADMISSIBLE:
+            continue
+        if shortest_period(section_states(shooter.system, orbit)[0]) == orbit.turns:
             return orbit, twice
     return None
 

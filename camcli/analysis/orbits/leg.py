@@ -16,10 +16,12 @@ from camcli.analysis.orbits.locate import (
     RANGE,
     Found,
     corners_on,
+    doubling_at,
     graze_on,
     parent_of,
     smooth_events,
 )
+from camcli.analysis.orbits.orbit import section_states, shortest_period
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.analysis.orbits.walk import Metric, Span, Step, oriented, walk
 
@@ -70,6 +72,9 @@ def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | N
     corner = next(iter(corners_on(shooter, step)), None)
     if corner is not None:
         step, reached = step.cut(corner.root), False
+    if corner is not None and _collapses(shooter, corner.root):
+        leg.end = CORNER  # it shrinks to an orbit of a shorter period: the 2-cycle of its corner
+        return None
     graze = graze_on(shooter, step)
     if graze is not None:
         step, reached, corner = step.cut(graze.root), False, None
@@ -94,6 +99,11 @@ def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | N
     elif corner is not None:
         return _pass_corner(shooter, leg, corner)
     return None
+
+
+def _collapses(shooter: Shooter, root: Root) -> bool:
+    """True for an orbit that is another one gone through several times."""
+    return shortest_period(section_states(shooter.system, root)[0]) < root.turns
 
 
 def _pass_corner(shooter: Shooter, leg: Leg, found: Found) -> Crossing | None:
@@ -128,4 +138,8 @@ def both_ways(shooter: Shooter, root: Root, span: Span) -> Iterator[Leg]:
     """The legs down and up from a root, by the parameter's sign."""
     up = root.tangent if root.tangent[-1] >= 0.0 else [-x for x in root.tangent]
     yield follow(shooter, root, [-x for x in up], span)
-    yield follow(shooter, root, up, span)
+    leg = follow(shooter, root, up, span)
+    here = doubling_at(shooter, root)
+    if here is not None:
+        leg.events.insert(0, (here, None))
+    yield leg

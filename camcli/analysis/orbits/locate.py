@@ -25,6 +25,7 @@ COMPLETION, RANGE, LOST, CLOSED = "chatter-completion", "end-of-range", "lost", 
 OK, UNRESOLVED = "ok", "unresolved"
 MOST_SECANTS = 30
 SETTLED = 1e-13  # of its size: a secant step of the parameter that ends the iteration
+AT_ONCE = 1e-10  # a test function this small at the first point of a branch is zero there
 HALVES = 0.05  # rad, between the halves of an orbit that is about to be a single one
 SAME_VALUE = 1e-6  # relative distance of the parameters of a fold and of its period doubling
 ERRORS = (1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # relative half widths tried for a bracket
@@ -80,7 +81,7 @@ def smooth_events(shooter: Shooter, step: Step, turned: bool) -> list[Found]:
     """Period doublings and folds on a step, in order; `turned`: the parameter turns round on it."""
     found = []
     before, after = flip_test(step.before), flip_test(step.after)
-    if (before < 0.0) != (after < 0.0) and before != 0.0:
+    if (before < 0.0) != (after < 0.0) and abs(before) > AT_ONCE:
         found.append(_root_of(shooter, step, PERIOD_DOUBLING, flip_test, before, after))
     if turned:
         sign = 1.0 if step.unit[-1] >= 0.0 else -1.0
@@ -120,6 +121,14 @@ def _bracket(shooter: Shooter, root: Root, test: Callable[[Root], float]) -> tup
         if None not in ends and (test(ends[0]) < 0.0) != (test(ends[1]) < 0.0):
             return width, OK
     return ERRORS[-1] * abs(root.value), UNRESOLVED
+
+
+def doubling_at(shooter: Shooter, root: Root) -> Found | None:
+    """The period doubling a branch is begun at, if it is begun at one."""
+    if abs(flip_test(root)) > AT_ONCE:
+        return None
+    error, status = _bracket(shooter, root, flip_test)
+    return Found(PERIOD_DOUBLING, root, 0.0, error, status)
 
 
 def parent_of(shooter: Shooter, found: Found) -> Found | None:

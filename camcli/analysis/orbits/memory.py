@@ -1,20 +1,21 @@
-"""How much of its start an orbit remembers: the largest growth of a difference between two rests.
+"""How much of its start an orbit remembers: the largest growth of a phase error between two rests.
 
-An orbit that rests on the cam leaves it at a phase known to rounding. If differences then grow by
-more than doubles have digits, the next impacts are an accident of rounding, and that such a run
-closes on itself says nothing about the machine.
+An orbit that rests on the cam leaves it at a phase known to rounding. If an error of that phase
+grows by more than doubles have digits, the next impacts are an accident of rounding, and that such
+a run closes on itself says nothing about the machine. An error dtheta at the first impact, a hop of
+s rad and incoming rate u after lift-off, is a difference (u, u/s) dtheta of position and velocity;
+flights and impacts carry it on, and at an impact it is an error of its phase again, |dq/u|.
 """
 
 from __future__ import annotations
 
-from math import inf
-
-from camcli.analysis.engine import Tape
-from camcli.kernel.exponents import AREA, FIRST, log_growth, stretch_log
-from camcli.kernel.orbit import CHATTER
+from camcli.analysis.engine import DETACHMENT, IMPACT, Tape
+from camcli.kernel.flight import Lane
+from camcli.kernel.profile import TURN, lift_at, stretch_at
+from camcli.kernel.tangent import after_flight, after_impact
 from camcli.system import System
 
-FORGOTTEN = 25.0  # natural logarithm of the growth (7e10) that leaves five digits of a phase
+FORGOTTEN = 7e10  # growth of a phase error that leaves five digits of a turn
 
 
 def forgets(system: System, rpm: float, tape: Tape, turns: int) -> bool:
@@ -24,24 +25,41 @@ def forgets(system: System, rpm: float, tape: Tape, turns: int) -> bool:
 
 
 def largest_growth(system: System, rpm: float, tape: Tape, window: range) -> float:
-    """Natural logarithm of the largest growth since the last rest, in these turns of a record."""
-    lane = system.lane(rpm, 1.0, 1)
-    pair, largest = [0.0] * 7, -inf
-    growth = _fresh()
-    columns = zip(tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True)
-    for kind, period, theta, q, u in columns:
-        if period not in window:
-            continue
-        row = [float(theta), float(q), float(u)]
-        stretch_log(system.cam, lane, [int(kind), int(period)], row, 1, pair, growth)
-        if kind == CHATTER:
-            growth = _fresh()
-        elif growth[FIRST] > 0.0:
-            largest = max(largest, log_growth(growth, FIRST))
-    return largest
+    """Largest factor between a phase error after a rest and one before the next, in these turns."""
+    follower = _Difference(system, system.lane(rpm, 1.0, 1))
+    for event in zip(tape.kind, tape.period, tape.theta, tape.u, strict=True):
+        if event[1] in window:
+            follower.take(*event)
+    return follower.largest
 
 
-def _fresh() -> list[float]:
-    growth = [0.0] * 7
-    growth[FIRST] = growth[AREA] = 1.0
-    return growth
+class _Difference:
+    """One difference between two orbits, from lift-off to lift-off."""
+
+    def __init__(self, system: System, lane: Lane):
+        self.cam, self.lane, self.strobe = system.cam, lane, system.strobe
+        self.place: float | None = None  # rad since period 0, of the last event
+        self.pair: tuple[float, float] | None = None
+        self.largest = 0.0
+
+    def take(self, kind, period, theta, u) -> None:
+        """Go on to the next logged event."""
+        since = float(theta) - self.strobe + (TURN if theta < self.strobe else 0.0)
+        place = since + TURN * int(period)
+        if kind == DETACHMENT:
+            self.place, self.pair = place, None
+        elif kind == IMPACT and self.place is not None:
+            self._impact(place - self.place, float(theta), float(u))
+            self.place = place
+        else:
+            self.place, self.pair = None, None
+
+    def _impact(self, s: float, theta: float, u: float) -> None:
+        if self.pair is None:
+            dq, dw = -u, -u / s if s > 0.0 else 0.0
+        else:
+            dq, _, dw, _ = after_flight(self.lane, s, self.pair[0], 0.0, self.pair[1], 0.0)
+        self.largest = max(self.largest, abs(dq / u))
+        lifts = lift_at(self.cam, stretch_at(self.cam, theta), theta)
+        dq, _, dw, _ = after_impact(self.lane, lifts, u, dq, 0.0, dw, 0.0)
+        self.pair = (dq, dw)

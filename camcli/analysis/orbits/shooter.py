@@ -24,6 +24,7 @@ from camcli.kernel.flight import (
 from camcli.kernel.profile import TURN
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border, correct
 from camcli.kernel.trig import exp_decay
+from camcli.profiles.table import column
 from camcli.system import System, omega_of
 
 PARAMETERS = {
@@ -35,7 +36,7 @@ PARAMETERS = {
     "preload": PRELOAD,
     "restitution": RESTITUTION,
 }
-SMALL = 1e-3  # share of its natural size below which a parameter counts as zero
+SMALL = 1e-3  # share of its natural size below which a parameter or a rate counts as zero
 VERDICTS = {
     ADMISSIBLE: "admissible",
     EARLY: "virtual: penetrates the cam",
@@ -117,6 +118,7 @@ class Shooter:
         self.machine = tuple(system.machine(rpm))
         self.parameter = PARAMETERS[parameter]
         self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
+        self.rate = SMALL * _lift(system)
         self.work = [0, 0, 0]
         self.compiled = backend.must_compile()
         if self.compiled:
@@ -167,7 +169,7 @@ class Shooter:
         tables, (rates, out, *_) = self._room(n)
         x, ends = (
             self._table(guess),
-            Border(self._table(row), self._table(origin), right, self.scale),
+            Border(self._table(row), self._table(origin), right, self.scale, self.rate),
         )
         machine, places = self._table(self.machine), self._table(whole, int)
         solve = lanes.correct_orbit if self.compiled else correct
@@ -203,6 +205,12 @@ class Shooter:
 
 def _zeros(count: int, kind=float) -> list:
     return [kind(0)] * count
+
+
+def _lift(system: System) -> float:
+    """Height of the cam's lobe, m; of a cam without one its height."""
+    low = min(column(system.cam, "LOW"))
+    return (system.cam.top - low) or abs(system.cam.top) or 1.0
 
 
 def _natural(parameter: int, mass: float, omega: float) -> float:

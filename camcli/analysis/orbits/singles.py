@@ -23,6 +23,7 @@ from camcli.kernel.profile import (
     lift,
 )
 
+ROUNDING = 1e-15
 NARROWEST = 1e-13  # rad: closer roots count as one, on the verge of a fold
 
 
@@ -64,6 +65,12 @@ class _Equation:
         _, c1, c2 = lift(self.cam, i, theta)
         return self.K * self.lane.W2 * c1 - self.turn * c2
 
+    def size(self, i: int, theta: float) -> float:
+        """Sum of the terms of h, for the size of its rounding."""
+        c, c1, _ = lift(self.cam, i, theta)
+        force = abs(self.lane.G) + abs(self.lane.W2 * c)
+        return (abs(self.P) + self.B * self.B) * force + abs(self.turn * c1)
+
     def roots(self, i: int) -> list[float]:
         """Every zero of h on stretch i, ends included, in ascending order."""
         if self.B == 0.0:
@@ -76,8 +83,9 @@ class _Equation:
     def _within(self, i: int, low: float, high: float, bend: float):
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         h, slope = self.h(i, middle), self.slope(i, middle)
-        if abs(h) > abs(slope) * half + 0.5 * bend * half * half:
-            return
+        change = abs(slope) * half + 0.5 * bend * half * half
+        if abs(h) > change or abs(h) + change <= ROUNDING * self.size(i, middle):
+            return  # no zero, or nothing but zeros: a dwell on which any phase would do
         if abs(slope) > bend * half:
             yield from self._single(i, low, high)
         elif half < NARROWEST:

@@ -10,7 +10,6 @@ from camcli.analysis.orbits.absence import Absence, look_around
 from camcli.analysis.orbits.branch import Bifurcation, Branch, Writer
 from camcli.analysis.orbits.crossing import Crossing, doubled
 from camcli.analysis.orbits.find import RECORD, Found, find
-from camcli.analysis.orbits.identify import settled
 from camcli.analysis.orbits.leg import Leg, both_ways, follow
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.resting import follow_resting
@@ -18,7 +17,6 @@ from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.analysis.orbits.walk import Span
 from camcli.analysis.sweep import LITTLE_WORK
 from camcli.kernel import backend
-from camcli.kernel.certify import ADMISSIBLE
 from camcli.system import System
 
 SAME_PHASE = 1e-8  # rad
@@ -73,6 +71,8 @@ def study(
         if span is not None and absent.orbit is not None:
             found.orbits, question = [absent.orbit], replace(question, rpm=absent.orbit.rpm)
     shooter = Shooter(system, question.rpm, question.parameter)
+    if question.span is not None and not question.span.holds(shooter.machine[shooter.parameter]):
+        raise ValueError(f"{question.parameter} where orbits are found lies outside the range")
     value = shooter.machine[shooter.parameter]
     writer = Writer(shooter, settings)
     if question.span is not None:
@@ -134,10 +134,9 @@ def _leaving(shooter: Shooter, event, span: Span) -> Leg | None:
         root, along = event.far, event.ahead
     else:
         start = doubled(shooter, event)
-        root = None if start is None else settled(shooter.system, shooter, start[0])
-        if root is None or shooter.verdict(root)[0] != ADMISSIBLE:
+        if start is None:
             return None
-        along = start[1]
+        root, along = start
     return follow(shooter, root, along, span)
 
 

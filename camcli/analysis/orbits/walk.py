@@ -19,6 +19,7 @@ MOST_NEWTON = 7  # steps of the corrector, beyond which the predictor is halved
 QUICK = 4  # steps of the corrector that let the next step grow
 GROWTH = 1.6
 TURNED = 0.9  # least cosine between the tangents of neighbouring points
+STEEP = 100.0  # trace beyond which its change says nothing: an impact fades
 OVERSHOOT = 0.02  # rad beyond the end of a smooth region
 PHASE = 5.0  # rad, of an impact, that counts as much as the whole range of the parameter
 TRACE_CHANGE = 0.3  # of 1 + |trace|, from point to point
@@ -115,6 +116,10 @@ class Span:
         """high - low."""
         return self.high - self.low
 
+    def holds(self, value: float) -> bool:
+        """True within the range, ends included."""
+        return self.low <= value <= self.high
+
 
 def walk(
     shooter: Shooter, root: Root, along: Sequence[float], metric: Metric, span: Span
@@ -148,7 +153,8 @@ def _step(shooter, root: Root, unit, metric: Metric, length: float, span: Span) 
         return None
     if any(far > OVERSHOOT for far, _, _ in beyond(shooter, after)):
         return None
-    if abs(after.trace - root.trace) > TRACE_CHANGE * (1.0 + abs(root.trace)):
+    change = abs(after.trace - root.trace)
+    if abs(root.trace) < STEEP and change > TRACE_CHANGE * (1.0 + abs(root.trace)):
         return None
     return step
 
