@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from camcli.errors import OK, UNRESOLVED
 from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.bordered import BLOCK, solve_bordered
-from camcli.kernel.flight import RESTITUTION, flow, lane_of
+from camcli.kernel.flight import DAMPING, MASS, RPM, STIFFNESS, flow, lane_of
 from camcli.kernel.near import LONGEST_PHASE, NEAR, gap_near
 from camcli.kernel.profile import TURN, lift
 from camcli.kernel.search import flight_at
@@ -108,7 +108,7 @@ def _lanes(machine, parameter, value, scale):
     """(lane, low, high, width): the machine at `value` and at both ends of a difference."""
     width = DIFFERENCE * max(abs(value), scale)
     low = value - width
-    if low < 0.0 <= value and parameter != RESTITUTION:
+    if not _meaningful(parameter, low):
         low = value
     machine[parameter] = value + width
     high_lane = lane_of(machine, 0.0, 0)
@@ -116,6 +116,14 @@ def _lanes(machine, parameter, value, scale):
     low_lane = lane_of(machine, 0.0, 0)
     machine[parameter] = value
     return lane_of(machine, 0.0, 0), low_lane, high_lane, (value + width) - low
+
+
+@kernel
+def _meaningful(parameter, value):
+    """False for constants no machine has: the iteration has left the range of the parameter."""
+    if parameter in (RPM, MASS):
+        return value > 0.0
+    return value >= 0.0 or parameter not in (STIFFNESS, DAMPING)
 
 
 @kernel
@@ -128,6 +136,8 @@ def correct(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
     """
     before = 1e300
     for count in range(MOST_STEPS):
+        if not _meaningful(parameter, x[2 * n]):
+            return UNRESOLVED
         lane, low, high, width = _lanes(machine, parameter, x[2 * n], border.scale)
         for k in range(n):
             _block(cam, lane, x, whole, turns, k, n, t.blocks)
