@@ -112,7 +112,8 @@ orbits.png        branches, multipliers, corner impacts
 Kinds: period-doubling (1 + trace + det = 0); fold (the parameter turns round); corner-impact (an
 impact reaches a corner of the cam); grazing (a contact appears in a flight, or an impact fades);
 for orbits that rest: chatter-completion, departure (a departure from rest appears or vanishes),
-detachment (contact is first lost). A branch ends at one of these, or at end-of-range.
+itinerary (an impact appears, fades or moves to another turn), detachment (contact is first lost).
+A branch ends at one of these, or at end-of-range.
 Classification of a corner impact, from the traces and determinants on both sides: persistence,
 nonsmooth-fold, border-period-doubling, robust-chaos, no-attractor, dangerous, degenerate; run.json
 has the inequalities, and what a simulation shows on either side.
