@@ -1,0 +1,1 @@
+"""Which attractor a start lands on: attractors, cell mapping, boundaries, speeds."""

@@ -1,0 +1,83 @@
+"""What a grid of basins says in numbers: fractions with their errors, entropies."""
+
+from __future__ import annotations
+
+from math import fsum, log, sqrt
+
+import numpy as np
+
+BOX = 5  # cells along a box of the entropies
+
+
+def fractions(codes: np.ndarray, attractors: list[int]) -> dict[int, tuple[float, float]]:
+    """(fraction, standard error) of the cells not below the cam, by code.
+
+    A cell is a sample of its own area. One whose neighbours are all like it is taken as right; for
+    the others the share p of the code among the 3 x 3 cells around estimates the variance p (1 - p)
+    of one sample. Hence error^2 = sum of p (1 - p) over all cells, over their number squared.
+    """
+    above = codes != -1
+    total = int(above.sum())
+    around = _around(above.astype(np.int16))
+    found = {}
+    others = [int(code) for code in np.unique(codes) if code < -1 or code == 0]
+    for code in [*attractors, *sorted(others, reverse=True)]:
+        mine = codes == code
+        if total == 0:
+            found[code] = (0.0, 0.0)
+            continue
+        near = _around(mine.astype(np.int16))
+        edge = above & (near > 0) & (near < around)
+        counts = np.bincount(10 * around[edge] + near[edge], minlength=100).tolist()
+        terms = [
+            counts[10 * n + k] * (k * (n - k) / (n * n)) for n in range(1, 10) for k in range(n)
+        ]
+        found[code] = (int(mine.sum()) / total, sqrt(fsum(terms)) / total)
+    return found
+
+
+def _around(table: np.ndarray) -> np.ndarray:
+    """Sum over the 3 x 3 cells around each, less at the edges."""
+    wide = np.pad(table, 1)
+    rows = wide[:-2] + wide[1:-1] + wide[2:]
+    return rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:]
+
+
+def boundary(codes: np.ndarray) -> np.ndarray:
+    """True for cells not below the cam of which one of the eight neighbours above is different."""
+    wide = np.pad(codes, 1, constant_values=-1)
+    nv, nq = codes.shape
+    found = np.zeros(codes.shape, dtype=bool)
+    for i in range(3):
+        for j in range(3):
+            other = wide[i : i + nv, j : j + nq]
+            found |= (other != codes) & (other != -1)
+    return found & (codes != -1)
+
+
+def entropies(codes: np.ndarray) -> dict[str, float | int]:
+    """Basin entropy and boundary entropy (Daza and others, 2016) over boxes of BOX x BOX cells.
+
+    In a box with shares p of the codes the entropy is -sum p log p; the basin entropy is its mean
+    over all boxes, the boundary entropy that over boxes with more than one code. Undecided counts
+    as a code; cells below the cam, and boxes of such alone, do not count.
+    """
+    nv, nq = (size // BOX * BOX for size in codes.shape)
+    boxes = codes[:nv, :nq].reshape(nv // BOX, BOX, nq // BOX, BOX).swapaxes(1, 2)
+    boxes = boxes.reshape(-1, BOX * BOX)
+    total = (boxes != -1).sum(axis=1)
+    kinds = [int(code) for code in np.unique(boxes) if code != -1]
+    counts = np.stack([(boxes == code).sum(axis=1) for code in kinds]) if kinds else None
+    if counts is None:
+        return {"basin_entropy": 0.0, "boundary_entropy": 0.0, "boxes": 0, "boundary_boxes": 0}
+    logs = np.array([0.0] + [log(k) for k in range(1, BOX * BOX + 1)])
+    full = total > 0
+    counts, total = counts[:, full], total[full]
+    each = logs[total] - (counts * logs[counts]).sum(axis=0) / total
+    mixed = (counts > 0).sum(axis=0) > 1
+    return {
+        "basin_entropy": float(each.mean()),
+        "boundary_entropy": float(each[mixed].mean()) if mixed.any() else 0.0,
+        "boxes": len(total),
+        "boundary_boxes": int(mixed.sum()),
+    }

@@ -1,0 +1,223 @@
+"""How near is near enough: ellipses about a periodic attractor from which starts come back.
+
+The one-turn maps about the m points are taken by differences. With rho the spectral radius of the
+period's map and s^m = (1 + rho)/2, the forms
+    P_j = sum over k of s^(-2k) (A_(j+k-1) ... A_j)^T (A_(j+k-1) ... A_j)
+satisfy |A_j x| <= s |x| from one point's form to the next: the linear map leads each ellipse
+x^T P_j x <= R^2 into the next one, however large the turn's own stretching is. R is the largest
+radius at which the true map does so too: rings of starts in every ellipse are mapped and must stay
+within the next ellipse with the same impacts, shrink over a period, and end at the orbit. Where no
+radius holds, circles of NARROWEST take the place of the ellipses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, sqrt
+
+import numpy as np
+
+from camcli.analysis.basins.attractor import Attractor
+from camcli.analysis.basins.crew import NOTHING, Crew
+from camcli.kernel.cells import CHATTERED_TURN
+
+WIDEST, NARROWEST = 0.25, 1e-8  # radius over the orbit's size
+DIFFERENCES = (1e-7, 1e-8, 1e-9, 1e-10)  # steps of the difference quotients, of the orbit's size
+RINGS = (1.0, 0.6, 0.2)
+DIRECTIONS = 24  # starts on a ring, a multiple of 8
+STEP = 0.8  # from one radius tried to the next
+ROUND = 1e-9  # least squared ratio of an ellipse's axes
+REST = 1e-12  # of the size: a state this near to the cam at rest is at rest
+HOME = 1e-3  # form (squared distance over the ellipse's) at which a start has come back
+MOST_TERMS = 20_000
+MOST_RETURN = 2_000  # turns
+
+
+@dataclass(frozen=True)
+class Region:
+    """Ellipses about the points: columns gap, rate (m, m/rad), A, B, C of the form, per point."""
+
+    points: np.ndarray  # (m, 2)
+    forms: np.ndarray  # (m, 3)
+    symbols: tuple[int, ...]
+    shrink: float
+    radius: float  # over the orbit's size
+    rho: float
+    returns: bool  # rings of starts were seen to come back
+
+    def scaled(self, factor: float) -> Region:
+        """Ellipses smaller by a factor."""
+        return replace(self, forms=self.forms / (factor * factor), radius=self.radius * factor)
+
+    def half_widths(self) -> np.ndarray:
+        """(m, 2) extents of the ellipses along gap and rate."""
+        a, _, c = self.forms.T
+        det = _discriminant(self.forms)
+        return np.sqrt(np.column_stack((c / det, a / det)))
+
+
+def region_of(crew: Crew, attractor: Attractor) -> Region | None:
+    """The largest region that holds; None where the differences say that the orbit repels."""
+    c, c1 = crew.lift
+    points = np.array(attractor.states) - np.array([c, c1])
+    points[np.abs(points).max(axis=1) <= REST * attractor.size] = 0.0
+    points[:, 0] = np.maximum(points[:, 0], 0.0)
+    symbols = tuple(CHATTERED_TURN if s == inf else int(s) for s in attractor.symbols)
+    maps = _turn_maps(crew, points, symbols, attractor.size)
+    rho = _spectral_radius(maps)
+    if not rho < 1.0:
+        return None
+    shrink = 0.5 * (1.0 + (0.5 * (1.0 + rho)) ** 2)
+    forms = _forms(maps, _root(0.5 * (1.0 + rho), len(points))) / attractor.size**2
+    region = Region(points, forms, symbols, shrink, 1.0, rho, False)
+    radius = WIDEST if (_discriminant(forms) > ROUND * forms[:, 0] * forms[:, 2]).all() else 0.0
+    while radius >= NARROWEST:
+        tried = region.scaled(radius)
+        if _holds(crew, tried):
+            return replace(tried, returns=True)
+        radius *= STEP
+    circles = np.tile([1.0, 0.0, 1.0], (len(points), 1)) / attractor.size**2
+    return replace(region, forms=circles, shrink=1.0).scaled(NARROWEST)
+
+
+def _discriminant(forms: np.ndarray) -> np.ndarray:
+    a, b, c = forms.T
+    return a * c - 0.25 * b * b
+
+
+def _turn_maps(crew: Crew, points: np.ndarray, symbols, size: float) -> np.ndarray:
+    """(m, 2, 2) one-turn maps by central differences; zero about a state at rest on the cam."""
+    free = points[:, 0] > 0.0
+    maps = np.zeros((len(points), 2, 2))
+    for step in DIFFERENCES:
+        h = np.where(points[:, 0] < step * size, 0.5 * points[:, 0], step * size)
+        h = np.where(free, h, 1.0)
+        starts = np.repeat(points, 4, axis=0)
+        for k, (axis, sign) in enumerate(((0, 1), (0, -1), (1, 1), (1, -1))):
+            starts[k::4, axis] += sign * np.where(free, h, 0.0)
+        ends = crew.run(starts[:, 0], starts[:, 1], NOTHING, 1)
+        image = np.column_stack((ends.gap, ends.rate)).reshape(-1, 4, 2)
+        maps[:, :, 0] = (image[:, 0] - image[:, 1]) / (2.0 * h[:, None])
+        maps[:, :, 1] = (image[:, 2] - image[:, 3]) / (2.0 * h[:, None])
+        if np.array_equal(ends.symbol, np.repeat(symbols, 4)):
+            break
+    return np.where(free[:, None, None], maps, 0.0)
+
+
+def _spectral_radius(maps: np.ndarray) -> float:
+    whole = _product(maps)
+    trace = whole[0][0] + whole[1][1]
+    det = whole[0][0] * whole[1][1] - whole[0][1] * whole[1][0]
+    disc = 0.25 * trace * trace - det
+    return sqrt(det) if disc < 0.0 else abs(0.5 * trace) + sqrt(disc)
+
+
+def _product(maps) -> list[list[float]]:
+    """The map of the whole period, in plain numbers."""
+    whole = [[1.0, 0.0], [0.0, 1.0]]
+    for a in maps.tolist():
+        whole = _times(a, whole)
+    return whole
+
+
+def _times(a, b):
+    rows = range(2)
+    return [[a[i][0] * b[0][k] + a[i][1] * b[1][k] for k in rows] for i in rows]
+
+
+def _root(value: float, m: int) -> float:
+    """m-th root of a number in (0, 1] by bisection: no library function, the same bits anywhere."""
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        power = 1.0
+        for _ in range(m):
+            power *= middle
+        low, high = (middle, high) if power < value else (low, middle)
+    return high
+
+
+def _forms(maps: np.ndarray, s: float) -> np.ndarray:
+    """(m, 3) coefficients A, B, C of the adapted forms, at least x^2 + y^2."""
+    m, turns = len(maps), maps.tolist()
+    forms = []
+    for j in range(m):
+        a, b, c = 0.0, 0.0, 0.0
+        product = [[1.0, 0.0], [0.0, 1.0]]
+        for k in range(MOST_TERMS):
+            (x, y), (z, w) = product
+            term = x * x + z * z, 2.0 * (x * y + z * w), y * y + w * w
+            a, b, c = a + term[0], b + term[1], c + term[2]
+            if term[0] + term[2] <= 1e-12 * (a + c):
+                break
+            step = turns[(j + k) % m]
+            product = [[value / s for value in row] for row in _times(step, product)]
+        forms.append((a, b, c))
+    return np.array(forms)
+
+
+def _holds(crew: Crew, region: Region) -> bool:
+    """True where rings of starts in every ellipse stay, shrink over a period and come home."""
+    m = len(region.points)
+    starts, at = rings(region)
+    if len(starts) == 0:
+        return True
+    gap, rate, mode = starts[:, 0], starts[:, 1], None
+    before = size_of(region, at, gap, rate)
+    for turn in range(m):
+        ends = crew.run(gap, rate, NOTHING, 1, mode)
+        gap, rate, mode = ends.gap, ends.rate, ends.mode
+        now = (at + turn + 1) % m
+        wanted = np.array(region.symbols)[(at + turn) % m]
+        size = size_of(region, now, gap, rate)
+        if not ((ends.symbol == wanted) & (size <= 1.0)).all():
+            return False
+    if not (size <= region.shrink * before).all():
+        return False
+    periods, left = 0, 1.0
+    while left > HOME and periods * m < MOST_RETURN:
+        periods, left = periods + 1, left * region.shrink
+    ends = crew.run(gap, rate, NOTHING, periods * m, mode)
+    return bool((size_of(region, at, ends.gap, ends.rate) <= max(HOME, left)).all())
+
+
+def rings(region: Region) -> tuple[np.ndarray, np.ndarray]:
+    """(starts, their points' indices): deterministic rings in every ellipse, not below the cam."""
+    side = (np.arange(DIRECTIONS // 4) + 0.5) / (DIRECTIONS // 8) - 1.0
+    one = np.ones_like(side)
+    square = np.concatenate(
+        [np.column_stack(p) for p in ((one, side), (-side, one), (-one, -side), (side, -one))]
+    )
+    found, owner = [], []
+    for j, (a, b, c) in enumerate(region.forms):
+        low = sqrt(c - 0.25 * b * b / a)
+        across = square[:, 1] / low  # the form is a (x + b y/2a)^2 + low^2 y^2
+        along = square[:, 0] / sqrt(a) - 0.5 * b / a * across
+        length = np.sqrt(square[:, 0] ** 2 + square[:, 1] ** 2)
+        for ring in RINGS:
+            offset = np.column_stack((along, across)) * (ring / length)[:, None]
+            found.append(region.points[j] + offset)
+            owner.append(np.full(len(offset), j))
+    starts, at = np.concatenate(found), np.concatenate(owner)
+    keep = (starts[:, 0] >= 0.0) & (region.points[at, 0] > 0.0)
+    return starts[keep], at[keep]
+
+
+def size_of(region: Region, at, gap, rate):
+    """The form about points `at` of states."""
+    x, y = gap - region.points[at, 0], rate - region.points[at, 1]
+    a, b, c = region.forms[at].T
+    return (a * x + b * y) * x + c * y * y
+
+
+def targets_of(regions, boxes=None):
+    """The kernel's table of regions (attractor k is regions[k]) and of aperiodic boxes."""
+    real, whole, first = [], [], 0
+    for k, region in enumerate(regions):
+        m = len(region.points) if region is not None else 0
+        for j in range(m):
+            real += [*region.points[j].tolist(), *region.forms[j].tolist(), region.shrink]
+            whole += [k, first + (j + 1) % m, region.symbols[j], m]
+        first += m
+    targets = NOTHING._replace(real=real, whole=whole, points=first)
+    return targets if boxes is None else boxes.fill(targets)

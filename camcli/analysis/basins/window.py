@@ -1,0 +1,56 @@
+"""The window of starts and its cells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Window:
+    """Starts at the strobe phase: q in m, v in m/s; cell n is in row n // nq, column n % nq."""
+
+    q: tuple[float, float]
+    v: tuple[float, float]
+    nq: int
+    nv: int
+
+    @property
+    def count(self) -> int:
+        """Number of cells."""
+        return self.nq * self.nv
+
+    def halved(self, levels: int = 1) -> Window:
+        """The same window with every cell cut in four, `levels` times."""
+        return replace(self, nq=self.nq << levels, nv=self.nv << levels)
+
+    def with_cells(self, nq: int, nv: int) -> Window:
+        """The same window with other cells."""
+        return replace(self, nq=nq, nv=nv)
+
+    def q_of(self, columns) -> np.ndarray:
+        """Centres along q of columns, m."""
+        return _centres(self.q, np.asarray(columns), self.nq)
+
+    def v_of(self, rows) -> np.ndarray:
+        """Centres along v of rows, m/s."""
+        return _centres(self.v, np.asarray(rows), self.nv)
+
+    def centres(self, cells) -> tuple[np.ndarray, np.ndarray]:
+        """(q, v) of the centres of cells."""
+        cells = np.asarray(cells)
+        return self.q_of(cells % self.nq), self.v_of(cells // self.nq)
+
+    def cell_of(self, q, v) -> np.ndarray:
+        """Cell that holds each state, -1 outside the window."""
+        x = (np.asarray(q) - self.q[0]) / (self.q[1] - self.q[0]) * self.nq
+        y = (np.asarray(v) - self.v[0]) / (self.v[1] - self.v[0]) * self.nv
+        inside = (x >= 0.0) & (x < self.nq) & (y >= 0.0) & (y < self.nv)
+        cells = np.where(inside, y, 0.0).astype(np.int64) * self.nq
+        return np.where(inside, cells + np.where(inside, x, 0.0).astype(np.int64), -1)
+
+
+def _centres(span: tuple[float, float], n: np.ndarray, count: int) -> np.ndarray:
+    low, high = span
+    return low + (high - low) * ((2 * n + 1) / (2 * count))

@@ -1,0 +1,201 @@
+"""cam basins"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager, nullcontext
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+from camcli.analysis.basins.mapping import SIMPLE, Question
+from camcli.analysis.basins.study import Study, study
+from camcli.analysis.basins.window import Window
+from camcli.analysis.engine import with_turns
+from camcli.analysis.sweep import rpm_grid
+from camcli.artefacts.basins import attractors_csv, basins_csv
+from camcli.artefacts.store import Store
+from camcli.cli import plan
+from camcli.cli.basins_words import show, summary, undecided_words
+from camcli.cli.options import Request
+from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.progress import bar
+from camcli.cli.report import finish
+from camcli.cli.setup import Setup, set_up, speed_range
+from camcli.errors import STATUSES, Fault, SceneError
+from camcli.kernel import backend
+from camcli.parallel import thread_count
+
+NAME = "basins"
+TYPICAL_TURNS = 60  # a cell takes, for an estimate
+BYTES_PER_CELL = 100  # of memory while the first grid is followed
+BYTES_PER_FINEST = 16  # of memory, per cell of the finest grid
+BYTES_PER_ROW = 40  # of basins.csv
+STEPS = 100  # of the progress bar
+
+
+def run(request: Request) -> int:
+    """Map the basins of one speed or of a range and write them; returns the exit code."""
+    setup = set_up(request, _options(request))
+    section = setup.scene.basins
+    question = _question(setup)
+    _refuse(question)
+    speeds = section.rpm
+    rpms = rpm_grid(speeds.start, speeds.stop, 1 if speeds.start == speeds.stop else speeds.num)
+    if request.dry_run:
+        _plan(request, setup, question, rpms).show(NAME, request.json)
+        return DONE
+    store = Store(request.folder(NAME))
+    began = perf_counter()
+    result = _compute(request, setup, question, rpms)
+    seconds = perf_counter() - began - backend.compile_seconds
+    _write(request, setup, store, question, result)
+    if not request.json:
+        show(result, question)
+    finish(NAME, request, setup, store, result.cost, seconds, summary(result, question))
+    return _verdict(result, request.quiet, question)
+
+
+def _options(request: Request) -> dict[str, tuple[Any, str]]:
+    """Scene values of --rpm, --points and the options of this command."""
+    values = speed_range(request, NAME)
+    extra = request.extra
+    if extra["cells"] is not None:
+        values["basins.cells"] = (_cells(extra["cells"]), "--cells")
+    for side in ("q", "v"):
+        if extra[side] is not None:
+            values[f"basins.{side}"] = (_span(extra[side], f"--{side}"), f"--{side}")
+    for key in ("method", "refine"):
+        if extra[key] is not None:
+            values[f"basins.{key}"] = (extra[key], f"--{key}")
+    if extra["boundary"]:
+        values["basins.boundary"] = (True, "--boundary")
+    return values
+
+
+def _cells(text: str) -> list[int]:
+    try:
+        numbers = [int(word) for word in text.replace("x", ",").split(",")]
+    except ValueError:
+        numbers = []
+    if not 1 <= len(numbers) <= 2:
+        expected = "expected N or NQ,NV, whole numbers"
+        raise SceneError(Fault("--cells", "", f"found '{text}'", expected, "e.g. 400,300"))
+    return [numbers[0], numbers[-1]]
+
+
+def _span(text: str, name: str) -> list[float]:
+    try:
+        low, high = (float(word) for word in text.split(":"))
+    except ValueError:
+        found = f"found '{text}'"
+        raise SceneError(Fault(name, "", found, "expected LO:HI", "e.g. -20:40")) from None
+    return [low, high]
+
+
+def _question(setup: Setup) -> Question:
+    section = setup.scene.basins
+    window = Window(section.q, section.v, *section.cells)
+    if section.method == SIMPLE and section.refine:
+        found = f"found {section.refine} with the method simple"
+        expected = "expected the method orbit: a cell map has one size of cells"
+        cure = "use --method orbit, or more --cells"
+        raise SceneError(Fault("", "basins.refine", found, expected, cure))
+    return Question(window, section.method, section.budget, section.refine)
+
+
+def _memory(question: Question) -> int:
+    """Bytes the grid takes, allocating nothing."""
+    cells = question.window.count
+    return cells * BYTES_PER_CELL + (cells << 2 * question.refine) * BYTES_PER_FINEST
+
+
+def _refuse(question: Question) -> None:
+    needed, room = _memory(question), plan.SHARE_OF_MEMORY * plan.memory()
+    if needed > room:
+        side = f"{question.window.nq} x {question.window.nv} cells, refined {question.refine} times"
+        found = f"found {side}, {needed / 1e9:.3g} GB"
+        expected = f"expected at most {room / 1e9:.3g} GB of memory"
+        raise SceneError(Fault("", "basins.cells", found, expected, "ask for fewer cells"))
+
+
+def _plan(request: Request, setup: Setup, question: Question, rpms: list[float]) -> plan.Plan:
+    """Cost from a typical number of turns per cell; refining is taken to add 40 % a level."""
+    turns = 1 if question.method == SIMPLE else TYPICAL_TURNS
+    cells = round(question.window.count * (1.4**question.refine))
+    probe = plan.estimate(
+        setup.system, rpms, with_turns(setup.settings, 0, turns), request.threads, 0.0, 0.0
+    )
+    total = cells * len(rpms)
+    impacts = round(probe.impacts / max(1, probe.periods) * total * turns)
+    work = max(impacts, total * turns) * plan.COMPILED_SECONDS
+    return replace(
+        probe,
+        orbits=total,
+        periods=total * turns,
+        impacts=impacts,
+        seconds=work / thread_count(request.threads) + 1.0 * len(rpms),
+        bytes=cells * BYTES_PER_ROW if len(rpms) == 1 else 0,
+        memory=150_000_000 + _memory(question),
+    )
+
+
+def _compute(request: Request, setup: Setup, question: Question, rpms: list[float]) -> Study:
+    total = question.window.count * len(rpms)
+    with _progress(total, request.quiet) as on_cells:
+        return study(
+            setup.system,
+            rpms,
+            setup.settings,
+            question,
+            boundary=setup.scene.basins.boundary,
+            threads=request.threads,
+            on_cells=on_cells,
+        )
+
+
+@contextmanager
+def _progress(total: int, quiet: bool):
+    """A function to call with finished cells; it moves a bar of STEPS steps."""
+    done = shown = 0
+    with nullcontext() if quiet else bar("cells", STEPS) as tick:
+
+        def on_cells(cells: int) -> None:
+            nonlocal done, shown
+            done += cells
+            while tick is not None and shown * total < done * STEPS and shown < STEPS:
+                shown += 1
+                tick()
+
+        yield on_cells
+
+
+def _write(request: Request, setup: Setup, store: Store, question: Question, result: Study) -> None:
+    store.write_text("attractors.csv", attractors_csv(result))
+    if result.grid is None:
+        store.remove("basins.csv")
+    else:
+        store.write_text("basins.csv", basins_csv(result.grid, question.refine))
+    if request.no_plot:
+        store.remove("basins.png")
+        return
+    if result.grid is not None:
+        from camcli.artefacts.figures.basins import draw_basins
+
+        (speed,) = result.speeds
+        store.write("basins.png", lambda file: draw_basins(speed, result.grid, setup.system, file))
+    else:
+        from camcli.artefacts.figures.basins_range import draw_range
+
+        store.write("basins.png", lambda file: draw_range(result, question, file))
+
+
+def _verdict(result: Study, quiet: bool, question: Question) -> int:
+    """Exit code 3 and a note per kind of trouble; a note where cells stayed undecided."""
+    words = undecided_words(result, question)
+    if words and not quiet:
+        note(words)
+    for code in sorted({code for speed in result.speeds for code in speed.troubled}):
+        cells = sum(speed.troubled.get(code, 0) for speed in result.speeds)
+        status = STATUSES[code]
+        note(f"{status.name} in {cells} cells: {status.cause}; {status.cure}")
+    return NUMERICS if result.troubled else DONE

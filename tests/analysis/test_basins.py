@@ -1,0 +1,175 @@
+"""Basins: which attractors there are, and every cell against a long plain simulation."""
+
+import numpy as np
+import pytest
+
+from camcli.analysis.basins import census as census_module
+from camcli.analysis.basins import crew as crew_module
+from camcli.analysis.basins.census import BELOW, Census
+from camcli.analysis.basins.crew import Crew
+from camcli.analysis.basins.mapping import (
+    BELOW_CODE,
+    ORBIT,
+    SIMPLE,
+    UNDECIDED_CODE,
+    Question,
+    basins,
+)
+from camcli.analysis.basins.measures import boundary
+from camcli.analysis.basins.window import Window
+from camcli.analysis.engine import Orbit
+from camcli.analysis.labels import label
+from camcli.kernel.cells import UNDECIDED
+from tests.conftest import chapter_system, settings
+
+WINDOW = Window((0.1, 0.9), (-50.0, 50.0), 40, 40)
+
+
+def mapped(system, rpm, window=WINDOW, **more):
+    return basins(system, rpm, settings(), Question(window, **more))[0]
+
+
+def labels(result):
+    return [attractor.label for attractor in result.attractors]
+
+
+@pytest.mark.parametrize("rpm", [358.0, 358.5, 359.0])
+def test_exactly_the_two_attractors_of_the_chapter(chapter, rpm):
+    """At two resolutions, with fractions equal within their errors."""
+    coarse, fine = mapped(chapter, rpm), mapped(chapter, rpm, WINDOW.with_cells(90, 90))
+    assert labels(coarse) == labels(fine) == ["P(1;2)", "P(3;3:3:2)"]
+    for code in (1, 2):
+        (a, da), (b, db) = coarse.fractions[code], fine.fractions[code]
+        assert abs(a - b) <= 2.0 * (da + db)
+        assert 0.0 < db < da
+    assert coarse.undecided == fine.undecided == 0
+    states = [np.array(r.attractors[1].states) for r in (coarse, fine)]
+    assert np.abs(states[0] - states[1]).max() <= 1e-14
+
+
+@pytest.mark.parametrize(
+    ("rpm", "expected"),
+    [(700.0, ["P(1;1)"]), (739.35, ["P(2;1:1)"]), (190.0, ["P(1;inf)"]), (100.0, ["contact"]),
+     (361.0, ["P(1;2)", "aperiodic"]), (745.0, ["aperiodic"]), (682.0, ["P(1;1)", "aperiodic"])],
+)  # fmt: skip
+def test_attractors_elsewhere(chapter, rpm, expected):
+    result = mapped(chapter, rpm, WINDOW.with_cells(15, 15))
+    assert labels(result) == expected
+    assert result.undecided == 0
+    assert not result.troubled
+
+
+def test_two_aperiodic_attractors_are_told_apart():
+    """A damped machine; the second one's basin is so small that only cells find it."""
+    machine = chapter_system(restitution=0.6, damping=40.0, gravity=9.81)
+    window = Window((0.05, 1.5), (-30.0, 30.0), 16, 16)
+    result = mapped(machine, 752.09, window, budget=500)
+    assert labels(result) == ["aperiodic", "aperiodic"]
+    low, high = (attractor.points[:, 0] for attractor in result.attractors)
+    assert low.max() < 0.5 < 0.7 < high.min()
+    assert result.fractions[2][0] == pytest.approx(0.0167, abs=1e-3)
+    assert result.undecided == 0
+
+
+def plain_label(system, rpm, q, v, turns=3000):
+    return label(Orbit(system, rpm, settings(turns, 200, q=q, v=v)).run(events=False))
+
+
+@pytest.mark.parametrize("rpm", [358.0, 358.5, 359.0, 361.0, 682.0, 700.0])
+def test_every_cell_agrees_with_a_long_plain_simulation(chapter, rpm):
+    window = WINDOW.with_cells(14, 14)
+    result = mapped(chapter, rpm, window)
+    names = np.array(["undecided", *labels(result)])
+    q, v = window.centres(np.arange(window.count))
+    truth = [
+        plain_label(chapter, rpm, *start) for start in zip(q.tolist(), v.tolist(), strict=True)
+    ]
+    assert names[result.codes.ravel()].tolist() == truth
+    assert len(set(truth)) == len(result.attractors)
+
+
+def settled(system, q, v, threads=1, rpm=358.5):
+    census = Census(Crew(system, rpm, settings(), threads), 4000)
+    census.scout(WINDOW)
+    outcome, turns = census.settle(q, v)
+    return census.ranks()[np.maximum(outcome, 0)].tolist(), turns.tolist(), census
+
+
+@pytest.mark.parametrize("rpm", [358.5, 361.0])
+def test_neither_order_nor_threads_nor_blocks_change_a_cell(chapter, monkeypatch, rpm):
+    q, v = WINDOW.with_cells(40, 30).centres(np.arange(1200))
+    codes, turns, census = settled(chapter, q, v, rpm=rpm)
+    shuffled = np.random.default_rng(1).permutation(len(q))
+    monkeypatch.setattr(crew_module, "BLOCK", 37)
+    monkeypatch.setattr(census_module, "CHUNK", 500)
+    others = settled(chapter, q[shuffled], v[shuffled], 2, rpm=rpm)
+    assert [codes[k] for k in shuffled] == others[0]
+    assert [turns[k] for k in shuffled] == others[1]
+    assert [a.states for a in census.attractors] == [a.states for a in others[2].attractors]
+
+
+def test_attractors_found_by_cells_alone_are_the_same(chapter, monkeypatch):
+    """Without scouts, in either order of the cells."""
+    wanted = mapped(chapter, 358.5, WINDOW.with_cells(20, 20))
+    monkeypatch.setattr(Census, "scout", lambda self, window: None)
+    found = mapped(chapter, 358.5, WINDOW.with_cells(20, 20), budget=600)
+    assert labels(found) == labels(wanted)
+    assert found.codes.tolist() == wanted.codes.tolist()
+
+
+def test_cells_below_the_cam_are_marked_and_not_computed(chapter):
+    window = Window((0.0, 0.2), (-10.0, 10.0), 20, 4)
+    result = mapped(chapter, 358.5, window)
+    q, _ = window.centres(np.arange(window.count))
+    assert ((result.codes.ravel() == BELOW_CODE) == (q < 0.1)).all()
+    assert (result.turns[q < 0.1] == 0).all()
+    assert sum(share for share, _ in result.fractions.values()) == pytest.approx(1.0)
+
+
+def test_slow_transients_are_undecided_never_an_attractor(chapter):
+    """At 739.35 rpm a start takes some 290 turns: within 60 most are undecided."""
+    result = mapped(chapter, 739.35, WINDOW.with_cells(20, 20), budget=60)
+    assert labels(result) == ["P(2;1:1)"]
+    assert result.undecided > 200
+    assert set(np.unique(result.codes).tolist()) <= {UNDECIDED_CODE, 1}
+
+
+def test_what_conserves_energy_has_no_attractor():
+    machine = chapter_system(restitution=1.0)
+    result = mapped(machine, 358.5, WINDOW.with_cells(8, 8), budget=50)
+    assert labels(result) == []
+    assert result.undecided == 64
+
+
+@pytest.mark.parametrize("method", [ORBIT, SIMPLE])
+def test_trouble_is_a_code_of_its_own(method):
+    machine = chapter_system(stiffness=0.0)
+    window = Window((0.1, 90.0), (-50.0, 50.0), 6, 6)
+    result = mapped(machine, 358.5, window, budget=400, method=method)
+    assert result.troubled == {3: 36}
+    assert set(np.unique(result.codes).tolist()) == {-3}
+
+
+@pytest.mark.parametrize("rpm", [358.5, 739.35])
+def test_simple_cell_mapping_agrees_away_from_boundaries(chapter, rpm):
+    window = WINDOW.with_cells(120, 120)
+    orbit, simple = mapped(chapter, rpm, window), mapped(chapter, rpm, window, method=SIMPLE)
+    assert labels(simple) == labels(orbit)
+    inner = ~boundary(orbit.codes)
+    agree = (orbit.codes == simple.codes)[inner].mean()
+    assert agree > 0.99
+    assert simple.cost.impacts < 0.5 * orbit.cost.impacts
+
+
+def test_a_window_beside_the_attractor_maps_too(chapter):
+    """At 700 rpm the attractor is at q = 2.36 m: every cell leaves the window."""
+    simple = mapped(chapter, 700.0, WINDOW.with_cells(20, 20), method=SIMPLE)
+    assert (simple.codes == 1).all()
+
+
+def test_a_start_without_a_known_end_is_followed_by_nothing(chapter):
+    census = Census(Crew(chapter, 358.5, settings(), 1), 10)
+    outcome, turns = census.settle([0.05, 0.3], [0.0, 0.0])
+    assert outcome[0] == BELOW
+    assert outcome[1] in (0, 1, UNDECIDED)
+    assert turns[0] == 0

@@ -1,0 +1,136 @@
+"""Many starts at once: the same orbits as one at a time, in plain Python and compiled."""
+
+import numpy as np
+import pytest
+
+from camcli.analysis import engine
+from camcli.analysis.basins.crew import NOTHING, Crew
+from camcli.analysis.basins.region import targets_of
+from camcli.errors import IMPACT_BUDGET, NO_RETURN
+from camcli.kernel import cells as kernel_cells
+from camcli.kernel import lanes
+from camcli.kernel.cells import CHATTERED_TURN, UNDECIDED, trouble
+from camcli.kernel.orbit import RESTING
+from tests.kernel.helpers import settings, system
+
+STARTS = [(0.3, -1.0), (0.55, 32.0), (0.1, 5.0), (0.2, -40.0), (1.1, 12.0), (0.1, 0.0), (0.1, -3.0)]
+
+
+def crew(rpm=358.5, machine=None, **changes):
+    return Crew(machine or system(), rpm, settings(**changes), 1)
+
+
+def ends(team, turns, targets=NOTHING, starts=STARTS):
+    q, v = np.array(starts).T
+    return team.run(*team.states(q, v), targets, turns)
+
+
+@pytest.mark.parametrize("rpm", [358.5, 190.0, 745.0])
+def test_a_cell_is_the_orbit_of_its_start(rpm):
+    team = crew(rpm)
+    found = ends(team, 12)
+    for k, (q, v) in enumerate(STARTS):
+        orbit = engine.Orbit(system(), rpm, settings(12, q=q, v=v))
+        tape = orbit.run(events=False)
+        assert (orbit.state[1], orbit.state[2]) == (found.gap[k], found.rate[k])
+        chattered = tape.chatter[11]
+        assert found.symbol[k] == (CHATTERED_TURN if chattered else tape.impacts[11])
+        assert found.turns[k] == 12
+        assert found.outcome[k] == UNDECIDED
+
+
+def test_a_cell_goes_on_where_it_was_left():
+    team = crew(190.0)
+    first = ends(team, 3)
+    again = team.run(first.gap, first.rate, NOTHING, 4, first.mode)
+    whole = ends(team, 7)
+    assert again.gap.tolist() == whole.gap.tolist()
+    assert again.rate.tolist() == whole.rate.tolist()
+
+
+def test_trouble_is_an_outcome():
+    budget = ends(crew(250.0, budget=2), 5)
+    assert (budget.outcome == trouble(IMPACT_BUDGET)).any()
+    lost = ends(crew(700.0, system(stiffness=0.0)), 5, starts=[(3.0, 20.0), (0.5, 10.0)])
+    assert lost.outcome.tolist() == [trouble(NO_RETURN)] * 2
+
+
+def test_work_is_counted():
+    team = crew()
+    ends(team, 5)
+    tapes = [engine.Orbit(system(), 358.5, settings(5, q=q, v=v)).run() for q, v in STARTS]
+    assert team.cost.impacts == sum(tape.cost.impacts for tape in tapes)
+    assert team.turns == 5 * len(STARTS)
+
+
+def known_orbit():
+    """Targets of P(1;2) at 358.5 rpm, circles of 1e-3 about its point, to be halved in a turn."""
+    point = crew().run([0.4459], [0.865], NOTHING, 2000)
+    row = [float(point.gap[0]), float(point.rate[0]), 1e6, 0.0, 1e6, 0.5]
+    return NOTHING._replace(real=row, whole=[0, 0, 2, 1], points=1)
+
+
+def test_an_attractor_is_met_after_a_whole_period_that_shrinks():
+    targets = known_orbit()
+    met = ends(crew(), 500, targets)
+    assert met.outcome[1] == 0
+    assert met.turns[1] < 40
+    point = np.array(targets.real[:2])
+    assert np.abs(np.array([met.gap[1], met.rate[1]]) - point).max() < 1e-3
+    strict = targets._replace(real=[*targets.real[:5], 0.0])  # never shrinks enough
+    late = ends(crew(), 500, strict)
+    assert late.outcome[1] == 0
+    assert late.turns[1] > met.turns[1] + 5
+
+
+@pytest.mark.parametrize("symbol", [1, 3, CHATTERED_TURN])
+def test_other_impacts_are_another_orbit(symbol):
+    targets = known_orbit()
+    targets = targets._replace(whole=[0, 0, symbol, 1])
+    assert (ends(crew(), 300, targets).outcome == UNDECIDED).all()
+
+
+def test_boxes_decide_after_a_stay_without_a_gap():
+    """A box around P(1;2): its start is decided after `stay` turns, the others never enter."""
+    gap, rate = known_orbit().real[:2]
+    boxes = NOTHING._replace(
+        boxes=[1], stay=[7], gap=gap - 0.01, rate=rate - 0.01,
+        per_gap=50.0, per_rate=50.0, columns=1, rows=1,
+    )  # fmt: skip
+    team = crew()
+    found = team.run([gap, 0.4], [rate, -0.3], boxes, 100)
+    assert found.outcome.tolist() == [0, UNDECIDED]
+    assert found.turns.tolist() == [7, 100]
+
+
+def test_visits_with_turns_between_are_no_stay():
+    """The orbit of three turns comes back to one of its points every third turn."""
+    team = crew()
+    orbit = team.run([0.2595], [-0.027], NOTHING, 900)
+    gap, rate = float(orbit.gap[0]), float(orbit.rate[0])
+    boxes = NOTHING._replace(
+        boxes=[1], stay=[3], gap=gap - 0.001, rate=rate - 0.001,
+        per_gap=500.0, per_rate=500.0, columns=1, rows=1,
+    )  # fmt: skip
+    found = team.run([gap], [rate], boxes, 60)
+    assert (found.outcome[0], found.stay[0]) == (UNDECIDED, 0)
+    assert abs(found.gap[0] - gap) < 1e-9
+
+
+def test_no_targets_no_table():
+    empty = targets_of([])
+    assert (empty.points, empty.columns) == (0, 0)
+
+
+@pytest.mark.parametrize("rpm", [358.5, 190.0])
+def test_plain_python_and_compiled_give_the_same_bits(rpm, monkeypatch):
+    targets = known_orbit() if rpm == 358.5 else NOTHING
+    engine.compile_for(system())
+    compiled = ends(crew(rpm), 30, targets)
+    monkeypatch.setattr(lanes, "settle_cells", kernel_cells.follow)  # stays plain Python
+    plain = ends(crew(rpm), 30, targets)
+    for name in ("gap", "rate", "mode", "outcome", "turns", "stay", "symbol"):
+        assert getattr(plain, name).tolist() == getattr(compiled, name).tolist(), name
+    if rpm == 190.0:
+        assert CHATTERED_TURN in plain.symbol
+    assert RESTING in ends(crew(100.0), 30).mode
