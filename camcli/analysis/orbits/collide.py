@@ -27,6 +27,7 @@ from camcli.system import System, omega_of
 ASIDE = 1e-6  # relative change of the parameter at which the simulation looks
 NUDGE = 1e-3  # of the orbit's way from the corner, the start beside a known orbit
 REACH = 3e-2  # relative distance from the corner's orbit that still counts as near
+CLOSER, SHRINKS = 64.0, 8.0  # a second look so much closer, and how much nearer it must stay
 SETTLE = 3000  # turns; multipliers near 1 are common at a corner
 
 
@@ -80,17 +81,40 @@ def mu_sign(crossing: Crossing, side: int) -> int:
 
 def _beside(shooter, crossing: Crossing, collision: Collision, settings: Settings, side: int):
     """The prediction and the simulation on one side of the parameter."""
-    at = crossing.left.value
-    value = at * (1.0 + side * ASIDE)
     mu = mu_sign(crossing, side)
     predicted = collision.above if mu > 0 else collision.below
-    start = _start(shooter, crossing, value)
+    seen = _look(shooter, crossing, settings, side * ASIDE)
+    cost = seen.cost
+    agrees = _agrees(predicted, seen.label, seen.near, crossing.left.turns)
+    if agrees is False and seen.near:  # what shrinks with the distance is of the corner's making
+        closer = _look(shooter, crossing, settings, side * ASIDE / CLOSER)
+        cost = cost + closer.cost
+        if closer.far * SHRINKS > seen.far:
+            seen = replace(seen, near=False)
+            agrees = _agrees(predicted, seen.label, False, crossing.left.turns)
+    words = f"stays near, {seen.label}" if seen.near else f"leaves for {seen.label}"
+    return Beside(seen.value, mu, predicted, words, agrees), cost
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What a simulation beside the corner shows: label, and its distance from the corner's orbit."""
+
+    value: float
+    label: str
+    far: float
+    near: bool
+    cost: Cost
+
+
+def _look(shooter: Shooter, crossing: Crossing, settings: Settings, aside: float) -> _Seen:
+    """Simulate at a relative distance `aside` of the parameter from the corner impact."""
+    at = crossing.left.value
+    value = at + aside * max(abs(at), shooter.scale)
     machine = shooter.at(value)
-    tape = _simulate(shooter.system, machine, settings, start)
-    simulated, near = _name(shooter.system, machine, tape, crossing.left)
-    agrees = _agrees(predicted, simulated, near, crossing.left.turns)
-    words = f"stays near, {simulated}" if near else f"leaves for {simulated}"
-    return Beside(value, mu, predicted, words, agrees), tape.cost
+    tape = _simulate(shooter.system, machine, settings, _start(shooter, crossing, value))
+    simulated, far = _name(shooter.system, machine, tape, crossing.left)
+    return _Seen(value, simulated, far, tape.status == OK and far <= REACH, tape.cost)
 
 
 def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
@@ -102,9 +126,11 @@ def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
         beside = None if beside is None else settled(shooter.system, shooter, beside)
         if beside is None or shooter.verdict(beside)[0] != ADMISSIBLE:
             continue
-        if best is None or Side(beside.trace, beside.det).stable:
-            best = beside
-    root = crossing.left if best is None else best
+        side = Side(beside.trace, beside.det)
+        rank = 2 if side.stable else int(side.at_one > 0.0)  # the far side of a saddle leads away
+        if best is None or rank > best[0]:
+            best = rank, beside
+    root = crossing.left if best is None else best[1]
     q, w = section_states(shooter.system, root)[0][0]
     omega = omega_of(shooter.at(value)[RPM])
     shift = max(NUDGE * hypot(q - corner[0], w - corner[1]), 1e-13 * abs(q))
@@ -131,8 +157,8 @@ def _simulate(system: System, machine, settings: Settings, start: Start):
     return Orbit(changed, rpm, run, start).run()
 
 
-def _name(system: System, machine, tape, root: Root) -> tuple[str, bool]:
-    """(label of the attractor reached, whether it stayed near the corner's orbit)."""
+def _name(system: System, machine, tape, root: Root) -> tuple[str, float]:
+    """(label of the attractor reached, its largest relative distance from the corner's orbit)."""
     changed, rpm = with_machine(system, machine)
     orbit = identify(changed, rpm, tape)
     name = _unsolved(changed, rpm, tape) if orbit is None else orbit.label
@@ -143,7 +169,7 @@ def _name(system: System, machine, tape, root: Root) -> tuple[str, bool]:
         (min(max(abs(s[j] - o[j]) / size[j] for j in range(2)) for o in states) for s in last),
         default=1.0,
     )
-    return name, tape.status == OK and far <= REACH
+    return name, far
 
 
 def _unsolved(system: System, rpm: float, tape) -> str:

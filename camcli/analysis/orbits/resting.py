@@ -110,18 +110,23 @@ def _grid(start: float, span: Span, up: bool) -> Iterator[float]:
 
 def _change(shooter: Shooter, settings: Settings, last: PeriodicOrbit, beyond: float, same):
     """Bracket the value at which the motion is no longer the `same`, and name the change."""
-    sign = 1.0 if beyond > last.value else -1.0
-    kept: dict[float, PeriodicOrbit | None] = {sign * last.value: last}
+    up, size = beyond > last.value, abs(beyond - last.value) + shooter.scale
+    kept: dict[float, PeriodicOrbit | None] = {last.value: last}
+
+    def at(x: float) -> float:  # x - size is the way towards `beyond`: no bracket ends at zero
+        way = x - size
+        return last.value + way if up else last.value - way
 
     def lost(x: float) -> float:
-        kept[x] = resting_at(shooter, settings, last, sign * x)
-        return -1.0 if same(last, kept[x]) else 1.0
+        kept[at(x)] = resting_at(shooter, settings, last, at(x))
+        return -1.0 if same(last, kept[at(x)]) else 1.0
 
-    low, high, _, _ = bracket(lost, sign * last.value, sign * beyond, -1.0, 1.0)
-    before = kept[low]
-    after = kept[high] if high in kept else resting_at(shooter, settings, last, sign * high)
-    error = max(abs(high - low), 4.0 * ulp(low))
-    return Change(_name(before, after), sign * low, error, before, after)
+    low, high, _, _ = bracket(lost, size, size + abs(beyond - last.value), -1.0, 1.0)
+    before, after = kept[at(low)], kept.get(at(high))
+    if after is None:
+        after = resting_at(shooter, settings, last, at(high))
+    error = max(abs(high - low), 4.0 * ulp(abs(at(low)) + size))
+    return Change(_name(before, after), at(low), error, before, after)
 
 
 def _name(last: PeriodicOrbit, after: PeriodicOrbit | None) -> str:

@@ -71,6 +71,8 @@ def study(
         if span is not None and absent.orbit is not None:
             found.orbits, question = [absent.orbit], replace(question, rpm=absent.orbit.rpm)
     shooter = Shooter(system, question.rpm, question.parameter)
+    if question.span is not None and not question.span.width > 0.0:
+        raise ValueError("a range needs two different ends; leave the span out for one value")
     if question.span is not None and not question.span.holds(shooter.machine[shooter.parameter]):
         raise ValueError(f"{question.parameter} where orbits are found lies outside the range")
     value = shooter.machine[shooter.parameter]

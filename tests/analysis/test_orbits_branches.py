@@ -1,0 +1,379 @@
+"""Branches: bifurcations against the oracle, every point solved again, ends, odd ranges."""
+
+from functools import cache
+from math import isfinite, pi
+
+import pytest
+from mpmath import mpf
+
+from camcli.analysis.engine import Orbit
+from camcli.analysis.orbits.collide import with_machine
+from camcli.analysis.orbits.find import primitive
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.study import Question, study
+from camcli.analysis.orbits.walk import Span
+from camcli.kernel.certify import ADMISSIBLE
+from tests import oracle, orbit_oracle
+from tests.conftest import chapter_system, settings
+from tests.orbit_oracle import Machine, corner_rpm, fold_rpm, gap_graze_rpm, period_doubling_rpm
+from tests.test_orbit_oracle import DOUBLED, STABLE, THRICE, TWICE, UNSTABLE, B, C
+
+CAM = oracle.ArcsCam()
+CHAPTER = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
+
+
+@cache
+def _studied(rpm, parameter, span, label, transient, changes):
+    question = Question(rpm, parameter, Span(*span), label, starts=1)
+    return study(chapter_system(**dict(changes)), settings(transient=transient), question)
+
+
+def studied(rpm, low, high, parameter="rpm", label=None, transient=60, points=60, **changes):
+    """A study with few starts, made once for all tests."""
+    span = low, high, (high - low) / points
+    return _studied(rpm, parameter, span, label, transient, tuple(sorted(changes.items())))
+
+
+def events(result, kind, label=None):
+    return [b for b in result.bifurcations if b.kind == kind and label in (None, b.label)]
+
+
+def relative(value, exact, tolerance=1e-11):
+    assert abs(mpf(value) - exact) <= tolerance * abs(exact), (value, exact)
+
+
+MACHINES = {
+    "base": ({}, "673.234445003812", "739.319780216002", "739.377929649277"),
+    "r": ({"restitution": 0.7}, "684.646551556922", "738.075732206105", "738.211114380335"),
+    "b": ({"damping": 2.0}, "679.166437752676", "739.075742370577", "739.156414773701"),
+    "g": ({"gravity": 9.81}, "673.937640052851", "740.714525516509", "740.766802987231"),
+}
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_bifurcations_of_p11_agree_with_the_oracle(name):
+    """Corner b, period doubling, corner c: speeds 1e-11, traces 1e-8, determinants 1e-13."""
+    changes, *known = MACHINES[name]
+    machine = Machine(**{**CHAPTER, **changes})
+    result = studied(700.0, 660.0, 760.0, **changes)
+    exact_b = corner_rpm(CAM, machine, STABLE, 1, 0, B, 680)
+    exact_2 = period_doubling_rpm(CAM, machine, STABLE, 1, 700, 745, steps=2)
+    exact_c = corner_rpm(CAM, machine, DOUBLED, 2, 1, C, exact_2.rpm + mpf("0.05"))
+    for exact, value in zip((exact_b, exact_2, exact_c), known, strict=True):
+        relative(mpf(value), exact.rpm, 1e-14)
+    corners = [b for b in events(result, "corner-impact", "P(1;1)") if b.corner == "b"]
+    assert len(corners) == 2  # once on either branch
+    (flip,) = events(result, "period-doubling", "P(1;1)")
+    (corner_c,) = events(result, "corner-impact", "P(2;1:1)")
+    assert corner_c.corner == "c"
+    relative(flip.value, exact_2.rpm)
+    relative(flip.orbit.trace, exact_2.orbit.trace, 1e-8)
+    relative(flip.orbit.det, exact_2.orbit.det, 1e-13)
+    for found, exact in ((corners[0], exact_b), (corners[1], exact_b), (corner_c, exact_c)):
+        relative(found.value, exact.rpm)
+        for side, orbit in ((found.left, exact.left), (found.right, exact.right)):
+            relative(side.trace, orbit.trace, 1e-8)
+            relative(side.det, orbit.det, 1e-13)
+        assert found.agrees
+    assert {b.classification for b in corners} == {"nonsmooth-fold"}
+    for b in result.bifurcations:
+        assert b.status == "ok"
+        assert b.error < 1e-9
+
+
+def test_grazing_of_the_unstable_orbit_agrees_with_the_oracle():
+    result = studied(700.0, 660.0, 800.0)
+    (found,) = events(result, "grazing")
+    exact = gap_graze_rpm(CAM, Machine(**CHAPTER), UNSTABLE, 1, 0, 780)
+    relative(found.value, exact.rpm, 1e-10)
+    assert "after impact 1 meets the cam" in found.words[0]
+
+
+def test_the_orbit_of_three_turns():
+    """Fold and period doubling of P(3;3:3:2); the branch passes the fold smoothly."""
+    result = studied(358.5, 350.0, 360.5, label="P(3;3:3:2)", transient=300, points=30)
+    fold = fold_rpm(CAM, Machine(**CHAPTER), THRICE, 3, 358)
+    flip = period_doubling_rpm(CAM, Machine(**CHAPTER), THRICE, 3, 358.5, 361, steps=2)
+    (found,) = events(result, "fold", "P(3;3:3:2)")
+    relative(found.value, fold.rpm)
+    assert abs(1 - found.orbit.trace + found.orbit.det) < 1e-5
+    (found,) = events(result, "period-doubling", "P(3;3:3:2)")
+    relative(found.value, flip.rpm)
+    branch = result.branches[0]
+    assert branch.ends == ("end-of-range", "end-of-range")
+    assert [branch.points[0].value, branch.points[-1].value] == [360.5, 360.5]
+    lowest = min(p.value for p in branch.points)
+    assert abs(lowest - 357.798305863640) < 1e-9
+    stable = [p.stable for p in branch.points]
+    assert stable.count(True) > 3
+    assert stable.count(False) > 3
+
+
+def test_the_orbit_of_two_impacts_ends_at_b():
+    result = studied(358.5, 340.0, 365.0, label="P(1;2)", transient=300, points=30)
+    exact = corner_rpm(CAM, Machine(**CHAPTER), TWICE, 1, 0, B, 355.2)
+    first = result.branches[0]
+    assert first.ends == ("corner-impact", "end-of-range")
+    corner = next(b for b in events(result, "corner-impact", "P(1;2)") if b.branch == 1)
+    assert corner.corner == "b"
+    relative(corner.value, exact.rpm)
+    relative(corner.left.trace, exact.left.trace, 1e-8)
+    relative(corner.right.trace, exact.right.trace, 1e-8)
+    assert corner.agrees
+    assert corner.continues == 2
+
+
+def test_the_resting_branch():
+    """P(1;inf): departure at d, completion of the chatter."""
+    result = studied(190.0, 100.0, 220.0, transient=10)
+    (branch,) = result.branches
+    assert branch.labels == ["P(1;inf)"]
+    assert branch.ends[1] == "chatter-completion"
+    departure = events(result, "departure")[0]
+    assert abs(departure.value - 136.3124) < 1e-4
+    assert departure.corner == "d"
+    assert abs(events(result, "chatter-completion")[-1].value - 198.5605) < 1e-4
+    values = [p.value for p in branch.points]
+    assert values == sorted(values)
+
+
+def test_the_resting_branch_begins_at_detachment():
+    result = studied(190.0, 100.0, 220.0, transient=10)
+    assert result.branches[0].ends[0] == "detachment"
+    (found,) = events(result, "detachment")
+    exact = oracle.first_detachment_rpm(CAM, CHAPTER["mass"], CHAPTER["stiffness"])
+    relative(found.value, exact)
+    assert "contact" in found.words[0]
+
+
+BRANCHES = {
+    "speed": (700.0, 660.0, 760.0, "rpm", {}),
+    "speed, damped": (700.0, 660.0, 760.0, "rpm", {"damping": 2.0}),
+    "many impacts": (358.5, 350.0, 360.5, "rpm", {}),
+    "restitution": (700.0, 0.0, 1.0, "restitution", {}),
+    "damping": (700.0, 0.0, 10.0, "damping", {"damping": 2.0}),
+    "gravity": (700.0, 0.0, 20.0, "gravity", {"gravity": 9.81}),
+    "gravity up": (700.0, -20.0, 20.0, "gravity", {}),
+    "stiffness": (700.0, 1400.0, 1500.0, "stiffness", {}),
+    "preload": (700.0, -20.0, 20.0, "preload", {}),
+    "mass": (700.0, 1.15, 1.3, "mass", {}),
+}
+
+
+def branch_study(name):
+    rpm, low, high, parameter, changes = BRANCHES[name]
+    if name == "many impacts":
+        return studied(rpm, low, high, label="P(3;3:3:2)", transient=300, points=30)
+    return studied(rpm, low, high, parameter, **changes)
+
+
+@pytest.mark.parametrize("name", BRANCHES)
+def test_every_point_of_a_branch_is_an_orbit(name):
+    """Solved again it stays; it is certified and one period of simulation returns to it."""
+    rpm, low, high, parameter, changes = BRANCHES[name]
+    result = branch_study(name)
+    assert len(result.branches) >= 1
+    shooter = Shooter(chapter_system(**changes), rpm, parameter)
+    for branch in result.branches:
+        assert len(branch.points) > 5
+        for n, point in enumerate(branch.points):
+            root = point.root
+            assert low <= point.value <= high
+            again = shooter.at_value(root.x, root.whole, root.turns, root.value)
+            if again is not None:  # the very fold is singular at a fixed parameter
+                size = max(abs(x) for x in root.x[:-1])
+                # near a fold a rounding of the value moves the phase by its square root
+                loose = 1e-13 / max(1e-7, abs(1 - root.trace + root.det))
+                for a, b in zip(again.x, root.x, strict=True):
+                    assert abs(a - b) <= (1e-12 + loose) * size
+            at_event = any(abs(point.value - b.value) < 1e-9 for b in result.bifurcations)
+            if not at_event:
+                assert shooter.verdict(root)[0] == ADMISSIBLE
+                assert primitive(point)
+            if point.stable and n % 3 == 0:
+                _returns(shooter, point)
+
+
+def _returns(shooter, point):
+    system, rpm = with_machine(shooter.system, point.root.machine)
+    omega = rpm * (pi / 30)
+    q, w = point.states[0]
+    tape = Orbit(system, rpm, settings(record=point.turns + 1, q=q, v=w * omega)).run()
+    sizes = [max(abs(s[j]) for s in point.states) for j in range(2)]
+    ends = float(tape.strobe_q[point.turns]), float(tape.strobe_w[point.turns])
+    for j in range(2):
+        assert abs(ends[j] - point.states[0][j]) < 1e-10 * sizes[j], point.value
+    if not any(abs(x) < 1e-9 for x in point.theta):
+        assert [float(k) for k in list(tape.impacts)[: point.turns]] == list(point.symbols)
+
+
+@pytest.mark.parametrize("name", BRANCHES)
+def test_a_branch_ends_exactly_at_the_end_of_the_range_or_at_an_event(name):
+    rpm, low, high, parameter, changes = BRANCHES[name]
+    del rpm, parameter, changes
+    result = branch_study(name)
+    for branch in result.branches:
+        for end, point in zip(branch.ends, (branch.points[0], branch.points[-1]), strict=True):
+            assert end != "lost"
+            if end == "end-of-range":
+                assert point.value in (low, high)
+            elif end != "period-doubling":
+                near = [b for b in result.bifurcations if b.kind == end]
+                assert any(abs(b.value - point.value) <= 1e-12 * abs(b.value) for b in near)
+
+
+@pytest.mark.parametrize("seed", [675.0, 680.0, 720.0, 739.0])
+def test_the_branch_does_not_depend_on_where_it_was_found(seed):
+    reference = studied(700.0, 660.0, 760.0)
+    other = studied(seed, 660.0, 760.0)
+    one = sorted((b.kind, b.label, b.corner, b.value) for b in reference.bifurcations)
+    two = sorted((b.kind, b.label, b.corner, b.value) for b in other.bifurcations)
+    assert [x[:3] for x in one] == [x[:3] for x in two]
+    for a, b in zip(one, two, strict=True):
+        assert abs(a[3] - b[3]) < 1e-11 * a[3]
+
+
+@pytest.mark.parametrize("points", [11, 200])
+def test_the_spacing_moves_no_bifurcation(points):
+    one = studied(700.0, 660.0, 760.0).bifurcations
+    two = studied(700.0, 660.0, 760.0, points=points).bifurcations
+    assert [b.kind for b in one] == [b.kind for b in two]
+    for a, b in zip(one, two, strict=True):
+        assert abs(a.value - b.value) < 1e-11 * a.value
+
+
+@pytest.mark.parametrize("parameter", ["restitution", "damping", "stiffness", "mass", "preload"])
+def test_a_bifurcation_met_in_another_parameter_is_the_same(parameter):
+    """Along another constant to the corner at b, there the oracle's speed is the speed used."""
+    low, high = {
+        "restitution": (0.5, 0.85), "damping": (0.0, 12.0), "stiffness": (1400.0, 1600.0),
+        "mass": (1.1, 1.25), "preload": (-30.0, 200.0),
+    }[parameter]  # fmt: skip
+    result = studied(700.0, low, high, parameter)
+    corners = [b for b in events(result, "corner-impact", "P(1;1)") if b.corner == "b"]
+    if not corners:
+        assert parameter == "preload"
+        return
+    machine = Machine(**{**CHAPTER, parameter: corners[0].value})
+    exact = corner_rpm(CAM, machine, STABLE, 1, 0, B, 695)
+    relative(700.0, exact.rpm, 1e-12)
+
+
+def test_the_doubled_branch_ends_where_it_was_born():
+    """Downwards from 739.35 P(2;1:1) ends at the period doubling of P(1;1), and is no P(1;1)."""
+    result = studied(739.35, 738.0, 745.0, label="P(2;1:1)", transient=300)
+    assert not events(result, "fold")
+    assert all(primitive(p) for branch in result.branches for p in branch.points)
+    assert min(p.value for p in result.branches[0].points) > 739.31978
+    assert len(events(result, "corner-impact")) == 1
+
+
+def test_a_doubled_orbit_that_is_born_beside_a_corner_is_none_twice():
+    """A period doubling 1e-4 from the corner b: the new branch must not be P(1;1) gone twice."""
+    result = studied(
+        729.2, 0.44, 0.55, "restitution", transient=120, restitution=0.45 + 0.06, damping=4.84
+    )
+    for branch in result.branches:
+        assert all(primitive(p) for p in branch.points), branch.origin
+
+
+def test_an_impact_that_fades_ends_a_branch_by_grazing():
+    """The incoming velocity of one impact goes to zero: the trace diverges on the way."""
+    machine = {"restitution": 0.689}
+    result = studied(637.7, 600.0, 680.0, transient=120, **machine)
+    assert all("lost" not in branch.ends for branch in result.branches)
+
+
+def test_a_single_impact_that_fades():
+    """P(2;1:0) under preload -500 N: the only impact loses its velocity at 653.78 rpm."""
+    result = studied(700.0, 640.0, 720.0, label="P(2;1:0)", preload=-500.0)
+    machine = Machine(**CHAPTER, preload=-500.0)
+    guess, rates = [(mpf("2.792526"), mpf("1e-4"))], []
+    speeds = [mpf(x) for x in ("653.80", "653.81", "653.83")]
+    for rpm in speeds:  # u- is smooth in the speed; its zero is singular for Newton's method
+        orbit = orbit_oracle.solve(CAM, machine, rpm, guess, 2)
+        guess, rates = orbit.impacts, [*rates, orbit.u_minus[0]]
+    zero = sum(
+        speeds[i] * rates[i - 1] * rates[i - 2]
+        / ((rates[i] - rates[i - 1]) * (rates[i] - rates[i - 2]))
+        for i in range(3)
+    )  # fmt: skip
+    (found,) = events(result, "grazing")
+    assert found.error < 1e-6 * found.value
+    relative(found.value, zero, 1e-8)
+    assert "fades" in found.words[0]
+
+
+ODD = {
+    "springless": (300.0, 250.0, 350.0, "rpm", {"stiffness": 0.0, "gravity": 9.81}),
+    "overdamped": (700.0, 690.0, 710.0, "rpm", {"damping": 1e4}),
+    "stiff": (50000.0, 49000.0, 51000.0, "rpm", {"stiffness": 1e8}),
+    "pulled": (700.0, 660.0, 760.0, "rpm", {"preload": -50.0}),
+    "plastic": (700.0, 660.0, 760.0, "rpm", {"restitution": 0.0}),
+    "elastic, damped": (700.0, 660.0, 760.0, "rpm", {"restitution": 1.0, "damping": 5.0}),
+    "tiny range": (700.0, 700.0 - 5e-7, 700.0 + 5e-7, "rpm", {}),
+    "tiny range at an event": (739.31978, 739.3197797, 739.3197807, "rpm", {}),
+    "an end at the corner": (700.0, 673.2344450038121, 720.0, "rpm", {}),
+    "an end at the doubling": (700.0, 690.0, 739.3197802160017, "rpm", {}),
+    "seed at an end": (700.0, 700.0, 720.0, "rpm", {}),
+    "seed at the corner": (673.2344450038121, 660.0, 690.0, "rpm", {}),
+    "restitution 0 to 1": (700.0, 0.0, 1.0, "restitution", {}),
+    "huge range": (700.0, 10.0, 1e5, "rpm", {}),
+    "resting, restitution 0 to 1": (190.0, 0.0, 1.0, "restitution", {}),
+    "stiffness to 0": (700.0, 0.0, 2000.0, "stiffness", {}),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_odd_machines_and_ranges_have_finite_answers(name):
+    rpm, low, high, parameter, changes = ODD[name]
+    result = studied(rpm, low, high, parameter, transient=40, points=40, **changes)
+    orbits = [*result.orbits, *result.virtual]
+    orbits += [p for branch in result.branches for p in branch.points]
+    for o in orbits:
+        numbers = [o.rpm, o.value, *o.theta, *o.rates, o.trace, o.det]
+        numbers += [x for state in o.states for x in state]
+        numbers += [x for m in o.multipliers for x in (m.real, m.imag)]
+        assert all(isfinite(x) for x in numbers), o
+    for b in result.bifurcations:
+        assert isfinite(b.value)
+        assert isfinite(b.error)
+        assert low <= b.value <= high
+    for branch in result.branches:
+        assert all(low <= p.value <= high for p in branch.points)
+
+
+def test_a_seed_exactly_at_a_period_doubling():
+    result = studied(739.3197802160017, 700.0, 760.0)
+    assert len(events(result, "period-doubling", "P(1;1)")) == 1
+
+
+@pytest.mark.parametrize(("low", "high"), [(710.0, 720.0), (680.0, 690.0)])
+def test_a_range_that_does_not_hold_the_speed(low, high):
+    """Refused, or followed within the range; never points outside it."""
+    try:
+        result = studied(700.0, low, high)
+    except ValueError:
+        return
+    for branch in result.branches:
+        assert all(low <= p.value <= high for p in branch.points)
+
+
+CHAOTIC = {
+    "preload": (754.4, (-30.0, 60.0), {"restitution": 0.304, "gravity": 9.81}),
+    "damping": (
+        740.7,
+        (0.0, 12.0),
+        {"restitution": 0.477, "damping": 1.82, "gravity": 9.81, "preload": 15.3},
+    ),
+}
+
+
+@pytest.mark.parametrize("parameter", CHAOTIC)
+def test_small_chaos_beside_a_corner_is_not_called_periodic(parameter):
+    """Robust chaos just beyond the corner b: the normal form and the simulation agree."""
+    rpm, (low, high), changes = CHAOTIC[parameter]
+    result = studied(rpm, low, high, parameter, transient=120, **changes)
+    found = [b for b in events(result, "corner-impact", "P(1;1)") if b.corner == "b"]
+    assert {b.classification for b in found} == {"robust-chaos"}
+    assert all(b.agrees is not False for b in found)

@@ -1,0 +1,284 @@
+"""Solved orbits against a dense scan, the multiple-precision oracle and simulated machines."""
+
+from math import exp, pi
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+from mpmath import mp
+
+from camcli.analysis.engine import Orbit
+from camcli.analysis.orbits.identify import newton_from, solve_from
+from camcli.analysis.orbits.orbit import from_root
+from camcli.analysis.orbits.shooter import Shooter, multipliers
+from camcli.analysis.orbits.singles import single_impact_roots
+from camcli.kernel.certify import ADMISSIBLE
+from camcli.kernel.profile import TURN
+from tests import oracle, orbit_oracle
+from tests.conftest import chapter_system, settings
+from tests.orbit_oracle import Machine, solve
+from tests.test_orbit_oracle import DOUBLED, STABLE, THRICE, TWICE, UNSTABLE
+
+CAM = oracle.ArcsCam()
+CHAPTER = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
+POINTS = 100_000
+FOLLOWERS = [
+    {},
+    {"damping": 2.0},
+    {"damping": 50.0},
+    {"gravity": 9.81},
+    {"preload": 30.0},
+    {"restitution": 0.3},
+    {"restitution": 0.95},
+    {"restitution": 1.0, "damping": 2.0},
+    {"restitution": 0.5, "damping": 2.0, "gravity": 9.81, "preload": -20.0},
+]
+
+
+def arcs(theta):
+    """(c, c_theta) at every angle in [0, 2 pi) of an array, from the circles alone."""
+    bounds = [float(x) for x in CAM.breakpoints]
+    piece = np.searchsorted(bounds, theta, side="right") - 1
+    c, c1 = np.empty_like(theta), np.empty_like(theta)
+    for k, arc in enumerate(CAM.arcs):
+        at = (piece % 6) == k
+        K, rho, shift = float(arc.K), float(arc.rho), float(arc.offset)
+        x = theta[at] - float(arc.origin)
+        root = np.sqrt(rho * rho - (K * np.sin(x)) ** 2)
+        c[at] = K * np.cos(x) + root - shift
+        c1[at] = -K * np.sin(x) - K * K * np.sin(x) * np.cos(x) / root
+    return c, c1
+
+
+def closure(follower, rpm, turns, c, c1):
+    """u+ + r u- for a flight from q = c back to q = c, by complex exponentials in time."""
+    f, omega = follower, rpm * pi / 30
+    time, z, w2 = 2 * pi * turns / omega, f.damping / 2 / f.mass, f.stiffness / f.mass
+    root = np.sqrt(complex(z * z - w2))
+    fast, slow = np.exp((-z - root) * time), np.exp((-z + root) * time)
+    b, even = ((slow - fast) / (2 * root)).real, ((slow + fast) / 2).real
+    x = c + (f.gravity + f.preload / f.mass) / w2
+    v0 = (1 - even - z * b) * x / b
+    v1 = -w2 * b * x + (even - z * b) * v0
+    return (v0 - omega * c1 + f.restitution * (v1 - omega * c1)) * b
+
+
+THETA = (np.arange(POINTS) + 0.5) * (2 * pi / POINTS)
+LIFTS = arcs(THETA)
+
+
+def refined(f, low, high):
+    """A sign change narrowed by bisection to rounding."""
+    below = f(low) < 0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if (f(middle) < 0) == below else (low, middle)
+    return 0.5 * (low + high)
+
+
+@pytest.mark.parametrize("changes", FOLLOWERS, ids=str)
+def test_single_impact_roots_are_those_of_a_dense_scan(changes):
+    """As many as sign changes of the closure equation, each at its place."""
+    system, total = chapter_system(**changes), 0
+    for rpm in (300.0, 358.5, 520.0, 700.0, 739.5, 1100.0, 2500.0, 5000.0):
+        shooter = Shooter(system, rpm)
+        for turns in (1, 2, 3):
+            h = closure(system.follower, rpm, turns, *LIFTS)
+            cells = np.nonzero(np.sign(h[1:]) != np.sign(h[:-1]))[0]
+            found = sorted(r.theta[0] for r in single_impact_roots(shooter, rpm, turns))
+            assert len(found) == len(cells), (rpm, turns)
+            total += len(cells)
+            for theta, cell in zip(found, cells, strict=True):
+                exact = refined(
+                    lambda x, rpm=rpm, turns=turns: closure(
+                        system.follower, rpm, turns, *arcs(np.array([x]))
+                    )[0],
+                    THETA[cell], THETA[cell + 1],
+                )  # fmt: skip
+                assert abs(theta - exact) < 1e-9, (rpm, turns)
+    assert total > 10
+
+
+@pytest.mark.parametrize("rpm", [300.0, 1100.0, 2500.0])
+def test_plastic_single_impact_roots_are_those_of_a_dense_scan(rpm):
+    """r = 0: the follower leaves an impact with the cam's own velocity."""
+    system = chapter_system(restitution=0.0)
+    h = closure(system.follower, rpm, 1, *LIFTS)
+    cells = np.nonzero(np.sign(h[1:]) != np.sign(h[:-1]))[0]
+    assert len(cells) == len(single_impact_roots(Shooter(system, rpm), rpm, 1)) == 2
+
+
+def test_a_root_on_the_boundary_of_two_stretches_is_found_once():
+    """The strobe phase is a boundary of the table: put it exactly on the orbit's impact."""
+    (plain,) = [
+        r for r in single_impact_roots(Shooter(chapter_system(), 700.0), 700.0, 1) if r.trace < 1
+    ]
+    for shift in (0.0, 1e-15, -1e-15, 1e-13):
+        system = chapter_system((plain.theta[0] + shift) * 180 / pi)
+        roots = single_impact_roots(Shooter(system, 700.0), 700.0, 1)
+        orbits = {round(r.theta[0], 9) for r in roots}
+        assert len(orbits) == 2
+
+
+@pytest.mark.parametrize(("stiffness", "gravity"), [(1430.8, 0.0), (0.0, 9.81)])
+def test_an_elastic_undamped_follower_has_an_answer(stiffness, gravity):
+    """r = 1 without damping: every resting phase of a dwell solves the closure equation."""
+    code = (
+        "from camcli.analysis.orbits.shooter import Shooter\n"
+        "from camcli.analysis.orbits.singles import single_impact_roots\n"
+        "from tests.conftest import chapter_system\n"
+        f"s = chapter_system(restitution=1.0, stiffness={stiffness}, gravity={gravity})\n"
+        f"single_impact_roots(Shooter(s, 360.0), 360.0, 2)\n"
+    )
+    in_time(code)
+
+
+def in_time(code, seconds=4):
+    """Run a script in a process of its own, which a hang cannot outlive."""
+    import subprocess
+    import sys
+    from pathlib import Path
+
+    root = Path(__file__).resolve().parents[2]
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=root, timeout=seconds, capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr.decode()
+
+
+ORACLE_CASES = {
+    "P(1;1)": (700, STABLE, 1),
+    "P(1;1) unstable": (700, UNSTABLE, 1),
+    "P(2;1:1)": (739.35, DOUBLED, 2),
+    "P(3;3:3:2)": (358.5, THRICE, 3),
+    "P(1;2)": (358.5, TWICE, 1),
+}
+
+
+def solved(system, rpm, orbit):
+    """The package's orbit from the oracle's impacts, phases rounded to a degree's hundredth."""
+    events = []
+    for theta, u in zip(orbit.thetas, orbit.u_minus, strict=True):
+        turn, phase = divmod(float(theta), 2 * pi)
+        events.append((int(turn), round(phase, 4), float(u) / (rpm * pi / 30)))
+    events.sort()
+    return newton_from(system, Shooter(system, rpm), events, orbit.turns)
+
+
+def close(value, exact, relative=1e-11):
+    assert abs(complex(value) - complex(exact)) <= relative * abs(complex(exact))
+
+
+@pytest.mark.parametrize("name", ORACLE_CASES)
+@pytest.mark.parametrize(
+    "changes", [{}, {"damping": 0.02, "gravity": 0.05, "preload": 0.1}], ids=str
+)
+def test_orbits_agree_with_the_oracle(name, changes):
+    rpm, guess, turns = ORACLE_CASES[name]
+    exact = solve(CAM, Machine(**CHAPTER, **changes), rpm, guess, turns)
+    system = chapter_system(**changes)
+    root = solved(system, float(rpm), exact)
+    assert Shooter(system, float(rpm)).verdict(root)[0] == ADMISSIBLE
+    orbit, omega = from_root(system, root), mp.mpf(rpm) * mp.pi / 30
+    close(orbit.trace, exact.trace)
+    close(orbit.det, exact.det, 1e-13)
+    for a, b in zip(orbit.multipliers, exact.multipliers, strict=True):
+        other = (
+            b
+            if abs(complex(a) - complex(b)) < abs(complex(a) - complex(b).conjugate())
+            else b.conjugate()
+        )
+        close(a, other)
+    pairs = sorted(zip(root.theta, root.rates, root.x[1::2], strict=False))
+    theirs = sorted(
+        (th - 2 * mp.pi * mp.floor(th / (2 * mp.pi)), um, up)
+        for th, um, up in zip(exact.thetas, exact.u_minus, exact.u_plus, strict=True)
+    )
+    for (theta, u, v), (th, um, up) in zip(pairs, theirs, strict=True):
+        close(theta, th)
+        close(u, um / omega)
+        close(v, up / omega)
+    q, w = orbit_oracle.strobe_state(CAM, Machine(**CHAPTER, **changes), rpm, exact)
+    states = [
+        min(abs(s[0] - float(q)) for s in orbit.states),
+        min(abs(s[1] - float(w / omega)) for s in orbit.states),
+    ]
+    assert max(states) < 1e-11
+
+
+@pytest.mark.parametrize("rpm", [250, 450, 1000, 2000])
+def test_virtual_orbits_agree_with_the_oracle_too(rpm):
+    """Roots that penetrate the cam are roots all the same."""
+    system = chapter_system(damping=2.0, gravity=9.81)
+    machine, omega = Machine(**CHAPTER, damping=2.0, gravity=9.81), rpm * pi / 30
+    for turns in (1, 2, 3):
+        for root in single_impact_roots(Shooter(system, float(rpm)), float(rpm), turns):
+            guess = [(root.theta[0], root.x[1] * omega)]
+            exact = solve(CAM, machine, rpm, guess, turns)
+            close(root.theta[0], exact.thetas[0])
+            assert abs(root.trace - float(exact.trace)) < 1e-11 * (1 + abs(root.trace))
+
+
+@pytest.mark.parametrize("det", [0.0, 1e-12, 0.4096, 0.64, 1.0])
+@pytest.mark.parametrize("trace", [-1e8, -4.0910731, -1.7, -1e-9, 0.0, 0.3, 1.6418699, 2.5, 1e8])
+def test_multipliers_are_the_roots_without_cancellation(trace, det):
+    large, small = multipliers(trace, det)
+    with mp.workdps(60):
+        disc = mp.mpf(trace) ** 2 / 4 - mp.mpf(det)
+        half, root = mp.mpf(trace) / 2, mp.sqrt(disc)
+        exact = sorted((half + root, half - root), key=lambda z: (-abs(z), -mp.im(z)))
+        for found, value in zip((large, small), exact, strict=True):
+            near = float(1 + abs(half / root)) if disc != 0 else 1.0
+            assert abs(mp.mpc(found) - value) <= 4e-16 * near * abs(value)
+
+
+MACHINES = st.fixed_dictionaries(
+    {
+        "restitution": st.floats(0.3, 0.95),
+        "damping": st.one_of(st.just(0.0), st.floats(0.0, 5.0)),
+        "gravity": st.one_of(st.just(0.0), st.floats(0.0, 20.0)),
+        "preload": st.one_of(st.just(0.0), st.floats(-5.0, 30.0)),
+    }
+)
+
+
+@hypothesis_settings(max_examples=40, deadline=None, derandomize=True)
+@given(MACHINES, st.floats(300.0, 900.0))
+def test_what_is_solved_repeats_under_simulation(changes, rpm):
+    """Two periods from the strobe state: the same states, and the counts of the label."""
+    system, omega = chapter_system(**changes), rpm * (pi / 30)
+    orbit = solve_from(system, rpm, settings(transient=120))
+    if orbit is None or orbit.resting:
+        return
+    assert orbit.stable
+    assert orbit.admissible
+    lam, mu = orbit.multipliers
+    assert abs(lam * mu - orbit.det) <= 1e-13 * max(orbit.det, abs(lam) ** 2 * 1e-3)
+    assert abs(lam + mu - orbit.trace) <= 1e-13 * (1 + abs(orbit.trace))
+    decay = exp(-system.follower.damping / system.follower.mass * TURN * orbit.turns / omega)
+    expected = changes["restitution"] ** (2 * orbit.impacts) * decay
+    assert abs(orbit.det - expected) <= 1e-12 * expected
+    assert sum(orbit.symbols) == orbit.impacts == len(orbit.theta)
+    q, w = orbit.states[0]
+    tape = Orbit(system, rpm, settings(record=2 * orbit.turns, q=q, v=w * omega)).run()
+    assert [float(x) for x in list(tape.impacts)[: 2 * orbit.turns]] == [*orbit.symbols] * 2
+    for j, column in enumerate((tape.strobe_q, tape.strobe_w)):
+        size = max(abs(s[j]) for s in orbit.states)
+        for k in range(2 * orbit.turns):
+            assert abs(float(column[k]) - orbit.states[k % orbit.turns][j]) < 1e-10 * size
+
+
+@pytest.mark.parametrize("rpm", [190.0, 358.5, 450.0, 700.0, 1500.0])
+def test_a_plastic_follower(rpm):
+    """r = 0: the label of the simulated record, an orbit with det 0, nothing that is not finite."""
+    from camcli.analysis.labels import label
+
+    system = chapter_system(restitution=0.0)
+    record = settings(transient=60, record=140)
+    tape = Orbit(system, rpm, record).run()
+    orbit = solve_from(system, rpm, settings(transient=60))
+    assert orbit is not None
+    assert orbit.label == label(tape)
+    assert orbit.det == 0.0

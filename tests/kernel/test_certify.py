@@ -1,0 +1,177 @@
+"""The certificate of a root: every verdict checked by sampling the closed-form flights densely."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from camcli.analysis.orbits.orbit import from_root
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.singles import single_impact_roots
+from camcli.kernel.certify import ADMISSIBLE, EARLY, LATE, PULLS
+from camcli.kernel.flight import lane_of, move
+from camcli.kernel.profile import END, ROW, START, TURN, lift, stretch_at
+from tests.conftest import chapter_system
+
+SAMPLES = 3000
+MACHINES = {
+    "chapter": {},
+    "damped": {"damping": 2.0},
+    "gravity": {"gravity": 9.81},
+    "preload": {"preload": 25.0},
+    "pulled": {"preload": -200.0},
+    "lively": {"restitution": 0.95},
+    "dull": {"restitution": 0.3, "damping": 5.0},
+}
+
+
+def gaps(system, root, k):
+    """Gap and phase on a grid strictly inside flight k of a root."""
+    lane, n = lane_of(root.machine, 0.0, 0), root.count
+    j = (k + 1) % n
+    later = root.whole[2 * j + 1] - root.whole[2 * k + 1] + (root.turns if k == n - 1 else 0)
+    s = root.theta[j] - root.theta[k] + TURN * later
+    c, c1, _ = lift(system.cam, root.whole[2 * k], root.theta[k])
+    places = np.linspace(0.0, s, SAMPLES + 2)[1:-1]
+    found = []
+    for x in places:
+        theta = (root.theta[k] + x) % TURN
+        height = lift(system.cam, stretch_at(system.cam, theta), theta)[0]
+        found.append(move(lane, c, c1 + root.x[2 * k + 1], float(x))[0] - height)
+    return np.array(found), places
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_every_verdict_on_a_single_impact_root_is_true(name):
+    """PULLS, EARLY and ADMISSIBLE seen in the gap itself, over 1 to 3 turns."""
+    system, seen = chapter_system(**MACHINES[name]), set()
+    for rpm in (250.0, 358.5, 520.0, 700.0, 739.0, 820.0):
+        shooter = Shooter(system, rpm)
+        for turns in (1, 2, 3):
+            for root in single_impact_roots(shooter, rpm, turns):
+                code, _, phase = shooter.verdict(root)
+                seen.add(code)
+                assert (code == PULLS) == (root.rates[0] >= 0.0)
+                if code == PULLS:
+                    continue
+                gap, places = gaps(system, root, 0)
+                if code == ADMISSIBLE:
+                    assert gap.min() > 0.0, (rpm, turns)
+                else:
+                    assert code == EARLY
+                    assert gap.min() < 0.0, (rpm, turns)
+                    first = places[np.argmax(gap < 0.0)]
+                    reached = (phase - root.theta[0]) % TURN
+                    assert abs((first - reached + pi) % TURN - pi) < 2 * places[0] + 1e-2
+    assert EARLY in seen
+    if name != "pulled":
+        assert ADMISSIBLE in seen
+
+
+def root_at(system, rpm, guess, turns=1):
+    shooter = Shooter(system, rpm)
+    whole = tuple(v for x in guess[::2] for v in (stretch_at(system.cam, x % TURN), 0))
+    root = shooter.at_value([*guess, rpm], whole, turns, rpm)
+    assert root is not None
+    return shooter, root
+
+
+def test_a_missing_impact():
+    """The unstable orbit on A1 continued beyond b, where the cam is A2: no impact there."""
+    system = chapter_system()
+    shooter = Shooter(system, 673.0)
+    at_b = system.corners_deg[1] * pi / 180
+    i = stretch_at(system.cam, at_b - 1e-9)
+    x = [at_b + 0.003, 8 * lift(system.cam, i, at_b + 0.003)[1], 673.2]
+    root = shooter.correct(x, (i, 0), 1, [1.0, 0.0, 0.0], x)
+    assert root is not None
+    assert root.theta[0] > system.cam.rows[i * ROW + END]
+    assert shooter.verdict(root)[0] in (EARLY, LATE)
+
+
+def test_an_orbit_of_half_its_impacts_misses_one():
+    """P(1;2) without its second impact is no motion, and the verdict says which flight fails."""
+    system = chapter_system()
+    shooter, root = root_at(system, 358.5, [2.6354469, 0.978, 5.8108811, 0.994])
+    assert shooter.verdict(root)[0] == ADMISSIBLE
+    for single in single_impact_roots(shooter, 358.5, 1):
+        assert shooter.verdict(single)[0] in (PULLS, EARLY)
+
+
+@pytest.mark.parametrize("k", [0, 1])
+def test_the_flight_that_fails_is_named(k):
+    """An impact with its rate changed by hand: its flight lands early, or late."""
+    from dataclasses import replace
+
+    system = chapter_system()
+    shooter, root = root_at(system, 358.5, [2.6354469, 0.978, 5.8108811, 0.994])
+    for change, code in ((0.99, EARLY), (1.01, LATE)):
+        x = list(root.x)
+        x[2 * k + 1] *= change
+        verdict = shooter.verdict(replace(root, x=x))
+        assert verdict[:2] == (code, k)
+        j = (k + 1) % 2
+        assert (verdict[2] - root.theta[j] < 0) == (code == EARLY)
+
+
+def test_an_impact_exactly_at_a_corner_is_admissible_on_both_sides():
+    system = chapter_system()
+    b = system.corners_deg[1] * pi / 180
+    sides = {}
+    for side in (-1, 1):
+        shooter = Shooter(system, 673.0)
+        i = stretch_at(system.cam, b + side * 1e-6)
+        corner = system.cam.rows[i * ROW + (END if side < 0 else START)]
+        x = [corner, 8 * lift(system.cam, i, corner)[1], 673.2]  # 2 r/(1 - r) c_theta
+        root = shooter.correct(x, (i, 0), 1, [1.0, 0.0, 0.0], x)
+        assert root.theta[0] == corner
+        assert shooter.verdict(root)[0] == ADMISSIBLE
+        sides[side] = root
+    assert abs(sides[-1].value - sides[1].value) < 1e-11
+    assert abs(sides[-1].trace - 1.6418699364) < 1e-9
+    assert abs(sides[1].trace - 1.3714214414) < 1e-9
+
+
+GUESSES = {
+    "P(1;1)": (700.0, [2.7105, 0.85], 1),
+    "P(1;2)": (358.5, [2.6354469, 0.978, 5.8108811, 0.994], 1),
+}
+
+
+@pytest.mark.parametrize("name", GUESSES)
+@pytest.mark.parametrize("strobe", [120.0, 155.0, "impact", 359.9])
+def test_the_strobe_phase_changes_no_orbit(name, strobe):
+    """A boundary more in the table: even one exactly at an impact changes a rounding only."""
+    rpm, guess, turns = GUESSES[name]
+    plain = chapter_system()
+    _, root = root_at(plain, rpm, guess, turns)
+    at = root.theta[0] * 180 / pi if strobe == "impact" else strobe
+    system = chapter_system(at)
+    shooter, same = root_at(system, rpm, guess, turns)
+    assert shooter.verdict(same)[0] == ADMISSIBLE
+    assert max(abs(a - b) for a, b in zip(root.x, same.x, strict=True)) < 1e-13
+    assert abs(root.trace - same.trace) < 1e-12
+    one, two = from_root(plain, root), from_root(system, same)
+    assert sum(one.symbols) == sum(two.symbols)
+    assert one.det == two.det
+
+
+@pytest.mark.parametrize("name", GUESSES)
+def test_which_impact_comes_first_does_not_matter(name):
+    rpm, guess, turns = GUESSES[name]
+    system = chapter_system()
+    shooter, root = root_at(system, rpm, guess, turns)
+    n = root.count
+    for shift in range(n):
+        x = [*root.x[2 * shift : -1], *root.x[: 2 * shift], root.value]
+        whole = [*root.whole[2 * shift :], *root.whole[: 2 * shift]]
+        for k in range(n - shift, n):
+            whole[2 * k + 1] += turns
+        again = shooter.at_value(x, tuple(whole), turns, rpm)
+        assert again is not None
+        assert shooter.verdict(again)[0] == ADMISSIBLE
+        assert abs(again.trace - root.trace) < 1e-12
+        one, two = from_root(system, root), from_root(system, again)
+        assert one.symbols == two.symbols
+        for a, b in zip(one.theta, two.theta, strict=True):
+            assert abs(a - b) < 1e-13

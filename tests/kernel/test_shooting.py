@@ -1,0 +1,280 @@
+"""Multiple shooting: derivatives, the bordered solver, quadratic convergence, the same bits."""
+
+import os
+import random
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camcli.analysis.orbits.shooter import PARAMETERS, Shooter
+from camcli.kernel import bordered, shooting
+from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables, solve_bordered
+from camcli.kernel.flight import lane_of
+from camcli.kernel.profile import END, ROW, START, stretch_at
+from tests.conftest import chapter_system
+
+ROOT = Path(__file__).resolve().parents[2]
+REGIMES = {
+    "undamped": {},
+    "damped": {"damping": 2.0, "gravity": 9.81, "preload": 10.0},
+    "nearly critical": {"damping": 83.0},
+    "overdamped": {"damping": 300.0, "preload": 30.0},
+    "springless": {"stiffness": 0.0, "gravity": 9.81},
+    "springless, damped": {"stiffness": 0.0, "damping": 5.0, "preload": 8.0},
+    "elastic": {"restitution": 1.0, "damping": 1.0},
+    "plastic": {"restitution": 0.0},
+}
+
+
+def tables(n):
+    sizes = n * BLOCK, 2 * n, 2 * n + 1, 2 * n + 1, ROWS * WIDE, 2 * n * WIDE, 35
+    return Tables(*([0.0] * size for size in sizes))
+
+
+def impacts(system, draw, n, turns, short=0.0):
+    """(x, whole) of n random impacts in order, inside their stretches; some flights `short`."""
+    span = 2 * np.pi * turns
+    places = sorted(draw.uniform(0.0, span) for _ in range(n))
+    if short and n > 1:
+        places[1] = places[0] + short
+        places.sort()
+    x, whole, rows = [], [], system.cam.rows
+    for place in places:
+        turn, theta = divmod(place, 2 * np.pi)
+        i = stretch_at(system.cam, theta)
+        margin = 2e-5
+        theta = min(max(theta, rows[i * ROW + START] + margin), rows[i * ROW + END] - margin)
+        x += [theta, draw.uniform(0.05, 0.8)]
+        whole += [i, int(turn)]
+    return x, whole
+
+
+def assembled(n, blocks):
+    """(matrix, residual) of the cyclic system, without the parameter."""
+    J, E = np.zeros((2 * n, 2 * n)), np.zeros(2 * n)
+    for k in range(n):
+        j, o = (k + 1) % n, BLOCK * k
+        for i in range(2):
+            for c in range(2):
+                J[2 * k + i, 2 * k + c] += blocks[o + 2 * i + c]
+                J[2 * k + i, 2 * j + c] += blocks[o + 4 + 2 * i + c]
+            E[2 * k + i] = blocks[o + 8 + i]
+    return J, E
+
+
+def equations(system, lane, x, whole, turns):
+    n = len(whole) // 2
+    blocks = [0.0] * (n * BLOCK)
+    for k in range(n):
+        shooting._block(system.cam, lane, x, whole, turns, k, n, blocks)
+    return assembled(n, blocks)
+
+
+@pytest.mark.parametrize("name", REGIMES)
+@pytest.mark.parametrize("n", [1, 2, 3, 8])
+@pytest.mark.parametrize("short", [0.0, 1e-3])
+def test_the_blocks_are_the_differences_of_the_residual(name, n, short):
+    """Whole flights, and hops short enough for relative coordinates.
+
+    Off a root the flight ends a gap away from the cam; the blocks take the acceleration there from
+    the cam, which is r W^2 gap away from the derivative and vanishes with the residual.
+    """
+    system, draw = chapter_system(**REGIMES[name]), random.Random(n)
+    for rpm in (190.0, 700.0):
+        lane = lane_of(system.machine(rpm), 0.0, 0)
+        x, whole = impacts(system, draw, n, 3, short)
+        J, E = equations(system, lane, x, whole, 3)
+        for k in range(n):
+            J[2 * k + 1, 2 * ((k + 1) % n)] -= lane.r * lane.W2 * E[2 * k]
+        h = 1e-6
+        for j in range(2 * n):
+            high, low = list(x), list(x)
+            high[j] += h
+            low[j] -= h
+            column = equations(system, lane, high, whole, 3)[1]
+            column = (column - equations(system, lane, low, whole, 3)[1]) / (high[j] - low[j])
+            size = 1.0 + np.abs(J[:, j]).max()
+            assert np.abs(column - J[:, j]).max() < 1e-8 * size * max(1.0, lane.W2, lane.Z), j
+
+
+@pytest.mark.parametrize("parameter", PARAMETERS)
+def test_the_column_of_the_parameter(parameter):
+    """It only steers the continuation, but the tangent should be that of the branch."""
+    constants = {"damping": 2.0, "gravity": 9.81, "preload": 10.0}
+    shooter = Shooter(chapter_system(**constants), 700.0, parameter)
+    stretch, value = stretch_at(shooter.system.cam, 2.71), shooter.machine[PARAMETERS[parameter]]
+    root = shooter.at_value([2.71, 0.9, value], (stretch, 0), 1, value)
+    h = 1e-4 * value
+    sides = [shooter.at_value(root.x, root.whole, 1, value + s * h) for s in (-1, 1)]
+    for j in range(2):
+        slope = (sides[1].x[j] - sides[0].x[j]) / (2 * h)
+        assert abs(root.tangent[j] / root.tangent[-1] - slope) < 2e-6 * abs(slope)
+
+
+def bordered_system(draw, n, growth):
+    """Random blocks with one direction in each that grows, a random border and column."""
+    t = tables(n)
+    for k in range(n):
+        L = draw.normal(size=(2, 2))
+        u, s, v = np.linalg.svd(L)
+        L = u @ np.diag(s * [growth, 1.0]) @ v
+        R = draw.normal(size=(2, 2)) + 2 * np.eye(2)
+        o = BLOCK * k
+        t.blocks[o : o + 4] = [float(z) for z in L.ravel()]
+        t.blocks[o + 4 : o + 8] = [float(z) for z in R.ravel()]
+        t.blocks[o + 8 : o + 10] = [float(z) for z in draw.normal(size=2)]
+        t.columns[2 * k : 2 * k + 2] = [float(z) for z in draw.normal(size=2)]
+    row = [float(z) for z in draw.normal(size=2 * n + 1)]
+    return t, row, float(draw.normal())
+
+
+@pytest.mark.parametrize("growth", [1.0, 10.0, 1e3, 1e-3, 1e6])
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 7, 8, 20, 40])
+def test_the_bordered_solver_against_lapack(n, growth):
+    """The backward error too: however much the orbit stretches, elimination is stable."""
+    for seed in range(5):
+        t, row, right = bordered_system(np.random.default_rng(100 * n + seed), n, growth)
+        J, E = assembled(n, t.blocks)
+        full = np.zeros((2 * n + 1, 2 * n + 1))
+        full[:-1, :-1], full[:-1, -1], full[-1] = J, t.columns, row
+        assert solve_bordered(n, t, row, right)
+        for found, b in ((t.step, [*-E, right]), (t.tangent, [*np.zeros(2 * n), 1.0])):
+            exact = np.linalg.solve(full, b)
+            condition = np.linalg.cond(full)
+            error = np.abs(exact - found).max() / np.abs(exact).max()
+            assert error < 1e-13 * condition, (seed, error, condition)
+            residual = np.abs(full @ found - b).max()
+            assert residual < 1e-12 * np.abs(full).sum(axis=1).max() * np.abs(found).max()
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 5])
+def test_a_singular_system_is_refused(n):
+    t, row, right = bordered_system(np.random.default_rng(3), n, 1.0)
+    t.columns[:] = [0.0] * (2 * n)
+    row[-1] = 0.0
+    for k in range(n):
+        t.blocks[BLOCK * k : BLOCK * k + 8] = [0.0] * 8
+    assert not solve_bordered(n, t, row, right)
+
+
+def test_a_fold_is_regular_with_the_border():
+    """L + R singular, as at a fold: the border row along its kernel makes the system regular."""
+    t = tables(1)
+    t.blocks[:] = [1.0, 2.0, 2.0, 5.0, 0.0, 0.0, 0.0, -1.0, 0.5, 0.25]
+    t.columns[:] = [1.0, 0.0]
+    J, E = assembled(1, t.blocks)
+    assert np.linalg.det(J) == 0.0
+    assert solve_bordered(1, t, [2.0, -1.0, 0.0], 0.125)
+    full = np.array([[1.0, 2.0, 1.0], [2.0, 4.0, 0.0], [2.0, -1.0, 0.0]])
+    assert np.abs(np.array(t.step) - np.linalg.solve(full, [*-E, 0.125])).max() < 1e-15
+
+
+START_POINTS = {
+    "P(1;1)": (700.0, [2.7105, 0.85], 1),
+    "P(1;2)": (358.5, [2.6354469, 0.978, 5.8108811, 0.994], 1),
+}
+
+
+@pytest.mark.parametrize("name", START_POINTS)
+@pytest.mark.parametrize("changes", [{}, {"damping": 0.3, "gravity": 0.5}])
+def test_newton_converges_quadratically(monkeypatch, name, changes):
+    """e, C e^2 with a C that does not depend on e, until rounding."""
+    system = chapter_system(**changes)
+    rpm, start, turns = START_POINTS[name]
+    shooter = Shooter(system, rpm)
+    n = len(start) // 2
+    whole = tuple(v for k in range(n) for v in (stretch_at(system.cam, start[2 * k]), 0))
+    exact = shooter.at_value([*start, rpm], whole, turns, rpm)
+    assert exact is not None
+    assert exact.steps <= 7
+    monkeypatch.setattr(shooting, "CONVERGED", 1e300)  # one step at a time
+    draw = random.Random(3)
+    kick = [draw.uniform(-1, 1) for _ in start]
+    ratios = []
+    for size in (3e-3, 1e-3, 3e-4, 1e-4, 3e-5):
+        x = [a + size * d for a, d in zip(exact.x, kick, strict=False)]
+        errors = [max(abs(a - b) for a, b in zip(x, exact.x, strict=False))]
+        for _ in range(4):
+            root = shooter.at_value([*x, rpm], whole, turns, rpm)
+            assert root.steps == 1
+            x = root.x[:-1]
+            errors.append(max(abs(a - b) for a, b in zip(x, exact.x, strict=False)))
+        assert errors[-1] < 2e-15 * max(abs(v) for v in exact.x)
+        assert errors[1] < 1e-2 * errors[0] or size > 1e-3
+        ratios.append(errors[1] / errors[0] ** 2)
+    assert max(ratios) < 2 * min(ratios)
+
+
+@pytest.mark.parametrize("guess", [[2.7105, 300.0], [2.7105, -40.0], [3.0, 0.0]])
+def test_a_bad_guess_fails_without_a_word(guess):
+    system = chapter_system()
+    shooter = Shooter(system, 700.0)
+    whole = (stretch_at(system.cam, guess[0]), 0)
+    root = shooter.at_value([*guess, 700.0], whole, 1, 700.0)
+    assert root is None or all(np.isfinite(root.x))
+
+
+DIGEST = """
+import hashlib, struct
+from camcli.analysis.orbits.identify import settled, solve_from, newton_from
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.kernel import backend
+from camcli.kernel.profile import stretch_at
+from tests.conftest import chapter_system
+from tests.kernel.test_shooting import BITS, feed
+state = hashlib.sha256()
+feed(state.update)
+print(backend.is_compiled(), state.hexdigest())
+"""
+BITS = [
+    ({}, 700.0, [2.7105, 0.85], (1,)),
+    ({}, 700.0, [1.818, 0.4], (1,)),
+    ({"damping": 2.0, "gravity": 9.81, "preload": 5.0}, 700.0, [2.7105, 0.85], (1,)),
+    ({"damping": 90.0}, 700.0, [2.7, 0.3], (1, 2)),
+    ({}, 358.5, [2.6354469, 0.978, 5.8108811, 0.994], (1,)),
+    ({"stiffness": 0.0, "gravity": 9.81}, 250.0, [2.9, 0.2], (1, 2, 3)),
+]
+
+
+def feed(sink):
+    """Every number of every root, tangent and verdict, bit for bit; failures too."""
+    for changes, rpm, start, turns in BITS:
+        system = chapter_system(**changes)
+        n = len(start) // 2
+        whole = tuple(v for k in range(n) for v in (stretch_at(system.cam, start[2 * k]), 0))
+        for parameter in ("rpm", "restitution", "stiffness", "damping"):
+            shooter = Shooter(system, rpm, parameter)
+            value = shooter.machine[shooter.parameter]
+            for m in turns:
+                root = shooter.at_value([*start, value], whole, m, value)
+                if root is None:
+                    sink(b"none")
+                    continue
+                verdict = shooter.verdict(root)
+                numbers = [*root.x, *root.rates, *root.tangent, root.trace, root.step, verdict[2]]
+                sink(struct.pack(f"<{len(numbers)}d", *numbers))
+                sink(f"{root.steps} {verdict[:2]} {shooter.cost}".encode())
+
+
+def test_python_and_compiled_kernel_give_the_same_bits():
+    inherited = ("CAMCLI_KERNEL", "NUMBA_CPU_NAME", "NUMBA_DISABLE_JIT")
+    base = {key: value for key, value in os.environ.items() if key not in inherited}
+    base["PYTHONPATH"] = str(ROOT)
+    found = {}
+    for kind in ("python", "compiled"):
+        done = subprocess.run(
+            [sys.executable, "-c", DIGEST], cwd=ROOT, env={**base, "CAMCLI_KERNEL": kind},
+            capture_output=True, text=True, timeout=300, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        found[kind] = done.stdout.split()
+    assert [found[kind][0] for kind in ("python", "compiled")] == ["False", "True"]
+    assert found["python"][1] == found["compiled"][1]
+
+
+def test_the_sizes_of_the_tables_are_those_of_the_solver():
+    assert (bordered.BLOCK, bordered.WIDE, bordered.ROWS) == (10, 8, 5)

@@ -1,0 +1,196 @@
+"""Flight and saltation matrices against mpmath, simulated orbits and stroboscopic maps."""
+
+import random
+from math import exp, pi
+
+import pytest
+from mpmath import mp
+
+from camcli.analysis.engine import IMPACT, Orbit
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.kernel.flight import lane_of, move
+from camcli.kernel.profile import TURN, lift, stretch_at
+from camcli.kernel.tangent import after_flight, after_impact, flight_tangent, saltation
+from tests.conftest import chapter_system, settings
+from tests.oracle import ArcsCam
+from tests.orbit_oracle import Machine, solve, strobe_state
+from tests.test_orbit_oracle import STABLE, THRICE, TWICE
+
+CAM = ArcsCam()
+MACHINES = {
+    "chapter": {},
+    "damped": {"damping": 2.0},
+    "gravity": {"gravity": 9.81},
+    "preload": {"preload": 10.0},
+    "all": {"damping": 2.0, "gravity": 9.81, "preload": 10.0, "restitution": 0.75},
+}
+REGIMES = {
+    **MACHINES,
+    "springless": {"stiffness": 0.0, "gravity": 9.81},
+    "springless, damped": {"stiffness": 0.0, "damping": 5.0, "preload": 8.0},
+    "critical": {"damping": 2.0 * (1430.8 * 1.221) ** 0.5},
+    "overdamped": {"damping": 300.0},
+    "elastic": {"restitution": 1.0},
+    "plastic": {"restitution": 0.0},
+}
+
+
+def lane_at(rpm, **changes):
+    return lane_of(chapter_system(**changes).machine(rpm), 0.0, 0)
+
+
+def det(m):
+    return m[0] * m[3] - m[1] * m[2]
+
+
+@pytest.mark.parametrize("name", REGIMES)
+@pytest.mark.parametrize("rpm", [150.0, 700.0, 3000.0])
+def test_the_flight_matrix_is_the_exponential_of_its_equation(name, rpm):
+    lane = lane_at(rpm, **REGIMES[name])
+    for s in (1e-6, 0.01, 0.7, 2.0, TURN, 3 * TURN):
+        with mp.workdps(60):
+            rates = mp.matrix([[0, 1], [-(mp.mpf(lane.W) ** 2), -2 * mp.mpf(lane.Z)]])
+            exact = mp.expm(rates * s, method="taylor")
+            found = mp.matrix([flight_tangent(lane, s)[:2], flight_tangent(lane, s)[2:]])
+            for i in range(2):
+                for j in range(2):
+                    size = (1.0, 1.0 + lane.W, 1.0 + s)[i - j]  # of any motion
+                    assert abs(found[i, j] - exact[i, j]) < 2e-15 * (1 + lane.W * s) * size
+
+
+@pytest.mark.parametrize("name", REGIMES)
+@pytest.mark.parametrize("s", [0.3, 2.0, TURN])
+def test_determinants_of_flight_and_impact(name, s):
+    lane = lane_at(520.0, **REGIMES[name])
+    flight = flight_tangent(lane, s)
+    size = abs(flight[0] * flight[3]) + abs(flight[1] * flight[2])
+    assert abs(det(flight) - exp(-2.0 * lane.Z * s)) <= 4e-15 * (size + exp(-2.0 * lane.Z * s))
+    impact = after_impact(lane, (0.2, 0.1, -0.3), -0.4, 1.0, 0.0, 0.0, 1.0)
+    assert impact[1] == 0.0
+    assert det(impact) == lane.r * lane.r
+
+
+@pytest.mark.parametrize("name", REGIMES)
+def test_the_flight_matrix_is_the_difference_of_two_flights(name):
+    lane = lane_at(700.0, **REGIMES[name])
+    h = 2.0**-20
+    for s in (0.05, 1.0, 5.0):
+        matrix = flight_tangent(lane, s)
+        for j, (dq, dw) in enumerate([(h, 0.0), (0.0, h)]):
+            high = move(lane, 0.3 + dq, 0.2 + dw, s)
+            low = move(lane, 0.3 - dq, 0.2 - dw, s)
+            for i in range(2):  # the flow is affine: only rounding is left
+                found = (high[i] - low[i]) / (2 * h)
+                assert abs(found - matrix[2 * i + j]) < 2e-9, (s, i, j)
+
+
+def strobed(system, rpm, turns, q, w):
+    """(q, dq/dtheta) after whole turns from a state at the strobe, and the tape."""
+    omega = rpm * (pi / 30)
+    deg = system.strobe * 180 / pi
+    tape = Orbit(system, rpm, settings(record=turns + 1, q=q, v=w * omega, theta_deg=deg)).run()
+    return (float(tape.strobe_q[turns]), float(tape.strobe_w[turns])), tape
+
+
+def differences(system, rpm, turns, q, w):
+    """The stroboscopic map's matrix by central differences of simulated runs, extrapolated."""
+
+    def at(h):
+        columns = []
+        for dq, dw in ((h, 0.0), (0.0, h)):
+            (a, b), one = strobed(system, rpm, turns, q + dq, w + dw)
+            (c, d), two = strobed(system, rpm, turns, q - dq, w - dw)
+            assert list(one.impacts)[:turns] == list(two.impacts)[:turns]
+            columns.append(((a - c) / (2 * h), (b - d) / (2 * h)))
+        (qq, wq), (qw, ww) = columns
+        return qq, qw, wq, ww
+
+    fine, coarse = at(5e-7), at(1e-6)
+    return [(4 * a - b) / 3 for a, b in zip(fine, coarse, strict=True)]
+
+
+def product(system, rpm, tape, turns):
+    """The same matrix from the kernel, along the impacts of a tape from the strobe at 0."""
+    lane, m, now = lane_of(system.machine(rpm), 0.0, 0), (1.0, 0.0, 0.0, 1.0), 0.0
+    for kind, period, theta, u in zip(tape.kind, tape.period, tape.theta, tape.u, strict=True):
+        if kind != IMPACT or period >= turns:
+            continue
+        place = TURN * period + float(theta)
+        lifts = lift(system.cam, stretch_at(system.cam, float(theta)), float(theta))
+        m = after_impact(lane, lifts, float(u), *after_flight(lane, place - now, *m))
+        now = place
+    return after_flight(lane, TURN * turns - now, *m)
+
+
+@pytest.mark.parametrize("name", [*MACHINES, "elastic"])
+def test_one_impact_of_a_simulated_orbit(name):
+    """Flight, impact, flight: a turn with one impact, from twelve random states at the strobe."""
+    system, rpm = chapter_system(**REGIMES[name]), 450.0
+    draw, tried = random.Random(7), 0
+    for _ in range(200):
+        if tried == 12:
+            break
+        q, w = draw.uniform(0.12, 0.6), draw.uniform(-0.4, 0.4)
+        _, tape = strobed(system, rpm, 1, q, w)
+        first = [u for k, p, u in zip(tape.kind, tape.period, tape.u, strict=True) if p == 0]
+        if len(first) != 1 or tape.kind[0] != IMPACT or first[0] > -0.1:
+            continue
+        phase = float(tape.theta[0])
+        corners = [x * pi / 180 for x in system.corners_deg]
+        if min(abs(phase - x) for x in [*corners, 0.0, TURN]) < 1e-3:
+            continue
+        tried += 1
+        exact = product(system, rpm, tape, 1)
+        found = differences(system, rpm, 1, q, w)
+        size = max(abs(x) for x in exact)
+        for a, b in zip(exact, found, strict=True):
+            assert abs(a - b) < 1e-7 * (1 + size), (q, w)
+    assert tried == 12
+
+
+@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize(
+    ("rpm", "guess", "turns"),
+    [(700, STABLE, 1), (358.5, TWICE, 1), (358.5, THRICE, 3)],
+    ids=["P(1;1)", "P(1;2)", "P(3;3:3:2)"],
+)
+def test_the_trace_is_the_one_of_the_simulated_stroboscopic_map(name, rpm, guess, turns):
+    """Kernel products, Newton's trace and central differences, one period long."""
+    changes = MACHINES[name]
+    chapter = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
+    if guess is not STABLE and name != "chapter":  # that orbit lives in a narrow range only
+        shrink = 0.005 if guess is THRICE else 0.1
+        changes = {k: v * shrink for k, v in changes.items() if k != "restitution"}
+    machine = Machine(**{**chapter, **changes})
+    orbit = solve(CAM, machine, rpm, guess, turns)
+    system = chapter_system(**changes)
+    q, v = (float(x) for x in strobe_state(CAM, machine, rpm, orbit))
+    w = v / (rpm * (pi / 30))
+    _, tape = strobed(system, rpm, turns, q, w)
+    assert sum(list(tape.impacts)[:turns]) == len(orbit.thetas)
+    exact = product(system, rpm, tape, turns)
+    found = differences(system, rpm, turns, q, w)
+    trace = exact[0] + exact[3]
+    assert abs(trace - float(orbit.trace)) < 1e-10 * (1 + max(abs(x) for x in exact))
+    assert abs(found[0] + found[3] - trace) < 1e-6 * (1 + max(abs(x) for x in exact))
+    for a, b in zip(exact, found, strict=True):
+        assert abs(a - b) < 1e-6 * (1 + max(abs(x) for x in exact))
+
+
+def test_the_saltation_entry_is_the_one_of_the_module():
+    """(r a- + a+)/u, spelled out once with every term by hand."""
+    lane = lane_at(700.0, damping=2.0, gravity=9.81, preload=10.0, restitution=0.7)
+    c, c1, c2, u = 0.21, 0.13, -0.4, -0.6
+    before = -lane.G - lane.W2 * c - 2 * lane.Z * (c1 + u) - c2
+    after = -lane.G - lane.W2 * c - 2 * lane.Z * (c1 - 0.7 * u) - c2
+    assert abs(saltation(lane, (c, c1, c2), u) - (0.7 * before + after) / u) < 1e-14
+
+
+def test_newton_has_the_same_trace_as_the_product_of_matrices():
+    system = chapter_system()
+    shooter = Shooter(system, 700.0)
+    root = shooter.at_value([2.71, 0.9, 700.0], (stretch_at(system.cam, 2.71), 0), 1, 700.0)
+    lane, theta = lane_of(root.machine, 0.0, 0), root.theta[0]
+    m = after_flight(lane, TURN, 1.0, 0.0, 0.0, 1.0)
+    m = after_impact(lane, lift(system.cam, root.whole[0], theta), root.rates[0], *m)
+    assert abs(m[0] + m[3] - root.trace) < 1e-14
