@@ -98,7 +98,7 @@ def _beside(shooter, crossing: Crossing, collision: Collision, settings: Setting
 
 @dataclass(frozen=True)
 class _Seen:
-    """What a simulation beside the corner shows: label, and its distance from the corner's orbit."""
+    """What a simulation beside the corner shows, and its distance from the corner's orbit."""
 
     value: float
     label: str
@@ -175,14 +175,16 @@ def _name(system: System, machine, tape, root: Root) -> tuple[str, float]:
 def _unsolved(system: System, rpm: float, tape) -> str:
     """The label of a record without a solved orbit; chaos may be very small beside a corner."""
     exponents = of_tape(system, rpm, tape) if tape.status == OK else None
-    return "aperiodic" if exponents is not None and exponents.chaotic else label(tape)
+    if exponents is not None and exponents.chaotic:
+        return "aperiodic"
+    return "undecided" if any(tape.chatter) else label(tape)
 
 
 def _agrees(predicted: Prediction, simulated: str, near: bool, turns: int) -> bool | None:
-    if predicted.kind in ("several", "undecided") or simulated == "undecided":
-        return None
     if predicted.kind == "none":
         return not near
+    if predicted.kind in ("several", "undecided") or simulated == "undecided":
+        return None
     if not near:
         return False
     if predicted.kind == "chaos":
