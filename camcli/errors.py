@@ -77,5 +77,13 @@ class SceneError(CamError):
         super().__init__("\n".join(str(fault) for fault in faults))
 
 
+class FileFaults(ValueError):
+    """A file that the scene names cannot be used; carries every fault found in it."""
+
+    def __init__(self, *faults: Fault):
+        self.faults = faults
+        super().__init__("\n".join(str(fault) for fault in faults))
+
+
 class NumericsError(CamError):
     """A guarantee could not be kept; finished rows are kept (exit code 3)."""

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from math import inf
 
 GOLDEN = 0.6180339887498949
+TIE = 1e-14  # relative difference that counts as none: an end of the interval is then the place
 CLOSEST = 1e-9  # rad: a smooth minimum is then exact to rounding
 NARROW = 1e-12  # relative width of a bracket of speeds
 FIRST_CUT, MOST_STEPS = 0.2, 200
@@ -21,12 +22,14 @@ def lowest(f: Callable[[float], float], low: float, high: float, samples: int):
     ys = [f(x) for x in xs]
     best = min(range(len(xs)), key=ys.__getitem__)
     value, place = ys[best], xs[best]
+    tie = TIE * abs(value) if best in (0, samples) and abs(value) < inf else 0.0
     for k, y in enumerate(ys):
         left, right = max(k - 1, 0), min(k + 1, samples)
         if y == inf or y > ys[left] or y > ys[right] or y == ys[left] == ys[right]:
             continue
         refined, x = _golden(f, xs[left], xs[right])
-        if refined < value:
+        if refined < value - tie:
+            tie = 0.0
             value, place = refined, x
     return value, place
 

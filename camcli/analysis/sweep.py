@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import pi
 
-from camcli.analysis.engine import Cost, Orbit, Settings, compile_for
+from camcli.analysis.engine import Cost, Orbit, Settings, Tape, compile_for
 from camcli.analysis.labels import label
 from camcli.errors import OK, STATUSES
 from camcli.kernel import backend
@@ -23,7 +23,8 @@ class Speed:
     """Result at one speed. Columns are arrays or lists: rad -> deg, m, m/s already converted.
 
     impacts: (period, theta_deg, q_m, u_minus_m_per_s); strobe: (period, q_m, v_m_per_s, impacts,
-    chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns.
+    chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
+    exponent: the largest one per turn, None where it was not asked for or is not known.
     """
 
     rpm: float
@@ -33,6 +34,7 @@ class Speed:
     impacts: tuple | None
     strobe: tuple | None
     cost: Cost
+    exponent: float | None = None
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,7 @@ def sweep(
     direction: str = FIXED,
     impacts: bool = True,
     strobe: bool = True,
+    lyapunov: bool = False,
     threads: int | None = None,
     on_speed: Callable[[Speed], None] = lambda speed: None,
 ) -> Sweep:
@@ -77,16 +80,17 @@ def sweep(
     turns = len(rpms) * (settings.transient + settings.record)
     if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
         compile_for(system)  # before the threads start
+    exponent = _exponents(system) if lyapunov else None
     speeds: list[Speed] = []
     if direction == FIXED:
 
         def piece(rpm: float) -> Speed:
-            return _at(system, rpm, settings, impacts, strobe)[0]
+            return _at(system, rpm, settings, impacts, strobe, exponent)[0]
 
         results = run_pieces(piece, rpms, threads)
     else:
         results = _carried(
-            system, sorted(rpms, reverse=direction == DOWN), settings, impacts, strobe
+            system, sorted(rpms, reverse=direction == DOWN), settings, impacts, strobe, exponent
         )
     cost = Cost()
     for speed in results:
@@ -96,18 +100,33 @@ def sweep(
     return Sweep(speeds, direction, cost)
 
 
-def _carried(system, rpms, settings, impacts, strobe):
+def _carried(system, rpms, settings, impacts, strobe, exponent):
     """Speeds one after the other, each starting where the one before ended."""
     start = settings.start
     for rpm in rpms:
-        speed, orbit = _at(system, rpm, settings, impacts, strobe, start)
+        speed, orbit = _at(system, rpm, settings, impacts, strobe, exponent, start)
         start = orbit.here() if speed.status == OK else settings.start
         yield speed
 
 
-def _at(system: System, rpm: float, settings: Settings, impacts: bool, strobe: bool, start=None):
+def _exponents(system: System) -> Callable[[float, Tape], float | None]:
+    """What measures the largest exponent of a record: of its solved orbit, else of its impacts."""
+    from camcli.analysis.exponents import of_orbit, of_tape
+    from camcli.analysis.orbits.identify import identify
+
+    def exponent(rpm: float, tape: Tape) -> float | None:
+        if tape.status != OK:
+            return None
+        orbit = identify(system, rpm, tape)
+        found = of_tape(system, rpm, tape) if orbit is None else of_orbit(system, orbit)
+        return None if found is None else found.largest
+
+    return exponent
+
+
+def _at(system: System, rpm, settings, impacts: bool, strobe: bool, exponent, start=None):
     orbit = Orbit(system, rpm, settings, start)
-    tape = orbit.run(events=impacts)
+    tape = orbit.run(events=impacts or exponent is not None)
     n = tape.periods
     to_mps = orbit.omega
     rows = None
@@ -130,6 +149,7 @@ def _at(system: System, rpm: float, settings: Settings, impacts: bool, strobe: b
         impacts=rows,
         strobe=strobes,
         cost=tape.cost,
+        exponent=None if exponent is None else exponent(rpm, tape),
     )
     return speed, orbit
 

@@ -79,10 +79,10 @@ def strobe_csv(sweep: Sweep) -> Iterator[str]:
 def speeds_csv(sweep: Sweep) -> Iterator[str]:
     """speeds.csv"""
     yield header(SPEEDS)
-    yield from mixed_rows(
-        (speed.rpm, speed.label, speed.impact_count, "", status_name(speed.status))
-        for speed in sweep.speeds
-    )
+    for speed in sweep.speeds:
+        exponent = "" if speed.exponent is None else speed.exponent
+        row = (speed.rpm, speed.label, speed.impact_count, exponent, status_name(speed.status))
+        yield from mixed_rows([row])
 
 
 def detach_csv(study: Study) -> Iterator[str]:

@@ -53,12 +53,14 @@ impacts.csv  rpm, period, theta_deg, q_m, u_minus_m_per_s
 strobe.csv   rpm, period, q_m, v_m_per_s, impacts, chatter: the state at the start of each
              recorded period, impacts in it and whether a complete chatter ended in it (0 or 1)
 speeds.csv   rpm, label, impacts, lyapunov_per_period, status
+corners.csv  corner impacts of the solved branches (--explain), columns as bifurcations.csv
 sweep.png    impact phases beside the cam's c, c', c''; stroboscopic positions
 
 \b
-In speeds.csv, impacts counts the recorded turns; lyapunov_per_period stays empty (exponents are
-not computed yet). sweep.direction up or down carries the state from speed to speed in that order;
-fixed starts each speed alike and keeps the order of the range.
+In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the state from
+speed to speed in that order; fixed starts each speed alike and keeps the order of the range.
+--lyapunov fills lyapunov_per_period: largest exponent, -inf where the follower rests, else empty.
+--explain gives every change its cause as cam classify does, numbered in sweep.png; direction fixed.
 """
     + LABELS_HELP
 )
@@ -125,6 +127,14 @@ HOLD_TO = Annotated[
     typer.Option("--hold-to", help="Find the spring that holds up to this speed.", metavar="RPM"),
 ]
 
+SWEEP_OPTIONS = {
+    name: (Annotated[bool, typer.Option(f"--{name}", help=text)], False)
+    for name, text in (
+        ("lyapunov", "Measure the largest exponent at each speed."),
+        ("explain", "Find the cause of every change."),
+    )
+}
+
 ORBITS_OPTIONS = {
     name: (Annotated[kind | None, typer.Option(*words, help=text, metavar=metavar)], None)
     for name, kind, words, metavar, text in (
@@ -176,7 +186,7 @@ def _basins(request: Request) -> int:
 
 
 command(app, "simulate", _simulate, SIMULATE_HELP)
-command(app, "sweep", _sweep, SWEEP_HELP)
+command(app, "sweep", _sweep, SWEEP_HELP, SWEEP_OPTIONS)
 command(app, "detach", _detach, DETACH_HELP, {"hold_to": (HOLD_TO, None)})
 command(app, "orbits", _orbits, ORBITS_HELP, ORBITS_OPTIONS)
 command(app, "basins", _basins, BASINS_HELP, BASINS_OPTIONS)

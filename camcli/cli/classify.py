@@ -106,7 +106,7 @@ def _write(request, setup: Setup, store: Store, motions, explanation) -> None:
     from camcli.artefacts.figures.classify import draw_classify
 
     events = [] if explanation is None else explanation.events
-    store.write("classify.png", lambda file: draw_classify(motions, events, file))
+    store.write("classify.png", lambda file: draw_classify(motions, events, file, setup.system))
 
 
 def _verdict(motions: list[Motion]) -> int:

@@ -27,7 +27,7 @@ def show(motions: list[Motion], explanation: Explanation | None) -> None:
     columns = ["label", "from (rpm)", "to (rpm)", "impacts", "chatter", "exponent", "transient"]
     table(title, columns, rows[:SHOWN])
     if explanation is not None:
-        _show_explanation(explanation)
+        show_explanation(explanation)
     for line in remarks(motions):
         print(f"- {line}")
 
@@ -62,7 +62,8 @@ def _short(text: str) -> str:
     return text if len(text) <= LONG else text[: LONG - 3] + "..."
 
 
-def _show_explanation(explanation: Explanation) -> None:
+def show_explanation(explanation: Explanation) -> None:
+    """Print the events, the changes and a sentence for each."""
     rows = [
         [f"{e.rpm:.10g}", f"{e.error:.0e}", _kind(e), _short(e.label), e.classification]
         for e in explanation.events
@@ -117,9 +118,16 @@ def summary(motions: list[Motion], explanation: Explanation | None) -> dict[str,
         "motions": [_motion(m) for m in motions],
     }
     if explanation is not None:
-        result["events"] = [_event(e) for e in explanation.events]
-        result["changes"] = [_change(c) for c in explanation.changes]
+        result |= explained(explanation)
     return result
+
+
+def explained(explanation: Explanation) -> dict[str, Any]:
+    """Events and changes for run.json."""
+    return {
+        "events": [_event(e) for e in explanation.events],
+        "changes": [_change(c) for c in explanation.changes],
+    }
 
 
 def _motion(m: Motion) -> dict[str, Any]:

@@ -70,7 +70,12 @@ def _options(request: Request) -> dict[str, tuple[Any, str]]:
         if request.extra[name] is not None:
             values[f"orbits.{name}"] = (request.extra[name], f"--{name}")
     if request.extra["at"] is not None:
-        values["orbits.at"] = (_numbers(request.extra["at"], "--at", 1)[0], "--at")
+        at = _numbers(request.extra["at"], "--at", 1)[0]
+        values["orbits.at"] = (at, "--at")
+        if values.get("orbits.rpm.start", (0.0,))[0] == values.get("orbits.rpm.stop", (1.0,))[0]:
+            found = f"found one speed with --rpm and {at!r} with --at"
+            cure = "give --rpm LO:HI, or leave --at out"
+            raise SceneError(Fault("--at", "", found, "expected a range around it", cure))
     if request.extra["second"] is not None:
         values["orbits.curve_in"] = (request.extra["second"], "--in")
     if request.extra["range"] is not None:

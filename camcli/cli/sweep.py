@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from functools import partial
 from itertools import groupby
 from time import perf_counter
+from typing import Any
 
 from camcli.analysis.sweep import FIXED, Speed, Sweep, rpm_grid, status_name, sweep
 from camcli.artefacts.store import Store
@@ -15,7 +17,7 @@ from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.progress import bar
 from camcli.cli.report import finish, table, warn_of_height
 from camcli.cli.setup import Setup, set_up, speed_range
-from camcli.errors import STATUSES
+from camcli.errors import STATUSES, Fault, SceneError
 from camcli.kernel import backend
 
 NAME = "sweep"
@@ -24,8 +26,9 @@ SHOWN = 40  # rows of the table on stdout
 
 def run(request: Request) -> int:
     """Sweep a range of speeds and write its artefacts; returns the exit code."""
-    setup = set_up(request, speed_range(request, "sweep"))
+    setup = set_up(request, _options(request))
     section = setup.scene.sweep
+    _refuse_to_explain(setup)
     plan.refuse_if_too_large(section.rpm.num, setup.settings)
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
     if request.dry_run:
@@ -34,15 +37,44 @@ def run(request: Request) -> int:
         return DONE
     store = Store(request.folder(NAME))
     result, seconds = _compute(request, setup, rpms)
-    _write(request, setup, store, result)
-    if not request.json:
-        _show(result)
-    finish(NAME, request, setup, store, result.cost, seconds, _summary(result))
+    if section.explain:
+        from camcli.cli.sweep_explain import finish_explained
+
+        finish_explained(request, setup, store, result, seconds)
+    else:
+        store.remove("corners.csv")
+        write(request, setup, store, result)
+        if not request.json:
+            show(result)
+        finish(NAME, request, setup, store, result.cost, seconds, summary(result))
     if not request.quiet:
         strobed = [speed for speed in result.speeds if speed.strobe is not None]
         heights = [(s.rpm, max(s.strobe[1], default=0.0)) for s in strobed]
         warn_of_height(heights, setup.system.cam.top)
     return _verdict(result)
+
+
+def _options(request: Request) -> dict[str, tuple[Any, str]]:
+    values = speed_range(request, NAME)
+    for name in ("lyapunov", "explain"):
+        if request.extra[name]:
+            values[f"sweep.{name}"] = (True, f"--{name}")
+    return values
+
+
+def _refuse_to_explain(setup: Setup) -> None:
+    """Raise SceneError where there are no changes that a fixed start could explain."""
+    section = setup.scene.sweep
+    if not section.explain:
+        return
+    if section.direction != FIXED:
+        cure = "leave --explain out, or set sweep.direction=fixed"
+        found = f"found {section.direction}"
+        raise SceneError(Fault("--explain", "sweep.direction", found, "expected fixed", cure))
+    if section.rpm.num < 2:
+        found = f"found one speed, {section.rpm.start!r}"
+        cure = "give --rpm LO:HI and --points"
+        raise SceneError(Fault("--explain", "sweep.rpm", found, "expected a range", cure))
 
 
 def _compute(request: Request, setup: Setup, rpms: list[float]) -> tuple[Sweep, float]:
@@ -56,13 +88,15 @@ def _compute(request: Request, setup: Setup, rpms: list[float]) -> tuple[Sweep, 
             direction=setup.scene.sweep.direction,
             impacts="impacts" in sections,
             strobe="strobe" in sections,
+            lyapunov=setup.scene.sweep.lyapunov,
             threads=request.threads,
             on_speed=(lambda speed: None) if tick is None else (lambda speed: tick()),
         )
     return result, perf_counter() - began - backend.compile_seconds
 
 
-def _write(request: Request, setup: Setup, store: Store, result: Sweep) -> None:
+def write(request: Request, setup: Setup, store: Store, result: Sweep, events=None) -> None:
+    """Write the tables and the picture, with the events in it where they are given."""
     sections = setup.scene.sweep.sections
     for section, name, text in (
         ("impacts", "impacts.csv", impacts_csv),
@@ -79,7 +113,8 @@ def _write(request: Request, setup: Setup, store: Store, result: Sweep) -> None:
     from camcli.artefacts.figures.sweep import draw_sweep
 
     how = start_text(setup, result)
-    store.write("sweep.png", lambda file: draw_sweep(result, setup.system, file, start_text=how))
+    draw = partial(draw_sweep, result, setup.system, start_text=how, events=events)
+    store.write("sweep.png", draw)
 
 
 def start_text(setup: Setup, result: Sweep) -> str:
@@ -100,7 +135,8 @@ def start_text(setup: Setup, result: Sweep) -> str:
     )
 
 
-def _summary(result: Sweep) -> dict:
+def summary(result: Sweep) -> dict:
+    """The result of run.json."""
     return {
         "direction": result.direction,
         "ranges": [
@@ -121,7 +157,8 @@ def _ranges(result: Sweep) -> list[tuple[str, str, Speed, Speed, int]]:
     return found
 
 
-def _show(result: Sweep) -> None:
+def show(result: Sweep) -> None:
+    """Print the ranges of one label."""
     ranges = _ranges(result)
     rows = [
         [label, f"{a.rpm:.10g}", f"{b.rpm:.10g}", str(n), status]

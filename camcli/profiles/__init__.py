@@ -5,5 +5,7 @@ A kind is a pydantic model with a literal `kind`, geometry checks that raise Val
 """
 
 from camcli.profiles.arcs import ArcsCam
+from camcli.profiles.eccentric import EccentricCam
+from camcli.profiles.law import LawCam
 
-CAMS = (ArcsCam,)
+CAMS = (ArcsCam, LawCam, EccentricCam)

@@ -17,8 +17,10 @@ from camcli.kernel.profile import ORDERS, TERMS
 from camcli.profiles.digits import DIGITS, pi, sincos
 
 MOST_PIECES = 64
+CUTS = 4  # cells of a piece in its bounds
 ACCEL_TAIL = Decimal("1e-14")  # neglected part of c_thetatheta, relative to its size
 LIFT_TAIL = Decimal("1e-18")  # neglected part of c, relative to its size
+NOISE = Decimal("1e-36")  # a term of c below it, relative to c, is rounding: a ramp has no curve
 
 
 @dataclass(frozen=True)
@@ -26,12 +28,22 @@ class Part:
     """A smooth part of the cam: c(theta) on [start, end], angles in rad; lift None is a dwell.
 
     `lift` must be analytic a little beyond both ends, since these are rounded to doubles.
+    A part may bring `pieces` instead: equal polynomials with six continuous derivatives.
     """
 
     start: Decimal
     end: Decimal
     lift: Callable[[Decimal], Decimal] | None
     level: Decimal = Decimal(0)  # m, c of a dwell
+    pieces: tuple[Piece, ...] = ()
+
+    def edges(self) -> list[float]:
+        """Boundaries of the part's own pieces, rad: the stretch around a cut must end there."""
+        count = len(self.pieces)
+        with localcontext() as context:
+            context.prec = DIGITS
+            width = (self.end - self.start) / max(1, count)
+            return [float(self.start + width * k) for k in range(count)] + [float(self.end)]
 
 
 @dataclass(frozen=True)
@@ -55,12 +67,12 @@ class Piece:
         """The kernel's row: centre, then the coefficients of each derivative."""
         return [self.center, *(x for order in range(ORDERS) for x in self.derivative(order))]
 
-    def bounds(self, order: int) -> tuple[float, float]:
+    def bounds(self, order: int, cuts: int = CUTS) -> tuple[float, float]:
         """Rigorous (low, high) of the order-th derivative on the piece, by power-sum bounds."""
-        return _polynomial_bounds(self.derivative(order), self.half)
+        return _polynomial_bounds(self.derivative(order), self.half, cuts)
 
 
-def _polynomial_bounds(coefficients: Sequence[float], half: float, cuts: int = 4):
+def _polynomial_bounds(coefficients: Sequence[float], half: float, cuts: int):
     """Bounds of a polynomial on [-half, half]: re-expand about the middle of `cuts` cells."""
     low, high = float("inf"), float("-inf")
     for cell in range(cuts):
@@ -117,10 +129,12 @@ def _fit(part: Part, low: float, high: float) -> tuple[Piece, bool]:
     middle, width = Decimal(center), Decimal(half)
     values = [part.lift(middle + width * node) for node in nodes]
     series = [sum(a * b for a, b in zip(row, values, strict=True)) for row in rows]
+    size = max(map(abs, values))
+    series = [value if abs(value) > NOISE * size else Decimal(0) for value in series]
     tail = max(abs(series[-1]), abs(series[-2]))
     # |T_n''| <= n^2 (n^2 - 1)/3 on [-1, 1]
     accel = [abs(value) * (k * k * (k * k - 1)) / 3 for k, value in enumerate(series)]
-    good = tail <= LIFT_TAIL * max(map(abs, values)) and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
+    good = tail <= LIFT_TAIL * size and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
     powers = [Decimal(0)] * TERMS
     for value, chebyshev in zip(series, _chebyshev(), strict=True):
         for j, factor in enumerate(chebyshev):
@@ -131,6 +145,12 @@ def _fit(part: Part, low: float, high: float) -> tuple[Piece, bool]:
 
 def compile_part(part: Part, low: float, high: float) -> list[Piece]:
     """Equal pieces of `part` on [low, high] rad, as few as double precision allows."""
+    if part.pieces:
+        return [
+            piece
+            for piece, (a, b) in zip(part.pieces, itertools.pairwise(part.edges()), strict=True)
+            if a < high and b > low
+        ]
     if part.lift is None:
         half = (high - low) / 2
         level = (float(part.level),) + (0.0,) * (TERMS - 1)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
+from bisect import bisect
 from collections.abc import Sequence
 from decimal import Decimal
 
 from camcli.kernel.backend import numbers
 from camcli.kernel.profile import COLUMNS, ROW, TURN, Cam, polynomial
 from camcli.profiles.digits import radians
-from camcli.profiles.pieces import Part, Piece, compile_part
+from camcli.profiles.pieces import CUTS, Part, Piece, compile_part
 
 TAYLOR_ERROR = 2e-17  # m/rad, allowed remainder of the slope of the gap's local series
+CELLS = 16  # of a stretch in its bounds, at least
 SMALLEST_KICK = 1e-9  # m/rad: a jump of c_theta below it is rounding
 
 
@@ -66,10 +69,20 @@ def _cuts(parts: Sequence[Part], strobe: float) -> list[tuple[Part, float, float
     for part in parts:
         low, high = float(part.start), min(float(part.end), TURN)
         if low < strobe < high:
-            cuts += [(part, low, strobe), (part, strobe, high)]
+            places = [low, *_around(part, strobe), high]
+            cuts += [(part, a, b) for a, b in itertools.pairwise(places) if b > a]
         elif high > low:
             cuts.append((part, low, high))
     return cuts
+
+
+def _around(part: Part, strobe: float) -> list[float]:
+    """The strobe, between the ends of the piece that holds it where a part brings its pieces."""
+    edges = part.edges()
+    if not part.pieces or strobe in edges:
+        return [strobe]
+    k = bisect(edges, strobe)
+    return [edges[k - 1], strobe, edges[k]]
 
 
 def _values(piece: Piece, theta: float) -> tuple[float, ...]:
@@ -83,7 +96,8 @@ def _kick(jump: float) -> float:
 
 
 def _bounds(group: Sequence[Piece], order: int) -> tuple[float, float]:
-    rows = [piece.bounds(order) for piece in group]
+    cuts = max(CUTS, CELLS // len(group))  # a polynomial law is one wide piece
+    rows = [piece.bounds(order, cuts) for piece in group]
     return min(low for low, _ in rows), max(high for _, high in rows)
 
 

@@ -48,8 +48,10 @@ class Expectations:
                 schema = self._schema["$defs"][schema["$ref"].rpartition("/")[2]]
             elif "anyOf" in schema:
                 schema = next(s for s in schema["anyOf"] if s.get("type") != "null")
-            elif "oneOf" in schema:
+            elif "discriminator" in schema:
                 schema = self._chosen(schema, value)
+            elif "oneOf" in schema:
+                schema = self._by_shape(schema["oneOf"], value)
         return {**schema, "description": description or schema.get("description", "")}
 
     def _chosen(self, union: dict[str, Any], value: object) -> dict[str, Any]:
@@ -59,6 +61,14 @@ class Expectations:
         if isinstance(chosen, str) and chosen in models:
             return {"$ref": models[chosen]}
         return {"type": "object", "properties": {name: {"enum": list(models)}}}
+
+    def _by_shape(self, choices: list[dict[str, Any]], value: object) -> dict[str, Any]:
+        """Of a single value or a map: the one that `value` is, the single one tells of the map."""
+        maps = [choice for choice in choices if "$ref" in choice]
+        if isinstance(value, dict):
+            return maps[0]
+        keys = list(self._settle(maps[0], {}).get("properties", {}))
+        return {**next(choice for choice in choices if "$ref" not in choice), "or": keys}
 
     def dotted_paths(self, leaf: str) -> list[str]:
         """Dotted paths of the sections' keys with this name."""
@@ -74,7 +84,10 @@ def in_words(schema: dict[str, Any]) -> str:
     """`a number greater than 0`, `one of fixed, up, down`, `a map with the keys ...`."""
     choices = schema.get("enum") or ([schema["const"]] if "const" in schema else [])
     if choices:
-        return ("one of " if len(choices) > 1 else "") + ", ".join(str(c) for c in choices)
+        words = ("one of " if len(choices) > 1 else "") + ", ".join(str(c) for c in choices)
+        return words + (
+            f" or a map with the key {', '.join(schema['or'])}" if "or" in schema else ""
+        )
     kind = schema.get("type")
     if kind == "object":
         return "a map with the keys " + ", ".join(schema.get("properties", {}))

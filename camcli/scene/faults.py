@@ -6,9 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from camcli.errors import FileFaults
 from camcli.scene.expected import Expectations, in_words
 from camcli.scene.nodes import Node, at, plain
-from camcli.scene.places import Finding, Path, dotted, shown
+from camcli.scene.places import Finding, Mark, Path, Source, dotted, shown
 from camcli.scene.scalars import oddity
 from camcli.scene.schema import TAGGED, json_schema
 
@@ -29,7 +30,28 @@ class Translator:
         self.hints = 0
 
     def findings(self, errors: list[Mapping[str, Any]]) -> list[Finding]:
-        return [self._finding(error) for error in errors]
+        found: list[Finding] = []
+        for error in errors:
+            cause = error.get("ctx", {}).get("error")
+            if isinstance(cause, FileFaults):
+                found += self._in_file(error, cause)
+            else:
+                found.append(self._finding(error))
+        return found
+
+    def _in_file(self, error: Mapping[str, Any], cause: FileFaults) -> list[Finding]:
+        """Faults of a file that the scene names, each at its place in that file."""
+        source = self.root.mark.source
+        return [
+            Finding(
+                Mark(Source(source.rank, shown(fault.where, 500))),
+                (*self._path(error["loc"], error["type"]), fault.path),
+                shown(fault.found, 300),
+                fault.expected,
+                fault.cure,
+            )
+            for fault in cause.faults
+        ]
 
     def _finding(self, error: Mapping[str, Any]) -> Finding:
         kind = error["type"]
@@ -75,6 +97,9 @@ class Translator:
         if self.hints >= MAX_HINTS or len(key) > 40:
             return "remove it"
         self.hints += 1
+        longer = [name for name in known if name.startswith(f"{key}_")]
+        if longer:
+            return f"did you mean '{longer[0]}'?"
         elsewhere = [p for p in self.expectations.dotted_paths(key) if p != dotted(path)]
         if elsewhere:
             return f"did you mean {' or '.join(elsewhere)}?"

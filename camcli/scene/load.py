@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from camcli.errors import Fault, SceneError
 from camcli.scene.files import default_scene_path, read_text
 from camcli.scene.nodes import Node, node_of, plain, replaced
-from camcli.scene.overrides import apply_set
+from camcli.scene.overrides import apply_set, of_new_kind
 from camcli.scene.places import Finding, Mark, Source, shown
 from camcli.scene.schema import Scene
 from camcli.scene.tree import parse
@@ -84,9 +84,11 @@ def _override(
     options: Mapping[str, tuple[object, str]],
     findings: list[Finding],
 ) -> Node:
+    before = root
     for rank, text in enumerate(sets, 1):
         root, faults = apply_set(root, text, rank)
         findings.extend(faults)
+    root = of_new_kind(root, before)
     for rank, (dotted_path, (value, name)) in enumerate(options.items(), len(sets) + 1):
         node = node_of(value, Mark(Source(rank, name)))
         root = replaced(root, tuple(dotted_path.split(".")), node)

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import get_args
 
 from camcli.errors import Fault, SceneError
-from camcli.scene.nodes import Node, replaced
+from camcli.profiles import CAMS
+from camcli.scene.nodes import Node, at, replaced
 from camcli.scene.places import Finding, Mark, Source, shown
 from camcli.scene.scalars import oddity, resolve
 from camcli.scene.schema import FASTEST, SLOWEST
 from camcli.scene.tree import MAX_DEPTH, parse
 
+_KIND = ("cam", "kind")
 _FORM = "expected path.to.key=value"
 _SPEED = f"expected a speed from {SLOWEST:g} to {FASTEST:g} turns per minute, or a range LO:HI"
 
@@ -32,6 +36,24 @@ def apply_set(root: Node, text: str, rank: int) -> tuple[Node, tuple[Finding, ..
     if tree.root is None or findings:
         return root, findings
     return replaced(root, path, tree.root), ()
+
+
+def of_new_kind(root: Node, before: Node) -> Node:
+    """The scene after overrides; where they change `cam.kind`, foreign keys of the file fall away.
+
+    Keys that the new kind knows are kept, and so is all that was set on the command line.
+    """
+    cam, kind, old = root.child("cam"), *(at(tree, _KIND)[0].value for tree in (root, before))
+    fields = [model.model_fields for model in CAMS if kind in _kinds(model)]
+    if kind == old or not fields:
+        return root
+    kept = {k: v for k, v in cam.value.items() if k in fields[0] or v.mark.source.rank > 0}
+    return replaced(root, _KIND[:1], replace(cam, value=kept))
+
+
+def _kinds(model) -> tuple:
+    """The word that `kind` must be, in a tuple."""
+    return get_args(model.model_fields["kind"].annotation)
 
 
 def parse_rpm(text: str) -> float | tuple[float, float]:

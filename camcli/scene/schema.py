@@ -63,6 +63,7 @@ Span = Annotated[
 ]
 SectionName = Literal["impacts", "strobe"]
 ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
+Flag = Annotated[bool, Field(strict=True)]
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
 Cam = cam_union(CAMS)
 TAGGED = len(CAMS) > 1  # pydantic then names the kind in the location of an error
@@ -151,6 +152,8 @@ class Sweep(Section):
         description="sections recorded",
         json_schema_extra={"uniqueItems": True},
     )
+    lyapunov: Flag = Field(False, description="measure the largest exponent at each speed")
+    explain: Flag = Field(False, description="find the cause of every change (direction: fixed)")
 
 
 class DetachRange(RpmRange):

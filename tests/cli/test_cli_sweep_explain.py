@@ -87,7 +87,8 @@ def test_the_events_of_the_default_range_are_listed(explained):
         ("aperiodic", "P(1;1)"),
         ("P(1;1)", "aperiodic"),
     }
-    assert [row["classification"] for row in rows(folder / "1/corners.csv")][0] == "nonsmooth-fold"
+    classes = {row["classification"] for row in rows(folder / "1/corners.csv")}
+    assert classes >= {"nonsmooth-fold", "border-period-doubling"}
     assert (folder / "1/sweep.png").read_bytes()[:4] == b"\x89PNG"
 
 

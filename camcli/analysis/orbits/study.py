@@ -9,7 +9,7 @@ from camcli.analysis.engine import Cost, Settings, compile_for
 from camcli.analysis.orbits.absence import Absence, look_around
 from camcli.analysis.orbits.branch import Bifurcation, Branch, Writer
 from camcli.analysis.orbits.crossing import Crossing, doubled
-from camcli.analysis.orbits.find import RECORD, Found, find
+from camcli.analysis.orbits.find import MOST_STARTS, RECORD, Found, find
 from camcli.analysis.orbits.leg import Leg, both_ways, follow
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.resting import follow_resting
@@ -59,7 +59,8 @@ def study(
     on_branch: Callable[[], None] = lambda: None,
 ) -> Study:
     """Find, follow and classify; `on_branch` is called after each branch."""
-    turns = (question.starts + 1) * (settings.transient + RECORD)
+    starts = question.starts if question.label is None else max(question.starts, MOST_STARTS)
+    turns = (starts + 1) * (settings.transient + RECORD)
     if backend.must_compile() or (backend.may_compile() and turns > 2 * LITTLE_WORK):
         compile_for(system)
     found = find(system, question.rpm, settings, question.starts, question.label)

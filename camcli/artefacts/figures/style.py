@@ -11,6 +11,7 @@ from string import ascii_lowercase
 
 import matplotlib
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
@@ -64,6 +65,7 @@ def page(path_or_buffer, height: int) -> Iterator[Figure]:
     defaults = {k: v for k, v in matplotlib.rcParamsDefault.items() if k not in KEPT}
     with matplotlib.rc_context({**defaults, **RC}):
         figure = Figure(figsize=(WIDTH / DPI, height / DPI), dpi=DPI)
+        FigureCanvasAgg(figure)  # measures texts without a new canvas for each
         yield figure
         figure.savefig(path_or_buffer, format="png", dpi=DPI, metadata={"Software": None})
 

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import degrees
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -27,12 +28,24 @@ from camcli.artefacts.figures.density import (
     phase_range,
     shares,
 )
+from camcli.artefacts.figures.event_keys import (
+    draw_lines,
+    draw_list,
+    draw_numbers,
+    list_height,
+    numbered,
+    numbers_height,
+)
 from camcli.errors import OK
 from camcli.system import System
+
+if TYPE_CHECKING:
+    from camcli.analysis.explain.events import Event
 
 LEFT, RIGHT = 110, 50  # px, margins of the diagrams
 CAM, CAM_GAP = 72, 18  # px, width of the three curves of the cam beside them
 GAP, BOTTOM = 36, 90  # px, between panels and below the last
+LIST_GAP = 14  # px above a list of events
 KEY = 140  # px, height of the scales above the panels; half is enough without the cam
 CHARS = 108  # in a line of the subtitle
 FULLEST = 0.1  # share of a column's points per pixel from which it is darkest
@@ -51,26 +64,38 @@ class _Panel:
     enlarged: tuple[float, float] | None = None  # shown again in the next panel
 
 
-def draw_sweep(sweep: Sweep, system: System, path_or_buffer, *, start_text: str) -> None:
+def draw_sweep(
+    sweep: Sweep,
+    system: System,
+    path_or_buffer,
+    *,
+    start_text: str,
+    events: Sequence[Event] | None = None,
+) -> None:
     """Write the PNG of a sweep to a path or a binary buffer.
 
-    `start_text` says how the orbits were started; it stands below the title.
+    `start_text` says how the orbits were started; it stands below the title. `events` are listed
+    below it and numbered above the panels.
     """
+    found = numbered(events or ())
     speeds = sorted(sweep.speeds, key=lambda speed: speed.rpm)
     panels = _panels(speeds)
     lines = textwrap.wrap(_subtitle(speeds, start_text), CHARS, break_on_hyphens=False)
-    top = 54 + style.LINE * len(lines) + (KEY if panels and panels[0].phases else KEY // 2)
+    head = 54 + style.LINE * len(lines) + (LIST_GAP if found else 0)
+    top = head + list_height(found) + numbers_height(found)
+    top += KEY if panels and panels[0].phases else KEY // 2
     heights = [panel.height for panel in panels] or [200]
     height = top + sum(heights) + GAP * (len(heights) - 1) + BOTTOM
     with style.page(path_or_buffer, height) as figure:
         style.write(figure, 20, 14, _title(speeds), size=9, weight="bold")
         style.write(figure, 20, 54, "\n".join(lines), linespacing=1.25)
+        draw_list(figure, head, found)
         if not panels:
             wide = style.WIDTH - LEFT - RIGHT
             empty = style.place(figure, LEFT, top, wide, heights[0], xticks=[], yticks=[])
             style.note(empty, "nothing was recorded")
             return
-        _draw_panels(figure, panels, speeds, system, top)
+        _draw_panels(figure, panels, speeds, system, top, found)
 
 
 def _title(speeds: Sequence[Speed]) -> str:
@@ -110,7 +135,7 @@ def _panels(speeds: Sequence[Speed]) -> list[_Panel]:
     return panels
 
 
-def _draw_panels(figure: Figure, panels, speeds, system: System, top: int) -> None:
+def _draw_panels(figure: Figure, panels, speeds, system: System, top: int, events) -> None:
     left = LEFT + (len(CURVES) * (CAM + CAM_GAP) + CAM_GAP if panels[0].phases else 0)
     columns = Columns.of([speed.rpm for speed in speeds], style.WIDTH - left - RIGHT)
     faintest = one_point([panel.cloud for panel in panels], columns)
@@ -121,6 +146,9 @@ def _draw_panels(figure: Figure, panels, speeds, system: System, top: int) -> No
         image = _draw_cloud(axes, panel, columns, norm) or image
         axes.set(xlim=(columns.low, columns.high), ylim=(panel.low, panel.high))
         axes.tick_params(labelbottom=panel is panels[-1])
+        draw_lines(axes, events)
+        if n == 0:
+            draw_numbers(axes, events, columns.width, panel.height)
         _draw_troubles(axes, speeds)
         if panel.phases:
             axes.tick_params(left=False, labelleft=False)
@@ -132,7 +160,7 @@ def _draw_panels(figure: Figure, panels, speeds, system: System, top: int) -> No
         top += panel.height + GAP
     axes.set_xlabel("cam speed (rpm)")
     if image is not None:
-        _draw_key(figure, image, above - 60)
+        _draw_key(figure, image, above - 60 - numbers_height(events))
 
 
 def _draw_cloud(axes: Axes, panel: _Panel, columns: Columns, norm: LogNorm):
