@@ -10,17 +10,23 @@ from camcli.analysis.basins.mapping import Basins
 from camcli.analysis.basins.refine import leaves
 from camcli.analysis.basins.study import Speed, Study
 from camcli.analysis.sweep import status_name
+from camcli.artefacts.orbits import MULTIPLIERS
 from camcli.artefacts.tables import header, mixed_rows
 from camcli.system import omega_of
 
 ATTRACTORS = ("attractor", "label", "q_m", "v_m_per_s", "fraction", "standard_error", "rpm")
+GROWTH = (*MULTIPLIERS, "lyapunov_per_period")
 BASINS = ("q_m", "v_m_per_s", "attractor")
 PIECE = 1 << 16  # rows
 
 
 def attractors_csv(result: Study) -> Iterator[str]:
-    """attractors.csv: by speed and number; what belongs to none has a code of 0 or less."""
-    yield header(ATTRACTORS)
+    """attractors.csv: by speed and number; what belongs to none has a code of 0 or less.
+
+    With exponents asked for, multipliers of solved orbits and the largest exponent are appended.
+    """
+    asked = any(speed.exponents is not None for speed in result.speeds)
+    yield header([*ATTRACTORS, *(GROWTH if asked else ())])
     for speed in result.speeds:
         yield from mixed_rows(_rows(speed))
 
@@ -32,11 +38,23 @@ def _rows(speed: Speed):
         q, w = attractor.states[0]
         v = w * omega_of(speed.rpm)
         share = speed.fractions[k + 1]
-        yield (speed.branches[k], attractor.label, float(q), float(v), *share, speed.rpm)
+        row = (speed.branches[k], attractor.label, float(q), float(v), *share, speed.rpm)
+        yield (*row, *_growth(speed, k))
     for code, share in speed.fractions.items():
         if code <= 0:
             name = "undecided" if code == 0 else status_name(-code)
-            yield (code, name, "", "", *share, speed.rpm)
+            yield (code, name, "", "", *share, speed.rpm, *_growth(speed, None))
+
+
+def _growth(speed: Speed, k: int | None) -> list:
+    """Multipliers and exponent of an attractor, empty where there are none."""
+    if speed.exponents is None:
+        return []
+    if k is None:
+        return [""] * len(GROWTH)
+    pair, exponent = speed.attractors[k].multipliers, speed.exponents[k]
+    numbers = [""] * 4 if pair is None else [x for z in pair for x in (z.real + 0.0, z.imag + 0.0)]
+    return [*numbers, "" if exponent is None else exponent]
 
 
 def basins_csv(grid: Basins, refine: int) -> Iterator[str]:

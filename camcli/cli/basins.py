@@ -67,8 +67,9 @@ def _options(request: Request) -> dict[str, tuple[Any, str]]:
     for key in ("method", "refine"):
         if extra[key] is not None:
             values[f"basins.{key}"] = (extra[key], f"--{key}")
-    if extra["boundary"]:
-        values["basins.boundary"] = (True, "--boundary")
+    for key in ("boundary", "exponents"):
+        if extra[key]:
+            values[f"basins.{key}"] = (True, f"--{key}")
     return values
 
 
@@ -148,6 +149,7 @@ def _compute(request: Request, setup: Setup, question: Question, rpms: list[floa
             setup.settings,
             question,
             boundary=setup.scene.basins.boundary,
+            exponents=setup.scene.basins.exponents,
             threads=request.threads,
             on_cells=on_cells,
         )

@@ -35,6 +35,8 @@ sample with the shares of its 3 x 3 cells, others as exact.
 boundary's dimension is 2 - alpha. Basin and boundary entropy are of boxes of 5 x 5 cells.
 --rpm LO:HI gives fractions against speed; an attractor keeps its number while its state goes on
 continuously, or while each started at the other's speed ends on the other.
+--exponents appends multiplier_1_re, ..., lyapunov_per_period to attractors.csv: multipliers where
+the orbit is solved, the largest exponent per turn everywhere (-inf where it rests).
 The criterion of each attractor, with radius and checks, is in run.json.
 """
 
@@ -50,5 +52,9 @@ BASINS_OPTIONS = {
 }
 BASINS_OPTIONS["boundary"] = (
     Annotated[bool, typer.Option("--boundary", help="Measure the boundary's dimension.")],
+    False,
+)
+BASINS_OPTIONS["exponents"] = (
+    Annotated[bool, typer.Option("--exponents", help="Multipliers and exponents of attractors.")],
     False,
 )

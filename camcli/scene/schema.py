@@ -252,6 +252,9 @@ class Basins(Section):
     boundary: Annotated[bool, Field(strict=True)] = Field(
         False, description="measure the uncertainty exponent of the boundary"
     )
+    exponents: Annotated[bool, Field(strict=True)] = Field(
+        False, description="multipliers and Lyapunov exponents of the attractors"
+    )
 
 
 class ClassifyRange(RpmRange):

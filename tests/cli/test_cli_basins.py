@@ -237,3 +237,16 @@ def test_help_documents_columns_codes_and_methods(cam):
              "standard_error", "--refine", "--boundary", "--method", "--cells")  # fmt: skip
     assert all(word in text for word in words)
     assert "--refine" not in cam("sweep", "--help").stdout
+
+
+def test_multipliers_and_exponents_are_appended_when_asked_for(cam, tmp_path):
+    words = ("basins", "--rpm", "361", "--cells", "20", "--exponents", "--no-plot", "-o", "out")
+    done = cam(*words)
+    assert done.returncode == 0, done.stderr
+    with open(tmp_path / "out" / "attractors.csv", newline="") as file:
+        found = {row["label"]: row for row in csv.DictReader(file)}
+    # P(1;2): two impacts in a turn, complex multipliers, so ln|m| = ln(r^2) = 2 ln 0.8
+    assert float(found["P(1;2)"]["lyapunov_per_period"]) == pytest.approx(-0.446287102628, rel=1e-9)
+    assert float(found["P(1;2)"]["multiplier_1_im"]) > 0.0
+    assert float(found["aperiodic"]["lyapunov_per_period"]) > 0.05
+    assert found["aperiodic"]["multiplier_1_re"] == ""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.branches import Branches
+from camcli.analysis.basins.growth import largest_exponent
 from camcli.analysis.basins.mapping import Basins, Question, basins
 from camcli.analysis.basins.measures import entropies
 from camcli.analysis.basins.region import Region
@@ -33,6 +34,7 @@ class Speed:
     computed: int
     turns: tuple[int, int, int]  # a cell takes: median, 99 %, most
     cost: Cost
+    exponents: tuple[float | None, ...] | None = None  # largest, per turn; None: not asked for
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,7 @@ def study(
     question: Question,
     *,
     boundary: bool = False,
+    exponents: bool = False,
     threads: int | None = None,
     on_cells: Callable[[int], None] = lambda cells: None,
 ) -> Study:
@@ -65,7 +68,11 @@ def study(
         grid, census = basins(system, rpm, settings, question, threads=threads, on_cells=on_cells)
         doubt = uncertainty(census, question.window) if boundary else None
         numbers = branches.number(grid.attractors, census)
-        speeds.append(_summary(grid, numbers, doubt, census.crew.cost))
+        speed = _summary(grid, numbers, doubt, census.crew.cost)
+        if exponents:
+            found = [largest_exponent(system, rpm, settings, a) for a in speed.attractors]
+            speed = replace(speed, exponents=tuple(found))
+        speeds.append(speed)
         cost = cost + census.crew.cost
     return Study(speeds, grid if len(rpms) == 1 else None, cost)
 

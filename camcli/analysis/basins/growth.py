@@ -1,0 +1,34 @@
+"""How differences grow on an attractor: multipliers where solved, else a measured exponent."""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+from camcli.analysis.basins.attractor import Attractor
+from camcli.analysis.engine import Orbit, Settings, Start, with_turns
+from camcli.analysis.exponents import of_tape
+from camcli.errors import OK
+from camcli.kernel.exponents import natural_log
+from camcli.system import System, omega_of
+
+RECORD = 4000  # turns of an aperiodic attractor
+
+
+def largest_exponent(
+    system: System, rpm: float, settings: Settings, attractor: Attractor
+) -> float | None:
+    """Largest Lyapunov exponent per turn: ln |multiplier|/m, or from a record; -inf after a rest.
+
+    None where a record shows too little.
+    """
+    if attractor.multipliers is not None:
+        z = complex(attractor.multipliers[0])
+        size = sqrt(z.real * z.real + z.imag * z.imag)
+        return natural_log(size) / attractor.turns if size > 0.0 else -inf
+    if attractor.periodic:
+        return -inf
+    q, w = attractor.states[0]
+    start = Start(q, w * omega_of(rpm), system.strobe * (180.0 / 3.141592653589793))
+    tape = Orbit(system, rpm, with_turns(settings, 0, RECORD), start).run()
+    found = of_tape(system, rpm, tape) if tape.status == OK else None
+    return None if found is None else found.largest
