@@ -78,6 +78,7 @@ def of_tape(system: System, rpm: float, tape: Tape) -> Exponents | None:
     """From the logged impacts of a record; None where there are too few to say anything."""
     lane = system.lane(rpm, 1.0, 1)
     compiled = backend.is_compiled()
+    backend.announce("stretch_events")
     cam = system.native_cam()
     whole, real = _interleaved(tape, compiled)
     rows = len(tape.kind)

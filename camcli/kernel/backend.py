@@ -39,6 +39,7 @@ MODULES = (
 _functions: list = []
 _entries: set = set()
 _outlined: set = set()
+_announced: set[str] = set()
 _compiled = False
 skip_blas = False  # set by the command line, see `without_blas`
 compile_seconds = 0.0  # spent loading numba and compiling, or reading the cache
@@ -94,9 +95,18 @@ def cache_dir() -> Path:
     return Path(home) / "camcli" / f"kernel-{source_hash()}"
 
 
-def is_cached() -> bool:
-    """True if an earlier process left a compiled kernel for these sources."""
-    return any(cache_dir().glob("**/*.nbc"))
+def is_cached(entry: str = "advance") -> bool:
+    """True if an earlier process left this entry point compiled for these sources."""
+    return any(cache_dir().glob(f"**/lanes.{entry}-*.nbc"))
+
+
+def announce(entry: str) -> None:
+    """Say once, before the first call of a compiled entry, that it will take some seconds."""
+    if entry in _announced or not _compiled:
+        return
+    _announced.add(entry)
+    if on_compile is not None and not is_cached(entry):
+        on_compile("compiling a further part of the kernel: some seconds, once ...")
 
 
 def _usable_cache() -> Path | None:

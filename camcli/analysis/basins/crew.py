@@ -122,6 +122,7 @@ def _compile(system: System) -> None:
         return
     with _warming:
         compile_for(system)
+        backend.announce("settle_cells")
         if _warm:
             return
         began, _warm = perf_counter(), True

@@ -123,6 +123,7 @@ class Shooter:
         self.compiled = backend.must_compile()
         if self.compiled:
             compile_for(system)
+            backend.announce("correct_orbit")
         self.cam = system.native_cam() if self.compiled else system.cam
         self._rooms: dict[int, tuple] = {}
 
