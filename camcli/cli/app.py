@@ -8,8 +8,11 @@ from typing import Annotated
 import typer
 
 from camcli.cli.basins_help import BASINS_HELP, BASINS_OPTIONS
+from camcli.cli.bench_help import BENCH_HELP, BENCH_OPTIONS
 from camcli.cli.classify_help import CLASSIFY_HELP, CLASSIFY_OPTIONS
+from camcli.cli.figures_help import FIGURES_HELP, FIGURES_OPTIONS, WITHOUT
 from camcli.cli.options import Request, command
+from camcli.cli.profile_help import PROFILE_HELP, PROFILE_OPTIONS
 
 app = typer.Typer(
     name="cam",
@@ -98,7 +101,7 @@ branch.csv        branch, label, rpm, stable (0 or 1), region, theta_deg_1.. (im
                   trace, det; a point per row in the order of the branch
 bifurcations.csv  branch, label, kind, rpm, rpm_error, corner, trace_left, det_left, trace_right,
                   det_right, classification
-curve.csv         with --curve: a bifurcation in two parameters
+curve.csv         with --curve: a bifurcation in two parameters; curve.png its picture
 orbits.png        branches, multipliers, corner impacts
 
 \b
@@ -185,12 +188,26 @@ def _basins(request: Request) -> int:
     return run(request)
 
 
-command(app, "simulate", _simulate, SIMULATE_HELP)
+def _figures(request: Request) -> int:
+    from camcli.cli.figures import run
+
+    return run(request)
+
+
+def _bench(request: Request) -> int:
+    from camcli.cli.bench import run
+
+    return run(request)
+
+
+command(app, "simulate", _simulate, SIMULATE_HELP + PROFILE_HELP, PROFILE_OPTIONS)
 command(app, "sweep", _sweep, SWEEP_HELP, SWEEP_OPTIONS)
 command(app, "detach", _detach, DETACH_HELP, {"hold_to": (HOLD_TO, None)})
 command(app, "orbits", _orbits, ORBITS_HELP, ORBITS_OPTIONS)
 command(app, "basins", _basins, BASINS_HELP, BASINS_OPTIONS)
 command(app, "classify", _classify, CLASSIFY_HELP, CLASSIFY_OPTIONS)
+command(app, "bench", _bench, BENCH_HELP, BENCH_OPTIONS)
+command(app, "figures", _figures, FIGURES_HELP, FIGURES_OPTIONS, WITHOUT)
 
 
 @app.command("schema", help="Print the scene's JSON Schema, for editors.")

@@ -211,10 +211,17 @@ def _write(request: Request, setup: Setup, store: Store, result: Study, curves) 
         store.write_text("curve.csv", curve_csv(curves, setup.scene.orbits.curve_in))
     if request.no_plot:
         store.remove("orbits.png")
+        store.remove("curve.png")
         return
+    from camcli.artefacts.figures.curves import draw_curves
     from camcli.artefacts.figures.orbits import draw_orbits
 
     store.write("orbits.png", lambda file: draw_orbits(result, setup.system, file))
+    second = setup.scene.orbits.curve_in
+    if setup.scene.orbits.curve is None:
+        store.remove("curve.png")
+    else:
+        store.write("curve.png", lambda file: draw_curves(curves, second, file))
 
 
 def _verdict(result: Study, curves: list[Curve]) -> int:

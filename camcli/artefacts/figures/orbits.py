@@ -101,7 +101,15 @@ def draw_orbits(study: Study, system: System, path_or_buffer) -> None:
         _draw_multipliers(figure, top, scene)
         top += PLANE + BOTTOM + 20
         for zoom in close:
-            draw_zoom(figure, top, zoom, scene.branches, scene.colours, found, axis_name(study))
+            draw_zoom(
+                figure,
+                top,
+                zoom,
+                scene.branches,
+                scene.colours,
+                found,
+                axis_name(study.question.parameter),
+            )
             top += ZOOM + 60
 
 
@@ -127,10 +135,9 @@ def heading(study: Study) -> list[tuple[str, dict]]:
     return [(title, {"size": 9, "weight": "bold"}), (words, {})]
 
 
-def axis_name(study: Study) -> str:
-    """Label of the axis of the parameter."""
-    unit = UNITS[study.question.parameter] or "-"
-    return f"{NAMES[study.question.parameter]} ({unit})"
+def axis_name(parameter: str) -> str:
+    """Label of the axis of a parameter."""
+    return f"{NAMES[parameter]} ({UNITS[parameter] or '-'})"
 
 
 def _range(axes: Axes, scene: _Scene) -> None:
@@ -207,7 +214,7 @@ def _draw_positions(axes: Axes, scene: _Scene, system: System) -> None:
         mark(axes, event.source.kind, [event.value] * len(event.positions), event.positions)
     phase = style.number(round(degrees(system.strobe), 9))
     axes.set_ylabel(rf"$q$ (m) at $\theta$ = {phase} deg")
-    axes.set_xlabel(axis_name(scene.study))
+    axes.set_xlabel(axis_name(scene.study.question.parameter))
 
 
 def _draw_multipliers(figure: Figure, top: int, scene: _Scene) -> None:
@@ -224,4 +231,4 @@ def _draw_multipliers(figure: Figure, top: int, scene: _Scene) -> None:
     axes = style.place(figure, left, top, style.WIDTH - RIGHT - left, PLANE)
     _range(axes, scene)
     draw_real(axes, lines, scene.colours)
-    axes.set_xlabel(axis_name(scene.study))
+    axes.set_xlabel(axis_name(scene.study.question.parameter))
