@@ -258,7 +258,7 @@ class Flight:
     def _scan(self, arc: Arc, lo: mpf, hi: mpf, contact: bool) -> Sample | None:
         """First contact on one cam piece: cells in doubles, the doubtful ones in mpmath."""
         n = int((hi - lo) / self._width()) + 1
-        rough = Arc(*(float(x) for x in arc))
+        rough = type(arc)(*(float(x) for x in arc))
         x0, t0, dt = float(self.psi - arc.origin), float(lo), float((hi - lo) / n)
         f, _, q, v = self.double
         lever = 1 / f.w2 if f.w2 else float(hi) / (2 * f.zeta) if f.zeta else float(hi) ** 2

@@ -1,0 +1,241 @@
+"""Reference results of `cam bench`, made by the multiple-precision oracle alone.
+
+    python tests/bench/make_reference.py [NAME ...]
+
+writes camcli/analysis/bench/reference/*.json (minutes in all). Nothing of the kernel is used. Each
+file of a case holds its machine, its start at theta = 0, the events of whole turns (phases in rad
+and relative velocities in m/s with 25 digits, and how much the orbit stretches a relative error of
+the data up to there) and the state at the end.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from math import pi
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from mpmath import mp, mpf
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+
+from tests import oracle  # noqa: E402
+from tests.oracle import ArcsCam, Event, Flight, Oracle, _num  # noqa: E402
+
+FOLDER = ROOT / "camcli" / "analysis" / "bench" / "reference"
+DIGITS = 25
+CUT = "1e-16"  # rad of chatter replaced by its first-order map: an error of about its square
+ARCS = {
+    "kind": "arcs",
+    "base_radius": 0.85 - 0.45,  # exact in doubles
+    "flank_center": 0.45,
+    "flank_radius": 0.85,
+    "nose_center": 0.40393320723821,
+    "nose_radius": 0.15,
+    "top_dwell_deg": 40.0,
+    "offset": 0.3,
+}
+ECCENTRIC = {"kind": "eccentric", "base": 0.1, "lift": 0.2}
+CHAPTER = {
+    "mass": 1.221, "stiffness": 1430.8, "damping": 0.0, "gravity": 0.0, "preload": 0.0,
+    "restitution": 0.8,
+}  # fmt: skip
+
+
+class Harmonic(NamedTuple):
+    """A turn of the eccentric cam: c = middle - half cos x, x = theta - origin."""
+
+    middle: Any
+    half: Any
+    origin: Any
+    end: Any
+
+    def laws(self, lib, x):
+        """Lift and its first two derivatives in the angle."""
+        cos, sin = lib.cos(x), lib.sin(x)
+        return self.middle - self.half * cos, self.half * sin, self.half * cos
+
+
+class EccentricCam:
+    """c = base + lift (1 - cos theta)/2, with what the oracle asks of a cam."""
+
+    def __init__(self, base: float, lift: float):
+        self.half = mpf(lift) / 2
+        self.middle = mpf(base) + self.half
+
+    def segments(self, psi, side=1):
+        """One piece per turn, from the unbounded angle psi on."""
+        turn = mp.floor(psi / (2 * mp.pi))
+        while True:
+            origin = 2 * mp.pi * turn
+            yield Harmonic(self.middle, self.half, origin, origin + 2 * mp.pi)
+            turn += 1
+
+    def laws(self, theta, side=1):
+        """(c, c_theta, c_thetatheta)."""
+        return Harmonic(self.middle, self.half, mpf(0), None).laws(mp, _num(theta))
+
+    def c(self, theta):
+        """Lift."""
+        return self.laws(theta)[0]
+
+    def c1(self, theta):
+        """Slope."""
+        return self.laws(theta)[1]
+
+
+def case(title, rpm, turns, start=None, cam=ARCS, chatter="none", **changes):
+    """What defines a case; `start` is (q, v) at theta = 0, None for rest on the cam."""
+    data = {"title": title, "follower": {**CHAPTER, **changes}, "cam": cam, "rpm": rpm}
+    q, v = start or (None, None)
+    return {**data, "start": {"q": q, "v": v}, "turns": turns, "chatter": chatter}
+
+
+CASES = {
+    "periodic": case("P(1;1) at 700 rpm", 700.0, 40, (2.355530525660, -16.6)),
+    "chatter": case("complete chatter at 190 rpm", 190.0, 3, chatter="complete"),
+    "incomplete": case("incomplete chatter at 198.7 rpm", 198.7, 4, chatter="complete"),
+    "p3": case("P(3;3:3:2) at 358.5 rpm", 358.5, 9, (0.36, -1.0)),
+    "chaotic": case("chaotic stretch at 745 rpm", 745.0, 20),
+    "critical": case(
+        "critical damping, 300 rpm", 300.0, 3, chatter="complete", damping=83.594
+    ),
+    "overdamped": case("overdamped, 300 rpm", 300.0, 3, chatter="complete", damping=500.0),
+    "stiff": case(
+        "k = 1e8 N/m at 50000 rpm", 50000.0, 3, chatter="complete", stiffness=1e8
+    ),
+    "eccentric": case("eccentric cam, 700 rpm", 700.0, 10, cam=ECCENTRIC),
+}  # fmt: skip
+
+
+def oracle_cam(section: dict):
+    """The oracle's cam of a scene section."""
+    values = {key: value for key, value in section.items() if key != "kind"}
+    return ArcsCam(**values) if section["kind"] == "arcs" else EccentricCam(**values)
+
+
+def digits(x, n=DIGITS) -> str:
+    """A number of so many significant digits, as text."""
+    return mp.nstr(mpf(x), n, strip_zeros=False)
+
+
+def event_of(e: Event) -> dict[str, Any]:
+    """An event as it is stored."""
+    stretch = float(min(e.stretching, mpf(10) ** 300))
+    theta, u = digits(e.theta), digits(e.u_minus)
+    return {"kind": e.kind, "turn": e.turn, "theta": theta, "u": u, "stretching": stretch}
+
+
+def final(reference: Oracle, omega, turns: int, raw) -> tuple[mpf, mpf]:
+    """(q, v) after the last event of `raw`, flown to the end of the last turn."""
+    end = 2 * mp.pi * turns
+    c, c1, _ = reference.cam.laws(end)
+    last = raw[-1]
+    if last.kind == "chatter":
+        return c, omega * c1
+    _, slope, _ = reference.cam.laws(last.psi)
+    follower = oracle.Follower.make(*reference.data)
+    return follower.flow((end - last.psi) / omega, last.q, omega * slope + last.u_plus)
+
+
+def solved(data: dict[str, Any]) -> dict[str, Any]:
+    """Events and final state of a case."""
+    with mp.workdps(oracle.CAM_DPS):
+        cam = oracle_cam(data["cam"])
+    reference = Oracle(cam, rpm=data["rpm"], **data["follower"])
+    q, v, turns = data["start"]["q"], data["start"]["v"], data["turns"]
+    events = reference.run(q=q, v=v, turns=turns, chatter_cut=mpf(CUT))
+    with mp.workdps(80):
+        cut, end = mpf(CUT), 2 * mp.pi * turns
+        q, v = (None if x is None else mpf(x) for x in (q, v))
+        ends = []
+        for rpm, r, q0, v0 in reference._variants(q, v):
+            raw = reference._run(mpf(0), end, cut, 0, rpm, r, q0, v0)
+            ends.append(final(reference, rpm * mp.pi / 30, turns, raw))
+        omega = reference.rpm * mp.pi / 30
+        away = [max(abs(a - ends[0][0]), abs(b - ends[0][1]) / omega) for a, b in ends[1:]]
+        stretch = max(1.0, float(max(away) / mpf(oracle.PERTURBATION)))
+        state = {"q": digits(ends[0][0]), "v": digits(ends[0][1]), "stretching": stretch}
+    return {**data, "events": [event_of(e) for e in events], "final": state}
+
+
+# ------------------------------------------------------------------------------ stability
+
+HEAVY = {
+    "6.7e3 at 115": (6.7e3, 115.0),
+    "4.1e4 at 700": (4.1e4, 700.0),
+    "1e9 at 115": (1e9, 115.0),
+    "1e12 at 115": (1e12, 115.0),
+}
+TURNS = 2
+
+
+def coarse(self) -> mpf:
+    """Cells of the turn alone: the fast decay is over at once, its cell is bisected."""
+    return 2 * mp.pi / self.omega / oracle.CELLS_PER_TURN
+
+
+def heavy(b: float, rpm: float) -> dict[str, Any]:
+    """Landings after a flight, departures, and the height at the end, with heavy damping."""
+    own = Flight._width
+    if b > 1e6:
+        Flight._width = coarse
+    data = case("", rpm, TURNS, damping=b)
+    reference = Oracle(oracle_cam(ARCS), rpm=rpm, **data["follower"])
+    events = reference.run(turns=TURNS, chatter_cut=mpf(CUT))
+    with mp.workdps(80):
+        omega, end = mpf(rpm) * mp.pi / 30, 2 * mp.pi * TURNS
+        raw = reference._run(mpf(0), end, mpf(CUT), 0, mpf(rpm), reference.r, None, None)
+        q, _ = final(reference, omega, TURNS, raw)
+    Flight._width = own
+    kept = [
+        [e.kind, e.turn, digits(e.theta)]
+        for before, e in zip([None, *events], events, strict=False)
+        if e.kind == "detachment" or (before is not None and before.kind == "detachment")
+    ]
+    return {"damping": b, "rpm": rpm, "turns": TURNS, "events": kept, "q": digits(q)}
+
+
+def graze(rpm: float, degrees: float, delta: float, s: float) -> dict[str, float] | None:
+    """Start of an undamped flight that is tangent to the cam `s` rad later, raised by delta m."""
+    cam, theta = oracle_cam(ARCS), degrees * pi / 180
+    with mp.workdps(40):
+        omega = mpf(rpm) * mp.pi / 30
+        W = mp.sqrt(mpf(CHAPTER["stiffness"]) / mpf(CHAPTER["mass"])) / omega
+        c, c1, _ = cam.laws(theta)
+        q, w = c + mpf(delta), c1
+        q, w = q * mp.cos(W * s) - w / W * mp.sin(W * s), w * mp.cos(W * s) + W * q * mp.sin(W * s)
+        if q <= cam.c(theta - s):
+            return None
+        start = {"theta_deg": (theta - s) * 180 / pi, "q": float(q), "v": float(w * omega)}
+    return {"rpm": rpm, "at": theta, **start}
+
+
+def stability() -> dict[str, Any]:
+    """Stored values of the rows of the extreme cases that need some."""
+    flights = [
+        graze(rpm, degrees, delta, s)
+        for rpm in (300.0, 400.0, 700.0)
+        for degrees in (150.5, 153.0, 155.0, 158.0)
+        for s in (0.2, 0.3, 0.6, 1.0)
+        for delta in (-1e-16, 0.0, 1e-16)
+    ]
+    grazes = [flight for flight in flights if flight is not None]
+    values = {name: heavy(*data) for name, data in HEAVY.items()}
+    return {"follower": CHAPTER, "cam": ARCS, "heavy": values, "grazes": grazes}
+
+
+def main(names: list[str]) -> None:
+    """Write the files of these cases, or all."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    for name in names or [*CASES, "stability"]:
+        found = stability() if name == "stability" else solved(CASES[name])
+        text = json.dumps(found, indent=1)
+        (FOLDER / f"{name}.json").write_text(text + "\n", encoding="utf-8")
+        print(name, len(text), "bytes", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
