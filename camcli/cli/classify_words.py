@@ -55,7 +55,8 @@ def _exponent(group: list[Motion]) -> str:
         e = found[0]
         return f"{e.largest:.6g}" + (f" +- {e.spread:.1g}" if e.spread > 0.0 else "")
     values = [e.largest for e in found]
-    return f"{min(values):.4g} to {max(values):.4g}" if min(values) < max(values) else "-inf"
+    low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+    return low if low == high else f"{low} to {high}"
 
 
 def _short(text: str) -> str:

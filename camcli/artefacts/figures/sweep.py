@@ -46,6 +46,8 @@ LEFT, RIGHT = 110, 50  # px, margins of the diagrams
 CAM, CAM_GAP = 72, 18  # px, width of the three curves of the cam beside them
 GAP, BOTTOM = 36, 90  # px, between panels and below the last
 LIST_GAP = 14  # px above a list of events
+SMALL = 0.02  # m: a cam that is smaller throughout is drawn in mm
+SPACED = {"linespacing": 1.0}
 KEY = 140  # px, height of the scales above the panels; half is enough without the cam
 CHARS = 108  # in a line of the subtitle
 FULLEST = 0.1  # share of a column's points per pixel from which it is darkest
@@ -213,10 +215,11 @@ def _draw_corners(axes: Axes, panel: _Panel, system: System) -> None:
 def _draw_cam(figure: Figure, panel: _Panel, system: System, top: int, first: bool) -> None:
     """The cam's lift and its derivatives beside a panel, over the same phases."""
     theta, orders = lift_curves(system.cam, len(CURVES))
+    milli = bool(np.nanmax(np.abs(orders)) < SMALL)
     for k, (name, unit) in enumerate(CURVES):
         left = LEFT + k * (CAM + CAM_GAP)
         axes = style.place(figure, left, top, CAM, panel.height)
-        axes.plot(orders[k], theta, color=style.CAM, linewidth=0.9)
+        axes.plot(orders[k] * (1e3 if milli else 1.0), theta, color=style.CAM, linewidth=0.9)
         _corner_lines(axes, panel, system)
         axes.set_ylim(panel.low, panel.high)
         if (panel.low, panel.high) == (0.0, TURN_DEG):
@@ -228,7 +231,9 @@ def _draw_cam(figure: Figure, panel: _Panel, system: System, top: int, first: bo
             axes.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 5, 10], min_n_ticks=2))
             axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90)
             middle = left + CAM / 2
-            style.write(figure, middle, top - 124, f"{name}\n{unit}", ha="center", linespacing=1.0)
+            style.write(
+                figure, middle, top - 124, f"{name}\n{'m' * milli}{unit}", ha="center", **SPACED
+            )
 
 
 def _draw_key(figure: Figure, image, top: int) -> None:
