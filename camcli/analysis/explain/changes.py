@@ -8,6 +8,7 @@ from itertools import pairwise
 from math import inf
 
 from camcli.analysis.classify import APERIODIC, COMPLETE, Motion
+from camcli.analysis.crisis import find_crisis
 from camcli.analysis.engine import IMPACT, Cost, Settings
 from camcli.analysis.explain.events import Event, Events, find_events
 from camcli.analysis.orbits.branch import Branch
@@ -18,6 +19,8 @@ from camcli.system import System
 
 ENLARGED = 1.25  # ratio of the widths of the impact phases that counts as another attractor
 LEAST_WIDTH = 2.0  # deg, and the least difference of widths
+MOST_CRISES = 6  # searches of some seconds each
+LEAST_ERROR = 2e-6  # relative: folds that were not sampled may touch a little earlier
 UNEXPLAINED = "unexplained"
 BASIN = "basin"
 
@@ -58,17 +61,17 @@ def explain(
     """Walk the diagram of `motions` (ascending speeds) and explain each change."""
     motions = sorted(motions, key=lambda m: m.rpm)
     found = find_events(system, settings, motions)
-    changes, extra, cost = [], [], found.cost
+    changes, extra, searches = [], [], 0
     for a, b in pairwise(motions):
         if not changes_between(a, b):
             continue
-        change, more = _cause(system, settings, found, a, b)
+        change = _cause(system, settings, found, a, b, searches < MOST_CRISES)
+        searches += change.cause in (BASIN, UNEXPLAINED) or "crisis" in change.cause
         changes.append(change)
         extra += [e for e in change.events if e not in found.events]
-        cost = cost + more
         on_change()
     events = sorted([*found.events, *extra], key=lambda e: e.rpm)
-    return Explanation(events, changes, found, cost)
+    return Explanation(events, changes, found, found.cost)
 
 
 def changes_between(a: Motion, b: Motion) -> bool:
@@ -94,28 +97,29 @@ def enlarged(a: Motion, b: Motion) -> bool:
     return widths[1] > ENLARGED * widths[0] and widths[1] - widths[0] > LEAST_WIDTH
 
 
-def _cause(system, settings, found: Events, a: Motion, b: Motion) -> tuple[Change, Cost]:
-    """The events inside the interval, else coexistence, else a crisis, else unexplained."""
+def _cause(system, settings, found: Events, a: Motion, b: Motion, may_search: bool) -> Change:
+    """The events inside the interval, else a rest's end, a crisis, coexistence, or unexplained."""
     ends = (a.rpm, b.rpm, a.label, b.label)
     inside = [e for e in found.events if a.rpm - e.error <= e.rpm <= b.rpm + e.error]
     relevant = [e for e in inside if _concerns(e, a, b)]
     if relevant:
         kinds = list(dict.fromkeys(e.kind for e in relevant))
         words = "; ".join(f"{e.kind} at {e.rpm:.10g} rpm ({e.label})" for e in relevant)
-        return Change(*ends, "+".join(kinds), words, tuple(relevant)), Cost()
+        return Change(*ends, "+".join(kinds), words, tuple(relevant))
     resting = _resting(system, settings, a, b)
     if resting is not None:
-        return Change(*ends, resting.kind, resting.words, (resting,)), Cost()
+        return Change(*ends, resting.kind, resting.words, (resting,))
     persists = [m for m in (a, b) if m.orbit is not None and _persists(found.branches, m, a, b)]
-    crisis, cost = _crisis(system, settings, a, b)
+    crisis, tried = _crisis(system, settings, a, b) if may_search else (None, "")
     if crisis is not None:
-        return Change(*ends, crisis.kind, crisis.words, (crisis,)), cost
+        return Change(*ends, crisis.kind, crisis.words, (crisis,))
     if persists:
-        return Change(*ends, BASIN, _coexistence(found, persists)), cost
-    tried = ["no bifurcation of a solved branch lies in it", "no branch passes through it stably"]
-    if APERIODIC in (a.label, b.label):
-        tried.append("no crisis of the chaotic attractor could be solved")
-    return Change(*ends, UNEXPLAINED, "tried: " + "; ".join(tried)), cost
+        return Change(*ends, BASIN, _coexistence(found, persists))
+    words = "tried: bifurcations of solved branches, none lies in it; branches through it, none is"
+    words += f" stable. {tried}" if tried else " stable"
+    if not may_search:
+        words += f"; crises are looked for in the first {MOST_CRISES} changes only"
+    return Change(*ends, UNEXPLAINED, words)
 
 
 def _resting(system: System, settings: Settings, a: Motion, b: Motion) -> Event | None:
@@ -168,6 +172,21 @@ def _coexistence(found: Events, persists: Sequence[Motion]) -> str:
     return "; ".join(said)
 
 
-def _crisis(system: System, settings: Settings, a: Motion, b: Motion):
-    """A crisis of the chaotic attractor between the two speeds, as an event."""
-    return None, Cost()
+def _crisis(system: System, settings: Settings, a: Motion, b: Motion) -> tuple[Event | None, str]:
+    """A crisis of the chaotic attractor between the two speeds, and what was tried without one.
+
+    The attractor is carried from the speed where it is the smaller one, or where there is one.
+    """
+    chaotic = [m for m in (a, b) if m.label == APERIODIC]
+    if not chaotic:
+        return None, ""
+    smaller = min(chaotic, key=lambda m: extent(m)[1] - extent(m)[0])
+    end = "lower" if smaller is a else "upper"
+    found = find_crisis(system, settings, a.rpm, b.rpm, end)
+    words = " ".join(found.words)
+    if found.kind == UNEXPLAINED:
+        return None, words
+    met = "" if found.orbit is None else f"meets the stable manifold of {found.orbit.label}; "
+    label = "chaotic attractor" if found.orbit is None else f"chaos, {found.orbit.label}"
+    error = min(max(found.error, LEAST_ERROR * found.rpm), b.rpm - a.rpm)
+    return Event(found.rpm, error, found.kind, label, found.corner, words=f"{met}{words}"), words
