@@ -77,12 +77,17 @@ class SceneError(CamError):
         super().__init__("\n".join(str(fault) for fault in faults))
 
 
-class FileFaults(ValueError):
+class FileFaultsError(ValueError):
     """A file that the scene names cannot be used; carries every fault found in it."""
 
     def __init__(self, *faults: Fault):
         self.faults = faults
         super().__init__("\n".join(str(fault) for fault in faults))
+
+
+def refused(where: str, key: str, found: str, expected: str, cure: str) -> FileFaultsError:
+    """One fault of a file that the scene names; `key` is the key of the section it concerns."""
+    return FileFaultsError(Fault(where, key, found, expected, cure))
 
 
 class NumericsError(CamError):

@@ -21,6 +21,8 @@ def lowest(f: Callable[[float], float], low: float, high: float, samples: int):
     xs = [low + (high - low) * (k / samples) for k in range(samples)] + [high]
     ys = [f(x) for x in xs]
     best = min(range(len(xs)), key=ys.__getitem__)
+    if best == samples and ys[0] <= ys[-1] + TIE * abs(ys[-1]):
+        best = 0  # both ends, as where the interval is a whole turn
     value, place = ys[best], xs[best]
     tie = TIE * abs(value) if best in (0, samples) and abs(value) < inf else 0.0
     for k, y in enumerate(ys):

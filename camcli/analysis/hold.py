@@ -87,10 +87,16 @@ class _Need:
         k, i, theta = self.most(per_lift)
         k = max(k, 0.0)
         # where c + reach <= 0 stiffness only takes force away: k is the best there can be
-        lack, _, place = self.most(lambda p, c: short(p, c) - min(k * (c + reach), 0.0))
+        lack, j, place = self.most(lambda p, c: short(p, c) - min(k * (c + reach), 0.0))
         size = abs(self.margin) + abs(preload) + k * abs(self.cam.top + reach)
         if lack > SLIGHT * size:
-            return k, i, theta, f"{lack:.6g} N are missing at {place * DEG:.10g} deg, where"
+            missing = self.at(j, place)[0] - preload  # whatever the stiffness
+            what = (
+                f"{missing:.6g} N are missing"
+                if missing > SLIGHT * lack
+                else "the spring would pull"
+            )
+            return k, i, theta, f"{what} at {place * DEG:.10g} deg, where"
         return k, i, theta, ""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -99,15 +99,20 @@ def command(
     run: Callable[[Request], int],
     help_text: str,
     extra: Mapping[str, tuple[Any, Any]] | None = None,
+    without: Collection[str] = (),
 ) -> None:
     """Register `cam NAME` with the shared options; `run` returns the exit code.
 
     `extra` declares options of this command alone, as in COMMON; they arrive in Request.extra.
+    `without` names shared options that mean nothing to it.
     """
     own = dict(extra or {})
-    options = {**COMMON, **own}
+    shared = {key: value for key, value in COMMON.items() if key not in without}
+    options = {**shared, **own}
+    absent = {key: COMMON[key][1] for key in without}
 
     def call(**values: Any) -> None:
+        values.update(absent)
         values["sets"] = values["sets"] or []
         values["extra"] = {key: values.pop(key) for key in own}
         raise typer.Exit(run(Request(**values)))

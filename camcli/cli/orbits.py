@@ -111,6 +111,7 @@ def _question(request: Request, setup: Setup) -> Question:
     return Question(
         rpm=at, parameter=parameter if section.curve is None else "rpm", span=span,
         label=_label(section.label), branches=section.branches, starts=section.starts,
+        stable={"any": None, "stable": True, "unstable": False}[section.stability],
     )  # fmt: skip
 
 
@@ -216,7 +217,8 @@ def _write(request: Request, setup: Setup, store: Store, result: Study, curves) 
     from camcli.artefacts.figures.curves import draw_curves
     from camcli.artefacts.figures.orbits import draw_orbits
 
-    store.write("orbits.png", lambda file: draw_orbits(result, setup.system, file))
+    panels = setup.scene.orbits.panels
+    store.write("orbits.png", lambda file: draw_orbits(result, setup.system, file, panels))
     second = setup.scene.orbits.curve_in
     if setup.scene.orbits.curve is None:
         store.remove("curve.png")

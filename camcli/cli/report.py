@@ -8,6 +8,7 @@ from typing import Any
 from camcli.analysis.engine import Cost
 from camcli.artefacts.record import cost_record, error_record, run_record, to_text
 from camcli.artefacts.store import Store
+from camcli.cli.lift_words import bound_line, table_record
 from camcli.cli.options import Request
 from camcli.cli.panel import note
 from camcli.cli.setup import Setup
@@ -25,10 +26,17 @@ def finish(
     cost: Cost,
     seconds: float,
     result: Mapping[str, Any],
+    moved: bool = True,
 ) -> None:
-    """Write run.json and print the closing lines, or the record itself with --json."""
+    """Write run.json and print the closing lines, or the record itself with --json.
+
+    `moved`: whether anything was simulated, so that impacts and their errors mean something.
+    """
     costs = cost_record(cost, seconds)
     errors = error_record(setup.settings.chatter_tolerance, setup.system.cam.top)
+    measured = table_record(setup)
+    if measured:
+        errors["lift_table"] = measured
     record = run_record(
         command,
         resolved(setup.scene),
@@ -45,7 +53,10 @@ def finish(
         print(text, end="")
         return
     print(f"{store.folder}/: {', '.join([*store.hashes])}")
-    print(closing_line(costs, errors))
+    if moved:
+        print(closing_line(costs, errors))
+    if measured:
+        print(bound_line(measured))
 
 
 def closing_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from camcli.analysis.engine import Settings, Start
+from camcli.cli.lift_words import cautions, fit_line
 from camcli.cli.options import Request
 from camcli.cli.panel import note
 from camcli.errors import Fault, SceneError
@@ -72,11 +73,15 @@ def set_up(request: Request, options: dict[str, tuple[Any, str]]) -> Setup:
     )
     backend.skip_blas = True
     if not request.quiet:
-        _notes(follower)
+        _notes(follower, scene)
         backend.on_compile = note
     return Setup(scene, system, settings)
 
 
-def _notes(follower: Follower) -> None:
+def _notes(follower: Follower, scene: Scene) -> None:
+    if scene.cam.kind == "table":
+        note(fit_line(scene.cam.accuracy, scene.cam.file))
+        for text in cautions(scene.cam.accuracy):
+            note(text)
     if follower.restitution == 1.0 and follower.damping == 0.0:
         note("warning: restitution 1 and no damping: nothing dissipates, no orbit attracts another")

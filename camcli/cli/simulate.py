@@ -22,6 +22,10 @@ SHOWN = 12  # events in the table on stdout
 def run(request: Request) -> int:
     """Simulate one orbit and write its artefacts; returns the exit code."""
     setup = set_up(request, one_speed(request))
+    if request.extra.get("profile_only"):
+        from camcli.cli.profile import run_profile
+
+        return run_profile(request, setup)
     rpm, samples = setup.scene.run.rpm, setup.scene.simulate.samples
     plan.refuse_if_too_large(1 + samples // 4, setup.settings)
     if request.dry_run:

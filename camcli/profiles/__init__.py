@@ -7,5 +7,6 @@ A kind is a pydantic model with a literal `kind`, geometry checks that raise Val
 from camcli.profiles.arcs import ArcsCam
 from camcli.profiles.eccentric import EccentricCam
 from camcli.profiles.law import LawCam
+from camcli.profiles.lift_table import TableCam
 
-CAMS = (ArcsCam, LawCam, EccentricCam)
+CAMS = (ArcsCam, LawCam, EccentricCam, TableCam)

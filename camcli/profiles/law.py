@@ -106,7 +106,8 @@ class LawCam(BaseModel):
         lobe += written(self.fall.length_deg)
         if lobe > TURN + written(CLOSURE):
             raise ValueError(
-                f"rise, top dwell and fall take {lobe:.10g} deg, {lobe - TURN:.10g} deg too much: "
+                f"rise, top dwell and fall take {float(lobe):.10g} deg, "
+                f"{float(lobe - TURN):.10g} deg too much: "
                 "with the base dwell they share one turn of 360 deg"
             )
         return self

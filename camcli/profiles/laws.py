@@ -88,6 +88,8 @@ def scca(b: Decimal, d: Decimal) -> list[Segment]:
     """
     ca, rise, flat, turn = peak(b, d), b / 2, (1 - d) / 2, (1 + d) / 2
     sine, constant, cosine = _sine(b, ca), _constant(b, ca), _cosine(b, d, ca)
+    if b == d and b + d == 1:  # cycloidal: one sine throughout
+        return [Segment(Decimal(0), Decimal(1), sine)]
     edges = (Decimal(0), rise, flat, turn, 1 - rise, Decimal(1))
     heights = (sine, constant, cosine, _mirrored(constant), _mirrored(sine))
     zones = zip(edges, edges[1:], heights, strict=False)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
-from camcli.errors import FileFaults
+from camcli.errors import FileFaultsError
 from camcli.scene.expected import Expectations, in_words
 from camcli.scene.nodes import Node, at, plain
 from camcli.scene.places import Finding, Mark, Path, Source, dotted, shown
@@ -33,21 +34,21 @@ class Translator:
         found: list[Finding] = []
         for error in errors:
             cause = error.get("ctx", {}).get("error")
-            if isinstance(cause, FileFaults):
+            if isinstance(cause, FileFaultsError):
                 found += self._in_file(error, cause)
             else:
                 found.append(self._finding(error))
         return found
 
-    def _in_file(self, error: Mapping[str, Any], cause: FileFaults) -> list[Finding]:
+    def _in_file(self, error: Mapping[str, Any], cause: FileFaultsError) -> list[Finding]:
         """Faults of a file that the scene names, each at its place in that file."""
-        source = self.root.mark.source
+        rank = self.root.mark.source.rank
         return [
             Finding(
-                Mark(Source(source.rank, shown(fault.where, 500))),
+                _mark_in_file(rank, fault.where),
                 (*self._path(error["loc"], error["type"]), fault.path),
                 shown(fault.found, 300),
-                fault.expected,
+                shown(fault.expected, 300),
                 fault.cure,
             )
             for fault in cause.faults
@@ -122,6 +123,12 @@ class Translator:
         schema = self.expectations.at(path, self.data)
         expected = f"expected {in_words(schema)}"
         return f"found {_found(node)}", expected, _cure(node, path, kind, schema)
+
+
+def _mark_in_file(rank: int, where: str) -> Mark:
+    """`file`, `file:line` or `file:line:column` as a mark, so that faults come in order."""
+    name, line, column = re.fullmatch(r"(.*?)(?::(\d+))?(?::(\d+))?", where, re.DOTALL).groups()
+    return Mark(Source(rank, shown(name, 500), True), int(line or 0), int(column or 1))
 
 
 def _found(node: Node) -> str:

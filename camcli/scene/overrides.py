@@ -8,10 +8,10 @@ from typing import get_args
 
 from camcli.errors import Fault, SceneError
 from camcli.profiles import CAMS
+from camcli.scene.fields import FASTEST, SLOWEST
 from camcli.scene.nodes import Node, at, replaced
 from camcli.scene.places import Finding, Mark, Source, shown
 from camcli.scene.scalars import oddity, resolve
-from camcli.scene.schema import FASTEST, SLOWEST
 from camcli.scene.tree import MAX_DEPTH, parse
 
 _KIND = ("cam", "kind")

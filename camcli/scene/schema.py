@@ -9,41 +9,15 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Union
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    model_validator,
-)
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Field
 
 from camcli.profiles import CAMS
+from camcli.scene.bench import Bench
+from camcli.scene.fields import Flag, Number, Section, Span, Speed, Whole, items, unique
+from camcli.scene.figure import Figure
 
-SLOWEST, FASTEST = 1e-9, 1e9  # rpm
 MOST_TURNS = 10**9
 MOST_SPEEDS = 10_000_000
-
-
-def _whole(value: Any) -> Any:
-    """600.0 is a whole number; anything else is left to the validation."""
-    return int(value) if isinstance(value, float) and value.is_integer() else value
-
-
-def _items(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
-def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
-    if len(set(values)) < len(values):
-        raise ValueError("found the same name twice")
-    return values
-
-
-def _ascending(values: tuple[float, float]) -> tuple[float, float]:
-    if not values[0] < values[1]:
-        raise ValueError(f"found [{values[0]:g}, {values[1]:g}], expected [low, high]")
-    return values
 
 
 def cam_union(cams: tuple[type[BaseModel], ...]) -> Any:
@@ -53,31 +27,12 @@ def cam_union(cams: tuple[type[BaseModel], ...]) -> Any:
     return Annotated[Union[cams], Field(discriminator="kind")]  # noqa: UP007 - made at run time
 
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Whole = Annotated[int, Field(strict=True), BeforeValidator(_whole)]
-Speed = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
-Span = Annotated[
-    tuple[Number, Number],
-    BeforeValidator(_items),
-    AfterValidator(_ascending),
-]
 SectionName = Literal["impacts", "strobe"]
 ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
-Flag = Annotated[bool, Field(strict=True)]
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
+PanelName = Literal["branches", "multipliers", "events"]
 Cam = cam_union(CAMS)
 TAGGED = len(CAMS) > 1  # pydantic then names the kind in the location of an error
-
-
-class Section(BaseModel):
-    """Base of the sections: unknown keys are faults, nothing changes after validation."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _left_out(cls, data: Any) -> Any:
-        return {} if data is None else data
 
 
 class Follower(Section):
@@ -145,8 +100,8 @@ class Sweep(Section):
     sections: Annotated[
         tuple[SectionName, ...],
         Field(min_length=1),
-        BeforeValidator(_items),
-        AfterValidator(_unique),
+        BeforeValidator(items),
+        AfterValidator(unique),
     ] = Field(
         ("impacts", "strobe"),
         description="sections recorded",
@@ -174,7 +129,7 @@ class Detach(Section):
     impacts: Whole = Field(
         8, ge=0, le=1000, description="corner hits are followed for impacts 1 to this"
     )
-    force_rpm: Annotated[tuple[Speed, ...] | None, BeforeValidator(_items)] = Field(
+    force_rpm: Annotated[tuple[Speed, ...] | None, BeforeValidator(items)] = Field(
         None, description="speeds of the force curves, turns per minute; null: a telling few"
     )
     hold_to: Speed | None = Field(
@@ -207,17 +162,30 @@ class Orbits(Section):
     starts: Whole = Field(
         24, ge=0, le=100_000, description="motions simulated beside the scene's start"
     )
+    stability: Literal["any", "stable", "unstable"] = Field(
+        "any", description="which of the orbits found are followed"
+    )
     branches: Whole = Field(
         3, ge=0, le=1000, description="branches followed that leave from bifurcations"
     )
     parameter: ParameterName = Field("rpm", description="parameter varied along a branch")
-    range: Annotated[tuple[Number, Number] | None, BeforeValidator(_items)] = Field(
+    range: Annotated[tuple[Number, Number] | None, BeforeValidator(items)] = Field(
         None, description="range of the parameter, or of curve_in; null: around its value"
     )
     curve: CurveKind | None = Field(
         None, description="kind of bifurcation to continue in two parameters"
     )
     curve_in: ParameterName = Field("restitution", description="second parameter of the curve")
+    panels: Annotated[
+        tuple[PanelName, ...],
+        Field(min_length=1),
+        BeforeValidator(items),
+        AfterValidator(unique),
+    ] = Field(
+        ("branches", "multipliers", "events"),
+        description="parts of the picture, where branches are followed",
+        json_schema_extra={"uniqueItems": True},
+    )
 
 
 class BasinsRange(RpmRange):
@@ -237,7 +205,7 @@ class Basins(Section):
     rpm: BasinsRange = Field(default_factory=BasinsRange, description="range of speeds")
     q: Span = Field((0.1, 0.9), description="[low, high] of the starts' position, m")
     v: Span = Field((-50.0, 50.0), description="[low, high] of the starts' velocity, m/s")
-    cells: Annotated[tuple[Side, Side], BeforeValidator(_items)] = Field(
+    cells: Annotated[tuple[Side, Side], BeforeValidator(items)] = Field(
         (200, 200), description="cells along q and along v"
     )
     method: Literal["orbit", "simple"] = Field(
@@ -286,6 +254,8 @@ class Scene(Section):
     orbits: Orbits = Field(default_factory=Orbits, description="cam orbits")
     classify: Classify = Field(default_factory=Classify, description="cam classify")
     basins: Basins = Field(default_factory=Basins, description="cam basins")
+    bench: Bench = Field(default_factory=Bench, description="cam bench")
+    figure: Figure | None = Field(None, description="cam figures: what this scene draws")
 
 
 def json_schema() -> dict[str, Any]:

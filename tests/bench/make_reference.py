@@ -4,13 +4,18 @@
 
 writes camcli/analysis/bench/reference/*.json (minutes in all). Nothing of the kernel is used. Each
 file of a case holds its machine, its start at theta = 0, the events of whole turns (phases in rad
-and relative velocities in m/s with 25 digits, and how much the orbit stretches a relative error of
-the data up to there) and the state at the end.
+and relative velocities in m/s with 25 digits) and the state at the end.
+
+`growth` says how far rounding may take a program that does everything right: the exact motion is
+run again with a disturbance of relative size NOISE at every event, and growth is the largest change
+of a phase (turns) over NOISE. Disturbed are the phase of an event, its relative velocity, and the
+height of a landing: by NOISE times q, or in a short hop by NOISE times what the hop moves.
 """
 
 from __future__ import annotations
 
 import json
+import random
 import sys
 from math import pi
 from pathlib import Path
@@ -22,10 +27,13 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from tests import oracle  # noqa: E402
-from tests.oracle import ArcsCam, Event, Flight, Oracle, _num  # noqa: E402
+from tests.oracle import ArcsCam, Flight, Oracle, _num  # noqa: E402
 
 FOLDER = ROOT / "camcli" / "analysis" / "bench" / "reference"
 DIGITS = 25
+NOISE = "1e-60"
+DISTURBED = 8  # runs with other signs
+SHORT = 1 / 64  # rad: hops below this can be followed in relative coordinates
 CUT = "1e-16"  # rad of chatter replaced by its first-order map: an error of about its square
 ARCS = {
     "kind": "arcs",
@@ -121,13 +129,6 @@ def digits(x, n=DIGITS) -> str:
     return mp.nstr(mpf(x), n, strip_zeros=False)
 
 
-def event_of(e: Event) -> dict[str, Any]:
-    """An event as it is stored."""
-    stretch = float(min(e.stretching, mpf(10) ** 300))
-    theta, u = digits(e.theta), digits(e.u_minus)
-    return {"kind": e.kind, "turn": e.turn, "theta": theta, "u": u, "stretching": stretch}
-
-
 def final(reference: Oracle, omega, turns: int, raw) -> tuple[mpf, mpf]:
     """(q, v) after the last event of `raw`, flown to the end of the last turn."""
     end = 2 * mp.pi * turns
@@ -140,25 +141,98 @@ def final(reference: Oracle, omega, turns: int, raw) -> tuple[mpf, mpf]:
     return follower.flow((end - last.psi) / omega, last.q, omega * slope + last.u_plus)
 
 
-def solved(data: dict[str, Any]) -> dict[str, Any]:
-    """Events and final state of a case."""
+class Disturbed(oracle._Orbit):
+    """The motion with a disturbance at every event; `signs` gives +1 or -1, or nothing at all."""
+
+    signs = None
+
+    def events(self, q, v):
+        """As `_Orbit.events`, disturbed."""
+        signs, eps = self.signs, mpf(NOISE)
+
+        def sign():
+            return signs.choice((-1, 1)) * eps if signs else mpf(0)
+
+        c, c1, _ = self.cam.laws(self.psi)
+        psi, speed = self.psi, self.omega * c1
+        u = mpf(0) if v is None else v - speed
+        contact = q is None
+        while True:
+            if contact and u < 0:
+                yield oracle._Raw("impact", psi, c, u, -self.r * u)
+                u = -self.r * u
+            if contact:
+                a = self.acceleration(psi)
+                if u > 0 > a and 2 * u * self.omega < self.cut * (1 - self.r) * -a:
+                    yield oracle._Raw("chatter", psi, c, mpf(0), mpf(0))
+                    u = mpf(0)
+                if u == 0 and a <= 0:
+                    psi = self.detachment(psi)
+                    if psi is None:
+                        return
+                    c, c1, _ = self.cam.laws(psi)
+                    yield oracle._Raw("detachment", psi, c, mpf(0), mpf(0))
+                    psi += 2 * mp.pi * abs(sign())
+                    c, c1, _ = self.cam.laws(psi)
+                q, speed = c, self.omega * c1
+            flight = Flight(self.cam, self.follower, self.omega, psi, q, speed + u)
+            hit = flight.first_contact(self.patience(psi), contact)
+            if hit is None:
+                return
+            rise, length = u, self.omega * hit.t
+            psi += length
+            c, c1, _ = self.cam.laws(psi)
+            contact, u, speed = True, min(hit.g1, mpf(0)), self.omega * c1
+            if signs and u < 0:
+                short = length < SHORT
+                height = abs(rise) * hit.t if short else abs(c)
+                psi += sign() * (2 * mp.pi + self.omega * height / -u)
+                u -= sign() * (-u if short else abs(speed) - u)
+                c, c1, _ = self.cam.laws(psi)
+
+
+def motion(data: dict[str, Any], signs: random.Random | None):
+    """(events, (q, v) at the end) of a case; disturbed where there are signs."""
     with mp.workdps(oracle.CAM_DPS):
         cam = oracle_cam(data["cam"])
     reference = Oracle(cam, rpm=data["rpm"], **data["follower"])
-    q, v, turns = data["start"]["q"], data["start"]["v"], data["turns"]
-    events = reference.run(q=q, v=v, turns=turns, chatter_cut=mpf(CUT))
-    with mp.workdps(80):
-        cut, end = mpf(CUT), 2 * mp.pi * turns
-        q, v = (None if x is None else mpf(x) for x in (q, v))
-        ends = []
-        for rpm, r, q0, v0 in reference._variants(q, v):
-            raw = reference._run(mpf(0), end, cut, 0, rpm, r, q0, v0)
-            ends.append(final(reference, rpm * mp.pi / 30, turns, raw))
-        omega = reference.rpm * mp.pi / 30
-        away = [max(abs(a - ends[0][0]), abs(b - ends[0][1]) / omega) for a, b in ends[1:]]
-        stretch = max(1.0, float(max(away) / mpf(oracle.PERTURBATION)))
-        state = {"q": digits(ends[0][0]), "v": digits(ends[0][1]), "stretching": stretch}
-    return {**data, "events": [event_of(e) for e in events], "final": state}
+    q, v = (None if x is None else mpf(x) for x in data["start"].values())
+    with mp.workdps(oracle.CAM_DPS):
+        omega, end = mpf(data["rpm"]) * mp.pi / 30, 2 * mp.pi * data["turns"]
+        follower = oracle.Follower.make(*reference.data)
+        orbit = Disturbed(cam, follower, reference.r, omega, mpf(0), end, mpf(CUT))
+        orbit.signs = signs
+        raw = []
+        for event in orbit.events(q, v):
+            if event.psi > end:
+                break
+            raw.append(event)
+        return raw, final(reference, omega, data["turns"], raw)
+
+
+def solved(data: dict[str, Any]) -> dict[str, Any]:
+    """Events and final state of a case, with what rounding may do to them."""
+    exact, end = motion(data, None)
+    others = [motion(data, random.Random(k)) for k in range(DISTURBED)]
+    with mp.workdps(oracle.CAM_DPS):
+        eps, turn = mpf(NOISE), 2 * mp.pi
+        omega = mpf(data["rpm"]) * mp.pi / 30
+        rows = []
+        for k, (kind, psi, _, u, _) in enumerate(exact):
+            if any(raw[k].kind != kind for raw, _ in others):
+                raise ArithmeticError("a disturbed motion has other events")
+            far = max(abs(raw[k].psi - psi) for raw, _ in others)
+            whole = int(mp.floor(psi / turn))
+            row = {"kind": kind, "turn": whole, "theta": digits(psi - turn * whole)}
+            rows.append({**row, "u": digits(u), "growth": round_up(far / turn / eps)})
+        far = max(max(abs(q - end[0]), abs(v - end[1]) / omega) for _, (q, v) in others)
+        state = {"q": digits(end[0]), "v": digits(end[1]), "growth": round_up(far / eps)}
+    return {**data, "events": rows, "final": state}
+
+
+def round_up(x) -> float:
+    """Three digits, at least 1."""
+    return max(1.0, float(f"{float(x):.3g}"))
 
 
 # ------------------------------------------------------------------------------ stability
@@ -170,6 +244,7 @@ HEAVY = {
     "1e12 at 115": (1e12, 115.0),
 }
 TURNS = 2
+WEAK = 114.98  # rpm: hops near b just above the first detachment
 
 
 def coarse(self) -> mpf:
@@ -224,7 +299,22 @@ def stability() -> dict[str, Any]:
     ]
     grazes = [flight for flight in flights if flight is not None]
     values = {name: heavy(*data) for name, data in HEAVY.items()}
-    return {"follower": CHAPTER, "cam": ARCS, "heavy": values, "grazes": grazes}
+    weak = Oracle(oracle_cam(ARCS), rpm=WEAK, **CHAPTER).run(impacts=8)
+    hops = [[digits(e.theta), digits(e.u_minus)] for e in weak if e.kind == "impact"]
+    more = {"weak": {"rpm": WEAK, "impacts": hops}, "grazes": grazes}
+    return {"follower": CHAPTER, "cam": ARCS, "heavy": values, **more}
+
+
+def compact(data: dict[str, Any]) -> str:
+    """JSON with a line per entry of a list."""
+    lines = []
+    for key, value in data.items():
+        text = json.dumps(value)
+        if isinstance(value, list):
+            rows = ",\n  ".join(json.dumps(row) for row in value)
+            text = f"[\n  {rows}\n ]"
+        lines.append(f" {json.dumps(key)}: {text}")
+    return "{\n" + ",\n".join(lines) + "\n}"
 
 
 def main(names: list[str]) -> None:
@@ -232,7 +322,7 @@ def main(names: list[str]) -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     for name in names or [*CASES, "stability"]:
         found = stability() if name == "stability" else solved(CASES[name])
-        text = json.dumps(found, indent=1)
+        text = compact(found)
         (FOLDER / f"{name}.json").write_text(text + "\n", encoding="utf-8")
         print(name, len(text), "bytes", flush=True)
 

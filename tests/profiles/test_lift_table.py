@@ -4,15 +4,23 @@ from itertools import pairwise
 from math import pi
 
 import pytest
-from profiles.lift_tables import Eccentric, Lobe, cycloidal, polynomial, scene, smooth, table
-from profiles.lift_tables import worst_error as worst
 
 from camcli.analysis.detach import detachment
 from camcli.analysis.detach_range import first_loss_range
 from camcli.kernel.profile import lift_at, stretch_at
-from camcli.profiles.bspline import basis
+from camcli.profiles.bspline import at, basis
 from camcli.profiles.table import build, column, corners
 from camcli.system import Follower, System
+from tests.profiles.lift_tables import (
+    Eccentric,
+    Lobe,
+    cycloidal,
+    polynomial,
+    scene,
+    smooth,
+    table,
+    worst_error,
+)
 
 INCH = 0.0254
 
@@ -54,7 +62,7 @@ def test_the_second_derivative_is_within_the_bound_and_the_bound_is_no_idle_one(
 ):
     name = {INCH: "inch", 1e-3: "mm"}[unit]
     cam = scene(tmp_path, table(lobe, step, unit, decimals), lift=name).cam
-    error, _ = worst(cam, build(cam.parts()), lobe)
+    error, _ = worst_error(cam, build(cam.parts()), lobe)
     bound = cam.accuracy.bound
     assert cam.accuracy.quantum == pytest.approx(unit * 10**-decimals, rel=1e-12)
     assert error <= bound
@@ -66,7 +74,7 @@ def test_the_default_is_much_better_than_interpolation(tmp_path, law, gain):
     """A table to 0.0001 inch: second differences are wrong by tens of percent."""
     lobe = Lobe(law)
     cam = scene(tmp_path, table(lobe, 1, INCH, 4), lift="inch").cam
-    error, size = worst(cam, build(cam.parts()), lobe)
+    error, size = worst_error(cam, build(cam.parts()), lobe)
     naive = interpolated(lobe, 1, INCH, 4)
     assert naive > 0.15 * size
     assert error * gain < naive
@@ -77,7 +85,7 @@ def test_the_worst_error_is_estimated_near_its_phase(tmp_path):
     lobe = Lobe(polynomial)
     cam = scene(tmp_path, table(lobe, 1, INCH, 4), lift="inch").cam
     compiled = build(cam.parts())
-    for k in range(0, 720):
+    for k in range(720):
         error = abs(values(compiled, k / 2)[2] - lobe.at(k / 2)[1])
         assert error <= cam.errors.bounds[k // 8] + 1e-9
 
@@ -100,13 +108,13 @@ def test_noise_beyond_the_rounding_is_noticed(tmp_path):
         noisy.append(f"{deg},{lift + (rng.gauss(0, 0.002) if lift else 0.0):.5f}")
     cam = scene(tmp_path, "\n".join(noisy)).cam
     assert 1.4e-6 < cam.accuracy.noise < 2.8e-6
-    assert worst(cam, build(cam.parts()), lobe)[0] <= cam.accuracy.bound
+    assert worst_error(cam, build(cam.parts()), lobe)[0] <= cam.accuracy.bound
 
 
 def test_a_jump_of_the_second_derivative_is_suspected(tmp_path):
     parabola = Lobe(lambda x: (2 * x * x, 4) if x < 0.5 else (1 - 2 * (1 - x) ** 2, -4))
     cam = scene(tmp_path, table(parabola, 1, 1e-3, 4)).cam
-    error, _ = worst(cam, build(cam.parts()), parabola)
+    error, _ = worst_error(cam, build(cam.parts()), parabola)
     assert cam.accuracy.jump_deg is not None
     assert error <= cam.accuracy.bound
 
@@ -157,6 +165,20 @@ def test_the_spline_reproduces_polynomials():
         assert sum(basis(t, 2)) == pytest.approx(0.0, abs=1e-14)
 
 
+def test_the_compiled_pieces_are_the_fitted_spline(tmp_path):
+    """To rounding, in the lift and both derivatives."""
+    cam = scene(tmp_path, table(Lobe(polynomial), 2)).cam
+    smoother, fit, _ = cam._fitted
+    compiled, knot = build(cam.parts()), 2 * pi / smoother.count
+    for i in range(smoother.count):
+        for t in (0.125, 0.5, 0.875):
+            theta = (i + t) * knot
+            found = lift_at(compiled, stretch_at(compiled, theta), theta)
+            for order in range(3):
+                expected = at(fit.coefficients, i, basis(t, order)) / knot**order
+                assert found[order] == pytest.approx(expected, abs=1e-16 / knot**order)
+
+
 def same(a, b, tolerance=1e-12):
     """Two cams alike."""
     one, two = build(a.parts()), build(b.parts())
@@ -168,7 +190,7 @@ def same(a, b, tolerance=1e-12):
 def test_every_way_to_write_a_table_means_the_same(tmp_path):
     text = table(Lobe(cycloidal), 1)
     plain = scene(tmp_path, text).cam
-    assert plain.sha256 and len(plain.sha256) == 64
+    assert len(plain.sha256 or "") == 64
     same(plain, scene(tmp_path, "\ufeff# measured\r\n" + text.replace("\n", "\r\n")).cam)
     same(plain, scene(tmp_path, text.replace(",", ";")).cam)
     same(plain, scene(tmp_path, text.replace(",", " \t ")).cam)

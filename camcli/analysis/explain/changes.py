@@ -20,7 +20,6 @@ from camcli.system import System
 ENLARGED = 1.25  # ratio of the widths of the impact phases that counts as another attractor
 LEAST_WIDTH = 2.0  # deg, and the least difference of widths
 MOST_CRISES = 6  # searches of some seconds each
-LEAST_ERROR = 2e-6  # relative: folds that were not sampled may touch a little earlier
 UNEXPLAINED = "unexplained"
 BASIN = "basin"
 
@@ -186,7 +185,6 @@ def _crisis(system: System, settings: Settings, a: Motion, b: Motion) -> tuple[E
     words = " ".join(found.words)
     if found.kind == UNEXPLAINED:
         return None, words
-    met = "" if found.orbit is None else f"meets the stable manifold of {found.orbit.label}; "
     label = "chaotic attractor" if found.orbit is None else f"chaos, {found.orbit.label}"
-    error = min(max(found.error, LEAST_ERROR * found.rpm), b.rpm - a.rpm)
-    return Event(found.rpm, error, found.kind, label, found.corner, words=f"{met}{words}"), words
+    event = Event(found.rpm, found.error, found.kind, label, found.corner, words=words)
+    return event, words

@@ -142,7 +142,7 @@ class Writer:
         points = (*down.points[:0:-1], *up.points)
         self.branches.append(Branch(number, origin, points, (down.end, up.end)))
         for change in (*down.changes, *up.changes):
-            after = "no orbit found" if change.beyond is None else change.beyond.label
+            after = "nothing that could be solved" if change.beyond is None else change.beyond.label
             self.bifurcations.append(
                 Bifurcation(
                     number, change.kind, change.value, change.error, "ok", change.orbit,

@@ -21,6 +21,7 @@ from camcli.analysis.orbits.orbit import (
 from camcli.analysis.orbits.shooter import VERDICTS, Root, Shooter
 from camcli.errors import OK
 from camcli.kernel.certify import ADMISSIBLE
+from camcli.kernel.orbit import CHATTER
 from camcli.kernel.profile import END, ROW, START, TURN, stretch_at
 from camcli.system import System
 
@@ -196,14 +197,23 @@ def _far(state, other, states) -> float:
     return max(abs(state[j] - other[j]) / size[j] for j in range(2))
 
 
+def departures(tape: Tape) -> list[tuple[int, float]]:
+    """(period, theta) where the follower leaves from rest: a lift-off, or a blow by an upward kink.
+
+    A blow is an impact of a follower that rested after a chatter.
+    """
+    leaves, rests = [], False
+    for kind, period, theta in zip(tape.kind, tape.period, tape.theta, strict=True):
+        if kind == DETACHMENT or (kind == IMPACT and rests):
+            leaves.append((int(period), float(theta)))
+        rests = kind == CHATTER
+    return leaves
+
+
 def _resting(system: System, rpm: float, tape: Tape, m: int) -> PeriodicOrbit:
     """An orbit that sticks: the cam alone decides where it leaves, so simulation closes exactly."""
     window = range(tape.periods - m, tape.periods)
-    leaves = [
-        (int(p), float(theta))
-        for kind, p, theta in zip(tape.kind, tape.period, tape.theta, strict=True)
-        if kind == DETACHMENT and p in window
-    ]
+    leaves = [leave for leave in departures(tape) if leave[0] in window]
     states, symbols = passages(tape)
     states, symbols = states[-m:], symbols[-m:]
     first = rotation(symbols, states)

@@ -45,7 +45,8 @@ class PeriodicOrbit:
     @cached_property
     def label(self) -> str:
         """P(m;s1:...:sm), or `contact` where the follower never leaves the cam."""
-        return "contact" if self.resting and not self.theta else name(self.symbols)
+        still = self.resting and not self.theta and not any(self.symbols)
+        return "contact" if still else name(self.symbols)
 
     @cached_property
     def multipliers(self) -> tuple[complex, complex]:

@@ -25,6 +25,8 @@ from camcli.system import System, omega_of
 
 SETTLE = 40  # turns from the orbit at the neighbouring speed
 LONGEST = 8  # periods longer than the orbit's own are not looked for
+RUN = SETTLE + 2 * LONGEST + 2  # turns simulated for one point, at least
+BRACKETS = 80  # runs in which the changes of a branch are bracketed, about
 DETACHMENT, DEPARTURE, ITINERARY = "detachment", "departure", "itinerary"
 
 
@@ -94,7 +96,7 @@ def follow_resting(
             return leg
         if not same_departures(last, after):
             change = _change(shooter, settings, last, value, same_departures)
-            leg.changes.append(replace(change, kind=DEPARTURE))
+            leg.changes.append(replace(change, kind=DEPARTURE, beyond=change.beyond or after))
             leg.points.append(change.orbit)
         leg.points.append(after)
     leg.end = RANGE

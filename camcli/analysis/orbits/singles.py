@@ -24,6 +24,7 @@ from camcli.kernel.profile import (
 )
 
 ROUNDING = 1e-15
+FOCUS = 1e-6  # B over the flight's length below which v is not taken from it
 NARROWEST = 1e-13  # rad: closer roots count as one, on the verge of a fold
 
 
@@ -46,14 +47,19 @@ class _Equation:
     def __init__(self, shooter: Shooter, value: float, turns: int):
         self.cam = shooter.system.cam
         self.lane = lane = lane_of(shooter.at(value), 0.0, 0)
-        self.B, slope, self.P = flow(lane, TURN * turns)
-        self.K = self.P * (1.0 + lane.r * slope) - lane.r * self.B * self.B
+        self.r, self.reach = lane.r, TURN * turns
+        self.B, self.slope_b, self.P = flow(lane, self.reach)
+        self.K = self.P * (1.0 + lane.r * self.slope_b) - lane.r * self.B * self.B
         self.turn = (1.0 + lane.r) * self.B
 
     def rate(self, i: int, theta: float) -> float:
         """Outgoing relative rate of the orbit that impacts at theta, m/rad."""
         c, c1, _ = lift(self.cam, i, theta)
-        return (self.lane.G + self.lane.W2 * c) * self.P / self.B - c1
+        force = self.lane.G + self.lane.W2 * c
+        if abs(self.B) > FOCUS * self.reach:
+            return force * self.P / self.B - c1
+        # after half a natural period every flight is back, whatever its v: the reset map tells
+        return self.r * (c1 * (1.0 - self.slope_b) + force * self.B) / (1.0 + self.r * self.slope_b)
 
     def h(self, i: int, theta: float) -> float:
         """The module's equation; zero at an orbit."""
@@ -73,7 +79,7 @@ class _Equation:
 
     def roots(self, i: int) -> list[float]:
         """Every zero of h on stretch i, ends included, in ascending order."""
-        if self.B == 0.0:
+        if self.B == 0.0 and 1.0 + self.r * self.slope_b == 0.0:
             return []
         row = self.cam.rows[i * ROW : (i + 1) * ROW]
         accel = max(abs(row[ACCEL_MIN]), abs(row[ACCEL_MAX]))

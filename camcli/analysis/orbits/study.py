@@ -12,7 +12,7 @@ from camcli.analysis.orbits.crossing import Crossing, doubled
 from camcli.analysis.orbits.find import MOST_STARTS, RECORD, Found, find
 from camcli.analysis.orbits.leg import Leg, both_ways, follow
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
-from camcli.analysis.orbits.resting import follow_resting
+from camcli.analysis.orbits.resting import BRACKETS, RUN, follow_resting
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.analysis.orbits.walk import Span
 from camcli.analysis.sweep import LITTLE_WORK
@@ -20,6 +20,7 @@ from camcli.kernel import backend
 from camcli.system import System
 
 SAME_PHASE = 1e-8  # rad
+LEAST_WORK = 500  # turns in all that plain Python does where a compiled kernel only has to be read
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,8 @@ class Question:
     """What to find and follow.
 
     rpm: where orbits are looked for; parameter and span: what is varied (None: nothing); label:
-    only this one; branches: how many that leave from events to follow; starts: motions simulated.
+    only this one; branches: how many that leave from events to follow; starts: motions simulated;
+    stable: only those that are (True) or are not (False).
     """
 
     rpm: float
@@ -36,6 +38,7 @@ class Question:
     label: str | None = None
     branches: int = 3
     starts: int = 24
+    stable: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,9 @@ def study(
         compile_for(system)
     found = find(system, question.rpm, settings, question.starts, question.label)
     absent = None
-    if question.label is not None and not found.orbits:
+    if question.stable is not None:
+        found.orbits = [orbit for orbit in found.orbits if orbit.stable == question.stable]
+    elif question.label is not None and not found.orbits:
         span = question.span if question.parameter == "rpm" else None
         ends = None if span is None else (span.low, span.high)
         absent = look_around(system, settings, question.rpm, question.label, ends)
@@ -79,11 +84,20 @@ def study(
     value = shooter.machine[shooter.parameter]
     writer = Writer(shooter, settings)
     if question.span is not None:
+        _prepare(system, found, question.span)
         _follow_all(shooter, settings, question, found, writer, on_branch)
     return Study(
         question, value, found.orbits, found.virtual, writer.branches, writer.bifurcations,
         found.cost + shooter.cost, absent,
     )  # fmt: skip
+
+
+def _prepare(system: System, found: Found, span: Span) -> None:
+    """Compile for branches of resting orbits: each of their points is a simulation."""
+    resting = sum(orbit.resting for orbit in found.orbits)
+    turns = resting * RUN * (span.width / span.spacing + BRACKETS)
+    if backend.may_compile() and turns > (LEAST_WORK if backend.is_cached() else LITTLE_WORK):
+        compile_for(system)
 
 
 def _follow_all(shooter, settings, question: Question, found: Found, writer: Writer, tick) -> None:

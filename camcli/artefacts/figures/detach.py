@@ -105,14 +105,26 @@ def _views(study: Study) -> list[_View]:
     reached = sorted(early.values(), key=lambda c: c.rpm)[:2]
     if not reached:
         return views
-    highest = views[0].phase([c.theta_deg for c in reached]).max()
+    ends = [c.theta_deg for c in reached]
+    if len(reached) < 2:  # what happens beyond the only corner belongs to it
+        ends += [end for name, end in _ends(study) if name == lead.region.name]
+    highest = views[0].phase(ends).max()
     bottom, top = start - 0.06 * (highest - start), highest + 0.2 * (highest - start)
     hits = [h.rpm for h in study.hits if h.corner == reached[0].region]
     low, high = lead.opens.rpm, max([*[c.rpm for c in reached], *hits])
     rpm = max(span[0], low - 0.12 * (high - low)), min(span[1], high + 0.12 * (high - low))
-    if rpm[1] - rpm[0] < 0.6 * (span[1] - span[0]):
-        views.insert(0, _View(bottom, top, start - FOLD, rpm, ZOOM))
-    return views
+    if rpm[1] - rpm[0] >= 0.6 * (span[1] - span[0]):
+        rpm = span  # only the phases are enlarged
+    return [_View(bottom, top, start - FOLD, rpm, ZOOM), *views]
+
+
+def _ends(study: Study) -> list[tuple[str, float]]:
+    """Region and end of every complete burst."""
+    found = []
+    for speed in study.speeds:
+        complete = [region for region, outcome in speed.bursts if outcome == "complete"]
+        found += zip(complete, speed.ends, strict=True)
+    return found
 
 
 def _leading(study: Study) -> Loss:

@@ -48,6 +48,7 @@ HEAD, NUMBERS, GAP, STEP = 96, 84, 36, 155  # px: titles, numbers of events, bet
 PHASE, STROBE, PLANE = 600, 330, 500  # px, heights of the panels
 WIDE = style.WIDTH - LEFT - RIGHT
 ROOM = 0.02  # of the range of the parameter, beyond it
+PANELS = ("branches", "multipliers", "events")
 NAMES = {
     "rpm": "cam speed",
     "restitution": "coefficient of restitution",
@@ -78,28 +79,35 @@ class _Scene:
         return [of(branch.points) for branch in self.branches]
 
 
-def draw_orbits(study: Study, system: System, path_or_buffer) -> None:
-    """Write the PNG of a study to a path or a binary buffer."""
+def draw_orbits(
+    study: Study, system: System, path_or_buffer, panels: Sequence[str] = PANELS
+) -> None:
+    """Write the PNG of a study, or of some of its panels, to a path or a binary buffer."""
     if not study.branches:
         draw_single(study, system, path_or_buffer, heading(study))
         return
     corners = style.corner_names(system.corners_deg)
     found = events(study.bifurcations, corners)
     scene = _Scene(study, branch_colours(study.branches), found, corners)
-    close = zooms(study.branches, found, corners)
+    close = zooms(study.branches, found, corners) if "events" in panels else []
     top = HEAD + style.LINE * rows(study.branches, found) + NUMBERS
-    height = top + PHASE + GAP + STROBE + STEP + PLANE + BOTTOM + (ZOOM + 60) * len(close)
+    branches, multipliers = "branches" in panels, "multipliers" in panels
+    height = top + (PHASE + GAP + STROBE) * branches + (PLANE + BOTTOM) * multipliers
+    height += STEP * branches * (multipliers or bool(close)) or BOTTOM * branches
+    height += (ZOOM + 60) * len(close)
     with style.page(path_or_buffer, height) as figure:
         for line, (words, look) in enumerate(heading(study)):
             style.write(figure, 20, 14 + 40 * line, words, **look)
         parameter = study.question.parameter
         draw_lists(figure, HEAD, study.branches, scene.colours, found, parameter)
-        below = style.place(figure, LEFT, top + PHASE + GAP, WIDE, STROBE)
-        _draw_phases(style.place(figure, LEFT, top, WIDE, PHASE), scene)
-        _draw_positions(below, scene, system)
-        top += PHASE + GAP + STROBE + STEP
-        _draw_multipliers(figure, top, scene)
-        top += PLANE + BOTTOM + 20
+        if branches:
+            below = style.place(figure, LEFT, top + PHASE + GAP, WIDE, STROBE)
+            _draw_phases(style.place(figure, LEFT, top, WIDE, PHASE), scene)
+            _draw_positions(below, scene, system)
+            top += PHASE + GAP + STROBE + STEP
+        if multipliers:
+            _draw_multipliers(figure, top, scene)
+            top += PLANE + BOTTOM + 20
         for zoom in close:
             draw_zoom(
                 figure,
@@ -130,6 +138,8 @@ def heading(study: Study) -> list[tuple[str, dict]]:
     words = f"{count} found at {where}"
     if ask.label is not None:
         words += f", only {style.motion(ask.label)} asked for"
+    if ask.stable is not None:
+        words += f", only {'stable' if ask.stable else 'unstable'} ones followed"
     if study.absent is not None and study.orbits:
         words += f", none at {quantity(study.absent.rpm, 'rpm')}"
     return [(title, {"size": 9, "weight": "bold"}), (words, {})]

@@ -42,12 +42,12 @@ from camcli.system import System
 if TYPE_CHECKING:
     from camcli.analysis.explain.events import Event
 
-LEFT, RIGHT = 110, 50  # px, margins of the diagrams
+LEFT, RIGHT = 130, 50  # px, margins of the diagrams
 CAM, CAM_GAP = 72, 18  # px, width of the three curves of the cam beside them
 GAP, BOTTOM = 36, 90  # px, between panels and below the last
 LIST_GAP = 14  # px above a list of events
 SMALL = 0.02  # m: a cam that is smaller throughout is drawn in mm
-SPACED = {"linespacing": 1.0}
+SPACED = {"linespacing": 1.0, "fontsize": 7}
 KEY = 140  # px, height of the scales above the panels; half is enough without the cam
 CHARS = 108  # in a line of the subtitle
 FULLEST = 0.1  # share of a column's points per pixel from which it is darkest

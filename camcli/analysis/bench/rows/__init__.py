@@ -1,0 +1,1 @@
+"""The table of extreme cases, one function per row, grouped by what is extreme."""

@@ -1,0 +1,40 @@
+"""The section that makes a scene a figure of `cam figures`."""
+
+from __future__ import annotations
+
+import shlex
+from typing import Annotated
+
+from pydantic import AfterValidator, Field
+
+from camcli.scene.fields import Section
+
+
+def _splits(text: str) -> str:
+    """The text, or ValueError where a shell could not split it into words."""
+    try:
+        words = shlex.split(text)
+    except ValueError as error:
+        raise ValueError(f"found {text!r}: {str(error).lower()}") from None
+    if not words:
+        raise ValueError("found no command")
+    return text
+
+
+class Figure(Section):
+    """A figure: what it shows, and the command that draws it from this scene."""
+
+    title: Annotated[str, Field(min_length=1, max_length=200)] = Field(
+        description="what the figure shows, in one line"
+    )
+    command: Annotated[str, Field(max_length=1000), AfterValidator(_splits)] = Field(
+        description="command and options that draw it, as after `cam`; -c and -o are added"
+    )
+    shows: Annotated[str, Field(max_length=2000)] = Field(
+        "", description="what is to be seen in it, for the page and for who cannot see it"
+    )
+
+    @property
+    def words(self) -> list[str]:
+        """The command and its options."""
+        return shlex.split(self.command)

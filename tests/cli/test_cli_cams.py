@@ -1,0 +1,282 @@
+"""Every kind of cam through every command, the files of configs/, and a made-up kind."""
+
+import csv
+import json
+import subprocess
+import sys
+from math import cos, pi, sin
+from pathlib import Path
+
+import pytest
+
+from camcli.errors import SceneError
+from camcli.scene import load_scene
+
+ROOT = Path(__file__).parents[2]
+CONFIGS = sorted(path for path in (ROOT / "configs").glob("*.yaml"))
+COMMANDS = ["simulate", "sweep", "detach", "orbits", "classify"]
+FOLLOWER = "follower: {mass: 1, stiffness: 1000, restitution: 0.6, preload: 40, damping: 1}\n"
+REST = """
+run: {rpm: 150, transient: 20, record: 20}
+sweep: {rpm: {start: 120, stop: 160, num: 5}}
+detach: {rpm: {start: 100, stop: 200, num: 11}}
+orbits: {rpm: {start: 140, stop: 160, num: 5}, starts: 1}
+classify: {rpm: {start: 140, stop: 160, num: 3}}
+"""
+LOBE = "base: -0.02, lift: 0.05, rise: {start_deg: 300, length_deg: 90, law: %s}, fall: %s"
+KINDS = {
+    "smooth": "{kind: law, " + LOBE % ("4-5-6-7", "{length_deg: 90, law: cycloidal}") + "}",
+    "corners": "{kind: law, " + LOBE % ("harmonic", "{length_deg: 80, law: modified-sine}") + "}",
+    "kinks": "{kind: law, "
+    + LOBE % ("constant-velocity", "{length_deg: 90, law: {scca: {b: 0.2, c: 0.3, d: 0.5}}}")
+    + "}",
+    "eccentric": "{kind: eccentric, base: -0.06, lift: 0.05}",
+}
+
+
+def write(folder, cam, follower=FOLLOWER):
+    """A scene file with this cam."""
+    path = folder / "scene.yaml"
+    path.write_text(f"{follower}cam: {cam}{REST}")
+    return path
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture
+def here(monkeypatch, capsys, tmp_path):
+    """Run `cam` in this process, in an empty folder; returns what it prints."""
+    from camcli.__main__ import main
+
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["cam", *words])
+        with pytest.raises(SystemExit) as left:
+            main()
+        out, error = capsys.readouterr()
+        assert left.value.code == 0, out + error
+        return out
+
+    return call
+
+
+@pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
+def test_a_file_of_configs_loads_and_plans_every_command(path, here, tmp_path):
+    assert "# yaml-language-server: $schema=schema.json" in path.read_text()
+    assert load_scene(path).cam.parts()
+    for command in COMMANDS:
+        assert json.loads(here(command, "-c", str(path), "--dry-run", "--json"))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_command_takes_every_kind(here, tmp_path, kind, command):
+    """With pictures for the two that differ most from arcs: without corners, and with kinks."""
+    path = write(tmp_path, KINDS[kind])
+    words = [] if kind in ("eccentric", "kinks") else ["--no-plot"]
+    here(command, "-c", str(path), "-o", "out", "--quiet", *words)
+    assert (tmp_path / "out" / f"{command}.png").exists() == (not words)
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["result"]
+
+
+def test_without_corners_there_is_one_region_and_nothing_to_hit(cam, tmp_path):
+    path = write(tmp_path, "{kind: eccentric, base: 0.01, lift: 0.05}")
+    done = cam("detach", "-c", str(path), "-o", "out", "--no-plot", "--rpm", "300:420")
+    assert done.returncode == 0
+    assert {row["region"] for row in rows(tmp_path / "out" / "detach.csv")} == {"A1"}
+    assert not rows(tmp_path / "out" / "corner_hits.csv")
+    first = next(r for r in rows(tmp_path / "out" / "detach.csv") if "first" in r["quantity"])
+    theta, omega = float(first["theta_deg"]) * pi / 180, float(first["rpm"]) * pi / 30
+    c = 0.01 + 0.025 * (1 - cos(theta))
+    force = 40 + 1000 * c + omega * 0.025 * sin(theta) + omega**2 * 0.025 * cos(theta)
+    assert force == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_cam_below_zero_is_answered_in_words(cam, tmp_path):
+    path = write(tmp_path, KINDS["eccentric"])
+    done = cam("detach", "-c", str(path), "-o", "out", "--no-plot", "--hold-to", "150")
+    assert done.returncode == 0
+    assert "not held even at standstill: the contact force is -20 N at 0 deg" in done.stdout
+    assert (
+        "impossible: the spring would pull at 0 deg, where c + precompression <= 0" in done.stdout
+    )
+
+
+def test_a_kink_throws_the_follower_off(cam, tmp_path):
+    """The rise begins with a blow and ends with a launch; a spring holds neither."""
+    path = write(tmp_path, KINDS["kinks"])
+    done = cam("detach", "-c", str(path), "-o", "out", "--no-plot", "--hold-to", "150")
+    assert "the cam's slope drops by 0.031831 m/rad at 30 deg" in done.stdout
+    assert "at a downward kink the cam throws the follower off at any speed" in done.stdout
+    cam("simulate", "-c", str(path), "-o", "out", "--no-plot")
+    events = rows(tmp_path / "out" / "events.csv")
+    launches = {row["theta_deg"] for row in events if row["event"] == "detachment"}
+    assert [float(x) for x in launches] == pytest.approx([30.0], abs=1e-12)
+    blow = next(r for r in events if r["event"] == "impact" and r["theta_deg"][:3] == "300")
+    speed = 0.05 / (pi / 2) * 150 * pi / 30
+    assert float(blow["u_minus_m_per_s"]) == pytest.approx(-speed, rel=1e-12)
+
+
+def test_a_blow_is_a_departure(cam, tmp_path):
+    """A follower that only ever leaves by blows and launches is not in `contact`."""
+    path = write(tmp_path, KINDS["kinks"])
+    done = cam("orbits", "-c", str(path), "-o", "out", "--no-plot", "--rpm", "130")
+    assert done.returncode == 0, done.stderr
+    orbit = next(r for r in rows(tmp_path / "out" / "branch.csv") if r["label"] == "P(1;inf)")
+    phases = [float(orbit[key]) for key in orbit if key.startswith("theta_deg") and orbit[key]]
+    assert phases == pytest.approx([30.0, 300.0], abs=1e-9)
+
+
+def test_the_valve_train_says_at_what_speed_it_floats(cam, tmp_path):
+    """First detachment, checked with the law's own formula, and springs that hold 3500 rpm."""
+    path = ROOT / "configs" / "valve-train.yaml"
+    done = cam("detach", "-c", str(path), "-o", "out", "--no-plot", "--hold-to", "3500", "--json")
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)["result"]
+    first = result["critical_speeds"][0]
+    assert first["quantity"] == "first_detachment"
+    assert 3000 < first["rpm"] < 3500
+
+    omega, theta, beta = first["rpm"] * pi / 30, first["theta_deg"], 65 * pi / 180
+    x = (theta - 180) / 65  # into the fall, within the cosine of modified sine
+    assert 0.125 < x < 0.875
+    peak = 4 * pi**2 / ((pi**2 - 8) * (1 / 16 - 9 / 16) - pi * (pi - 2) / 2 + pi**2)
+    wide, flank = 0.75 / pi, 0.25 / pi  # s'' = peak cos((x - 1/8)/wide), s'(1/8) = peak flank
+    y = (x - 0.125) / wide
+    s2, s1 = peak * cos(y), peak * (flank + wide * sin(y))
+    s = peak * (flank * x + wide**2 * (1 - cos(y)) - flank**2)
+    lift, slope, bend = 0.01 * (1 - s), -0.01 * s1 / beta, -0.01 * s2 / beta**2
+    force = 250 + 40000 * lift + 20 * omega * slope + 0.12 * omega**2 * bend
+    assert force == pytest.approx(0.0, abs=1e-6)
+
+    springs = {row["quantity"]: row for row in result["hold"]}
+    assert all(row["status"] == "ok" for row in springs.values())
+    assert all(row["detaches_rpm"] > 3500 for row in springs.values())
+    assert all(row["least_n"] == pytest.approx(50, abs=1e-6) for row in springs.values())
+
+
+SMOOTH = KINDS["smooth"]
+MOTION = "{start_deg: 10, length_deg: 90, law: 3-4-5}"
+
+
+@pytest.mark.parametrize(
+    ("text", "places", "said"),
+    [
+        ("{lift: 1}", ["1 cam.kind"], "no key 'kind', expected one of arcs, eccentric, law"),
+        ("{kind: lawx}", ["13 cam.kind"], "found 'lawx', expected one of arcs"),
+        (
+            "{kind: eccentric, base: 0, lift: 1, lfit: 1}",
+            ["42 cam.lfit"],
+            "unknown key 'lfit', expected one of kind, base, lift, did you mean 'lift'?",
+        ),
+        (SMOOTH.replace("4-5-6-7", "4567"), ["87 cam.rise.law"], "found 4567, expected one of"),
+        (SMOOTH.replace("cycloidal", "cycloid"), ["125 cam.fall.law"], "'cycloidal'?"),
+        (
+            SMOOTH.replace("start_deg: 300", "start: 300, start_deg: 300"),
+            ["50 cam.rise.start"],
+            "did you mean 'start_deg'?",
+        ),
+        (
+            SMOOTH.replace("4-5-6-7", "{scca: {b: 0.5, c: 0, d: 0.6}}"),
+            ["88 cam.rise.law.scca"],
+            "b + c + d = 1.1: the sum must be 1",
+        ),
+        (
+            SMOOTH.replace("4-5-6-7", "{scca: {b: 0.5, d: 0.5}}"),
+            ["88 cam.rise.law.scca.c"],
+            "no key 'c', expected a number from 0 to 1",
+        ),
+        (
+            SMOOTH.replace("4-5-6-7", "{b: 1}"),
+            ["82 cam.rise.law.scca", "88 cam.rise.law.b"],
+            "expected one of scca",
+        ),
+        (SMOOTH.replace("length_deg: 90", "length_deg: 190"), ["1 cam"], "20 deg too much"),
+        (
+            f"{{kind: law, base: 0, lift: 1, rise: {MOTION}}}",
+            ["1 cam.fall"],
+            "no section 'fall', expected a map with the keys length_deg, law",
+        ),
+    ],
+)
+def test_a_wrong_cam_is_told_with_its_place(tmp_path, text, places, said):
+    with pytest.raises(SceneError) as caught:
+        load_scene(write(tmp_path, text))
+    faults = caught.value.faults
+    assert [f"{fault.where.rpartition(':2:')[2]} {fault.path}" for fault in faults] == places
+    assert said in str(faults[-1])
+
+
+def test_another_kind_from_the_command_line():
+    """The file's keys that the new kind lacks fall away, in whatever order they are set."""
+    sets = ["cam.base=-0.1", "cam.lift=0.2", "cam.kind=eccentric"]
+    for order in (sets, sets[::-1]):
+        cam = load_scene(None, order).cam
+        assert (cam.kind, cam.base, cam.lift) == ("eccentric", -0.1, 0.2)
+    whole = load_scene(None, ["cam={kind: eccentric, base: 0, lift: 1}"]).cam
+    assert whole.lift == 1.0
+    same = load_scene(ROOT / "configs" / "law-smooth.yaml", ["cam.kind=eccentric"]).cam
+    assert (same.base, same.lift) == (0.1, 0.15393320723821)
+
+
+@pytest.mark.parametrize(
+    ("sets", "paths"),
+    [
+        (["cam.kind=eccentric"], ["cam.base", "cam.lift"]),
+        (["cam.kind=eccentric", "cam.base=0", "cam.lift=1", "cam.nose=2"], ["cam.nose"]),
+        (["cam.kind=arcs", "cam.lift=1"], ["cam.lift"]),
+        (["cam.kind=nothing"], ["cam.kind"]),
+    ],
+)
+def test_what_the_command_line_sets_wrongly_is_told(sets, paths):
+    with pytest.raises(SceneError) as caught:
+        load_scene(None, sets)
+    assert [fault.path for fault in caught.value.faults] == paths
+
+
+MADE_UP = """
+import sys
+from decimal import Decimal
+from typing import Literal
+from pydantic import BaseModel, ConfigDict, Field
+import camcli.profiles
+from camcli.profiles.digits import pi, sincos
+from camcli.profiles.pieces import Part
+
+class TwoLobes(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    kind: Literal["two-lobes"]
+    lift: float = Field(gt=0, description="lift, m")
+
+    def parts(self):
+        half = Decimal(self.lift) / 2
+        return [Part(Decimal(0), 2 * pi(), lambda theta: half * (1 - sincos(2 * theta)[1]))]
+
+camcli.profiles.CAMS = (*camcli.profiles.CAMS, TwoLobes)
+from camcli.__main__ import main
+main()
+"""
+
+
+def test_a_new_kind_is_one_class_and_one_registration(tmp_path):
+    """As CONTRIBUTING says: schema and commands then know it."""
+
+    def call(*words):
+        command = [sys.executable, "-c", MADE_UP, *words]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    path = write(tmp_path, "{kind: two-lobes, lift: 0.02}")
+    assert (
+        "two-lobes" in json.loads(call("schema"))["properties"]["cam"]["discriminator"]["mapping"]
+    )
+    for command in ("simulate", "detach"):
+        call(command, "-c", str(path), "-o", "out", "--no-plot", "--quiet")
+    first = next(r for r in rows(tmp_path / "out" / "detach.csv") if "first" in r["quantity"])
+    assert float(first["rpm"]) > 0

@@ -1,0 +1,174 @@
+"""Two classics as cams: the forced oscillator with a stop, and the ball on a vibrating table.
+
+Oscillator (Shaw & Holmes, J. Sound Vib. 90, 1983; Budd & Dux, Phil. Trans. R. Soc. A 347, 1994):
+x'' + x = cos(w t), x <= sigma, x' -> -r x'. With q - c = sigma - x it is a follower with m = k = 1
+on c = gamma cos(w t) - sigma, gamma = 1/(1 - w^2). Between impacts x - gamma cos(w t + phi) is
+a free oscillation; that it returns to the same height after T = 2 pi n/w with velocity V in, -r V
+out, gives with C, S = cos T, sin T and cs = (1 + r) S/(1 - C)
+    gamma cos phi = sigma + cs V/2,   gamma w sin phi = -(1 - r) V/2,
+so (sigma + cs V/2)^2 + ((1 - r) V/(2 w))^2 = gamma^2. V is the incoming velocity, relative to the
+stop; a negative V is a root that pulls. The flight's matrix [[C, S], [-S, C]] times the impact's
+[[-r, 0], [(1 + r) a/V, -r]], a = cos phi - sigma being x'' at the stop, has det r^2 and
+    trace = -2 r C + S (1 + r) a/V.
+
+Ball (Luck & Mehta, Phys. Rev. E 48, 1993; Holmes, J. Sound Vib. 84, 1982): g, table c of amplitude
+a, Gamma = a w^2/g. One impact in n turns: V = g n T/(1 + r) relative, table velocity
+a w cos psi = g n T (1 - r)/(2 (1 + r)); fold where cos psi = 1, at pi n (1 - r)/(1 + r), period
+doubling at sqrt(fold^2 + (2 (1 + r^2)/(1 + r)^2)^2).
+"""
+
+import csv
+import subprocess
+import sys
+from math import cos, hypot, pi, sin, sqrt
+from pathlib import Path
+
+import pytest
+
+from camcli.analysis.engine import Settings, Start
+from camcli.analysis.orbits.orbit import from_root
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.singles import single_impact_roots
+from camcli.analysis.orbits.study import Question, study
+from camcli.analysis.orbits.walk import Span
+from camcli.kernel.certify import ADMISSIBLE, PULLS
+from camcli.profiles.eccentric import EccentricCam
+from camcli.system import Follower, System
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+TIGHT = 1e-10
+RPM = 30 / pi  # of 1 rad/s
+
+
+def oscillator(w, r, sigma):
+    """The system of x'' + x = cos(w t) with a stop."""
+    gamma = abs(1 / (1 - w * w))
+    cam = EccentricCam(kind="eccentric", base=-sigma - gamma, lift=2 * gamma)
+    return System.build(Follower(1.0, 1.0, restitution=r), cam.parts())
+
+
+def velocities(w, r, sigma, n):
+    """Both roots V of the quadratic, the larger first; none where they are not real."""
+    gamma, time = 1 / (1 - w * w), 2 * pi * n / w
+    cs = (1 + r) * sin(time) / (1 - cos(time))
+    a, b = cs * cs / 4 + ((1 - r) / (2 * w)) ** 2, sigma * cs
+    inside = b * b - 4 * a * (sigma * sigma - gamma * gamma)
+    if inside < 0:
+        return []
+    root = sqrt(inside)
+    return [(-b + root) / (2 * a), (-b - root) / (2 * a)]
+
+
+def trace(w, r, sigma, n, v):
+    """Of the return map over n forcing periods."""
+    time = 2 * pi * n / w
+    cs = (1 + r) * sin(time) / (1 - cos(time))
+    a = (sigma + cs * v / 2) * (1 - w * w) - sigma
+    return -2 * r * cos(time) + sin(time) * (1 + r) * a / v
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+@pytest.mark.parametrize("sigma", [0.0, 0.1, -0.1])
+@pytest.mark.parametrize(
+    ("w", "r"), [(1.97, 0.8), (1.9, 0.8), (2.6, 0.8), (4.2, 0.5), (0.7, 0.6), (7.0, 0.9)]
+)
+def test_every_single_impact_orbit_is_a_root_of_the_quadratic(w, r, sigma, n):
+    system, rpm = oscillator(w, r, sigma), w * RPM
+    shooter = Shooter(system, rpm)
+    roots = single_impact_roots(shooter, rpm, n)
+    found = sorted((-root.rates[0] * w for root in roots), reverse=True)
+    expected = velocities(w, r, sigma, n)
+    assert found == pytest.approx(expected, rel=TIGHT)
+    for root in roots:
+        v = -root.rates[0] * w
+        assert root.trace == pytest.approx(trace(w, r, sigma, n, v), rel=1e-9, abs=TIGHT)
+        assert root.det == pytest.approx(r * r, rel=1e-15)
+        if v < 0:
+            assert shooter.verdict(root)[0] == PULLS
+
+
+@pytest.mark.parametrize("w", [2.0, 2 + 1e-12, 2 - 1e-12])
+def test_the_orbit_at_w_2(w):
+    """V = 20/3, trace 1.6: both multipliers are r. Each flight lasts half a natural period."""
+    system = oscillator(w, 0.8, 0.0)
+    shooter = Shooter(system, w * RPM)
+    roots = single_impact_roots(shooter, w * RPM, 1)
+    assert len(roots) == 2
+    (root,) = [root for root in roots if shooter.verdict(root)[0] == ADMISSIBLE]
+    orbit = from_root(system, root)
+    assert -2 * orbit.rates[0] == pytest.approx(20 / 3, rel=1e-11)
+    assert orbit.trace == pytest.approx(1.6, rel=1e-11)
+    assert orbit.det == pytest.approx(0.64, rel=1e-15)
+    assert orbit.theta[0] == pytest.approx(pi / 2, abs=1e-10)
+    assert orbit.stable
+
+
+def answer(tmp_path, config, *words):
+    """(branch.csv, bifurcations.csv) of `cam orbits` on a file of configs/."""
+    command = [sys.executable, "-m", "camcli", "orbits", "-c", str(CONFIGS / config), *words]
+    command += ["--no-plot", "--quiet", "-o", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return [list(csv.DictReader((tmp_path / name).open())) for name in ("branch.csv", NAME)]
+
+
+NAME = "bifurcations.csv"
+
+
+def test_the_oscillators_period_doubling_from_the_command_line(tmp_path):
+    """sigma = 0 scales with gamma, so one cam serves every w: V is proportional to its lift."""
+    words = ["--rpm", "24.9:25.6", "--at", "25", "--points", "15", "--set", "orbits.starts=0"]
+    points, events = answer(tmp_path, "eccentric.yaml", *words)
+    doubling = next(row for row in events if row["kind"] == "period-doubling")
+    w = float(doubling["rpm"]) / RPM
+    assert w == pytest.approx(2.65334773, abs=5e-9)
+    v = velocities(w, 0.8, 0.0, 1)[0]
+    assert v == pytest.approx(0.44926471, abs=5e-9)
+    assert 1 + trace(w, 0.8, 0.0, 1, v) + 0.64 == pytest.approx(0.0, abs=1e-8)
+    assert {row["label"] for row in points} == {"P(1;1)", "P(2;1:1)"}
+
+
+def ball(r, amplitude=0.001, g=9.81):
+    """The system of a ball on a table."""
+    cam = EccentricCam(kind="eccentric", base=-amplitude, lift=2 * amplitude)
+    return System.build(Follower(0.01, 0.0, gravity=g, restitution=r), cam.parts())
+
+
+def rpm_of(gamma, amplitude=0.001, g=9.81):
+    """Speed of the eccentric at a dimensionless acceleration."""
+    return sqrt(gamma * g / amplitude) * RPM
+
+
+def critical(r, n):
+    """(fold, period doubling) in Gamma."""
+    fold = pi * n * (1 - r) / (1 + r)
+    return fold, hypot(fold, 2 * (1 + r * r) / (1 + r) ** 2)
+
+
+@pytest.mark.parametrize(("r", "n"), [(0.5, 1), (0.5, 2), (0.2, 1), (0.8, 1), (0.8, 3)])
+def test_the_balls_fold_and_period_doubling(r, n):
+    fold, doubling = critical(r, n)
+    low, high, start = (rpm_of(x) for x in (0.98 * fold, 1.02 * doubling, 0.5 * (fold + doubling)))
+    label = f"P({n};{':'.join(['1'] + ['0'] * (n - 1))})"
+    span = Span(low, high, (high - low) / 20)
+    question = Question(start, span=span, label=label, branches=0, starts=0)
+    found = study(ball(r), Settings(20, 1, 1e-9, 10**6, Start()), question)
+    at = {event.kind: event.value for event in found.bifurcations}
+    assert at["fold"] == pytest.approx(rpm_of(fold), rel=TIGHT)
+    assert at["period-doubling"] == pytest.approx(rpm_of(doubling), rel=TIGHT)
+    for orbit in found.orbits:
+        w = orbit.rpm / RPM
+        assert -w * orbit.rates[0] == pytest.approx(9.81 * n * 2 * pi / w / (1 + r), rel=TIGHT)
+        # c = -a cos theta moves with a w sin theta, in phase with the impact
+        table = 0.001 * w * sin(orbit.theta[0])
+        assert table == pytest.approx(9.81 * n * pi / w * (1 - r) / (1 + r), rel=TIGHT)
+
+
+def test_the_ball_from_the_command_line(tmp_path):
+    words = ["--rpm", "960:1200", "--points", "41", "--label", "P(1;1)", "--set", "orbits.starts=0"]
+    _, events = answer(tmp_path, "bouncing-ball.yaml", *words)
+    fold, doubling = critical(0.5, 1)
+    assert doubling == pytest.approx(1.52682370, abs=5e-9)
+    at = {row["kind"]: float(row["rpm"]) for row in events}
+    assert at["fold"] == pytest.approx(rpm_of(fold), rel=TIGHT)
+    assert at["period-doubling"] == pytest.approx(rpm_of(doubling), rel=TIGHT)
