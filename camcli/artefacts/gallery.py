@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-MOST_ROWS, MOST_COLUMNS = 12, 10
+MOST_ROWS, MOST_COLUMNS = 20, 10
 STYLE = """
 :root { color-scheme: light dark; --line: #8885; }
 body { font: 1rem/1.5 system-ui, sans-serif; margin: 0 auto; max-width: 75rem; padding: 1rem; }
@@ -118,6 +118,7 @@ def _value(title: str, value: Any, level: int) -> Iterator[str]:
     if isinstance(value, Mapping):
         if title:
             yield f"<h{level}>{escape(title)}</h{level}>\n"
+        value = {k: v for k, v in value.items() if v not in (None, [], {}, "")}
         plain = {k: v for k, v in value.items() if _is_plain(v)}
         if plain:
             rows = [f"<dt>{_words(k)}</dt><dd>{_cell(v)}</dd>\n" for k, v in plain.items()]
@@ -127,13 +128,14 @@ def _value(title: str, value: Any, level: int) -> Iterator[str]:
                 yield from _value(key.replace("_", " "), inner, min(level + bool(title), 6))
     elif isinstance(value, list) and value:
         yield f"<h{level}>{escape(title)}</h{level}>\n"
-        yield from _table(value) if isinstance(value[0], Mapping) else _list(value)
+        yield from _table(title, value) if isinstance(value[0], Mapping) else _list(value)
 
 
-def _table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+def _table(title: str, rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     keys = list(dict.fromkeys(k for row in rows for k, v in row.items() if _is_plain(v)))
     keys = keys[:MOST_COLUMNS]
-    yield '<div class="wide" tabindex="0"><table>\n<thead><tr>'
+    yield f'<div class="wide" role="region" aria-label="{escape(title)}" tabindex="0"><table>\n'
+    yield "<thead><tr>"
     yield (
         "".join(f'<th scope="col">{_words(key)}</th>' for key in keys) + "</tr></thead>\n<tbody>\n"
     )

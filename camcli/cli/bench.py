@@ -63,7 +63,7 @@ def _parts(request: Request) -> tuple[str, ...]:
 
 def _show_plan(request: Request, setup: Setup, parts: tuple[str, ...]) -> None:
     """Print what would be done, as a table or as one JSON object."""
-    plan = planned(setup.scene.bench.quick, setup.scene.bench, parts)
+    plan = planned(setup.scene.bench, parts)
     if request.json:
         print(json.dumps({"command": NAME, "plan": plan}, indent=2))
         return

@@ -25,8 +25,9 @@ largest of impact and accumulation phases (turns) and of the final state (q over
 v over omega times it). missed, extra: impacts of the reference not found, and found but not there;
 the last 1e-3 turn of a complete chatter is not asked of anybody. bound: what is promised for
 ours where the error is largest; of_bound: the largest share of any bound, beyond 1 a failure.
-Status: ok; over-bound (exit code 3); missed or invented (impacts); given-up (time or impacts used up); not-installed.
-Methods: core (over run.chatter_tolerance), rk45, dop853, lsoda, radau (scipy's solve_ivp with
+Status: ok; over-bound (exit code 3); missed or invented (impacts); given-up (time or impacts
+used up); failed (the method stopped with an error); not-installed.
+Methods: core (over its chatter tolerance), rk45, dop853, lsoda, radau (scipy's solve_ivp with
 contact events over rtol = atol, without a step limit and with steps of at most 1/16 turn), heyoka
 (Taylor series with terminal events; extra `bench`), rk4 (fixed steps and bisection). All stick,
 and close a chatter by its map.

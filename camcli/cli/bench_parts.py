@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import Any
@@ -18,6 +19,7 @@ from camcli.cli.options import Request
 from camcli.cli.panel import note
 from camcli.cli.progress import bar
 from camcli.cli.setup import Setup
+from camcli.scene.bench import Bench
 
 QUICK_FLIGHTS = 100
 STEPS_OF_FLIGHTS = 100  # of the progress bar
@@ -126,13 +128,13 @@ def run_scenes(here: Run) -> None:
         words.show_scenes(found)
 
 
-def planned(here_quick: bool, section, parts) -> dict[str, dict[str, float]]:
+def planned(section: Bench, parts: Sequence[str]) -> dict[str, dict[str, float]]:
     """What each part would do: points or rows or commands, and seconds at the most."""
-    repeats = 1 if here_quick else section.repeats
-    wanted = methods.points(tuple(section.methods), here_quick, bench_of())
+    repeats = 1 if section.quick else section.repeats
+    wanted = methods.points(tuple(section.methods), section.quick, bench_of())
     points = len(wanted) * len(section.cases)
-    allowed = precision.QUICK_ALLOWED if here_quick else precision.ALLOWED
-    commands = len(scenes.QUICK if here_quick else scenes.SCENES)
+    allowed = precision.QUICK_ALLOWED if section.quick else precision.ALLOWED
+    commands = len(scenes.QUICK if section.quick else scenes.SCENES)
     rows = len(stability.ROWS)
     table = {
         "precision": {"runs": points, "seconds": 0.25 * allowed * points * (1 + 0.2 * repeats)},

@@ -41,7 +41,9 @@ FIGURES_OPTIONS = {
     "folder": (
         Annotated[
             Path | None,
-            typer.Option("--folder", help="Folder of the scenes. Default: configs/figures, here or shipped."),
+            typer.Option(
+                "--folder", help="Folder of scenes. Default: configs/figures (here, else shipped)."
+            ),
         ],
         None,
     ),

@@ -110,7 +110,7 @@ def test_where_an_absent_label_exists_is_said(chapter, found):
 def test_every_parameter_has_a_name_and_a_unit(found, parameter):
     ask = replace(QUESTIONS["doubling"], parameter=parameter)
     changed = replace(found["doubling"], question=ask)
-    assert axis_name(changed.question.parameter) == f"{NAMES[parameter]} ({UNITS[parameter] or '-'})"
+    assert axis_name(parameter) == f"{NAMES[parameter]} ({UNITS[parameter] or '-'})"
     assert NAMES[parameter] in heading(changed)[0][0] or parameter == "rpm"
 
 

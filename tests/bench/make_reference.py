@@ -2,9 +2,10 @@
 
     python tests/bench/make_reference.py [NAME ...]
 
-writes camcli/analysis/bench/reference/*.json (minutes in all). Nothing of the kernel is used. Each
-file of a case holds its machine, its start at theta = 0, the events of whole turns (phases in rad
-and relative velocities in m/s with 25 digits) and the state at the end.
+writes camcli/analysis/bench/reference/NAME.json (a minute in all; make_rows.py makes
+stability.json). Nothing of the kernel is used. Each file holds its machine, its start at theta = 0,
+the events of whole turns (phases in rad and relative velocities in m/s with 25 digits) and the
+state at the end.
 
 `growth` says how far rounding may take a program that does everything right: the exact motion is
 run again with a disturbance of relative size NOISE at every event, and growth is the largest change
@@ -17,17 +18,17 @@ from __future__ import annotations
 import json
 import random
 import sys
-from math import pi
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
+from eccentric_cam import EccentricCam  # beside this file
 from mpmath import mp, mpf
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from tests import oracle  # noqa: E402
-from tests.oracle import ArcsCam, Flight, Oracle, _num  # noqa: E402
+from tests.oracle import ArcsCam, Flight, Oracle  # noqa: E402
 
 FOLDER = ROOT / "camcli" / "analysis" / "bench" / "reference"
 DIGITS = 25
@@ -50,48 +51,6 @@ CHAPTER = {
     "mass": 1.221, "stiffness": 1430.8, "damping": 0.0, "gravity": 0.0, "preload": 0.0,
     "restitution": 0.8,
 }  # fmt: skip
-
-
-class Harmonic(NamedTuple):
-    """A turn of the eccentric cam: c = middle - half cos x, x = theta - origin."""
-
-    middle: Any
-    half: Any
-    origin: Any
-    end: Any
-
-    def laws(self, lib, x):
-        """Lift and its first two derivatives in the angle."""
-        cos, sin = lib.cos(x), lib.sin(x)
-        return self.middle - self.half * cos, self.half * sin, self.half * cos
-
-
-class EccentricCam:
-    """c = base + lift (1 - cos theta)/2, with what the oracle asks of a cam."""
-
-    def __init__(self, base: float, lift: float):
-        self.half = mpf(lift) / 2
-        self.middle = mpf(base) + self.half
-
-    def segments(self, psi, side=1):
-        """One piece per turn, from the unbounded angle psi on."""
-        turn = mp.floor(psi / (2 * mp.pi))
-        while True:
-            origin = 2 * mp.pi * turn
-            yield Harmonic(self.middle, self.half, origin, origin + 2 * mp.pi)
-            turn += 1
-
-    def laws(self, theta, side=1):
-        """(c, c_theta, c_thetatheta)."""
-        return Harmonic(self.middle, self.half, mpf(0), None).laws(mp, _num(theta))
-
-    def c(self, theta):
-        """Lift."""
-        return self.laws(theta)[0]
-
-    def c1(self, theta):
-        """Slope."""
-        return self.laws(theta)[1]
 
 
 def case(title, rpm, turns, start=None, cam=ARCS, chatter="none", **changes):
@@ -235,76 +194,6 @@ def round_up(x) -> float:
     return max(1.0, float(f"{float(x):.3g}"))
 
 
-# ------------------------------------------------------------------------------ stability
-
-HEAVY = {
-    "6.7e3 at 115": (6.7e3, 115.0),
-    "4.1e4 at 700": (4.1e4, 700.0),
-    "1e9 at 115": (1e9, 115.0),
-    "1e12 at 115": (1e12, 115.0),
-}
-TURNS = 2
-WEAK = 114.98  # rpm: hops near b just above the first detachment
-
-
-def coarse(self) -> mpf:
-    """Cells of the turn alone: the fast decay is over at once, its cell is bisected."""
-    return 2 * mp.pi / self.omega / oracle.CELLS_PER_TURN
-
-
-def heavy(b: float, rpm: float) -> dict[str, Any]:
-    """Landings after a flight, departures, and the height at the end, with heavy damping."""
-    own = Flight._width
-    if b > 1e6:
-        Flight._width = coarse
-    data = case("", rpm, TURNS, damping=b)
-    reference = Oracle(oracle_cam(ARCS), rpm=rpm, **data["follower"])
-    events = reference.run(turns=TURNS, chatter_cut=mpf(CUT))
-    with mp.workdps(80):
-        omega, end = mpf(rpm) * mp.pi / 30, 2 * mp.pi * TURNS
-        raw = reference._run(mpf(0), end, mpf(CUT), 0, mpf(rpm), reference.r, None, None)
-        q, _ = final(reference, omega, TURNS, raw)
-    Flight._width = own
-    kept = [
-        [e.kind, e.turn, digits(e.theta)]
-        for before, e in zip([None, *events], events, strict=False)
-        if e.kind == "detachment" or (before is not None and before.kind == "detachment")
-    ]
-    return {"damping": b, "rpm": rpm, "turns": TURNS, "events": kept, "q": digits(q)}
-
-
-def graze(rpm: float, degrees: float, delta: float, s: float) -> dict[str, float] | None:
-    """Start of an undamped flight that is tangent to the cam `s` rad later, raised by delta m."""
-    cam, theta = oracle_cam(ARCS), degrees * pi / 180
-    with mp.workdps(40):
-        omega = mpf(rpm) * mp.pi / 30
-        W = mp.sqrt(mpf(CHAPTER["stiffness"]) / mpf(CHAPTER["mass"])) / omega
-        c, c1, _ = cam.laws(theta)
-        q, w = c + mpf(delta), c1
-        q, w = q * mp.cos(W * s) - w / W * mp.sin(W * s), w * mp.cos(W * s) + W * q * mp.sin(W * s)
-        if q <= cam.c(theta - s):
-            return None
-        start = {"theta_deg": (theta - s) * 180 / pi, "q": float(q), "v": float(w * omega)}
-    return {"rpm": rpm, "at": theta, **start}
-
-
-def stability() -> dict[str, Any]:
-    """Stored values of the rows of the extreme cases that need some."""
-    flights = [
-        graze(rpm, degrees, delta, s)
-        for rpm in (300.0, 400.0, 700.0)
-        for degrees in (150.5, 153.0, 155.0, 158.0)
-        for s in (0.2, 0.3, 0.6, 1.0)
-        for delta in (-1e-16, 0.0, 1e-16)
-    ]
-    grazes = [flight for flight in flights if flight is not None]
-    values = {name: heavy(*data) for name, data in HEAVY.items()}
-    weak = Oracle(oracle_cam(ARCS), rpm=WEAK, **CHAPTER).run(impacts=8)
-    hops = [[digits(e.theta), digits(e.u_minus)] for e in weak if e.kind == "impact"]
-    more = {"weak": {"rpm": WEAK, "impacts": hops}, "grazes": grazes}
-    return {"follower": CHAPTER, "cam": ARCS, "heavy": values, **more}
-
-
 def compact(data: dict[str, Any]) -> str:
     """JSON with a line per entry of a list."""
     lines = []
@@ -317,15 +206,14 @@ def compact(data: dict[str, Any]) -> str:
     return "{\n" + ",\n".join(lines) + "\n}"
 
 
-def main(names: list[str]) -> None:
-    """Write the files of these cases, or all."""
+def write(name: str, found: dict[str, Any]) -> None:
+    """Write one file."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    for name in names or [*CASES, "stability"]:
-        found = stability() if name == "stability" else solved(CASES[name])
-        text = compact(found)
-        (FOLDER / f"{name}.json").write_text(text + "\n", encoding="utf-8")
-        print(name, len(text), "bytes", flush=True)
+    text = compact(found)
+    (FOLDER / f"{name}.json").write_text(text + "\n", encoding="utf-8")
+    print(name, len(text), "bytes", flush=True)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    for case_name in sys.argv[1:] or CASES:
+        write(case_name, solved(CASES[case_name]))

@@ -30,7 +30,7 @@ def test_precision(cam, tmp_path):
             assert float(row["of_bound"]) <= 1.0
     assert (tmp_path / "out" / "precision.png").stat().st_size > 20_000
     flights = rows(tmp_path / "out" / "flights.csv")
-    assert [r["method"] for r in flights][0] == "core"
+    assert flights[0]["method"] == "core"
     assert (flights[0]["missed"], flights[0]["invented"]) == ("0", "0")
     record = json.loads((tmp_path / "out" / "run.json").read_text())
     assert record["scene"]["bench"]["flights"] == 20

@@ -1,4 +1,4 @@
-"""Extreme cases beside the rows of `cam bench stability`: more speeds, more starts, bounded cost."""
+"""Extreme cases beside the rows of `cam bench stability`: more speeds, starts, bounded cost."""
 
 import itertools
 from math import pi, sqrt

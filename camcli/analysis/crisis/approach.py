@@ -80,7 +80,7 @@ def approach(carried: Carried) -> Approach:
 def _distance(tape: Tape, corner: Corner) -> float:
     """Least distance of the impacts of a record to a corner, rad."""
     theta = impacts_of(tape)[0]
-    return float(np.abs((theta - corner.theta + TURN / 2) % TURN - TURN / 2).min())
+    return float(np.abs((theta - corner.theta + TURN / 2) % TURN - TURN / 2).min(initial=inf))
 
 
 def low_gap(carried: Carried, rpm: float, tape: Tape) -> float:

@@ -60,10 +60,14 @@ def _linear_map(carried: Carried, rpm: float, x, size, turns: int) -> np.ndarray
         ends, width = [], 0.0
         for jump in (nudge, -nudge):
             try:
-                ends.append(carried.states(rpm, x + jump, turns)[turns])
-                width += NUDGE
+                states = carried.states(rpm, x + jump, turns)
             except StartError:
                 ends.append(x)
+                continue
+            if len(states) <= turns:  # the motion ends early
+                raise LostError
+            ends.append(states[turns])
+            width += NUDGE
         if width == 0.0:
             raise LostError
         columns.append((ends[0] - ends[1]) / (width * size[axis]))

@@ -103,6 +103,7 @@ def _with_saddle(carried: Carried, reached: Approach, met: Contact) -> Crisis:
     said += [words.fold_said(corner), *words.approach_said(reached, False)]
     facts = (
         Fact("eta of the fold beside the speed solved, relative", *fold_beside(first)),
+        Fact("saddles seen", met.inside, met.beyond),
         *reached.facts,
     )
     return Crisis(

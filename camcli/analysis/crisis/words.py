@@ -69,23 +69,25 @@ def approach_said(found: Approach, is_cause: bool) -> list[str]:
     said = _reached_before(found)
     if not found.kind:
         return said + _not_reached(found)
-    what = "Flights come down to the cam"
-    if found.corner is not None:
-        what = f"Impacts draw near to corner {found.corner.name}"
+    if found.corner is None:
+        what, place = "Flights come down towards the cam", "touch it"
+    else:
+        what, place = f"Impacts draw near to corner {found.corner.name}", "reach it"
     if is_cause:
-        return [*said, f"{what} and reach it there for the first time, on a line through two runs."]
-    return [*said, f"{what} too. That is extrapolated from runs, the tangency is solved."]
+        return [*said, f"{what} and {place} there for the first time, by a line through two runs."]
+    might = f"{what} too and might {place} about there."
+    return [*said, f"{might} That is only extrapolated; the tangency is solved."]
 
 
 def _reached_before(found: Approach) -> list[str]:
     """Corners and contacts of no force that belong to the attractor before the change."""
-    what = []
+    said = []
     names = [corner.name for corner, _, distance in found.corners if distance <= REACHED]
     if names:
-        what.append(f"impacts reach {_corners(names)}")
+        said.append(f"Impacts reach {_corners(names)} already before it.")
     if min(found.gap) <= found.low:
-        what.append("there are contacts of hardly any force")
-    return [f"Already before it {' and '.join(what)}."] if what else []
+        said.append("Contacts of hardly any force occur already before it.")
+    return said
 
 
 def _not_reached(found: Approach) -> list[str]:
