@@ -66,7 +66,7 @@ def _short(text: str) -> str:
 def show_explanation(explanation: Explanation) -> None:
     """Print the events, the changes and a sentence for each."""
     rows = [
-        [f"{e.rpm:.10g}", f"{e.error:.0e}", _kind(e), _short(e.label), e.classification]
+        [_digits(e.rpm, e.error), f"{e.error:.0e}", _kind(e), _short(e.label), e.classification]
         for e in explanation.events
     ]
     table("Critical speeds of attractors", ["rpm", "error", "event", "motion", "class"], rows)
@@ -77,6 +77,14 @@ def show_explanation(explanation: Explanation) -> None:
     table("Changes of the diagram", ["rpm", "from", "to", "cause"], rows)
     for c in explanation.changes:
         print(f"- {c.low:.10g} to {c.high:.10g} rpm, {c.cause}: {c.words}")
+
+
+def _digits(rpm: float, error: float) -> str:
+    """A speed with the digits its error allows, ten at most."""
+    if not 0.0 < error < 1.0:
+        return f"{rpm:.10g}"
+    decimals = min(max(0, 1 - int(f"{error:e}".split("e")[1])), 9)
+    return f"{float(f'{rpm:.{decimals}f}'):.10g}"
 
 
 def _kind(event: Event) -> str:

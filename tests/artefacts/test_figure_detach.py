@@ -59,6 +59,8 @@ def test_curve_marks_and_first_detachment_are_drawn(chapter, result):
 def test_the_first_chattering_range_is_enlarged_only_where_it_is_small(chapter, result):
     close = found(chapter, np.linspace(112.0, 138.0, 41), impacts=2)
     assert pixels(result, chapter).shape[0] > pixels(close, chapter).shape[0] + 400
+    flat = found(chapter, np.linspace(114.0, 126.0, 41), impacts=2)
+    assert pixels(flat, chapter).shape[0] > pixels(close, chapter).shape[0] + 400
 
 
 def test_hold_to_adds_a_panel(chapter, result):

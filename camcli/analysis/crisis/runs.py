@@ -16,6 +16,7 @@ from camcli.system import System, omega_of
 
 MARGIN = 0.05  # of the box, in widths of all states seen at both ends
 LEAST = 16  # states outside the box that count as leaving
+STAYS = "Nothing leaves"  # begins the sentence of an attractor that lives on
 HALVINGS = 16  # of the interval of speeds
 SETTLE = 1000  # turns from the scene's start before the attractor is recorded
 BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
@@ -90,7 +91,7 @@ class Carried:
             return f"The motion carried from {self.near:.10g} rpm is not chaotic."
         if not self.leaves(far):
             return (
-                f"Nothing leaves the attractor carried from {self.near:.10g} rpm: "
+                f"{STAYS} the attractor carried from {self.near:.10g} rpm: "
                 f"a run of {self.turns} turns stays in its range at {self.far:.10g} rpm."
             )
         for _ in range(HALVINGS):

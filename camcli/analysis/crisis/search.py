@@ -19,7 +19,7 @@ from math import inf
 from camcli.analysis.crisis import words
 from camcli.analysis.crisis.approach import Approach, Fact, approach
 from camcli.analysis.crisis.meeting import Contact, contact, corner_of, fold_beside, kind_of
-from camcli.analysis.crisis.runs import Carried
+from camcli.analysis.crisis.runs import STAYS, Carried
 from camcli.analysis.engine import Settings
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.system import System
@@ -49,6 +49,7 @@ class Crisis:
     phase: float | None = None
     evidence: tuple[Fact, ...] = ()
     words: tuple[str, ...] = ()
+    stays: bool = False  # the chaotic attractor lives on at both speeds
 
 
 def find_crisis(
@@ -72,7 +73,8 @@ def find_crisis(
     carried = Carried(system, settings, near, far, turns)
     nothing = carried.narrow()
     if nothing:
-        return Crisis(UNEXPLAINED, far, inf, carried.bracket, words=(nothing,))
+        stays = nothing.startswith(STAYS)
+        return Crisis(UNEXPLAINED, far, inf, carried.bracket, words=(nothing,), stays=stays)
     reached, met = approach(carried), contact(carried)
     if met.first is None:
         return _without_saddle(carried, reached, met)

@@ -8,7 +8,7 @@ from itertools import pairwise
 from math import inf
 
 from camcli.analysis.classify import APERIODIC, COMPLETE, Motion
-from camcli.analysis.crisis import find_crisis
+from camcli.analysis.crisis import Crisis, find_crisis
 from camcli.analysis.engine import IMPACT, Cost, Settings
 from camcli.analysis.explain.events import Event, Events, find_events
 from camcli.analysis.orbits.branch import Branch
@@ -109,11 +109,16 @@ def _cause(system, settings, found: Events, a: Motion, b: Motion, may_search: bo
     if resting is not None:
         return Change(*ends, resting.kind, resting.words, (resting,))
     persists = [m for m in (a, b) if m.orbit is not None and _persists(found.branches, m, a, b)]
-    crisis, tried = _crisis(system, settings, a, b) if may_search else (None, "")
-    if crisis is not None:
-        return Change(*ends, crisis.kind, crisis.words, (crisis,))
+    crisis = _crisis(system, settings, a, b) if may_search else None
+    tried = "" if crisis is None else " ".join(crisis.words)
+    if crisis is not None and crisis.kind != UNEXPLAINED:
+        event = _event_of(crisis)
+        return Change(*ends, event.kind, event.words, (event,))
     if persists:
         return Change(*ends, BASIN, _coexistence(found, persists))
+    if crisis is not None and crisis.stays:
+        words = f"the chaotic attractor lives on at both speeds, the start changes basins. {tried}"
+        return Change(*ends, BASIN, words)
     words = "tried: bifurcations of solved branches, none lies in it; branches through it, none is"
     words += f" stable. {tried}" if tried else " stable"
     if not may_search:
@@ -171,20 +176,20 @@ def _coexistence(found: Events, persists: Sequence[Motion]) -> str:
     return "; ".join(said)
 
 
-def _crisis(system: System, settings: Settings, a: Motion, b: Motion) -> tuple[Event | None, str]:
-    """A crisis of the chaotic attractor between the two speeds, and what was tried without one.
+def _crisis(system: System, settings: Settings, a: Motion, b: Motion) -> Crisis | None:
+    """A crisis of the chaotic attractor between the two speeds, if there is such an attractor.
 
-    The attractor is carried from the speed where it is the smaller one, or where there is one.
+    It is carried from the speed where it is the smaller one, or where there is one.
     """
     chaotic = [m for m in (a, b) if m.label == APERIODIC]
     if not chaotic:
-        return None, ""
+        return None
     smaller = min(chaotic, key=lambda m: extent(m)[1] - extent(m)[0])
-    end = "lower" if smaller is a else "upper"
-    found = find_crisis(system, settings, a.rpm, b.rpm, end)
-    words = " ".join(found.words)
-    if found.kind == UNEXPLAINED:
-        return None, words
-    label = "chaotic attractor" if found.orbit is None else f"chaos, {found.orbit.label}"
-    event = Event(found.rpm, found.error, found.kind, label, found.corner, words=words)
-    return event, words
+    return find_crisis(system, settings, a.rpm, b.rpm, "lower" if smaller is a else "upper")
+
+
+def _event_of(crisis: Crisis) -> Event:
+    orbit = crisis.orbit
+    label = "chaotic attractor" if orbit is None else f"chaos, {orbit.label}"
+    words = " ".join(crisis.words)
+    return Event(crisis.rpm, crisis.error, crisis.kind, label, crisis.corner, words=words)

@@ -26,6 +26,7 @@ SHADES = ("#A9D3EE", "#4FA3D6", style.FLIGHT, "#003A5C", style.IMPACT)
 SPRINGS = (style.TROUBLE, style.DETACHMENT, style.STICKING, style.CHATTER)
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 LINES = 34  # px, of a legend above a panel of forces
+FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
 ROOM = 0.03  # of an axis, beyond what it shows
 LEGEND = {"borderaxespad": 0.0, "columnspacing": 1.5, "handletextpad": 0.5, "handlelength": 1.6}
@@ -107,23 +108,25 @@ def _views(study: Study) -> list[_View]:
         return views
     ends = [c.theta_deg for c in reached]
     if len(reached) < 2:  # what happens beyond the only corner belongs to it
-        ends += [end for name, end in _ends(study) if name == lead.region.name]
+        ends += [end for name, end, _ in _ends(study) if name == lead.region.name]
     highest = views[0].phase(ends).max()
     bottom, top = start - 0.06 * (highest - start), highest + 0.2 * (highest - start)
     hits = [h.rpm for h in study.hits if h.corner == reached[0].region]
     low, high = lead.opens.rpm, max([*[c.rpm for c in reached], *hits])
     rpm = max(span[0], low - 0.12 * (high - low)), min(span[1], high + 0.12 * (high - low))
-    if rpm[1] - rpm[0] >= 0.6 * (span[1] - span[0]):
-        rpm = span  # only the phases are enlarged
-    return [_View(bottom, top, start - FOLD, rpm, ZOOM), *views]
+    if rpm[1] - rpm[0] < 0.6 * (span[1] - span[0]):
+        views.insert(0, _View(bottom, top, start - FOLD, rpm, ZOOM))
+    elif top - bottom < FLAT:
+        views.insert(0, _View(bottom, top, start - FOLD, span, ZOOM))
+    return views
 
 
-def _ends(study: Study) -> list[tuple[str, float]]:
-    """Region and end of every complete burst."""
+def _ends(study: Study) -> list[tuple[str, float, float]]:
+    """Region, end and speed of every complete burst."""
     found = []
     for speed in study.speeds:
         complete = [region for region, outcome in speed.bursts if outcome == "complete"]
-        found += zip(complete, speed.ends, strict=True)
+        found += [(r, end, speed.rpm) for r, end in zip(complete, speed.ends, strict=True)]
     return found
 
 
@@ -170,10 +173,8 @@ def _draw_phases(axes: Axes, view: _View, study: Study, system: System) -> None:
 def _curves(axes: Axes, view: _View, study: Study) -> None:
     """Where each region's bursts end, a line per region, broken at jumps."""
     curves: dict[str, list[tuple[float, float]]] = {}
-    for speed in study.speeds:
-        complete = [region for region, outcome in speed.bursts if outcome == "complete"]
-        for region, end in zip(complete, speed.ends, strict=True):
-            curves.setdefault(region, []).append((speed.rpm, float(view.phase(end))))
+    for region, end, rpm in _ends(study):
+        curves.setdefault(region, []).append((rpm, float(view.phase(end))))
     label = "end of the chatter, computed"
     for region in sorted(curves):
         points = np.array(curves[region])
