@@ -105,7 +105,10 @@ def _legend(figure: Figure, drawn: Sequence[Measured], height: int) -> None:
     dashed = Line2D([], [], linewidth=0.7, linestyle=(0, (3, 2)), **hollow)
     dashed.set_label("steps of at most 1/16 turn")
     handles.append(dashed)
-    for shape, words in (("x", "missed or invented impacts"), ("|", "given up, error until then")):
+    told = [("x", "missed or invented impacts"), ("|", "given up, error until then")]
+    if any(m.status == OVER for m in drawn):
+        told.append(("*", "beyond the bound promised"))
+    for shape, words in told:
         look = {"color": "red", "marker": shape, "markersize": 7.0, "linestyle": ""}
         handles.append(Line2D([], [], label=words, **look))
     at = (LEFT / style.WIDTH, 1.0 - 58 / height)
