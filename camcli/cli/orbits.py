@@ -80,7 +80,33 @@ def _options(request: Request) -> dict[str, tuple[Any, str]]:
         values["orbits.curve_in"] = (request.extra["second"], "--in")
     if request.extra["range"] is not None:
         values["orbits.range"] = (_numbers(request.extra["range"], "--range", 2), "--range")
+    _refuse_idle(request)
     return values
+
+
+def _refuse_idle(request: Request) -> None:
+    """Options that would mean nothing together are said, not passed over."""
+    extra = request.extra
+    speeds = parse_rpm(request.rpm) if request.rpm is not None else 0.0
+    faults = [
+        (extra["parameter"] and extra["curve"], "--parameter", "with --curve", "use --in"),
+        (extra["second"] and not extra["curve"], "--in", "without --curve", "add --curve KIND"),
+        (
+            extra["range"] and not (extra["parameter"] or extra["curve"]), "--range",
+            "without a parameter", "add --parameter or --curve and --in",
+        ),
+        (
+            extra["parameter"] not in (None, "rpm") and isinstance(speeds, tuple), "--parameter",
+            "with a range of speeds", "give one speed: --rpm X",
+        ),
+    ]  # fmt: skip
+    found = [
+        Fault(name, "", f"found {name} {what}", "it means nothing there", cure)
+        for wrong, name, what, cure in faults
+        if wrong
+    ]
+    if found:
+        raise SceneError(*found)
 
 
 def _numbers(text: str, option: str, count: int) -> list[float]:
@@ -111,6 +137,7 @@ def _question(request: Request, setup: Setup) -> Question:
     return Question(
         rpm=at, parameter=parameter if section.curve is None else "rpm", span=span,
         label=_label(section.label), branches=section.branches, starts=section.starts,
+        curve=section.curve,
         stable={"any": None, "stable": True, "unstable": False}[section.stability],
     )  # fmt: skip
 
@@ -185,6 +212,11 @@ def _bounds(setup: Setup, question: Question) -> Bounds | None:
         cure = "give --rpm LO:HI"
         raise SceneError(Fault("", "orbits.rpm", found, "expected a range for a curve", cure))
     second = _range(setup, section.curve_in)
+    value = getattr(setup.scene.follower, section.curve_in)
+    if not second[0] <= value <= second[1]:
+        found = f"found {section.curve_in} = {value!r} in the scene"
+        expected = f"expected a value within the curve's range, {second[0]!r} to {second[1]!r}"
+        raise SceneError(Fault("", "orbits.range", found, expected, "choose another range"))
     return Bounds((question.span.low, question.span.high), second, max(2, section.rpm.num // 4))
 
 

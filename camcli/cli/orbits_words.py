@@ -57,6 +57,8 @@ def remarks(result: Study, curves: list[Curve]) -> list[str]:
             )
     if result.branches:
         said.append(_no_torus(result))
+    if result.question.curve and not curves:
+        said.append(f"no {result.question.curve} was located, so there is no curve to continue")
     said += [f"curve {n} ends: {c.ends[0]}; {c.ends[1]}" for n, c in enumerate(curves, 1)]
     return said
 
@@ -78,7 +80,9 @@ def _no_torus(result: Study) -> str:
             f"Neimark-Sacker bifurcations are impossible: det = r^(2 impacts) exp(-b T/m) is at "
             f"most {largest:.6g} on these branches, below 1"
         )
-    return "nothing dissipates: det is 1, orbits are centres or saddles and none attracts"
+    return (
+        "det reaches 1 where nothing dissipates: there orbits are centres or saddles, none attracts"
+    )
 
 
 def _absence(result: Study) -> list[str]:

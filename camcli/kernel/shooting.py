@@ -18,7 +18,7 @@ from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.bordered import BLOCK, solve_bordered
 from camcli.kernel.flight import DAMPING, MASS, RPM, STIFFNESS, flow, lane_of
 from camcli.kernel.near import LONGEST_PHASE, NEAR, gap_near
-from camcli.kernel.profile import TURN, lift
+from camcli.kernel.profile import END, PER_ANGLE, ROW, START, TURN, lift
 from camcli.kernel.search import flight_at
 from camcli.kernel.tangent import after_flight, after_impact, relative_accel
 
@@ -135,6 +135,8 @@ def correct(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
     in `rates`, the tangent in t.tangent, and the trace, the last step and their number in `out`.
     """
     before = 1e300
+    if not _within_reach(cam, n, whole, x):
+        return UNRESOLVED
     for count in range(MOST_STEPS):
         if not _meaningful(parameter, x[2 * n]):
             return UNRESOLVED
@@ -155,8 +157,21 @@ def correct(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
         if size <= CONVERGED or (size <= STALLED and size > 0.5 * before):
             out[TRACE] = _finish(cam, machine, n, turns, whole, x, rates)
             return OK if out[TRACE] < NO_TRACE else UNRESOLVED
+        if not _within_reach(cam, n, whole, x):
+            return UNRESOLVED
         before = size
     return UNRESOLVED
+
+
+@kernel
+def _within_reach(cam, n, whole, x):
+    """False where an impact lies farther beyond its stretch than the cam's pieces reach."""
+    for k in range(n):
+        row = whole[2 * k] * ROW
+        beyond = 0.9 / cam.rows[row + PER_ANGLE]
+        if x[2 * k] < cam.rows[row + START] - beyond or x[2 * k] > cam.rows[row + END] + beyond:
+            return False
+    return True
 
 
 @kernel

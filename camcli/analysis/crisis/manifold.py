@@ -16,6 +16,7 @@ from camcli.analysis.engine import StartError
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.shooter import Shooter
 
+PARALLEL = 1e-9  # relative area between the two axes below which they are one
 NUDGE = 1e-7  # relative: differences that give the linear map
 FIRST = 1e-4  # relative: distance from the orbit at which a start lies on W^u
 
@@ -46,6 +47,8 @@ class Saddle:
         self.mu = float(values.real[order[0]])
         axes = axes.real[:, order]
         self.axes = axes / np.linalg.norm(axes / size[:, None], axis=0)
+        if abs(np.linalg.det(self.axes / size[:, None])) < PARALLEL:
+            raise LostError  # one direction only: no saddle
         self.to = np.linalg.inv(self.axes).T
 
     def leaf(self, t: float, first: float = FIRST) -> np.ndarray:

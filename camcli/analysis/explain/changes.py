@@ -19,7 +19,7 @@ from camcli.system import System
 
 ENLARGED = 1.25  # ratio of the widths of the impact phases that counts as another attractor
 LEAST_WIDTH = 2.0  # deg, and the least difference of widths
-MOST_CRISES = 6  # searches of some seconds each
+MOST_CRISES = 3  # searches of some seconds each
 UNEXPLAINED = "unexplained"
 BASIN = "basin"
 

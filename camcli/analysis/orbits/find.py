@@ -133,8 +133,11 @@ def symbols_of(label: str) -> tuple[float, ...]:
     if not (text.startswith("P(") and text.endswith(")") and ";" in text):
         raise ValueError(f"found '{label}'")
     turns, _, words = text[2:-1].partition(";")
-    symbols = tuple(inf if word.strip() == "inf" else float(int(word)) for word in words.split(":"))
-    if int(turns) != len(symbols) or min(symbols) < 0 or len(symbols) > LONGEST_PERIOD:
+    counts = [word.strip() for word in words.split(":")]
+    if not turns.strip().isdecimal() or not all(w == "inf" or w.isdecimal() for w in counts):
+        raise ValueError(f"found '{label}'")
+    symbols = tuple(inf if word == "inf" else float(int(word)) for word in counts)
+    if int(turns) != len(symbols) or len(symbols) > LONGEST_PERIOD:
         raise ValueError(f"found '{label}'")
     return symbols
 

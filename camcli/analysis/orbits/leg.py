@@ -12,6 +12,7 @@ from camcli.analysis.orbits.locate import (
     FOLD,
     GRAZING,
     LOST,
+    OK,
     PERIOD_DOUBLING,
     RANGE,
     Found,
@@ -68,6 +69,8 @@ def _leaves(root: Root, heading: float, span: Span) -> bool:
 
 def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | None:
     """Take a step up to the first thing that cuts it; sets leg.end where the branch ends."""
+    if _collapses(shooter, step.after):
+        return _born(shooter, leg, step)
     reached = step.after.value in (span.low, span.high)
     corner = next(iter(corners_on(shooter, step)), None)
     if corner is not None:
@@ -80,7 +83,10 @@ def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | N
         step, reached, corner = step.cut(graze.root), False, None
     heading = oriented(step.metric, step.after, step.unit)[-1]
     turned = (heading < 0.0) != (step.unit[-1] < 0.0)
-    for found in smooth_events(shooter, step, turned and graze is None):
+    smooth = smooth_events(shooter, step, turned and graze is None)
+    if turned and graze is None and not any(f.kind == FOLD for f in smooth):
+        return _born(shooter, leg, step)
+    for found in smooth:
         born = parent_of(shooter, found) if found.kind == FOLD else None
         if born is not None:
             leg.events.append((born, None))
@@ -99,6 +105,15 @@ def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | N
     elif corner is not None:
         return _pass_corner(shooter, leg, corner)
     return None
+
+
+def _born(shooter: Shooter, leg: Leg, step: Step) -> None:
+    """The step led past the period doubling where the branch was born, onto the single orbit."""
+    leg.end = PERIOD_DOUBLING
+    far = 2.0 * abs(step.after.value - step.before.value)
+    born = parent_of(shooter, Found(FOLD, step.after, step.length, 0.0, OK), far)
+    if born is not None:
+        leg.events.append((born, None))
 
 
 def _collapses(shooter: Shooter, root: Root) -> bool:

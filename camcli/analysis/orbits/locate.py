@@ -131,26 +131,28 @@ def doubling_at(shooter: Shooter, root: Root) -> Found | None:
     return Found(PERIOD_DOUBLING, root, 0.0, error, status)
 
 
-def parent_of(shooter: Shooter, found: Found) -> Found | None:
+def parent_of(shooter: Shooter, found: Found, within: float = 0.0) -> Found | None:
     """The period doubling from which a branch was born, where it turns round at a fold there.
 
     On the doubled branch it looks like a fold, at which both halves of the orbit are the same.
+    `within`: how far from the root's parameter it may lie, where the root is past it already.
     """
     root = found.root
     n, turns = root.count // 2, root.turns // 2
     if root.count % 2 or root.turns % 2:
         return None
-    halves = zip(root.x[: 2 * n : 2], root.x[2 * n : -1 : 2], strict=True)
-    if any(abs(a - b) > HALVES for a, b in halves):
+    halves = list(zip(root.x[: 2 * n], root.x[2 * n : -1], strict=True))
+    if within == 0.0 and any(abs(a - b) > HALVES for a, b in halves[::2]):
         return None
+    single = [0.5 * (a + b) for a, b in halves]
 
     def at(value: float) -> tuple[float, Root | None]:
-        parent = shooter.at_value([*root.x[: 2 * n], value], root.whole[: 2 * n], turns, value)
+        parent = shooter.at_value([*single, value], root.whole[: 2 * n], turns, value)
         return (0.0, None) if parent is None else (flip_test(parent), parent)
 
     size = abs(root.value) + shooter.scale
     parent = secant(at, root.value, 1e-7 * size, size)
-    if parent is None or abs(parent.value - root.value) > SAME_VALUE * size:
+    if parent is None or abs(parent.value - root.value) > max(SAME_VALUE * size, within):
         return None
     error, status = _bracket(shooter, parent, flip_test)
     return Found(PERIOD_DOUBLING, parent, found.reach, error, status)

@@ -38,6 +38,7 @@ class Question:
     label: str | None = None
     branches: int = 3
     starts: int = 24
+    curve: str | None = None  # kind of bifurcation that is to be continued in two parameters
     stable: bool | None = None
 
 
