@@ -144,7 +144,9 @@ def test_dry_run_and_json(cam, tmp_path):
 
 def test_the_example_table_is_that_of_its_program():
     done = subprocess.run(
-        [sys.executable, ROOT / "tests" / "profiles" / "valve_lift.py"], capture_output=True, check=True
+        [sys.executable, ROOT / "tests" / "profiles" / "valve_lift.py"],
+        capture_output=True,
+        check=True,
     )
     assert done.stdout == (CONFIGS / "valve-lift.csv").read_bytes()
 
