@@ -193,6 +193,8 @@ def _write(request: Request, setup: Setup, store: Store, question: Question, res
 
 def _verdict(result: Study, quiet: bool, question: Question) -> int:
     """Exit code 3 and a note per kind of trouble; a note where cells stayed undecided."""
+    if not any(speed.computed for speed in result.speeds):
+        note("no start of this window lies above the cam: raise basins.q")
     words = undecided_words(result, question)
     if words and not quiet:
         note(words)

@@ -185,6 +185,7 @@ def test_events_are_listed_in_order_with_nine_digits(explained):
     assert rows == [
         (1, "period doubling", "739.319780", ""),
         (2, "corner impact at c", "739.377930", "border period doubling"),
+        (3, "interior crisis at c", "740.1065 ± 0.0003", ""),
     ]
 
 
