@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite, pi, sqrt
+from math import isfinite, pi
 
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import is_compiled
@@ -24,16 +24,6 @@ class Follower:
     gravity: float = 0.0
     preload: float = 0.0
     restitution: float = 0.8
-
-    @cached_property
-    def omega0(self) -> float:
-        """Natural frequency sqrt(k/m), rad/s."""
-        return sqrt(self.stiffness / self.mass)
-
-    @cached_property
-    def zeta(self) -> float:
-        """Decay rate b/(2 m), 1/s."""
-        return self.damping / (2.0 * self.mass)
 
 
 def omega_of(rpm: float) -> float:
@@ -67,6 +57,11 @@ class System:
     def strobe(self) -> float:
         """Phase of the stroboscopic section, rad."""
         return column(self.cam, "START")[self.cam.strobe]
+
+    @property
+    def strobe_deg(self) -> float:
+        """The same, deg."""
+        return self.strobe * (180.0 / pi)
 
     @cached_property
     def corners_deg(self) -> list[float]:

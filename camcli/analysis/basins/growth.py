@@ -28,7 +28,7 @@ def largest_exponent(
     if attractor.periodic:
         return -inf
     q, w = attractor.states[0]
-    start = Start(q, w * omega_of(rpm), system.strobe * (180.0 / 3.141592653589793))
+    start = Start(q, w * omega_of(rpm), system.strobe_deg)
     tape = Orbit(system, rpm, with_turns(settings, 0, RECORD), start).run()
     found = of_tape(system, rpm, tape) if tape.status == OK else None
     return None if found is None else found.largest

@@ -11,7 +11,7 @@ from camcli.analysis.classify import APERIODIC, COMPLETE, Motion
 from camcli.analysis.crisis import Crisis, find_crisis
 from camcli.analysis.engine import IMPACT, Cost, Settings
 from camcli.analysis.explain.events import Event, Events, find_events
-from camcli.analysis.orbits.branch import Branch
+from camcli.analysis.orbits.branch import DEG, Branch
 from camcli.analysis.orbits.resting import follow_resting
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.walk import Span
@@ -83,7 +83,7 @@ def changes_between(a: Motion, b: Motion) -> bool:
 def extent(motion: Motion) -> tuple[float, float]:
     """Least and largest impact phase of the record, deg."""
     thetas = [
-        float(theta) * 57.29577951308232
+        float(theta) * DEG
         for kind, theta in zip(motion.tape.kind, motion.tape.theta, strict=True)
         if kind == IMPACT
     ]

@@ -10,10 +10,10 @@ from camcli.analysis.engine import Settings
 from camcli.analysis.orbits.collide import CornerImpact, collide
 from camcli.analysis.orbits.crossing import Crossing
 from camcli.analysis.orbits.leg import Leg
-from camcli.analysis.orbits.locate import CORNER, GRAZING, PERIOD_DOUBLING, Found
+from camcli.analysis.orbits.locate import GRAZING, PERIOD_DOUBLING, Found
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.resting import Change, RestingLeg
-from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel.profile import TURN
 
 DEG = 57.29577951308232
@@ -67,15 +67,6 @@ class Branch:
     def labels(self) -> list[str]:
         """The labels on the way, in order, without repetition."""
         return list(dict.fromkeys(orbit.label for orbit in self.points))
-
-
-@dataclass(frozen=True)
-class Shoot:
-    """Something to be followed: a root and, unless both ways, a direction."""
-
-    root: Root
-    along: list[float] | None
-    origin: str
 
 
 class Writer:
@@ -169,11 +160,3 @@ def _graze_words(found: Found, slow: float) -> str:
     if abs(u[smallest]) < slow:
         return f"the impact at {found.root.theta[smallest] * DEG:.8g} deg fades to zero velocity."
     return f"beyond it the flight after impact {found.impact + 1} meets the cam at {place}."
-
-
-def end_words(kind: str) -> str:
-    """How a branch ends, in words."""
-    return {
-        CORNER: "a corner impact at which it turns back",
-        GRAZING: "grazing",
-    }.get(kind, kind.replace("-", " "))

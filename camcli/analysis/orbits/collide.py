@@ -134,11 +134,7 @@ def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
     q, w = section_states(shooter.system, root)[0][0]
     omega = omega_of(shooter.at(value)[RPM])
     shift = max(NUDGE * hypot(q - corner[0], w - corner[1]), 1e-13 * abs(q))
-    return Start(q + shift, w * omega, _strobe_deg(shooter.system))
-
-
-def _strobe_deg(system: System) -> float:
-    return system.strobe * (180.0 / 3.141592653589793)
+    return Start(q + shift, w * omega, shooter.system.strobe_deg)
 
 
 def with_machine(system: System, machine) -> tuple[System, float]:

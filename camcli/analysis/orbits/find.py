@@ -107,14 +107,13 @@ def cloud(system: System, rpm: float) -> Iterator[Start]:
     o = cam.strobe * ROW
     low = min(cam.rows[i * ROW + START0] for i in range(cam.stretches))
     reach = WINDOW * (cam.top - low)
-    strobe_deg = system.strobe * 57.29577951308232
     n = 0
     while True:
         n += 1
         x, y = halton(n, 2), halton(n, 3)
         q = cam.rows[o + START0] + reach * x
         w = cam.rows[o + START1] + reach * (2.0 * y - 1.0)
-        yield Start(q, w * omega, strobe_deg)
+        yield Start(q, w * omega, system.strobe_deg)
 
 
 def halton(n: int, base: int) -> float:

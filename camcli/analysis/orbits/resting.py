@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from math import inf, pi, ulp
+from math import inf, ulp
 
 from camcli.analysis.detach_search import bracket
 from camcli.analysis.engine import Settings, Start
@@ -64,10 +64,9 @@ def resting_at(
 def _start(system: System, orbit: PeriodicOrbit, rpm: float) -> Start:
     """The orbit's own state at the strobe; at rest on the cam where that lies on it."""
     q, w = orbit.states[0]
-    strobe_deg = system.strobe * (180.0 / pi)
     if q <= column(system.cam, "START0")[system.cam.strobe]:
-        return Start(theta_deg=strobe_deg)
-    return Start(q, w * omega_of(rpm), strobe_deg)
+        return Start(theta_deg=system.strobe_deg)
+    return Start(q, w * omega_of(rpm), system.strobe_deg)
 
 
 def same_motion(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
