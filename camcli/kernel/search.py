@@ -149,11 +149,13 @@ def land(cam, lane, i, f, high, first, work):
     """Root of the gap between 0 and `high` (gap <= 0) where it is the only one; first: a guess.
 
     Halley's iteration kept inside the bracket. A step below CONVERGED u/accel leaves an error of
-    its cube, less than one rounding, so the last evaluation is spared.
+    its cube, less than one rounding, so the last evaluation is spared; the velocity after it takes
+    the jerk from the accelerations of the last two places.
     """
     low = 0.0
     s = first if low < first < high else 0.5 * high
     u = 0.0
+    last, accel = 0.0, f.q2 - f.c2
     for _ in range(MOST_REFINEMENTS):
         g, u, a = gap_at(cam, lane, i, f, s, work)
         if g > 0.0:
@@ -173,10 +175,10 @@ def land(cam, lane, i, f, high, first, work):
             if after in (low, high):
                 break
         elif abs(step) * abs(a) <= CONVERGED * -u and abs(step) <= CONVERGED:
+            u += step * (a + 0.5 * step * ((a - accel) / (s - last)))
             s = after
-            u += a * step
             break
-        s = after
+        last, accel, s = s, a, after
     return LANDED, min(f.theta + s, cam.rows[i * ROW + END]), 0.0, u
 
 
