@@ -36,13 +36,8 @@ def ours(bench, name, tolerance=1e-13):
     return some, core.run(some.system(bench), some.rpm, some.start, some.turns, tolerance)
 
 
-# kernel/search.land leaves jerk step^2/2 out of the landing's velocity, up to 1e-12 of it: open
-OPEN = pytest.mark.xfail(strict=True, reason="velocity of a landing, 28 times the bound")
-NAMES = [pytest.param(name, marks=OPEN) if name == "p3" else name for name in CASES]
-
-
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-8, 1e-13])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", CASES)
 def test_our_errors_stay_within_their_bounds(bench, name, tolerance):
     some, trace = ours(bench, name, tolerance)
     found = compare(some, trace, tolerance)

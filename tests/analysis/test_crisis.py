@@ -53,12 +53,13 @@ def carried(system, rpm):
 def test_interior_crisis_by_an_image_of_a_corner(restitution, ends, label, corner, rpm, far):
     """Runs decide: none leaves before the solved speed, every one a little beyond it."""
     system = chapter_system(restitution=restitution)
-    found = find_crisis(system, RUN, *ends, turns=100_000)
+    found = find_crisis(system, RUN, *ends)
     assert (found.kind, found.orbit.label, found.corner) == ("interior-crisis", label, corner)
     assert found.rpm == pytest.approx(rpm, abs=2e-3)
     fold = found.evidence[0]
     assert fold.before > 0.0 > fold.after
     assert 1e-4 < found.error < 2e-3
+    assert abs(found.rpm - rpm) < found.error
     assert "The fold that touches is the image of an impact at corner c." in found.words
     reads_well(found.words)
     large, small = found.orbit.multipliers
@@ -129,7 +130,7 @@ def test_a_start_below_the_cam_is_no_motion():
 def test_error_by_scatter_and_by_runs(solved, error):
     study = Carried(chapter_system(), RUN, 740.0, 740.3, 100)
     study.bracket = (740.119, 740.12)
-    first = Tangency(solved[0], 60, 0.1, 1e-9)
+    first = Tangency(solved[0], 60, 0.1, 1e-9, 0.01, 0.0)
     assert width(Folds(study, None, None, 1.0), first, solved) == pytest.approx(error, rel=1e-6)
 
 

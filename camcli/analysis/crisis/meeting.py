@@ -20,7 +20,6 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 CALM = 0.8  # of the way to the change: the speed at which saddles are looked for
 AT_CORNER = 1e-6  # rad: an impact so near a corner is at it
 BESIDE = (1e-6, 1e-8, 1e-10)  # relative: starts beside the saddle, on the side that leads out
-BESIDE_FOLD = 1e-4  # window in t about a fold that is known
 
 INTERIOR, BOUNDARY = "interior-crisis", "boundary-crisis"
 
@@ -123,6 +122,7 @@ def fold_beside(meeting: Meeting) -> tuple[float, float]:
     folds, at = meeting.folds, meeting.tangency
     step = STEP * at.rpm * folds.carried.ahead
     before, after = (
-        folds.lowest(at.rpm + sign * step, at.n, at.t, BESIDE_FOLD)[0] for sign in (-1.0, 1.0)
+        folds.lowest(at.rpm + move, at.n, at.t + at.slope * move, at.half)[0]
+        for move in (-step, step)
     )
     return before, after

@@ -6,7 +6,7 @@ to p along W^s, until W^s is straight there. Where the speed no longer moves, it
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from camcli.analysis.crisis.folds import NEAR, Fold, Folds
@@ -29,13 +29,16 @@ LIFETIMES = 3.0  # runs leave within so many mean lifetimes but for one in twent
 class Tangency:
     """A fold that touches W^s at `rpm`, at t after n turns; change: by the last period of p, rpm.
 
-    error (rpm): see `width`; inf until several folds are compared.
+    It is alone within t +- half and drifts by dt/drpm = slope. error (rpm): see `width`; inf until
+    several folds are compared.
     """
 
     rpm: float
     n: int
     t: float
     change: float
+    half: float
+    slope: float
     error: float = inf
 
 
@@ -61,7 +64,7 @@ def touch(folds: Folds, rpm: float, fold: Fold) -> Tangency | None:
         goal = CLOSE * root.rpm
         change = goal if solved is None else abs(root.rpm - solved)
         if abs(root.xi) <= STRAIGHT or (solved is not None and change <= goal):
-            return Tangency(root.rpm, n, root.t, change)
+            return Tangency(root.rpm, n, root.t, change, half, root.slope)
         solved = root.rpm
         n += folds.saddle.turns
         half /= max(abs(folds.saddle.multipliers[0]), LEAST_GROWTH)
@@ -108,7 +111,7 @@ def first_touch(folds: Folds, rpm: float) -> Tangency | None:
     if best is None:
         return None
     error = width(folds, best, [x.rpm for x in solved])
-    return Tangency(best.rpm, best.n, best.t, best.change, error)
+    return replace(best, error=error)
 
 
 def width(folds: Folds, best: Tangency, solved: list[float]) -> float:

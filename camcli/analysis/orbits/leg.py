@@ -84,7 +84,8 @@ def _advance(shooter: Shooter, leg: Leg, step: Step, span: Span) -> Crossing | N
     heading = oriented(step.metric, step.after, step.unit)[-1]
     turned = (heading < 0.0) != (step.unit[-1] < 0.0)
     smooth = smooth_events(shooter, step, turned and graze is None)
-    if turned and graze is None and not any(f.kind == FOLD for f in smooth):
+    fold = next((f for f in smooth if f.kind == FOLD), None)
+    if turned and graze is None and (fold is None or _collapses(shooter, fold.root)):
         return _born(shooter, leg, step)
     for found in smooth:
         born = parent_of(shooter, found) if found.kind == FOLD else None
