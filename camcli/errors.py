@@ -62,7 +62,15 @@ class Fault:
 
     def __str__(self) -> str:
         parts = [part for part in (self.found, self.expected, self.cure) if part]
-        return ": ".join(part for part in (self.where, self.path) if part) + ": " + ", ".join(parts)
+        place = ": ".join(part for part in (self.where, self.path) if part)
+        return printable(f"{place}: " + ", ".join(parts))
+
+
+def printable(text: str) -> str:
+    """One line of text that no terminal takes for a command."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 class CamError(Exception):

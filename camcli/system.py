@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite, pi
 
@@ -33,15 +33,23 @@ def omega_of(rpm: float) -> float:
 
 @dataclass(frozen=True)
 class System:
-    """A follower on a cam, seen through a strobe phase (rad boundaries are in the table)."""
+    """A follower on a cam, seen through a strobe phase (rad boundaries are in the table).
+
+    `parts` are the functions the table was made of, for who needs more digits than it holds; a
+    System without them is equal, and so is what comes out of a pickle, which cannot hold functions.
+    """
 
     follower: Follower
     cam: Cam
+    parts: tuple[Part, ...] | None = field(default=None, compare=False, repr=False)
 
     @classmethod
     def build(cls, follower: Follower, parts: list[Part], strobe_deg: float = 0.0) -> System:
         """Compile the cam's parts; strobe_deg becomes a boundary of the table."""
-        return cls(follower, build(parts, strobe_deg))
+        return cls(follower, build(parts, strobe_deg), tuple(parts))
+
+    def __getstate__(self) -> dict:
+        return {"follower": self.follower, "cam": self.cam, "parts": None}
 
     def native_cam(self) -> Cam:
         """The table for the kernel as it runs now (plain Python or compiled)."""

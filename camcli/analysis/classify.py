@@ -10,7 +10,7 @@ from camcli.analysis.engine import IMPACT, Cost, Orbit, Settings, Start, Tape, w
 from camcli.analysis.exponents import Exponents, of_orbit, of_tape
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.find import cloud, same_orbit
-from camcli.analysis.orbits.identify import identify, passages
+from camcli.analysis.orbits.identify import identify, passages, resting_orbit
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.errors import OK
 from camcli.system import System
@@ -62,7 +62,9 @@ def classify_at(
     Periodic means: Newton's iteration from the end of the record converges to an admissible,
     attracting orbit that the record approaches, of a period up to LONGEST_PERIOD. Aperiodic means:
     no such orbit, and a largest Lyapunov exponent above zero by three standard errors. Where
-    neither can be shown in LONGER times the record, it is undecided.
+    neither can be shown in LONGER times the record, or a record without a period holds complete
+    chatters, the motion after the rest is followed with many digits (`analysis.rest`) and named
+    instead; if even that is not certain, it is undecided.
     """
     start = settings.start if start is None else start
     record = max(settings.record, 2 * LONGEST_PERIOD + 2)
@@ -79,6 +81,9 @@ def classify_at(
         orbit = identify(system, rpm, more)
         exponents = None if orbit is not None else _measured(system, rpm, more)
         tape = more if more.status == OK else tape
+    if tape.status == OK and orbit is None and any(tape.chatter[: tape.periods]):
+        orbit, tape = _after_rest(system, rpm, settings, tape)
+        exponents = None if orbit is not None else _measured(system, rpm, tape)
     if orbit is not None:
         exponents = of_orbit(system, orbit)
     return Motion(
@@ -86,6 +91,24 @@ def classify_at(
         exponents=exponents, impacts=_impacts(orbit, tape), chatter=_chatter(tape),
         transient=None, status=tape.status, cost=cost, tape=tape,
     )  # fmt: skip
+
+
+def _after_rest(
+    system: System, rpm: float, settings: Settings, tape: Tape
+) -> tuple[PeriodicOrbit | None, Tape]:
+    """(orbit, record) of the true motion after the rest in a record; that record if unknown."""
+    from camcli.analysis.rest.after import CYCLE, ends
+
+    found = ends(system, rpm, settings, tape)
+    if found.kind == CYCLE:
+        orbit = resting_orbit(system, rpm, found.states, found.symbols, found.leaves)
+        return orbit, tape
+    start = found.start(system, rpm)
+    if start is None:
+        return None, tape
+    run = with_turns(settings, settings.transient, max(settings.record, 2 * LONGEST_PERIOD + 2))
+    more = Orbit(system, rpm, run, start).run()
+    return identify(system, rpm, more), more
 
 
 def attractors(

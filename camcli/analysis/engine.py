@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import pi
+from threading import RLock
 from time import perf_counter
 
 from camcli.errors import LOG_FULL, PAUSED, Fault, SceneError
@@ -35,6 +36,7 @@ __all__ = ["DETACHMENT", "IMPACT", "Cost", "Orbit", "Settings", "Start", "StartE
 
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
 EVERYTHING = 1 << 62
+_compiling = RLock()
 FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
 
 
@@ -201,11 +203,14 @@ def compile_for(system: System) -> None:
     """Compile the kernel, and have numba do it now by a first orbit of one turn."""
     if backend.is_compiled():
         return
-    began = perf_counter()
-    with backend.without_blas():
-        backend.compile_kernel()
-        Orbit(system, 600.0, Settings(0, 1, 1e-3, 100)).run()
-    backend.compile_seconds = perf_counter() - began
+    with _compiling:
+        if backend.is_compiled():
+            return
+        began = perf_counter()
+        with backend.without_blas():
+            backend.compile_kernel()
+            Orbit(system, 600.0, Settings(0, 1, 1e-3, 100)).run()
+        backend.compile_seconds = perf_counter() - began
 
 
 def _joined(parts: list):

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
-from camcli.analysis.engine import Cost, Orbit, Settings, Tape, compile_for
+from camcli.analysis.engine import Cost, Orbit, Settings, Start, Tape, compile_for
 from camcli.analysis.labels import label
 from camcli.errors import OK, STATUSES
 from camcli.kernel import backend
 from camcli.kernel.orbit import IMPACT
-from camcli.parallel import run_pieces
+from camcli.parallel import Codec, Work
 from camcli.system import System
 
 FIXED, UP, DOWN = "fixed", "up", "down"
@@ -24,7 +24,8 @@ class Speed:
 
     impacts: (period, theta_deg, q_m, u_minus_m_per_s); strobe: (period, q_m, v_m_per_s, impacts,
     chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
-    exponent: the largest one per turn, None where it was not asked for or is not known.
+    exponent: the largest one per turn, None where it was not asked for or is not known; end: where
+    the next speed starts, of a sweep that carries its state.
     """
 
     rpm: float
@@ -35,13 +36,14 @@ class Speed:
     strobe: tuple | None
     cost: Cost
     exponent: float | None = None
+    end: Start | None = None
 
 
 @dataclass(frozen=True)
 class Sweep:
     """All speeds in the order they were run."""
 
-    speeds: list[Speed]
+    speeds: Sequence[Speed]
     direction: str
     cost: Cost
 
@@ -67,91 +69,117 @@ def sweep(
     impacts: bool = True,
     strobe: bool = True,
     lyapunov: bool = False,
-    threads: int | None = None,
+    work: Work | None = None,
     on_speed: Callable[[Speed], None] = lambda speed: None,
 ) -> Sweep:
     """Run every speed; `up` and `down` carry the state from each speed to the next.
 
-    `on_speed` is called with each finished speed, in order. Raises StartError before any work if
-    the start lies below the cam.
+    Where `work` has a journal, the speeds are kept in it and read from it. `on_speed` is called
+    with each finished speed, in order. Raises StartError before any work if the start lies below
+    the cam.
     """
     if rpms:
         Orbit(system, rpms[0], settings)
     turns = len(rpms) * (settings.transient + settings.record)
     if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
         compile_for(system)  # before the threads start
-    exponent = _exponents(system) if lyapunov else None
-    speeds: list[Speed] = []
-    if direction == FIXED:
+    task = _Task(system, settings, impacts, strobe, lyapunov, backend.is_compiled())
+    work, cost = work or Work(), Cost()
 
-        def piece(rpm: float) -> Speed:
-            return _at(system, rpm, settings, impacts, strobe, exponent)[0]
-
-        results = run_pieces(piece, rpms, threads)
-    else:
-        results = _carried(
-            system, sorted(rpms, reverse=direction == DOWN), settings, impacts, strobe, exponent
-        )
-    cost = Cost()
-    for speed in results:
-        speeds.append(speed)
+    def count(speed: Speed) -> None:
+        nonlocal cost
         cost = cost + speed.cost
         on_speed(speed)
+
+    if direction == FIXED:
+        speeds = work.collect(task, rpms, CODEC, count)
+    else:
+        ordered = sorted(rpms, reverse=direction == DOWN)
+        speeds = work.collect_chain(task.after, None, ordered, CODEC, count)
     return Sweep(speeds, direction, cost)
 
 
-def _carried(system, rpms, settings, impacts, strobe, exponent):
-    """Speeds one after the other, each starting where the one before ended."""
-    start = settings.start
-    for rpm in rpms:
-        speed, orbit = _at(system, rpm, settings, impacts, strobe, exponent, start)
-        start = orbit.here() if speed.status == OK else settings.start
-        yield speed
+@dataclass(frozen=True)
+class _Task:
+    """One speed, wherever it is computed."""
+
+    system: System
+    settings: Settings
+    impacts: bool
+    strobe: bool
+    lyapunov: bool
+    compiled: bool
+
+    def __call__(self, rpm: float) -> Speed:
+        """The speed, from the start of the scene."""
+        return self._at(rpm, None)[0]
+
+    def after(self, before: Speed | None, rpm: float) -> Speed:
+        """The speed, from where the one before ended."""
+        start = self.settings.start
+        speed, orbit = self._at(rpm, start if before is None else before.end)
+        return replace(speed, end=orbit.here() if speed.status == OK else start)
+
+    def _at(self, rpm: float, start: Start | None) -> tuple[Speed, Orbit]:
+        if self.compiled:
+            compile_for(self.system)
+        orbit = Orbit(self.system, rpm, self.settings, start)
+        tape = orbit.run(events=self.impacts or self.lyapunov)
+        n, to_mps = tape.periods, orbit.omega
+        strobe = (range(n), tape.strobe_q[:n], _scaled(tape.strobe_w[:n], to_mps))
+        speed = Speed(
+            rpm=rpm,
+            label=label(tape),
+            impact_count=int(sum(tape.impacts[:n])),
+            status=tape.status,
+            impacts=_impact_rows(tape, to_mps) if self.impacts else None,
+            strobe=(*strobe, tape.impacts[:n], tape.chatter[:n]) if self.strobe else None,
+            cost=tape.cost,
+            exponent=_exponent(self.system, rpm, tape) if self.lyapunov else None,
+        )
+        return speed, orbit
 
 
-def _exponents(system: System) -> Callable[[float, Tape], float | None]:
-    """What measures the largest exponent of a record: of its solved orbit, else of its impacts."""
+def _store(speed: Speed) -> list:
+    cost, end = speed.cost, speed.end
+    return [
+        speed.rpm,
+        speed.label,
+        speed.impact_count,
+        speed.status,
+        speed.impacts,
+        None if speed.strobe is None else speed.strobe[1:],
+        [cost.impacts, cost.evaluations, cost.crossings],
+        speed.exponent,
+        None if end is None else [end.q, end.v, end.theta_deg],
+    ]
+
+
+def _load(stored: list) -> Speed:
+    *plain, impacts, strobe, cost, exponent, end = stored
+    return Speed(
+        *plain,
+        None if impacts is None else tuple(impacts),
+        None if strobe is None else (range(len(strobe[0])), *strobe),
+        Cost(*cost),
+        exponent,
+        None if end is None else Start(*end),
+    )
+
+
+CODEC = Codec(_store, _load)
+
+
+def _exponent(system: System, rpm: float, tape: Tape) -> float | None:
+    """Largest exponent of a record: of its solved orbit, else of its impacts."""
     from camcli.analysis.exponents import of_orbit, of_tape
     from camcli.analysis.orbits.identify import identify
 
-    def exponent(rpm: float, tape: Tape) -> float | None:
-        if tape.status != OK:
-            return None
-        orbit = identify(system, rpm, tape)
-        found = of_tape(system, rpm, tape) if orbit is None else of_orbit(system, orbit)
-        return None if found is None else found.largest
-
-    return exponent
-
-
-def _at(system: System, rpm, settings, impacts: bool, strobe: bool, exponent, start=None):
-    orbit = Orbit(system, rpm, settings, start)
-    tape = orbit.run(events=impacts or exponent is not None)
-    n = tape.periods
-    to_mps = orbit.omega
-    rows = None
-    if impacts:
-        rows = _impact_rows(tape, to_mps)
-    strobes = None
-    if strobe:
-        strobes = (
-            range(n),
-            tape.strobe_q[:n],
-            _scaled(tape.strobe_w[:n], to_mps),
-            tape.impacts[:n],
-            tape.chatter[:n],
-        )
-    speed = Speed(
-        rpm=rpm,
-        label=label(tape),
-        impact_count=int(sum(tape.impacts[:n])),
-        status=tape.status,
-        impacts=rows,
-        strobe=strobes,
-        cost=tape.cost,
-        exponent=None if exponent is None else exponent(rpm, tape),
-    )
-    return speed, orbit
+    if tape.status != OK:
+        return None
+    orbit = identify(system, rpm, tape)
+    found = of_tape(system, rpm, tape) if orbit is None else of_orbit(system, orbit)
+    return None if found is None else found.largest
 
 
 def _impact_rows(tape, omega: float) -> tuple:

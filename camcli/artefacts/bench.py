@@ -16,8 +16,8 @@ PRECISION = (
     "case", "method", "setting", "seconds", "error", "impacts", "evaluations", "missed", "extra",
     "first_call_s", "bound", "of_bound", "status",
 )  # fmt: skip
-SCENES = ("scene", "seconds", "ratio", "compute_s", "modules", "heavy")
-FLIGHTS = ("method", "flights", "compared", "missed", "invented", "seconds")
+SCENES = ("scene", "status", "seconds", "ratio", "compute_s", "modules", "heavy")
+FLIGHTS = ("method", "asked", "flights", "compared", "missed", "invented", "seconds")
 
 
 def stability_csv(outcomes: Iterable[Outcome]) -> Iterator[str]:
@@ -25,7 +25,7 @@ def stability_csv(outcomes: Iterable[Outcome]) -> Iterator[str]:
     yield header(STABILITY)
     for o in outcomes:
         words = [_cell(text) for text in (o.case, o.expected, o.observed)]
-        yield from mixed_rows([[*words, o.status, o.seconds]])
+        yield from mixed_rows([[*words, o.status, _number(o.seconds)]])
 
 
 def precision_csv(found: Iterable[Measured]) -> Iterator[str]:
@@ -40,8 +40,8 @@ def scenes_csv(found: Sequence[Scene]) -> Iterator[str]:
     yield header(SCENES)
     for s, ratio in zip(found, ratios(found), strict=True):
         spent = "" if s.compute_s is None else s.compute_s
-        row = [_cell(s.name), s.seconds, ratio, spent, s.modules, " ".join(s.heavy)]
-        yield from mixed_rows([row])
+        times = [_number(s.seconds), _number(ratio), spent]
+        yield from mixed_rows([[_cell(s.name), s.status, *times, s.modules, " ".join(s.heavy)]])
 
 
 def flights_csv(found: Iterable[Flights]) -> Iterator[str]:

@@ -23,8 +23,11 @@ h1, h2, h3 { line-height: 1.25; }
 :focus-visible { outline: 3px solid #0072B2; outline-offset: 2px; }
 nav ul { columns: 22rem; padding-left: 1.2rem; }
 article { border-top: 1px solid var(--line); margin-top: 2rem; }
-figure { margin: 1rem 0; }
-img { background: white; height: auto; max-width: 100%; }
+figure { margin: 1rem 0; max-width: 54rem; }
+figure a { display: block; scroll-margin: 1rem; width: fit-content; }
+img { background: white; display: block; height: auto; max-width: 100%; }
+figcaption { margin-top: .5rem; }
+pre.command { overflow-wrap: anywhere; white-space: pre-wrap; }
 pre, .wide { border: 1px solid var(--line); overflow-x: auto; padding: .5rem; }
 code { font-size: .9rem; }
 table { border-collapse: collapse; font-size: .9rem; }
@@ -81,7 +84,7 @@ def _article(picture: Picture) -> Iterator[str]:
     yield f'<h2 id="{name}-title">{escape(_heading(picture))}</h2>\n'
     pngs = [file for file in picture.files if file.endswith(".png")]
     for file in pngs:
-        alt = ". ".join(filter(None, (picture.title, picture.shows)))
+        alt = f"{_heading(picture)}, opens the picture"  # the caption says what it shows
         wide, high = _size(picture.folder / file)
         source = quote(f"{picture.name}/{file}")
         yield f'<figure>\n<a href="{source}"><img src="{source}" width="{wide}" height="{high}" '
@@ -91,12 +94,14 @@ def _article(picture: Picture) -> Iterator[str]:
         yield "<p>Not computed yet.</p>\n"
     elif not pngs:
         yield "<p>This command draws no picture.</p>\n"
-    yield f"<pre><code>{escape(picture.command)}</code></pre>\n"
+    yield f'<pre class="command"><code>{escape(picture.command)}</code></pre>\n'
     if picture.notes:
         yield "<ul>\n" + "".join(f"<li>{escape(note)}</li>\n" for note in picture.notes) + "</ul>\n"
     yield from _numbers(picture)
     yield "<details>\n<summary>Scene</summary>\n"
-    yield f'<pre tabindex="0"><code>{escape(picture.scene)}</code></pre>\n</details>\n</article>\n'
+    label = escape(f"Scene of {picture.name}")
+    yield f'<pre role="group" aria-label="{label}" tabindex="0"><code>{escape(picture.scene)}'
+    yield "</code></pre>\n</details>\n</article>\n"
 
 
 def _numbers(picture: Picture) -> Iterator[str]:
@@ -104,7 +109,7 @@ def _numbers(picture: Picture) -> Iterator[str]:
     if not record:
         return
     yield "<details>\n<summary>Numbers and files</summary>\n"
-    yield from _value("", record.get("result"), 3)
+    yield from _value("", record.get("result"), 3, picture.name)
     links = [f'<a href="{quote(f"{picture.name}/{f}")}">{escape(f)}</a>' for f in picture.files]
     yield f"<h3>Files</h3>\n<p>{', '.join(links)}</p>\n</details>\n"
     cost = record.get("cost") or {}
@@ -113,7 +118,7 @@ def _numbers(picture: Picture) -> Iterator[str]:
     yield f"<p>Cost: {counted}{took}.</p>\n"
 
 
-def _value(title: str, value: Any, level: int) -> Iterator[str]:
+def _value(title: str, value: Any, level: int, name: str) -> Iterator[str]:
     """A value of run.json: scalars as a list of terms, lists of maps as tables."""
     if isinstance(value, Mapping):
         if title:
@@ -125,16 +130,18 @@ def _value(title: str, value: Any, level: int) -> Iterator[str]:
             yield f"<dl>\n{''.join(rows)}</dl>\n"
         for key, inner in value.items():
             if key not in plain:
-                yield from _value(key.replace("_", " "), inner, min(level + bool(title), 6))
+                deeper = min(level + bool(title), 6)
+                yield from _value(key.replace("_", " "), inner, deeper, name)
     elif isinstance(value, list) and value:
         yield f"<h{level}>{escape(title)}</h{level}>\n"
-        yield from _table(title, value) if isinstance(value[0], Mapping) else _list(value)
+        label = f"{title} of {name}"
+        yield from _table(label, value) if isinstance(value[0], Mapping) else _list(value)
 
 
-def _table(title: str, rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+def _table(label: str, rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     keys = list(dict.fromkeys(k for row in rows for k, v in row.items() if _is_plain(v)))
     keys = keys[:MOST_COLUMNS]
-    yield f'<div class="wide" role="region" aria-label="{escape(title)}" tabindex="0"><table>\n'
+    yield f'<div class="wide" role="group" aria-label="{escape(label)}" tabindex="0"><table>\n'
     yield "<thead><tr>"
     yield (
         "".join(f'<th scope="col">{_words(key)}</th>' for key in keys) + "</tr></thead>\n<tbody>\n"

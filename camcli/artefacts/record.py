@@ -10,6 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from camcli.analysis.engine import Cost
+from camcli.artefacts.program import program_hash
 
 PACKAGES = (
     "camcli",
@@ -25,14 +26,18 @@ PACKAGES = (
 ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
 
 
-def cost_record(cost: Cost, seconds: float) -> dict[str, Any]:
-    """Impacts, seconds and their ratio, and the evaluations behind them."""
+def cost_record(cost: Cost, seconds: float, from_disk: int = 0) -> dict[str, Any]:
+    """Impacts, seconds and their ratio, and the evaluations behind them.
+
+    No ratio where some of the work was found on disk.
+    """
     return {
         "impacts": cost.impacts,
         "seconds": seconds,
-        "impacts_per_s": cost.impacts / seconds if seconds > 0 else None,
+        "impacts_per_s": cost.impacts / seconds if seconds > 0 and not from_disk else None,
         "gap_evaluations": cost.evaluations,
         "crossings": cost.crossings,
+        "pieces_from_disk": from_disk,
     }
 
 
@@ -65,6 +70,7 @@ def run_record(
         "error": error,
         "result": result,
         "artefacts": artefacts,
+        "program_sha256": program_hash(),
         "versions": {"python": platform.python_version(), **_versions()},
         "machine": {
             "system": platform.system(),

@@ -76,6 +76,13 @@ def strobe_csv(sweep: Sweep) -> Iterator[str]:
         yield _of_speed(speed, speed.strobe)
 
 
+def section_rows(sweep: Sweep, section: str) -> Iterator[tuple[Sequence, ...]]:
+    """The columns of impacts.csv or strobe.csv, the speed first, a speed at a time."""
+    for speed in sweep.speeds:
+        columns = getattr(speed, section)
+        yield [speed.rpm] * len(columns[0]), *columns
+
+
 def speeds_csv(sweep: Sweep) -> Iterator[str]:
     """speeds.csv"""
     yield header(SPEEDS)

@@ -3,33 +3,31 @@
 from __future__ import annotations
 
 from contextlib import contextmanager, nullcontext
-from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
 from camcli.analysis.basins.mapping import SIMPLE, Question
 from camcli.analysis.basins.study import Study, study
 from camcli.analysis.basins.window import Window
-from camcli.analysis.engine import with_turns
 from camcli.analysis.sweep import rpm_grid
 from camcli.artefacts.basins import attractors_csv, basins_csv
 from camcli.artefacts.store import Store
-from camcli.cli import plan
 from camcli.cli.basins_words import show, summary, undecided_words
 from camcli.cli.options import Request
 from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.plan_basins import basins_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup, set_up, speed_range
+from camcli.cli.working import shard_done, working
 from camcli.errors import STATUSES, Fault, SceneError
 from camcli.kernel import backend
-from camcli.parallel import thread_count
+from camcli.parallel import ShardDone, Work
+from camcli.scene.places import shown
+from camcli.scene.scalars import resolve
+from camcli.scene.studies import MOST_CELLS
 
 NAME = "basins"
-TYPICAL_TURNS = 60  # a cell takes, for an estimate
-BYTES_PER_CELL = 100  # of memory while the first grid is followed
-BYTES_PER_FINEST = 16  # of memory, per cell of the finest grid
-BYTES_PER_ROW = 40  # of basins.csv
 STEPS = 100  # of the progress bar
 
 
@@ -38,21 +36,24 @@ def run(request: Request) -> int:
     setup = set_up(request, _options(request))
     section = setup.scene.basins
     question = _question(setup)
-    _refuse(question)
+    if basins_planned(request, setup, question):
+        return DONE
     speeds = section.rpm
     rpms = rpm_grid(speeds.start, speeds.stop, 1 if speeds.start == speeds.stop else speeds.num)
-    if request.dry_run:
-        _plan(request, setup, question, rpms).show(NAME, request.json)
-        return DONE
-    store = Store(request.folder(NAME))
-    began = perf_counter()
-    result = _compute(request, setup, question, rpms)
-    seconds = perf_counter() - began - backend.compile_seconds
-    _write(request, setup, store, question, result)
-    if not request.json:
-        show(result, question)
-    finish(NAME, request, setup, store, result.cost, seconds, summary(result, question))
-    return _verdict(result, request.quiet, question)
+    with working(NAME, request, setup) as desk:
+        began = perf_counter()
+        try:
+            result = _compute(request, setup, question, rpms, desk.work)
+        except ShardDone:
+            return shard_done(desk, request)
+        seconds = perf_counter() - began - backend.compile_seconds
+        _write(request, setup, desk.store, question, result)
+        if not request.json:
+            show(result, question)
+        found, known = summary(result, question), desk.journal.found
+        store, cost = desk.store, result.cost
+        finish(NAME, request, setup, store, cost, seconds, found, from_disk=known)
+        return _verdict(result, request.quiet, question)
 
 
 def _options(request: Request) -> dict[str, tuple[Any, str]]:
@@ -74,23 +75,21 @@ def _options(request: Request) -> dict[str, tuple[Any, str]]:
 
 
 def _cells(text: str) -> list[int]:
-    try:
-        numbers = [int(word) for word in text.replace("x", ",").split(",")]
-    except ValueError:
-        numbers = []
-    if not 1 <= len(numbers) <= 2:
-        expected = "expected N or NQ,NV, whole numbers"
-        raise SceneError(Fault("--cells", "", f"found '{text}'", expected, "e.g. 400,300"))
+    numbers = [resolve(word.strip()) for word in text.replace("x", ",").split(",")]
+    good = all(type(n) is int and 1 <= n <= MOST_CELLS for n in numbers)
+    if not good or len(numbers) > 2:
+        expected = f"expected N or NQ,NV, whole numbers from 1 to {MOST_CELLS}"
+        path = "basins.cells" if all(type(n) is int for n in numbers) else ""
+        raise SceneError(Fault("--cells", path, f"found '{shown(text)}'", expected, "e.g. 400,300"))
     return [numbers[0], numbers[-1]]
 
 
 def _span(text: str, name: str) -> list[float]:
-    try:
-        low, high = (float(word) for word in text.split(":"))
-    except ValueError:
-        found = f"found '{text}'"
-        raise SceneError(Fault(name, "", found, "expected LO:HI", "e.g. -20:40")) from None
-    return [low, high]
+    values = [resolve(word.strip()) for word in text.split(":")]
+    if len(values) != 2 or any(isinstance(v, bool | str | None) for v in values):
+        found = f"found '{shown(text)}'"
+        raise SceneError(Fault(name, "", found, "expected LO:HI, two numbers", "e.g. -20:40"))
+    return [float(value) for value in values]
 
 
 def _question(setup: Setup) -> Question:
@@ -104,43 +103,7 @@ def _question(setup: Setup) -> Question:
     return Question(window, section.method, section.budget, section.refine)
 
 
-def _memory(question: Question) -> int:
-    """Bytes the grid takes, allocating nothing."""
-    cells = question.window.count
-    return cells * BYTES_PER_CELL + (cells << 2 * question.refine) * BYTES_PER_FINEST
-
-
-def _refuse(question: Question) -> None:
-    needed, room = _memory(question), plan.SHARE_OF_MEMORY * plan.memory()
-    if needed > room:
-        side = f"{question.window.nq} x {question.window.nv} cells, refined {question.refine} times"
-        found = f"found {side}, {needed / 1e9:.3g} GB"
-        expected = f"expected at most {room / 1e9:.3g} GB of memory"
-        raise SceneError(Fault("", "basins.cells", found, expected, "ask for fewer cells"))
-
-
-def _plan(request: Request, setup: Setup, question: Question, rpms: list[float]) -> plan.Plan:
-    """Cost from a typical number of turns per cell; refining is taken to add 40 % a level."""
-    turns = 1 if question.method == SIMPLE else TYPICAL_TURNS
-    cells = round(question.window.count * (1.4**question.refine))
-    probe = plan.estimate(
-        setup.system, rpms, with_turns(setup.settings, 0, turns), request.threads, 0.0, 0.0
-    )
-    total = cells * len(rpms)
-    impacts = round(probe.impacts / max(1, probe.periods) * total * turns)
-    work = max(impacts, total * turns) * plan.COMPILED_SECONDS
-    return replace(
-        probe,
-        orbits=total,
-        periods=total * turns,
-        impacts=impacts,
-        seconds=work / thread_count(request.threads) + 1.0 * len(rpms),
-        bytes=cells * BYTES_PER_ROW if len(rpms) == 1 else 0,
-        memory=150_000_000 + _memory(question),
-    )
-
-
-def _compute(request: Request, setup: Setup, question: Question, rpms: list[float]) -> Study:
+def _compute(request: Request, setup: Setup, question: Question, rpms, work: Work) -> Study:
     total = question.window.count * len(rpms)
     with _progress(total, request.quiet) as on_cells:
         return study(
@@ -150,7 +113,7 @@ def _compute(request: Request, setup: Setup, question: Question, rpms: list[floa
             question,
             boundary=setup.scene.basins.boundary,
             exponents=setup.scene.basins.exponents,
-            threads=request.threads,
+            work=work,
             on_cells=on_cells,
         )
 

@@ -6,13 +6,14 @@ import json
 from time import perf_counter
 from typing import Any
 
-from camcli.analysis.engine import Cost
-from camcli.artefacts.store import Store
-from camcli.cli.bench_parts import Run, planned, run_precision, run_scenes, run_stability
+from camcli.analysis.bench.clock import Schedule
+from camcli.cli.bench_parts import run_precision, run_scenes, run_stability
+from camcli.cli.bench_run import Plan, Run
 from camcli.cli.options import Request
 from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.report import finish, table
-from camcli.cli.setup import Setup, set_up
+from camcli.cli.setup import set_up
+from camcli.cli.working import working
 from camcli.errors import Fault, SceneError
 
 NAME = "bench"
@@ -23,15 +24,21 @@ def run(request: Request) -> int:
     """Run the parts asked for and write their artefacts; returns the exit code."""
     parts = _parts(request)
     setup = set_up(request, _options(request))
+    plan = Plan(setup.scene.bench, parts, request.extra["flights"] is not None)
     if request.dry_run:
-        _show_plan(request, setup, parts)
+        _show_plan(request, plan)
         return DONE
-    here = Run(request, setup, Store(request.folder(NAME)))
     began = perf_counter()
-    for part in parts:
-        PARTS[part](here)
-    seconds = perf_counter() - began
-    finish(NAME, request, setup, here.store, Cost(here.impacts), seconds, here.result)
+    with working(NAME, request, setup) as desk:
+        here = Run(request, plan, desk, Schedule(plan.seconds))
+        for part in parts:
+            PARTS[part](here)
+        seconds, known = perf_counter() - began, desk.journal.found
+        found = here.result
+        finish(NAME, request, setup, desk.store, here.cost, seconds, found, False, known)
+    if not request.json:
+        kept = f", {known} pieces of them from disk" if known else ""
+        print(f"{', '.join(here.done)} in {seconds:.3g} s{kept}")
     for line in here.trouble:
         note(line)
     return NUMERICS if here.trouble else DONE
@@ -61,11 +68,11 @@ def _parts(request: Request) -> tuple[str, ...]:
     return (part,)
 
 
-def _show_plan(request: Request, setup: Setup, parts: tuple[str, ...]) -> None:
+def _show_plan(request: Request, plan: Plan) -> None:
     """Print what would be done, as a table or as one JSON object."""
-    plan = planned(setup.scene.bench, parts)
+    planned = plan.table()
     if request.json:
-        print(json.dumps({"command": NAME, "plan": plan}, indent=2))
+        print(json.dumps({"command": NAME, "plan": planned}, indent=2))
         return
-    rows = [[part, str(p["runs"]), f"{p['seconds']:.2g}"] for part, p in plan.items()]
-    table("cam bench, planned", ["part", "runs", "seconds (estimated)"], rows)
+    rows = [[part, str(p["runs"]), f"{p['seconds']:.3g}"] for part, p in planned.items()]
+    table("cam bench, planned", ["part", "runs", "seconds (at most)"], rows)

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from camcli.analysis.bench.machine import Bench, Done
+from camcli.analysis.bench.scenes import LONGEST, STOPPED
 from camcli.profiles.pieces import Part
 
 
@@ -24,13 +25,17 @@ def parts_of(section: Mapping[str, Any]) -> list[Part]:
 def command(words: Sequence[str]) -> Done:
     """`cam WORDS` in a process of its own, in an empty folder."""
     with TemporaryDirectory(prefix="cam-bench-") as folder:
-        done = subprocess.run(
-            [sys.executable, "-m", "camcli", *words],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        try:
+            done = subprocess.run(
+                [sys.executable, "-m", "camcli", *words],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                check=False,
+                timeout=LONGEST,
+            )
+        except subprocess.TimeoutExpired:
+            return Done(STOPPED, "", f"stopped after {LONGEST:g} s")
     return Done(done.returncode, done.stdout, done.stderr)
 
 

@@ -12,16 +12,16 @@ from camcli.analysis.explain.changes import Explanation, explain
 from camcli.analysis.sweep import LITTLE_WORK, rpm_grid
 from camcli.artefacts.classify import classify_csv, corners_csv
 from camcli.artefacts.store import Store
-from camcli.cli import plan
 from camcli.cli.classify_words import show, summary
 from camcli.cli.options import Request
 from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.plan_classify import classify_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup, set_up, speed_range
 from camcli.errors import OK, STATUSES, Fault, SceneError
 from camcli.kernel import backend
-from camcli.parallel import run_pieces
+from camcli.parallel import in_threads
 
 NAME = "classify"
 
@@ -34,17 +34,13 @@ def run(request: Request) -> int:
         return calculate(request)
     setup = set_up(request, _options(request))
     section = setup.scene.classify
-    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
-    if section.explain and len(rpms) < 2:
-        found = f"found one speed, {rpms[0]!r}"
+    if section.explain and section.rpm.num < 2:
+        found = f"found one speed, {section.rpm.start!r}"
         cure = "give --rpm LO:HI and --points"
         raise SceneError(Fault("--explain", "classify.rpm", found, "expected a range", cure))
-    if request.dry_run:
-        many = [rpm for rpm in rpms for _ in range(section.starts + 1)]
-        plan.estimate(setup.system, many, setup.settings, request.threads, 0.0, 1.0).show(
-            NAME, request.json
-        )
+    if classify_planned(request, setup):
         return DONE
+    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
     store = Store(request.folder(NAME))
     began = perf_counter()
     motions = _classify(request, setup, rpms)
@@ -82,7 +78,7 @@ def _classify(request: Request, setup: Setup, rpms: list[float]) -> list[Motion]
 
     motions: list[Motion] = []
     with nullcontext() if request.quiet else bar("speeds", len(rpms)) as tick:
-        for found in run_pieces(piece, rpms, request.threads):
+        for found in in_threads(piece, rpms, request.threads):
             motions += found
             if tick:
                 tick()

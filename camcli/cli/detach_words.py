@@ -8,6 +8,7 @@ from typing import Any
 from camcli.analysis.accumulation_range import ranges
 from camcli.analysis.detach import Critical
 from camcli.analysis.detach_study import Study
+from camcli.analysis.hold import NOT_NEEDED
 from camcli.cli.report import table
 
 SLIGHT_N = 1e-9  # N
@@ -38,7 +39,8 @@ def remarks(result: Study, rpms: list[float]) -> list[str]:
         f"at {c.rpm:.10g} rpm the end of the burst from {c.burst} jumps over {c.region}"
         for c in result.jumps
     ]
-    said += [f"{h.quantity}: {h.words}" for h in result.holds if h.stiffness is None]
+    told = [h for h in result.holds if h.stiffness is None or h.status == NOT_NEEDED]
+    said += [f"{h.quantity}: {h.words}" for h in told]
     return said
 
 

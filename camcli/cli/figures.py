@@ -51,6 +51,7 @@ def run(request: Request) -> int:
     finally:
         pictures = [_picture(figure, out) for figure in known]
         store.write_text("index.html", page(pictures))
+        store.commit()
     whole = [f for f in asked if state_of(out / f.name) is not None]
     if request.extra["update_reference"] and len(whole) == len(asked):
         size = update(asked, known, out)

@@ -58,6 +58,7 @@ def update(figures: Sequence[Figure], known: Sequence[Figure], out: Path) -> int
         hashes = {key: figure.hashes[key] for key in ("scene", "data")}
         text = {**hashes, "seconds": seconds, **groups}
         store.write_text(f"{figure.name}.json", [json.dumps(text, indent=0) + "\n"])
+    store.commit()
     for path in folder.glob("*.json"):
         if path.stem not in {figure.name for figure in known}:
             path.unlink()

@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from camcli.artefacts.program import program_hash
 from camcli.errors import Fault, SceneError
 from camcli.scene import Scene, default_scene_path, load_scene, resolved
 
@@ -53,12 +54,22 @@ def figures(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
     found, faults = [], []
     for path in paths:
         try:
+            _refuse_name(path)
             found.append(_figure(path, sets))
         except SceneError as error:
             faults += [fault for fault in error.faults if fault not in faults]
     if faults:
         raise SceneError(*faults)
     return found
+
+
+def _refuse_name(path: Path) -> None:
+    """Raise SceneError where the folder of the figure would not lie in the output folder."""
+    if not path.stem.strip("."):
+        found, expected = f"found a scene named '{path.name}'", "expected a name with a letter"
+        raise SceneError(
+            Fault(str(path), "", found, expected, "rename it: the folder has its name")
+        )
 
 
 def natural(name: str) -> list:
@@ -148,16 +159,6 @@ def _scene_hash(scene: Scene, words: list[str]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-@cache
-def program_hash() -> str:
-    """SHA-256 of the sources of the package."""
-    package = Path(__file__).resolve().parents[1]
-    digest = hashlib.sha256()
-    for path in sorted(package.rglob("*.py")):
-        digest.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
-
-
 def state_of(folder: Path) -> dict[str, Any] | None:
     """figure.json of a finished figure, None where there is none."""
     try:
@@ -181,4 +182,8 @@ def reason(figure: Figure, folder: Path) -> str:
 def sizes(folder: Path) -> dict[str, int]:
     """Bytes of every artefact of a figure."""
     paths = sorted(folder.iterdir()) if folder.is_dir() else []
-    return {p.name: p.stat().st_size for p in paths if p.is_file() and p.name != STATE}
+    return {
+        p.name: p.stat().st_size
+        for p in paths
+        if p.is_file() and p.name != STATE and p.name[0] != "."
+    }

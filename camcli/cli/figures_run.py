@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -15,6 +16,7 @@ from time import perf_counter
 
 from camcli.artefacts.store import Store
 from camcli.cli.figures_plan import STATE, Figure, sizes
+from camcli.cli.orphan import PARENT
 from camcli.cli.panel import DONE, INTERRUPTED, NUMERICS
 from camcli.parallel import thread_count
 
@@ -56,7 +58,7 @@ def compute(
         on_done(done)
         return done
 
-    with ThreadPoolExecutor(count) as pool:  # not run_pieces: its pool waits for what runs
+    with ThreadPoolExecutor(count) as pool:  # it waits for what runs, so that it can be ended
         futures = [pool.submit(piece, figure) for figure in figures]
         try:
             return [future.result() for future in futures]
@@ -83,7 +85,11 @@ class _Crew:
             if self.ended:
                 return Done(figure.name, INTERRUPTED, [], 0.0)
             process = subprocess.Popen(
-                words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+                words,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+                env={**os.environ, PARENT: str(os.getpid())},
             )
             self.running.add(process)
         _, said = process.communicate()
@@ -109,4 +115,6 @@ def _mark(figure: Figure, folder: Path, done: Done) -> None:
         "seconds": round(done.seconds, 3),
         "files": sizes(folder),
     }
-    Store(folder).write_text(STATE, [json.dumps(state, indent=2) + "\n"])
+    with Store(folder) as store:
+        store.write_text(STATE, [json.dumps(state, indent=2) + "\n"])
+        store.commit()

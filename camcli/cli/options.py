@@ -10,6 +10,11 @@ from typing import Annotated, Any
 
 import typer
 
+from camcli.errors import Fault, SceneError
+
+MOST_THREADS = 4096
+HOW = ("cluster", "shard")  # options that change no artefact
+
 
 @dataclass(frozen=True)
 class Request:
@@ -26,6 +31,9 @@ class Request:
     threads: int | None
     dry_run: bool
     extra: dict[str, Any] = field(default_factory=dict)  # options of one command only
+    scene: dict[str, Any] | None = None  # a whole scene, in place of config, sets, rpm and points
+    home: Path = Path()  # the folder its files are in
+    parts: tuple[Path, ...] = ()  # pieces that others have computed
 
     def folder(self, command: str) -> Path:
         """Where the artefacts go."""
@@ -33,7 +41,7 @@ class Request:
 
     def as_options(self) -> dict[str, Any]:
         """The options that change artefacts, for the run record."""
-        given = {key: value for key, value in self.extra.items() if value is not None}
+        given = {k: v for k, v in self.extra.items() if v is not None and k not in HOW}
         shared = {"rpm": self.rpm, "points": self.points, "set": self.sets}
         return {**shared, "plot": not self.no_plot, **given}
 
@@ -93,6 +101,13 @@ COMMON: dict[str, tuple[Any, Any]] = {
 }
 
 
+def _refuse_threads(threads: int | None) -> None:
+    """Raise SceneError for no threads, and for more than any machine has."""
+    if threads is not None and not 1 <= threads <= MOST_THREADS:
+        found, expected = f"found {threads}", f"expected 1 or more, at most {MOST_THREADS}"
+        raise SceneError(Fault("--threads", "", found, expected, "leave it out for all"))
+
+
 def command(
     app: typer.Typer,
     name: str,
@@ -115,6 +130,7 @@ def command(
         values.update(absent)
         values["sets"] = values["sets"] or []
         values["extra"] = {key: values.pop(key) for key in own}
+        _refuse_threads(values["threads"])
         raise typer.Exit(run(Request(**values)))
 
     call.__signature__ = inspect.Signature(  # type: ignore[attr-defined]

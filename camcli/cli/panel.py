@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Callable
 
-from camcli.errors import NumericsError, SceneError
+from camcli.errors import NumericsError, SceneError, printable
 
 DONE, INTERNAL, USAGE, NUMERICS, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -42,7 +42,7 @@ def guarded(call: Callable[[], object]) -> int:
 def _other(error: Exception) -> int:
     """Usage errors of the option parser, and faults of the program itself."""
     if hasattr(error, "exit_code") and hasattr(error, "format_message"):
-        note(f"cam: {error.format_message()}")
+        note(f"cam: {printable(error.format_message())}")
         return USAGE
     if hasattr(error, "exit_code"):
         return int(error.exit_code)

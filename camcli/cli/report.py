@@ -27,12 +27,14 @@ def finish(
     seconds: float,
     result: Mapping[str, Any],
     moved: bool = True,
+    from_disk: int = 0,
 ) -> None:
     """Write run.json and print the closing lines, or the record itself with --json.
 
-    `moved`: whether anything was simulated, so that impacts and their errors mean something.
+    `moved`: whether anything was simulated, so that impacts and their errors mean something;
+    `from_disk`: pieces that another run had computed, so that the time is not that of all impacts.
     """
-    costs = cost_record(cost, seconds)
+    costs = cost_record(cost, seconds, from_disk)
     errors = error_record(setup.settings.chatter_tolerance, setup.system.cam.top)
     measured = table_record(setup)
     if measured:
@@ -49,6 +51,7 @@ def finish(
     )
     text = to_text(record)
     store.write_text("run.json", [text])
+    store.commit()
     if request.json:
         print(text, end="")
         return
@@ -61,11 +64,15 @@ def finish(
 
 def closing_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
     """One line of cost and error."""
-    rate = costs["impacts_per_s"] or 0.0
+    took = f"in {costs['seconds']:.3g} s ({costs['impacts_per_s'] or 0.0:.3g}/s, "
+    if costs["pieces_from_disk"]:
+        took = (
+            f"{costs['pieces_from_disk']} pieces from disk, the rest in {costs['seconds']:.3g} s ("
+        )
     per_impact = costs["gap_evaluations"] / max(1, costs["impacts"])
     return (
-        f"{costs['impacts']} impacts in {costs['seconds']:.3g} s ({rate:.3g}/s, {per_impact:.2g} "
-        f"gap evaluations each); error per event: contact within {errors['contact_gap_m']:.1g} m, "
+        f"{costs['impacts']} impacts {took}{per_impact:.2g} gap evaluations each); "
+        f"error per event: contact within {errors['contact_gap_m']:.1g} m, "
         f"accumulation within {errors['accumulation_phase_turns']:.1g} turn"
     )
 

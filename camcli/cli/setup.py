@@ -11,7 +11,8 @@ from camcli.cli.options import Request
 from camcli.cli.panel import note
 from camcli.errors import Fault, SceneError
 from camcli.kernel import backend
-from camcli.scene import Scene, load_scene, parse_rpm
+from camcli.scene import Scene, load_scene, parse_rpm, scene_of
+from camcli.scene.places import shown
 from camcli.system import Follower, System
 
 
@@ -55,12 +56,10 @@ def speed_range(request: Request, section: str) -> dict[str, tuple[Any, str]]:
 
 def set_up(request: Request, options: dict[str, tuple[Any, str]]) -> Setup:
     """Load and validate the scene and compile its cam; raises SceneError with every fault."""
-    if request.threads is not None and request.threads < 1:
-        found = f"found {request.threads}"
-        raise SceneError(
-            Fault("--threads", "", found, "expected 1 or more", "leave it out for all")
-        )
-    scene = load_scene(request.config, request.sets, options)
+    if request.scene is not None:
+        scene = scene_of(request.scene, request.home)
+    else:
+        scene = load_scene(request.config, request.sets, options)
     follower = Follower(**scene.follower.model_dump())
     system = System.build(follower, scene.cam.parts(), scene.run.strobe_deg)
     run = scene.run
@@ -80,7 +79,11 @@ def set_up(request: Request, options: dict[str, tuple[Any, str]]) -> Setup:
 
 def _notes(follower: Follower, scene: Scene) -> None:
     if scene.cam.kind == "table":
-        note(fit_line(scene.cam.accuracy, scene.cam.file))
+        if scene.cam.outside:
+            note(
+                f"note: cam.file: reads {shown(scene.cam.outside, 500)}, outside the scene's folder"
+            )
+        note(fit_line(scene.cam.accuracy, shown(scene.cam.file, 500)))
         for text in cautions(scene.cam.accuracy):
             note(text)
     if follower.restitution == 1.0 and follower.damping == 0.0:

@@ -7,9 +7,9 @@ from time import perf_counter
 from camcli.analysis.simulate import Simulation, simulate
 from camcli.artefacts.store import Store
 from camcli.artefacts.tables import events_csv, trajectory_csv
-from camcli.cli import plan
 from camcli.cli.options import Request
 from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.plan_simulate import simulate_planned
 from camcli.cli.report import finish, table, warn_of_height
 from camcli.cli.setup import Setup, one_speed, set_up
 from camcli.errors import OK, STATUSES
@@ -27,10 +27,7 @@ def run(request: Request) -> int:
 
         return run_profile(request, setup)
     rpm, samples = setup.scene.run.rpm, setup.scene.simulate.samples
-    plan.refuse_if_too_large(1 + samples // 4, setup.settings)
-    if request.dry_run:
-        cost = plan.estimate(setup.system, [rpm], setup.settings, 1, 200.0, 110.0 * samples)
-        cost.show(NAME, request.json)
+    if simulate_planned(request, setup):
         return DONE
     store = Store(request.folder(NAME))
     began = perf_counter()

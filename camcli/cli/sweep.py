@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import nullcontext
 from functools import partial
 from itertools import groupby
@@ -10,15 +11,24 @@ from typing import Any
 
 from camcli.analysis.sweep import FIXED, Speed, Sweep, rpm_grid, status_name, sweep
 from camcli.artefacts.store import Store
-from camcli.artefacts.tables import impacts_csv, speeds_csv, strobe_csv
-from camcli.cli import plan
+from camcli.artefacts.tables import (
+    IMPACTS,
+    STROBE,
+    impacts_csv,
+    section_rows,
+    speeds_csv,
+    strobe_csv,
+)
 from camcli.cli.options import Request
 from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.plan_sweep import sweep_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish, table, warn_of_height
 from camcli.cli.setup import Setup, set_up, speed_range
+from camcli.cli.working import Desk, shard_done, working
 from camcli.errors import STATUSES, Fault, SceneError
 from camcli.kernel import backend
+from camcli.parallel import ShardDone, Work
 
 NAME = "sweep"
 SHOWN = 40  # rows of the table on stdout
@@ -29,29 +39,34 @@ def run(request: Request) -> int:
     setup = set_up(request, _options(request))
     section = setup.scene.sweep
     _refuse_to_explain(setup)
-    plan.refuse_if_too_large(section.rpm.num, setup.settings)
-    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
-    if request.dry_run:
-        cost = plan.estimate(setup.system, rpms, setup.settings, request.threads, 65.0, 55.0)
-        cost.show(NAME, request.json)
+    if sweep_planned(request, setup):
         return DONE
-    store = Store(request.folder(NAME))
-    result, seconds = _compute(request, setup, rpms)
-    if section.explain:
+    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
+    with working(NAME, request, setup) as desk:
+        try:
+            result, seconds = _compute(request, setup, rpms, desk.work)
+        except ShardDone:
+            return shard_done(desk, request)
+        _finish(request, setup, desk, result, seconds)
+        if not request.quiet:
+            warn_of_height(_heights(result), setup.system.cam.top)
+        return _verdict(result)
+
+
+def _finish(request: Request, setup: Setup, desk: Desk, result: Sweep, seconds: float) -> None:
+    """Write everything and say it."""
+    if setup.scene.sweep.explain:
         from camcli.cli.sweep_explain import finish_explained
 
-        finish_explained(request, setup, store, result, seconds)
-    else:
-        store.remove("corners.csv")
-        write(request, setup, store, result)
-        if not request.json:
-            show(result)
-        finish(NAME, request, setup, store, result.cost, seconds, summary(result))
-    if not request.quiet:
-        strobed = [speed for speed in result.speeds if speed.strobe is not None]
-        heights = [(s.rpm, max(s.strobe[1], default=0.0)) for s in strobed]
-        warn_of_height(heights, setup.system.cam.top)
-    return _verdict(result)
+        finish_explained(request, setup, desk, result, seconds)
+        return
+    store = desk.store
+    store.remove("corners.csv")
+    write(request, setup, store, result)
+    if not request.json:
+        show(result)
+    found, known = summary(result), desk.journal.found
+    finish(NAME, request, setup, store, result.cost, seconds, found, from_disk=known)
 
 
 def _options(request: Request) -> dict[str, tuple[Any, str]]:
@@ -77,7 +92,8 @@ def _refuse_to_explain(setup: Setup) -> None:
         raise SceneError(Fault("--explain", "sweep.rpm", found, "expected a range", cure))
 
 
-def _compute(request: Request, setup: Setup, rpms: list[float]) -> tuple[Sweep, float]:
+def _compute(request: Request, setup: Setup, rpms: list[float], work: Work):
+    """(sweep, seconds)."""
     sections = setup.scene.sweep.sections
     began = perf_counter()
     with nullcontext() if request.quiet else bar("speeds", len(rpms)) as tick:
@@ -89,7 +105,7 @@ def _compute(request: Request, setup: Setup, rpms: list[float]) -> tuple[Sweep, 
             impacts="impacts" in sections,
             strobe="strobe" in sections,
             lyapunov=setup.scene.sweep.lyapunov,
-            threads=request.threads,
+            work=work,
             on_speed=(lambda speed: None) if tick is None else (lambda speed: tick()),
         )
     return result, perf_counter() - began - backend.compile_seconds
@@ -97,15 +113,8 @@ def _compute(request: Request, setup: Setup, rpms: list[float]) -> tuple[Sweep, 
 
 def write(request: Request, setup: Setup, store: Store, result: Sweep, events=None) -> None:
     """Write the tables and the picture, with the events in it where they are given."""
-    sections = setup.scene.sweep.sections
-    for section, name, text in (
-        ("impacts", "impacts.csv", impacts_csv),
-        ("strobe", "strobe.csv", strobe_csv),
-    ):
-        if section in sections:
-            store.write_text(name, text(result))
-        else:
-            store.remove(name)
+    for section in ("impacts", "strobe"):
+        _write_section(setup, store, section, result)
     store.write_text("speeds.csv", speeds_csv(result))
     if request.no_plot:
         store.remove("sweep.png")
@@ -115,6 +124,23 @@ def write(request: Request, setup: Setup, store: Store, result: Sweep, events=No
     how = start_text(setup, result)
     draw = partial(draw_sweep, result, setup.system, start_text=how, events=events)
     store.write("sweep.png", draw)
+
+
+def _write_section(setup: Setup, store: Store, section: str, result: Sweep) -> None:
+    """A section's table in the form asked for; the other forms of an earlier run go."""
+    form = setup.scene.sweep.tables if section in setup.scene.sweep.sections else "none"
+    for other in ("csv", "npz"):
+        if other != form:
+            store.remove(f"{section}.{other}")
+    if form == "csv":
+        text = impacts_csv if section == "impacts" else strobe_csv
+        store.write_text(f"{section}.csv", text(result))
+    elif form == "npz":
+        from camcli.artefacts.bulk import write_npz
+
+        names = IMPACTS if section == "impacts" else STROBE
+        rows = partial(section_rows, result, section)
+        store.write(f"{section}.npz", partial(write_npz, names, rows))
 
 
 def start_text(setup: Setup, result: Sweep) -> str:
@@ -168,6 +194,13 @@ def show(result: Sweep) -> None:
     if len(rows) > SHOWN:
         title += f", the first {SHOWN} (all of them in speeds.csv)"
     table(title, ["label", "from (rpm)", "to (rpm)", "speeds", "status"], rows[:SHOWN])
+
+
+def _heights(result: Sweep) -> Iterator[tuple[float, float]]:
+    """(rpm, largest q at the strobe, m)."""
+    for speed in result.speeds:
+        if speed.strobe is not None:
+            yield speed.rpm, max(speed.strobe[1], default=0.0)
 
 
 def _verdict(result: Sweep) -> int:

@@ -11,19 +11,19 @@ from camcli.analysis.explain.changes import explain
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.sweep import LITTLE_WORK, Sweep
 from camcli.artefacts.classify import corners_csv
-from camcli.artefacts.store import Store
 from camcli.cli.classify_words import explained, show_explanation
 from camcli.cli.options import Request
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup
 from camcli.cli.sweep import NAME, show, summary, write
+from camcli.cli.working import Desk
 from camcli.kernel import backend
-from camcli.parallel import run_pieces
+from camcli.parallel import in_threads
 
 
 def finish_explained(
-    request: Request, setup: Setup, store: Store, result: Sweep, seconds: float
+    request: Request, setup: Setup, desk: Desk, result: Sweep, seconds: float
 ) -> None:
     """Explain a sweep, write all its artefacts and print its tables."""
     began, compiled = perf_counter(), backend.compile_seconds
@@ -31,6 +31,7 @@ def finish_explained(
     with nullcontext() if request.quiet else bar("changes", len(motions) - 1) as tick:
         explanation = explain(setup.system, setup.settings, motions, tick or (lambda: None))
     seconds += perf_counter() - began - (backend.compile_seconds - compiled)
+    store = desk.store
     store.write_text("corners.csv", corners_csv(explanation.found.bifurcations))
     write(request, setup, store, result, explanation.events)
     if not request.json:
@@ -38,7 +39,8 @@ def finish_explained(
         show_explanation(explanation)
     cost = sum((motion.cost for motion in motions), result.cost + explanation.cost)
     words = {**summary(result), **explained(explanation)}
-    finish(NAME, request, setup, store, cost, seconds, words)
+    known = desk.journal.found
+    finish(NAME, request, setup, store, cost, seconds, words, from_disk=known)
 
 
 def _motions(request: Request, setup: Setup, rpms: list[float]) -> list[Motion]:
@@ -53,7 +55,7 @@ def _motions(request: Request, setup: Setup, rpms: list[float]) -> list[Motion]:
 
     motions = []
     with nullcontext() if request.quiet else bar("motions", len(rpms)) as tick:
-        for motion in run_pieces(piece, rpms, request.threads):
+        for motion in in_threads(piece, rpms, request.threads):
             motions.append(motion)
             if tick:
                 tick()

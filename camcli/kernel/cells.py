@@ -4,7 +4,9 @@ A known periodic attractor is a ring of points (gap, rate) on the section, each 
 A x^2 + B x y + C y^2 <= 1 about it and the impacts of the turn that begins there. A start belongs
 to it when one whole period of it leads from ellipse to ellipse with these impacts and shrinks the
 form by the factor asked for. A known aperiodic attractor is a set of boxes of the section; a start
-belongs to it when it stays in them for as many turns in a row as asked for.
+belongs to it when it stays in them for as many turns in a row as asked for. A complete chatter
+erases all memory: the few states (gap, rate) at the strobe after one are known with the outcome
+they lead to, or that the motion is to be followed on; at another one a start stops.
 """
 
 from typing import Any, NamedTuple
@@ -15,6 +17,9 @@ from camcli.kernel.orbit import GAP, MODE, PERIOD, RATE, STRETCH, THETA, TOTAL, 
 from camcli.kernel.profile import ROW, START
 
 UNDECIDED = -1  # outcome: the budget of turns was used up; below it, see `trouble`
+FORGOTTEN = -2  # outcome of a state after a rest: nothing is known of what it leads to
+GOES_ON = -3  # outcome of a state after a rest: it is to be followed on
+NEW_REST = -4  # outcome: stopped after a rest with an unknown state
 ENDLESS = 1 << 62
 POINT = 6  # entries of a point in Targets.real
 LINK = 4  # entries of a point in Targets.whole
@@ -38,6 +43,10 @@ class Targets(NamedTuple):
     per_rate: float
     columns: int  # boxes along the gap; 0: no aperiodic attractor
     rows: int  # boxes along the rate
+    rest: Any  # (rests * 2,): gap m, rate m/rad at the strobe after a complete chatter
+    ends: Any  # (rests,) int: attractor, FORGOTTEN or GOES_ON
+    rests: int  # known states after a rest; -1: rests are of no interest
+    near: Any  # (2,): m, m/rad within which two of them are one
 
 
 class Cells(NamedTuple):
@@ -105,6 +114,10 @@ def settle_cell(cam, lane, turns, targets, budget, room):
             return trouble(status), used, longest, symbol
         symbol = CHATTERED_TURN if strobe.events[1] else strobe.events[0]
         gap, rate = room.state[GAP], room.state[RATE]
+        if symbol == CHATTERED_TURN and targets.rests >= 0:
+            end = rested(targets, gap, rate)
+            if end != GOES_ON:
+                return end, used, longest, symbol
         if at >= 0:
             to = targets.whole[LINK * at + 1]
             size = form(targets, to, gap, rate)
@@ -145,6 +158,17 @@ def enter(targets, gap, rate):
         if form(targets, j, gap, rate) <= 1.0:
             return j
     return -1
+
+
+@kernel
+def rested(targets, gap, rate):
+    """Outcome of a state at the strobe after a complete chatter; NEW_REST where it is unknown."""
+    for j in range(targets.rests):
+        x = gap - targets.rest[2 * j]
+        y = rate - targets.rest[2 * j + 1]
+        if abs(x) <= targets.near[0] and abs(y) <= targets.near[1]:
+            return targets.ends[j]
+    return NEW_REST
 
 
 @kernel

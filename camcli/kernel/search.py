@@ -3,9 +3,11 @@
 Everything is in the gap q - c and its derivatives by theta. On a stretch the cam's
 c_thetatheta and |c'''| are bounded; in flight y = q'' obeys y'' + 2 Z y' + W^2 y = 0, so the
 energy y'^2 + W^2 y^2 never grows and for all later s
-    |q'''(s)| <= E = |q'''(0)| + W |q''(0)|,     |q''''(s)| <= (2 Z + W) E.
-Hence gap'' stays between two computed numbers over a step s (chord of q'' at both ends plus or
-minus (2 Z + W) E s^2/8, minus the range of c_thetatheta), and one of these decides the step:
+    |q'''(s)| <= E = |q'''(0)| + W |q''(0)|,     |q''''(s)| <= (2 Z + W) E,
+and, q' obeying the same equation, |q''(s)| <= |q''(0)| + W |q'(0)|, which is what a stiff damper
+leaves of the first. Hence gap'' stays between two computed numbers over a step s (chord of q'' at
+both ends plus or minus (2 Z + W) E s^2/8, minus the range of c_thetatheta), and one of these
+decides the step:
 - concave (gap'' <= 0): positive at both ends means no contact, negative at the end exactly one;
 - convex (gap'' >= 0): the tangents at both ends bound the gap from below; where they do not
   decide, Newton from the left never passes the first root, and a minimum is found as a minimum;
@@ -77,6 +79,7 @@ def search(cam, lane, turns, i, f, work):
     row = i * ROW
     drift = cam.rows[row + JERK_MAX]
     curvature = (2.0 * lane.Z + lane.W) * f.energy * 0.125
+    reach = abs(f.q2) + lane.W * abs(f.w)
     s = f.end
     if lane.W * s > PHASE_CAP:
         s = PHASE_CAP / lane.W
@@ -87,8 +90,9 @@ def search(cam, lane, turns, i, f, work):
             g1, u1, a1 = gap_at(cam, lane, i, f, s, work)
             y1 = a1 + lift_at(cam, i, min(f.theta + s, cam.rows[row + END]))[2]
         slack = curvature * s * s
-        low = min(f.q2, y1) - slack - min(cam.rows[row + ACCEL_MAX], f.c2 + drift * s)
-        high = max(f.q2, y1) + slack - max(cam.rows[row + ACCEL_MIN], f.c2 - drift * s)
+        lowest, highest = max(min(f.q2, y1) - slack, -reach), min(max(f.q2, y1) + slack, reach)
+        low = lowest - min(cam.rows[row + ACCEL_MAX], f.c2 + drift * s)
+        high = highest - max(cam.rows[row + ACCEL_MIN], f.c2 - drift * s)
         stop = cam.rows[row + END] if s == f.end else f.theta + s
         falls = f.rate < 0.0 and (low >= 0.0 or f.rate + high * s < 0.0)
         if (high <= 0.0 or falls) and g1 <= 0.0:

@@ -1,6 +1,7 @@
 """sin, cos, acos and pi in 40-digit decimals: cam tables with the same bits on every machine.
 
-Python's `decimal` rounds correctly on every platform, a C library or LAPACK does not.
+Python's `decimal` rounds correctly on every platform, a C library or LAPACK does not. Where the
+caller's context holds more digits than the tables need, sin and cos give as many.
 """
 
 from __future__ import annotations
@@ -12,15 +13,15 @@ DIGITS = 40
 
 
 @cache
-def pi() -> Decimal:
+def pi(digits: int = DIGITS) -> Decimal:
     """pi by Machin's formula, 16 atan(1/5) - 4 atan(1/239)."""
     with localcontext() as context:
-        context.prec = DIGITS + 5
+        context.prec = digits + 5
 
         def atan_inverse(n: int) -> Decimal:
             power = total = Decimal(1) / n
             k = 1
-            while abs(power) > Decimal(10) ** -(DIGITS + 5):
+            while abs(power) > Decimal(10) ** -(digits + 5):
                 power /= -n * n
                 k += 2
                 total += power / k
@@ -32,7 +33,7 @@ def pi() -> Decimal:
 def sincos(x: Decimal) -> tuple[Decimal, Decimal]:
     """(sin x, cos x) for moderate x: Taylor series after halving to |x| < 0.1, then doubling."""
     with localcontext() as context:
-        context.prec = DIGITS + 8
+        context.prec = digits = max(DIGITS + 8, context.prec)
         halvings = 0
         while abs(x) > Decimal("0.1"):
             x /= 2
@@ -41,7 +42,7 @@ def sincos(x: Decimal) -> tuple[Decimal, Decimal]:
         sine = term = x
         versine = other = -square / 2
         k = 2
-        while abs(term) > Decimal(10) ** -(DIGITS + 8):
+        while abs(term) > Decimal(10) ** -digits:
             term *= square / (k * (k + 1))
             sine += term
             other *= square / ((k + 1) * (k + 2))

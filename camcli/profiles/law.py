@@ -56,7 +56,7 @@ def _tag(value: Any) -> str:
 
 
 Length = Annotated[
-    float, Field(gt=0, le=360, allow_inf_nan=False, description="length of the motion, deg")
+    float, Field(ge=1e-6, le=360, allow_inf_nan=False, description="length of the motion, deg")
 ]
 Law = Annotated[
     Annotated[LawName, Tag("name")] | Annotated[SccaLaw, Tag("scca")],

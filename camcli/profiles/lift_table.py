@@ -80,6 +80,7 @@ class TableCam(BaseModel):
         None, description="SHA-256 the file must have; null: any"
     )
     _turn: Turn = PrivateAttr()
+    _outside: str = PrivateAttr("")
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo) -> TableCam:
@@ -114,6 +115,7 @@ class TableCam(BaseModel):
             raise FileFaultsError(
                 Fault(name, "file", found, "expected a file beside the scene", cure)
             )
+        self._outside = "" if inside else place
 
     def _reading(self) -> Reading:
         unit = self.max_lift if self.max_lift is not None else UNITS[self.lift]
@@ -136,6 +138,11 @@ class TableCam(BaseModel):
     def accuracy(self) -> Accuracy:
         """Rounding found, residuals, and the bound on c_thetatheta."""
         return self.errors.accuracy()
+
+    @property
+    def outside(self) -> str:
+        """The file's real path where it is not in the scene's folder, else ''."""
+        return self._outside
 
     @property
     def measured(self) -> Turn:

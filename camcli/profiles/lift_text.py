@@ -16,7 +16,9 @@ from pathlib import Path
 from camcli.errors import Fault, FileFaultsError, refused
 
 MAX_BYTES = 10_000_000
-MAX_ROWS = 100_000
+MAX_ROWS = 50_000
+MAX_LINES = 2 * MAX_ROWS  # with comments
+LONGEST_LINE = 10_000  # characters
 MAX_FAULTS = 20
 LARGEST = Decimal(10) ** 9
 SMALLEST = -40  # decimals of a number, at most
@@ -57,7 +59,7 @@ def read_bytes(path: Path, name: str) -> bytes:
         status = os.stat(path)
         data = b""
         if stat.S_ISREG(status.st_mode):
-            with open(path, "rb") as file:
+            with open(path, "rb", opener=never_waiting) as file:
                 data = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
         cure = "check the name; it is looked for beside the scene"
@@ -74,6 +76,11 @@ def read_bytes(path: Path, name: str) -> bytes:
         cure = "is this the right file? Thin the table out otherwise"
         raise refused(name, "file", found, expected, cure)
     return data
+
+
+def never_waiting(path: str, flags: int) -> int:
+    """An opener that does not wait, should the file have become a pipe since it was looked at."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def parse(data: bytes, name: str, angle: int | str, lift: int | str, header: bool) -> Rows:
@@ -118,7 +125,12 @@ def _lines(data: bytes, name: str) -> list[tuple[int, str]]:
         raise FileFaultsError(
             Fault(where, "file", found, "expected text", "is this a binary file?")
         )
-    whole = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if text.count("\n") > MAX_LINES:
+        found, expected = f"found {text.count(chr(10))} lines", f"expected at most {MAX_LINES}"
+        raise refused(name, "file", found, expected, "thin the table out")
+    whole = text.split("\n")
+    _short(whole, name)
     lines = [(n, line.partition("#")[0]) for n, line in enumerate(whole, 1)]
     lines = [(n, line) for n, line in lines if line.strip()]
     if not lines:
@@ -126,6 +138,18 @@ def _lines(data: bytes, name: str) -> list[tuple[int, str]]:
         cure = "is this the right file?"
         raise refused(name, "file", found, "expected rows of angle and lift", cure)
     return lines
+
+
+def _short(lines: list[str], name: str) -> None:
+    """Refuse lines that are no rows: a huge one would be cut into a huge number of cells."""
+    faults = [
+        Fault(f"{name}:{n}:1", "file", f"found a line of {len(line)} characters",
+              f"expected at most {LONGEST_LINE}", "is this the right file?")
+        for n, line in enumerate(lines, 1)
+        if len(line) > LONGEST_LINE
+    ]  # fmt: skip
+    if faults:
+        raise FileFaultsError(*faults[:MAX_FAULTS])
 
 
 def _splitter(first: str, name: str, line: int):

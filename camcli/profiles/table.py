@@ -12,15 +12,17 @@ from camcli.kernel.profile import COLUMNS, ROW, TURN, Cam, polynomial
 from camcli.profiles.digits import radians
 from camcli.profiles.pieces import CUTS, Part, Piece, compile_part
 
+Cut = tuple[Part, float, float]  # a part, from an angle to another, rad
 TAYLOR_ERROR = 2e-17  # m/rad, allowed remainder of the slope of the gap's local series
 CELLS = 16  # of a stretch in its bounds, at least
+SLIVER = 1e-12  # rad: a stretch shorter than this is left to its neighbour
 SMALLEST_KICK = 1e-9  # m/rad: a jump of c_theta below it is rounding
 
 
 def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
     """Compile one turn, cut at the parts' ends and at the strobe phase, in lists of floats."""
     strobe = float(radians(Decimal(strobe_deg))) if strobe_deg else 0.0
-    cuts = _cuts(parts, strobe)
+    cuts, strobe = _cuts(parts, strobe)
     stretches = [compile_part(part, low, high) for part, low, high in cuts]
     pieces = [piece for group in stretches for piece in group]
     first = [sum(len(group) for group in stretches[:n]) for n in range(len(stretches))]
@@ -63,17 +65,35 @@ def column(cam: Cam, name: str) -> list[float]:
     return [float(value) for value in cam.rows[COLUMNS.index(name) :: ROW]]
 
 
-def _cuts(parts: Sequence[Part], strobe: float) -> list[tuple[Part, float, float]]:
-    """(part, low, high) of every stretch in order, in doubles; the last ends at 2 pi."""
-    cuts = []
-    for part in parts:
-        low, high = float(part.start), min(float(part.end), TURN)
+def _cuts(parts: Sequence[Part], strobe: float) -> tuple[list[Cut], float]:
+    """Every stretch in order, in doubles; the last ends at 2 pi; and the strobe as it is cut."""
+    cuts, whole = [], _without_slivers(parts)
+    strobe = _at_an_edge(whole, strobe)
+    for part, low, high in whole:
         if low < strobe < high:
             places = [low, *_around(part, strobe), high]
             cuts += [(part, a, b) for a, b in itertools.pairwise(places) if b > a]
-        elif high > low:
+        else:
             cuts.append((part, low, high))
-    return cuts
+    return cuts, strobe
+
+
+def _without_slivers(parts: Sequence[Part]) -> list[Cut]:
+    """The parts that doubles can tell from nothing; what lies before a sliver reaches over it."""
+    ends = [(part, float(part.start), min(float(part.end), TURN)) for part in parts]
+    wide = [cut for cut in ends if cut[2] - cut[1] > SLIVER]
+    starts = [0.0, *(low for _, low, _ in wide[1:])]
+    stops = [*starts[1:], TURN]
+    return [(cut[0], low, high) for cut, low, high in zip(wide, starts, stops, strict=True)]
+
+
+def _at_an_edge(cuts: Sequence[Cut], strobe: float) -> float:
+    """The strobe; where it is less than two slivers away from an edge of a piece, that edge."""
+    if strobe > TURN - 2.0 * SLIVER:
+        return 0.0
+    edges = [x for part, low, high in cuts for x in (low, high, *part.edges()[1:-1])]
+    near = min(edges, key=lambda edge: abs(edge - strobe))
+    return near if abs(near - strobe) < 2.0 * SLIVER else strobe
 
 
 def _around(part: Part, strobe: float) -> list[float]:

@@ -1,20 +1,10 @@
 """The scene: a YAML file, validated as a whole, with `--set` and options on top of it."""
 
 from camcli.scene.files import default_scene_path
-from camcli.scene.load import load_scene, resolved, scene_hash
+from camcli.scene.load import load_scene, resolved, scene_hash, scene_of
+from camcli.scene.machine import Follower, RpmRange, Run, Start
 from camcli.scene.overrides import parse_rpm
-from camcli.scene.schema import (
-    Cam,
-    Detach,
-    Follower,
-    RpmRange,
-    Run,
-    Scene,
-    Simulate,
-    Start,
-    Sweep,
-    json_schema,
-)
+from camcli.scene.schema import Cam, Detach, Scene, Simulate, Sweep, json_schema
 
 __all__ = [
     "Cam",
@@ -32,4 +22,5 @@ __all__ = [
     "parse_rpm",
     "resolved",
     "scene_hash",
+    "scene_of",
 ]

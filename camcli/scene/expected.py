@@ -32,7 +32,7 @@ class Expectations:
         schema, value = self._settle(self._schema, data), data
         for key in path:
             if isinstance(key, int):
-                entry = schema.get("items", {})
+                entry = _item(schema, key)
                 value = value[key] if isinstance(value, list) and key < len(value) else None
             else:
                 entry = schema.get("properties", {}).get(key, {})
@@ -80,6 +80,15 @@ class Expectations:
         return found
 
 
+def _item(schema: dict[str, Any], number: int) -> dict[str, Any]:
+    """Schema of a list's item; a list of fixed length has one for each place."""
+    fixed = schema.get("prefixItems", [])
+    if number >= len(fixed):
+        return schema.get("items", {})
+    entry = {"description": schema.get("description", ""), **fixed[number]}
+    return {key: value for key, value in entry.items() if value}
+
+
 def in_words(schema: dict[str, Any]) -> str:
     """`a number greater than 0`, `one of fixed, up, down`, `a map with the keys ...`."""
     choices = schema.get("enum") or ([schema["const"]] if "const" in schema else [])
@@ -97,7 +106,18 @@ def in_words(schema: dict[str, Any]) -> str:
         return words + limits if limits or kind == "integer" else "a finite number"
     if kind == "array" and "items" in schema:
         return f"a list of {in_words(schema['items'])}"
+    if kind == "array" and "prefixItems" in schema:
+        return f"a list of {len(schema['prefixItems'])}, each {in_words(schema['prefixItems'][0])}"
+    if kind == "string":
+        return words + _length(schema)
     return words
+
+
+def _length(schema: dict[str, Any]) -> str:
+    """` of 1 to 200 characters`, ` that matches ...`, '' for any text."""
+    low, high = schema.get("minLength", 0), schema.get("maxLength")
+    size = f" of {low} to {high} characters" if high else " of some characters" if low else ""
+    return size + (f" that matches {schema['pattern']}" if "pattern" in schema else "")
 
 
 def _range(schema: dict[str, Any]) -> str:

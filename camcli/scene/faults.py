@@ -9,6 +9,7 @@ from typing import Any
 
 from camcli.errors import FileFaultsError
 from camcli.scene.expected import Expectations, in_words
+from camcli.scene.fields import RefusedError
 from camcli.scene.nodes import Node, at, plain
 from camcli.scene.places import Finding, Mark, Path, Source, dotted, shown
 from camcli.scene.scalars import oddity
@@ -18,7 +19,14 @@ MAX_HINTS = 50  # nearest names are looked up for so many unknown keys: the sear
 
 _AT_KEY = {"extra_forbidden", "missing", "value_error", "union_tag_not_found"}
 _RANGES = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
-_VALUES = {*_RANGES, "finite_number", "literal_error", "too_short"}  # and all that end in _type
+_SIZES = {"too_long", "string_too_short", "string_too_long", "string_pattern_mismatch"}
+_VALUES = {
+    *_RANGES,
+    "string_unicode",
+    "finite_number",
+    "literal_error",
+    "too_short",
+}  # and all that end in _type
 
 
 class Translator:
@@ -60,12 +68,16 @@ class Translator:
         if kind in ("union_tag_invalid", "union_tag_not_found"):
             path = (*path, error["ctx"]["discriminator"].strip("'"))
             kind = "missing" if kind == "union_tag_not_found" else "literal_error"
+        if kind == "missing" and isinstance(path[-1], int):  # an item of a list of fixed length
+            kind, path = "too_long", path[:-1]
         node, key_mark = at(self.root, path)
         mark = key_mark if kind in _AT_KEY else node.mark
         if kind == "extra_forbidden":
             words = self._unknown_key(path)
         elif kind == "missing":
             words = self._missing_key(path)
+        elif kind in _SIZES:
+            words = self._wrong_size(node, path)
         elif kind in _VALUES or kind.endswith("_type"):
             words = self._wrong_value(node, path, kind)
         else:
@@ -116,8 +128,20 @@ class Translator:
 
     def _refused(self, error: Mapping[str, Any], path: Path) -> tuple[str, str, str]:
         """A check of its own refused the value; its message says what and how much."""
-        message = str(error.get("ctx", {}).get("error") or error["msg"])
+        cause = error.get("ctx", {}).get("error")
+        if isinstance(cause, RefusedError):
+            return shown(cause.found, 300), cause.expected, cause.cure
+        message = str(cause or error["msg"])
         return shown(message, 400), "", f"change the values of {dotted(path) or 'the scene'}"
+
+    def _wrong_size(self, node: Node, path: Path) -> tuple[str, str, str]:
+        """A list of the wrong length, or a text of the wrong length or form."""
+        schema = self.expectations.at(path, self.data)
+        size = len(node.value) if isinstance(node.value, list | str) else 0
+        kind = "a list" if isinstance(node.value, list) else f"'{shown(str(node.value))}'"
+        unit = "values" if isinstance(node.value, list) else "characters"
+        found = f"found {kind} of {size} {unit}"
+        return found, f"expected {in_words(schema)}", f"change {_name(path)}{_about(schema)}"
 
     def _wrong_value(self, node: Node, path: Path, kind: str) -> tuple[str, str, str]:
         schema = self.expectations.at(path, self.data)
@@ -145,7 +169,7 @@ def _found(node: Node) -> str:
 
 
 def _cure(node: Node, path: Path, kind: str, schema: dict[str, Any]) -> str:
-    value, name = node.value, path[-1] if path else "the scene"
+    value, name = node.value, _name(path)
     wanted = schema.get("type")
     if wanted == "object" or (isinstance(value, dict) and wanted == "array"):
         return _shape_cure(value, str(name), wanted)
@@ -167,7 +191,7 @@ def _cure(node: Node, path: Path, kind: str, schema: dict[str, Any]) -> str:
 
 def _scalar_cure(value: object, path: Path, wanted: str | None) -> str:
     """What to do about a single value of the wrong type."""
-    name = path[-1] if path else "the scene"
+    name = _name(path)
     if value is None:
         return f"give {name} a value, or remove the line"
     if isinstance(value, bool):
@@ -178,6 +202,15 @@ def _scalar_cure(value: object, path: Path, wanted: str | None) -> str:
     if isinstance(value, float) and wanted == "integer":
         return "round it"
     return f"put {name} in quotes" if wanted == "string" else f"change {name}"
+
+
+def _name(path: Path) -> str:
+    """What a cure calls the value: its key, or the place in a list and the list's key."""
+    if not path:
+        return "the scene"
+    if isinstance(path[-1], int) and len(path) > 1:
+        return f"value {path[-1] + 1} of {shown(str(path[-2]), 40)}"
+    return shown(str(path[-1]), 40)
 
 
 def _shape_cure(value: object, name: str, wanted: str) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from camcli.scene.fields import Section
+from camcli.scene.fields import RefusedError, Section
 
 
 def _splits(text: str) -> str:
@@ -15,9 +15,14 @@ def _splits(text: str) -> str:
     try:
         words = shlex.split(text)
     except ValueError as error:
-        raise ValueError(f"found {text!r}: {str(error).lower()}") from None
+        found = f"found {text!r}: {str(error).lower()}"
+        raise RefusedError(found, "expected words as in a shell", "close the quotes") from None
     if not words:
-        raise ValueError("found no command")
+        raise RefusedError("found no command", "expected a command of cam", "name one")
+    if "--" in words:
+        raise RefusedError(
+            f"found '--' in {text!r}", "expected a command and its options", "leave '--' out"
+        )
     return text
 
 

@@ -6,6 +6,7 @@ import os
 import stat
 from pathlib import Path
 
+from camcli.profiles.lift_text import never_waiting
 from camcli.scene.places import Finding, Mark, Source
 
 MAX_BYTES = 256 * 1024  # a scene is a few kB
@@ -24,8 +25,11 @@ def read_text(path: Path, source: Source) -> str | Finding:
         finding = _refuse(os.stat(path), source)
         if finding:
             return finding
-        with open(path, "rb") as file:
-            data = file.read(MAX_BYTES + 1)
+        with open(path, "rb", opener=never_waiting) as file:
+            finding = _refuse(os.fstat(file.fileno()), source)  # it may be another file by now
+            data = b"" if finding else file.read(MAX_BYTES + 1)
+        if finding:
+            return finding
     except (OSError, ValueError) as error:
         return _unreadable(error, source)
     if len(data) > MAX_BYTES:

@@ -39,6 +39,15 @@ def load_scene(
     return _validate(scene, path, findings)
 
 
+def scene_of(values: Mapping[str, Any], folder: Path) -> Scene:
+    """The scene that `resolved` gave these values; files it names are in `folder`.
+
+    Raises SceneError.
+    """
+    root = node_of(values, Mark(Source(0, "scene")))
+    return _validate(root, folder / "scene", [])
+
+
 def resolved(scene: Scene) -> dict[str, Any]:
     """The full scene, defaults included, as plain values that JSON can hold."""
     return scene.model_dump(mode="json")

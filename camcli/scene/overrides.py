@@ -25,6 +25,9 @@ def apply_set(root: Node, text: str, rank: int) -> tuple[Node, tuple[Finding, ..
     mark = Mark(source)
     path_text, equals, value_text = text.partition("=")
     path = tuple(key.strip() for key in path_text.split("."))
+    if any("\ud800" <= character <= "\udfff" for character in text):  # as Python reads odd bytes
+        found = "found bytes that are no UTF-8 text"
+        return root, (Finding(mark, (), found, _FORM, "type it again"),)
     if not equals:
         cure = "write the key, an = and the value without blanks between"
         return root, (Finding(mark, (), "found no '='", _FORM, cure),)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from camcli.errors import Fault
+from camcli.errors import Fault, printable
 
 Path = tuple[str | int, ...]  # keys and list indices from the root of the scene
 
@@ -51,6 +51,4 @@ def dotted(path: Path) -> str:
 def shown(text: str, limit: int = 60) -> str:
     """Text of the user, cut to `limit` characters and safe to print on any terminal."""
     cut = text if len(text) <= limit else text[: limit - 3] + "..."
-    if cut.isprintable():
-        return cut
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in cut)
+    return printable(cut)

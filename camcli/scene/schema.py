@@ -13,11 +13,18 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, Field
 
 from camcli.profiles import CAMS
 from camcli.scene.bench import Bench
-from camcli.scene.fields import Flag, Number, Section, Span, Speed, Whole, items, unique
+from camcli.scene.fields import Flag, Number, Section, Speed, Whole, items, unique
 from camcli.scene.figure import Figure
-
-MOST_TURNS = 10**9
-MOST_SPEEDS = 10_000_000
+from camcli.scene.machine import (
+    LARGEST,
+    MOST_SPEEDS,
+    MOST_TURNS,
+    Constant,
+    Follower,
+    RpmRange,
+    Run,
+)
+from camcli.scene.studies import Basins, Classify
 
 
 def cam_union(cams: tuple[type[BaseModel], ...]) -> Any:
@@ -35,44 +42,6 @@ Cam = cam_union(CAMS)
 TAGGED = len(CAMS) > 1  # pydantic then names the kind in the location of an error
 
 
-class Follower(Section):
-    """A mass on a spring and a damper; q is its height, zero where the cam's offset puts it."""
-
-    mass: Number = Field(gt=0, description="mass of the follower, kg")
-    stiffness: Number = Field(ge=0, description="stiffness of the spring, N/m")
-    damping: Number = Field(0.0, ge=0, description="damping to the frame, N s/m")
-    gravity: Number = Field(0.0, description="gravity, positive towards the cam, m/s2")
-    preload: Number = Field(0.0, description="spring force at q = 0, positive towards the cam, N")
-    restitution: Number = Field(ge=0, le=1, description="coefficient of restitution, 0..1")
-
-
-class Start(Section):
-    """State at the first instant; without q and v the follower rests on the cam."""
-
-    q: Number | None = Field(None, description="height of the follower, m; null: on the cam")
-    v: Number | None = Field(None, description="velocity of the follower, m/s; null: the cam's")
-    theta_deg: Number = Field(0.0, description="angle of the cam, deg")
-
-
-class Run(Section):
-    """One simulation: its speed, start and length, and what bounds its error and cost."""
-
-    rpm: Speed = Field(700.0, description="speed of the cam, turns per minute")
-    start: Start = Field(default_factory=Start, description="state at the first instant")
-    transient: Whole = Field(600, ge=0, le=MOST_TURNS, description="turns before recording")
-    record: Whole = Field(400, ge=1, le=MOST_TURNS, description="turns recorded")
-    strobe_deg: Number = Field(0.0, ge=0, lt=360, description="phase of the strobe, deg")
-    chatter_tolerance: Number = Field(
-        1e-9,
-        ge=1e-13,
-        le=1e-3,
-        description="largest error of the accumulation phase, fraction of a turn",
-    )
-    impact_budget: Whole = Field(
-        1_000_000, ge=1, le=10**15, description="impacts in one turn before the run is given up"
-    )
-
-
 class Simulate(Section):
     """What `cam simulate` writes and draws."""
 
@@ -80,14 +49,6 @@ class Simulate(Section):
     plot_turns: Whole = Field(
         3, ge=1, le=MOST_TURNS, description="turns drawn, counted from the end"
     )
-
-
-class RpmRange(Section):
-    """Equally spaced speeds, ascending or descending; one speed (num: 1) is the start."""
-
-    start: Speed = Field(660.0, description="first speed, turns per minute")
-    stop: Speed = Field(760.0, description="last speed, turns per minute")
-    num: Whole = Field(401, ge=1, le=MOST_SPEEDS, description="number of speeds")
 
 
 class Sweep(Section):
@@ -106,6 +67,9 @@ class Sweep(Section):
         ("impacts", "strobe"),
         description="sections recorded",
         json_schema_extra={"uniqueItems": True},
+    )
+    tables: Literal["csv", "npz", "none"] = Field(
+        "csv", description="form of the sections' tables: text, binary columns, or left out"
     )
     lyapunov: Flag = Field(False, description="measure the largest exponent at each speed")
     explain: Flag = Field(False, description="find the cause of every change (direction: fixed)")
@@ -135,9 +99,11 @@ class Detach(Section):
     hold_to: Speed | None = Field(
         None, description="speed up to which a spring shall hold contact; null: not asked"
     )
-    margin_n: Number = Field(0.0, ge=0, description="least contact force up to hold_to, N")
+    margin_n: Number = Field(
+        0.0, ge=0, le=LARGEST, description="least contact force up to hold_to, N"
+    )
     precompression_m: Number = Field(
-        0.05, ge=0, description="preload per stiffness where hold_to chooses both, m"
+        0.05, ge=0, le=1e6, description="preload per stiffness where hold_to chooses both, m"
     )
 
 
@@ -169,7 +135,7 @@ class Orbits(Section):
         3, ge=0, le=1000, description="branches followed that leave from bifurcations"
     )
     parameter: ParameterName = Field("rpm", description="parameter varied along a branch")
-    range: Annotated[tuple[Number, Number] | None, BeforeValidator(items)] = Field(
+    range: Annotated[tuple[Constant, Constant] | None, BeforeValidator(items)] = Field(
         None, description="range of the parameter, or of curve_in; null: around its value"
     )
     curve: CurveKind | None = Field(
@@ -185,60 +151,6 @@ class Orbits(Section):
         ("branches", "multipliers", "events"),
         description="parts of the picture, where branches are followed",
         json_schema_extra={"uniqueItems": True},
-    )
-
-
-class BasinsRange(RpmRange):
-    """Equally spaced speeds; one where start and stop are equal."""
-
-    start: Speed = Field(358.5, description="first speed, turns per minute")
-    stop: Speed = Field(358.5, description="last speed, turns per minute")
-    num: Whole = Field(41, ge=1, le=100_000, description="number of speeds, if they differ")
-
-
-Side = Annotated[Whole, Field(ge=1, le=16_384)]
-
-
-class Basins(Section):
-    """The window of starts at the strobe phase, and how `cam basins` follows them."""
-
-    rpm: BasinsRange = Field(default_factory=BasinsRange, description="range of speeds")
-    q: Span = Field((0.1, 0.9), description="[low, high] of the starts' position, m")
-    v: Span = Field((-50.0, 50.0), description="[low, high] of the starts' velocity, m/s")
-    cells: Annotated[tuple[Side, Side], BeforeValidator(items)] = Field(
-        (200, 200), description="cells along q and along v"
-    )
-    method: Literal["orbit", "simple"] = Field(
-        "orbit", description="follow every cell, or simple cell mapping: fast and approximate"
-    )
-    budget: Whole = Field(
-        4000, ge=1, le=10_000_000, description="turns after which a cell is left undecided"
-    )
-    refine: Whole = Field(
-        0, ge=0, le=10, description="times that cells at boundaries are cut in four"
-    )
-    boundary: Annotated[bool, Field(strict=True)] = Field(
-        False, description="measure the uncertainty exponent of the boundary"
-    )
-    exponents: Annotated[bool, Field(strict=True)] = Field(
-        False, description="multipliers and Lyapunov exponents of the attractors"
-    )
-
-
-class ClassifyRange(RpmRange):
-    """Equally spaced speeds to classify."""
-
-    num: Whole = Field(101, ge=1, le=MOST_SPEEDS, description="number of speeds")
-
-
-class Classify(Section):
-    """What `cam classify` names, measures and explains."""
-
-    rpm: ClassifyRange = Field(default_factory=ClassifyRange, description="range of speeds")
-    starts: Whole = Field(0, ge=0, le=1_000_000, description="further starts at each speed")
-    seed: Whole = Field(0, ge=0, le=10**9, description="which cloud of starts")
-    explain: Annotated[bool, Field(strict=True)] = Field(
-        False, description="find the cause of every change"
     )
 
 

@@ -21,7 +21,7 @@ WINDOW = Window((0.1, 0.9), (-50.0, 50.0), 20, 20)
 
 @pytest.fixture(scope="module")
 def census(chapter):
-    found = Census(Crew(chapter, 358.5, settings(), 1), 4000)
+    found = Census(Crew(chapter, 358.5, settings()), 4000)
     found.scout(WINDOW)
     return found
 
@@ -66,7 +66,7 @@ def test_a_known_orbit_is_not_admitted_twice(census):
 
 def test_an_orbit_that_repels_is_not_admitted(chapter):
     """The P(1;1) orbit near 739.35 rpm has period-doubled: it exists, but repels."""
-    crew = Crew(chapter, 739.35, settings(), 1)
+    crew = Crew(chapter, 739.35, settings())
     census = Census(crew, 4000)
     census.scout(WINDOW)
     (stable,) = census.attractors

@@ -1,14 +1,20 @@
 """Work and precision: our own bound in every case, comparisons, budgets, and the peers' care."""
 
+import pickle
+from dataclasses import replace
+from functools import partial
 from math import inf, isnan, nan, pi
+from time import monotonic
 
 import pytest
 
 from camcli.analysis.bench import methods
+from camcli.analysis.bench import precision as precision_module
 from camcli.analysis.bench.cases import OPTIONAL, case
+from camcli.analysis.bench.clock import NOT_REACHED, Clock
 from camcli.analysis.bench.compare import compare
 from camcli.analysis.bench.machine import Bench
-from camcli.analysis.bench.peers import core, rk4, solve_ivp, taylor
+from camcli.analysis.bench.peers import core, rk4, solve_ivp
 from camcli.analysis.bench.peers.lifts import lift_of
 from camcli.analysis.bench.peers.world import Trace
 from camcli.analysis.bench.precision import (
@@ -17,6 +23,7 @@ from camcli.analysis.bench.precision import (
     OVER,
     Measured,
     failures,
+    measure_point,
     plan,
     precision,
 )
@@ -73,14 +80,6 @@ def test_every_method_bounces_and_sticks(method):
     assert compare(some, trace).error < 0.05
 
 
-@pytest.mark.skipif(not taylor.available(), reason="heyoka is not installed")
-def test_the_taylor_integrator_is_exact():
-    for name in ("chatter", "eccentric"):
-        some = case(name)
-        trace = taylor.run(methods.world_of(some, 60.0, 1e-9), some.start, 1e-13)
-        assert compare(some, trace).error < 1e-11
-
-
 def test_a_run_ends_with_its_budget():
     some = case("chatter")
     assert rk4.run(methods.world_of(some, 0.0, 1e-9), some.start, 100).given_up
@@ -127,23 +126,65 @@ def test_the_peers_cams_are_those_of_the_oracle(name):
 
 
 def test_points_of_a_run(bench):
-    work = plan(("periodic",), ("core", "rk4"), True, bench)
+    work = plan(("periodic",), ("core", "rk4"), True, 1)
     seen = []
-    found = list(precision(work, 1, True, lambda: seen.append(1)))
+    found = list(precision(work, bench, on_point=lambda: seen.append(1)))
     assert len(found) == len(work) == len(seen) == 5
     assert all(m.status == OK for m in found)
     assert all(m.error <= m.bound for m in found if m.ours)
     (told,) = verdicts(found)
     assert told.ours.method == "core"
     assert told.best.method == "rk4"
-    assert {p.method for _, p in plan(CASES, METHODS, False, bench)} == set(METHODS)
 
 
-def test_a_peer_without_time_is_given_up(bench, monkeypatch):
-    monkeypatch.setattr("camcli.analysis.bench.precision.QUICK_ALLOWED", 0.0)
-    (point,) = precision(plan(("stiff",), ("rk4",), True, bench)[:1], 1, True)
+@pytest.mark.parametrize("quick", [True, False])
+def test_a_plan_has_every_case_and_method_in_plain_values(quick):
+    work = plan(CASES, METHODS, quick, 3)
+    assert {(t.case, t.point.method) for t in work} == {(c, m) for c in CASES for m in METHODS}
+    assert {t.point.limit for t in work if t.point.method == "radau"} == {inf, 1.0 / 16.0}
+    assert [t.left for t in work] == list(range(len(work), 0, -1))
+    assert len({(t.case, t.point.method, t.point.setting) for t in work}) == len(work)
+    assert pickle.loads(pickle.dumps(work)) == work
+    assert all(isinstance(x, str | float) for t in work for x in vars(t.point).values())
+
+
+def test_a_measured_point_does_not_depend_on_the_process(bench):
+    task = plan(("periodic",), ("core",), True, 1)[0]
+    away = pickle.loads(pickle.dumps(partial(measure_point, bench=Bench(parts_of, print))))
+    other, own = (f(task, clock=Clock()) for f in (away, partial(measure_point, bench=bench)))
+    timed = ("seconds", "first_call_s")
+    assert [v for k, v in vars(other).items() if k not in timed] == [
+        v for k, v in vars(own).items() if k not in timed
+    ]
+
+
+def test_a_peer_without_time_is_given_up(bench):
+    (task,) = plan(("stiff",), ("rk4",), True, 1)[:1]
+    point = measure_point(replace(task, most=0.0), bench, Clock())
     assert point.status == GIVEN_UP
     assert isnan(point.error) or point.error >= 0.0
+
+
+def test_what_is_left_is_shared_by_the_points_that_are_left(bench):
+    (task,) = plan(("stiff",), ("rk4",), True, 1)[:1]
+    point = measure_point(replace(task, most=60.0, left=10**9), bench, Clock(monotonic() + 60.0))
+    assert point.status == GIVEN_UP
+
+
+def test_points_after_the_end_are_not_reached(bench):
+    work = plan(("periodic",), ("core", "rk4"), True, 1)
+    found = list(precision(work, bench, Clock(0.0)))
+    assert {m.status for m in found} == {NOT_REACHED}
+    assert len(failures(found)) == 3
+    assert all(isnan(m.seconds) for m in found)
+
+
+def test_long_calls_are_timed_once_where_time_is_short():
+    calls = []
+    first = precision_module._repeated(lambda s: calls.append(s), 5, 0.1, 0.09)
+    assert (first, calls) == (0.1, [])
+    assert precision_module._repeated(lambda s: calls.append(s), 5, 0.1, inf) < 0.1
+    assert len(calls) == 5
 
 
 def test_a_broken_promise_is_a_failure():

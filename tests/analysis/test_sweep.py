@@ -5,6 +5,7 @@ from conftest import chapter_system, settings
 
 from camcli.analysis.engine import StartError
 from camcli.analysis.sweep import rpm_grid, sweep
+from camcli.parallel import Work
 
 
 def rows(result):
@@ -20,9 +21,9 @@ def test_grid_hits_both_ends():
 
 def test_threads_and_order_change_nothing(chapter):
     rpms = rpm_grid(736.0, 746.0, 7)
-    one = sweep(chapter, rpms, settings(50, 20), threads=1)
-    many = sweep(chapter, rpms, settings(50, 20), threads=4)
-    backwards = sweep(chapter, rpms[::-1], settings(50, 20), threads=2)
+    one = sweep(chapter, rpms, settings(50, 20), work=Work(threads=1))
+    many = sweep(chapter, rpms, settings(50, 20), work=Work(threads=4))
+    backwards = sweep(chapter, rpms[::-1], settings(50, 20), work=Work(threads=2))
     assert rows(one) == rows(many) == rows(backwards)[::-1]
 
 

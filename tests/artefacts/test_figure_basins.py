@@ -12,8 +12,9 @@ from camcli.analysis.basins.mapping import Question, basins
 from camcli.analysis.basins.study import study
 from camcli.analysis.basins.window import Window
 from camcli.artefacts.figures import basins as figure
-from camcli.artefacts.figures.basins import AREAS, area_colour, draw_basins, percent
-from camcli.artefacts.figures.basins_range import draw_range
+from camcli.artefacts.figures import style
+from camcli.artefacts.figures.basins import area_colours, draw_basins, percent
+from camcli.artefacts.figures.basins_range import branch_colours, draw_range
 from tests.conftest import settings
 
 QUESTION = Question(Window((0.1, 0.9), (-50.0, 50.0), 30, 30))
@@ -38,10 +39,11 @@ def window_of(png):
 
 def test_cells_have_the_colour_of_their_attractor(result, chapter):
     pixels = window_of(drawn(result, chapter))
+    areas = area_colours([attractor.label for attractor in result.speeds[0].attractors])
     for row, column in ((3, 20), (15, 25), (28, 2), (20, 5)):
         y = figure.HIGH - int((row + 0.5) / 30 * figure.HIGH)
         x = int((column + 0.5) / 30 * pixels.shape[1])
-        colour = to_rgb(area_colour(int(result.grid.codes[row, column])))
+        colour = to_rgb(areas[int(result.grid.codes[row, column]) - 1])
         assert np.abs(pixels[y, x] - colour).max() < 0.01
 
 
@@ -56,7 +58,7 @@ def test_undecided_trouble_and_below_differ_from_every_basin(result, chapter):
     found = [pixels[100, 200 + 400 * k] for k in range(3)]
     for k, colour in enumerate((figure.BELOW, figure.UNDECIDED, figure.TROUBLE)):
         assert np.abs(found[k] - to_rgb(colour)).max() < 0.01
-        assert colour not in AREAS
+        assert colour not in (*style.SERIES, style.STICKING, style.CONTACT, style.APERIODIC_AREA)
 
 
 def test_cells_smaller_than_pixels_are_averaged(result, chapter):
@@ -64,15 +66,16 @@ def test_cells_smaller_than_pixels_are_averaged(result, chapter):
     grid = replace(result.grid, codes=codes.astype(np.int16))
     picture = figure._pixels(grid, result.speeds[0], 1170, 900)
     assert picture.shape == (900, 1170, 3)
-    mean = (np.array(to_rgb(AREAS[0])) + to_rgb(AREAS[1])) * 127.5
+    areas = area_colours([attractor.label for attractor in result.speeds[0].attractors])
+    mean = (np.array(to_rgb(areas[0])) + to_rgb(areas[1])) * 127.5
     assert np.abs(picture.reshape(-1, 3).mean(axis=0) - mean).max() < 1.0
 
 
 def test_colours_can_be_told_apart_in_grey_and_by_marker():
-    """Neighbouring numbers differ in luminance, and all in the shape drawn on them."""
-    light = np.array([np.dot(to_rgb(colour), (0.2126, 0.7152, 0.0722)) for colour in AREAS])
+    """Neighbouring periods differ in luminance, and all in the shape drawn on them."""
+    light = np.array([np.dot(to_rgb(colour), (0.2126, 0.7152, 0.0722)) for colour in style.PERIODS])
     assert np.abs(np.diff(light)).min() > 0.15
-    assert len(set(figure.SHAPES)) == len(AREAS) == len(set(AREAS))
+    assert len(set(figure.SHAPES)) > len(style.SERIES) == len(set(style.SERIES))
 
 
 def test_percent_shows_what_the_error_leaves():
@@ -107,8 +110,8 @@ def test_a_range_stacks_to_one(chapter):
     draw_range(result, question, second)
     assert first.getvalue() == second.getvalue()
     pixels = image.imread(BytesIO(first.getvalue()))[:, :, :3]
-    for branch in (1, 2):
-        close = np.abs(pixels - np.array(to_rgb(area_colour(branch)))).max(axis=2) < 0.01
+    for colour in branch_colours(result).values():
+        close = np.abs(pixels - np.array(to_rgb(colour))).max(axis=2) < 0.01
         assert close.sum() > 20_000
 
 

@@ -28,6 +28,7 @@ POINTS = [
 OUTCOMES = [
     Outcome("1: a, b", 'six "or" seven', "6", OK, 0.001),
     Outcome("2: c", "six", "a very long story " * 20, FAILED, 2.0),
+    Outcome("3: d", "six", "", "not-reached", nan),
 ]
 
 
@@ -49,15 +50,20 @@ def test_tables_have_their_columns_and_no_stray_commas():
     lines = "".join(stability_csv(OUTCOMES)).splitlines()
     assert lines[0] == "case,expected,observed,status,seconds"
     assert lines[1] == "1: a; b,six 'or' seven,6,ok,0.001"
+    assert lines[3] == "3: d,six,,not-reached,"
     lines = "".join(precision_csv(POINTS)).splitlines()
     assert lines[0].startswith("case,method,setting,seconds,error,impacts,")
     assert lines[-1] == "p3,heyoka,tol 1e-13,,,8,20,0,0,0.1,,,not-installed"
     found = [
-        Scene("a, b", ("x",), 0, 2.0, None, 10, ()),
-        Scene("c", ("y",), 0, 3.0, 0.5, 20, ("numpy", "yaml")),
+        Scene("a, b", ("x",), "ok", 0, 2.0, None, 10, ()),
+        Scene("c", ("y",), "ok", 0, 3.0, 0.5, 20, ("numpy", "yaml")),
+        Scene("d", ("z",), "not-reached", None, nan, None, 0, ()),
     ]
     assert "".join(scenes_csv(found)).splitlines()[1:] == [
-        "a; b,2.0,1.0,,10,",
-        "c,3.0,1.5,0.5,20,numpy yaml",
+        "a; b,ok,2.0,1.0,,10,",
+        "c,ok,3.0,1.5,0.5,20,numpy yaml",
+        "d,not-reached,,,,0,",
     ]
-    assert "".join(flights_csv([Flights("core", 9, 8)])).splitlines()[1] == "core,9,8,0,0,0.0"
+    assert "".join(flights_csv([Flights("core", 10, 9, 8)])).splitlines()[1] == (
+        "core,10,9,8,0,0,0.0"
+    )

@@ -27,7 +27,7 @@ from camcli.artefacts.figures.event_keys import (
     numbered,
 )
 from camcli.artefacts.figures.growth_panel import FORGETS, Growth, draw_growth, remark
-from camcli.artefacts.figures.label_strip import OTHERS, PERIODS, draw_strip, strip_colour
+from camcli.artefacts.figures.label_strip import OTHERS, draw_strip, strip_colour
 from camcli.artefacts.figures.sweep import draw_sweep
 from camcli.errors import IMPACT_BUDGET
 from tests.artefacts.test_figure_detach import count
@@ -161,8 +161,8 @@ def test_the_strip_joins_equal_labels_and_names_wide_ones(motions):
     draw_strip(axes, [one, one, three, chaos, rest, contact], [10.0, 40.0, 49.0, 51.0, 53.0, 98.0])
     first, second = axes.patches[:2]
     assert (first.get_x(), first.get_width()) == pytest.approx((0.0, 44.5))
-    assert colour(strip_colour(one)) == colour(PERIODS[0])
-    assert second.get_facecolor()[:3] == pytest.approx(matplotlib.colors.to_rgb(PERIODS[2]))
+    assert colour(strip_colour(one)) == colour(style.PERIODS[0])
+    assert second.get_facecolor()[:3] == pytest.approx(matplotlib.colors.to_rgb(style.PERIODS[2]))
     assert words(axes) == ["P(1;1)", "3", "P(1;∞)", "contact"]
     assert strip_colour(chaos) == OTHERS["aperiodic"]
 

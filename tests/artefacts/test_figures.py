@@ -157,10 +157,12 @@ def test_a_long_text_is_wrapped(system):
 # --- what a sweep's picture is made of
 
 
+def shares_of(values, columns):
+    return density.shares(values, density.Cloud.of(values), columns, 0.0, 1.0, 8)
+
+
 def test_shares_count_every_point_of_a_column_even_out_of_range():
-    cloud = density.Cloud.of([[0.25, 0.25, 9.0, 0.75]])
-    columns = density.Columns.of([700.0], 20)
-    shares = density.shares(cloud, columns, 0.0, 1.0, 8)
+    shares = shares_of([[0.25, 0.25, 9.0, 0.75]], density.Columns.of([700.0], 20))
     assert shares.shape == (8, 20)
     column = shares[:, 10]
     assert column.max() == 0.5
@@ -169,9 +171,7 @@ def test_shares_count_every_point_of_a_column_even_out_of_range():
 
 
 def test_the_ends_of_the_range_are_inside():
-    shares = density.shares(
-        density.Cloud.of([[0.0, 1.0]]), density.Columns.of([1.0], 9), 0.0, 1.0, 8
-    )
+    shares = shares_of([[0.0, 1.0]], density.Columns.of([1.0], 9))
     assert shares[:, 4].compressed().tolist() == [0.5, 0.5, 0.5]
     assert shares.mask[1:6, 4].all()
 

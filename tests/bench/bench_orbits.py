@@ -18,6 +18,7 @@ from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.singles import single_impact_roots
 from camcli.analysis.orbits.walk import Span
 from camcli.analysis.sweep import rpm_grid, sweep
+from camcli.parallel import Work
 from tests.conftest import chapter_system, settings
 
 POINTS, TURNS, REPEATS = 200, 300, 5
@@ -35,7 +36,7 @@ def branch(system) -> int:
 def brute(system) -> int:
     """Simulate without logging impacts, one thread."""
     run = settings(transient=TURNS - 100, record=100)
-    result = sweep(system, rpm_grid(LOW, HIGH, POINTS), run, impacts=False, threads=1)
+    result = sweep(system, rpm_grid(LOW, HIGH, POINTS), run, impacts=False, work=Work(threads=1))
     return len(result.speeds)
 
 

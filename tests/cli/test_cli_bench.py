@@ -32,10 +32,14 @@ def test_precision(cam, tmp_path):
     flights = rows(tmp_path / "out" / "flights.csv")
     assert flights[0]["method"] == "core"
     assert (flights[0]["missed"], flights[0]["invented"]) == ("0", "0")
+    assert [(r["asked"], r["flights"]) for r in flights] == [("20", "20")] * 3
     record = json.loads((tmp_path / "out" / "run.json").read_text())
     assert record["scene"]["bench"]["flights"] == 20
     assert [c["case"] for c in record["result"]["precision"]["cases"]] == ["periodic", "chatter"]
     assert "Work and precision" in done.stdout
+    assert record["cost"]["impacts"] > 100
+    assert "points, 20 random flights in" in done.stdout
+    assert "impacts in" not in done.stdout
 
 
 def test_stability(cam, tmp_path):
@@ -74,14 +78,33 @@ def test_a_failed_row_is_exit_code_3(monkeypatch, tmp_path, capsys):
     assert rows(tmp_path / "out" / "stability.csv")[0]["status"] == "failed"
 
 
+def test_what_is_not_reached_is_said_and_is_exit_code_3(monkeypatch, tmp_path, capsys):
+    from camcli.analysis.bench import budget
+    from camcli.cli.app import app
+
+    monkeypatch.setattr(budget, "QUICK", dict.fromkeys(budget.QUICK, 0.0))
+    words = [*QUICK, *LITTLE, "--no-plot", "-o", str(tmp_path / "out")]
+    assert app(words, standalone_mode=False) == 3
+    said = capsys.readouterr()
+    assert "precision: 6 of 6 points of ours not reached, time was up" in said.err
+    assert "precision: time was up after 0 of 100 random flights" in said.err
+    assert "stability: 24 of 24 rows not reached, time was up" in said.err
+    assert "scenes: 5 of 5 commands not reached, time was up" in said.err
+    assert "0 of 24 extreme cases" in said.out
+    for name in ("precision", "stability", "scenes"):
+        assert {r["status"] for r in rows(tmp_path / "out" / f"{name}.csv")} == {"not-reached"}
+
+
 def test_the_plan(cam, tmp_path):
     done = cam("bench", "--dry-run", "--json")
     plan = json.loads(done.stdout)["plan"]
-    assert list(plan) == ["precision", "stability", "scenes"]
+    assert list(plan) == ["points", "flights", "stability", "scenes"]
+    assert sum(part["seconds"] for part in plan.values()) < 600
     assert plan["stability"]["runs"] == 24
     quick = cam("bench", "precision", "--quick", "--dry-run")
     assert quick.returncode == 0
-    assert "precision" in quick.stdout
+    assert "points" in quick.stdout
+    assert "stability" not in quick.stdout
     assert not (tmp_path / "out").exists()
 
 

@@ -25,7 +25,7 @@ QUICK = ("--no-plot", "--set", "run.transient=1", "--set", "run.record=2")
         (("sweep", "--points", "0"), "--points"),
         (("simulate", "-c", "absent.yaml"), "absent.yaml"),
         (("simulate", "--set", "run.start.q=0.05"), "0.05 m below the cam"),
-        (("simulate", "--set", "follower.mass=5e-324"), "omega0"),
+        (("simulate", "--set", "follower.mass=5e-324"), "1e-15"),
         (("simulate", "--set", "cam.nose_center=0.2"), "do not touch"),
         (("simulate", "--set", "cam.flank_radius=0.851"), "0.001 m"),
         (("sweep", "--points", "10000000", "--set", "run.record=1000000000"), "GB"),

@@ -9,7 +9,14 @@ from camcli.analysis.basins.region import targets_of
 from camcli.errors import IMPACT_BUDGET, NO_RETURN
 from camcli.kernel import cells as kernel_cells
 from camcli.kernel import lanes
-from camcli.kernel.cells import CHATTERED_TURN, UNDECIDED, trouble
+from camcli.kernel.cells import (
+    CHATTERED_TURN,
+    FORGOTTEN,
+    GOES_ON,
+    NEW_REST,
+    UNDECIDED,
+    trouble,
+)
 from camcli.kernel.orbit import RESTING
 from tests.kernel.helpers import settings, system
 
@@ -17,7 +24,7 @@ STARTS = [(0.3, -1.0), (0.55, 32.0), (0.1, 5.0), (0.2, -40.0), (1.1, 12.0), (0.1
 
 
 def crew(rpm=358.5, machine=None, **changes):
-    return Crew(machine or system(), rpm, settings(**changes), 1)
+    return Crew(machine or system(), rpm, settings(**changes))
 
 
 def ends(team, turns, targets=NOTHING, starts=STARTS):
@@ -117,6 +124,36 @@ def test_visits_with_turns_between_are_no_stay():
     assert abs(found.gap[0] - gap) < 1e-9
 
 
+def test_rests_stop_a_start_once_they_are_of_interest():
+    """At 190 rpm every motion comes to rest in every turn."""
+    team = crew(190.0)
+    free = ends(team, 20)
+    assert (free.outcome == UNDECIDED).all()
+    stops = NOTHING._replace(rests=0)
+    stopped = ends(team, 20, stops)
+    assert set(stopped.outcome.tolist()) == {NEW_REST}
+    assert (stopped.symbol == CHATTERED_TURN).all()
+    assert (stopped.turns < 20).all()
+
+
+@pytest.mark.parametrize("outcome", [0, FORGOTTEN, GOES_ON])
+def test_known_states_after_a_rest_have_their_outcome(outcome):
+    team = crew(190.0)
+    first = ends(team, 20, NOTHING._replace(rests=0))
+    state = [float(first.gap[0]), float(first.rate[0])]
+    known = NOTHING._replace(rest=state, ends=[outcome], rests=1, near=[1e-9, 1e-9])
+    found = ends(team, 20, known)
+    same = (abs(first.gap - state[0]) <= 1e-9) & (abs(first.rate - state[1]) <= 1e-9)
+    assert same[0]
+    assert not same.all()
+    if outcome == GOES_ON:
+        assert (found.turns[same] > first.turns[same]).all()
+    else:
+        assert (found.outcome[same] == outcome).all()
+        assert (found.turns[same] == first.turns[same]).all()
+    assert (found.outcome[~same] == NEW_REST).all()
+
+
 def test_no_targets_no_table():
     empty = targets_of([])
     assert (empty.points, empty.columns) == (0, 0)
@@ -133,4 +170,6 @@ def test_plain_python_and_compiled_give_the_same_bits(rpm, monkeypatch):
         assert getattr(plain, name).tolist() == getattr(compiled, name).tolist(), name
     if rpm == 190.0:
         assert CHATTERED_TURN in plain.symbol
+        stops = NOTHING._replace(rests=0)
+        assert ends(crew(rpm), 30, stops).outcome.tolist() == [NEW_REST] * len(STARTS)
     assert RESTING in ends(crew(100.0), 30).mode

@@ -10,6 +10,7 @@ import pytest
 from camcli.analysis import engine
 from camcli.analysis.sweep import sweep
 from camcli.kernel import backend
+from camcli.parallel import Work
 from tests.kernel.helpers import run, settings, system
 from tests.properties import digest
 
@@ -109,8 +110,8 @@ def test_lanes_do_not_know_of_each_other():
     """Order of speeds and number of threads change no digit."""
     rpms = [745.0, 190.0, 361.0, 682.0, 100.0, 520.0]
     wanted = settings(30, transient=20)
-    first = sweep(system(), rpms, wanted, threads=1).speeds
-    second = sweep(system(), rpms[::-1], wanted, threads=2).speeds[::-1]
+    first = sweep(system(), rpms, wanted, work=Work(threads=1)).speeds
+    second = sweep(system(), rpms[::-1], wanted, work=Work(threads=2)).speeds[::-1]
     for a, b in zip(first, second, strict=True):
         assert a.rpm == b.rpm
         assert a.label == b.label

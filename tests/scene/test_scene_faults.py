@@ -91,7 +91,7 @@ def test_every_fault_says_what_was_found_what_is_expected_and_what_to_do(faults)
         ("run: {record: yes}", "'yes'", "a whole number", "plain text"),
         ("run: {strobe_deg: 360}", "360", "at least 0 and less than 360", "in this range"),
         ("run: {start: resting}", "'resting'", "a map with the keys q, v, theta_deg", "key: value"),
-        ("run: {start: {q: 1 m}}", "'1 m'", "a finite number", "(height of the follower, m;"),
+        ("run: {start: {q: 1 m}}", "'1 m'", "a number from -10", "(height of the follower, m;"),
         ("run: [rpm, 700]", "a list", "a map with the keys rpm, start", "without dashes"),
         ("run: {<<: {rpm: 3}}", "merge key", "one of rpm, start", "write the keys out"),
         ("run: {recrod: 4}", "unknown key 'recrod'", "one of rpm", "did you mean 'record'?"),

@@ -1,5 +1,6 @@
 """Whatever comes in, a Scene or a SceneError comes out."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from camcli.scene import tree as tree_module
 
 SHIPPED = (Path(__file__).parents[2] / "configs" / "chapter.yaml").read_text()
 QUICK = settings(
-    max_examples=200,
+    max_examples=int(os.environ.get("CAMCLI_FUZZ", "200")),
     deadline=None,
     database=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],

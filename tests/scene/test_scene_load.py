@@ -92,7 +92,7 @@ def test_no_permission(tmp_path, valid, monkeypatch):
     path = tmp_path / "scene.yaml"
     path.write_text(valid)
 
-    def denied(*_):
+    def denied(*_, **__):
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr("builtins.open", denied)
@@ -166,7 +166,7 @@ def test_json_schema_describes_every_key_and_allows_empty_sections():
         assert model["additionalProperties"] is False
         for key, entry in model["properties"].items():
             assert key == "kind" or entry["description"]
-    assert schema["$defs"]["Follower"]["properties"]["mass"]["exclusiveMinimum"] == 0
+    assert schema["$defs"]["Follower"]["properties"]["mass"]["minimum"] == 1e-15
     assert schema["$defs"]["Run"]["properties"]["transient"]["maximum"] == 10**9
 
 

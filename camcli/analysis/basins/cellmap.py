@@ -14,6 +14,7 @@ from camcli.analysis.basins.census import BELOW, CHUNK, Census
 from camcli.analysis.basins.crew import NOTHING
 from camcli.analysis.basins.window import Window
 from camcli.kernel.cells import UNDECIDED
+from camcli.parallel import ShardDone
 
 
 def settle_by_cells(census: Census, window: Window, on_cells):
@@ -51,11 +52,16 @@ def _arrows(census: Census, window: Window, q, v, mapped, on_cells):
     on_cells(window.count - len(whole))
     for begin in range(0, len(whole), CHUNK):
         some = whole[begin : begin + CHUNK]
-        ends = crew.run(*crew.states(q[some], v[some]), NOTHING, 1)
+        try:
+            ends = crew.run(*crew.states(q[some], v[some]), NOTHING, 1, share=True)
+        except ShardDone:
+            continue
         arrow[some] = window.cell_of(c + ends.gap, (c1 + ends.rate) * crew.omega)
         outcome[some] = ends.outcome
         arrow[some[ends.outcome != UNDECIDED]] = -1
         on_cells(len(some))
+    if crew.work.shard is not None:
+        raise ShardDone
     return arrow, outcome
 
 

@@ -22,13 +22,16 @@ from camcli.analysis.basins.attractor import (
     is_one,
     order,
 )
-from camcli.analysis.basins.crew import NOTHING, Crew
+from camcli.analysis.basins.crew import NOTHING, Crew, Ends
 from camcli.analysis.basins.region import Region, region_of, targets_of
+from camcli.analysis.basins.rests import Rests
+from camcli.analysis.basins.truth import follow_cells
 from camcli.analysis.basins.window import Window
 from camcli.analysis.engine import Orbit, with_turns
 from camcli.analysis.orbits.identify import solve_from
 from camcli.errors import OK
-from camcli.kernel.cells import UNDECIDED, Targets
+from camcli.kernel.cells import FORGOTTEN, UNDECIDED, Targets
+from camcli.parallel import ShardDone
 
 CHUNK = 1 << 17  # cells in memory with their states
 SCOUTS = 10  # along each side of the window
@@ -53,6 +56,11 @@ class Census:
     targets: Targets = NOTHING
     boxes: recurrence.Boxes | None = None
 
+    def __post_init__(self):
+        self.rests = Rests(self.crew)
+        if self.dissipates:
+            self.targets = self.rests.fill(self.targets)
+
     @property
     def dissipates(self) -> bool:
         """False where nothing loses energy, so that no orbit attracts another."""
@@ -69,9 +77,12 @@ class Census:
         self._settle(q[keep], v[keep], SCOUT_TURNS, lambda cells: None)
 
     def settle(
-        self, q, v, on_cells: Callable[[int], None] = lambda cells: None
+        self, q, v, on_cells: Callable[[int], None] = lambda cells: None, share: bool = False
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(outcome, turns) of starts: an index of `attractors`, BELOW, UNDECIDED or trouble."""
+        """(outcome, turns) of starts: an index of `attractors`, BELOW, UNDECIDED or trouble.
+
+        Raises ShardDone where the starts may be shared and this is one shard of many.
+        """
         q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
         gap, _ = self.crew.states(q, v)
         above = gap >= 0.0
@@ -79,39 +90,48 @@ class Census:
         turns = np.zeros(len(gap), dtype=np.int32)
         on_cells(len(gap) - int(above.sum()))
         budget = self.budget if self.dissipates else 1  # else there is nothing to meet
-        outcome[above], turns[above] = self._settle(q[above], v[above], budget, on_cells)
+        outcome[above], turns[above] = self._settle(q[above], v[above], budget, on_cells, share)
         return outcome, turns
 
     def destination(self, q: float, v: float) -> Attractor | None:
         """The known attractor one start ends on, or None; nothing new is looked for."""
         gap, rate = self.crew.states([q], [v])
-        ends = self.crew.run(np.maximum(gap, 0.0), rate, self.targets, self.budget)
+        ends = self._run(np.maximum(gap, 0.0), rate, self.budget)
         return self.attractors[ends.outcome[0]] if ends.outcome[0] >= 0 else None
 
-    def _settle(self, q, v, budget: int, on_cells) -> tuple[np.ndarray, np.ndarray]:
+    def _settle(self, q, v, budget: int, on_cells, share=False) -> tuple[np.ndarray, np.ndarray]:
         outcome = np.empty(len(q), dtype=np.int16)
         turns = np.empty(len(q), dtype=np.int32)
         left, states = [], []
         for begin in range(0, len(q), CHUNK):
             some = slice(begin, begin + CHUNK)
-            ends = self.crew.run(*self.crew.states(q[some], v[some]), self.targets, budget)
+            begun = self.crew.states(q[some], v[some])
+            try:
+                ends = self._run(*begun, budget, share=share)
+            except ShardDone:
+                continue
             outcome[some], turns[some] = ends.outcome, ends.turns
             open_ = np.flatnonzero(ends.outcome == UNDECIDED)
             left.append(begin + open_)
             states.append(np.column_stack((ends.gap, ends.rate, ends.mode))[open_])
             on_cells(len(ends.gap))
+        if share and self.crew.work.shard is not None:
+            raise ShardDone
         if left:
             self._resolve(np.concatenate(left), np.concatenate(states), budget, outcome, turns)
+        outcome[outcome == FORGOTTEN] = UNDECIDED
         return outcome, turns
+
+    def _run(self, gap, rate, budget: int, mode=None, share: bool = False) -> Ends:
+        """Follow starts, and those that stop at an unknown rest again once that is known."""
+        return follow_cells(self, gap, rate, budget, mode, share)
 
     def _resolve(self, cells, states, budget: int, outcome, turns) -> None:
         """Identify attractors from undecided states and follow these on, until nothing is new."""
         for _ in range(ROUNDS):
             if len(cells) == 0 or not self._discover(states):
                 return
-            ends = self.crew.run(
-                states[:, 0], states[:, 1], self.targets, budget, states[:, 2].astype(np.int64)
-            )
+            ends = self._run(states[:, 0], states[:, 1], budget, states[:, 2].astype(np.int64))
             outcome[cells] = ends.outcome
             turns[cells] += ends.turns.astype(np.int32)
             open_ = ends.outcome == UNDECIDED
@@ -198,7 +218,7 @@ class Census:
             records = {k: self.attractors[k].points - lift for k in aperiodic}
             self.boxes = recurrence.boxes_of(records, self.regions, len(self.attractors))
             self._try_boxes()
-        self.targets = targets_of(self.regions, self.boxes)
+        self.targets = self.rests.fill(targets_of(self.regions, self.boxes))
 
     def _try_boxes(self) -> None:
         """Follow a start from every box, to learn how long a stay in the boxes decides."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from threading import Lock
+from threading import RLock
 from time import perf_counter
 
 import numpy as np
@@ -15,13 +15,13 @@ from camcli.kernel.cells import CELL, MODE_OF, OUTCOME, STAY, SYMBOL, TURNS, Cel
 from camcli.kernel.events import BOUNCED, FREE
 from camcli.kernel.orbit import RESTING, Log, Strobe
 from camcli.kernel.profile import ROW, START0, START1
-from camcli.parallel import run_pieces
+from camcli.parallel import Codec, Work
 from camcli.system import System, omega_of
 
 BLOCK = 1024  # cells of one call; its arrays stay in the cache
 FEW = 50  # cells below which plain Python is quicker than a compiler
 _warm = False  # True once numba has compiled the entry, or read it from its cache
-_warming = Lock()
+_warming = RLock()
 
 
 @dataclass(frozen=True)
@@ -39,15 +39,14 @@ class Ends:
 
 @dataclass
 class Crew:
-    """One speed's constants and the threads that run cells on it; counts the work done."""
+    """One speed's constants and what runs cells on it; counts the work done."""
 
     system: System
     rpm: float
     settings: Settings
-    threads: int | None = None
+    work: Work = field(default_factory=Work)
     cost: Cost = field(default_factory=Cost)
     turns: int = 0
-    _lock: Lock = field(default_factory=Lock)
 
     @property
     def omega(self) -> float:
@@ -81,38 +80,63 @@ class Crew:
         c, c1 = self.lift
         return Start(c + gap, (c1 + rate) * self.omega, theta_deg)
 
-    def run(self, gap, rate, targets: Targets, budget: int, mode=None) -> Ends:
-        """Follow starts until a target or for `budget` turns; every gap must be >= 0."""
+    def run(self, gap, rate, targets: Targets, budget: int, mode=None, share: bool = False) -> Ends:
+        """Follow starts until a target or for `budget` turns; every gap must be >= 0.
+
+        Raises ShardDone where the cells may be shared and this is one shard of many.
+        """
         gap, rate = np.asarray(gap, dtype=float), np.asarray(rate, dtype=float)
         if mode is None:
             mode = np.where((gap > 0.0) | (rate < 0.0), FREE, BOUNCED)
-        if len(gap) > FEW and backend.may_compile():
+        compiled = backend.is_compiled() or (len(gap) > FEW and backend.may_compile())
+        task = _Task(self.system, self.rpm, self.settings, targets, budget, compiled)
+        slices = [slice(begin, begin + BLOCK) for begin in range(0, len(gap), BLOCK)]
+        blocks = [(gap[some], rate[some], mode[some]) for some in slices]
+        if compiled:
             _compile(self.system)
-        cam, turns = self.system.native_cam(), _turns(self.system, self.lane)
-        known = _native(targets)
-        blocks = range(0, len(gap), BLOCK)
-
-        def piece(begin: int) -> tuple[np.ndarray, np.ndarray]:
-            some = slice(begin, begin + BLOCK)
-            cells = _cells(gap[some], rate[some], mode[some])
-            room = _room()
-            lanes.settle_cells(cam, self.lane, turns, known, cells, budget, room)
-            self._count(room)
-            return (
-                np.asarray(cells.real, dtype=float).reshape(-1, 2),
-                np.asarray(cells.whole, dtype=np.int64).reshape(-1, CELL),
-            )
-
-        done = list(run_pieces(piece, blocks, self.threads))
+        done = list(self.work.run(task, blocks, PLAIN, share))
+        tally = [sum(part[2][k] for part in done) for k in range(4)]
+        self.cost += Cost(tally[0], tally[2], tally[3])
+        self.turns += tally[1]
         real = np.concatenate([part[0] for part in done]) if done else np.zeros((0, 2))
         whole = np.concatenate([part[1] for part in done]) if done else np.zeros((0, CELL), int)
         columns = (whole[:, k] for k in (MODE_OF, OUTCOME, TURNS, STAY, SYMBOL))
         return Ends(real[:, 0], real[:, 1], *columns)
 
-    def _count(self, room: Room) -> None:
-        with self._lock:
-            self.cost += Cost(int(room.tally[0]), int(room.work[0]), int(room.work[1]))
-            self.turns += int(room.tally[1])
+
+PLAIN = Codec(lambda result: result, lambda stored: stored)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """One block of cells, wherever it is followed."""
+
+    system: System
+    rpm: float
+    settings: Settings
+    targets: Targets
+    budget: int
+    compiled: bool
+
+    @cached_property
+    def _tables(self):
+        """(lane, flows over stretches, targets) as the kernel runs now."""
+        settings = self.settings
+        lane = self.system.lane(self.rpm, settings.chatter_tolerance, settings.impact_budget)
+        return lane, _turns(self.system, lane), _native(self.targets)
+
+    def __call__(self, block) -> tuple[np.ndarray, np.ndarray, list[int]]:
+        """(gap and rate, `Cells.whole`, (impacts, turns, evaluations, crossings)) of a block."""
+        if self.compiled:
+            _compile(self.system)
+        lane, turns, known = self._tables
+        cells, room = _cells(*block), _room()
+        lanes.settle_cells(self.system.native_cam(), lane, turns, known, cells, self.budget, room)
+        return (
+            np.asarray(cells.real, dtype=float).reshape(-1, 2),
+            np.asarray(cells.whole, dtype=np.int64).reshape(-1, CELL).astype(np.int32),
+            [int(room.tally[0]), int(room.tally[1]), int(room.work[0]), int(room.work[1])],
+        )
 
 
 def _compile(system: System) -> None:
@@ -126,7 +150,7 @@ def _compile(system: System) -> None:
         if _warm:
             return
         began, _warm = perf_counter(), True
-        Crew(system, 600.0, Settings(0, 1, 1e-3, 100), 1).run([1.0], [0.0], NOTHING, 1)
+        Crew(system, 600.0, Settings(0, 1, 1e-3, 100)).run([1.0], [0.0], NOTHING, 1)
         backend.compile_seconds += perf_counter() - began
 
 
@@ -137,6 +161,9 @@ def _native(targets: Targets) -> Targets:
         whole=backend.numbers(list(targets.whole), int),
         boxes=backend.numbers(targets.boxes, int),
         stay=backend.numbers(list(targets.stay), int),
+        rest=backend.numbers(list(targets.rest)),
+        ends=backend.numbers(list(targets.ends), int),
+        near=backend.numbers(list(targets.near)),
     )
 
 
@@ -159,4 +186,5 @@ def _room() -> Room:
     )  # fmt: skip
 
 
-NOTHING = Targets([], [], 0, [], [], 0.0, 0.0, 0.0, 0.0, 0, 0)  # no attractor is known
+# No attractor is known, and rests are of no interest.
+NOTHING = Targets([], [], 0, [], [], 0.0, 0.0, 0.0, 0.0, 0, 0, [], [], -1, [0.0, 0.0])

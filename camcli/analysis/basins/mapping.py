@@ -17,6 +17,7 @@ from camcli.analysis.basins.region import Region
 from camcli.analysis.basins.window import Window
 from camcli.analysis.engine import Cost, Settings
 from camcli.kernel.cells import UNDECIDED
+from camcli.parallel import Work
 from camcli.system import System
 
 ORBIT, SIMPLE = "orbit", "simple"
@@ -77,11 +78,11 @@ def basins(
     settings: Settings,
     question: Question,
     *,
-    threads: int | None = None,
+    work: Work | None = None,
     on_cells: Callable[[int], None] = lambda cells: None,
 ) -> tuple[Basins, Census]:
     """Basins of one speed, and the census for further questions at it."""
-    crew = Crew(system, rpm, settings, threads)
+    crew = Crew(system, rpm, settings, work or Work())
     census = Census(crew, question.budget)
     census.scout(question.window)
     window, level = question.window, None
@@ -92,7 +93,9 @@ def basins(
 
         window, outcome, level, turns, computed = refine(census, window, question.refine, on_cells)
     else:
-        outcome, turns = census.settle(*window.centres(np.arange(window.count)), on_cells)
+        outcome, turns = census.settle(
+            *window.centres(np.arange(window.count)), on_cells, share=True
+        )
         computed = window.count
     codes = codes_of(census, outcome).reshape(window.nv, window.nq)
     ranked = np.argsort(census.ranks(), kind="stable").tolist()

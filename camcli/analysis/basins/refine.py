@@ -18,7 +18,7 @@ def refine(census: Census, window: Window, levels: int, on_cells: Callable[[int]
     cut cell turns out different from an uncut neighbour, that one is cut too, and so on: a boundary
     once found is followed all along.
     """
-    outcome, turns = census.settle(*window.centres(np.arange(window.count)), on_cells)
+    outcome, turns = census.settle(*window.centres(np.arange(window.count)), on_cells, share=True)
     table = outcome.reshape(window.nv, window.nq)
     level = np.zeros(table.shape, dtype=np.uint8)
     every, computed = [turns], window.count

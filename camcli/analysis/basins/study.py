@@ -13,6 +13,7 @@ from camcli.analysis.basins.measures import entropies
 from camcli.analysis.basins.region import Region
 from camcli.analysis.basins.uncertainty import Uncertainty, uncertainty
 from camcli.analysis.engine import Cost, Settings
+from camcli.parallel import ShardDone, Work
 from camcli.system import System
 
 
@@ -59,13 +60,22 @@ def study(
     *,
     boundary: bool = False,
     exponents: bool = False,
-    threads: int | None = None,
+    work: Work | None = None,
     on_cells: Callable[[int], None] = lambda cells: None,
 ) -> Study:
-    """Basins at every speed, with attractors numbered alike from speed to speed."""
+    """Basins at every speed, with attractors numbered alike from speed to speed.
+
+    Raises ShardDone where this is one shard of many.
+    """
     branches, speeds, grid, cost = Branches(), [], None, Cost()
-    for rpm in rpms:
-        grid, census = basins(system, rpm, settings, question, threads=threads, on_cells=on_cells)
+    work, shared = work or Work(), False
+    for k, rpm in enumerate(rpms):
+        here = work.within(str(k))
+        try:
+            grid, census = basins(system, rpm, settings, question, work=here, on_cells=on_cells)
+        except ShardDone:
+            shared = True
+            continue
         doubt = uncertainty(census, question.window) if boundary else None
         numbers = branches.number(grid.attractors, census)
         speed = _summary(grid, numbers, doubt, census.crew.cost)
@@ -74,6 +84,8 @@ def study(
             speed = replace(speed, exponents=tuple(found))
         speeds.append(speed)
         cost = cost + census.crew.cost
+    if shared:
+        raise ShardDone
     return Study(speeds, grid if len(rpms) == 1 else None, cost)
 
 

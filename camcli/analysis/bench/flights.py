@@ -1,30 +1,37 @@
 """Random flights: contacts missed or invented, by ours and by solve_ivp, against brute force.
 
 A flight counts where brute force can decide it: it has a contact within TURNS that no graze closer
-than rounding precedes.
+than rounding precedes. Flights come in blocks of BLOCK, each with random numbers of its own, so
+that a flight is the same however many are asked for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from math import pi
 from time import perf_counter, process_time
 
 import numpy as np
 
 from camcli.analysis.bench import dense
+from camcli.analysis.bench.clock import Clock
+from camcli.analysis.bench.kept import one_by_one
 from camcli.analysis.bench.machine import Bench, events, reference
 from camcli.analysis.bench.peers import solve_ivp
 from camcli.analysis.bench.peers.lifts import TWO_PI, Lift, lift_of
 from camcli.analysis.bench.peers.world import BudgetError, World
 from camcli.analysis.engine import Orbit, Settings, Start, compile_for
 from camcli.kernel import backend
+from camcli.parallel import Codec, Work
 from camcli.system import Follower, System
 
 TURNS = 2.5
 EDGE = 1e-6  # rad: a contact this close to the end is not asked of anybody
-MOST_OF_PEERS = 2000  # flights that solve_ivp is asked to fly
+BLOCK = 1000  # flights
+BLOCKS_OF_PEERS = 2  # blocks that solve_ivp is asked to fly too
+MOST_OF_PEERS = BLOCKS_OF_PEERS * BLOCK
 APART = 1e-3  # rad: a peer's contact further off is another one
 TOLERANCE = 1e-9  # of the peers, rtol = atol
 MAX_TURN = 1.0 / 16.0  # largest step of the careful one
@@ -46,11 +53,21 @@ class Random:
     contact: bool
 
 
+@dataclass(frozen=True)
+class Block:
+    """Flights to fly: the first `count` of block `number`; whether they are worth compiling for."""
+
+    number: int
+    count: int
+    compiled: bool = False
+
+
 @dataclass
 class Flights:
-    """What a method made of the flights."""
+    """What a method made of the flights: asked for in all, flown by it, and decided."""
 
     method: str
+    asked: int = 0
     flights: int = 0
     compared: int = 0
     missed: int = 0
@@ -142,28 +159,71 @@ def careful(lift: Lift, f: Random, flight: dense.Flight) -> float | None:
 PEERS: tuple[tuple[str, Callable], ...] = ((PLAIN, plain), (CAREFUL, careful))
 
 
+def blocks(count: int) -> list[Block]:
+    """The blocks of so many flights; only the last one may be cut short."""
+    compiled = count >= COMPILE_FROM
+    firsts = range(0, count, BLOCK)
+    return [Block(k, min(BLOCK, count - first), compiled) for k, first in enumerate(firsts)]
+
+
 def flights(
-    bench: Bench, count: int, seed: int = 0, on_flight: Callable[[], None] = lambda: None
-) -> list[Flights]:
-    """Fly `count` random flights by ours, the first of them by the peers too."""
+    bench: Bench,
+    work: Iterable[Block],
+    clock: Clock | None = None,
+    on_block: Callable[[], None] = lambda: None,
+    keeping: Work | None = None,
+) -> Iterator[list[Flights]]:
+    """Fly the blocks in order; `on_block` is called after each."""
+    fly = partial(fly_block, bench=bench, clock=clock or Clock())
+    return one_by_one(fly, work, CODEC, keeping, on_block)
+
+
+def _store(rows: list[Flights]) -> list | None:
+    """Nothing of a block that the clock has cut short."""
+    whole = rows[0].flights == rows[0].asked
+    return [list(vars(row).values()) for row in rows] if whole else None
+
+
+CODEC = Codec(_store, lambda stored: [Flights(*row) for row in stored])
+
+
+def fly_block(block: Block, bench: Bench, clock: Clock) -> list[Flights]:
+    """Fly the flights of a block by ours, those of the first blocks by the peers too.
+
+    Where the clock is over the rest is left out: fewer flights than asked.
+    """
     section = reference("stability")["cam"]
     lift, cam = lift_of(section), bench.cam(section)
-    table = [Flights(name) for name in (OURS, *(name for name, _ in PEERS))]
-    rng = np.random.default_rng(seed)
-    for k in range(count):
+    peers = PEERS if block.number < BLOCKS_OF_PEERS else ()
+    if peers:
+        solve_ivp.load()
+    table = [Flights(name, block.count) for name in (OURS, *(name for name, _ in PEERS))]
+    rng = np.random.default_rng([block.number])
+    for k in range(block.count):
+        if clock.over:
+            break
         f = random_flight(rng, cam)
-        if k == 0 and count >= COMPILE_FROM and backend.may_compile():
+        if k == 0 and block.compiled and backend.may_compile():
             compile_for(f.system)
         began = perf_counter()
         found, flight = ours(lift, f)
         seconds = perf_counter() - began
         outcome, expected = verdict(lift, f, found, flight)
         _count(table[0], outcome, seconds)
-        if k < MOST_OF_PEERS:
-            for row, (_, fly) in zip(table[1:], PEERS, strict=True):
-                _count(row, *_peer(lift, f, flight, fly, outcome, expected))
-        on_flight()
+        for row, (_, fly) in zip(table[1:], peers, strict=False):
+            _count(row, *_peer(lift, f, flight, fly, outcome, expected))
     return table
+
+
+def totals(flown: Iterable[list[Flights]]) -> list[Flights]:
+    """What each method made of all blocks."""
+    sums: dict[str, Flights] = {}
+    for row in (row for rows in flown for row in rows):
+        total = sums.setdefault(row.method, Flights(row.method))
+        for name, value in vars(row).items():
+            if name != "method":
+                setattr(total, name, getattr(total, name) + value)
+    return list(sums.values())
 
 
 def _peer(lift: Lift, f: Random, flight: dense.Flight, fly: Callable, outcome: str, expected):

@@ -36,6 +36,7 @@ class Bench:
     parts_of: Callable[[Mapping[str, Any]], list[Part]]
     command: Callable[[Sequence[str]], Done]
     tables: dict[str, Cam] = field(default_factory=dict)
+    systems: dict[str, System] = field(default_factory=dict)
 
     def cam(self, section: Mapping[str, Any], strobe_deg: float = 0.0) -> Cam:
         """The compiled table of a cam section, kept."""
@@ -43,6 +44,12 @@ class Bench:
         if key not in self.tables:
             self.tables[key] = build(self.parts_of(section), strobe_deg)
         return self.tables[key]
+
+    def system(self, name: str, make: Callable[[], System]) -> System:
+        """A machine by its name, made once and kept."""
+        if name not in self.systems:
+            self.systems[name] = make()
+        return self.systems[name]
 
     def chapter(self, strobe_deg: float = 0.0, **changes: float) -> System:
         """The chapter's follower on the chapter's cam, some constants changed."""

@@ -1,4 +1,4 @@
-"""Every method with its settings, as a function from a case to a run."""
+"""Every method with its settings: plain points, and the run of a case that one stands for."""
 
 from __future__ import annotations
 
@@ -14,42 +14,63 @@ from camcli.analysis.bench.peers import core, rk4, solve_ivp, taylor
 from camcli.analysis.bench.peers.world import Trace, World
 from camcli.analysis.engine import compile_for
 from camcli.kernel import backend
-from camcli.system import System
 
 CORE, RK4, HEYOKA = "core", "rk4", "heyoka"
 MAX_TURN = 1.0 / 16.0  # largest step where there is a limit
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)  # rtol = atol; and ours for chatter
 STEPS = (100, 400, 1600, 6400)  # per turn, of the fixed steps
-QUICK_TOLERANCES = (1e-3, 1e-8, 1e-13)
+QUICK_CORE = (1e-3, 1e-8, 1e-13)
+QUICK_FREE = (1e-3, 1e-8, 1e-13)  # without a step limit
+QUICK_LIMITED = (1e-8,)
+QUICK_RADAU = (1e-3, 1e-6)  # of order 5 and implicit: beyond these it takes seconds
+QUICK_HEYOKA = (1e-8, 1e-13)
 QUICK_STEPS = (100, 1600)
 TIGHTEST = 1e-9  # turns: the peers' chatter tolerance is their tolerance, at least this
 MOST_IMPACTS = 20  # times those of the reference, before a run is given up
+COMPILING = 60.0  # s for heyoka's first call, which may have to compile
 
 
 @dataclass(frozen=True)
 class Point:
-    """A method with one setting; `tolerance` is that of chatter, in turns."""
+    """A method with one setting, in plain values."""
 
     method: str
-    setting: str
-    tolerance: float
-    call: Callable[[Case, float], Trace]  # seconds allowed
+    setting: str  # the same in words
+    chatter: float  # its chatter tolerance, turns
+    value: float  # tolerance, or steps per turn
+    limit: float = inf  # largest step, turns
 
 
-def points(methods: tuple[str, ...], quick: bool, bench: Bench) -> list[Point]:
+def points(methods: tuple[str, ...], quick: bool) -> list[Point]:
     """All points of one case, in order."""
-    tolerances = QUICK_TOLERANCES if quick else TOLERANCES
-    found: list[Point] = []
-    for method in methods:
-        if method == CORE:
-            found += [_core(tolerance, bench) for tolerance in tolerances]
-        elif method == HEYOKA:
-            found += [_heyoka(tolerance) for tolerance in tolerances[1:]]
-        elif method == RK4:
-            found += [_rk4(steps) for steps in (QUICK_STEPS if quick else STEPS)]
-        else:
-            found += [_scipy(method, t, most) for most in (inf, MAX_TURN) for t in tolerances]
-    return found
+    return [point for method in methods for point in _points(method, quick)]
+
+
+def _points(method: str, quick: bool) -> list[Point]:
+    if method == CORE:
+        wanted = QUICK_CORE if quick else TOLERANCES
+        return [Point(CORE, f"chatter {tol:.0e}", tol, tol) for tol in wanted]
+    if method == RK4:
+        return [_rk4(steps) for steps in (QUICK_STEPS if quick else STEPS)]
+    if method == HEYOKA:
+        return [_peer(HEYOKA, tol) for tol in (QUICK_HEYOKA if quick else TOLERANCES[1:])]
+    free, limited = TOLERANCES, TOLERANCES
+    if quick:
+        free, limited = (QUICK_RADAU if method == "radau" else QUICK_FREE), QUICK_LIMITED
+    if quick and method == "radau":
+        limited = QUICK_RADAU[-1:]
+    return [_peer(method, t) for t in free] + [_peer(method, t, MAX_TURN) for t in limited]
+
+
+def _peer(method: str, tolerance: float, limit: float = inf) -> Point:
+    words = "" if limit == inf else " max_step 1/16 turn"
+    setting = f"tol {tolerance:.0e}{words}"
+    return Point(method, setting, max(tolerance, TIGHTEST), tolerance, limit)
+
+
+def _rk4(steps: int) -> Point:
+    closed = max(float(steps) ** -4, TIGHTEST)
+    return Point(RK4, f"{steps} steps per turn", closed, float(steps))
 
 
 def world_of(case: Case, seconds: float, tolerance: float) -> World:
@@ -59,40 +80,23 @@ def world_of(case: Case, seconds: float, tolerance: float) -> World:
     return World(case.follower, case.lift, case.omega, case.turns, tolerance, deadline, most)
 
 
-def _core(tolerance: float, bench: Bench) -> Point:
-    known: dict[str, System] = {}
+def ready(case: Case, point: Point, bench: Bench) -> Callable[[float], Trace]:
+    """The run of a case by a point, as a function of the seconds allowed.
 
-    def call(case: Case, seconds: float) -> Trace:
-        if case.name not in known:
-            known[case.name] = case.system(bench)
-            if backend.may_compile():
-                compile_for(known[case.name])
-        return core.run(known[case.name], case.rpm, case.start, case.turns, tolerance)
-
-    return Point(CORE, f"chatter {tolerance:.0e}", tolerance, call)
-
-
-def _peer(method: str, setting: str, tolerance: float, run: Callable) -> Point:
-    closed = max(tolerance, TIGHTEST)
-
-    def call(case: Case, seconds: float) -> Trace:
-        return run(world_of(case, seconds, closed), case.start)
-
-    return Point(method, setting, closed, call)
-
-
-def _scipy(method: str, tolerance: float, most: float) -> Point:
-    limit = "" if most == inf else " max_step 1/16 turn"
-    run = partial(solve_ivp.run, method=method, tolerance=tolerance, max_turn=most)
-    return _peer(method, f"tol {tolerance:.0e}{limit}", tolerance, run)
-
-
-def _heyoka(tolerance: float) -> Point:
-    return _peer(
-        HEYOKA, f"tol {tolerance:.0e}", tolerance, partial(taylor.run, tolerance=tolerance)
-    )
-
-
-def _rk4(steps: int) -> Point:
-    run = partial(rk4.run, steps=steps)
-    return _peer(RK4, f"{steps} steps per turn", float(steps) ** -4, run)
+    What is done once in a process is done here: imports, the cam's table, our compilation.
+    """
+    if point.method == CORE:
+        system = bench.system(case.name, lambda: case.system(bench))
+        if backend.may_compile():
+            compile_for(system)
+        return lambda _: core.run(system, case.rpm, case.start, case.turns, point.chatter)
+    if point.method == RK4:
+        run = partial(rk4.run, steps=int(point.value))
+    elif point.method == HEYOKA:
+        run = partial(taylor.run, tolerance=point.value)
+    else:
+        solve_ivp.load()
+        run = partial(
+            solve_ivp.run, method=point.method, tolerance=point.value, max_turn=point.limit
+        )
+    return lambda seconds: run(world_of(case, seconds, point.chatter), case.start)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import nan
 from time import perf_counter
 
+from camcli.analysis.bench.clock import NOT_REACHED
 from camcli.analysis.bench.machine import Bench
 
 OK, FAILED = "ok", "failed"
@@ -51,3 +53,8 @@ def measure(row: Row, bench: Bench) -> Outcome:
     except Exception as error:
         observed, status = f"{type(error).__name__}: {error}", FAILED
     return Outcome(row.case, row.expected, observed, status, perf_counter() - began)
+
+
+def left_out(row: Row) -> Outcome:
+    """The outcome of a row that the clock left no time for."""
+    return Outcome(row.case, row.expected, "", NOT_REACHED, nan)

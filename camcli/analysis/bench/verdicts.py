@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isnan
 
 from camcli.analysis.bench.precision import OK, Measured
 
@@ -26,11 +27,11 @@ class Verdict:
 
 
 def verdicts(found: Sequence[Measured]) -> list[Verdict]:
-    """One for each case that ours was measured in, in order."""
+    """One for each case that ours was measured in, in order; nan seconds: it was not."""
     told = []
     for case in dict.fromkeys(m.case for m in found):
         here = [m for m in found if m.case == case]
-        ours = [m for m in here if m.ours]
+        ours = [m for m in here if m.ours and not isnan(m.seconds)]
         peers = [m for m in here if not m.ours and m.status == OK]
         if ours:
             exact = [m for m in peers if m.error <= EXACT]

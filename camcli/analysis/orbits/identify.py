@@ -213,19 +213,23 @@ def departures(tape: Tape) -> list[tuple[int, float]]:
 def _resting(system: System, rpm: float, tape: Tape, m: int) -> PeriodicOrbit:
     """An orbit that sticks: the cam alone decides where it leaves, so simulation closes exactly."""
     window = range(tape.periods - m, tape.periods)
-    leaves = [leave for leave in departures(tape) if leave[0] in window]
+    leaves = [(n - window.start, theta) for n, theta in departures(tape) if n in window]
     states, symbols = passages(tape)
-    states, symbols = states[-m:], symbols[-m:]
-    first = rotation(symbols, states)
+    return resting_orbit(system, rpm, states[-m:], symbols[-m:], leaves)
+
+
+def resting_orbit(system: System, rpm: float, states, symbols, leaves) -> PeriodicOrbit:
+    """An orbit through rests: states at the strobes, symbols of the turns, leaves (turn, rad)."""
+    m, first = len(states), rotation(symbols, states)
     rotated = [(first + j) % m for j in range(m)]
-    order = [leave for j in rotated for leave in leaves if leave[0] - window.start == j]
+    thetas = [theta for j in rotated for turn, theta in leaves if turn == j]
     names = region_names(system)
     return PeriodicOrbit(
         rpm=rpm, value=rpm, turns=m,
         symbols=tuple(symbols[j] for j in rotated),
-        theta=tuple(theta for _, theta in order),
+        theta=tuple(thetas),
         rates=(),
         states=tuple(states[j] for j in rotated),
-        regions=tuple(names[stretch_at(system.cam, theta)] for _, theta in order),
+        regions=tuple(names[stretch_at(system.cam, theta)] for theta in thetas),
         trace=0.0, det=0.0, verdict=VERDICTS[ADMISSIBLE], resting=True,
     )  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import degrees
 
 import numpy as np
@@ -24,17 +25,20 @@ HIGH = 900  # px, of the window
 HEAD = 130  # px, above the legend
 MOST_NAMED = 12  # attractors in the legend
 
-# Okabe and Ito's colours, neighbours apart in grey too; further attractors repeat them.
-AREAS = ("#56B4E9", "#D55E00", "#F0E442", "#009E73", "#E69F00", "#0072B2", "#CC79A7")
-UNDECIDED, TROUBLE, BELOW = "#FFFFFF", "#000000", "#DADADA"
+UNDECIDED, TROUBLE, BELOW = style.UNDECIDED, style.TROUBLE, style.CAM_BODY
 SHAPES = ("o", "s", "^", "D", "v", "P", "X")
 DOTS = 3000  # states of an aperiodic attractor drawn
 CHARS = 60  # of a label in the legend
 
 
-def area_colour(number: int) -> str:
-    """Colour of the basin of attractor or branch `number` (1, 2, ...)."""
-    return AREAS[(number - 1) % len(AREAS)]
+def area_colours(labels: Sequence[str]) -> list[str]:
+    """Colours of the basins of attractors by their labels, apart where two want the same."""
+    return style.apart([_wanted(label) for label in labels])
+
+
+def _wanted(label: str) -> str:
+    colour = style.label_colour(label)
+    return style.APERIODIC_AREA if colour == style.APERIODIC else colour
 
 
 def draw_basins(speed: Speed, grid: Basins, system: System, path_or_buffer) -> None:
@@ -58,7 +62,9 @@ def draw_basins(speed: Speed, grid: Basins, system: System, path_or_buffer) -> N
         axes.set(xlim=window.q, ylim=window.v)
         axes.set_xlabel("position $q$ of the start (m)")
         axes.set_ylabel("velocity $v$ of the start (m/s)")
-        _legend(figure, entries, outside, cam, bool((grid.codes == BELOW_CODE).any()))
+        _legend(
+            figure, entries, _colours(speed), outside, cam, bool((grid.codes == BELOW_CODE).any())
+        )
 
 
 def _heading(figure: Figure, speed: Speed, grid: Basins, system: System) -> None:
@@ -70,7 +76,7 @@ def _heading(figure: Figure, speed: Speed, grid: Basins, system: System) -> None
     text = f"{window.nq} × {window.nv} starts at θ = {phase} deg, {how}"
     if grid.level is not None:
         share = 100.0 * speed.computed / speed.cells
-        text += f", {share:.2g} % of the cells computed (boundaries refined)"
+        text += f", {share:.3g} % of the cells computed (boundaries refined)"
     entropies = speed.entropies
     lines = [text, f"basin entropy {entropies['basin_entropy']:.3g}"]
     if entropies["boundary_boxes"]:
@@ -109,8 +115,8 @@ def percent(share: tuple[float, float]) -> str:
 
 def _colours(speed: Speed) -> dict[int, tuple[float, float, float]]:
     colours = {UNDECIDED_CODE: to_rgb(UNDECIDED), BELOW_CODE: to_rgb(BELOW)}
-    colours.update({k + 1: to_rgb(area_colour(k + 1)) for k in range(len(speed.attractors))})
-    return colours
+    areas = area_colours([attractor.label for attractor in speed.attractors])
+    return colours | {k: to_rgb(area) for k, area in enumerate(areas, 1)}
 
 
 def _pixels(grid: Basins, speed: Speed, wide: int, high: int) -> np.ndarray:
@@ -178,12 +184,11 @@ def _draw_cam(axes: Axes, grid: Basins, system: System) -> bool:
     return True
 
 
-def _legend(figure: Figure, entries, outside: set[int], cam: bool, below: bool) -> None:
+def _legend(figure: Figure, entries, colours, outside: set[int], cam: bool, below: bool) -> None:
     """Areas with the markers of their attractors and their fractions; the cam's line."""
     handles, names = [], []
     for code, words in entries:
-        colour = {UNDECIDED_CODE: UNDECIDED}.get(code, area_colour(code) if code > 0 else TROUBLE)
-        area = Patch(facecolor=colour, edgecolor="black", linewidth=0.5)
+        area = Patch(facecolor=colours.get(code, TROUBLE), edgecolor="black", linewidth=0.5)
         periodic = code > 0 and words.startswith(("P", CONTACT))
         marker = (Line2D([], [], **_marker(code)),) if periodic and code not in outside else ()
         handles.append((area, *marker))

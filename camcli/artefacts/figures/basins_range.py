@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from camcli.analysis.basins.mapping import UNDECIDED_CODE, Question
 from camcli.analysis.basins.study import Study
 from camcli.artefacts.figures import style
-from camcli.artefacts.figures.basins import MOST_NAMED, TROUBLE, UNDECIDED, area_colour
+from camcli.artefacts.figures.basins import MOST_NAMED, UNDECIDED, area_colours
 
 LEFT, RIGHT, BOTTOM = 125, 45, 95  # px, margins
 STACK, STATES, GAP = 560, 420, 40  # px
@@ -29,15 +29,16 @@ def draw_range(result: Study, question: Question, path_or_buffer) -> None:
         _heading(figure, result, question)
         upper = style.place(figure, LEFT, top, wide, STACK)
         lower = style.place(figure, LEFT, top + STACK + GAP, wide, STATES)
+        colours = branch_colours(result)
         edges = _edges(np.array([speed.rpm for speed in result.speeds]))
-        _draw_stack(upper, result, edges)
-        _draw_states(lower, result)
+        _draw_stack(upper, result, edges, colours)
+        _draw_states(lower, result, colours)
         for axes in (upper, lower):
             axes.set_xlim(edges.min(), edges.max())
         upper.tick_params(labelbottom=False)
         lower.set_xlabel("cam speed (rpm)")
         lower.set_ylabel("attractors' stroboscopic $q$ (m)")
-        _legend(figure, entries)
+        _legend(figure, entries, colours)
 
 
 def _heading(figure: Figure, result: Study, question: Question) -> None:
@@ -69,6 +70,17 @@ def _entries(result: Study) -> list[tuple[int, str]]:
     return found
 
 
+def branch_colours(result: Study) -> dict[int, str]:
+    """Colour of every branch of attractors: that of its first label."""
+    first: dict[int, str] = {}
+    for speed in result.speeds:
+        for branch, attractor in zip(speed.branches, speed.attractors, strict=True):
+            first.setdefault(branch, attractor.label)
+    numbers = sorted(first)
+    areas = area_colours([first[number] for number in numbers])
+    return dict(zip(numbers, areas, strict=True))
+
+
 def _words(labels: list[str]) -> str:
     """The first label, and the others where it changes along the branch."""
     kinds = list(dict.fromkeys(labels))
@@ -83,17 +95,17 @@ def _edges(rpms: np.ndarray) -> np.ndarray:
     return np.concatenate(([first], middle, [last]))
 
 
-def _draw_stack(axes: Axes, result: Study, edges: np.ndarray) -> None:
+def _draw_stack(axes: Axes, result: Study, edges: np.ndarray, colours: dict[int, str]) -> None:
     low = np.zeros(len(result.speeds))
     branches = sorted({branch for speed in result.speeds for branch in speed.branches})
     left, width = np.minimum(edges[:-1], edges[1:]), np.abs(np.diff(edges))
     for branch in branches:
         share = np.array([_share(speed, branch) for speed in result.speeds])
-        look = {"color": area_colour(branch), "linewidth": 0.0, "align": "edge"}
+        look = {"color": colours[branch], "linewidth": 0.0, "align": "edge"}
         axes.bar(left, share, width, low, **look)
         low = low + share
     rest = np.where(1.0 - low > 1e-12, 1.0 - low, 0.0)
-    axes.bar(left, rest, width, low, color=UNDECIDED, align="edge", hatch="////", linewidth=0.0)
+    axes.bar(left, rest, width, low, color=UNDECIDED, align="edge", linewidth=0.0)
     axes.set_ylim(0.0, 1.0)
     axes.set_ylabel("fraction of the window")
 
@@ -103,7 +115,7 @@ def _share(speed, branch: int) -> float:
     return sum(speed.fractions[k + 1][0] for k, own in pairs if own == branch)
 
 
-def _draw_states(axes: Axes, result: Study) -> None:
+def _draw_states(axes: Axes, result: Study, colours: dict[int, str]) -> None:
     dot = {"linestyle": "", "markeredgecolor": "black", "zorder": 3}
     for speed in result.speeds:
         for branch, attractor in zip(speed.branches, speed.attractors, strict=True):
@@ -112,17 +124,16 @@ def _draw_states(axes: Axes, result: Study) -> None:
             q = q if few else q[:: max(1, len(q) // DOTS)]
             look = {"marker": "o", "markersize": 3.0 if few else 1.6}
             look["markeredgewidth"] = 0.25 if few else 0.0
-            axes.plot(np.full(len(q), speed.rpm), q, color=area_colour(branch), **look, **dot)
+            axes.plot(np.full(len(q), speed.rpm), q, color=colours[branch], **look, **dot)
 
 
-def _legend(figure: Figure, entries: list[tuple[int, str]]) -> None:
-    colour = {UNDECIDED_CODE: UNDECIDED, -1: TROUBLE}
+def _legend(figure: Figure, entries: list[tuple[int, str]], colours: dict[int, str]) -> None:
+    colours = {**colours, UNDECIDED_CODE: UNDECIDED, -1: "white"}
     handles = [
         Patch(
-            facecolor=colour.get(code, area_colour(max(1, code))),
+            facecolor=colours[code],
             edgecolor="black",
             linewidth=0.5,
-            hatch="////" if code == UNDECIDED_CODE else None,
         )
         for code, _ in entries
     ]

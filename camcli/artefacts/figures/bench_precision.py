@@ -23,8 +23,8 @@ NAMES = {
     "heyoka": "heyoka", "rk4": "RK4, fixed steps",
 }  # fmt: skip
 COLOURS = {
-    "core": style.IMPACT, "rk45": "#56B4E9", "dop853": style.FLIGHT, "lsoda": style.DETACHMENT,
-    "radau": style.CHATTER, "heyoka": style.TROUBLE, "rk4": style.STICKING,
+    "core": "black", **dict(zip(("dop853", "rk45", "heyoka", "rk4", "radau", "lsoda"),
+                                style.SERIES, strict=True)),
 }  # fmt: skip
 SHAPES = {
     "core": "o", "rk45": "s", "dop853": "D", "lsoda": "^", "radau": "v", "heyoka": "P", "rk4": "h",
@@ -69,7 +69,7 @@ def _panel(axes: Axes, found: Sequence[Measured], title: str, limits) -> None:
     axes.yaxis.set_major_locator(LogLocator(base=1e4, numticks=8))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_minor_locator(NullLocator())
-    axes.grid(True, color="#E6E6E6", linewidth=0.5, zorder=0)
+    axes.grid(True, color=style.CAM_BODY, linewidth=0.5, zorder=0)
     for method in dict.fromkeys(m.method for m in found):
         own = [m for m in found if m.method == method]
         for limited in (False, True):
@@ -91,7 +91,13 @@ def _points(axes: Axes, method: str, some: Sequence[Measured], limited: bool) ->
     axes.plot(x, y, color=colour, markerfacecolor=face, linestyle=dashes, zorder=order, **look)
     for statuses, shape, size in MARKS:
         bad = [k for k, m in enumerate(some) if m.status in statuses]
-        mark = {"color": "red", "linestyle": "", "marker": shape, "markersize": size, "zorder": 8}
+        mark = {
+            "color": style.TROUBLE,
+            "linestyle": "",
+            "marker": shape,
+            "markersize": size,
+            "zorder": 8,
+        }
         axes.plot([x[k] for k in bad], [y[k] for k in bad], markeredgewidth=0.9, **mark)
 
 
@@ -109,7 +115,7 @@ def _legend(figure: Figure, drawn: Sequence[Measured], height: int) -> None:
     if any(m.status == OVER for m in drawn):
         told.append(("*", "beyond the bound promised"))
     for shape, words in told:
-        look = {"color": "red", "marker": shape, "markersize": 7.0, "linestyle": ""}
+        look = {"color": style.TROUBLE, "marker": shape, "markersize": 7.0, "linestyle": ""}
         handles.append(Line2D([], [], label=words, **look))
     at = (LEFT / style.WIDTH, 1.0 - 58 / height)
     layout = {"ncols": 4, "columnspacing": 1.6, "handletextpad": 0.6, "borderaxespad": 0.0}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isnan
 from textwrap import shorten
 
 from matplotlib.figure import Figure
@@ -32,19 +33,20 @@ def draw_stability(outcomes: Sequence[Outcome], path_or_buffer) -> None:
 
 def _words(figure: Figure, top: int, outcome: Outcome) -> None:
     """Two lines: the case with what is expected, and what was observed."""
-    colour = style.DETACHMENT if outcome.status == OK else style.TROUBLE
+    colour = style.CAM if outcome.status == OK else style.TROUBLE
     mark = "●" if outcome.status == OK else "✗"
     style.write(figure, 18, top + 4, mark, size=7, color=colour)
     first = shorten(f"{outcome.case}: {outcome.expected}", LONGEST, placeholder=" …")
     style.write(figure, TEXT, top + 4, first, size=6.5)
-    seen = shorten(outcome.observed, LONGEST + 6, placeholder=" …")
+    seen = shorten(outcome.observed or outcome.status, LONGEST + 6, placeholder=" …")
     style.write(figure, TEXT, top + 30, seen, size=6, color=style.CAM)
 
 
 def _bars(figure: Figure, outcomes: Sequence[Outcome]) -> None:
     axes = style.place(figure, LEFT, TOP, WIDE, ROW * len(outcomes))
-    seconds = [max(o.seconds, SHORTEST) for o in outcomes]
-    colours = [style.FLIGHT if o.status == OK else style.TROUBLE for o in outcomes]
+    times = [0.0 if isnan(o.seconds) else o.seconds for o in outcomes]  # nan: not reached
+    seconds = [max(t, SHORTEST) for t in times]
+    colours = [style.CAM if o.status == OK else style.TROUBLE for o in outcomes]
     axes.barh(range(len(outcomes)), seconds, height=0.55, color=colours, left=0.0)
     axes.set_xscale("log")
     axes.set(ylim=(len(outcomes) - 0.5, -0.5), xlim=(SHORTEST, 3.0 * max(seconds)))
@@ -52,7 +54,7 @@ def _bars(figure: Figure, outcomes: Sequence[Outcome]) -> None:
     axes.set_xlabel("time of the row (s)")
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    for k, value in enumerate(o.seconds for o in outcomes):
+    for k, value in enumerate(times):
         at = (max(value, SHORTEST), k)
         look = {"textcoords": "offset points", "xytext": (3, 0), "va": "center", "size": 6}
         axes.annotate(f"{value:.2g}", at, **look)

@@ -44,9 +44,9 @@ PERIODIC, RESTING, CHAOS, UNKNOWN, CONTACT = (
 COLOURS = {
     PERIODIC: style.FLIGHT,
     RESTING: style.STICKING,
-    CHAOS: style.IMPACT,
-    UNKNOWN: style.CHATTER,
-    CONTACT: style.GUIDE,
+    CHAOS: style.APERIODIC,
+    UNKNOWN: style.UNDECIDED,
+    CONTACT: style.CONTACT,
 }
 
 
@@ -180,18 +180,19 @@ def _draw_phases(axes: Axes, scene: _Scene, system: System | None) -> None:
     if not any(map(len, every)):
         style.note(axes, "no impact at any of these speeds")
     places = {x: k for k, x in enumerate(dict.fromkeys(scene.x))}
-    clouds = {}
+    values, clouds = {}, {}
     for name in COLOURS:
         columns: list[list[np.ndarray]] = [[] for _ in places]
         for (x, motion), phases in zip(scene.pairs(), every, strict=True):
             if kind(motion) == name:
                 columns[places[x]].append(phases)
-        clouds[name] = Cloud.of([np.concatenate([*parts, np.empty(0)]) for parts in columns])
+        values[name] = [np.concatenate([*parts, np.empty(0)]) for parts in columns]
+        clouds[name] = Cloud.of(values[name])
     least = one_point(list(clouds.values()), scene.columns)
     norm = LogNorm(min(least, 0.1 * FULLEST), FULLEST, clip=True)
     extent = (scene.columns.low, scene.columns.high, low, high)
     for name in (UNKNOWN, CHAOS, RESTING, PERIODIC):
-        picture = shares(clouds[name], scene.columns, low, high, PHASES)
+        picture = shares(values[name], clouds[name], scene.columns, low, high, PHASES)
         look = {"interpolation": "none", "cmap": _shades(COLOURS[name]), "norm": norm}
         axes.imshow(picture, extent=extent, origin="lower", aspect="auto", zorder=2, **look)
     rpms = [x for x, motion in scene.pairs() if motion.status != OK]

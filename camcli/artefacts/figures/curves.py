@@ -12,7 +12,6 @@ from camcli.artefacts.figures import style
 from camcli.artefacts.figures.orbits import axis_name
 
 LEFT, RIGHT, TOP, BOTTOM, HEIGHT = 125, 50, 60, 95, 800  # px
-COLOURS = (style.FLIGHT, style.TROUBLE, style.DETACHMENT, style.CHATTER, style.STICKING, style.CAM)
 STYLES = ("-", "--", ":", "-.")
 
 
@@ -23,8 +22,8 @@ def draw_curves(curves: Sequence[Curve], second: str, path_or_buffer) -> None:
         style.write(figure, 20, 14, "Bifurcations in two parameters", size=9, weight="bold")
         wide = style.WIDTH - LEFT - RIGHT
         axes = style.place(figure, LEFT, TOP + lines + 20, wide, HEIGHT)
-        for k, curve in enumerate(curves):
-            _draw(axes, curve, COLOURS[k % len(COLOURS)], STYLES[k // len(COLOURS) % len(STYLES)])
+        for curve, look in zip(curves, _looks(curves), strict=True):
+            _draw(axes, curve, *look)
         if not curves:
             style.note(axes, "no bifurcation of this kind was located")
             axes.set(xticks=[], yticks=[])
@@ -36,6 +35,13 @@ def draw_curves(curves: Sequence[Curve], second: str, path_or_buffer) -> None:
         _legend(figure)
         axes.set_xlabel(axis_name("rpm"))
         axes.set_ylabel(axis_name(second))
+
+
+def _looks(curves: Sequence[Curve]) -> list[tuple[str, str]]:
+    """Colour of each curve, that of its orbit, and dashes where colours repeat."""
+    colours = style.apart([style.label_colour(curve.label) for curve in curves])
+    turns = [colours[:k].count(colour) for k, colour in enumerate(colours)]
+    return [(c, STYLES[k % len(STYLES)]) for c, k in zip(colours, turns, strict=True)]
 
 
 def _early(curve: Curve) -> bool:

@@ -1,4 +1,8 @@
-"""What the picture of a sweep shows: points counted per pixel, ranges, the cam's curves."""
+"""What the picture of a sweep shows: points counted per pixel, ranges, the cam's curves.
+
+A sweep may hold more points than memory: they are seen in batches, and only what each speed's
+points come to, and the pixels, is kept.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from camcli.artefacts.figures.batches import add_all
 from camcli.kernel.profile import PIECE, TERMS, Cam
 from camcli.profiles.table import column
 
@@ -19,26 +24,41 @@ ENLARGED_SHARE = 0.4  # of the speeds, for a panel of their own
 
 @dataclass(frozen=True)
 class Cloud:
-    """Finite values of all speeds, end to end, with the index of the speed each belongs to."""
+    """How many finite values every speed has, the smallest (inf if none), the largest (-inf)."""
 
-    values: np.ndarray
-    owner: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    count: np.ndarray
+
+    @classmethod
+    def empty(cls, speeds: int) -> Cloud:
+        """Before any value is taken."""
+        return cls(np.full(speeds, np.inf), np.full(speeds, -np.inf), np.zeros(speeds, np.int64))
 
     @classmethod
     def of(cls, columns: Sequence) -> Cloud:
         """From one column of values per speed (lists or arrays)."""
-        arrays = [np.asarray(column, dtype=float) for column in columns]
-        values = np.concatenate([*arrays, np.empty(0)])
-        owner = np.repeat(np.arange(len(arrays)), [len(array) for array in arrays])
-        finite = np.isfinite(values)
-        return cls(values[finite], owner[finite])
+        cloud = cls.empty(len(columns))
+        add_all(columns, cloud.take)
+        return cloud
+
+    def take(self, owner: np.ndarray, values: np.ndarray) -> None:
+        """More values, with the speed of each; those of a speed stand together."""
+        first = np.flatnonzero(np.diff(owner, prepend=-1))
+        own = owner[first]
+        self.low[own] = np.minimum(self.low[own], np.minimum.reduceat(values, first))
+        self.high[own] = np.maximum(self.high[own], np.maximum.reduceat(values, first))
+        self.count[own] += np.diff(first, append=len(owner))
 
     def ends(self) -> tuple[np.ndarray, np.ndarray]:
         """Smallest and largest value of every speed that has any."""
-        first = np.flatnonzero(np.diff(self.owner, prepend=-1))
-        if not len(first):
-            return np.empty(0), np.empty(0)
-        return np.minimum.reduceat(self.values, first), np.maximum.reduceat(self.values, first)
+        some = self.count > 0
+        return self.low[some], self.high[some]
+
+    def extremes(self) -> np.ndarray:
+        """Smallest and largest value of all; empty where there is none."""
+        low, high = self.ends()
+        return np.array([low.min(), high.max()]) if len(low) else np.empty(0)
 
 
 @dataclass(frozen=True)
@@ -62,16 +82,25 @@ class Columns:
 
     @classmethod
     def of(cls, rpms: Sequence[float], width: int) -> Columns:
-        """From ascending speeds and the width of the picture in pixels."""
-        speeds = np.asarray(rpms, dtype=float)
+        """From speeds in any order and the width of the picture in pixels."""
+        every = np.asarray(rpms, dtype=float)
+        order = np.argsort(every, kind="stable")
+        speeds = every[order]
         low, high = _outer(speeds)
         place = (speeds - low) / (high - low) * width
         pixels = np.arange(width)
+        bins = np.empty(len(speeds), dtype=int)
         if len(speeds) > width:
-            return cls(low, high, width, np.minimum(place.astype(int), width - 1), pixels)
+            bins[order] = np.minimum(place.astype(int), width - 1)
+            return cls(low, high, width, bins, pixels)
+        bins[order] = np.arange(len(speeds))
         nearest = np.searchsorted((place[1:] + place[:-1]) / 2.0, pixels + 0.5)
         far = np.abs(pixels + 0.5 - place[nearest]) > WIDEST / 2.0
-        return cls(low, high, len(speeds), np.arange(len(speeds)), np.where(far, -1, nearest))
+        return cls(low, high, len(speeds), bins, np.where(far, -1, nearest))
+
+    def totals(self, cloud: Cloud) -> np.ndarray:
+        """Values in every bin."""
+        return np.bincount(self.bin_of_speed, weights=cloud.count, minlength=self.bins)
 
 
 def _outer(speeds: np.ndarray) -> tuple[float, float]:
@@ -84,29 +113,54 @@ def _outer(speeds: np.ndarray) -> tuple[float, float]:
     return low - pad, high + pad
 
 
-def shares(cloud: Cloud, columns: Columns, low: float, high: float, height: int) -> np.ndarray:
-    """Picture (height, width), row 0 at `low`: share of a column's points in a pixel, or masked.
+class Pixels:
+    """Values counted per bin and row of a picture of `height` rows from `low` to `high`."""
 
-    Branches are THICKNESS pixels thick. Points outside low..high count, but do not show.
-    """
-    row = np.floor((cloud.values - low) * (height / (high - low))).astype(np.int64)
-    row[cloud.values == high] = height - 1
-    bins = columns.bin_of_speed[cloud.owner]
-    seen = (row >= 0) & (row < height)
-    cells = np.bincount(bins[seen] * height + row[seen], minlength=columns.bins * height)
-    cells = cells.reshape(columns.bins, height).astype(float)
-    cells /= np.maximum(np.bincount(bins, minlength=columns.bins), 1)[:, None]
-    thick = cells.copy()
-    for k in range(1, THICKNESS):
-        thick[:, :-k] = np.maximum(thick[:, :-k], cells[:, k:])
-    picture = np.where(columns.bin_of_column < 0, 0.0, thick[columns.bin_of_column].T)
-    return np.ma.masked_equal(picture, 0.0)
+    def __init__(self, columns: Columns, low: float, high: float, height: int) -> None:
+        self.columns, self.low, self.high, self.height = columns, low, high, height
+        self._cells = np.zeros(columns.bins * height, dtype=np.int64)
+
+    def take(self, owner: np.ndarray, values: np.ndarray) -> None:
+        """Count values, with the speed of each; those outside low..high do not show."""
+        scale = self.height / (self.high - self.low)
+        row = np.floor((values - self.low) * scale).astype(np.int64)
+        row[values == self.high] = self.height - 1
+        cell = self.columns.bin_of_speed[owner] * self.height + row
+        seen = (row >= 0) & (row < self.height)
+        if not seen.all():
+            cell = cell[seen]
+        if len(cell):
+            first = cell.min()  # a batch is of few bins where the speeds are in order
+            counts = np.bincount(cell - first)
+            self._cells[first : first + len(counts)] += counts
+
+    def shares(self, cloud: Cloud) -> np.ndarray:
+        """Picture (height, width), row 0 at `low`: share of a column's points per pixel, or masked.
+
+        Branches are THICKNESS pixels thick; `cloud` tells how many points a column has.
+        """
+        cells = self._cells.reshape(self.columns.bins, self.height).astype(float)
+        cells /= np.maximum(self.columns.totals(cloud), 1)[:, None]
+        thick = cells.copy()
+        for k in range(1, THICKNESS):
+            thick[:, :-k] = np.maximum(thick[:, :-k], cells[:, k:])
+        wide = self.columns.bin_of_column
+        picture = np.where(wide < 0, 0.0, thick[wide].T)
+        return np.ma.masked_equal(picture, 0.0)
+
+
+def shares(
+    values: Sequence, cloud: Cloud, columns: Columns, low: float, high: float, height: int
+) -> np.ndarray:
+    """Picture of one column of values per speed, whose `cloud` is known; see Pixels.shares."""
+    pixels = Pixels(columns, low, high, height)
+    add_all(values, pixels.take)
+    return pixels.shares(cloud)
 
 
 def one_point(clouds: Sequence[Cloud], columns: Columns) -> float:
     """The share that a single point has in the column with most of them."""
-    totals = [np.bincount(columns.bin_of_speed[cloud.owner]) for cloud in clouds]
-    return 1.0 / max([1, *(int(total.max(initial=0)) for total in totals)])
+    return 1.0 / max([1, *(int(columns.totals(cloud).max(initial=0)) for cloud in clouds)])
 
 
 def padded(values: np.ndarray, constant: float) -> tuple[float, float]:
@@ -121,9 +175,10 @@ def padded(values: np.ndarray, constant: float) -> tuple[float, float]:
 
 def phase_range(cloud: Cloud) -> tuple[float, float]:
     """Phases to show, degrees: those of the impacts where they are close, else the whole turn."""
-    if not len(cloud.values):
+    values = cloud.extremes()
+    if not len(values):
         return 0.0, TURN_DEG
-    low, high = padded(cloud.values, 5.0)
+    low, high = padded(values, 5.0)
     if high - low > NARROW_DEG:
         return 0.0, TURN_DEG
     return max(low, 0.0), min(high, TURN_DEG)

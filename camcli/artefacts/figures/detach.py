@@ -16,14 +16,12 @@ from camcli.analysis.detach import Loss
 from camcli.analysis.detach_force import ForceCurve
 from camcli.analysis.detach_study import Study
 from camcli.artefacts.figures import style
+from camcli.artefacts.figures.force import draw_forces, newtons
 from camcli.system import System
 
 LEFT, RIGHT, TOP, BOTTOM = 125, 60, 160, 95  # px, margins
 GAP = 120  # px, between panels
 ZOOM, WHOLE, FORCE = 520, 520, 430  # px, heights of the panels
-LIGHT = "#9DB7C9"  # impacts, behind what is computed
-SHADES = ("#A9D3EE", "#4FA3D6", style.FLIGHT, "#003A5C", style.IMPACT)
-SPRINGS = (style.TROUBLE, style.DETACHMENT, style.STICKING, style.CHATTER)
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 LINES = 34  # px, of a legend above a panel of forces
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
@@ -66,15 +64,14 @@ def draw_detach(study: Study, system: System, path_or_buffer) -> None:
         _legend(figure, first, height)
         if study.forces:
             names = [_least(f"{style.number(round(c.rpm, 6))} rpm", c) for c in study.forces]
-            shades = [SHADES[k % len(SHADES)] for k in range(len(names))]
             axes = style.place(figure, LEFT, top + LINES * len(names), wide, FORCE)
-            _draw_forces(axes, study.forces, names, shades, system)
+            _draw_forces(axes, study.forces, names, system)
             top += LINES * len(names) + FORCE + GAP
         if study.springs:
             rpm = style.number(study.springs[0][1].rpm)
             names = [_least(name, curve) for name, curve in study.springs]
             axes = style.place(figure, LEFT, top + LINES * len(names), wide, FORCE)
-            _draw_forces(axes, forces[1], names, SPRINGS, system)
+            _draw_forces(axes, forces[1], names, system)
             axes.set_ylabel(f"contact force at {rpm} rpm (N)")
 
 
@@ -149,7 +146,9 @@ def _draw_phases(axes: Axes, view: _View, study: Study, system: System) -> None:
     rpm = [speed.rpm for speed in study.speeds for _ in speed.impacts]
     impacts = view.phase([x for speed in study.speeds for x in speed.impacts])
     dots = {"linestyle": "", "marker": "o", "markeredgewidth": 0.0}
-    axes.plot(rpm, impacts, color=LIGHT, markersize=1.8, label="impacts, simulated", **dots)
+    axes.plot(
+        rpm, impacts, color=style.SIMULATED, markersize=1.8, label="impacts, simulated", **dots
+    )
     _curves(axes, view, study)
     first = study.detachment.first
     if first is not None:
@@ -217,18 +216,12 @@ def _corners(axes: Axes, view: _View, system: System) -> None:
         axes.text(1.012, place, name, color=style.CAM, **at)
 
 
-def _draw_forces(axes: Axes, curves: Sequence[ForceCurve], names, colours, system: System) -> None:
-    """N over the turn; the part below zero is where a follower would leave."""
-    axes.axhline(0.0, color=style.CAM, linewidth=0.8, zorder=2)
-    for curve, name, colour in zip(curves, names, colours, strict=False):
-        axes.plot(curve.theta_deg, curve.force_n, color=colour, label=name)
-    low, high = axes.get_ylim()
-    if low < 0.0:
-        axes.axhspan(low, 0.0, color=style.CAM_BODY, linewidth=0, zorder=0)
-    axes.set(xlim=(0.0, 360.0), ylim=(low, high))
+def _draw_forces(axes: Axes, curves: Sequence[ForceCurve], names, system: System) -> None:
+    """N over the turn with its corners."""
+    draw_forces(axes, curves, names)
+    axes.set_xlim(0.0, 360.0)
     axes.set_xticks(range(0, 361, 30))
     axes.set_xlabel(r"cam angle $\theta$ (deg)")
-    axes.set_ylabel("contact force (N)")
     for name, phase in style.corner_names(system.corners_deg).items():
         axes.axvline(phase, color=style.GUIDE, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
         text = {"ha": "center", "va": "bottom", "color": style.CAM}
@@ -237,8 +230,7 @@ def _draw_forces(axes: Axes, curves: Sequence[ForceCurve], names, colours, syste
 
 
 def _least(name: str, curve: ForceCurve) -> str:
-    least = round(curve.lowest_n, 6) + 0.0
-    return f"{name}: least {least:.6g} N at {curve.lowest_deg:.6g} deg"
+    return f"{name}: least {newtons(curve.lowest_n, 6)} at {curve.lowest_deg:.6g} deg"
 
 
 def _legend(figure: Figure, axes: Axes, height: int) -> None:

@@ -21,7 +21,7 @@ SINGLE, MOST = 20, 44  # events in one column of the list, and in two
 STEP, CROWDED = 24.0, 20  # px between two rows of numbers, numbers from which there are two
 SMALL, LARGE = 20.0, 28.0  # px, from one number to the next, of one digit and of two
 MINOR = ("corner-hit", "accumulation-at-corner", "itinerary")  # change no attractor's kind
-COLUMNS = (20, 66, 385, 560, 850)  # px: number, event, speed, motion, classification
+COLUMNS = (20, 60, 345, 600, 890)  # px: number, event, speed, motion, classification
 CLOSE = (20, 58, 316, 462)  # px, in one of two columns; the last holds what is left
 DIGITS = 9
 

@@ -14,9 +14,7 @@ from camcli.analysis.classify import APERIODIC, Motion
 from camcli.artefacts.figures import style
 
 KEY, ROW = 46, 120  # px: the key above the strip, the strip
-PERIODS = (style.FLIGHT, "#56B4E9", style.DETACHMENT, "#F0E442", "#7A5200", "#B39DDB")
-LONGER = "#5F6F7A"
-OTHERS = {APERIODIC: style.IMPACT, "undecided": style.CHATTER, "contact": style.GUIDE}
+OTHERS = {APERIODIC: style.APERIODIC, "undecided": style.UNDECIDED, "contact": style.CONTACT}
 LOWEST, EDGE = 26.0, 12.0  # px: a rectangle that holds text, room left beside the text
 BRIGHT = 0.45  # luminance from which text is black
 
@@ -25,7 +23,7 @@ def strip_colour(motion: Motion) -> str:
     """By period, or by what is not periodic."""
     if motion.label in OTHERS:
         return OTHERS[motion.label]
-    return PERIODS[motion.period - 1] if motion.period <= len(PERIODS) else LONGER
+    return style.period_colour(motion.period)
 
 
 def rests(motion: Motion) -> bool:
@@ -49,8 +47,9 @@ def swatches(figure: Figure, left: float, top: float, entries: Sequence[tuple]) 
 def draw_key(figure: Figure, left: float, top: float, motions: Sequence[Motion]) -> None:
     """What the colours of the strip mean, those that are there."""
     periods = sorted({m.period for m in motions if m.period and m.label not in OTHERS})
-    entries = [(PERIODS[m - 1], False, f"period {m}") for m in periods if m <= len(PERIODS)]
-    entries += [(LONGER, False, "longer")] if periods and periods[-1] > len(PERIODS) else []
+    own = [m for m in periods if m <= len(style.PERIODS)]
+    entries = [(style.period_colour(m), False, f"period {m}") for m in own]
+    entries += [(style.LONGER, False, "longer")] if len(own) < len(periods) else []
     entries = [(c, h, w.removeprefix("period ") if k else w) for k, (c, h, w) in enumerate(entries)]
     labels = {m.label for m in motions}
     entries += [(colour, False, name) for name, colour in OTHERS.items() if name in labels]

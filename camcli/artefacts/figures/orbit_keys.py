@@ -83,7 +83,7 @@ def _branch(branch: Branch, events: Sequence[Event], parameter: str) -> str:
     words = f"{branch.number}   {names[0]}" + (f" to {names[-1]}" if len(names) > 1 else "")
     source = [event.number for event in events if branch.number in event.leaves]
     if source:
-        words += f", from {source[0]}"
+        words += f", from event {source[0]}"
     lost = [branch.points[-k] for k in (0, 1) if branch.ends[k] == LOST]
     if lost:
         words += f", lost at {quantity(lost[0].value, parameter)}"

@@ -21,8 +21,6 @@ NEAR_DEG = 20.0  # phases further apart do not continue one another
 SAME = 1e-11  # relative distance of parameters at which two points are the two sides of a corner
 JUMP = 1e-6  # relative change of the trace there that breaks the lines of the multipliers
 PARTS = 12  # of a step, for the curved paths of the multipliers
-BOUNCING = (style.FLIGHT, style.TROUBLE, style.DETACHMENT, style.CHATTER, "#56B4E9", style.IMPACT)
-RESTING = (style.STICKING, "#7A5200")
 DASHES = (0, (3.2, 1.6))
 MARKS = {  # event: marker, face, edge, size
     "period-doubling": ("s", "white", style.IMPACT, 4.0),
@@ -210,19 +208,26 @@ def events(bifurcations: Sequence[Bifurcation], corners: dict[str, float]) -> li
     return out
 
 
-def colours(resting: Sequence[bool]) -> list[str]:
-    """One per branch or orbit: those that rest on the cam apart from those that bounce."""
-    count, out = [0, 0], []
-    for rests in resting:
-        palette = RESTING if rests else BOUNCING
-        out.append(palette[count[rests] % len(palette)])
-        count[rests] += 1
-    return out
+def colours(every: Sequence[Sequence[PeriodicOrbit]]) -> list[str]:
+    """One per branch, given its orbits: by period and stability, apart where two share those."""
+    wanted = {}
+    for rests in (False, True):
+        mine = [k for k, orbits in enumerate(every) if any(o.resting for o in orbits) == rests]
+        some = [style.STICKING if rests else _bouncing(every[k]) for k in mine]
+        series = style.RESTING if rests else style.SERIES
+        wanted.update(zip(mine, style.apart(some, series), strict=True))
+    return [wanted[k] for k in range(len(every))]
+
+
+def _bouncing(orbits: Sequence[PeriodicOrbit]) -> str:
+    if not any(orbit.stable for orbit in orbits):
+        return style.SADDLE
+    return style.period_colour(next(orbit.turns for orbit in orbits if orbit.stable))
 
 
 def branch_colours(branches: Sequence[Branch]) -> list[str]:
     """One per branch."""
-    return colours([any(orbit.resting for orbit in branch.points) for branch in branches])
+    return colours([branch.points for branch in branches])
 
 
 def draw(axes: Axes, lines: Sequence[Strand], colour: str, view: Callable = np.asarray) -> None:

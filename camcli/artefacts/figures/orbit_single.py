@@ -40,7 +40,7 @@ def draw_single(study: Study, system: System, path_or_buffer, heading) -> None:
             axes = style.place(figure, LEFT, HEAD + 20, WIDE, 200, xticks=[], yticks=[])
             style.note(axes, _nothing(study))
             return
-        shades = colours([orbit.resting for orbit in study.orbits])
+        shades = colours([[orbit] for orbit in study.orbits])
         _list(figure, study.orbits, shades)
         _draw_cam(figure, top, study.orbits, shades, system)
         top += (LIFT + GAP) * len(CURVES) - GAP + 130

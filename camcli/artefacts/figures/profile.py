@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from camcli.analysis.profile import Curvature, Profile
 from camcli.artefacts.figures import style
+from camcli.artefacts.figures.force import draw_forces, newtons
 
 LEFT, RIGHT, TOP, BOTTOM = 145, 25, 140, 85  # px, margins
 PANEL, GAP = 262, 46  # px, height of a panel and the distance to the next
@@ -73,7 +74,7 @@ def _lift(axes: Axes, profile: Profile, measured: Measured | None) -> None:
     if measured is not None:
         look = {"linestyle": "", "marker": ".", "markersize": 2.0, "zorder": 3}
         axes.plot(
-            measured.theta_deg, measured.c, color=style.TROUBLE, label="rows of the table", **look
+            measured.theta_deg, measured.c, color=style.MEASURED, label="rows of the table", **look
         )
     low, high = profile.ranges["c"]
     room = high.value - low.value or abs(high.value) or 1.0
@@ -90,21 +91,16 @@ def _accel(axes: Axes, profile: Profile, measured: Measured | None) -> None:
     bound = np.asarray(measured.bounds)[np.minimum(share, count - 1)]
     c2 = np.asarray(profile.c2)
     axes.fill_between(
-        profile.theta_deg, c2 - bound, c2 + bound, color=style.STICKING, alpha=0.45, linewidth=0,
+        profile.theta_deg, c2 - bound, c2 + bound, color=style.DOUBT, linewidth=0, zorder=0.4,
         label="bound on its error",
     )  # fmt: skip
 
 
 def _force(axes: Axes, profile: Profile) -> None:
     force = profile.force
-    axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
-    theta, values = np.asarray(force.theta_deg), np.asarray(force.force_n)
-    axes.plot(theta, values, color=style.DETACHMENT)
-    if values.min() < 0.0:
-        axes.fill_between(theta, values, 0.0, where=values < 0.0, color=style.TROUBLE, alpha=0.3,
-                          linewidth=0, interpolate=True)  # fmt: skip
-    axes.set_ylabel("contact force (N)")
-    axes.set_title(f"at {style.number(force.rpm)} rpm, least {force.lowest_n:.4g} N", **CAPTION)
+    draw_forces(axes, [force])
+    words = f"at {style.number(force.rpm)} rpm, least {newtons(force.lowest_n, 4)}"
+    axes.set_title(words, **CAPTION)
 
 
 def _turn(axes: Axes, profile: Profile, labelled: bool, named: bool) -> None:

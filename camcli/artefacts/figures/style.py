@@ -19,17 +19,35 @@ DPI = 200
 WIDTH = 1340  # px: 170 mm, the text width of an A4 page
 LINE = 30  # px from one line of text to the next
 
-# Okabe and Ito's colours, told apart by colour-blind readers, one meaning each.
+# Okabe and Ito's colours, told apart by colour-blind readers, one meaning each in every picture.
 FLIGHT = "#0072B2"  # the follower, free
 STICKING = "#E69F00"  # the follower, pressed to the cam
 IMPACT = "#000000"
 CHATTER = "#CC79A7"  # where a chatter accumulates
 DETACHMENT = "#009E73"
-TROUBLE = "#D55E00"  # a status that is not ok
+TROUBLE = "#D55E00"  # a status that is not ok, a warning
+
 CAM = "#4D4D4D"
-CAM_BODY = "#EFEFEF"
+CAM_BODY = "#EFEFEF"  # and what else lies inside a border: the unit disk
 GUIDE = "#9A9A9A"  # corners, turns: lines that help to read
 BAND = "#F3EEDF"  # the range shown enlarged in another panel
+SIMULATED = "#9DB7C9"  # impacts, behind what is computed
+MEASURED, DOUBT = "#882255", "#E2C4D3"  # rows of a table, the bound on their error
+
+# What presses the follower to the cam is of the colour of sticking; below zero, of detachment.
+FORCE = "#A66F00"
+FORCES = ("#F2C766", STICKING, FORCE, "#5E3F00", IMPACT)  # several in a panel
+PULL = "#D9F0E8"
+
+# Motions. An orbit has the colour of its period, paler, darker and paler for colour-blind readers.
+PERIODS = (FLIGHT, "#56B4E9", "#332288", "#5F6F7A")
+LONGER = "#AA66FF"
+SADDLE = "#7A5200"  # an orbit that is nowhere stable
+RESTING = (STICKING, "#B87F00")  # an orbit with rest on the cam
+CONTACT = "#F7DFA8"  # always in contact
+APERIODIC, APERIODIC_AREA = IMPACT, "#F0E442"  # its points; its basin below them
+UNDECIDED = "#8C8C8C"
+SERIES = (*PERIODS, LONGER, SADDLE)  # things without a meaning of their own
 
 DENSITY = LinearSegmentedColormap.from_list(
     "cam", [(0.0, "#A9D3EE"), (0.33, "#4FA3D6"), (0.6, FLIGHT), (0.82, "#003A5C"), (1.0, "black")]
@@ -86,6 +104,29 @@ def write(figure: Figure, left: float, top: float, text: str, **more) -> None:
 def note(axes: Axes, text: str) -> None:
     """Words in the middle of a panel that has nothing to draw."""
     axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=CAM)
+
+
+def period_colour(period: int) -> str:
+    """Colour of a periodic orbit."""
+    return PERIODS[period - 1] if period <= len(PERIODS) else LONGER
+
+
+def label_colour(label: str) -> str:
+    """Colour of the motion with a label."""
+    if not label.startswith("P("):
+        return CONTACT if label == "contact" else APERIODIC
+    return RESTING[0] if "inf" in label else period_colour(int(label[2:].split(";")[0]))
+
+
+def apart(wanted: Sequence[str], series: Sequence[str] = SERIES) -> list[str]:
+    """The colours wanted; where one is taken, the last of the series that nobody wants."""
+    spare = [colour for colour in series if colour not in wanted]
+    out: list[str] = []
+    for colour in wanted:
+        if colour in out:
+            colour = spare.pop() if spare else min(series, key=out.count)
+        out.append(colour)
+    return out
 
 
 def number(value: float) -> str:

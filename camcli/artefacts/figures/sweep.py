@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import degrees
@@ -15,18 +14,18 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from camcli.analysis.sweep import Speed, Sweep, status_name
+from camcli.analysis.sweep import Sweep
 from camcli.artefacts.figures import style
 from camcli.artefacts.figures.density import (
     TURN_DEG,
     Cloud,
     Columns,
+    Pixels,
     enlarged_range,
     lift_curves,
     one_point,
     padded,
     phase_range,
-    shares,
 )
 from camcli.artefacts.figures.event_keys import (
     draw_lines,
@@ -36,7 +35,7 @@ from camcli.artefacts.figures.event_keys import (
     numbered,
     numbers_height,
 )
-from camcli.errors import OK
+from camcli.artefacts.figures.survey import Survey, count
 from camcli.system import System
 
 if TYPE_CHECKING:
@@ -80,16 +79,16 @@ def draw_sweep(
     below it and numbered above the panels.
     """
     found = numbered(events or ())
-    speeds = sorted(sweep.speeds, key=lambda speed: speed.rpm)
-    panels = _panels(speeds)
-    lines = textwrap.wrap(_subtitle(speeds, start_text), CHARS, break_on_hyphens=False)
+    survey = Survey.of(sweep.speeds)
+    panels = _panels(survey)
+    lines = textwrap.wrap(_subtitle(survey, start_text), CHARS, break_on_hyphens=False)
     head = 54 + style.LINE * len(lines) + (LIST_GAP if found else 0)
     top = head + list_height(found) + numbers_height(found)
     top += KEY if panels and panels[0].phases else KEY // 2
     heights = [panel.height for panel in panels] or [200]
     height = top + sum(heights) + GAP * (len(heights) - 1) + BOTTOM
     with style.page(path_or_buffer, height) as figure:
-        style.write(figure, 20, 14, _title(speeds), size=9, weight="bold")
+        style.write(figure, 20, 14, _title(survey), size=9, weight="bold")
         style.write(figure, 20, 54, "\n".join(lines), linespacing=1.25)
         draw_list(figure, head, found)
         if not panels:
@@ -97,61 +96,66 @@ def draw_sweep(
             empty = style.place(figure, LEFT, top, wide, heights[0], xticks=[], yticks=[])
             style.note(empty, "nothing was recorded")
             return
-        _draw_panels(figure, panels, speeds, system, top, found)
+        _draw_panels(figure, panels, sweep, survey, system, top, found)
 
 
-def _title(speeds: Sequence[Speed]) -> str:
-    if not speeds:
+def _title(survey: Survey) -> str:
+    rpm = survey.rpm
+    if not len(rpm):
         return "Bifurcation diagram"
-    ends = dict.fromkeys(style.number(speed.rpm) for speed in (speeds[0], speeds[-1]))
+    ends = dict.fromkeys(style.number(float(end)) for end in (rpm.min(), rpm.max()))
     return f"Bifurcation diagram, {' to '.join(ends)} rpm"
 
 
-def _subtitle(speeds: Sequence[Speed], start_text: str) -> str:
-    parts = [start_text, f"{len(speeds)} speed" + ("s" if len(speeds) != 1 else "")]
-    troubles = Counter(status_name(speed.status) for speed in _troubled(speeds))
+def _subtitle(survey: Survey, start_text: str) -> str:
+    many, troubles = len(survey.rpm), survey.troubles()
+    parts = [start_text, f"{many} speed" + ("s" if many != 1 else "")]
     if troubles:
         kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
         parts.append(f"{troubles.total()} not ok, marked at the bottom edge ({kinds})")
     return "; ".join(part for part in parts if part)
 
 
-def _troubled(speeds: Sequence[Speed]) -> list[Speed]:
-    return [speed for speed in speeds if speed.status != OK]
-
-
-def _panels(speeds: Sequence[Speed]) -> list[_Panel]:
+def _panels(survey: Survey) -> list[_Panel]:
     """What there is to show, from top to bottom."""
     panels = []
-    if any(speed.impacts is not None for speed in speeds):
-        cloud = Cloud.of([() if s.impacts is None else s.impacts[1] for s in speeds])
+    if (cloud := survey.impacts) is not None:
         enlarged = enlarged_range(cloud)
         height = 640 if enlarged is None else 430
         panels.append(_Panel(cloud, *phase_range(cloud), height, True, enlarged))
         if enlarged is not None:
             panels.append(_Panel(cloud, *enlarged, 520, True))
-    if any(speed.strobe is not None for speed in speeds):
-        cloud = Cloud.of([() if s.strobe is None else s.strobe[1] for s in speeds])
-        largest = float(np.abs(cloud.values).max(initial=0.0))
-        panels.append(_Panel(cloud, *padded(cloud.values, 0.1 * largest or 1.0), 430, False))
+    if (cloud := survey.strobe) is not None:
+        largest = float(np.abs(cloud.extremes()).max(initial=0.0))
+        panels.append(_Panel(cloud, *padded(cloud.extremes(), 0.1 * largest or 1.0), 430, False))
     return panels
 
 
-def _draw_panels(figure: Figure, panels, speeds, system: System, top: int, events) -> None:
+def _count(panels: Sequence[_Panel], columns: Columns, sweep: Sweep) -> list[np.ndarray]:
+    """The picture of every panel, by one pass over the speeds."""
+    pixels = [Pixels(columns, panel.low, panel.high, panel.height) for panel in panels]
+    count(sweep.speeds, [(one, panel.phases) for one, panel in zip(pixels, panels, strict=True)])
+    return [one.shares(panel.cloud) for one, panel in zip(pixels, panels, strict=True)]
+
+
+def _draw_panels(
+    figure: Figure, panels, sweep: Sweep, survey: Survey, system: System, top: int, events
+) -> None:
     left = LEFT + (len(CURVES) * (CAM + CAM_GAP) + CAM_GAP if panels[0].phases else 0)
-    columns = Columns.of([speed.rpm for speed in speeds], style.WIDTH - left - RIGHT)
+    columns = Columns.of(survey.rpm, style.WIDTH - left - RIGHT)
     faintest = one_point([panel.cloud for panel in panels], columns)
     norm = LogNorm(min(faintest, 0.1 * FULLEST), FULLEST, clip=True)
     image, above = None, top
-    for n, panel in enumerate(panels):
+    pictures = _count(panels, columns, sweep)
+    for n, (panel, picture) in enumerate(zip(panels, pictures, strict=True)):
         axes = style.place(figure, left, top, columns.width, panel.height)
-        image = _draw_cloud(axes, panel, columns, norm) or image
+        image = _draw_cloud(axes, panel, picture, columns, norm) or image
         axes.set(xlim=(columns.low, columns.high), ylim=(panel.low, panel.high))
         axes.tick_params(labelbottom=panel is panels[-1])
         draw_lines(axes, events)
         if n == 0:
             draw_numbers(axes, events, columns.width, panel.height)
-        _draw_troubles(axes, speeds)
+        _draw_troubles(axes, survey.troubled)
         if panel.phases:
             axes.tick_params(left=False, labelleft=False)
             _draw_corners(axes, panel, system)
@@ -165,16 +169,16 @@ def _draw_panels(figure: Figure, panels, speeds, system: System, top: int, event
         _draw_key(figure, image, above - 60 - numbers_height(events))
 
 
-def _draw_cloud(axes: Axes, panel: _Panel, columns: Columns, norm: LogNorm):
+def _draw_cloud(axes: Axes, panel: _Panel, picture, columns: Columns, norm: LogNorm):
     """The points as one image on the pixels of the panel; words where there are none."""
-    if not len(panel.cloud.values):
+    if not panel.cloud.count.any():
         what = "no impact" if panel.phases else "no whole turn recorded"
         style.note(axes, f"{what} at any of these speeds")
         return None
     if panel.enlarged is not None:
         axes.axhspan(*panel.enlarged, color=style.BAND, linewidth=0, zorder=0)
     return axes.imshow(
-        shares(panel.cloud, columns, panel.low, panel.high, panel.height),
+        picture,
         extent=(columns.low, columns.high, panel.low, panel.high),
         origin="lower",
         aspect="auto",
@@ -185,12 +189,11 @@ def _draw_cloud(axes: Axes, panel: _Panel, columns: Columns, norm: LogNorm):
     )
 
 
-def _draw_troubles(axes: Axes, speeds: Sequence[Speed]) -> None:
+def _draw_troubles(axes: Axes, rpms: np.ndarray) -> None:
     """A red tick below every speed whose status is not ok."""
-    rpms = [speed.rpm for speed in _troubled(speeds)]
     ticks = {"marker": "|", "markersize": 7, "markeredgewidth": 0.9, "linestyle": ""}
     bottom = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
-    axes.plot(rpms, [0.0] * len(rpms), color=style.TROUBLE, **ticks, **bottom)
+    axes.plot(rpms, np.zeros(len(rpms)), color=style.TROUBLE, **ticks, **bottom)
 
 
 def _corner_lines(axes: Axes, panel: _Panel, system: System) -> dict[str, float]:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from camcli.analysis.bench.peers.lifts import TWO_PI
+from camcli.analysis.bench.peers.legs import At, Leg, Legs
 from camcli.analysis.bench.peers.world import Trace, World, follow
 
-GAP_BELOW = 1e-3  # turns, as for solve_ivp
 HALVINGS = 60
 PER_HOP = 8  # steps of a short flight, at least
 
@@ -26,59 +25,42 @@ def step(rhs: Callable, t: float, z: Pair, h: float) -> Pair:
     )
 
 
-class Flights:
+class Flights(Legs):
     """Flights of one run with a fixed number of steps per turn."""
 
     def __init__(self, world: World, steps: int):
-        self.world = world
+        super().__init__(world)
         self.h = world.period / steps
-        self.gap_below = GAP_BELOW * world.period
 
-    def __call__(self, turn: int, theta: float, y: float, u: float):
-        """(contact, turn, theta, y, u) at the next contact or at the end of the run."""
-        contact = False
-        while not contact and self.world.seconds_left(turn, theta) > 0.0:
-            self.world.check()
-            fall = self.world.fall_time(theta, y, u)
-            leg = self._in_gap if fall < self.gap_below else self._in_position
-            theta, y, u, contact = leg(turn, theta, y, u, fall)
-            turn, theta = self.world.wrap(turn, theta)
-        return contact, turn, theta, y, u
-
-    def _in_position(self, turn: int, theta: float, y: float, u: float, fall: float):
-        """Steps of (q, v) for a turn at most."""
+    def _in_position(self, at: At) -> Leg:
         world, lift, omega = self.world, self.world.lift, self.world.omega
         k, b, load = world.w2, world.b, world.load
-        c, slope, _ = lift.law(lift.region(theta), theta)
 
         def rhs(_t, q, v):
             return v, -k * q - b * v - load
 
         def gap(t, z):
-            return z[0] - lift.height(theta + omega * t)
+            return z[0] - lift.height(at.theta + omega * t)
 
-        left = world.seconds_left(turn, theta)
-        z, span = (c + y, u + omega * slope), min(world.period, left)
-        t, z, contact = self._advance(rhs, gap, z, span, min(self.h, fall / PER_HOP))
-        theta = (world.end - turn) * TWO_PI if t >= left else theta + omega * t
-        angle = theta % TWO_PI
-        c, slope, _ = lift.law(lift.region(angle), angle)
-        return theta, 0.0 if contact else max(z[0] - c, 0.0), z[1] - omega * slope, contact
+        span, left = self.turn_at_most(at)
+        h = min(self.h, at.fall / PER_HOP)
+        t, z, contact = self._advance(rhs, gap, self.absolute(at), span, h)
+        theta = self.after(at, t, left, self.end(at.turn))
+        y, u = self.relative(theta, *z)
+        return Leg(theta, 0.0 if contact else max(y, 0.0), u, contact)
 
-    def _in_gap(self, turn: int, theta: float, y: float, u: float, fall: float):
-        """Steps of (y, u) to the next breakpoint at most."""
-        world, index = self.world, self.world.lift.region(theta)
-        omega, k, b = world.omega, world.w2, world.b
-        stop = min(world.lift.regions[index].end, (world.end - turn) * TWO_PI)
+    def _in_gap(self, at: At) -> Leg:
+        world, omega = self.world, self.world.omega
+        k, b = world.w2, world.b
+        index, stop, span = self.stretch(at)
 
         def rhs(t, gap, rate):
-            return rate, world.pushed(index, theta + omega * t) - k * gap - b * rate
+            return rate, world.pushed(index, at.theta + omega * t) - k * gap - b * rate
 
-        span = (stop - theta) / omega
-        h = min(self.h, fall / PER_HOP)
-        t, z, contact = self._advance(rhs, lambda _t, z: z[0], (y, u), span, h)
-        theta = stop if t >= span else theta + omega * t
-        return theta, 0.0 if contact else max(z[0], 0.0), z[1], contact
+        h = min(self.h, at.fall / PER_HOP)
+        t, z, contact = self._advance(rhs, lambda _t, z: z[0], (at.y, at.u), span, h)
+        y = 0.0 if contact else max(z[0], 0.0)
+        return Leg(self.after(at, t, span, stop), y, z[1], contact)
 
     def _advance(self, rhs: Callable, gap: Callable, z: Pair, span: float, h: float):
         """(t, z, contact): steps of h until the gap is negative or the span is over."""

@@ -13,17 +13,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import process_time
 
+from camcli.analysis.bench.peers.legs import At, Leg, Legs
 from camcli.analysis.bench.peers.lifts import TWO_PI
 from camcli.analysis.bench.peers.world import BudgetError, Trace, World, follow
 
 NAMES = {"rk45": "RK45", "dop853": "DOP853", "lsoda": "LSODA", "radau": "Radau"}
-GAP_BELOW = 1e-3  # turns: a flight that falls back sooner is integrated in the gap
 CONTACT, TURNING = 0, 1  # events of a flight
 TINY = 1e-300  # m, an open gap
 RETRIES = 20
 CHECKED = 256  # evaluations from one look at the clock to the next
-
-Leg = tuple[float, float, float, bool]  # unwrapped theta, y, u, contact?
 
 
 @dataclass(frozen=True)
@@ -59,26 +57,14 @@ class Flight:
         return [contact] if self.rate is None else [contact, turning]
 
 
-class Flights:
+class Flights(Legs):
     """Flights of one run by one method."""
 
     def __init__(self, world: World, method: str, tolerance: float, max_turn: float):
-        self.world = world
+        super().__init__(world)
         self.options = {"method": NAMES[method], "rtol": tolerance, "atol": tolerance}
         self.max_step = max_turn * world.period
-        self.gap_below = GAP_BELOW * world.period
         self.until_check = CHECKED
-
-    def __call__(self, turn: int, theta: float, y: float, u: float):
-        """(contact, turn, theta, y, u) at the next contact or at the end of the run."""
-        contact = False
-        while not contact and self.world.seconds_left(turn, theta) > 0.0:
-            self.world.check()
-            fall = self.world.fall_time(theta, y, u)
-            leg = self._in_gap if fall < self.gap_below else self._in_position
-            theta, y, u, contact = leg(turn, theta, y, u, fall)
-            turn, theta = self.world.wrap(turn, theta)
-        return contact, turn, theta, y, u
 
     def _counted(self, rhs: Callable) -> Callable:
         """The right-hand side; now and then it looks at the clock."""
@@ -93,40 +79,34 @@ class Flights:
 
         return call
 
-    def _in_position(self, turn: int, theta: float, y: float, u: float, fall: float) -> Leg:
-        """Integrate (q, v) for a turn at most."""
+    def _in_position(self, at: At) -> Leg:
         world, lift, omega = self.world, self.world.lift, self.world.omega
         k, b, load = world.w2, world.b, world.load
-        c, slope, _ = lift.law(lift.region(theta), theta)
 
         def rhs(_t, z):
             return z[1], -k * z[0] - b * z[1] - load
 
         def gap(t, z):
-            return z[0] - lift.height(theta + omega * t)
+            return z[0] - lift.height(at.theta + omega * t)
 
         def rate(t, z):
-            angle = (theta + omega * t) % TWO_PI
+            angle = (at.theta + omega * t) % TWO_PI
             return z[1] - omega * lift.law(lift.region(angle), angle)[1]
 
-        left = world.seconds_left(turn, theta)
-        span, start = min(world.period, left), (c + y, u + omega * slope)
-        flight = Flight(self._counted(rhs), gap, rate, start, u, span, fall, self.max_step)
+        span, left = self.turn_at_most(at)
+        start, limits = self.absolute(at), (span, at.fall, self.max_step)
+        flight = Flight(self._counted(rhs), gap, rate, start, at.u, *limits)
         t, q, v, event = self._integrate(flight)
-        ended = (world.end - turn) * TWO_PI
-        theta = ended if t >= left else theta + omega * t
-        angle = theta % TWO_PI
-        c, slope, _ = lift.law(lift.region(angle), angle)
-        return self._leg(theta, q - c, v - omega * slope, event)
+        theta = self.after(at, t, left, self.end(at.turn))
+        return self._leg(theta, *self.relative(theta, q, v), event)
 
-    def _in_gap(self, turn: int, theta: float, y: float, u: float, fall: float) -> Leg:
-        """Integrate (y, u) to the next breakpoint at most."""
-        world, index = self.world, self.world.lift.region(theta)
-        omega, k, b = world.omega, world.w2, world.b
-        stop = min(world.lift.regions[index].end, (world.end - turn) * TWO_PI)
+    def _in_gap(self, at: At) -> Leg:
+        world, omega = self.world, self.world.omega
+        k, b = world.w2, world.b
+        index, stop, span = self.stretch(at)
 
         def rhs(t, z):
-            return z[1], world.pushed(index, theta + omega * t) - k * z[0] - b * z[1]
+            return z[1], world.pushed(index, at.theta + omega * t) - k * z[0] - b * z[1]
 
         def gap(_t, z):
             return z[0]
@@ -134,17 +114,17 @@ class Flights:
         def rate(_t, z):
             return z[1]
 
-        span, most = (stop - theta) / omega, min(self.max_step, fall)
-        flight = Flight(self._counted(rhs), gap, rate, (y, u), u, span, fall, most)
+        limits = (span, at.fall, min(self.max_step, at.fall))
+        flight = Flight(self._counted(rhs), gap, rate, (at.y, at.u), at.u, *limits)
         t, y, u, event = self._integrate(flight)
-        return self._leg(theta + omega * t if t < span else stop, y, u, event)
+        return self._leg(self.after(at, t, span, stop), y, u, event)
 
     @staticmethod
     def _leg(theta: float, y: float, u: float, event: int | None) -> Leg:
         """What an event makes exact: the gap at a contact, its rate at a turning point."""
         if event == CONTACT:
-            return theta, 0.0, u, True
-        return theta, max(y, 0.0), 0.0 if event == TURNING else u, False
+            return Leg(theta, 0.0, u, True)
+        return Leg(theta, max(y, 0.0), 0.0 if event == TURNING else u, False)
 
     def _integrate(self, flight: Flight) -> tuple[float, float, float, int | None]:
         """Time, state and event at the end of a flight; no contact at its own start."""
@@ -185,6 +165,11 @@ class Flights:
         if sol.status == 1:
             event = CONTACT if sol.t_events[CONTACT].size else TURNING
         return t, z, flight.gap(t, z), event
+
+
+def load() -> None:
+    """Import scipy, so that the first run is like the others."""
+    import scipy.integrate  # noqa: F401
 
 
 def run(

@@ -9,11 +9,11 @@ import math
 from functools import cache
 from typing import Any
 
+from camcli.analysis.bench.peers.legs import At, Leg, Legs
 from camcli.analysis.bench.peers.lifts import FLANK, NOSE, ROUND, TWO_PI, WAVE
 from camcli.analysis.bench.peers.world import Trace, World, follow
 
 POSITION, GAP = "position", "gap"
-GAP_BELOW = 1e-3  # turns, as for solve_ivp
 CLEAR = 0.02  # m above the top of the cam: no contact up there
 STOPPED = -1  # outcome of a propagation that its terminal event ended
 SHORT = 1e-4  # turns flown without events where the follower is pulled off the cam
@@ -56,70 +56,57 @@ def compiled(form: str, coordinates: str, armed: bool, tolerance: float) -> tupl
     return ta, ta.state, ta.pars
 
 
-class Flights:
+class Flights(Legs):
     """Flights region by region of the cam."""
 
     def __init__(self, world: World, tolerance: float):
-        self.world, self.tolerance = world, tolerance
+        super().__init__(world)
+        self.tolerance = tolerance
         self.ceiling = world.lift.top + CLEAR
-        self.gap_below = GAP_BELOW * world.period
 
-    def __call__(self, turn: int, theta: float, y: float, u: float):
-        """(contact, turn, theta, y, u) at the next contact or at the end of the run."""
-        contact = False
-        while not contact and self.world.seconds_left(turn, theta) > 0.0:
-            self.world.check()
-            fall = self.world.fall_time(theta, y, u)
-            legs = self._in_gap if fall < self.gap_below else self._in_position
-            theta, y, u, contact = legs(turn, theta, y, u, fall)
-            turn, theta = self.world.wrap(turn, theta)
-        return contact, turn, theta, y, u
-
-    def _in_position(self, turn: int, theta: float, y: float, u: float, fall: float):
+    def _in_position(self, at: At) -> Leg:
         """Integrate (q, v) to the contact, to the end of the turn or over the top."""
-        omega, lift = self.world.omega, self.world.lift
-        index = lift.region(theta)
-        c, slope, _ = lift.law(index, theta)
-        z, w, hit = c + y, u + omega * slope, False
-        if y <= 0.0:
-            theta, z, w, hit = self._run(POSITION, False, index, turn, theta, (z, w), fall / 16.0)
-        last = min(TWO_PI, (self.world.end - turn) * TWO_PI)
+        lift, turn, theta = self.world.lift, at.turn, at.theta
+        (z, w), hit = self.absolute(at), False
+        if at.y <= 0.0:
+            part = at.fall / 16.0
+            theta, z, w, hit = self._run(
+                POSITION, False, lift.region(theta), turn, theta, (z, w), part
+            )
+        last = min(TWO_PI, self.end(turn))
         while not hit and z <= self.ceiling and theta < last:
             index = lift.region(theta)
             theta, z, w, hit = self._run(POSITION, True, index, turn, theta, (z, w), math.inf)
         if not hit and z > self.ceiling and theta < last:
             return self._in_sky(turn, theta, z, w)
-        angle = theta % TWO_PI
-        c, slope, _ = lift.law(lift.region(angle), angle)
-        return theta, 0.0 if hit else z - c, w - omega * slope, hit
+        y, u = self.relative(theta, z, w)
+        return Leg(theta, 0.0 if hit else y, u, hit)
 
-    def _in_sky(self, turn: int, theta: float, z: float, w: float):
+    def _in_sky(self, turn: int, theta: float, z: float, w: float) -> Leg:
         """Integrate above the whole cam, for a turn at most."""
-        world, lift = self.world, self.world.lift
+        world = self.world
         ta, state, pars = compiled(SKY, POSITION, True, self.tolerance)
         self._set(ta, state, pars, (z, w), 0.0, (self.ceiling, 0.0))
         left = world.seconds_left(turn, theta)
         outcome = ta.propagate_until(min(world.period, left))
         world.trace.evaluations += int(outcome[3])
-        theta = (world.end - turn) * TWO_PI if ta.time >= left else theta + world.omega * ta.time
-        angle = theta % TWO_PI
-        c, slope, _ = lift.law(lift.region(angle), angle)
-        return theta, float(state[0]) - c, float(state[1]) - world.omega * slope, False
+        theta = self.end(turn) if ta.time >= left else theta + world.omega * ta.time
+        return Leg(theta, *self.relative(theta, float(state[0]), float(state[1])), False)
 
-    def _in_gap(self, turn: int, theta: float, y: float, u: float, fall: float):
+    def _in_gap(self, at: At) -> Leg:
         """Integrate (y, u) to the contact or the next breakpoint."""
-        index = self.world.lift.region(theta)
-        end = min(self.world.lift.regions[index].end, (self.world.end - turn) * TWO_PI)
+        index, end, _ = self.stretch(at)
+        turn, theta, y, u = at[:4]
         if y <= 0.0:
-            theta, y, u, _ = self._run(GAP, False, index, turn, theta, (y, u), fall / 16.0)
+            theta, y, u, _ = self._run(GAP, False, index, turn, theta, (y, u), at.fall / 16.0)
         if theta >= end:
-            return theta, y, u, False
-        return self._run(GAP, True, index, turn, theta, (y, u), math.inf)
+            return Leg(theta, y, u, False)
+        return Leg(*self._run(GAP, True, index, turn, theta, (y, u), math.inf))
 
     def _run(self, coordinates, armed, index, turn, theta, start, limit):
         """One integration inside a region, for `limit` seconds at most."""
         world, region = self.world, self.world.lift.regions[index]
-        end = min(region.end, theta + TWO_PI, (world.end - turn) * TWO_PI)
+        end = min(region.end, theta + TWO_PI, self.end(turn))
         ta, state, pars = compiled(region.form, coordinates, armed, self.tolerance)
         self._set(ta, state, pars, start, theta - region.centre, region.numbers)
         if not armed and limit == math.inf:  # pulled off: any short stretch is free of contact

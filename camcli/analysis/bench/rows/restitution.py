@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from math import pi, sqrt
 
 from camcli.analysis.bench.machine import Bench, events, phases, run, settings
@@ -83,13 +84,31 @@ def flown_off(bench: Bench) -> str:
 
 
 def no_spring_needed(bench: Bench) -> str:
-    """A cam below zero with gravity 0: the spring pulls away; `cam detach` says so in words."""
-    words = ["detach", "--no-plot", "--rpm", "110:120", "--points", "2"]
-    done = bench.command([*words, "--set", "cam.offset=0.7"])
-    said = [line[2:] for line in done.out.splitlines() if line.startswith("- ")]
-    wanted = next((line for line in said if "even at standstill" in line), None)
-    need(done.code == 0 and wanted is not None, f"exit {done.code}; {'; '.join(said)}")
-    return wanted.split(":")[0]
+    """A cam below zero: no stiffness holds without gravity, none is needed with enough of it.
+
+    `cam detach` says both in words: k c <= 0 pulls away, so only a preload helps; a weight that
+    presses harder than the cam falls away needs no spring.
+    """
+    words = ["detach", "--no-plot", "--json", "--points", "2", "--set", "cam.offset=0.7"]
+    light = _answer(bench, [*words, "--rpm", "110:120", "--hold-to", "120"])
+    said = [line for line in light["words"] if "not held even at standstill" in line]
+    need(bool(said), f"said: {'; '.join(light['words'])}")
+    alone, preload, _ = light["hold"]
+    need("a spring does not press" in alone["words"], f"of stiffness: {alone['words']}")
+    need(preload["status"] == "ok" and preload["preload"] > 0.0, f"preload {preload['status']}")
+    heavy = ["--set", "follower.gravity=1000", "--set", "follower.stiffness=0"]
+    held = _answer(bench, [*words, "--rpm", "20:30", "--hold-to", "30", *heavy])["hold"]
+    told = [answer["words"] for answer in held]
+    needless = all(answer["status"] == "not-needed" for answer in held)
+    need(needless and "no spring is needed" in told, f"with a weight: {'; '.join(told)}")
+    return f"'not held even at standstill'; 'a spring does not press'; '{told[-1]}'"
+
+
+def _answer(bench: Bench, words: list[str]) -> dict:
+    """The result that a command gives with --json."""
+    done = bench.command(words)
+    need(done.code == 0, f"exit {done.code}: {done.said.strip()}")
+    return json.loads(done.out)["result"]
 
 
 def tiny_restitution(bench: Bench) -> str:
@@ -110,6 +129,6 @@ ROWS = (
     Row("3: r = 0.999999", "impact budget with status or chatter map in tolerance", nearly_elastic),
     Row("8: k = 0; ball dropped from 1 m", "rests at 4.06371277 s", dropped_ball),
     Row("9: k = b = g = preload = 0", "separating follower: no-return", flown_off),
-    Row("24: cam below zero; no gravity", "said in words", no_spring_needed),
+    Row("24: cam below zero; no spring needed", "said in words", no_spring_needed),
     Row("25: chatter at 1e-300 m/s", "signs compared; not products", tiny_restitution),
 )

@@ -1,18 +1,16 @@
-"""The one seam for work in pieces: threads over a kernel that holds no lock.
-
-Pieces are independent and their results come back in the order of the pieces, so neither the
-number of threads nor their timing can be seen in a result.
-"""
+"""Threads over a kernel that holds no lock; results in the order of the pieces."""
 
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
 Piece = TypeVar("Piece")
 Result = TypeVar("Result")
+AHEAD = 16  # pieces per thread that may wait for the one whose turn it is
 
 
 def thread_count(threads: int | None) -> int:
@@ -24,7 +22,7 @@ def thread_count(threads: int | None) -> int:
     return os.cpu_count() or 1
 
 
-def run_pieces(
+def in_threads(
     function: Callable[[Piece], Result], pieces: Sequence[Piece], threads: int | None = None
 ) -> Iterator[Result]:
     """Yield function(piece) for every piece, in order; on an exception the rest is cancelled."""
@@ -32,11 +30,14 @@ def run_pieces(
     if count <= 1:
         yield from map(function, pieces)
         return
-    with ThreadPoolExecutor(count) as pool:
-        futures = [pool.submit(function, piece) for piece in pieces]
-        try:
-            for future in futures:
-                yield future.result()
-        finally:
-            for future in futures:
-                future.cancel()
+    pool = ThreadPoolExecutor(count)
+    running: deque[Future] = deque()
+    try:
+        for piece in pieces:
+            running.append(pool.submit(function, piece))
+            if len(running) >= AHEAD * count:
+                yield running.popleft().result()
+        while running:
+            yield running.popleft().result()
+    finally:
+        pool.shutdown(wait=not running, cancel_futures=True)

@@ -1,0 +1,77 @@
+"""Machines at the ends of their ranges that once raised, hung or gave numbers without a value."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from camcli.errors import SceneError
+from camcli.profiles.table import build, column
+from camcli.scene import load_scene
+from tests.hostile.bounds import plain_kernel, run_one_turn
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+@pytest.mark.parametrize(
+    ("name", "sets"),
+    [
+        ("law-harmonic", ["cam.rise.start_deg=1e-310"]),  # no stretch began at 0
+        ("law-smooth", ["cam.rise.start_deg=1e-300", "run.start.theta_deg=1e-301"]),
+        ("law-smooth", ["cam.rise.start_deg=359.9999999999999"]),
+        ("law-cycloidal", ["cam.rise.law={scca: {b: 5e-324, c: 1, d: 0}}"]),
+        ("law-harmonic", ["cam.rise.length_deg=1e-6", "cam.fall.length_deg=1e-6"]),
+        ("law-harmonic", ["cam.top_dwell_deg=5e-324"]),
+        ("bouncing-ball", ["run.strobe_deg=359.99999999999994", "cam.base=1e-30"]),  # width 0
+        ("chapter", ["run.strobe_deg=5e-324", "run.start.v=1e-300", "follower.restitution=1e-300"]),
+        ("chapter", ["run.strobe_deg=139.99999999999997"]),
+        ("chapter", ["run.strobe_deg=140.00000000000003"]),
+        ("lift-table", ["run.strobe_deg=5e-324"]),
+        ("eccentric", ["cam.lift=5e-324", "follower.restitution=1"]),
+        ("eccentric", ["run.start.q=1e9", "run.start.v=1e12", "run.rpm=1e-9"]),
+        ("chapter", ["follower.mass=1e-15", "follower.stiffness=1e15", "run.rpm=1e-9"]),
+        ("chapter", ["follower.damping=1e15", "follower.stiffness=0", "run.rpm=1e9"]),
+    ],
+)
+def test_an_extreme_machine_gives_a_status(name, sets):
+    with plain_kernel():
+        run_one_turn(load_scene(CONFIGS / f"{name}.yaml", sets))
+
+
+@pytest.mark.parametrize("strobe", ["5e-324", "1e-13", "139.99999999999997", "140", "320.1"])
+def test_no_stretch_is_a_sliver_and_the_strobe_is_a_start(strobe):
+    scene = load_scene(None, [f"run.strobe_deg={strobe}"])
+    cam = build(scene.cam.parts(), scene.run.strobe_deg)
+    starts, ends = column(cam, "START"), column(cam, "END")
+    assert starts[0] == 0.0
+    assert starts[1:] == ends[:-1]
+    assert min(b - a for a, b in zip(starts, ends, strict=True)) > 1e-12
+    assert starts[cam.strobe] == pytest.approx(
+        scene.run.strobe_deg * 0.017453292519943295, abs=3e-12
+    )
+
+
+@pytest.mark.parametrize("start", ["1e-12", "1e-11", "-1e-12"])
+def test_a_sliver_of_a_part_is_left_to_its_neighbour(start):
+    cam = load_scene(CONFIGS / "law-harmonic.yaml", [f"cam.rise.start_deg={start}"]).cam
+    table = build(cam.parts())
+    widths = zip(column(table, "START"), column(table, "END"), strict=True)
+    assert min(b - a for a, b in widths) > 1e-12
+
+
+@pytest.mark.parametrize(
+    ("sets", "words"),
+    [
+        ("run.start.q=1.7976931348623157e308", "expected a number from -1000000000 to 1000000000"),
+        ("run.start.v=1e154", "expected a number from -1000000000000 to 1000000000000"),
+        ("follower.damping=1e100", "expected a number from 0 to 1e+15"),
+        ("follower.gravity=-1e300", "expected a number from -1e+15 to 1e+15"),
+        ("follower.mass=5e-324", "expected a number from 1e-15 to 1e+15"),
+        ("run.rpm=1e-300", "expected a number from 1e-09 to 1000000000"),
+    ],
+)
+def test_what_no_machine_has_is_refused(sets, words):
+    with pytest.raises(SceneError) as caught:
+        load_scene(None, [sets])
+    assert words in str(caught.value)

@@ -1,0 +1,128 @@
+"""Disks that are full, read-only or no folder: words, exit code 2, and what fits is kept."""
+
+import os
+import resource
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from camcli.parallel.journal import records
+from tests.parallel.long_runs import but_record, command, files, run
+
+SWEEP = (
+    "sweep", "--rpm", "660:760", "--points", "41", "--no-plot", "--threads", "2",
+    "--set", "run.transient=5", "--set", "run.record=80",
+)  # fmt: skip
+
+
+@pytest.fixture
+def disk(tmp_path):
+    """A file system of its own: a function that gives it so many kB."""
+    place = tmp_path / "disk"
+    place.mkdir()
+
+    def mount(*options: str) -> int:
+        words = ["mount", "-t", "tmpfs", "-o", ",".join(options), "tmpfs", str(place)]
+        return subprocess.run(words, capture_output=True, check=False).returncode
+
+    if os.geteuid() != 0 or mount("size=128k") != 0:
+        pytest.skip("needs the right to mount a tmpfs")
+    yield lambda *options: mount("remount", *options)
+    subprocess.run(["umount", "-l", str(place)], check=True)
+
+
+def pieces(folder: Path) -> int:
+    (path,) = folder.glob(".*.pieces")
+    with open(path, "rb", buffering=0) as file:
+        return sum(1 for _ in records(file)) - 1
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("whole")
+    assert run(command(*SWEEP, "-o", "out"), folder)[0] == 0
+    return but_record(files(folder / "out"))
+
+
+def test_a_full_disk_keeps_what_fits_and_goes_on(disk, tmp_path, whole):
+    before = 0
+    old = {}
+    for size in (64, 128, 192, 256, 320):  # kB
+        assert disk(f"size={size}k") == 0
+        code, said = run(command(*SWEEP, "-o", "disk/out"), tmp_path)
+        assert (code, "No space left" in said) == (2, True), said
+        assert "internal fault" not in said
+        assert files(tmp_path / "disk/out") == old
+        assert pieces(tmp_path / "disk/out") >= before
+        before = pieces(tmp_path / "disk/out")
+    assert before > 5
+    assert disk("size=8m") == 0
+    code, said = run(command(*SWEEP, "-o", "disk/out"), tmp_path)
+    assert (code, f"going on: {before} pieces" in said) == (0, True)
+    assert but_record(files(tmp_path / "disk/out")) == whole
+
+
+def test_a_read_only_disk_is_said(disk, tmp_path):
+    (tmp_path / "disk/out").mkdir()
+    assert disk("ro") == 0
+    for out in ("disk/out", "disk/new", "disk"):
+        code, said = run(command(*SWEEP, "-o", out), tmp_path)
+        assert code == 2
+        assert "-o" in said
+        assert "internal fault" not in said
+    code, said = run(command(*SWEEP, "-o", "disk/out", "--shard", "1/2"), tmp_path)
+    assert (code, "Read-only" in said or "may not be written" in said) == (2, True)
+
+
+def limited(size: int):
+    """For a child: no file of more bytes."""
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+@pytest.mark.parametrize("extra", [(), ("--shard", "1/1")])
+def test_files_that_may_not_grow(tmp_path, whole, extra):
+    words = command(*SWEEP, "-o", "out", *extra)
+    done = subprocess.run(
+        words, cwd=tmp_path, capture_output=True, text=True, check=False, preexec_fn=limited(60_000)
+    )
+    assert (done.returncode, "File too large" in done.stderr) == (2, True), done.stderr
+    (path,) = tmp_path.glob("out/*.pieces")
+    assert 40_000 < path.stat().st_size <= 60_000
+    code, said = run(words, tmp_path)
+    assert (code, "going on" in said) == (0, True)
+    if extra:
+        assert run(command("merge", "out", "--no-plot"), tmp_path)[0] == 0
+        path.unlink()
+    assert but_record(files(tmp_path / "out")) == whole
+
+
+@pytest.mark.parametrize("extra", [(), ("--shard", "1/2")])
+def test_a_file_where_the_folder_should_be(tmp_path, extra):
+    (tmp_path / "taken").write_text("keep me")
+    for out in ("taken", "taken/deeper"):
+        code, said = run(command(*SWEEP, "-o", out, *extra), tmp_path)
+        assert code == 2
+        assert "internal fault" not in said
+        assert "Traceback" not in said
+    assert (tmp_path / "taken").read_text() == "keep me"
+
+
+@pytest.mark.parametrize("name", [".sweep-x.part", "sweep-1-of-2.pieces"])
+def test_a_folder_where_a_file_should_be(tmp_path, name):
+    (tmp_path / "out" / name).mkdir(parents=True)
+    code, said = run(command(*SWEEP, "-o", "out", "--shard", "1/2"), tmp_path)
+    assert (code, "internal fault" in said) == (0 if name[0] == "." else 2, False)
+    code, said = run(command(*SWEEP, "-o", "out"), tmp_path)
+    assert (code, "internal fault" in said) == (2 if name[0] == "." else 0, False)
+
+
+def test_a_cache_that_cannot_be_written_costs_only_time(tmp_path, whole):
+    (tmp_path / "cache").write_text("a file where the cache should be")
+    env = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    env |= {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    done = subprocess.run(
+        command(*SWEEP, "-o", "out"), cwd=tmp_path, env=env, capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert but_record(files(tmp_path / "out")) == whole
