@@ -14,10 +14,10 @@ from camcli.analysis.engine import Start
 from camcli.analysis.sweep import rpm_grid
 from camcli.artefacts.store import Store
 from camcli.artefacts.tables import accumulation_csv, corner_hits_csv, detach_csv, force_csv
-from camcli.cli import plan
 from camcli.cli.detach_words import show, summary
 from camcli.cli.options import Request
 from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.plan_starts import starts_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup, set_up, speed_range
@@ -36,11 +36,8 @@ def run(request: Request) -> int:
         setup.settings, transient=setup.scene.detach.settle, record=RECORD, start=Start()
     )
     setup = replace(setup, settings=settings)
-    plan.refuse_if_too_large(section.num, settings)
     rpms = rpm_grid(section.start, section.stop, section.num)
-    if request.dry_run:
-        cost = plan.estimate(setup.system, rpms, settings, 1, 1.0, 20.0)
-        cost.show(NAME, request.json)
+    if starts_planned(NAME, request, setup, rpms, settings, "detach.rpm.num"):
         return DONE
     store = Store(request.folder(NAME))
     began = perf_counter()

@@ -14,10 +14,10 @@ from camcli.analysis.orbits.study import Question, Study, study
 from camcli.analysis.orbits.walk import Span
 from camcli.artefacts.orbits import bifurcations_csv, branch_csv, curve_csv
 from camcli.artefacts.store import Store
-from camcli.cli import plan
 from camcli.cli.options import Request
 from camcli.cli.orbits_words import show, summary
 from camcli.cli.panel import DONE, NUMERICS, note
+from camcli.cli.plan_starts import starts_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup, set_up
@@ -36,12 +36,9 @@ def run(request: Request) -> int:
     setup = set_up(request, _options(request))
     question = _question(request, setup)
     bounds = _bounds(setup, question)
-    if request.dry_run:
-        run = replace(setup.settings, record=RECORD)
-        count = setup.scene.orbits.starts + 1
-        plan.estimate(setup.system, [question.rpm] * count, run, 1, 0.0, 1.0).show(
-            NAME, request.json
-        )
+    run = replace(setup.settings, record=RECORD)
+    rpms = [question.rpm] * (setup.scene.orbits.starts + 1)
+    if starts_planned(NAME, request, setup, rpms, run, "orbits.starts"):
         return DONE
     store = Store(request.folder(NAME))
     began = perf_counter()

@@ -116,11 +116,8 @@ def _refuse(name: str, request: Request, need: Need, figures, room: float, free:
 
 
 def size(count: float) -> str:
-    """Bytes in words: MB, from a thousand of them on GB, TB or PB."""
-    for factor, unit in ((1e15, "PB"), (1e12, "TB"), (1e9, "GB")):
-        if count >= factor:
-            return f"{count / factor:.3g} {unit}"
-    return f"{count / 1e6:.3g} MB"
+    """Bytes in words: MB, from a thousand of them on GB."""
+    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{count / 1e6:.3g} MB"
 
 
 def memory() -> float:

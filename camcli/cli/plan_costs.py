@@ -14,12 +14,14 @@ from camcli.cli.plan_probe import COMPILED, Glance
 from camcli.kernel import backend
 from camcli.parallel import thread_count
 
-START = 0.27  # s: start-up, and reading the scene
-KERNEL = 0.32  # s: loading numba and the compiled kernel from its cache
-DRAWING = 0.42  # s: loading matplotlib, a picture without points
+START = 0.33  # s: start-up, and reading the scene
+KERNEL = 0.4  # s: loading numba and the compiled kernel from its cache
+DRAWING = 0.55  # s: loading matplotlib, a picture without points
 POINT = 2e-7  # s per point of a picture
-TEXT = 1.1e-8  # s per byte of a table: making, writing and hashing it
+TEXT, AGAIN = 1.1e-8, 5e-9  # s per byte of a table: made, written and hashed; of a known number
 PIECE = 6e-9  # s per byte of finished pieces: written once, read some times
+SLOWEST = 4.0  # more is a hiccup of the look, not the pace of a machine
+ENOUGH = 0.02  # s of work that tell the pace of a machine
 MB = 1_000_000
 PROCESS, COMPILER, PICTURE = 45 * MB, 130 * MB, 125 * MB  # bytes of memory
 RECORD = 5_000  # bytes of run.json
@@ -37,8 +39,8 @@ class Pace:
     def of(cls, seen: Sequence[Glance]) -> Pace:
         """From what was looked at."""
         nominal = sum(one.nominal for one in seen)
-        slow = sum(one.plain for one in seen) / nominal if nominal else 1.0
-        return cls(min(20.0, max(0.1, slow)), sum(one.turn for one in seen) / max(1, len(seen)))
+        slow = sum(one.plain for one in seen) / nominal if nominal > ENOUGH else 1.0
+        return cls(min(SLOWEST, max(0.1, slow)), sum(one.turn for one in seen) / max(1, len(seen)))
 
     def kernel(self, turns: float, lanes: int, compiled: bool) -> float:
         """Seconds of so many turns, before `slow`; plain Python has one lane."""

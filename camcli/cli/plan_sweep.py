@@ -23,11 +23,10 @@ EXPONENT = 6e-3  # s per speed
 
 @dataclass(frozen=True)
 class _Work:
-    """Speeds of this run (all, or a shard's) and where its files go."""
+    """Speeds of this run (all, or a shard's), and how many at a time."""
 
     speeds: int
     lanes: int
-    share: float  # of all speeds
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,9 @@ def estimate(request: Request, setup: Setup) -> Plan:
     picture = _picture(rows.distinct * work.speeds) if whole and not request.no_plot else 0.0
     pieces = (150 + rows.pieces) * work.speeds
     seconds = costs.START + pace.kernel(work.speeds * turns, work.lanes, compiled)
-    seconds += costs.KERNEL * compiled + costs.PIECE * pieces + costs.TEXT * tables
+    new = rows.distinct / rows.recorded if rows.recorded else 1.0
+    text = costs.AGAIN + new * (costs.TEXT - costs.AGAIN)
+    seconds += costs.KERNEL * compiled + costs.PIECE * pieces + text * tables
     seconds += (costs.DRAWING + costs.POINT * points) * bool(picture)
     seconds += EXPONENT * work.speeds / work.lanes * section.lyapunov
     own = costs.RECORD + (60 * work.speeds) if whole else 0.0
@@ -93,7 +94,7 @@ def _work(request: Request, setup: Setup) -> _Work:
     section, shard = setup.scene.sweep, shard_of(request)
     count = section.rpm.num if shard is None else ceil(section.rpm.num / shard.count)
     lanes = costs.lanes_of(request.threads, count) if section.direction == FIXED else 1
-    return _Work(count, lanes, count / section.rpm.num)
+    return _Work(count, lanes)
 
 
 def _turns(one: Glance, turns: int) -> int:

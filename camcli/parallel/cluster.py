@@ -165,7 +165,7 @@ def _lost() -> tuple[type[BaseException], ...]:
     from asyncio import CancelledError as Cancelled
     from concurrent.futures import CancelledError
 
-    from distributed import CommClosedError
+    from distributed.comm import CommClosedError
 
     return (CommClosedError, CancelledError, Cancelled)
 
@@ -194,5 +194,5 @@ def _local(distributed, count: int):
     """Processes of this machine, one thread each."""
     return distributed.LocalCluster(
         n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None,
-        silence_logs=logging.CRITICAL + 1,
+        silence_logs=logging.CRITICAL + 1, preload=["camcli.parallel.worker"],
     )  # fmt: skip

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
 
+from camcli.errors import Fault, SceneError
 from camcli.parallel.journal import Journal, JournalError
 from camcli.parallel.pool import in_threads
 
@@ -95,7 +96,14 @@ class Work:
         codec: Codec,
         on_result: Callable[[Any], None] = lambda result: None,
     ) -> Sequence:
-        """All results of step(result before, piece), one after the other; `first` before all."""
+        """All results of step(result before, piece), one after the other; `first` before all.
+
+        Raises SceneError in a shard: there is no part of it that could be done alone.
+        """
+        if self.shard is not None:
+            found, expected = "found a chain, each piece after the one before", "expected parts"
+            cure = "leave it out, or set sweep.direction=fixed"
+            raise SceneError(Fault("--shard", "", found, expected, cure))
         call = self._call(codec)
         return call.collected(call.chain(step, first, pieces), len(pieces), on_result)
 

@@ -32,7 +32,7 @@ class Painted:
     def __init__(self, outcome):
         self.outcome, self.asked = outcome, 0
 
-    def settle(self, q, v, on_cells=None):
+    def settle(self, q, v, on_cells=None, share=False):
         self.asked += len(q)
         found = np.where(q < 0.305, BELOW, self.outcome(q, v)).astype(np.int16)
         return found, np.ones(len(q), dtype=np.int32)

@@ -14,6 +14,7 @@ from camcli.errors import SceneError
 def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):
     store = Store(tmp_path)
     store.write_text("a.csv", ["old\n"])
+    store.commit()
 
     def broken():
         yield "new\n"

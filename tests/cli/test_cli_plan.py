@@ -111,20 +111,20 @@ def test_the_same_scene_gives_the_same_counts(cam):
 
 
 TOO_LARGE = {
-    "cells": (("basins", "--cells", "16384", "--refine", "6"), "16384 x 16384 cells", "TB of mem"),
+    "cells": (("basins", "--cells", "16384", "--refine", "6"), "16384 x 16384 cells", "GB of mem"),
     "10^12 cells": (("basins", "--cells", "1000000"), "1000000", "16384"),
     "10^9 points": (("sweep", "--points", "1000000000"), "1000000000", "10000000"),
     "10^7 points": (
         ("sweep", "--points", "10000000", "--set", "run.record=100000"), "10000000 speeds",
-        "TB of files",
+        "GB of files",
     ),
     "10^15 turns": (("sweep", "--set", "run.record=1000000000000000"), "1000000000000000", ""),
-    "10^9 turns": (("sweep", "--set", "run.record=1000000000"), "1000000000 rec", "TB of files"),
+    "10^9 turns": (("sweep", "--set", "run.record=1000000000"), "1000000000 rec", "GB of files"),
     "10^9 samples": (("simulate", "--points", "1000000000"), "1000000000", "100000"),
     "10^14 rows": (
-        ("simulate", "--points", "100000", "--set", "run.record=1000000000"), "samples", "28 PB",
+        ("simulate", "--points", "100000", "--set", "run.record=1000000000"), "samples", "e+07 GB",
     ),
-    "motions": (("classify", "--set", "run.record=1000000000"), "101 speeds", "TB of memory"),
+    "motions": (("classify", "--set", "run.record=1000000000"), "101 speeds", "GB of memory"),
 }  # fmt: skip
 
 

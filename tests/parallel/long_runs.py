@@ -21,7 +21,6 @@ DYING = Path(__file__).with_name("dying.py")
 SIGNALS = (signal.SIGKILL, signal.SIGINT, signal.SIGTERM)
 ENDED = {130, -signal.SIGKILL, -signal.SIGINT, -signal.SIGTERM}  # SIGINT, SIGTERM: while starting
 SOAK = int(os.environ.get("CAMCLI_SOAK", "0"))  # kills at random moments, of all tests together
-NOT_YET = "Fatal Python error: init"  # what Python says where SIGINT meets it before us
 STARTUP = 1.0  # s, of the command beside its work
 kills: Counter[str] = Counter()
 
@@ -46,7 +45,7 @@ def begin(words: list[str], cwd: Path, **options) -> subprocess.Popen:
 
 def ended(process: subprocess.Popen) -> tuple[int, str]:
     """(exit code, stderr); nothing may hang."""
-    said = process.communicate(timeout=120)[1]
+    said = process.communicate(timeout=600)[1]
     return process.returncode, said
 
 
@@ -143,7 +142,8 @@ def soak(case: Case, seed: int, count: int) -> int:
         process.send_signal(how)
         code, said = ended(process)
         assert "internal fault" not in said
-        assert code == 0 or code in ENDED or NOT_YET in said, (how, code, said)
+        early = "KeyboardInterrupt" in said and "camcli" not in said  # Python was still starting
+        assert code == 0 or code in ENDED or early, (how, code, said)
         case.check()
         if code == 0:
             assert but_record(files(case.folder)) == but_record(case.new)

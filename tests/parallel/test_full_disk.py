@@ -3,12 +3,22 @@
 import os
 import resource
 import subprocess
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from camcli.parallel.journal import records
-from tests.parallel.long_runs import but_record, command, files, run
+from tests.parallel.long_runs import (
+    at_work,
+    begin,
+    but_record,
+    command,
+    dying,
+    ended,
+    files,
+    run,
+)
 
 SWEEP = (
     "sweep", "--rpm", "660:760", "--points", "41", "--no-plot", "--threads", "2",
@@ -26,7 +36,7 @@ def disk(tmp_path):
         words = ["mount", "-t", "tmpfs", "-o", ",".join(options), "tmpfs", str(place)]
         return subprocess.run(words, capture_output=True, check=False).returncode
 
-    if os.geteuid() != 0 or mount("size=128k") != 0:
+    if os.geteuid() != 0 or mount("size=8m") != 0:
         pytest.skip("needs the right to mount a tmpfs")
     yield lambda *options: mount("remount", *options)
     subprocess.run(["umount", "-l", str(place)], check=True)
@@ -45,22 +55,27 @@ def whole(tmp_path_factory):
     return but_record(files(folder / "out"))
 
 
-def test_a_full_disk_keeps_what_fits_and_goes_on(disk, tmp_path, whole):
-    before = 0
-    old = {}
-    for size in (64, 128, 192, 256, 320):  # kB
-        assert disk(f"size={size}k") == 0
-        code, said = run(command(*SWEEP, "-o", "disk/out"), tmp_path)
-        assert (code, "No space left" in said) == (2, True), said
-        assert "internal fault" not in said
-        assert files(tmp_path / "disk/out") == old
-        assert pieces(tmp_path / "disk/out") >= before
-        before = pieces(tmp_path / "disk/out")
-    assert before > 5
-    assert disk("size=8m") == 0
+def test_a_disk_that_fills_up_keeps_what_fits_and_goes_on(disk, tmp_path, whole):
+    out = tmp_path / "disk/out"
+    process = begin(dying("slow", 60, "SIGKILL", *SWEEP, "-o", "disk/out"), tmp_path)
+    assert at_work(out, 3)
+    fill(tmp_path / "disk/ballast")
+    code, said = ended(process)
+    assert (code, "No space left" in said, "internal fault" in said) == (2, True, False), said
+    assert files(out) == {}
+    kept = pieces(out)
+    assert 3 <= kept < 41
+    (tmp_path / "disk/ballast").unlink()
     code, said = run(command(*SWEEP, "-o", "disk/out"), tmp_path)
-    assert (code, f"going on: {before} pieces" in said) == (0, True)
-    assert but_record(files(tmp_path / "disk/out")) == whole
+    assert (code, f"going on: {kept} pieces" in said) == (0, True)
+    assert but_record(files(out)) == whole
+
+
+def fill(path: Path) -> None:
+    """Take all the room there is."""
+    with suppress(OSError), open(path, "wb", buffering=0) as file:
+        while True:
+            file.write(b"x" * 4096)
 
 
 def test_a_read_only_disk_is_said(disk, tmp_path):
