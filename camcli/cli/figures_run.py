@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 import sys
 import threading
@@ -102,7 +101,7 @@ class _Crew:
         with self.lock:
             self.ended = True
             for process in self.running:
-                process.send_signal(signal.SIGINT)
+                process.terminate()
 
 
 def _mark(figure: Figure, folder: Path, done: Done) -> None:

@@ -18,6 +18,7 @@ from typing import Any, BinaryIO
 from zlib import crc32
 
 from camcli.parallel.codec import pack, unpack
+from camcli.parallel.index import Index
 
 MAGIC = b"CAMp"
 HEAD = struct.Struct("<4sIQI")
@@ -39,10 +40,11 @@ class Journal:
     def __init__(self, path: Path, header: str, parts: tuple[Path, ...] = ()):
         """Open or create; raises JournalError for a file with another header, OSError."""
         self.path = path
-        self.index: dict[str, tuple[Path | None, int, int]] = {}  # name -> part, offset, bytes
+        self.index = Index()  # file 0 is our own, then the parts
+        self.parts = parts
         self._lock = Lock()
-        for part in parts:
-            self._read_part(part, header)
+        for number, part in enumerate(parts, 1):
+            self._read_part(part, header, number)
         self._file = open(path, "a+b", buffering=0)  # noqa: SIM115 - see close()
         try:
             self._open_own(header)
@@ -51,14 +53,14 @@ class Journal:
             raise
         self.found = len(self.index)  # pieces there were at the beginning
 
-    def _read_part(self, part: Path, header: str) -> None:
+    def _read_part(self, part: Path, header: str, number: int) -> None:
         with open(part, "rb", buffering=0) as file:
-            if self._take(file, header, part) == 0:
+            if self._take(file, header, number) == 0:
                 raise JournalError(f"{part} holds no pieces")
 
     def _open_own(self, header: str) -> None:
         """Index what is whole, cut off what is torn."""
-        end, size = self._take(self._file, header, None), self._file.seek(0, os.SEEK_END)
+        end, size = self._take(self._file, header, 0), self._file.seek(0, os.SEEK_END)
         if end == 0 and not _record(HEADER, header).startswith(_read(self._file, 0, size)):
             raise JournalError(f"{self.path} is no journal")
         self.torn = size - end
@@ -66,14 +68,15 @@ class Journal:
         if end == 0:
             self._append(HEADER, header)
 
-    def _take(self, file: BinaryIO, header: str, part: Path | None) -> int:
+    def _take(self, file: BinaryIO, header: str, number: int) -> int:
         """Index the whole records; the end of the last one, 0 where there is not even a header."""
         expected, end = pack(header), 0
         for name, offset, size, after in records(file):
             if end:
-                self.index[name] = (part, offset, size)
+                self.index.put(name, number, end)
             elif name != HEADER or size != len(expected) or _read(file, offset, size) != expected:
-                raise JournalError(f"{part or self.path} belongs to other work")
+                where = self.parts[number - 1] if number else self.path
+                raise JournalError(f"{where} belongs to other work")
             end = after
         return end
 
@@ -82,32 +85,29 @@ class Journal:
 
     def get(self, name: str) -> Any:
         """The value of a record; raises KeyError, OSError, and ValueError where it holds none."""
-        part, offset, size = self.index[name]
-        if part is None:
+        number, at = self.index.get(name)
+        if number == 0:
             with self._lock:
-                data = _read(self._file, offset, size)
-        else:
-            with open(part, "rb", buffering=0) as file:
-                data = _read(file, offset, size)
-        return unpack(data)
+                return unpack(_payload(self._file, at))
+        with open(self.parts[number - 1], "rb", buffering=0) as file:
+            return unpack(_payload(file, at))
 
     def put(self, name: str, value: Any) -> None:
         """Append a record; raises OSError, the file then ends where it did before."""
         with self._lock:
-            self.index[name] = self._append(name, value)
+            self.index.put(name, 0, self._append(name, value))
 
-    def _append(self, name: str, value: Any) -> tuple[None, int, int]:
-        record = _record(name, value)
+    def _append(self, name: str, value: Any) -> int:
+        """Write a record at the end; returns where it begins."""
         end = self._file.seek(0, os.SEEK_END)
-        rest = memoryview(record)
+        rest = memoryview(_record(name, value))
         try:
             while len(rest):
                 rest = rest[self._file.write(rest) :]
         except BaseException:  # an interrupt too
             self._file.truncate(end)
             raise
-        before = HEAD.size + len(name.encode())
-        return None, end + before, len(record) - before
+        return end
 
     def close(self) -> None:
         """Close; what was put stays. A thread that is still at work puts nothing more."""
@@ -179,6 +179,15 @@ def _record(name: str, value: Any) -> bytes:
     sizes = SIZES.pack(MAGIC, len(label), len(data))
     check = crc32(data, crc32(label, crc32(sizes)))
     return b"".join([HEAD.pack(MAGIC, len(label), len(data), check), label, data])
+
+
+def _payload(file: BinaryIO, at: int) -> bytes:
+    """The payload of the record that begins here; raises ValueError where there is none."""
+    head = _read(file, at, HEAD.size)
+    if len(head) < HEAD.size:
+        raise ValueError("the file has become shorter")
+    _, label_size, size, _ = HEAD.unpack(head)
+    return _read(file, at + HEAD.size + label_size, size)
 
 
 def _read(file: BinaryIO, offset: int, size: int) -> bytes:

@@ -8,6 +8,7 @@ number of the call there and its own number, and is taken from the journal where
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
@@ -35,14 +36,10 @@ class Cluster(Protocol):
 
 
 class Shard(NamedTuple):
-    """The part of the pieces that is ours: number 1, ..., of count."""
+    """The part of the pieces that is ours: every count-th, from piece number - 1 on."""
 
     number: int
     count: int
-
-    def holds(self, k: int) -> bool:
-        """True where piece k belongs to it."""
-        return k % self.count == self.number - 1
 
 
 class ShardDone(Exception):  # noqa: N818 - no error: there is no more to do here
@@ -140,12 +137,16 @@ class _Call:
         return result
 
     def run(self, task: Callable, pieces: Sequence, shard: Shard | None) -> Iterator:
-        ours = [k for k in range(len(pieces)) if shard is None or shard.holds(k)]
-        missing = [k for k in ours if not self.has(k)]
-        fresh = self._fresh(task, missing, pieces)
-        due = set(missing)
+        count = len(pieces)
+        ours = range(count) if shard is None else range(shard.number - 1, count, shard.count)
+        missing = array("q", (k for k in ours if not self.has(k)))
+        fresh, nth = self._fresh(task, missing, pieces), 0
         for k in ours:
-            yield next(fresh) if k in due else self.load(k)
+            if nth < len(missing) and missing[nth] == k:
+                nth += 1
+                yield next(fresh)
+            else:
+                yield self.load(k)
         if shard is not None:
             raise ShardDone
 

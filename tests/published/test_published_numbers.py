@@ -110,7 +110,10 @@ def test_the_three_turn_orbit_from_rest(rpm):
     The transient stretches errors beyond 1e13 in 30 turns. At 358.0 rpm even the 17th digit of the
     data decides, and most of what lies within it settles on this orbit.
     """
-    assert classify_at(chapter_system(), rpm, settings(record=400, transient=600)).label == "P(3;3:3:2)"
+    assert (
+        classify_at(chapter_system(), rpm, settings(record=400, transient=600)).label
+        == "P(3;3:3:2)"
+    )
 
 
 @pytest.mark.parametrize("rpm", [358.0, 358.5])
