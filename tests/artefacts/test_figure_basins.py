@@ -104,7 +104,7 @@ def test_a_refined_grid_is_drawn(chapter):
 
 def test_a_range_stacks_to_one(chapter):
     question = Question(QUESTION.window.with_cells(8, 8))
-    result = study(chapter, [356.0, 358.0, 364.0], settings(), question)
+    result = study(chapter, [358.5, 359.0, 360.0], settings(), question)
     first, second = BytesIO(), BytesIO()
     draw_range(result, question, first)
     draw_range(result, question, second)

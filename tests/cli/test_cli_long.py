@@ -32,7 +32,7 @@ CASES = {
     "carried": ((*SWEEP, "--no-plot", "--set", "sweep.direction=up"), ("--points", "9"), 4),
     "basins": (("basins", "--cells", "90", "--no-plot"), ("--cells", "9"), 4),
     "basins over a range": (
-        ("basins", "--rpm", "340:358", "--points", "4", "--cells", "30", "--threads", "2"),
+        ("basins", "--rpm", "690:730", "--points", "4", "--cells", "30", "--threads", "2"),
         ("--points", "2"),
         4,
     ),

@@ -36,7 +36,7 @@ def refused(done, *said: str) -> None:
         (2, (*SWEEP, "--lyapunov", "--set", "sweep.tables=npz")),
         (2, ("sweep", "--rpm", "735:745", "--points", "11", *TURNS, "--explain")),
         (2, ("basins", "--cells", "40", "--boundary", "--no-plot", *TURNS[:-1])),
-        (2, ("basins", "--rpm", "340:358", "--points", "3", "--cells", "20", "--no-plot")),
+        (2, ("basins", "--rpm", "359:360", "--points", "2", "--cells", "20", "--no-plot")),
     ],
     ids=["sweep", "npz", "explain", "boundary", "range"],
 )

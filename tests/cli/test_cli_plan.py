@@ -22,7 +22,7 @@ SEEN = {
     "sweep down": ("sweep", "--rpm", "735:672", "--set", "sweep.direction=down", "--points", "60"),
     "basins": ("basins", "--cells", "120"),
     "basins refined": ("basins", "--cells", "80", "--refine", "2"),
-    "basins of a range": ("basins", "--rpm", "356:360", "--points", "3", "--cells", "90"),
+    "basins of a range": ("basins", "--rpm", "690:730", "--points", "3", "--cells", "60"),
     "basins by cells": ("basins", "--method", "simple", "--cells", "120"),
     "basins with a boundary": ("basins", "--cells", "60", "--boundary"),
     "classify": ("classify", "--rpm", "700:745", "--points", "40"),

@@ -11,7 +11,7 @@ RUNS = {
     "sweep": ("sweep", "--rpm", "690:745", "--points", "5", *TURNS),
     "simulate": ("simulate", "--rpm", "700", *TURNS),
     "explain": ("sweep", "--rpm", "735:745", "--points", "5", *TURNS, "--explain"),
-    "boundary": ("basins", "--cells", "30", "--boundary", "--no-plot"),
+    "basins": ("basins", "--cells", "30", "--no-plot"),
     "detach": ("detach", "--no-plot"),
     "orbits": ("orbits", "--rpm", "340:400", "--at", "358.5", "--label", "P(3;3:3:2)", "--no-plot"),
 }
