@@ -214,7 +214,11 @@ def test_an_interrupted_run_keeps_finished_figures(run, folder, tmp_path):
     write(folder, "1.3", "sweep", "run: {transient: 100000}")
     words = ["figures", "--folder", str(folder), "-o", "out", "--threads", "2"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "camcli", *words], cwd=tmp_path, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "camcli", *words],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     until = time.monotonic() + 60
     done = tmp_path / "out" / "1.10" / "figure.json"
