@@ -49,8 +49,13 @@ class Sweep:
 
     @property
     def troubled(self) -> list[Speed]:
-        """Speeds whose status is not ok."""
-        return [speed for speed in self.speeds if speed.status != OK]
+        """Speeds whose status is not ok, without their sections."""
+        return [bare(speed) for speed in self.speeds if speed.status != OK]
+
+
+def bare(speed: Speed) -> Speed:
+    """The speed without its sections: what a summary keeps of it."""
+    return replace(speed, impacts=None, strobe=None)
 
 
 def rpm_grid(start: float, stop: float, num: int) -> list[float]:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import nullcontext
 from functools import partial
-from itertools import groupby
 from time import perf_counter
 from typing import Any
 
-from camcli.analysis.sweep import FIXED, Speed, Sweep, rpm_grid, status_name, sweep
+from camcli.analysis.sweep import FIXED, Speed, Sweep, bare, rpm_grid, status_name, sweep
 from camcli.artefacts.store import Store
 from camcli.artefacts.tables import (
     IMPACTS,
@@ -173,13 +172,14 @@ def summary(result: Sweep) -> dict:
 
 
 def _ranges(result: Sweep) -> list[tuple[str, str, Speed, Speed, int]]:
-    """Consecutive speeds of one label and status."""
-    found = []
-    for (label, status), group in groupby(
-        result.speeds, lambda s: (s.label, status_name(s.status))
-    ):
-        speeds = list(group)
-        found.append((label, status, speeds[0], speeds[-1], len(speeds)))
+    """(label, status, first, last, count) of consecutive speeds of one label and status."""
+    found: list[tuple[str, str, Speed, Speed, int]] = []
+    for speed in map(bare, result.speeds):
+        key = (speed.label, status_name(speed.status))
+        if found and found[-1][:2] == key:
+            found[-1] = (*key, found[-1][2], speed, found[-1][4] + 1)
+        else:
+            found.append((*key, speed, speed, 1))
     return found
 
 

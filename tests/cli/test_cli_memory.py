@@ -1,0 +1,24 @@
+"""Memory does not grow with the length of a sweep."""
+
+import os
+import subprocess
+import sys
+
+ROOM = 15_000_000  # bytes: the records of the longer sweep alone take 70 MB
+
+
+def peak(folder, points):
+    """Peak memory of a sweep, bytes."""
+    words = ("sweep", "--points", str(points), "--quiet", "--no-plot", "--threads", "1")
+    turns = ("--set", "run.transient=0", "--set", "run.record=400")
+    command = [sys.executable, "-m", "camcli", *words, *turns]
+    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0
+    return usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+
+
+def test_ten_times_the_speeds_take_the_same_memory(tmp_path):
+    short, long_ = peak(tmp_path, 260), peak(tmp_path, 2600)
+    assert long_ - short < ROOM
