@@ -69,7 +69,8 @@ def _draw(request: Request, setup: Setup, store: Store, result: Profile) -> None
         rows = [k for k, line in enumerate(turn.line) if line]
         lift = [cam.base + turn.lift[k] for k in rows]
         measured = Measured([turn.theta[k] for k in rows], lift, cam.errors.bounds, words)
-    store.write("profile.png", lambda file: draw_profile(result, measured, file))
+    panels = setup.scene.simulate.profile_panels
+    store.write("profile.png", lambda file: draw_profile(result, measured, file, panels))
 
 
 def _extreme(extreme: Extreme | None) -> dict[str, float] | None:

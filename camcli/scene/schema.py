@@ -7,7 +7,7 @@ never pass.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Union
+from typing import Annotated, Any, Literal, Union, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Field
 
@@ -38,6 +38,7 @@ SectionName = Literal["impacts", "strobe"]
 ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
 PanelName = Literal["branches", "multipliers", "events"]
+ProfilePanel = Literal["lift", "velocity", "acceleration", "force", "curvature"]
 Cam = cam_union(CAMS)
 TAGGED = len(CAMS) > 1  # pydantic then names the kind in the location of an error
 
@@ -48,6 +49,16 @@ class Simulate(Section):
     samples: Whole = Field(360, ge=1, le=100_000, description="points per turn in trajectory.csv")
     plot_turns: Whole = Field(
         3, ge=1, le=MOST_TURNS, description="turns drawn, counted from the end"
+    )
+    profile_panels: Annotated[
+        tuple[ProfilePanel, ...],
+        Field(min_length=1),
+        BeforeValidator(items),
+        AfterValidator(unique),
+    ] = Field(
+        get_args(ProfilePanel),
+        description="panels of profile.png (--profile-only)",
+        json_schema_extra={"uniqueItems": True},
     )
 
 

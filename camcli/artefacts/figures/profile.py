@@ -19,6 +19,8 @@ BELOW = 165  # px, above the two panels of curvature
 HALF = 520  # px, width of these
 CAPTION = {"loc": "right", "fontsize": 8, "pad": 3, "color": style.CAM}
 TICKS = range(0, 361, 30)
+CURVATURE = "curvature"
+PANELS = ("lift", "velocity", "acceleration", "force", CURVATURE)  # from top to bottom
 
 
 @dataclass(frozen=True)
@@ -31,23 +33,28 @@ class Measured:
     words: str
 
 
-def draw_profile(profile: Profile, measured: Measured | None, path_or_buffer) -> None:
-    """Write the PNG of a cam to a path or a binary buffer."""
-    height = TOP + 4 * PANEL + 3 * GAP + BELOW + PANEL + BOTTOM
+def draw_profile(
+    profile: Profile, measured: Measured | None, path_or_buffer, panels: Sequence[str] = PANELS
+) -> None:
+    """Write the PNG of a cam to a path or a binary buffer; `panels` are some of PANELS."""
+    over_turn = [name for name in PANELS if name in panels and name != CURVATURE]
+    tops = {name: TOP + k * (PANEL + GAP) for k, name in enumerate(over_turn)}
+    below = TOP + len(over_turn) * (PANEL + GAP) - GAP
+    bent = below + BELOW
+    height = (bent + PANEL if CURVATURE in panels else below) + BOTTOM
     wide = style.WIDTH - LEFT - RIGHT
     with style.page(path_or_buffer, height) as figure:
         style.write(figure, 20, 14, _title(profile), size=9, weight="bold")
         style.write(figure, 20, 50, _second_line(profile), color=style.CAM)
-        tops = [TOP + k * (PANEL + GAP) for k in range(4)]
-        lift, slope, accel, force = (style.place(figure, LEFT, top, wide, PANEL) for top in tops)
-        _lift(lift, profile, measured)
-        _curve(slope, profile, profile.c1, "$c_\\theta$ (m/rad)")
-        _accel(accel, profile, measured)
-        _force(force, profile)
-        for axes in (lift, slope, accel, force):
-            _turn(axes, profile, axes is force, axes is lift)
-        _legend(figure, lift, accel)
-        _curvatures(figure, profile, tops[3] + PANEL + BELOW)
+        drawn = []
+        for name, top in tops.items():
+            axes = style.place(figure, LEFT, top, wide, PANEL)
+            DRAW[name](axes, profile, measured)
+            _turn(axes, profile, name == over_turn[-1], name == over_turn[0])
+            drawn.append(axes)
+        _legend(figure, *drawn)
+        if CURVATURE in panels:
+            _curvatures(figure, profile, bent)
 
 
 def _title(profile: Profile) -> str:
@@ -81,6 +88,10 @@ def _lift(axes: Axes, profile: Profile, measured: Measured | None) -> None:
     axes.set_ylim(low.value - 0.06 * room, high.value + 0.22 * room)
 
 
+def _slope(axes: Axes, profile: Profile, _: Measured | None) -> None:
+    _curve(axes, profile, profile.c1, "$c_\\theta$ (m/rad)")
+
+
 def _accel(axes: Axes, profile: Profile, measured: Measured | None) -> None:
     _curve(axes, profile, profile.c2, r"$c_{\theta\theta}$ (m/rad²)")
     if measured is None:
@@ -96,11 +107,14 @@ def _accel(axes: Axes, profile: Profile, measured: Measured | None) -> None:
     )  # fmt: skip
 
 
-def _force(axes: Axes, profile: Profile) -> None:
+def _force(axes: Axes, profile: Profile, _: Measured | None) -> None:
     force = profile.force
     draw_forces(axes, [force])
     words = f"at {style.number(force.rpm)} rpm, least {newtons(force.lowest_n, 4)}"
     axes.set_title(words, **CAPTION)
+
+
+DRAW = {"lift": _lift, "velocity": _slope, "acceleration": _accel, "force": _force}
 
 
 def _turn(axes: Axes, profile: Profile, labelled: bool, named: bool) -> None:
