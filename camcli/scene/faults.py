@@ -40,7 +40,7 @@ class Translator:
 
     def findings(self, errors: list[Mapping[str, Any]]) -> list[Finding]:
         found: list[Finding] = []
-        for error in errors:
+        for error in _causes(errors):
             cause = error.get("ctx", {}).get("error")
             if isinstance(cause, FileFaultsError):
                 found += self._in_file(error, cause)
@@ -231,3 +231,12 @@ def _nearest(word: str, known: list[str]) -> str:
 
     near = difflib.get_close_matches(word[:40].lower(), known, n=1, cutoff=0.6)
     return near[0] if near else ""
+
+
+def _causes(errors: list[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """The errors without a list too short only because its bad items do not count."""
+
+    def is_bad(loc: tuple) -> bool:
+        return any(e["loc"][: len(loc)] == loc and len(e["loc"]) > len(loc) for e in errors)
+
+    return [e for e in errors if e["type"] != "too_short" or not is_bad(e["loc"])]

@@ -217,3 +217,18 @@ def test_help_and_other_kinds_import_nothing_for_tables():
             [sys.executable, "-c", probe, folder], capture_output=True, text=True, check=True
         )
     assert done.stderr.splitlines()[-1] == "[]"
+
+
+def test_only_the_panels_asked_for(cam, tmp_path):
+    heights = []
+    for panels in ("[lift]", "[force, lift]", "[curvature]"):
+        words = ("--profile-only", "--set", f"simulate.profile_panels={panels}", "-q")
+        assert cam("simulate", *words).returncode == 0
+        data = (tmp_path / "out/simulate/profile.png").read_bytes()
+        heights.append(int.from_bytes(data[20:24], "big"))
+    assert heights[0] < heights[1] < 1000
+    assert heights[2] > heights[0]
+    done = cam("simulate", "--profile-only", "--set", "simulate.profile_panels=[jerk]")
+    assert done.returncode == 2
+    (fault,) = done.stderr.splitlines()
+    assert "found 'jerk', expected one of lift, velocity, acceleration, force, curvature" in fault
