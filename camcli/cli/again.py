@@ -43,7 +43,22 @@ def call_of(
         request, config=None, sets=[], rpm=None, points=None, out=out, extra=extra, scene=scene,
         home=home, parts=parts, dry_run=False,
     )  # fmt: skip
-    return again, import_module(f"camcli.cli.{command}").run
+    run = import_module(f"camcli.cli.{command}").run
+    return again, lambda asked: _with_its_files(run, asked)
+
+
+def _with_its_files(run: Callable[[Request], int], request: Request) -> int:
+    """Run it; where a file that the scene names is missing, --folder is the cure."""
+    try:
+        return run(request)
+    except SceneError as error:
+        cure = "say with --folder where it is"
+        raise SceneError(
+            *(
+                replace(f, cure=cure) if f.path == "cam.file" and "no such file" in f.found else f
+                for f in error.faults
+            )
+        ) from None
 
 
 def _is_deeper(value: Any, most: int) -> bool:

@@ -17,7 +17,8 @@ then cam merge DIR: the same artefacts, byte for byte, as of one run.
 RERUN_HELP = """Run again what a run.json records, and say whether the bytes agree.
 
 \b
-Exit code 3 where a CSV differs. Artefacts go to a temporary folder, or to -o.
+Exit code 3 where a CSV differs. Artefacts go to a temporary folder, or to -o. For all commands but
+bench and figures. A lift table is looked for beside FILE, or in --folder.
 """
 
 FOLDER = Annotated[

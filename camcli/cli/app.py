@@ -70,12 +70,14 @@ def main() -> None:
     """Run `cam`, turning every failure into words and an exit code."""
     import signal
 
+    from camcli.cli.output import hold_output
     from camcli.cli.panel import INTERRUPTED, guarded
 
     if "CAMCLI_PARENT" in os.environ:
         from camcli.cli.orphan import end_with_parent
 
         end_with_parent()
+    hold_output()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like an interrupt
     code = guarded(lambda: app(standalone_mode=False))
     if code == INTERRUPTED:  # without waiting for a piece that is still at work in a thread

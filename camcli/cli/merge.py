@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
@@ -38,9 +39,9 @@ def _paths(given: Sequence[Path]) -> list[Path]:
     """The files named, or those in the folders named; raises SceneError where there are none."""
     found: list[Path] = []
     for path in given:
-        found += sorted(path.glob(f"*-of-*{PIECES}")) if path.is_dir() else [path]
+        found += sorted(path.rglob(f"*-of-*{PIECES}")) if os.path.isdir(path) else [path]
     if not found:
-        expected = f"expected files *{PIECES} of --shard I/N"
+        expected = f"expected files COMMAND-I-of-N{PIECES}, made by --shard I/N"
         cure = "name the folder they are in"
         where = ", ".join(map(str, given))
         raise SceneError(Fault("PART", where, "found no parts", expected, cure))

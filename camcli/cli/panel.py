@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 
-from camcli.errors import NumericsError, SceneError, printable
+from camcli.errors import Fault, NumericsError, SceneError, printable
 
 DONE, INTERNAL, USAGE, NUMERICS, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -15,7 +16,7 @@ def guarded(call: Callable[[], object]) -> int:
     """Run `call`; the exit code it returns, or the one of its failure after saying what failed."""
     try:
         code = call()
-        sys.stdout.flush()
+        _flush()
         if code == INTERRUPTED:  # the option parser has caught the interrupt
             note("interrupted")
         return code if isinstance(code, int) else DONE
@@ -29,14 +30,26 @@ def guarded(call: Callable[[], object]) -> int:
     except KeyboardInterrupt:
         note("interrupted")
         return INTERRUPTED
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return DONE
     except MemoryError:
         note("cam: out of memory: ask for fewer speeds or recorded turns (cam ... --dry-run)")
         return INTERNAL
     except Exception as error:
         return _other(error)
+    finally:
+        with suppress(OSError, SceneError):
+            _flush()
+
+
+def _flush() -> None:
+    """Let stdout go; a reader that has left is no fault, a full disk is one of stdout alone."""
+    from camcli.cli.output import release_output
+
+    try:
+        release_output()
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError):
+            found = f"could not be written ({error.strerror})"
+            raise SceneError(Fault("stdout", "", found, "", "the artefacts are complete")) from None
 
 
 def _other(error: Exception) -> int:

@@ -131,7 +131,7 @@ def memory() -> float:
 def free_disk(folder: Path) -> float:
     """Bytes free where the folder is or will be."""
     place = folder.absolute()
-    while not place.exists() and place != place.parent:
+    while not os.path.exists(place) and place != place.parent:  # a name too long is no error
         place = place.parent
     try:
         return float(shutil.disk_usage(place).free)

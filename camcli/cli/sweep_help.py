@@ -10,7 +10,8 @@ LABELS_HELP = """
 \b
 Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a complete
 chatter); contact: the follower never leaves the cam; aperiodic: no period up to 64 turns fits;
-undecided: the record holds too few impacts to tell.
+undecided: the record holds too few impacts to tell. A label is what the record shows: a long cycle
+through inf may be one that rounding has closed (near 358 rpm); cam classify tells.
 Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
 """
 

@@ -75,7 +75,7 @@ def shard_done(desk: Desk, request: Request) -> int:
     """Mark the shard as complete, say what comes next; the exit code."""
     desk.journal.put(END, list(desk.work.shard))
     if not request.quiet:
-        note(f"{desk.journal.path}: complete; cam merge {desk.journal.path.parent} joins all parts")
+        note(f"{desk.journal.path}: complete; once all are, cam merge {desk.journal.path.parent}")
     return DONE
 
 
@@ -103,7 +103,7 @@ def _opened(stack: ExitStack, path: Path, header: str, request: Request) -> Jour
     if journal.found and not request.parts and not request.quiet:
         note(f"going on: {journal.found} pieces are on disk")
     if journal.torn and not request.quiet:
-        note(f"the last piece was torn ({journal.torn} bytes), it is computed again")
+        note(f"a piece was torn, what was behind it ({journal.torn} bytes) is computed again")
     return journal
 
 
@@ -140,10 +140,11 @@ def _unlock(handle: int | None) -> None:
 def header_of(command: str, request: Request, setup: Setup) -> str:
     """What the pieces belong to: everything that decides a result, and how to ask for it again."""
     options = {key: value for key, value in request.as_options().items() if key != "plot"}
+    scene = resolved(setup.scene)
     what = {
         "format": FORMAT,
         "command": command,
-        "scene": resolved(setup.scene),
+        "scene": {key: scene[key] for key in ("follower", "cam", "run", command)},
         "options": {**options, "rpm": None, "points": None, "set": []},  # they are in the scene
         "program": program_hash(),
     }
