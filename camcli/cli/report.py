@@ -64,14 +64,13 @@ def finish(
 
 def closing_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
     """One line of cost and error."""
-    took = f"in {costs['seconds']:.3g} s ({costs['impacts_per_s'] or 0.0:.3g}/s, "
+    took = f" in {costs['seconds']:.3g} s ({costs['impacts_per_s'] or 0.0:.3g}/s, "
     if costs["pieces_from_disk"]:
-        took = (
-            f"{costs['pieces_from_disk']} pieces from disk, the rest in {costs['seconds']:.3g} s ("
-        )
+        from_disk = costs["pieces_from_disk"]
+        took = f", {from_disk} pieces from disk, the rest in {costs['seconds']:.3g} s ("
     per_impact = costs["gap_evaluations"] / max(1, costs["impacts"])
     return (
-        f"{costs['impacts']} impacts {took}{per_impact:.2g} gap evaluations each); "
+        f"{costs['impacts']} impacts{took}{per_impact:.2g} gap evaluations each); "
         f"error per event: contact within {errors['contact_gap_m']:.1g} m, "
         f"accumulation within {errors['accumulation_phase_turns']:.1g} turn"
     )
