@@ -77,9 +77,11 @@ def main() -> None:
         from camcli.cli.orphan import end_with_parent
 
         end_with_parent()
+    real = sys.stdout
     hold_output()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like an interrupt
     code = guarded(lambda: app(standalone_mode=False))
+    sys.stdout = real
     if code == INTERRUPTED:  # without waiting for a piece that is still at work in a thread
         sys.stderr.flush()
         os._exit(code)
