@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite, pi
 
+from camcli.cams.compile import build, column, corners, native
+from camcli.cams.pieces import Part
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import is_compiled
-from camcli.kernel.flight import RAD_PER_S, Lane, lane_of
-from camcli.kernel.profile import Cam
-from camcli.profiles.pieces import Part
-from camcli.profiles.table import build, column, corners, native
+from camcli.kernel.cam_table import Cam
+from camcli.kernel.flow import RAD_PER_S, Lane, lane_of
 
 
 @dataclass(frozen=True)

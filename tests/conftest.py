@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from camcli.analysis.engine import Settings, Start
+from camcli.analysis.integrate import Settings, Start
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from math import inf
 
-from camcli.analysis.engine import IMPACT, Cost, Orbit, Settings, Start, Tape, with_turns
 from camcli.analysis.exponents import Exponents, of_orbit, of_tape
+from camcli.analysis.integrate import IMPACT, Cost, Orbit, Settings, Start, Tape, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.find import cloud, same_orbit
 from camcli.analysis.orbits.identify import identify, passages, resting_orbit
@@ -97,7 +97,7 @@ def _after_rest(
     system: System, rpm: float, settings: Settings, tape: Tape
 ) -> tuple[PeriodicOrbit | None, Tape]:
     """(orbit, record) of the true motion after the rest in a record; that record if unknown."""
-    from camcli.analysis.rest.after import CYCLE, ends
+    from camcli.exact.after_rest import CYCLE, ends
 
     found = ends(system, rpm, settings, tape)
     if found.kind == CYCLE:

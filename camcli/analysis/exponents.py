@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf, sqrt
 
-from camcli.analysis.engine import Tape
+from camcli.analysis.integrate import Tape
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.kernel import backend, lanes
-from camcli.kernel.exponents import (
+from camcli.kernel import backend, entry_points
+from camcli.kernel.cam_table import TURN
+from camcli.kernel.growth import (
     AREA,
     COUNT,
     FIRST,
@@ -18,7 +19,6 @@ from camcli.kernel.exponents import (
     natural_log,
     stretch_log,
 )
-from camcli.kernel.profile import TURN
 from camcli.system import System
 
 BATCHES = 20  # for the error bar: the exponents of equal parts of the record
@@ -85,7 +85,7 @@ def of_tape(system: System, rpm: float, tape: Tape) -> Exponents | None:
     size = rows // BATCHES
     if size < FEWEST or lane.r == 0.0:
         return None
-    stretch = lanes.stretch_events if compiled else stretch_log
+    stretch = entry_points.stretch_events if compiled else stretch_log
     pair, total, logs = backend.zeros(7), backend.zeros(7), []
     total[FIRST] = total[AREA] = 1.0
     zeros = 0.0

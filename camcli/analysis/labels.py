@@ -10,7 +10,7 @@ import itertools
 from collections.abc import Sequence
 from math import inf
 
-from camcli.analysis.engine import Tape
+from camcli.analysis.integrate import Tape
 from camcli.errors import OK
 
 LONGEST_PERIOD = 64

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import pi
 
-from camcli.analysis.engine import Cost, Orbit, Settings, Tape, compile_for
+from camcli.analysis.integrate import Cost, Orbit, Settings, Tape, compile_for
 from camcli.analysis.labels import label
 from camcli.errors import OK
 from camcli.kernel import backend
-from camcli.kernel.flight import move
-from camcli.kernel.orbit import CHATTER, DETACHMENT, IMPACT
-from camcli.kernel.profile import TURN, lift, stretch_at
-from camcli.kernel.sliding import contact_accel
+from camcli.kernel.cam_table import TURN, lift, stretch_at
+from camcli.kernel.flow import move
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
+from camcli.kernel.sticking import contact_accel
 from camcli.system import System
 
 FLIGHT, STICKING = "flight", "sticking"

@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 
-from camcli.analysis.engine import Cost, Orbit, Settings, Start, Tape, compile_for
+from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape, compile_for
 from camcli.analysis.labels import label
 from camcli.errors import OK, STATUSES
 from camcli.kernel import backend
-from camcli.kernel.orbit import IMPACT
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.parallel import Codec, Work
 from camcli.system import System
 

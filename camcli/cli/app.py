@@ -8,15 +8,15 @@ from importlib import import_module
 
 import typer
 
-from camcli.cli.again_help import AGAIN, MERGE_HELP, MERGE_OPTIONS, RERUN_HELP, RERUN_OPTIONS
 from camcli.cli.basins_help import BASINS_HELP, BASINS_OPTIONS
 from camcli.cli.bench_help import BENCH_HELP, BENCH_OPTIONS
+from camcli.cli.cam_profile_help import PROFILE_HELP, PROFILE_OPTIONS
 from camcli.cli.classify_help import CLASSIFY_HELP, CLASSIFY_OPTIONS
 from camcli.cli.detach_help import DETACH_HELP, DETACH_OPTIONS
 from camcli.cli.figures_help import FIGURES_HELP, FIGURES_OPTIONS, WITHOUT
 from camcli.cli.options import Request, command
 from camcli.cli.orbits_help import ORBITS_HELP, ORBITS_OPTIONS
-from camcli.cli.profile_help import PROFILE_HELP, PROFILE_OPTIONS
+from camcli.cli.repeat_help import AGAIN, MERGE_HELP, MERGE_OPTIONS, RERUN_HELP, RERUN_OPTIONS
 from camcli.cli.sweep_help import MANY, SIMULATE_HELP, SWEEP_HELP, SWEEP_OPTIONS
 
 app = typer.Typer(
@@ -70,11 +70,11 @@ def main() -> None:
     """Run `cam`, turning every failure into words and an exit code."""
     import signal
 
-    from camcli.cli.output import hold_output
-    from camcli.cli.panel import INTERRUPTED, guarded
+    from camcli.cli.exit_codes import INTERRUPTED, guarded
+    from camcli.cli.held_output import hold_output
 
     if "CAMCLI_PARENT" in os.environ:
-        from camcli.cli.orphan import end_with_parent
+        from camcli.cli.parent_watch import end_with_parent
 
         end_with_parent()
     real = sys.stdout

@@ -10,18 +10,18 @@ from camcli.analysis.basins.mapping import SIMPLE, Question
 from camcli.analysis.basins.study import Study, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.sweep import rpm_grid
-from camcli.artefacts.basins import attractors_csv, basins_csv
-from camcli.artefacts.store import Store
 from camcli.cli.basins_words import show, summary, undecided_words
+from camcli.cli.exit_codes import DONE, NUMERICS, note
+from camcli.cli.long_run import shard_done, working
 from camcli.cli.options import Request
-from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.plan_basins import basins_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup, set_up, speed_range
-from camcli.cli.working import shard_done, working
 from camcli.errors import STATUSES, Fault, SceneError
 from camcli.kernel import backend
+from camcli.output.basins import attractors_csv, basins_csv
+from camcli.output.run_folder import Store
 from camcli.parallel import ShardDone, Work
 from camcli.scene.places import shown
 from camcli.scene.scalars import resolve
@@ -144,12 +144,12 @@ def _write(request: Request, setup: Setup, store: Store, question: Question, res
         store.remove("basins.png")
         return
     if result.grid is not None:
-        from camcli.artefacts.figures.basins import draw_basins
+        from camcli.plots.basins import draw_basins
 
         (speed,) = result.speeds
         store.write("basins.png", lambda file: draw_basins(speed, result.grid, setup.system, file))
     else:
-        from camcli.artefacts.figures.basins_range import draw_range
+        from camcli.plots.basins_range import draw_range
 
         store.write("basins.png", lambda file: draw_range(result, question, file))
 

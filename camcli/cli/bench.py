@@ -9,11 +9,11 @@ from typing import Any
 from camcli.analysis.bench.clock import Schedule
 from camcli.cli.bench_parts import run_precision, run_scenes, run_stability
 from camcli.cli.bench_run import Plan, Run
+from camcli.cli.exit_codes import DONE, NUMERICS, note
+from camcli.cli.long_run import working
 from camcli.cli.options import Request
-from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.report import finish, table
 from camcli.cli.setup import set_up
-from camcli.cli.working import working
 from camcli.errors import Fault, SceneError
 
 NAME = "bench"

@@ -10,11 +10,11 @@ from camcli.analysis.bench.budget import FLIGHTS, POINTS, ROWS, SCENES
 from camcli.analysis.bench.cases import case
 from camcli.analysis.bench.clock import NOT_REACHED
 from camcli.analysis.bench.row import OK
-from camcli.artefacts.bench import flights_csv, precision_csv, scenes_csv, stability_csv
 from camcli.cli import bench_words as words
 from camcli.cli.bench_run import Run
 from camcli.cli.bench_runs import bench_of
-from camcli.cli.panel import note
+from camcli.cli.exit_codes import note
+from camcli.output.bench import flights_csv, precision_csv, scenes_csv, stability_csv
 
 
 def run_stability(here: Run) -> None:
@@ -30,7 +30,7 @@ def run_stability(here: Run) -> None:
     if here.request.no_plot:
         here.store.remove("stability.png")
     else:
-        from camcli.artefacts.figures.bench_stability import draw_stability
+        from camcli.plots.bench_stability import draw_stability
 
         here.store.write("stability.png", lambda file: draw_stability(outcomes, file))
     here.done.append(f"{_reached(outcomes)} extreme cases")
@@ -57,7 +57,7 @@ def run_precision(here: Run) -> None:
     if here.request.no_plot:
         here.store.remove("precision.png")
     else:
-        from camcli.artefacts.figures.bench_precision import draw_precision
+        from camcli.plots.bench_precision import draw_precision
 
         titles = {name: case(name).title for name in here.plan.section.cases}
         here.store.write("precision.png", lambda file: draw_precision(found, titles, file))

@@ -12,11 +12,11 @@ from camcli.analysis.bench import precision, scenes, stability
 from camcli.analysis.bench.budget import FLIGHTS, POINTS, ROWS, SCENES, flying, seconds_of
 from camcli.analysis.bench.clock import Schedule
 from camcli.analysis.bench.flights import MOST_OF_PEERS
-from camcli.analysis.engine import Cost
-from camcli.artefacts.store import Store
+from camcli.analysis.integrate import Cost
+from camcli.cli.long_run import Desk
 from camcli.cli.options import Request
 from camcli.cli.progress import bar
-from camcli.cli.working import Desk
+from camcli.output.run_folder import Store
 from camcli.parallel import Work
 from camcli.scene.bench import Bench
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from camcli.analysis.bench.machine import Bench, Done
 from camcli.analysis.bench.scenes import LONGEST, STOPPED
-from camcli.profiles.pieces import Part
+from camcli.cams.pieces import Part
 
 
 def parts_of(section: Mapping[str, Any]) -> list[Part]:

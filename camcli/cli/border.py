@@ -7,8 +7,8 @@ from math import isfinite
 from typing import Any
 
 from camcli.analysis.border_collision import Collision, Cycle, Side, classify
+from camcli.cli.exit_codes import DONE
 from camcli.cli.options import Request
-from camcli.cli.panel import DONE
 from camcli.cli.report import table
 from camcli.errors import Fault, SceneError
 

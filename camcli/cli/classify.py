@@ -7,20 +7,20 @@ from time import perf_counter
 from typing import Any
 
 from camcli.analysis.classify import Motion, attractors, with_transient
-from camcli.analysis.engine import Cost, Orbit, compile_for
 from camcli.analysis.explain.changes import Explanation, explain
+from camcli.analysis.integrate import Cost, Orbit, compile_for
 from camcli.analysis.sweep import LITTLE_WORK, rpm_grid
-from camcli.artefacts.classify import classify_csv, corners_csv
-from camcli.artefacts.store import Store
 from camcli.cli.classify_words import show, summary
+from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
-from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.plan_classify import classify_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup, set_up, speed_range
 from camcli.errors import OK, STATUSES, Fault, SceneError
 from camcli.kernel import backend
+from camcli.output.classify import classify_csv, corners_csv
+from camcli.output.run_folder import Store
 from camcli.parallel import in_threads
 
 NAME = "classify"
@@ -99,7 +99,7 @@ def _write(request, setup: Setup, store: Store, motions, explanation) -> None:
     if request.no_plot:
         store.remove("classify.png")
         return
-    from camcli.artefacts.figures.classify import draw_classify
+    from camcli.plots.classify import draw_classify
 
     events = [] if explanation is None else explanation.events
     store.write("classify.png", lambda file: draw_classify(motions, events, file, setup.system))

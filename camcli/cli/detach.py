@@ -7,22 +7,22 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
-from camcli.analysis.accumulation_range import RECORD
-from camcli.analysis.detach import UNRESOLVED
-from camcli.analysis.detach_study import Question, Study, study
-from camcli.analysis.engine import Start
+from camcli.analysis.contact_loss.accumulation_range import RECORD
+from camcli.analysis.contact_loss.detachment import UNRESOLVED
+from camcli.analysis.contact_loss.study import Question, Study, study
+from camcli.analysis.integrate import Start
 from camcli.analysis.sweep import rpm_grid
-from camcli.artefacts.store import Store
-from camcli.artefacts.tables import accumulation_csv, corner_hits_csv, detach_csv, force_csv
 from camcli.cli.detach_words import show, summary
+from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
-from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.plan_starts import starts_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup, set_up, speed_range
 from camcli.errors import STATUSES, Fault, SceneError
 from camcli.kernel import backend
+from camcli.output.run_folder import Store
+from camcli.output.tables import accumulation_csv, corner_hits_csv, detach_csv, force_csv
 from camcli.scene import parse_rpm
 
 NAME = "detach"
@@ -93,7 +93,7 @@ def _write(request: Request, setup: Setup, store: Store, result: Study) -> None:
     if request.no_plot:
         store.remove("detach.png")
         return
-    from camcli.artefacts.figures.detach import draw_detach
+    from camcli.plots.detach import draw_detach
 
     store.write("detach.png", lambda file: draw_detach(result, setup.system, file))
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import inf, isfinite
 from typing import Any
 
-from camcli.analysis.accumulation_range import ranges
-from camcli.analysis.detach import Critical
-from camcli.analysis.detach_study import Study
-from camcli.analysis.hold import NOT_NEEDED
+from camcli.analysis.contact_loss.accumulation_range import ranges
+from camcli.analysis.contact_loss.detachment import Critical
+from camcli.analysis.contact_loss.hold import NOT_NEEDED
+from camcli.analysis.contact_loss.study import Study
 from camcli.cli.report import table
 
 SLIGHT_N = 1e-9  # N

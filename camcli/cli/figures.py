@@ -9,8 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
 
-from camcli.artefacts.gallery import Picture, page
-from camcli.artefacts.store import Store
+from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.figures_check import REST, Drift, check, reference_path, update, verdict
 from camcli.cli.figures_plan import (
     CHECK,
@@ -24,10 +23,11 @@ from camcli.cli.figures_plan import (
 )
 from camcli.cli.figures_run import KEEP, Done, compute
 from camcli.cli.options import Request
-from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.progress import bar
 from camcli.cli.report import table
 from camcli.errors import Fault, SceneError
+from camcli.output.gallery import Picture, page
+from camcli.output.run_folder import Store
 
 NAME = "figures"
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from camcli.artefacts.digest import CHAOTIC, REGULAR, SOLVED, digest
-from camcli.artefacts.store import Store
 from camcli.cli.figures_plan import Figure, state_of
 from camcli.errors import Fault, SceneError
+from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, digest
+from camcli.output.run_folder import Store
 
 FOLDER = "reference"
 TOLERANCE = 1e-8  # of a solved number

@@ -11,8 +11,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from camcli.artefacts.program import program_hash
 from camcli.errors import Fault, SceneError
+from camcli.output.program import program_hash
 from camcli.scene import Scene, default_scene_path, load_scene, resolved
 
 STATE = "figure.json"

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
-from camcli.artefacts.store import Store
+from camcli.cli.exit_codes import DONE, INTERRUPTED, NUMERICS
 from camcli.cli.figures_plan import STATE, Figure, sizes
-from camcli.cli.orphan import PARENT
-from camcli.cli.panel import DONE, INTERRUPTED, NUMERICS
+from camcli.cli.parent_watch import PARENT
+from camcli.output.run_folder import Store
 from camcli.parallel import thread_count
 
 KEEP = (DONE, NUMERICS)  # exit codes of a run whose artefacts are whole

@@ -7,8 +7,8 @@ from math import isfinite, sqrt
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from camcli.cams.lift_error import Accuracy
     from camcli.cli.setup import Setup
-    from camcli.profiles.lift_error import Accuracy
 
 MEANING = (
     "bound: 4 standard errors of rounding plus what smoothing may have changed; an estimate, "
@@ -20,7 +20,7 @@ def table_record(setup: Setup) -> dict[str, Any] | None:
     """The fit of a lift table for run.json, None for other kinds of cam."""
     if setup.scene.cam.kind != "table":
         return None
-    from camcli.analysis.detach_range import first_loss_range
+    from camcli.analysis.contact_loss.range import first_loss_range
 
     accuracy: Accuracy = setup.scene.cam.accuracy
     speeds = first_loss_range(setup.system, setup.scene.cam.errors.bounds)

@@ -9,14 +9,14 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from camcli.artefacts.program import program_hash
-from camcli.cli.again import call_of
+from camcli.cli.long_run import MOST_SHARDS, PIECES
 from camcli.cli.options import Request
-from camcli.cli.working import MOST_SHARDS, PIECES
+from camcli.cli.repeat import call_of
 from camcli.errors import Fault, SceneError
+from camcli.output.program import program_hash
 from camcli.parallel import Shard
 from camcli.parallel.journal import JournalError, header_of, one_of
-from camcli.parallel.work import END
+from camcli.parallel.pieces import END
 from camcli.scene.places import shown
 
 NAME = "merge"

@@ -7,22 +7,22 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
+from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curve import Bounds, Curve, curve
 from camcli.analysis.orbits.find import RECORD, canonical
 from camcli.analysis.orbits.locate import LOST, UNRESOLVED
 from camcli.analysis.orbits.study import Question, Study, study
-from camcli.analysis.orbits.walk import Span
-from camcli.artefacts.orbits import bifurcations_csv, branch_csv, curve_csv
-from camcli.artefacts.store import Store
+from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
 from camcli.cli.orbits_words import show, summary
-from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.plan_starts import starts_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup, set_up
 from camcli.errors import Fault, SceneError
 from camcli.kernel import backend
+from camcli.output.orbits import bifurcations_csv, branch_csv, curve_csv
+from camcli.output.run_folder import Store
 from camcli.scene import parse_rpm
 
 NAME = "orbits"
@@ -243,8 +243,8 @@ def _write(request: Request, setup: Setup, store: Store, result: Study, curves) 
         store.remove("orbits.png")
         store.remove("curve.png")
         return
-    from camcli.artefacts.figures.curves import draw_curves
-    from camcli.artefacts.figures.orbits import draw_orbits
+    from camcli.plots.curves import draw_curves
+    from camcli.plots.orbits import draw_orbits
 
     panels = setup.scene.orbits.panels
     store.write("orbits.png", lambda file: draw_orbits(result, setup.system, file, panels))

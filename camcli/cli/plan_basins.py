@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from camcli.analysis.basins.census import SCOUT_TURNS, SCOUTS
+from camcli.analysis.basins.attractor_finder import SCOUT_TURNS, SCOUTS
 from camcli.analysis.basins.mapping import SIMPLE, Question
 from camcli.analysis.basins.uncertainty import COARSEST, FINEST, STARTS
 from camcli.cli import plan_costs as costs
+from camcli.cli.long_run import shard_of
 from camcli.cli.options import Request
 from camcli.cli.plan import Need, Plan, planned
 from camcli.cli.plan_cells import Look, look
 from camcli.cli.plan_probe import grid_picks
 from camcli.cli.setup import Setup
-from camcli.cli.working import shard_of
 from camcli.kernel import backend
 
 PROBES, LOOK = 4, 0.45  # speeds looked at; s for all of them, in plain Python

@@ -8,9 +8,9 @@ from itertools import product
 from math import log2
 
 from camcli.analysis.basins.window import Window
-from camcli.analysis.engine import Settings
+from camcli.analysis.integrate import Settings
 from camcli.cli.plan_probe import Glance, glance
-from camcli.kernel.profile import ROW, START0, START1
+from camcli.kernel.cam_table import ROW, START0, START1
 from camcli.system import System, omega_of
 
 SIDE = 10  # cells along each side of the coarse grid; half of them come first

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from camcli.analysis.engine import PLAIN_STEPS
+from camcli.analysis.integrate import PLAIN_STEPS
 from camcli.cli.plan_probe import COMPILED, Glance
 from camcli.kernel import backend
 from camcli.parallel import thread_count

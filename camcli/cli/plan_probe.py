@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from math import pi
 from time import perf_counter
 
-from camcli.analysis.engine import IMPACT, Orbit, Settings, Start, _turns, with_turns
+from camcli.analysis.integrate import IMPACT, Orbit, Settings, Start, _turns, with_turns
 from camcli.errors import OK, PAUSED
-from camcli.kernel import backend, lanes
-from camcli.kernel.events import BOUNCED, FREE
-from camcli.kernel.orbit import LOGGED, MODE, PERIOD, STRETCH, TOTAL, Log, Plan, Strobe
-from camcli.kernel.profile import ROW, START
+from camcli.kernel import backend, entry_points
+from camcli.kernel.cam_table import ROW, START
+from camcli.kernel.flight import BOUNCED, FREE
+from camcli.kernel.orbit_loop import LOGGED, MODE, PERIOD, STRETCH, TOTAL, Log, Plan, Strobe
 from camcli.system import System
 
 STEPS = 24_000  # kernel steps of all looks together: some tenths of a second
@@ -96,7 +96,7 @@ def glance(
         strobe.state[0], strobe.state[1] = orbit.position()
     written = Log(backend.zeros(2 * rows, int), backend.zeros(3 * rows), rows)
     work = backend.zeros(3, int)
-    status = lanes.advance(
+    status = entry_points.advance(
         system.native_cam(), orbit.lane, flows, state, count, Plan(-1, turns, steps), written,
         strobe, work,
     )  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from camcli.analysis.engine import Settings
+from camcli.analysis.integrate import Settings
 from camcli.analysis.sweep import LITTLE_WORK
 from camcli.cli import plan_costs as costs
 from camcli.cli.options import Request

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil
 
-from camcli.analysis.engine import Settings
+from camcli.analysis.integrate import Settings
 from camcli.analysis.sweep import FIXED, LITTLE_WORK
 from camcli.cli import plan_costs as costs
+from camcli.cli.long_run import shard_of
 from camcli.cli.options import Request
 from camcli.cli.plan import Need, Plan, planned
 from camcli.cli.plan_probe import STEPS, Glance, glance, grid_picks
 from camcli.cli.setup import Setup
-from camcli.cli.working import shard_of
-from camcli.parallel.pool import AHEAD
+from camcli.parallel.threads import AHEAD
 
 PER_SPEED = 500  # bytes of memory: what is known of each, and where its piece is
 WAITING = 390  # bytes of memory per row of a speed whose turn has not come

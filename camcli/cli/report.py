@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from camcli.analysis.engine import Cost
-from camcli.artefacts.record import cost_record, error_record, run_record, to_text
-from camcli.artefacts.store import Store
+from camcli.analysis.integrate import Cost
+from camcli.cli.exit_codes import note
 from camcli.cli.lift_words import bound_line, table_record
 from camcli.cli.options import Request
-from camcli.cli.panel import note
 from camcli.cli.setup import Setup
+from camcli.output.run_folder import Store
+from camcli.output.run_record import cost_record, error_record, run_record, to_text
 from camcli.scene import resolved, scene_hash
 
 FILE_WIDTH = 140  # columns of a table that no person watches

@@ -12,13 +12,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from camcli.artefacts.program import program_hash
-from camcli.cli.again import call_of
+from camcli.cli.exit_codes import NUMERICS, note
+from camcli.cli.long_run import PASSING
 from camcli.cli.options import Request
-from camcli.cli.panel import NUMERICS, note
+from camcli.cli.repeat import call_of
 from camcli.cli.report import table
-from camcli.cli.working import PASSING
 from camcli.errors import Fault, SceneError
+from camcli.output.program import program_hash
 
 NAME = "rerun"
 MOST_BYTES = 64 << 20  # of a run.json

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from camcli.analysis.engine import Settings, Start
+from camcli.analysis.integrate import Settings, Start
+from camcli.cli.exit_codes import note
 from camcli.cli.lift_words import cautions, fit_line
 from camcli.cli.options import Request
-from camcli.cli.panel import note
 from camcli.errors import Fault, SceneError
 from camcli.kernel import backend
 from camcli.scene import Scene, load_scene, parse_rpm, scene_of

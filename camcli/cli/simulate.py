@@ -5,15 +5,15 @@ from __future__ import annotations
 from time import perf_counter
 
 from camcli.analysis.simulate import Simulation, simulate
-from camcli.artefacts.store import Store
-from camcli.artefacts.tables import events_csv, trajectory_csv
+from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
-from camcli.cli.panel import DONE, NUMERICS, note
 from camcli.cli.plan_simulate import simulate_planned
 from camcli.cli.report import finish, table, warn_of_height
 from camcli.cli.setup import Setup, one_speed, set_up
 from camcli.errors import OK, STATUSES
 from camcli.kernel import backend
+from camcli.output.run_folder import Store
+from camcli.output.tables import events_csv, trajectory_csv
 
 NAME = "simulate"
 SHOWN = 12  # events in the table on stdout
@@ -23,7 +23,7 @@ def run(request: Request) -> int:
     """Simulate one orbit and write its artefacts; returns the exit code."""
     setup = set_up(request, one_speed(request))
     if request.extra.get("profile_only"):
-        from camcli.cli.profile import run_profile
+        from camcli.cli.cam_profile import run_profile
 
         return run_profile(request, setup)
     rpm, samples = setup.scene.run.rpm, setup.scene.simulate.samples
@@ -53,7 +53,7 @@ def _draw(request: Request, setup: Setup, store: Store, result: Simulation) -> N
     if request.no_plot:
         store.remove("simulate.png")
         return
-    from camcli.artefacts.figures.simulate import draw_simulation
+    from camcli.plots.simulate import draw_simulation
 
     turns = setup.scene.simulate.plot_turns
     store.write("simulate.png", lambda file: draw_simulation(result, file, turns=turns))

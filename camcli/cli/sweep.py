@@ -9,8 +9,17 @@ from time import perf_counter
 from typing import Any
 
 from camcli.analysis.sweep import FIXED, Speed, Sweep, bare, rpm_grid, status_name, sweep
-from camcli.artefacts.store import Store
-from camcli.artefacts.tables import (
+from camcli.cli.exit_codes import DONE, NUMERICS, note
+from camcli.cli.long_run import Desk, shard_done, working
+from camcli.cli.options import Request
+from camcli.cli.plan_sweep import sweep_planned
+from camcli.cli.progress import bar
+from camcli.cli.report import finish, table, warn_of_height
+from camcli.cli.setup import Setup, set_up, speed_range
+from camcli.errors import STATUSES, Fault, SceneError
+from camcli.kernel import backend
+from camcli.output.run_folder import Store
+from camcli.output.tables import (
     IMPACTS,
     STROBE,
     impacts_csv,
@@ -18,15 +27,6 @@ from camcli.artefacts.tables import (
     speeds_csv,
     strobe_csv,
 )
-from camcli.cli.options import Request
-from camcli.cli.panel import DONE, NUMERICS, note
-from camcli.cli.plan_sweep import sweep_planned
-from camcli.cli.progress import bar
-from camcli.cli.report import finish, table, warn_of_height
-from camcli.cli.setup import Setup, set_up, speed_range
-from camcli.cli.working import Desk, shard_done, working
-from camcli.errors import STATUSES, Fault, SceneError
-from camcli.kernel import backend
 from camcli.parallel import ShardDone, Work
 
 NAME = "sweep"
@@ -118,7 +118,7 @@ def write(request: Request, setup: Setup, store: Store, result: Sweep, events=No
     if request.no_plot:
         store.remove("sweep.png")
         return
-    from camcli.artefacts.figures.sweep import draw_sweep
+    from camcli.plots.sweep import draw_sweep
 
     how = start_text(setup, result)
     draw = partial(draw_sweep, result, setup.system, start_text=how, events=events)
@@ -135,7 +135,7 @@ def _write_section(setup: Setup, store: Store, section: str, result: Sweep) -> N
         text = impacts_csv if section == "impacts" else strobe_csv
         store.write_text(f"{section}.csv", text(result))
     elif form == "npz":
-        from camcli.artefacts.bulk import write_npz
+        from camcli.output.bulk import write_npz
 
         names = IMPACTS if section == "impacts" else STROBE
         rows = partial(section_rows, result, section)

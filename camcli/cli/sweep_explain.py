@@ -6,19 +6,19 @@ from contextlib import nullcontext
 from time import perf_counter
 
 from camcli.analysis.classify import Motion, classify_at
-from camcli.analysis.engine import compile_for
 from camcli.analysis.explain.changes import explain
+from camcli.analysis.integrate import compile_for
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.sweep import LITTLE_WORK, Sweep
-from camcli.artefacts.classify import corners_csv
 from camcli.cli.classify_words import explained, show_explanation
+from camcli.cli.long_run import Desk
 from camcli.cli.options import Request
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup
 from camcli.cli.sweep import NAME, show, summary, write
-from camcli.cli.working import Desk
 from camcli.kernel import backend
+from camcli.output.classify import corners_csv
 from camcli.parallel import in_threads
 
 

@@ -2,7 +2,7 @@
 
 Importing numba costs about 0.4 s and compiling a few seconds; plain Python does some ten
 thousand impacts a second. So every kernel function is plain Python, and `compile_kernel` replaces
-the entry points in `lanes` by compiled copies. Both give the same bits.
+the entry points in `entry_points` by compiled copies. Both give the same bits.
 """
 
 from __future__ import annotations
@@ -17,23 +17,23 @@ from pathlib import Path
 from types import FunctionType
 
 MODULES = (
-    "trig",
-    "profile",
+    "arithmetic",
+    "cam_table",
+    "flow",
+    "chatter",
+    "gap_series",
+    "contact_search",
     "flight",
-    "contact",
-    "near",
-    "search",
-    "events",
     "leap",
-    "sliding",
-    "orbit",
-    "tangent",
-    "exponents",
+    "sticking",
+    "orbit_loop",
+    "variational",
+    "growth",
     "bordered",
     "shooting",
     "certify",
     "cells",
-    "lanes",
+    "entry_points",
 )
 
 _functions: list = []
@@ -97,7 +97,7 @@ def cache_dir() -> Path:
 
 def is_cached(entry: str = "advance") -> bool:
     """True if an earlier process left this entry point compiled for these sources."""
-    return any(cache_dir().glob(f"**/lanes.{entry}-*.nbc"))
+    return any(cache_dir().glob(f"**/entry_points.{entry}-*.nbc"))
 
 
 def announce(entry: str) -> None:
@@ -119,7 +119,7 @@ def _usable_cache() -> Path | None:
 
 
 def compile_kernel() -> None:
-    """Make the entry points in `lanes` numba dispatchers, once; all else stays plain Python.
+    """Make the entry points in `entry_points` numba dispatchers, once; all else stays plain Python.
 
     A cache folder that cannot be written only costs the compile time again.
     """
@@ -162,7 +162,7 @@ def _replace_entries(njit, cached: bool) -> None:
             if isinstance(value, FunctionType) and value in compiled:
                 space[name] = compiled[value]
     for function in _entries:
-        setattr(modules["lanes"], function.__name__, compiled[function])
+        setattr(modules["entry_points"], function.__name__, compiled[function])
 
 
 @contextmanager

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 from camcli.errors import OK
 from camcli.kernel.backend import kernel
-from camcli.kernel.orbit import GAP, MODE, PERIOD, RATE, STRETCH, THETA, TOTAL, Plan, run
-from camcli.kernel.profile import ROW, START
+from camcli.kernel.cam_table import ROW, START
+from camcli.kernel.orbit_loop import GAP, MODE, PERIOD, RATE, STRETCH, THETA, TOTAL, Plan, run
 
 UNDECIDED = -1  # outcome: the budget of turns was used up; below it, see `trouble`
 FORGOTTEN = -2  # outcome of a state after a rest: nothing is known of what it leads to

@@ -1,10 +1,10 @@
 """Is a root of the shooting equations a motion? The same contact search as everywhere tells."""
 
 from camcli.kernel.backend import kernel
-from camcli.kernel.events import BOUNCED, FREE, fly
-from camcli.kernel.flight import flow, lane_of
-from camcli.kernel.profile import END, KICK, ROW, START, TURN
-from camcli.kernel.search import LANDED, LOST, STUCK
+from camcli.kernel.cam_table import END, KICK, ROW, START, TURN
+from camcli.kernel.contact_search import LANDED, LOST, STUCK
+from camcli.kernel.flight import BOUNCED, FREE, fly
+from camcli.kernel.flow import flow, lane_of
 
 ADMISSIBLE, EARLY, LATE, PULLS, DOUBTFUL = range(5)  # verdicts
 NO_CHATTER_MAP = -1.0  # a tolerance below every error
@@ -15,7 +15,7 @@ MOST_STEPS = 100_000
 
 @kernel
 def across_only(cam, lane, turns):
-    """Fill the part of `turns` that crossing one stretch needs (see `lanes.prepare`)."""
+    """Fill the part of `turns` that crossing one stretch needs (see `entry_points.prepare`)."""
     n = cam.stretches
     for i in range(n):
         length = cam.rows[i * ROW + END] - cam.rows[i * ROW + START]

@@ -1,128 +1,159 @@
-"""The closed-form free flight, for every damping, with gravity and preload.
+"""The flight after a contact or in the air, up to its landing or the end of a stretch.
 
-With theta as the variable the follower in flight obeys
-    q'' + 2 Z q' + W^2 q = -G,   W = omega0/omega, Z = zeta/omega, G = (g + F0/m)/omega^2.
-From (q0, w0) at s = 0, with F = G + W^2 q0,
-    q(s) = q0 + w0 B(s) - F P(s),    w(s) = w0 B'(s) - F B(s),
-where B solves the homogeneous equation with B(0) = 0, B'(0) = 1 and P is its integral
-(P'' + 2 Z P' + W^2 P = 1, P(0) = P'(0) = 0). This form needs no equilibrium position, so it
-holds for stiffness 0 (the bouncing ball) and keeps q(s) - q0 relatively exact.
+The cheap cases are told apart here: resting, accumulating, short hops and lift-off, each with the
+inequality that makes the landing the only one; everything else is left to `search`.
 """
 
 from math import sqrt
-from typing import NamedTuple
 
 from camcli.kernel.backend import kernel, outlined
-from camcli.kernel.trig import cos_sin_series, exp_decay, one_minus_exp_ratio, sincos
+from camcli.kernel.cam_table import END, JERK_MAX, RADIUS, ROW, SNAP_MAX, third
+from camcli.kernel.chatter import (
+    chatter_map,
+    series_gap,
+    taylor,
+    taylor_holds,
+)
+from camcli.kernel.contact_search import (
+    ACCUMULATED,
+    CLEAR,
+    EVALUATIONS,
+    LANDED,
+    MEANING,
+    MOST_REFINEMENTS,
+    STUCK,
+    flight_at,
+    gap_at,
+    land,
+    search,
+)
+from camcli.kernel.gap_series import LONGEST_PHASE, NEAR, gap_near
 
-SERIES_LIMIT = 2.5  # largest |D s^2| that one series covers
-
-
-class Lane(NamedTuple):
-    """One orbit's constants; all floats, `W` to `G` per radian of cam angle."""
-
-    W: float  # omega0 / omega
-    W2: float  # W squared
-    Z: float  # zeta / omega
-    D: float  # Z^2 - W^2, computed as (Z - W)(Z + W)
-    G: float  # (gravity + preload/mass) / omega^2, m/rad^2
-    r: float  # restitution
-    tolerance: float  # chatter tolerance, rad
-    impact_budget: int  # impacts in one period
-
-
-# Entries of a machine's table: SI, rpm. Any of them may be a bifurcation parameter.
-RPM, MASS, STIFFNESS, DAMPING, GRAVITY, PRELOAD, RESTITUTION = range(7)
-RAD_PER_S = 0.10471975511965977  # pi/30, rad/s per rpm
-
-
-@kernel
-def lane_of(machine, tolerance, impact_budget):
-    """The constants of one orbit; `machine` is indexed by RPM to RESTITUTION, tolerance in rad."""
-    omega = machine[RPM] * RAD_PER_S
-    mass = machine[MASS]
-    W = sqrt(machine[STIFFNESS] / mass) / omega
-    Z = machine[DAMPING] / (2.0 * mass) / omega
-    G = (machine[GRAVITY] + machine[PRELOAD] / mass) / omega / omega
-    return Lane(W, W * W, Z, (Z - W) * (Z + W), G, machine[RESTITUTION], tolerance, impact_budget)
+FREE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins: gap > 0, after an impact, from sticking
 
 
 @kernel
-def flow(lane, s):
-    """(B, B', P) after s >= 0 rad of flight; see the module's equations."""
-    if lane.Z == 0.0:
-        return _flow_undamped(lane.W, lane.W2, s)
-    return _flow_damped(lane, s)
+def fly(cam, lane, turns, i, theta, gap, rate, begin, work):
+    """Advance a flight within stretch i from theta: (code, theta, gap, rate).
 
-
-@kernel
-def _flow_undamped(W, W2, s):
-    t = -W2 * s * s
-    if t >= -SERIES_LIMIT:
-        v, b = cos_sin_series(t)
-        return s * b, 1.0 + t * v, s * s * v
-    sine, cosine = sincos(W * s)
-    return sine / W, cosine, (1.0 - cosine) / W2
+    gap >= 0 and rate = d gap/dtheta at theta; `begin` says how the flight begins; `turns` is the
+    table of `entry_points.prepare`. Codes: CLEAR (moved on, at most to the stretch's end), LANDED
+    (contact; rate <= 0 is the relative velocity), ACCUMULATED (chatter ends at theta), STUCK (rests
+    on the cam), LOST (the step shrank to nothing: closer to grazing than doubles can tell).
+    """
+    if gap <= 0.0 and begin == FREE:
+        if rate < 0.0:
+            return LANDED, theta, 0.0, rate
+        begin = BOUNCED
+    f = flight_at(cam, lane, i, theta, gap, rate)
+    accel = f.q2 - f.c2
+    bound = f.energy + cam.rows[i * ROW + JERK_MAX]
+    radius = cam.rows[i * ROW + RADIUS]
+    if begin == BOUNCED and accel >= 0.0 and 6.0 * rate > bound * radius * radius:
+        # gap >= rate s - bound s^3/6 > 0 as far as a series reaches: no short hop to look for
+        return search(cam, lane, turns, i, f, work)
+    if (begin != FREE and accel >= 0.0) or begin == RELEASED:
+        return _leave(cam, lane, turns, i, f, work)
+    if begin == BOUNCED and rate <= 0.0:
+        return STUCK, theta, 0.0, 0.0
+    if accel < 0.0:
+        if begin == BOUNCED and 0.0 < lane.r < 1.0:
+            tau = _accumulation(cam, lane, i, f, accel, bound)
+            if tau >= 0.0:
+                return ACCUMULATED, theta + tau, 0.0, 0.0
+        root = rate if gap == 0.0 else sqrt(rate * rate - 2.0 * accel * gap)
+        hop = (rate + root) / -accel if rate >= 0.0 else 2.0 * gap / (root - rate)
+        if bound * (1.5 * hop) <= -0.5 * accel:
+            return _hop(cam, lane, i, f, hop, work)
+    return search(cam, lane, turns, i, f, work)
 
 
 @outlined
-def _flow_damped(lane, s):
-    zs = lane.Z * s
-    ws2 = lane.W2 * s * s
-    if 2.0 * zs + ws2 <= 1.0:
-        return _flow_short(lane, s)
-    t = lane.D * s * s
-    if t > SERIES_LIMIT or (t > 0.05 and ws2 < 0.25):  # (1 - position)/W2 would cancel
-        return _flow_overdamped(lane, s)
-    decay = exp_decay(zs)
-    if t >= -SERIES_LIMIT:
-        v, b = cos_sin_series(t)
-        c = 1.0 + t * v
-        b = s * b
-    else:
-        frequency = sqrt(-lane.D)
-        sine, c = sincos(frequency * s)
-        b = sine / frequency
-    position = decay * (c + lane.Z * b)
-    return decay * b, decay * (c - lane.Z * b), (1.0 - position) / lane.W2
+def _leave(cam, lane, turns, i, f, work):
+    """Leave the cam with rate >= 0 and gap_accel >= 0 (or released by a zero of the force).
 
-
-@outlined
-def _flow_short(lane, s):
-    """Taylor series of P by its own differential equation: no cancellation for short s."""
-    if s == 0.0:
-        return 0.0, 1.0, 0.0
-    zs = 2.0 * lane.Z * s
-    ws2 = lane.W2 * s * s
-    before = 0.0
-    term = 0.5 * s * s
-    p = term
-    b = 2.0 * term
-    for n in range(3, 23):
-        term, before = -(zs * term + ws2 * before / (n - 1)) / n, term
-        p += term
-        b += n * term
-    b /= s
-    return b, 1.0 - 2.0 * lane.Z * b - lane.W2 * p, p
-
-
-@outlined
-def _flow_overdamped(lane, s):
-    """Two real exponentials; the slow root as W^2/(Z + d), never by subtraction."""
-    d = sqrt(lane.D)
-    fast = lane.Z + d
-    slow = lane.W2 / fast
-    e_fast = exp_decay(fast * s)
-    e_slow = exp_decay(slow * s)
-    b = (e_slow - e_fast) / (2.0 * d)
-    b1 = (fast * e_fast - slow * e_slow) / (2.0 * d)
-    p = (one_minus_exp_ratio(slow * s) - one_minus_exp_ratio(fast * s)) * s / (2.0 * d)
-    return b, b1, p
+    With jerk < 0 and the fourth derivative below K the gap rises once and falls once while
+    K s <= |jerk|/2, so a landing predicted by the cubic within that range is the only one. From
+    rest with jerk > 0, gap = accel s^2/2 + jerk s^3/6 + ... stays positive for s <= 2 jerk/K.
+    """
+    accel = max(f.q2 - f.c2, 0.0)
+    _t2, t3, t4, t5, t6 = taylor(cam, lane, i, f.theta, f.q2, f.q3, f.c2)
+    t = (0.5 * accel, t3, t4, t5, t6)
+    jerk = 6.0 * t3
+    snap = (2.0 * lane.Z + lane.W) * f.energy + cam.rows[i * ROW + SNAP_MAX]
+    if jerk < 0.0 and (accel > 0.0 or f.rate > 0.0):
+        hop = 3.0 * (0.5 * accel + sqrt(0.25 * accel * accel - 2.0 / 3.0 * f.rate * jerk)) / -jerk
+        reach = min(1.5 * hop, f.end)
+        if snap * 1.5 * hop <= -0.5 * jerk and taylor_holds(cam, lane, i, reach):
+            return _series(cam, i, f, t, hop, reach, work)
+    if f.rate <= 0.0 and jerk <= 0.0 and accel <= 0.0:
+        return STUCK, f.theta, 0.0, 0.0
+    if f.rate <= 0.0 and jerk > 0.0:
+        s = min(f.end, NEAR, 2.0 * jerk / snap if snap > 0.0 else f.end)
+        if (lane.W + 2.0 * lane.Z) * s > LONGEST_PHASE:
+            s = LONGEST_PHASE / (lane.W + 2.0 * lane.Z)
+        work[EVALUATIONS] += 1
+        gap, rate, _ = gap_near(cam, lane, i, f, s)
+        return CLEAR, cam.rows[i * ROW + END] if s == f.end else f.theta + s, max(gap, 0.0), rate
+    return search(cam, lane, turns, i, f, work)
 
 
 @kernel
-def move(lane, q, w, s):
-    """Position and velocity (q, dq/dtheta) after s rad of flight from (q, w)."""
-    b, b1, p = flow(lane, s)
-    force = lane.G + lane.W2 * q
-    return q + (w * b - force * p), w * b1 - force * b
+def _accumulation(cam, lane, i, f, accel, jerk_bound):
+    """Phase until chatter accumulates; -1 where the map is too inexact or passes a corner."""
+    if 2.0 * f.rate * jerk_bound > 0.25 * (1.0 - lane.r) * accel * accel:
+        return -1.0
+    snap_bound = (2.0 * lane.Z + lane.W) * f.energy + cam.rows[i * ROW + SNAP_MAX]
+    jerk = f.q3 - third(cam, i, f.theta)
+    tau, error = chatter_map(lane, f.rate, accel, jerk, jerk_bound, snap_bound)
+    if error > lane.tolerance or tau + error >= f.end:
+        return -1.0
+    return tau
+
+
+@kernel
+def _hop(cam, lane, i, f, hop, work):
+    """A flight that is concave up to its landing: gap'' <= accel/2 < 0 over 1.5 predicted hops.
+
+    Then gap(1.5 hop) < 0 and the root is the only one. Short hops use the gap's own Taylor series,
+    so that nothing cancels however small the hop is.
+    """
+    reach = min(1.5 * hop, f.end)
+    if taylor_holds(cam, lane, i, reach):
+        t = taylor(cam, lane, i, f.theta, f.q2, f.q3, f.c2)
+        return _series(cam, i, f, t, hop, reach, work)
+    if reach == f.end:
+        g, u, _ = gap_at(cam, lane, i, f, reach, work)
+        if g > 0.0:
+            return CLEAR, cam.rows[i * ROW + END], g, u
+    return land(cam, lane, i, f, reach, hop, work)
+
+
+@kernel
+def _series(cam, i, f, t, hop, reach, work):
+    """Landing of a flight given by its Taylor series, known to be the only one within `reach`."""
+    if reach == f.end:
+        work[EVALUATIONS] += 1
+        g, u = series_gap(f.gap, f.rate, t, f.end)
+        if g > 0.0:
+            return CLEAR, cam.rows[i * ROW + END], g, u
+    low, high = 0.0, reach
+    s = hop if hop < reach else 0.5 * reach
+    for _ in range(MOST_REFINEMENTS):
+        g, u = series_gap(f.gap, f.rate, t, s)
+        work[EVALUATIONS] += 1
+        if g > 0.0:
+            low = s
+        else:
+            high = s
+        step = -g / u if u < 0.0 else reach
+        after = s + step
+        if abs(step) <= MEANING * s:
+            break
+        if not low < after < high:
+            after = 0.5 * (low + high)
+            if after in (low, high):
+                break
+        s = after
+    g, u = series_gap(f.gap, f.rate, t, s)
+    return LANDED, min(f.theta + s, cam.rows[i * ROW + END]), 0.0, u

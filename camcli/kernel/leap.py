@@ -1,8 +1,8 @@
 """Leap over the quiet part of a high flight."""
 
 from camcli.kernel.backend import kernel
-from camcli.kernel.profile import END, ROW, START, START0, START1, TURN
-from camcli.kernel.search import CROSSINGS
+from camcli.kernel.cam_table import END, ROW, START, START0, START1, TURN
+from camcli.kernel.contact_search import CROSSINGS
 
 HALF_PERIOD = 9.8  # just below pi squared
 

@@ -16,11 +16,11 @@ from typing import Any, NamedTuple
 from camcli.errors import OK, UNRESOLVED
 from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.bordered import BLOCK, solve_bordered
-from camcli.kernel.flight import DAMPING, MASS, RPM, STIFFNESS, flow, lane_of
-from camcli.kernel.near import LONGEST_PHASE, NEAR, gap_near
-from camcli.kernel.profile import END, PER_ANGLE, ROW, START, TURN, lift
-from camcli.kernel.search import flight_at
-from camcli.kernel.tangent import after_flight, after_impact, relative_accel
+from camcli.kernel.cam_table import END, PER_ANGLE, ROW, START, TURN, lift
+from camcli.kernel.contact_search import flight_at
+from camcli.kernel.flow import DAMPING, MASS, RPM, STIFFNESS, flow, lane_of
+from camcli.kernel.gap_series import LONGEST_PHASE, NEAR, gap_near
+from camcli.kernel.variational import after_flight, after_impact, relative_accel
 
 MOST_STEPS = 25
 CONVERGED = 4e-15  # a Newton step relative to the unknowns' sizes that rounding alone can make

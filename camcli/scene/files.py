@@ -6,7 +6,7 @@ import os
 import stat
 from pathlib import Path
 
-from camcli.profiles.lift_text import never_waiting
+from camcli.cams.lift_text import never_waiting
 from camcli.scene.places import Finding, Mark, Source
 
 MAX_BYTES = 256 * 1024  # a scene is a few kB

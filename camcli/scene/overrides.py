@@ -6,8 +6,8 @@ import math
 from dataclasses import replace
 from typing import get_args
 
+from camcli.cams import CAMS
 from camcli.errors import Fault, SceneError
-from camcli.profiles import CAMS
 from camcli.scene.fields import FASTEST, SLOWEST
 from camcli.scene.nodes import Node, at, replaced
 from camcli.scene.places import Finding, Mark, Source, shown

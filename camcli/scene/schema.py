@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Union, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Field
 
-from camcli.profiles import CAMS
+from camcli.cams import CAMS
 from camcli.scene.bench import Bench
 from camcli.scene.fields import Flag, Number, Section, Speed, Whole, items, unique
 from camcli.scene.figure import Figure

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from camcli.analysis.basins import census as census_module
-from camcli.analysis.basins import crew as crew_module
-from camcli.analysis.basins.census import BELOW, Census
-from camcli.analysis.basins.crew import Crew
+from camcli.analysis.basins import attractor_finder as census_module
+from camcli.analysis.basins import cell_batches as crew_module
+from camcli.analysis.basins.attractor_finder import BELOW, Census
+from camcli.analysis.basins.cell_batches import Crew
 from camcli.analysis.basins.mapping import (
     BELOW_CODE,
     ORBIT,
@@ -18,7 +18,7 @@ from camcli.analysis.basins.mapping import (
 from camcli.analysis.basins.measures import boundary
 from camcli.analysis.basins.window import Window
 from camcli.analysis.classify import classify_at
-from camcli.analysis.engine import Orbit
+from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import label
 from camcli.analysis.orbits.identify import departures
 from camcli.kernel.cells import UNDECIDED

@@ -7,9 +7,9 @@ import pytest
 
 from camcli.analysis.basins import recurrence
 from camcli.analysis.basins.attractor import Attractor, begin_where_label_does, is_one, order
+from camcli.analysis.basins.attractor_finder import Census, overlap
 from camcli.analysis.basins.branches import Branches, distance
-from camcli.analysis.basins.census import Census, overlap
-from camcli.analysis.basins.crew import NOTHING, Crew
+from camcli.analysis.basins.cell_batches import NOTHING, Crew
 from camcli.analysis.basins.mapping import Question
 from camcli.analysis.basins.region import _holds, rings, size_of
 from camcli.analysis.basins.study import study

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from camcli.analysis.basins.census import BELOW
+from camcli.analysis.basins.attractor_finder import BELOW
 from camcli.analysis.basins.mapping import Question, basins
 from camcli.analysis.basins.refine import leaves, refine
 from camcli.analysis.basins.window import Window

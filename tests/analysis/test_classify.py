@@ -7,7 +7,7 @@ import pytest
 from conftest import chapter_system, settings
 
 from camcli.analysis.classify import attractors, classify_at, with_transient
-from camcli.analysis.engine import Orbit
+from camcli.analysis.integrate import Orbit
 
 RUN = settings(600, 400)
 

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from conftest import chapter_system, settings
 
-from camcli.analysis.crisis import find_crisis
-from camcli.analysis.crisis.approach import Approach
-from camcli.analysis.crisis.folds import Folds
-from camcli.analysis.crisis.manifold import Saddle
-from camcli.analysis.crisis.runs import Carried
-from camcli.analysis.crisis.tangency import Tangency, width
-from camcli.analysis.crisis.words import approach_said, speed
-from camcli.analysis.detach_regions import corner_list
-from camcli.analysis.engine import Orbit, Start, with_turns
+from camcli.analysis.contact_loss.regions import corner_list
+from camcli.analysis.explain.crisis import find_crisis
+from camcli.analysis.explain.crisis.approach import Approach
+from camcli.analysis.explain.crisis.folds import Folds
+from camcli.analysis.explain.crisis.manifold import Saddle
+from camcli.analysis.explain.crisis.runs import Carried
+from camcli.analysis.explain.crisis.tangency import Tangency, width
+from camcli.analysis.explain.crisis.words import approach_said, speed
+from camcli.analysis.integrate import Orbit, Start, with_turns
 from camcli.analysis.orbits.find import find
 
 RUN = settings(300, 1)

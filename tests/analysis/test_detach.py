@@ -5,15 +5,15 @@ from math import inf, pi, sqrt
 
 import pytest
 
-from camcli.analysis.detach import detachment
-from camcli.analysis.detach_burst import Bursts
-from camcli.analysis.detach_follow import CAUGHT, FLIES_OFF, WITHIN, follow
-from camcli.analysis.detach_force import Force
-from camcli.analysis.detach_regions import regions
-from camcli.analysis.engine import Orbit
-from camcli.profiles.digits import pi as decimal_pi
-from camcli.profiles.digits import sincos
-from camcli.profiles.pieces import Part
+from camcli.analysis.contact_loss.burst import Bursts
+from camcli.analysis.contact_loss.detachment import detachment
+from camcli.analysis.contact_loss.follow import CAUGHT, FLIES_OFF, WITHIN, follow
+from camcli.analysis.contact_loss.force import Force
+from camcli.analysis.contact_loss.regions import regions
+from camcli.analysis.integrate import Orbit
+from camcli.cams.decimals import pi as decimal_pi
+from camcli.cams.decimals import sincos
+from camcli.cams.pieces import Part
 from camcli.system import Follower, System
 from tests.conftest import chapter_system, settings
 

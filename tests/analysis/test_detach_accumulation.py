@@ -4,15 +4,15 @@ from math import inf
 
 import pytest
 
-from camcli.analysis.accumulation_range import settled
-from camcli.analysis.detach import detachment
-from camcli.analysis.detach_burst import Bursts
-from camcli.analysis.detach_force import DEG
-from camcli.analysis.detach_search import bracket, lowest
-from camcli.analysis.detach_study import Question, study
-from camcli.analysis.engine import Orbit
+from camcli.analysis.contact_loss.accumulation_range import settled
+from camcli.analysis.contact_loss.burst import Bursts
+from camcli.analysis.contact_loss.detachment import detachment
+from camcli.analysis.contact_loss.force import DEG
+from camcli.analysis.contact_loss.search import bracket, lowest
+from camcli.analysis.contact_loss.study import Question, study
+from camcli.analysis.integrate import Orbit
 from camcli.analysis.sweep import rpm_grid
-from camcli.kernel.orbit import CHATTER, IMPACT
+from camcli.kernel.orbit_loop import CHATTER, IMPACT
 from tests.conftest import chapter_system, settings
 
 HITS = (124.998297, 122.699318, 121.685872, 121.106981, 120.735577, 120.481041, 120.299126,

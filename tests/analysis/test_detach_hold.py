@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from camcli.analysis.detach_force import Force
-from camcli.analysis.engine import Orbit
-from camcli.analysis.hold import _Need, hold_to, replaced
-from camcli.kernel.profile import stretch_at
+from camcli.analysis.contact_loss.force import Force
+from camcli.analysis.contact_loss.hold import _Need, hold_to, replaced
+from camcli.analysis.integrate import Orbit
+from camcli.kernel.cam_table import stretch_at
 from camcli.system import omega_of
 from tests.analysis.test_detach import dwell, roof
 from tests.conftest import chapter_system, settings

@@ -5,10 +5,10 @@ import math
 import pytest
 from conftest import chapter_system, settings
 
-from camcli.analysis.engine import Orbit, Start
 from camcli.analysis.exponents import of_orbit, of_tape
+from camcli.analysis.integrate import Orbit, Start
 from camcli.analysis.orbits.identify import identify, solve_from
-from camcli.kernel.exponents import natural_log
+from camcli.kernel.growth import natural_log
 from camcli.system import omega_of
 
 

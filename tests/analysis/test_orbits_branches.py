@@ -6,12 +6,12 @@ from math import isfinite, pi
 import pytest
 from mpmath import mpf
 
-from camcli.analysis.engine import Orbit
+from camcli.analysis.integrate import Orbit
+from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.collide import with_machine
 from camcli.analysis.orbits.find import primitive
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.study import Question, study
-from camcli.analysis.orbits.walk import Span
 from camcli.kernel.certify import ADMISSIBLE
 from tests import oracle, orbit_oracle
 from tests.conftest import chapter_system, settings

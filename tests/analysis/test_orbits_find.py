@@ -102,7 +102,7 @@ def test_another_strobe_phase_rotates_the_label_only():
 
 @pytest.mark.parametrize("rpm", [95.0, 150.0, 205.0, 300.0, 358.5, 420.0, 520.0, 690.0, 745.0])
 def test_identify_agrees_with_the_label_of_the_record(rpm):
-    from camcli.analysis.engine import Orbit
+    from camcli.analysis.integrate import Orbit
 
     system = chapter_system()
     tape = Orbit(system, rpm, settings(transient=300, record=130)).run()

@@ -9,13 +9,13 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from mpmath import mp
 
-from camcli.analysis.engine import Orbit
+from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits.identify import newton_from, solve_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter, multipliers
 from camcli.analysis.orbits.singles import single_impact_roots
+from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import ADMISSIBLE
-from camcli.kernel.profile import TURN
 from tests import oracle, orbit_oracle
 from tests.conftest import chapter_system, settings
 from tests.orbit_oracle import Machine, solve

@@ -8,11 +8,11 @@ from conftest import chapter_system, settings
 from mpmath import mp
 
 from camcli.analysis.classify import classify_at
-from camcli.analysis.engine import Orbit
-from camcli.analysis.rest import after
-from camcli.analysis.rest.after import CYCLE, SETTLED, UNKNOWN, WANDERS, After, after_rest, ends
-from camcli.analysis.rest.drive import DIGITS
-from camcli.analysis.rest.settled import repeats
+from camcli.analysis.integrate import Orbit
+from camcli.exact import after_rest as after
+from camcli.exact.after_rest import CYCLE, SETTLED, UNKNOWN, WANDERS, After, after_rest, ends
+from camcli.exact.drive import DIGITS
+from camcli.exact.settled import repeats
 from tests.analysis.test_rest_motion import oracle_of
 
 RUN = settings(600, 400)

@@ -7,13 +7,13 @@ import pytest
 from conftest import chapter_system, settings
 
 from camcli.analysis.basins import rests as rests_module
-from camcli.analysis.basins.census import Census
-from camcli.analysis.basins.crew import Crew
+from camcli.analysis.basins.attractor_finder import Census
+from camcli.analysis.basins.cell_batches import Crew
+from camcli.analysis.basins.decided_rests import chaos
 from camcli.analysis.basins.mapping import Question, basins
 from camcli.analysis.basins.rests import departure
-from camcli.analysis.basins.truth import chaos
 from camcli.analysis.basins.window import Window
-from camcli.analysis.rest import after
+from camcli.exact import after_rest as after
 from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST, UNDECIDED
 
 WINDOW = Window((0.1, 0.9), (-50.0, 50.0), 20, 20)

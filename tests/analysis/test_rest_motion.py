@@ -9,18 +9,18 @@ import pytest
 from conftest import chapter_system, settings
 from mpmath import mp, mpf
 
-from camcli.analysis.engine import Orbit
+from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits.identify import departures
-from camcli.analysis.rest.drive import DIGITS, Drive
-from camcli.analysis.rest.lifts import Lifts
-from camcli.analysis.rest.motion import FORGOT, ON_EDGE, UNCLEAR, TrueMotion
-from camcli.analysis.rest.scout import Found, Scout
-from camcli.kernel.flight import flow
-from camcli.kernel.orbit import IMPACT
-from camcli.kernel.profile import stretch_at
-from camcli.profiles.digits import pi, sincos
-from camcli.profiles.eccentric import EccentricCam
-from camcli.profiles.law import LawCam
+from camcli.cams.decimals import pi, sincos
+from camcli.cams.eccentric import EccentricCam
+from camcli.cams.law import LawCam
+from camcli.exact.drive import DIGITS, Drive
+from camcli.exact.lifts import Lifts
+from camcli.exact.motion import FORGOT, ON_EDGE, UNCLEAR, TrueMotion
+from camcli.exact.scout import Found, Scout
+from camcli.kernel.cam_table import stretch_at
+from camcli.kernel.flow import flow
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.system import Follower, System
 from tests.oracle import Arc, ArcsCam, Oracle
 from tests.oracle import Follower as OracleFollower
@@ -120,7 +120,7 @@ def test_every_impact_is_the_oracles(rpm, turns, changes):
 
 def test_the_error_it_states_is_not_below_the_true_one(monkeypatch):
     """With a coarse derivative of the cam, and NOISE as large as its error, against a fine one."""
-    from camcli.analysis.rest import error, lifts
+    from camcli.exact import error, lifts
 
     right = followed(from_rest(chapter_system(), 358.0), 25)
     cam = right.lifts

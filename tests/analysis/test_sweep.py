@@ -3,7 +3,7 @@
 import pytest
 from conftest import chapter_system, settings
 
-from camcli.analysis.engine import StartError
+from camcli.analysis.integrate import StartError
 from camcli.analysis.sweep import rpm_grid, sweep
 from camcli.parallel import Work
 

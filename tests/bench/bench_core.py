@@ -23,7 +23,7 @@ import numpy as np
 from camcli.analysis.bench.cases import Case, case
 from camcli.analysis.bench.peers import solve_ivp, taylor
 from camcli.analysis.bench.peers.world import World
-from camcli.analysis.engine import IMPACT, Orbit, Settings, Start, compile_for
+from camcli.analysis.integrate import IMPACT, Orbit, Settings, Start, compile_for
 from camcli.cli.bench_runs import bench_of
 
 CHATTER = 1e-9  # turns, everybody's tolerance

@@ -11,10 +11,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
-from camcli.analysis.engine import Settings, compile_for
+from camcli.analysis.integrate import Settings, compile_for
 from camcli.analysis.sweep import rpm_grid, sweep
 from camcli.parallel import Work
-from camcli.parallel.cluster import LOCAL, DaskCluster
+from camcli.parallel.dask_cluster import LOCAL, DaskCluster
 from camcli.parallel.journal import Journal
 from camcli.scene import load_scene
 from camcli.system import Follower, System

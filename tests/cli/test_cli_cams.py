@@ -244,9 +244,9 @@ import sys
 from decimal import Decimal
 from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
-import camcli.profiles
-from camcli.profiles.digits import pi, sincos
-from camcli.profiles.pieces import Part
+import camcli.cams
+from camcli.cams.decimals import pi, sincos
+from camcli.cams.pieces import Part
 
 class TwoLobes(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -257,7 +257,7 @@ class TwoLobes(BaseModel):
         half = Decimal(self.lift) / 2
         return [Part(Decimal(0), 2 * pi(), lambda theta: half * (1 - sincos(2 * theta)[1]))]
 
-camcli.profiles.CAMS = (*camcli.profiles.CAMS, TwoLobes)
+camcli.cams.CAMS = (*camcli.cams.CAMS, TwoLobes)
 from camcli.__main__ import main
 main()
 """

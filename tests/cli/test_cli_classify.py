@@ -53,8 +53,8 @@ def test_the_low_range_is_explained(cam, tmp_path):
 def test_another_restitution_shifts_the_answers(cam, tmp_path):
     from conftest import chapter_system, settings
 
+    from camcli.analysis.orbits.arclength import Span
     from camcli.analysis.orbits.study import Question, study
-    from camcli.analysis.orbits.walk import Span
 
     result = explained(cam, tmp_path, "--points", "51", "--set", "follower.restitution=0.75")
     solved = study(

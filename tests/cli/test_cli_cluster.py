@@ -30,7 +30,9 @@ if importlib.util.find_spec("distributed") is None:
 TURNS = ("--set", "run.transient=60", "--set", "run.record=40", "--no-plot")
 SWEEP = ("sweep", "--rpm", "660:760", "--points", "41", *TURNS)
 BASINS = ("basins", "--cells", "70", "--no-plot")
-IMPATIENT = "import camcli.parallel.cluster as c; c.PATIENCE = 2.0; from camcli.cli.app import main"
+IMPATIENT = (
+    "import camcli.parallel.dask_cluster as c; c.PATIENCE = 2.0; from camcli.cli.app import main"
+)
 QUIET = {"DASK_DISTRIBUTED__WORKER__DAEMON": "False"}
 SLOW = f"""
 import sys, time
@@ -42,11 +44,11 @@ def slow(task, rpm, call=_Task.__call__):
 _Task.__call__ = slow
 """
 OTHER = """
-import camcli.artefacts.program
+import camcli.output.program
 def program_hash():
     return "another"
-program_hash.__module__ = "camcli.artefacts.program"
-camcli.artefacts.program.program_hash = program_hash
+program_hash.__module__ = "camcli.output.program"
+camcli.output.program.program_hash = program_hash
 """
 
 

@@ -194,7 +194,7 @@ def test_same_scene_same_bytes_compiled_or_not(cam, tmp_path):
 
 def test_no_plot_imports_neither_matplotlib_nor_a_compiler(tmp_path):
     code = (
-        "import sys, camcli.cli.panel as panel; from camcli.cli.app import app\n"
+        "import sys, camcli.cli.exit_codes as panel; from camcli.cli.app import app\n"
         f"panel.guarded(lambda: app(['detach', *{SHORT!r}], standalone_mode=False))\n"
         "print([m for m in ('matplotlib', 'numba', 'scipy', 'numpy') if m in sys.modules],"
         " file=sys.stderr)"

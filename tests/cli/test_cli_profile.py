@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from camcli.analysis.profile import bend
+from camcli.analysis.cam_profile import bend
 
 ROOT = Path(__file__).parents[2]
 CONFIGS = ROOT / "configs"
@@ -205,7 +205,7 @@ def test_a_fault_of_the_table_is_one_line_and_exit_code_two(cam, tmp_path):
 
 def test_help_and_other_kinds_import_nothing_for_tables():
     probe = (
-        "import sys, camcli.cli.panel as p; from camcli.cli.app import app\n"
+        "import sys, camcli.cli.exit_codes as p; from camcli.cli.app import app\n"
         "p.guarded(lambda: app(['simulate', '--no-plot', '--profile-only', '-o', sys.argv[1]],"
         " standalone_mode=False))\n"
         "print([m for m in ('scipy', 'numba', 'matplotlib') if m in sys.modules], file=sys.stderr)"

@@ -7,7 +7,7 @@ import pytest
 
 HEAVY = ("numba", "scipy", "matplotlib", "numpy", "pydantic", "yaml", "rich")
 PROBE = (
-    "import sys, camcli.cli.panel as panel; from camcli.cli.app import app\n"
+    "import sys, camcli.cli.exit_codes as panel; from camcli.cli.app import app\n"
     "panel.guarded(lambda: app({words!r}, standalone_mode=False))\n"
     "print(sorted(m for m in {heavy!r} if m in sys.modules), file=sys.stderr)"
 )

@@ -5,7 +5,7 @@ from math import pi, sqrt
 
 import pytest
 
-from camcli.analysis.engine import Orbit, Settings, StartError
+from camcli.analysis.integrate import Orbit, Settings, StartError
 from camcli.analysis.labels import label
 from camcli.analysis.simulate import simulate
 from camcli.analysis.sweep import sweep

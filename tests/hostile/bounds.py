@@ -18,10 +18,10 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
-from camcli.analysis.engine import Settings, Start
+from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.simulate import simulate
 from camcli.errors import STATUSES, SceneError
-from camcli.kernel.profile import Cam
+from camcli.kernel.cam_table import Cam
 from camcli.scene import Scene, load_scene, resolved, scene_hash
 from camcli.system import Follower, System
 
@@ -77,7 +77,7 @@ def accepted(call):
 def command_line(words: Sequence[str]) -> tuple[int, str]:
     """(exit code, stderr) of `cam words...` in this process."""
     from camcli.cli.app import app
-    from camcli.cli.panel import guarded
+    from camcli.cli.exit_codes import guarded
 
     said = io.StringIO()
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said), limited():
@@ -88,7 +88,8 @@ def command_line(words: Sequence[str]) -> tuple[int, str]:
 @contextlib.contextmanager
 def plain_kernel(steps: int = 200) -> Iterator[None]:
     """The kernel in plain Python, where bad arithmetic raises, with few steps between impacts."""
-    from camcli.kernel import backend, lanes, orbit
+    from camcli.kernel import backend
+    from camcli.kernel import orbit_loop as orbit
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("CAMCLI_KERNEL", "python")

@@ -131,7 +131,7 @@ def test_what_is_no_file_is_refused(path, words):
 
 
 def test_a_file_that_became_a_pipe_since_it_was_looked_at_is_not_waited_for(tmp_path, monkeypatch):
-    from camcli.profiles import lift_text
+    from camcli.cams import lift_text
     from camcli.scene import files
 
     usual = os.stat(__file__)
@@ -147,7 +147,7 @@ import json, sys, time
 from pathlib import Path
 from camcli.errors import SceneError
 from camcli.scene import load_scene
-from camcli.profiles import CAMS
+from camcli.cams import CAMS
 start, faults = time.process_time(), []
 try:
     load_scene(Path(sys.argv[1]))

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from camcli.cams.compile import build, column
 from camcli.errors import SceneError
-from camcli.profiles.table import build, column
 from camcli.scene import load_scene
 from tests.hostile.bounds import plain_kernel, run_one_turn
 

@@ -3,9 +3,9 @@
 from functools import cache
 from math import pi
 
-from camcli.analysis.engine import Orbit, Settings, Start
-from camcli.profiles.arcs import ArcsCam
-from camcli.profiles.table import build
+from camcli.analysis.integrate import Orbit, Settings, Start
+from camcli.cams.arcs import ArcsCam
+from camcli.cams.compile import build
 from camcli.system import Follower, System
 from tests import oracle
 

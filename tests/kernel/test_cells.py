@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from camcli.analysis import engine
-from camcli.analysis.basins.crew import NOTHING, Crew
+from camcli.analysis import integrate as engine
+from camcli.analysis.basins.cell_batches import NOTHING, Crew
 from camcli.analysis.basins.region import targets_of
 from camcli.errors import IMPACT_BUDGET, NO_RETURN
 from camcli.kernel import cells as kernel_cells
-from camcli.kernel import lanes
+from camcli.kernel import entry_points
 from camcli.kernel.cells import (
     CHATTERED_TURN,
     FORGOTTEN,
@@ -17,7 +17,7 @@ from camcli.kernel.cells import (
     UNDECIDED,
     trouble,
 )
-from camcli.kernel.orbit import RESTING
+from camcli.kernel.orbit_loop import RESTING
 from tests.kernel.helpers import settings, system
 
 STARTS = [(0.3, -1.0), (0.55, 32.0), (0.1, 5.0), (0.2, -40.0), (1.1, 12.0), (0.1, 0.0), (0.1, -3.0)]
@@ -164,7 +164,7 @@ def test_plain_python_and_compiled_give_the_same_bits(rpm, monkeypatch):
     targets = known_orbit() if rpm == 358.5 else NOTHING
     engine.compile_for(system())
     compiled = ends(crew(rpm), 30, targets)
-    monkeypatch.setattr(lanes, "settle_cells", kernel_cells.follow)  # stays plain Python
+    monkeypatch.setattr(entry_points, "settle_cells", kernel_cells.follow)  # stays plain Python
     plain = ends(crew(rpm), 30, targets)
     for name in ("gap", "rate", "mode", "outcome", "turns", "stay", "symbol"):
         assert getattr(plain, name).tolist() == getattr(compiled, name).tolist(), name

@@ -5,7 +5,7 @@ from math import pi
 
 import pytest
 
-from camcli.kernel import events as kernel_events
+from camcli.kernel import flight as kernel_events
 from tests.kernel.helpers import events, reference, run, system
 
 ROUNDING = 2e-14  # turns per unit of the event's own stretching, beside the tolerance

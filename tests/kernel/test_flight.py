@@ -6,7 +6,7 @@ from math import isfinite, nextafter, sqrt
 import pytest
 from mpmath import mp, mpf
 
-from camcli.kernel.flight import Lane, flow
+from camcli.kernel.flow import Lane, flow
 from tests import oracle
 
 

@@ -13,8 +13,8 @@ import pytest
 from camcli.analysis.orbits.shooter import PARAMETERS, Shooter
 from camcli.kernel import bordered, shooting
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables, solve_bordered
-from camcli.kernel.flight import lane_of
-from camcli.kernel.profile import END, ROW, START, stretch_at
+from camcli.kernel.cam_table import END, ROW, START, stretch_at
+from camcli.kernel.flow import lane_of
 from tests.conftest import chapter_system
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -223,7 +223,7 @@ import hashlib, struct
 from camcli.analysis.orbits.identify import settled, solve_from, newton_from
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel import backend
-from camcli.kernel.profile import stretch_at
+from camcli.kernel.cam_table import stretch_at
 from tests.conftest import chapter_system
 from tests.kernel.test_shooting import BITS, feed
 state = hashlib.sha256()

@@ -6,11 +6,11 @@ from math import exp, pi
 import pytest
 from mpmath import mp
 
-from camcli.analysis.engine import IMPACT, Orbit
+from camcli.analysis.integrate import IMPACT, Orbit
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.kernel.flight import lane_of, move
-from camcli.kernel.profile import TURN, lift, stretch_at
-from camcli.kernel.tangent import after_flight, after_impact, flight_tangent, saltation
+from camcli.kernel.cam_table import TURN, lift, stretch_at
+from camcli.kernel.flow import lane_of, move
+from camcli.kernel.variational import after_flight, after_impact, flight_tangent, saltation
 from tests.conftest import chapter_system, settings
 from tests.oracle import ArcsCam
 from tests.orbit_oracle import Machine, solve, strobe_state

@@ -11,7 +11,7 @@ import sys
 import time
 from pathlib import Path
 
-from camcli.parallel import work
+from camcli.parallel import pieces as work
 from camcli.parallel.journal import Journal
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from camcli.analysis import engine
+from camcli.analysis import integrate as engine
 from camcli.analysis.sweep import sweep
 from camcli.kernel import backend
 from camcli.parallel import Work

@@ -25,14 +25,14 @@ from pathlib import Path
 
 import pytest
 
-from camcli.analysis.engine import Settings, Start
+from camcli.analysis.integrate import Settings, Start
+from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.singles import single_impact_roots
 from camcli.analysis.orbits.study import Question, study
-from camcli.analysis.orbits.walk import Span
+from camcli.cams.eccentric import EccentricCam
 from camcli.kernel.certify import ADMISSIBLE, PULLS
-from camcli.profiles.eccentric import EccentricCam
 from camcli.system import Follower, System
 
 CONFIGS = Path(__file__).parents[2] / "configs"

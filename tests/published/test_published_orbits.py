@@ -4,11 +4,11 @@ from functools import cache
 
 import pytest
 
+from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter, multipliers
 from camcli.analysis.orbits.singles import single_impact_roots
 from camcli.analysis.orbits.study import Question, study
-from camcli.analysis.orbits.walk import Span
 from camcli.kernel.certify import ADMISSIBLE
 from tests.conftest import chapter_system, settings
 

@@ -185,7 +185,7 @@ import sys, json
 from typing import Literal
 from pathlib import Path
 from pydantic import BaseModel, ConfigDict, Field
-import camcli.profiles
+import camcli.cams
 class Linear(BaseModel):
     shape: Literal["linear"]
     gain: float = Field(gt=0, description="gain, m")
@@ -198,7 +198,7 @@ class Toy(BaseModel):
     lift: float = Field(gt=0, description="lift, m")
     toy: float = Field(gt=0, description="toy, m")
     law: Linear | Square = Field({"shape": "square"}, discriminator="shape", description="law")
-camcli.profiles.CAMS = (camcli.profiles.ArcsCam, Toy)
+camcli.cams.CAMS = (camcli.cams.ArcsCam, Toy)
 from camcli.scene import load_scene
 from camcli.errors import SceneError
 for number, cam in enumerate(json.loads(sys.argv[2])):

@@ -9,8 +9,8 @@ from pathlib import Path
 import pydantic
 import pytest
 
+from camcli.cams import CAMS
 from camcli.errors import SceneError
-from camcli.profiles import CAMS
 from camcli.scene import Scene, default_scene_path, json_schema, load_scene, resolved, scene_hash
 from camcli.scene import files as files_module
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from camcli.analysis.basins.attractor import Attractor
-from camcli.analysis.basins.census import Census
+from camcli.analysis.basins.attractor_finder import Census
 
 NEAR = 0.3  # of the orbit's size
 THINNED = 400  # states of an aperiodic attractor compared

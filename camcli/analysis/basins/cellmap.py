@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from camcli.analysis.basins.census import BELOW, CHUNK, Census
-from camcli.analysis.basins.crew import NOTHING
+from camcli.analysis.basins.attractor_finder import BELOW, CHUNK, Census
+from camcli.analysis.basins.cell_batches import NOTHING
 from camcli.analysis.basins.window import Window
 from camcli.kernel.cells import UNDECIDED
 from camcli.parallel import ShardDone

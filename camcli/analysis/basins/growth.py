@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import inf, sqrt
 
 from camcli.analysis.basins.attractor import Attractor
-from camcli.analysis.engine import Orbit, Settings, Start, with_turns
 from camcli.analysis.exponents import of_tape
+from camcli.analysis.integrate import Orbit, Settings, Start, with_turns
 from camcli.errors import OK
-from camcli.kernel.exponents import natural_log
+from camcli.kernel.growth import natural_log
 from camcli.system import System, omega_of
 
 RECORD = 4000  # turns of an aperiodic attractor

@@ -9,13 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from camcli.analysis.basins.attractor import Attractor
+from camcli.analysis.basins.attractor_finder import BELOW, Census
+from camcli.analysis.basins.cell_batches import Crew
 from camcli.analysis.basins.cellmap import settle_by_cells
-from camcli.analysis.basins.census import BELOW, Census
-from camcli.analysis.basins.crew import Crew
 from camcli.analysis.basins.measures import fractions
 from camcli.analysis.basins.region import Region
 from camcli.analysis.basins.window import Window
-from camcli.analysis.engine import Cost, Settings
+from camcli.analysis.integrate import Cost, Settings
 from camcli.kernel.cells import UNDECIDED
 from camcli.parallel import Work
 from camcli.system import System

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from camcli.analysis.basins.census import BELOW, Census
+from camcli.analysis.basins.attractor_finder import BELOW, Census
 from camcli.analysis.basins.measures import boundary
 from camcli.analysis.basins.window import Window
 

@@ -18,7 +18,7 @@ from math import inf, sqrt
 import numpy as np
 
 from camcli.analysis.basins.attractor import Attractor
-from camcli.analysis.basins.crew import NOTHING, Crew
+from camcli.analysis.basins.cell_batches import NOTHING, Crew
 from camcli.kernel.cells import CHATTERED_TURN
 
 WIDEST, NARROWEST = 0.25, 1e-8  # radius over the orbit's size

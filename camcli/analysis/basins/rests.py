@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from camcli.analysis.basins.crew import Crew
-from camcli.analysis.engine import Orbit, Tape, with_turns
-from camcli.analysis.orbits.memory import FORGOTTEN as DIGITS_GONE
-from camcli.analysis.orbits.memory import largest_growth
+from camcli.analysis.basins.cell_batches import Crew
+from camcli.analysis.integrate import Orbit, Tape, with_turns
+from camcli.analysis.orbits.error_growth import FORGOTTEN as DIGITS_GONE
+from camcli.analysis.orbits.error_growth import largest_growth
+from camcli.kernel.cam_table import TURN
 from camcli.kernel.cells import FORGOTTEN, NEW_REST, Targets
-from camcli.kernel.events import FREE
-from camcli.kernel.orbit import CHATTER, DETACHMENT, IMPACT, MODE, PERIOD
-from camcli.kernel.profile import TURN
+from camcli.kernel.flight import FREE
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, MODE, PERIOD
 
 SAME = 1e-9  # of the cam's top (m, m/rad): two states after one departure differ less
 AFTER = 3  # turns after a chatter in which a departure is looked for

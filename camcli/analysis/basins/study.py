@@ -12,7 +12,7 @@ from camcli.analysis.basins.mapping import Basins, Question, basins
 from camcli.analysis.basins.measures import entropies
 from camcli.analysis.basins.region import Region
 from camcli.analysis.basins.uncertainty import Uncertainty, uncertainty
-from camcli.analysis.engine import Cost, Settings
+from camcli.analysis.integrate import Cost, Settings
 from camcli.parallel import ShardDone, Work
 from camcli.system import System
 

@@ -7,7 +7,7 @@ from math import log, sqrt
 
 import numpy as np
 
-from camcli.analysis.basins.census import Census
+from camcli.analysis.basins.attractor_finder import Census
 from camcli.analysis.basins.window import Window
 
 STARTS = 8192

@@ -22,7 +22,7 @@ from camcli.analysis.bench.machine import Bench, events, reference
 from camcli.analysis.bench.peers import solve_ivp
 from camcli.analysis.bench.peers.lifts import TWO_PI, Lift, lift_of
 from camcli.analysis.bench.peers.world import BudgetError, World
-from camcli.analysis.engine import Orbit, Settings, Start, compile_for
+from camcli.analysis.integrate import Orbit, Settings, Start, compile_for
 from camcli.kernel import backend
 from camcli.parallel import Codec, Work
 from camcli.system import Follower, System

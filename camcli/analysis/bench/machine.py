@@ -9,10 +9,10 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from camcli.analysis.engine import Orbit, Settings, Start, Tape
-from camcli.kernel.profile import Cam
-from camcli.profiles.pieces import Part
-from camcli.profiles.table import build
+from camcli.analysis.integrate import Orbit, Settings, Start, Tape
+from camcli.cams.compile import build
+from camcli.cams.pieces import Part
+from camcli.kernel.cam_table import Cam
 from camcli.system import Follower, System
 
 NAMES = {1: "impact", 2: "chatter", 3: "detachment"}

@@ -12,7 +12,7 @@ from camcli.analysis.bench.cases import Case
 from camcli.analysis.bench.machine import Bench
 from camcli.analysis.bench.peers import core, rk4, solve_ivp, taylor
 from camcli.analysis.bench.peers.world import Trace, World
-from camcli.analysis.engine import compile_for
+from camcli.analysis.integrate import compile_for
 from camcli.kernel import backend
 
 CORE, RK4, HEYOKA = "core", "rk4", "heyoka"

@@ -28,7 +28,7 @@ GRACE = 3.0  # s that a command begun in time may take beyond the end
 HEAVY = ("matplotlib", "numba", "numpy", "pydantic", "rich", "scipy", "yaml")
 PROBE = """
 import json, os, sys
-import camcli.cli.panel as panel
+import camcli.cli.exit_codes as panel
 from camcli.cli.app import app
 code = panel.guarded(lambda: app({words!r}, standalone_mode=False))
 sys.stdout.flush()

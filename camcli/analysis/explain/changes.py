@@ -8,13 +8,13 @@ from itertools import pairwise
 from math import inf
 
 from camcli.analysis.classify import APERIODIC, COMPLETE, Motion
-from camcli.analysis.crisis import Crisis, find_crisis
-from camcli.analysis.engine import IMPACT, Cost, Settings
+from camcli.analysis.explain.crisis import Crisis, find_crisis
 from camcli.analysis.explain.events import Event, Events, find_events
+from camcli.analysis.integrate import IMPACT, Cost, Settings
+from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch import DEG, Branch
-from camcli.analysis.orbits.resting import follow_resting
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.analysis.orbits.walk import Span
+from camcli.analysis.orbits.sticking_orbits import follow_resting
 from camcli.system import System
 
 ENLARGED = 1.25  # ratio of the widths of the impact phases that counts as another attractor

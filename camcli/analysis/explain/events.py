@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from camcli.analysis import detach_study
-from camcli.analysis.accumulation_range import RECORD
 from camcli.analysis.classify import COMPLETE, Motion
-from camcli.analysis.detach import Critical
-from camcli.analysis.engine import Cost, Settings, Start
+from camcli.analysis.contact_loss import study as detach_study
+from camcli.analysis.contact_loss.accumulation_range import RECORD
+from camcli.analysis.contact_loss.detachment import Critical
+from camcli.analysis.integrate import Cost, Settings, Start
+from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch import Bifurcation, Writer
+from camcli.analysis.orbits.branch_segment import both_ways
 from camcli.analysis.orbits.crossing import Crossing
-from camcli.analysis.orbits.leg import both_ways
 from camcli.analysis.orbits.locate import CORNER, FOLD, GRAZING, PERIOD_DOUBLING
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.study import continue_from, on_branches
-from camcli.analysis.orbits.walk import Span
 from camcli.analysis.sweep import rpm_grid
 from camcli.system import System
 

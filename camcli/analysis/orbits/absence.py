@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camcli.analysis.engine import Settings
+from camcli.analysis.integrate import Settings
+from camcli.analysis.orbits.arclength import Span
+from camcli.analysis.orbits.branch_segment import follow
 from camcli.analysis.orbits.find import find
-from camcli.analysis.orbits.leg import follow
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
-from camcli.analysis.orbits.resting import follow_resting
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.analysis.orbits.walk import Span
+from camcli.analysis.orbits.sticking_orbits import follow_resting
 from camcli.system import System
 
 SPEEDS = 24  # tried, spread over the range

@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from camcli.analysis.border_collision import Side
-from camcli.analysis.detach_regions import corner_list
-from camcli.analysis.engine import Settings
+from camcli.analysis.contact_loss.regions import corner_list
+from camcli.analysis.integrate import Settings
+from camcli.analysis.orbits.branch_segment import Leg
 from camcli.analysis.orbits.collide import CornerImpact, collide
 from camcli.analysis.orbits.crossing import Crossing
-from camcli.analysis.orbits.leg import Leg
 from camcli.analysis.orbits.locate import GRAZING, PERIOD_DOUBLING, Found
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
-from camcli.analysis.orbits.resting import Change, RestingLeg
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.kernel.profile import TURN
+from camcli.analysis.orbits.sticking_orbits import Change, RestingLeg
+from camcli.kernel.cam_table import TURN
 
 DEG = 57.29577951308232
 SAME_CORNER = 1e-6  # rad

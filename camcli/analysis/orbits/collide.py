@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from math import hypot
 
 from camcli.analysis.border_collision import Collision, Prediction, Side, classify
-from camcli.analysis.engine import Cost, Orbit, Settings, Start, with_turns
 from camcli.analysis.exponents import of_tape
+from camcli.analysis.integrate import Cost, Orbit, Settings, Start, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD, label
 from camcli.analysis.orbits.crossing import Crossing
 from camcli.analysis.orbits.identify import identify, settled
@@ -21,7 +21,7 @@ from camcli.analysis.orbits.orbit import section_states
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.errors import OK
 from camcli.kernel.certify import ADMISSIBLE
-from camcli.kernel.flight import RPM
+from camcli.kernel.flow import RPM
 from camcli.system import System, omega_of
 
 ASIDE = 1e-6  # relative change of the parameter at which the simulation looks

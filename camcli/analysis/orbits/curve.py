@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from camcli.analysis.detach_search import bracket
+from camcli.analysis.contact_loss.search import bracket
+from camcli.analysis.orbits.arclength import beyond
 from camcli.analysis.orbits.branch import Bifurcation
 from camcli.analysis.orbits.collide import with_machine
 from camcli.analysis.orbits.crossing import cross
@@ -26,7 +27,6 @@ from camcli.analysis.orbits.locate import (
 )
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.shooter import PARAMETERS, Root, Shooter
-from camcli.analysis.orbits.walk import beyond
 from camcli.kernel.certify import ADMISSIBLE
 from camcli.system import System
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import inf
 
-from camcli.analysis.engine import Cost, Orbit, Settings, Start
+from camcli.analysis.integrate import Cost, Orbit, Settings, Start
 from camcli.analysis.labels import LONGEST_PERIOD, name
 from camcli.analysis.orbits.identify import identify, impacts_of, newton_from, passages
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root, primitive
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.singles import single_impact_roots
 from camcli.errors import OK
-from camcli.kernel.profile import ROW, START0, START1
+from camcli.kernel.cam_table import ROW, START0, START1
 from camcli.system import System, omega_of
 
 SAME = 1e-7  # relative distance of section states that counts as none

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import inf
 
-from camcli.analysis.engine import DETACHMENT, IMPACT, Orbit, Settings, Start, Tape, with_turns
+from camcli.analysis.integrate import DETACHMENT, IMPACT, Orbit, Settings, Start, Tape, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD
-from camcli.analysis.orbits.memory import forgets
+from camcli.analysis.orbits.error_growth import forgets
 from camcli.analysis.orbits.orbit import (
     PeriodicOrbit,
     from_root,
@@ -20,9 +20,9 @@ from camcli.analysis.orbits.orbit import (
 )
 from camcli.analysis.orbits.shooter import VERDICTS, Root, Shooter
 from camcli.errors import OK
+from camcli.kernel.cam_table import END, ROW, START, TURN, stretch_at
 from camcli.kernel.certify import ADMISSIBLE
-from camcli.kernel.orbit import CHATTER
-from camcli.kernel.profile import END, ROW, START, TURN, stretch_at
+from camcli.kernel.orbit_loop import CHATTER
 from camcli.system import System
 
 NEAR = 1e-2  # relative distance of two passages of the section that suggests a period

@@ -14,11 +14,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import ulp
 
-from camcli.analysis.detach_search import bracket
+from camcli.analysis.contact_loss.search import bracket
+from camcli.analysis.orbits.arclength import Step, beyond
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.analysis.orbits.walk import Step, beyond
+from camcli.kernel.cam_table import END, ROW, START
 from camcli.kernel.certify import ADMISSIBLE
-from camcli.kernel.profile import END, ROW, START
 
 PERIOD_DOUBLING, FOLD, CORNER, GRAZING = "period-doubling", "fold", "corner-impact", "grazing"
 COMPLETION, RANGE, LOST, CLOSED = "chatter-completion", "end-of-range", "lost", "closed"

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from camcli.analysis.detach_regions import regions
+from camcli.analysis.contact_loss.regions import regions
 from camcli.analysis.labels import name
 from camcli.analysis.orbits.shooter import VERDICTS, Root, multipliers
+from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.certify import ADMISSIBLE
-from camcli.kernel.flight import RPM, lane_of, move
-from camcli.kernel.profile import TURN, lift, stretch_at
+from camcli.kernel.flow import RPM, lane_of, move
 from camcli.system import System
 
 REPEATS = 1e-7  # relative distance of section states that counts as none

@@ -6,12 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
 
-from camcli.analysis.engine import Cost, compile_for
+from camcli.analysis.integrate import Cost, compile_for
+from camcli.cams.compile import column
 from camcli.errors import OK
-from camcli.kernel import backend, lanes
+from camcli.kernel import backend, entry_points
+from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
+from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS, certify
-from camcli.kernel.flight import (
+from camcli.kernel.flow import (
     DAMPING,
     GRAVITY,
     MASS,
@@ -21,10 +24,7 @@ from camcli.kernel.flight import (
     STIFFNESS,
     lane_of,
 )
-from camcli.kernel.profile import TURN
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border, correct
-from camcli.kernel.trig import exp_decay
-from camcli.profiles.table import column
 from camcli.system import System, omega_of
 
 PARAMETERS = {
@@ -173,7 +173,7 @@ class Shooter:
             Border(self._table(row), self._table(origin), right, self.scale, self.rate),
         )
         machine, places = self._table(self.machine), self._table(whole, int)
-        solve = lanes.correct_orbit if self.compiled else correct
+        solve = entry_points.correct_orbit if self.compiled else correct
         status = solve(
             self.cam, machine, self.parameter, n, turns, places, x, ends, rates, tables, out
         )
@@ -194,7 +194,7 @@ class Shooter:
         """(verdict, impact, phase): `certify`'s code, and where the root fails (0-based, rad)."""
         n = root.count
         _, (_, _, table, found, work) = self._room(n)
-        check = lanes.certify_orbit if self.compiled else certify
+        check = entry_points.certify_orbit if self.compiled else certify
         machine, places = self._table(root.machine), self._table(root.whole, int)
         x, rates = self._table(root.x), self._table(root.rates)
         code = check(self.cam, machine, n, root.turns, places, x, rates, table, found, work)

@@ -9,10 +9,9 @@ smooth as the cam, so bounds of c_thetatheta and c''' isolate every root: none i
 
 from __future__ import annotations
 
-from camcli.analysis.detach_search import bracket
+from camcli.analysis.contact_loss.search import bracket
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.kernel.flight import flow, lane_of
-from camcli.kernel.profile import (
+from camcli.kernel.cam_table import (
     ACCEL_MAX,
     ACCEL_MIN,
     END,
@@ -22,6 +21,7 @@ from camcli.kernel.profile import (
     TURN,
     lift,
 )
+from camcli.kernel.flow import flow, lane_of
 
 ROUNDING = 1e-15
 FOCUS = 1e-6  # B over the flight's length below which v is not taken from it

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from camcli.analysis.engine import Cost, Settings, compile_for
+from camcli.analysis.integrate import Cost, Settings, compile_for
 from camcli.analysis.orbits.absence import Absence, look_around
+from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch import Bifurcation, Branch, Writer
+from camcli.analysis.orbits.branch_segment import Leg, both_ways, follow
 from camcli.analysis.orbits.crossing import Crossing, doubled
 from camcli.analysis.orbits.find import MOST_STARTS, RECORD, Found, find
-from camcli.analysis.orbits.leg import Leg, both_ways, follow
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
-from camcli.analysis.orbits.resting import BRACKETS, RUN, follow_resting
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.analysis.orbits.walk import Span
+from camcli.analysis.orbits.sticking_orbits import BRACKETS, RUN, follow_resting
 from camcli.analysis.sweep import LITTLE_WORK
 from camcli.kernel import backend
 from camcli.system import System

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from camcli.analysis.bench.peers.world import Trace
-from camcli.analysis.engine import IMPACT, Orbit, Settings, Start
-from camcli.kernel.orbit import CHATTER
+from camcli.analysis.integrate import IMPACT, Orbit, Settings, Start
+from camcli.kernel.orbit_loop import CHATTER
 from camcli.system import System
 
 

@@ -25,7 +25,7 @@ from math import nextafter, sqrt
 
 from camcli.analysis.bench.machine import Bench, Event, events, reference, run, settings
 from camcli.analysis.bench.row import Row, need
-from camcli.analysis.engine import Orbit
+from camcli.analysis.integrate import Orbit
 from camcli.errors import OK
 
 CRITICAL = 2.0 * sqrt(1430.8 * 1.221)  # N s/m, 83.594...

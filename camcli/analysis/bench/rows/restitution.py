@@ -7,7 +7,7 @@ from math import pi, sqrt
 
 from camcli.analysis.bench.machine import Bench, events, phases, run, settings
 from camcli.analysis.bench.row import Row, need
-from camcli.analysis.engine import Orbit
+from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import label
 from camcli.errors import IMPACT_BUDGET, NO_RETURN, OK, STATUSES
 

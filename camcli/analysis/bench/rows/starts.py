@@ -6,7 +6,7 @@ from math import nextafter, pi
 
 from camcli.analysis.bench.machine import Bench, events, reference, run, settings
 from camcli.analysis.bench.row import Row, need
-from camcli.analysis.engine import Orbit, StartError
+from camcli.analysis.integrate import Orbit, StartError
 from camcli.errors import IMPACT_BUDGET, OK
 
 AT_THE_GRAZE, FARTHEST = 1e-4, 1e-6  # rad; m/rad, of a contact that may count or not

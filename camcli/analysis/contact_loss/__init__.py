@@ -1,0 +1,1 @@
+"""Where contact is lost: detachment, chatter accumulation, the spring that holds the follower."""

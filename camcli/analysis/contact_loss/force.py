@@ -1,0 +1,116 @@
+"""The contact force of a follower that stays on the cam, as a function of phase and speed.
+
+    N/m = A + B omega + C omega^2,
+    A = g + F0/m + omega0^2 c,  B = 2 zeta c_theta,  C = c_thetatheta,
+
+one quadratic in omega for each phase; contact is lost where N reaches zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, sqrt
+
+from camcli.analysis.contact_loss.regions import Region, regions
+from camcli.analysis.contact_loss.search import lowest
+from camcli.cams.compile import column
+from camcli.kernel.cam_table import lift_at, stretch_at
+from camcli.kernel.sticking import slide
+from camcli.system import System, omega_of
+
+TIE = 1e-14  # relative difference that counts as none: the earlier stretch is named
+PER_PIECE = 48  # samples per polynomial piece in the search of extremes
+DEG = 57.29577951308232
+
+
+@dataclass(frozen=True)
+class ForceCurve:
+    """N along one turn at one speed, one-sided on both sides of a corner; deg, N."""
+
+    rpm: float
+    theta_deg: list[float]
+    force_n: list[float]
+    lowest_n: float
+    lowest_deg: float
+
+
+class Force:
+    """Contact force of one machine; `i` is a stretch, theta a phase within it (rad)."""
+
+    def __init__(self, system: System):
+        f = system.follower
+        self.system, self.cam, self.mass = system, system.cam, f.mass
+        self.weight, self.spring = f.gravity + f.preload / f.mass, f.stiffness / f.mass
+        self.damper = f.damping / f.mass
+        self.regions = regions(system.cam)
+        self.starts, self.ends = column(self.cam, "START"), column(self.cam, "END")
+        self.counts = [int(n) for n in column(self.cam, "COUNT")]
+
+    def terms(self, i: int, theta: float) -> tuple[float, float, float]:
+        """(A, B, C) above."""
+        c, c1, c2 = lift_at(self.cam, i, theta)
+        return self.weight + self.spring * c, self.damper * c1, c2
+
+    def newton(self, i: int, theta: float, omega: float) -> float:
+        """N in newton."""
+        a, b, c = self.terms(i, theta)
+        return self.mass * (a + omega * (b + omega * c))
+
+    def at_phase(self, theta: float, omega: float) -> float:
+        """N at a phase in [0, 2 pi), right-sided at a corner."""
+        return self.newton(stretch_at(self.cam, theta), theta, omega)
+
+    def lost(self, i: int, theta: float) -> tuple[float, float]:
+        """The omegas (from, to) between which N <= 0 at a phase held at standstill (A > 0).
+
+        (inf, inf) where contact is never lost; with C > 0 a fast cam presses the follower again.
+        """
+        a, b, c = self.terms(i, theta)
+        if a <= 0.0:
+            return 0.0, inf
+        square = b * b - 4.0 * a * c
+        if (c >= 0.0 and b >= 0.0) or square < 0.0:
+            return inf, inf
+        root = sqrt(square) - b
+        if root <= 0.0:
+            return inf, inf
+        return 2.0 * a / root, root / (2.0 * c) if c > 0.0 else inf
+
+    def lowest(self, f: Callable[[int, float], float], stretches) -> tuple[float, int, float]:
+        """(value, stretch, theta) of the smallest f(i, theta) on some stretches, ends included."""
+        best = (inf, stretches[0], self.starts[stretches[0]])
+        for i in stretches:
+            count = PER_PIECE * self.counts[i]
+            value, theta = lowest(lambda x, i=i: f(i, x), self.starts[i], self.ends[i], count)
+            if value < best[0] and not value >= best[0] - TIE * abs(best[0]):
+                best = value, i, theta
+        return best
+
+    def weakest(self, rpm: float) -> tuple[float, int, float]:
+        """(N, stretch, theta) where the force is smallest over a turn."""
+        omega = omega_of(rpm)
+        return self.lowest(lambda i, x: self.newton(i, x, omega), range(self.cam.stretches))
+
+    def held(self, region: Region, rpm: float) -> bool:
+        """True where the kernel's own certified step finds no zero of N in the region."""
+        lane = self.system.lane(rpm, 1e-9, 1)
+        return not any(slide(self.cam, lane, i, self.starts[i])[0] for i in region.stretches)
+
+    def region_of(self, stretch: int) -> Region:
+        """The region that holds a stretch."""
+        return next(region for region in self.regions if stretch in region.stretches)
+
+    def curve(self, rpm: float, points: int = 720) -> ForceCurve:
+        """N over a turn, `points` per turn at least, and its minimum."""
+        omega = omega_of(rpm)
+        theta, force = [], []
+        for i in range(self.cam.stretches):
+            low, high = self.starts[i], self.ends[i]
+            count = int((high - low) * (points / (self.ends[-1] - self.starts[0]))) + 1
+            for k in range(count + 1):
+                x = high if k == count else low + (high - low) * (k / count)
+                theta.append(x * DEG)
+                force.append(self.newton(i, x, omega))
+        value, _, place = self.weakest(rpm)
+        return ForceCurve(rpm, theta, force, value, place * DEG)

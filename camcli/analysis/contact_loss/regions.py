@@ -1,0 +1,66 @@
+"""Corners of a cam by letter, and the smooth regions A1, A2, ... between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from string import ascii_lowercase
+
+from camcli.cams.compile import column, corners
+from camcli.kernel.cam_table import TURN, Cam
+
+
+@dataclass(frozen=True)
+class Corner:
+    """A jump of c_theta or c_thetatheta, at theta (rad), where `stretch` begins."""
+
+    name: str
+    theta: float
+    stretch: int
+
+
+@dataclass(frozen=True)
+class Region:
+    """The stretches from one corner to the next; phases in rad, start < end <= start + 2 pi.
+
+    A boundary at 0 or at the strobe phase is no corner: the region goes on behind it. `begins` and
+    `ends` name the corners, empty where the cam has none.
+    """
+
+    name: str
+    start: float
+    end: float
+    begins: str
+    ends: str
+    stretches: tuple[int, ...]
+
+
+def corner_list(cam: Cam) -> list[Corner]:
+    """Corners in ascending phase: a, b, c, ..., beyond z by number."""
+    starts = column(cam, "START")
+    return [
+        Corner(ascii_lowercase[k] if k < len(ascii_lowercase) else f"corner{k + 1}", starts[n], n)
+        for k, n in enumerate(corners(cam))
+    ]
+
+
+def regions(cam: Cam) -> list[Region]:
+    """A1 from the first corner on, the last one through theta = 0 to it; one without corners."""
+    found = corner_list(cam)
+    if not found:
+        return [Region("A1", 0.0, TURN, "", "", tuple(range(cam.stretches)))]
+    result = []
+    for k, corner in enumerate(found):
+        last = k == len(found) - 1
+        after = found[0] if last else found[k + 1]
+        count = (after.stretch - corner.stretch - 1) % cam.stretches + 1
+        result.append(
+            Region(
+                f"A{k + 1}",
+                corner.theta,
+                after.theta + TURN if last else after.theta,
+                corner.name,
+                after.name,
+                tuple((corner.stretch + j) % cam.stretches for j in range(count)),
+            )
+        )
+    return result

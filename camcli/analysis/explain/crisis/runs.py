@@ -1,0 +1,102 @@
+"""The attractor carried from one speed towards another: its runs, its box, and where they leave it.
+
+States are (q m, dq/dtheta m/rad) at the strobe. The box holds the states of the near end and a
+margin; a speed lies beyond the change where a run from the carried state has states outside.
+"""
+
+from __future__ import annotations
+
+from math import degrees
+
+import numpy as np
+
+from camcli.analysis.integrate import IMPACT, Orbit, Settings, Start, Tape, with_turns
+from camcli.analysis.labels import label
+from camcli.system import System, omega_of
+
+MARGIN = 0.05  # of the box, in widths of all states seen at both ends
+LEAST = 16  # states outside the box that count as leaving
+STAYS = "Nothing leaves"  # begins the sentence of an attractor that lives on
+HALVINGS = 16  # of the interval of speeds
+SETTLE = 1000  # turns from the scene's start before the attractor is recorded
+BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
+
+
+def states_of(tape: Tape) -> np.ndarray:
+    """The states at the strobes of a record, shape (turns, 2)."""
+    return np.column_stack((tape.strobe_q, tape.strobe_w)).astype(float)
+
+
+def impacts_of(tape: Tape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(phase rad, incoming m/rad, turn) of every impact of a record with events, as arrays."""
+    kept = (np.asarray(tape.kind) == IMPACT) & (np.asarray(tape.period) >= 0)
+    theta, u, period = (np.asarray(column)[kept] for column in (tape.theta, tape.u, tape.period))
+    return theta, u, period
+
+
+class Carried:
+    """The attractor that the scene's start settles on at `near`, carried towards `far` (rpm).
+
+    bracket: the last speed known at which a run stays in the box, and the first at which one
+    leaves; size: widths of the states at both ends; ahead: +1 where far is the higher speed.
+    Raises StartError where the scene's start lies below the cam.
+    """
+
+    def __init__(self, system: System, settings: Settings, near: float, far: float, turns: int):
+        self.system, self.settings, self.turns = system, settings, turns
+        self.near, self.far = near, far
+        self.bracket = (near, far)
+        self.ahead = -1.0 if far < near else 1.0
+        orbit = Orbit(system, near, with_turns(settings, max(settings.transient, SETTLE), 1))
+        orbit.run()
+        self.start = orbit.here()
+        self.ends = self.run(near), self.run(far)
+        first, last = (states_of(tape) for tape in self.ends)
+        self.size = np.ptp(np.concatenate((first, last)), axis=0) + 1e-300
+        self.box = first.min(0) - MARGIN * self.size, first.max(0) + MARGIN * self.size
+
+    def run(self, rpm: float, events: bool = False) -> Tape:
+        """The record of the attractor at this speed, from the state it has at the near end."""
+        settings = with_turns(self.settings, 0, self.turns)
+        return Orbit(self.system, rpm, settings, self.start).run(events=events)
+
+    def motion(self, rpm: float, x, turns: int, events: bool = False) -> Tape:
+        """The record of a motion from the state x at the strobe; StartError below the cam."""
+        deg = degrees(self.system.strobe) * (1.0 - BEFORE_STROBE)
+        start = Start(float(x[0]), float(x[1]) * omega_of(rpm), deg)
+        settings = with_turns(self.settings, 0, turns + 1)
+        return Orbit(self.system, rpm, settings, start).run(events=events)
+
+    def states(self, rpm: float, x, turns: int) -> np.ndarray:
+        """The states of `motion` after 0, 1, ..., turns turns; fewer where it ends early."""
+        return states_of(self.motion(rpm, x, turns))
+
+    def outside(self, states: np.ndarray) -> int:
+        """How many of the states lie outside the box of the attractor."""
+        low, high = self.box
+        return int(((states < low) | (states > high)).any(1).sum())
+
+    def leaves(self, tape: Tape) -> bool:
+        """True where a record has left the box."""
+        return self.outside(states_of(tape)) >= LEAST
+
+    def way(self, rpm: float) -> float:
+        """Distance of a speed from the near end, rpm."""
+        return abs(rpm - self.near)
+
+    def narrow(self) -> str:
+        """Halve the bracket; "" where the attractor leaves its box, else why there is nothing."""
+        near, far = self.ends
+        if label(near) != "aperiodic":
+            return f"The motion carried from {self.near:.10g} rpm is not chaotic."
+        if not self.leaves(far):
+            return (
+                f"{STAYS} the attractor carried from {self.near:.10g} rpm: "
+                f"a run of {self.turns} turns stays in its range at {self.far:.10g} rpm."
+            )
+        for _ in range(HALVINGS):
+            last, first = self.bracket
+            middle = 0.5 * (last + first)
+            left = self.leaves(self.run(middle))
+            self.bracket = (last, middle) if left else (middle, first)
+        return ""

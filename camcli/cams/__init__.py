@@ -1,0 +1,12 @@
+"""Cam kinds: one file per kind, registered in `CAMS`.
+
+A kind is a pydantic model with a literal `kind`, geometry checks that raise ValueError, and
+`parts()`: the smooth parts of one turn. Everything else is done from those parts.
+"""
+
+from camcli.cams.arcs import ArcsCam
+from camcli.cams.eccentric import EccentricCam
+from camcli.cams.law import LawCam
+from camcli.cams.lift_table import TableCam
+
+CAMS = (ArcsCam, LawCam, EccentricCam, TableCam)

@@ -1,0 +1,131 @@
+"""`kind: arcs`: base circle, flank circle and nose circle tangent to each other, top dwell.
+
+Polar radius of a knife-edge follower minus the offset, x from a (end of the base circle),
+y from the nearer end of the top dwell:
+    flank  c = -kappa1 cos x + sqrt(rho1^2 - kappa1^2 sin^2 x) - offset
+    nose   c =  kappa2 cos y + sqrt(rho2^2 - kappa2^2 sin^2 y) - offset
+with kappa1, rho1 = flank_center, flank_radius and kappa2, rho2 = nose_center, nose_radius.
+The lobe is symmetric about 180 deg.
+"""
+
+from __future__ import annotations
+
+from decimal import Decimal, localcontext
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from camcli.cams.decimals import DIGITS, acos, pi, radians, sincos
+from camcli.cams.pieces import Part
+
+Length = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
+CLOSURE = 1e-9  # largest gap between circles that should touch, relative to the flank radius
+
+
+class ArcsCam(BaseModel):
+    """Three tangent circles; lengths in m, angles in deg."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    kind: Literal["arcs"]
+    base_radius: Length = Field(description="base circle radius, m")
+    flank_center: Length = Field(description="distance of the flank circle's centre, m")
+    flank_radius: Length = Field(description="flank circle radius, m")
+    nose_center: Length = Field(description="distance of the nose circle's centre, m")
+    nose_radius: Length = Field(description="nose circle radius, m")
+    top_dwell_deg: float = Field(ge=0, lt=360, allow_inf_nan=False, description="top dwell, deg")
+    offset: float = Field(
+        default=0.0, ge=-1e6, le=1e6, allow_inf_nan=False, description="subtracted from radius, m"
+    )
+
+    @model_validator(mode="after")
+    def _closes(self) -> ArcsCam:
+        gap = self.flank_radius - self.flank_center - self.base_radius
+        if abs(gap) > CLOSURE * self.flank_radius:
+            raise ValueError(
+                f"the flank circle misses the base circle by {gap:.6g} m: "
+                "flank_radius must equal flank_center + base_radius"
+            )
+        if self.nose_radius >= self.flank_radius:
+            raise ValueError(
+                f"nose_radius is {self.nose_radius - self.flank_radius:.6g} m too large: "
+                "it must be smaller than flank_radius"
+            )
+        reach = self.flank_radius - self.nose_radius
+        apart = reach - self.flank_center - self.nose_center
+        if apart >= 0:
+            raise ValueError(
+                f"flank and nose circle do not touch, they miss by {apart:.6g} m: "
+                "flank_center + nose_center must exceed flank_radius - nose_radius"
+            )
+        inside = abs(self.flank_center - self.nose_center) - reach
+        if inside >= 0:
+            raise ValueError(
+                f"flank and nose circle do not touch, they overlap by {inside:.6g} m: "
+                "|flank_center - nose_center| must be below flank_radius - nose_radius"
+            )
+        if self.nose_center + self.nose_radius <= self.base_radius:
+            raise ValueError("the nose does not rise above the base circle: no lift")
+        lobe = 2 * float(self._angles()[0]) * 180 / float(pi()) + self.top_dwell_deg
+        if lobe > 360:
+            raise ValueError(
+                f"flanks, noses and top dwell take {lobe:.6g} deg, {lobe - 360:.6g} deg too much"
+            )
+        return self
+
+    def _angles(self) -> tuple[Decimal, Decimal]:
+        """(angle a-O-c, angle a-O-b) in rad, from the triangle O1 O O2.
+
+        |O1 O2| = flank_radius - nose_radius (internal tangency), |O O1| = flank_center on the far
+        side of a, |O O2| = nose_center towards c; b lies on the line O1 O2 beyond O2.
+        """
+        with localcontext() as context:
+            context.prec = DIGITS
+            k1, k2 = Decimal(self.flank_center), Decimal(self.nose_center)
+            rho1 = self._flank_radius()
+            side = rho1 - Decimal(self.nose_radius)
+            rise = pi() - acos((k1 * k1 + k2 * k2 - side * side) / (2 * k1 * k2))
+            sine, cosine = sincos(rise)
+            # O at 0, a along x: O1 = (-k1, 0), O2 = k2 (cos rise, sin rise), b = O1 + rho1 unit
+            across = rho1 * k2 * sine / side
+            along = rho1 * (k2 * cosine + k1) / side - k1
+            radius = (across * across + along * along).sqrt()
+            return rise, acos(along / radius)
+
+    def _flank_radius(self) -> Decimal:
+        """rho1 closed exactly on the base circle (the scene's value agrees to 1e-9)."""
+        return Decimal(self.flank_center) + Decimal(self.base_radius)
+
+    def parts(self) -> list[Part]:
+        """The smooth parts of one turn from 0 to 2 pi."""
+        rise, flank = self._angles()
+        with localcontext() as context:
+            context.prec = DIGITS
+            half = radians(Decimal(self.top_dwell_deg)) / 2
+            turn = 2 * pi()
+            a, b, c = pi() - half - rise, pi() - half - rise + flank, pi() - half
+            d, e, f = turn - c, turn - b, turn - a
+            offset = Decimal(self.offset)
+            base = Decimal(self.base_radius) - offset
+            top = Decimal(self.nose_center) + Decimal(self.nose_radius) - offset
+        k1, k2 = Decimal(self.flank_center), Decimal(self.nose_center)
+        rho1, rho2 = self._flank_radius(), Decimal(self.nose_radius)
+
+        def circle(sign: int, kappa: Decimal, rho: Decimal, zero: Decimal):
+            def radius(theta: Decimal) -> Decimal:
+                sine, cosine = sincos(theta - zero)
+                inside = rho * rho - kappa * kappa * sine * sine
+                return sign * kappa * cosine + inside.sqrt() - offset
+
+            return radius
+
+        parts = [
+            Part(Decimal(0), a, None, base),
+            Part(a, b, circle(-1, k1, rho1, a)),
+            Part(b, c, circle(1, k2, rho2, c)),
+            Part(c, d, None, top),
+            Part(d, e, circle(1, k2, rho2, d)),
+            Part(e, f, circle(-1, k1, rho1, f)),
+            Part(f, turn, None, base),
+        ]
+        return [part for part in parts if part.end > part.start]

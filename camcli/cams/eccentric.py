@@ -1,0 +1,39 @@
+"""`kind: eccentric`: a circle turning about a point beside its centre, under a flat follower.
+
+    c = base + lift (1 - cos theta)/2
+
+The eccentricity is lift/2. Smooth everywhere: no corners. It is also the table of a shaker, and
+with base = -sigma - lift/2 the moving stop of the impact oscillator.
+"""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from camcli.cams.decimals import pi, sincos
+from camcli.cams.pieces import Part
+
+Height = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
+Lift = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
+
+
+class EccentricCam(BaseModel):
+    """A harmonic cam; lengths in m."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    kind: Literal["eccentric"]
+    base: Height = Field(description="lowest c, at theta = 0, any sign, m")
+    lift: Lift = Field(description="highest minus lowest c, twice the eccentricity, m")
+
+    def parts(self) -> list[Part]:
+        """The smooth parts of one turn from 0 to 2 pi: one."""
+        base, half = Decimal(self.base), Decimal(self.lift) / 2
+
+        def height(theta: Decimal) -> Decimal:
+            return base + half * (1 - sincos(theta)[1])
+
+        return [Part(Decimal(0), 2 * pi(), height)]

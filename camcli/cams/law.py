@@ -1,0 +1,174 @@
+"""`kind: law`: base dwell, rise, top dwell and fall, each motion by a law of `profiles.laws`.
+
+With h = lift and x the angle since the motion's start over its length beta:
+    rise  c = base + h s(x)          fall  c = base + h (1 - s(x))
+    c_theta = +-h/beta s'(x),        c_thetatheta = +-h/beta^2 s''(x)
+The rest of the turn is base dwell. Angles are taken as written, in decimals, so that 100.1 + 259.9
+is 360; the rise may begin anywhere, also so that the lobe passes through theta = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from decimal import Decimal, localcontext
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+
+from camcli.cams.decimals import DIGITS, radians
+from camcli.cams.motion_laws import LawName, Segment, named, scca
+from camcli.cams.pieces import Part
+
+Height = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
+Lift = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
+Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+CLOSURE = 1e-9  # deg, and share of a law: a sum this close to its bound meets it
+TURN = Decimal(360)
+
+
+class Widths(BaseModel):
+    """Widths of the sine, constant and cosine parts of the acceleration; b + c + d = 1."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    b: Share = Field(description="share with a sine, half of it at each end, -")
+    c: Share = Field(description="share with constant acceleration, half before the middle, -")
+    d: Share = Field(description="share with a cosine, in the middle, -")
+
+    @model_validator(mode="after")
+    def _whole(self) -> Widths:
+        rest = self.b + self.c + self.d - 1.0
+        if abs(rest) > CLOSURE:
+            raise ValueError(f"b + c + d = {self.b + self.c + self.d:.10g}: the sum must be 1")
+        return self
+
+
+class SccaLaw(BaseModel):
+    """A law of the SCCA family with widths of one's own."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    scca: Widths = Field(description="widths b, c, d of sine, constant, cosine acceleration")
+
+
+def _tag(value: Any) -> str:
+    return "scca" if isinstance(value, dict | SccaLaw) else "name"
+
+
+Length = Annotated[
+    float, Field(ge=1e-6, le=360, allow_inf_nan=False, description="length of the motion, deg")
+]
+Law = Annotated[
+    Annotated[LawName, Tag("name")] | Annotated[SccaLaw, Tag("scca")],
+    Discriminator(_tag),
+    Field(description="law of motion: a name, or {scca: {b: ..., c: ..., d: ...}}"),
+]
+
+
+class Rise(BaseModel):
+    """A rise: where it begins, its length and law."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    start_deg: float = Field(
+        ge=-360, le=360, allow_inf_nan=False, description="where the rise begins, deg"
+    )
+    length_deg: Length
+    law: Law
+
+
+class Fall(BaseModel):
+    """A fall: its length and law; it begins where the top dwell ends."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    length_deg: Length
+    law: Law
+
+
+class LawCam(BaseModel):
+    """A dwell-rise-dwell-fall cam; lengths in m, angles in deg."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    kind: Literal["law"]
+    base: Height = Field(description="c on the base dwell, any sign, m")
+    lift: Lift = Field(description="c on the top dwell minus base, m")
+    rise: Rise = Field(description="from base to top")
+    top_dwell_deg: float = Field(
+        default=0.0, ge=0, lt=360, allow_inf_nan=False, description="top dwell, deg"
+    )
+    fall: Fall = Field(description="from top to base, after the top dwell")
+
+    @model_validator(mode="after")
+    def _fits(self) -> LawCam:
+        lobe = written(self.rise.length_deg) + written(self.top_dwell_deg)
+        lobe += written(self.fall.length_deg)
+        if lobe > TURN + written(CLOSURE):
+            raise ValueError(
+                f"rise, top dwell and fall take {float(lobe):.10g} deg, "
+                f"{float(lobe - TURN):.10g} deg too much: "
+                "with the base dwell they share one turn of 360 deg"
+            )
+        return self
+
+    def parts(self) -> list[Part]:
+        """The smooth parts of one turn from 0 to 2 pi."""
+        with localcontext() as context:
+            context.prec = DIGITS
+            start = written(self.rise.start_deg) % TURN
+            start += TURN if start < 0 else 0
+            rise, dwell = written(self.rise.length_deg), written(self.top_dwell_deg)
+            top = start + rise
+            fall = min(written(self.fall.length_deg), TURN - rise - dwell)
+            low, lift = Decimal(self.base), Decimal(self.lift)
+            parts = [
+                *_motion(self.rise.law, start, rise, low, lift),
+                *_folded(top, top + dwell, None, low + lift),
+                *_motion(self.fall.law, top + dwell, fall, low + lift, -lift),
+                *_folded(top + dwell + fall, start + TURN, None, low),
+            ]
+            return sorted(parts, key=lambda part: part.start)
+
+
+def written(value: float) -> Decimal:
+    """The decimal number that a person wrote: 0.1, not the double nearest to it."""
+    return Decimal(repr(float(value)))
+
+
+def _segments(law: str | SccaLaw) -> list[Segment]:
+    """The smooth parts of a law on 0 <= x <= 1."""
+    if isinstance(law, SccaLaw):
+        b = written(law.scca.b)
+        return scca(b, min(written(law.scca.d), 1 - b))
+    return named(law)
+
+
+def _motion(law, start: Decimal, length: Decimal, low: Decimal, step: Decimal) -> Iterator[Part]:
+    """Parts of a motion from c = low to low + step over `length` deg."""
+    for segment in _segments(law):
+        ends = start + length * segment.start, start + length * segment.end
+        yield from _folded(*ends, _scaled(segment, start, length, low, step))
+
+
+def _scaled(segment: Segment, start: Decimal, length: Decimal, low: Decimal, step: Decimal):
+    """The maker of c(theta), whole turns later: c = low + step s((theta - start)/beta)."""
+
+    def later(turn: Decimal) -> Callable[[Decimal], Decimal]:
+        origin, beta = radians(start - turn), radians(length)
+
+        def height(theta: Decimal) -> Decimal:
+            return low + step * segment.height((theta - origin) / beta)
+
+        return height
+
+    return later
+
+
+def _folded(low: Decimal, high: Decimal, later, level: Decimal = Decimal(0)) -> Iterator[Part]:
+    """Parts of the turn [0, 360) from an interval in [0, 720] deg; later None is a dwell."""
+    for turn in (Decimal(0), TURN):
+        start, end = max(low - turn, Decimal(0)), min(high - turn, TURN)
+        if end > start:
+            lift = None if later is None else later(turn)
+            yield Part(radians(start), radians(end), lift, level)

@@ -1,0 +1,77 @@
+"""Sticking: the follower rests on the cam until the contact force reaches zero.
+
+The relative acceleration in contact, a = -(G + W^2 c + 2 Z c_theta) - c_thetatheta (per rad^2), is
+minus the contact force over the mass and omega^2. Contact lasts while a < 0.
+"""
+
+from math import sqrt
+
+from camcli.kernel.backend import kernel, outlined
+from camcli.kernel.cam_table import (
+    ACCEL_MAX,
+    ACCEL_MIN,
+    END,
+    JERK_MAX,
+    LOW,
+    ROW,
+    SLOPE_LOW,
+    SNAP_MAX,
+    lift_at,
+    third,
+)
+
+MOST_STEPS = 500
+SKIP = 1e-8  # rad, past a phase where the contact force touches zero without lift-off
+ROUNDING = 4.0 * 2.220446049250313e-16
+
+
+@kernel
+def contact_accel(cam, lane, i, theta):
+    """(a, da/dtheta, size of its terms) in contact at theta within stretch i."""
+    c, c1, c2 = lift_at(cam, i, theta)
+    c3 = third(cam, i, theta)
+    a = -(lane.G + lane.W2 * c + 2.0 * lane.Z * c1) - c2
+    slope = -(lane.W2 * c1 + 2.0 * lane.Z * c2) - c3
+    size = abs(lane.G) + abs(lane.W2 * c) + abs(2.0 * lane.Z * c1) + abs(c2)
+    return a, slope, size
+
+
+@outlined
+def slide(cam, lane, i, theta):
+    """(released, theta): first phase in the rest of stretch i where the contact force is lost.
+
+    That is where a becomes positive, or is zero and rising; a force that only touches zero, or is
+    zero throughout, releases nothing. False comes with the phase that was reached.
+    With |a''| <= M on the stretch, a + a' s + M s^2/2 < 0 up to its first root, so no zero is
+    stepped over; near the zero the steps become Newton's.
+    """
+    end = cam.rows[i * ROW + END]
+    force = (
+        lane.G + lane.W2 * cam.rows[i * ROW + LOW] + 2.0 * lane.Z * cam.rows[i * ROW + SLOPE_LOW]
+    )
+    if -force - cam.rows[i * ROW + ACCEL_MIN] < 0.0:
+        return False, end
+    largest = max(abs(cam.rows[i * ROW + ACCEL_MIN]), abs(cam.rows[i * ROW + ACCEL_MAX]))
+    curve = (
+        lane.W2 * largest
+        + 2.0 * lane.Z * cam.rows[i * ROW + JERK_MAX]
+        + cam.rows[i * ROW + SNAP_MAX]
+    )
+    for _ in range(MOST_STEPS):
+        a, slope, size = contact_accel(cam, lane, i, theta)
+        if a > ROUNDING * size or (a >= -ROUNDING * size and slope > 0.0):
+            return True, theta
+        if a >= -ROUNDING * size:  # the force only touches zero here
+            step = max(-2.0 * slope / curve, SKIP) if curve > 0.0 else end
+        else:
+            root = sqrt(slope * slope - 2.0 * curve * a)
+            if slope >= 0.0 and slope + root > 0.0:
+                step = -2.0 * a / (slope + root)
+            else:
+                step = (root - slope) / curve if curve > 0.0 else end
+        if theta + step >= end:
+            return False, end
+        if theta + step == theta:
+            return True, theta
+        theta += step
+    return False, theta

@@ -1,0 +1,95 @@
+"""run.json: what was run, with what, at which cost, and how exact it is."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from camcli.analysis.integrate import Cost
+from camcli.output.program import program_hash
+
+PACKAGES = (
+    "camcli",
+    "numpy",
+    "numba",
+    "scipy",
+    "pydantic",
+    "matplotlib",
+    "typer",
+    "rich",
+    "pyyaml",
+)
+ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
+
+
+def cost_record(cost: Cost, seconds: float, from_disk: int = 0) -> dict[str, Any]:
+    """Impacts, seconds and their ratio, and the evaluations behind them.
+
+    No ratio where some of the work was found on disk.
+    """
+    return {
+        "impacts": cost.impacts,
+        "seconds": seconds,
+        "impacts_per_s": cost.impacts / seconds if seconds > 0 and not from_disk else None,
+        "gap_evaluations": cost.evaluations,
+        "crossings": cost.crossings,
+        "pieces_from_disk": from_disk,
+    }
+
+
+def error_record(tolerance: float, top: float) -> dict[str, Any]:
+    """Bounds on the error of one event; the orbit's own stretching multiplies them."""
+    return {
+        "accumulation_phase_turns": tolerance,
+        "contact_gap_m": ROUNDING_M * max(1.0, abs(top)),
+        "meaning": "bound for each event; a chaotic orbit multiplies it by its own stretching",
+    }
+
+
+def run_record(
+    command: str,
+    scene: Mapping[str, Any],
+    scene_hash: str,
+    options: Mapping[str, Any],
+    cost: Mapping[str, Any],
+    error: Mapping[str, Any],
+    result: Mapping[str, Any],
+    artefacts: Mapping[str, str],
+) -> dict[str, Any]:
+    """The record as plain values; `artefacts` maps file names to their SHA-256."""
+    return {
+        "command": command,
+        "scene": scene,
+        "scene_sha256": scene_hash,
+        "options": options,
+        "cost": cost,
+        "error": error,
+        "result": result,
+        "artefacts": artefacts,
+        "program_sha256": program_hash(),
+        "versions": {"python": platform.python_version(), **_versions()},
+        "machine": {
+            "system": platform.system(),
+            "processor": platform.machine(),
+            "processors": os.cpu_count(),
+        },
+    }
+
+
+def to_text(record: Mapping[str, Any]) -> str:
+    """JSON text; raises ValueError if a NaN or an infinity got in."""
+    return json.dumps(record, indent=2, allow_nan=False) + "\n"
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found

@@ -1,0 +1,214 @@
+"""`kind: law`: coefficients from the handbooks, joints, the compiled table against the oracle."""
+
+import random
+from math import pi, ulp
+
+import pytest
+from mpmath import mp, mpf
+from pydantic import ValidationError
+from tests.profiles.law_oracle import LAWS, OWN, OWN_LAW
+
+from camcli.analysis.contact_loss.regions import corner_list
+from camcli.cams.compile import build, column, corners
+from camcli.cams.law import LawCam
+from camcli.kernel.cam_table import higher, lift, lift_at, stretch_at
+
+BASE, LIFT = -0.013, 0.05  # m
+RISE, DWELL, FALL = 100.0, 40.0, 120.0  # deg
+EVERY = {**LAWS, "scca": OWN_LAW}
+SCCA = {"scca": OWN}
+CORNERS = {  # deg after the start of the rise
+    "constant-velocity": [0, 100, 140, 260],
+    "constant-acceleration": [0, 50, 100, 140, 200, 260],
+    "harmonic": [0, 100, 140, 260],
+}
+PEAKS = {  # largest velocity and acceleration, in h/beta and h/beta^2
+    "constant-acceleration": (2, 4),
+    "harmonic": (1.5708, 4.9348),
+    "cycloidal": (2, 6.2832),
+    "3-4-5": (1.875, 5.7735),
+    "4-5-6-7": (2.1875, 7.5132),
+    "modified-trapezoid": (2, 4.88812),
+    "modified-sine": (1.75960, 5.52796),
+}
+
+
+def law_cam(law="cycloidal", falls=None, start=60.0, **changes):
+    """A cam with the lengths above; `changes` replace its fields."""
+    motions = {
+        "rise": {"start_deg": start, "length_deg": RISE, "law": law},
+        "fall": {"length_deg": FALL, "law": falls or law},
+    }
+    fields = {"base": BASE, "lift": LIFT, "top_dwell_deg": DWELL, **motions, **changes}
+    return LawCam(kind="law", **fields)
+
+
+def table(name, start=60.0):
+    """The compiled cam of a law by its name, `scca` for widths of its own."""
+    return build(law_cam(SCCA if name == "scca" else name, start=start).parts())
+
+
+def exact(name, theta, start=60.0, side=1):
+    """c and its six derivatives by theta (rad), from the oracle."""
+    law, x = EVERY[name], (mpf(theta) * 180 / mp.pi - mpf(start)) % 360
+    if side < 0 and x < mpf(10) ** -9:
+        x += 360  # the end of the base dwell
+    for low, length, up in ((0, RISE, 1), (RISE + DWELL, FALL, -1)):
+        share = (x - low) / mpf(length)
+        if 0 <= share < 1 or (side < 0 and 0 < share <= 1):
+            beta = mpf(length) * mp.pi / 180
+            values = [law.derivative(share, n, side) / beta**n for n in range(7)]
+            level = BASE if up > 0 else mpf(BASE) + mpf(LIFT)
+            return [mpf(level) + up * LIFT * values[0], *(up * LIFT * v for v in values[1:])]
+    top = RISE <= x <= RISE + DWELL
+    return [mpf(BASE) + (mpf(LIFT) if top else 0)] + [mpf(0)] * 6
+
+
+def sizes(name):
+    """Largest |derivative| of each order: what errors are measured by."""
+    law = EVERY[name]
+    beta = mpf(RISE) * mp.pi / 180
+    grid = [mpf(k) / 64 for k in range(1, 64)]
+    return [
+        LIFT * float(max(abs(law.derivative(x, n)) for x in grid) / beta**n) or 1.0
+        for n in range(7)
+    ]
+
+
+@pytest.mark.parametrize("name", PEAKS)
+def test_peak_velocity_and_acceleration_are_those_of_the_handbooks(name):
+    cam, beta = table(name), RISE * pi / 180
+    start = column(cam, "START")[1]
+    rows = [start + beta * k / 3000 for k in range(3001)]
+    values = [lift_at(cam, stretch_at(cam, theta), theta) for theta in rows]
+    velocity = max(abs(v[1]) for v in values) * beta / LIFT
+    acceleration = max(abs(v[2]) for v in values) * beta**2 / LIFT
+    assert velocity == pytest.approx(PEAKS[name][0], rel=4e-5)
+    assert acceleration == pytest.approx(PEAKS[name][1], rel=1e-5)
+
+
+@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("start", [60.0, 300.0, -47.25])
+def test_the_table_is_the_formula_to_a_few_roundings(name, start):
+    """c to 4 ulp of its size, c' to 1e-14, c'' to 1e-13, the 3rd to the 6th to 1e-11 .. 1e-6."""
+    cam, size, rng = table(name, start), sizes(name), random.Random(7)
+    unit = ulp(max(abs(BASE), abs(BASE + LIFT)))
+    tolerances = [4 * unit, *(t * s for t, s in zip((1e-14, 1e-13), size[1:3], strict=True))]
+    tolerances += [t * s for t, s in zip((1e-11, 1e-9, 1e-7, 1e-6), size[3:], strict=True)]
+    starts = column(cam, "START")
+    for _ in range(120):
+        theta = rng.uniform(0, 2 * pi)
+        i = stretch_at(cam, theta)
+        assert min(abs(theta - joint) for joint in starts) > 1e-12
+        values = [*lift(cam, i, theta), *higher(cam, i, theta)]
+        for n, (ours, theirs) in enumerate(zip(values, exact(name, theta, start), strict=True)):
+            assert abs(float(ours - theirs)) <= tolerances[n], (theta, n)
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_the_values_at_joints_are_one_sided(name):
+    """Every zone of a law is cut exactly; there each side has its own derivatives."""
+    cam, size, law = table(name), sizes(name), EVERY[name]
+    starts = column(cam, "START")
+    joints = [60 + RISE * x for x in law.joints] + [200 + FALL * x for x in law.joints]
+    assert starts == pytest.approx([0.0, *(float(x) * pi / 180 for x in joints)], abs=1e-15)
+    for k, degrees in enumerate(joints, 1):
+        for side, prefix, row in ((1, "START", k), (-1, "END", k - 1)):
+            theirs = exact(name, mpf(degrees) * mp.pi / 180 + mpf(10) ** -25 * side, side=side)
+            for n in range(3):
+                ours = column(cam, f"{prefix}{n}")[row]
+                assert abs(ours - float(theirs[n])) <= 1e-13 * max(size[n], 0.05), (degrees, n)
+
+
+@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("start", [60.0, 300.0])
+def test_corners_are_where_the_law_has_them(name, start):
+    cam = table(name, start)
+    found = [column(cam, "START")[n] * 180 / pi for n in corners(cam)]
+    expected = sorted((x + start) % 360 for x in CORNERS.get(name, []))
+    assert found == pytest.approx(expected, abs=1e-12)
+    assert [corner.name for corner in corner_list(cam)] == list("abcdef")[: len(expected)]
+
+
+def test_only_constant_velocity_has_kinks():
+    for name in EVERY:
+        kicks = [k for k in column(table(name), "KICK") if k]
+        if name == "constant-velocity":
+            up, down = LIFT / (RISE * pi / 180), LIFT / (FALL * pi / 180)
+            assert kicks == pytest.approx([up, -up, -down, down], rel=1e-15)
+        else:
+            assert kicks == []
+
+
+def test_a_ramp_has_no_acceleration_at_all():
+    cam = table("constant-velocity")
+    assert set(column(cam, "ACCEL_MAX")) == set(column(cam, "ACCEL_MIN")) == {0.0}
+    assert column(cam, "COUNT") == [1.0] * 5
+
+
+def test_bounds_hold_and_are_not_idle():
+    for name in EVERY:
+        cam, beta = table(name), RISE * pi / 180
+        assert BASE + LIFT <= cam.top <= BASE + LIFT * 1.005
+        if name in PEAKS:
+            peak = PEAKS[name][1] * LIFT / beta**2
+            assert peak * 0.9999 <= max(column(cam, "ACCEL_MAX")) <= peak * 1.05
+
+
+def test_named_laws_are_members_of_the_family():
+    for name, b, c, d in (
+        ("modified-sine", 0.25, 0.0, 0.75),
+        ("modified-trapezoid", 0.25, 0.5, 0.25),
+        ("cycloidal", 0.5, 0.0, 0.5),
+        ("harmonic", 0.0, 0.0, 1.0),
+        ("constant-acceleration", 0.0, 1.0, 0.0),
+    ):
+        own = law_cam({"scca": {"b": b, "c": c, "d": d}})
+        assert build(own.parts()) == table(name)
+
+
+def test_widths_in_thirds_close():
+    third = 0.3333333333333333
+    cam = build(law_cam({"scca": {"b": third, "c": third, "d": third}}).parts())
+    assert corners(cam) == []
+
+
+def test_rise_and_fall_may_follow_different_laws():
+    cam = build(law_cam("harmonic", "3-4-5").parts())
+    found = [column(cam, "START")[n] * 180 / pi for n in corners(cam)]
+    assert found == pytest.approx([60, 160], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("lengths", "stretches"),
+    [((100.1, 0.0, 259.9), 3), ((120.0, 120.0, 120.0), 4), ((0.1, 359.8, 0.1), 4)],
+)
+def test_a_lobe_may_take_the_whole_turn(lengths, stretches):
+    """Sums are those of the written decimals; without a base dwell there is no stretch for it."""
+    rise, dwell, fall = lengths
+    motion = {"start_deg": 10.0, "length_deg": rise, "law": "4-5-6-7"}
+    cam = law_cam(rise=motion, top_dwell_deg=dwell, fall={"length_deg": fall, "law": "3-4-5"})
+    assert build(cam.parts()).stretches == stretches
+    assert float(cam.parts()[-1].end) == 2 * pi
+
+
+@pytest.mark.parametrize(
+    ("changes", "amount"),
+    [
+        ({"top_dwell_deg": 140.5}, r"360\.5 deg, 0\.5 deg too much"),
+        ({"top_dwell_deg": 140.00001}, "1e-05 deg too much"),
+        ({"fall": {"length_deg": 0.0, "law": "harmonic"}}, "0.000001"),
+        ({"lift": 0.0}, "greater than 0"),
+        ({"base": float("nan")}, "finite"),
+        ({"rise": {"start_deg": 400, "length_deg": 90, "law": "3-4-5"}}, "360"),
+        ({"rise": {"start_deg": 0, "length_deg": 90, "law": "3-5"}}, "cycloidal"),
+    ],
+)
+def test_lengths_that_do_not_fit_are_refused_with_the_amount(changes, amount):
+    with pytest.raises(ValidationError, match=amount):
+        law_cam(**changes)
+
+
+def test_widths_must_fill_the_law():
+    with pytest.raises(ValidationError, match=r"b \+ c \+ d = 1\.1"):
+        law_cam({"scca": {"b": 0.3, "c": 0.3, "d": 0.5}})

@@ -1,0 +1,296 @@
+"""Lift tables that cannot be used: every fault says where, what and what to do; never a traceback.
+
+The fuzz tries CAMCLI_FUZZ examples (default 300), 10 000 before a release:
+    CAMCLI_FUZZ=10000 .venv/bin/pytest tests/cams/test_lift_table_faults.py
+"""
+
+import os
+from datetime import timedelta
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from tests.profiles.lift_tables import SCENE, Lobe, cycloidal, polynomial, scene, table
+
+from camcli.errors import SceneError
+from camcli.scene import Scene, load_scene
+
+TEXT = table(Lobe(cycloidal), 5, decimals=3)
+LINES = TEXT.splitlines()
+FINE = table(Lobe(cycloidal), 1, decimals=4)
+
+
+def fault(folder, text, **changes):
+    """The first fault of a table, as text, without the folder."""
+    with pytest.raises(SceneError) as caught:
+        scene(folder, text, **changes)
+    return str(caught.value.faults[0]).replace(f"{folder}{os.sep}", "")
+
+
+def changed(line: int, new: str, text: str = TEXT) -> str:
+    """The table with one line (from 1) replaced."""
+    lines = text.splitlines()
+    lines[line - 1] = new
+    return "\n".join(lines) + "\n"
+
+
+def without(first: int, last: int, text: str = FINE) -> str:
+    lines = text.splitlines()
+    return "\n".join(lines[: first - 1] + lines[last:]) + "\n"
+
+
+CELLS = [
+    ("100,nan", "lift.csv:22:5", "found 'nan', expected a number, remove the row"),
+    ("100,-inf", "lift.csv:22:5", "found '-inf', expected a number"),
+    ("100, 1..2", "lift.csv:22:6", "found '1..2', expected a number"),
+    ("abc,1.0", "lift.csv:22:1", "found 'abc', expected a number"),
+    ("100,", "lift.csv:22:5", "found an empty cell, expected a number"),
+    ("100,0x12", "lift.csv:22:5", "found '0x12'"),
+    ("100,1_000", "lift.csv:22:5", "found '1_000'"),
+    ("100,1e999", "lift.csv:22:5", "expected at most 1e9"),
+    ("100,1e-99", "lift.csv:22:5", "expected at most 40 decimals"),
+    ("100,٣", "lift.csv:22:5", "expected a number"),
+    ("100", "lift.csv:22:1", "found 1 cells, expected 2 as in the first line"),
+    ("100,1,25", "lift.csv:22:1", "is the comma a decimal comma?"),
+    ("95,1.0", "lift.csv:22:1", "found the angle 95 again, expected ascending angles"),
+    ("90,1.0", "lift.csv:22:1", "found the angle 90 after 95, expected ascending angles"),
+]
+
+
+@pytest.mark.parametrize(("row", "where", "words"), CELLS, ids=[row for row, _, _ in CELLS])
+def test_a_bad_row_is_named_by_line_and_column(tmp_path, row, where, words):
+    found = fault(tmp_path, changed(22, row))
+    assert found.startswith(f"{where}: cam.")
+    assert words in found
+
+
+FILES = [
+    ("", "found nothing, expected rows of angle and lift"),
+    ("# only\n#comments\n\n", "found no rows"),
+    ("deg,lift\n", "found 0 rows, expected at least 16"),
+    ("\n".join(LINES[:9]), "found 8 rows, expected at least 16"),
+    (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "found byte 0x89, expected UTF-8 text, is this a bin"),
+    (b"deg,lift\n1,\x00\x01", "lift.csv:2:1: cam.file: found the control character 0x00"),
+    (TEXT.encode("utf-16"), "found byte 0xff"),
+    (TEXT.replace(",", ";").replace(".", ","), "lift.csv:2:3: cam.file: found a decimal comma: '0"),
+    (TEXT.replace(",", " ").replace(".", ","), "found a decimal comma: '0,000'"),
+    (without(170, 300), "the rows of lines 169 and 170 are 132 deg apart"),
+    (without(2, 150), "begins at 149 deg with a lift of 0.0061307 m, an open end"),
+    (without(171, 185), "the rows of lines 170 and 171 are 16 deg apart"),
+    (FINE + "361,0\n", "lift.csv:362:1: cam.angle: the table covers 361 deg of cam, 1 too much"),
+    (FINE + "360,0.3\n", "the last row is one turn after the first, its lift is 0.3"),
+    ("deg,lift\n" + "".join(f"{k},0.0\n" for k in range(360)), "a few steps of the last digit"),
+]
+
+
+@pytest.mark.parametrize(("text", "words"), FILES, ids=[words[:24] for _, words in FILES])
+def test_a_file_that_is_no_table_is_refused(tmp_path, text, words):
+    assert words in fault(tmp_path, text)
+
+
+def test_the_open_end_is_named_with_what_is_missing(tmp_path):
+    found = fault(tmp_path, without(200, 362))
+    assert found.startswith("lift.csv:199:5: cam.lift: the table ends at 197 deg with a lift of")
+    assert "an open end (163 deg of cam are missing)" in found
+
+
+@pytest.mark.parametrize("line", [120, 150, 182, 230, 300])
+@pytest.mark.parametrize("off", [0.02, -0.02, 0.5])
+def test_a_spike_is_named(tmp_path, line, off):
+    deg, lift = FINE.splitlines()[line - 1].split(",")
+    found = fault(tmp_path, changed(line, f"{deg},{float(lift) + off:.4f}", FINE))
+    assert found.startswith(f"lift.csv:{line}:1: cam.lift: found a spike: the row is ")
+    assert float(found.split("the row is ")[1].split()[0]) == pytest.approx(off / 1e3, rel=0.02)
+    assert "correct the row, or remove it" in found
+
+
+def test_a_row_too_little_off_for_a_spike_is_warned_of(tmp_path):
+    from camcli.cli.lift_words import cautions
+
+    deg, lift = FINE.splitlines()[149].split(",")
+    cam = scene(tmp_path, changed(150, f"{deg},{float(lift) + 0.0009:.4f}", FINE)).cam
+    assert any("line 150 of the table" in text for text in cautions(cam.accuracy))
+
+
+@pytest.mark.parametrize("law", [polynomial, cycloidal, lambda x: (x, 0.0), lambda x: (x * x, 2.0)])
+@pytest.mark.parametrize(("step", "decimals"), [(1, 2), (1, 4), (0.5, 6), (5, 3), (0.1, 3)])
+def test_corners_of_a_cam_are_no_spikes(tmp_path, law, step, decimals):
+    """Jumps of c_thetatheta, and even of c_theta, between rows and at rows."""
+    for flank in (70.0, 66.63):
+        scene(tmp_path, table(Lobe(law, flank, 20.0), step, decimals=decimals))
+
+
+KEYS = [
+    ({"lift": "m"}, "found a largest lift of 10 m, suspiciously large, expected 0.0001 to 1 m"),
+    ({"rocker_ratio": 0.001}, "found a largest lift of 1e-05 m, suspiciously small"),
+    ({"angle": "crank"}, "expected one turn, or zero lift at both ends"),
+    ({"lift_column": 3}, "lift.csv: cam.lift_column: found column 3, expected 1 to 2"),
+    ({"lift_column": "hub"}, "found no column 'hub', expected one of 'deg', 'lift', copy the name"),
+    ({"lift_column": "deg"}, "angle_column and lift_column are both column 1"),
+    ({"header": "false"}, "found the name 'deg' for a column of a file without header"),
+    ({"header": "false", "angle_column": 1, "lift_column": 2}, "write header: true"),
+    ({"file": "missing.csv"}, "missing.csv: cam.file: no such file"),
+    ({"file": '"a\\0b"'}, "cam.file: cannot be read: embedded null byte"),
+    ({"file": "."}, "cam.file: found a folder"),
+    ({"file": "../lift.csv"}, "found a file outside the scene's folder"),
+    ({"sha256": "0" * 64}, "this is not the file the scene was made for"),
+    ({"lift": "fraction"}, "lift: fraction and max_lift belong together"),
+    ({"max_lift": 0.01}, "lift: fraction and max_lift belong together"),
+    ({"lift": "cm"}, "found 'cm', expected one of m, mm, inch, fraction"),
+    ({"smoothing": -1}, "expected a number from 0 to 1000000"),
+]
+
+
+@pytest.mark.parametrize(("changes", "words"), KEYS, ids=[str(changes) for changes, _ in KEYS])
+def test_a_scene_that_reads_the_table_wrongly_is_refused(tmp_path, changes, words):
+    lobe = table(Lobe(cycloidal), 1, low=130, high=230) if "angle" in changes else FINE
+    assert words in fault(tmp_path, lobe, **changes)
+
+
+@pytest.mark.parametrize(
+    "key",
+    ["file", "header", "angle_column", "lift_column", "angle", "lift", "zero_deg", "direction",
+     "base"],
+)  # fmt: skip
+def test_nothing_is_guessed_that_the_scene_leaves_out(tmp_path, key):
+    (tmp_path / "lift.csv").write_text(TEXT)
+    path = tmp_path / "scene.yaml"
+    path.write_text("".join(f"{x}\n" for x in SCENE.splitlines() if f" {key}:" not in x))
+    with pytest.raises(SceneError) as caught:
+        load_scene(path)
+    assert f"cam.{key}: no key '{key}'" in str(caught.value.faults[0])
+    assert f"add '{key}: ...'" in str(caught.value.faults[0])
+
+
+def test_a_header_of_numbers_is_suspicious(tmp_path):
+    body = TEXT.partition("\n")[2]
+    found = fault(tmp_path, body, angle_column=1, lift_column=2)
+    assert "lift.csv:1:1: cam.header: found a header of numbers" in found
+
+
+def test_files_outside_the_folder_need_permission(tmp_path):
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    scene(tmp_path, TEXT)
+    assert isinstance(scene(inner, TEXT, file="../lift.csv", allow_outside="true"), Scene)
+    (inner / "link.csv").symlink_to(tmp_path / "lift.csv")
+    assert "outside the scene's folder" in fault(inner, TEXT, file="link.csv")
+
+
+def test_pipes_and_devices_are_not_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    assert "found a pipe, socket or device" in fault(tmp_path, TEXT, file="pipe.csv")
+
+
+def test_all_bad_rows_are_named_at_once_up_to_a_limit(tmp_path):
+    rows = [f"{line.split(',')[0]},x" for line in LINES[1:]]
+    with pytest.raises(SceneError) as caught:
+        scene(tmp_path, "\n".join([LINES[0], *rows]))
+    assert len(caught.value.faults) == 20
+
+
+def test_too_much_is_refused(tmp_path):
+    assert "more than 10 MB" in fault(tmp_path, b"1,2\n" * 2_500_001)
+    assert "found 50001 rows" in fault(tmp_path, "deg,lift\n" + "1,2\n" * 50_001)
+
+
+def test_the_scene_s_hash_depends_on_the_file(tmp_path):
+    from camcli.scene import resolved, scene_hash
+
+    one = scene(tmp_path, TEXT)
+    two = scene(tmp_path, TEXT + "# a word\n")
+    assert scene_hash(one) != scene_hash(two)
+    assert resolved(one)["cam"]["sha256"] == one.cam.sha256
+    assert scene_hash(scene(tmp_path, TEXT, sha256=one.cam.sha256)) == scene_hash(one)
+
+
+# -- fuzz -----------------------------------------------------------------------------------------
+
+EXAMPLES = int(os.environ.get("CAMCLI_FUZZ", "300"))
+FUZZ = settings(
+    max_examples=EXAMPLES,
+    deadline=timedelta(seconds=5),
+    database=None,
+    suppress_health_check=list(HealthCheck),
+)
+BITS = st.sampled_from(
+    ["nan", "inf", "-", ",", ";", "\t", " ", "\n", "\r\n", "\r", "#", '"', ".", "e", "E9", "1e9",
+     "1e-40", "0", "-0", "-1", "360", "720", "\x00", "\ufeff", "\x85", "\u2028", "٣", "é", "😀",
+     "1,5", "0.0000000000000000001", "9" * 40, "0,0\n", "359.9,0\n"]
+)  # fmt: skip
+TABLES = [
+    TEXT,
+    table(Lobe(polynomial, 60, 40), 5, decimals=2),
+    table(Lobe(cycloidal), 4, low=100, high=264),
+    TEXT.replace(",", ";"),
+    TEXT.replace(",", " "),
+]
+CHANGES = st.dictionaries(
+    st.sampled_from(["zero_deg", "base", "rocker_ratio", "smoothing", "angle", "direction", "lift",
+                     "angle_column", "lift_column", "header"]),
+    st.sampled_from(["0", "1e-9", "0.5", "-3", "7.5", "1e6", "crank", "reversed", "inch", "m", "1",
+                     "2", "lift", "false", "true", "null", "''"]),
+    max_size=2,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("tables")
+
+
+def accepted_or_refused(folder, data: bytes, changes: dict[str, str]) -> None:
+    """A scene whose cam compiles and is judged, or faults that can be printed anywhere."""
+    from camcli.cams.compile import build
+
+    faults = ()
+    try:
+        cam = scene(folder, data, **changes).cam
+    except SceneError as error:
+        faults = error.faults
+        assert faults
+        assert all(str(fault).isprintable() and fault.where for fault in faults)
+        return
+    compiled = build(cam.parts(), 77.7)
+    values = [*compiled.rows, *compiled.pieces, cam.accuracy.bound, *cam.errors.bounds]
+    assert all(abs(value) < float("inf") for value in values)
+
+
+@FUZZ
+@given(st.data())
+def test_mutated_tables(folder, data):
+    text = data.draw(st.sampled_from(TABLES))
+    for _ in range(data.draw(st.integers(0, 3))):
+        start = data.draw(st.integers(0, len(text)))
+        stop = data.draw(st.integers(start, min(len(text), start + 12)))
+        new = data.draw(st.one_of(BITS, st.just(""), st.floats().map(repr), st.text(max_size=5)))
+        text = text[:start] + new + text[stop:]
+    if data.draw(st.integers(0, 4)) == 0:
+        lines = text.splitlines(keepends=True)
+        a, b = (data.draw(st.integers(0, len(lines))) for _ in range(2))
+        text = "".join(lines[: min(a, b)] + lines[max(a, b) :])
+    accepted_or_refused(folder, text.encode("utf-8", "surrogatepass"), data.draw(CHANGES))
+
+
+@FUZZ
+@given(st.data())
+def test_random_curves(folder, data):
+    """Well-formed tables of lifts that no cam has: noise, steps, spikes, few digits."""
+    count = data.draw(st.integers(16, 120))
+    height = data.draw(st.sampled_from([1, 9, 300]))
+    row = st.integers(0, height)
+    shape = data.draw(st.lists(row, min_size=4, max_size=40))
+    gap = data.draw(st.sampled_from([1.0, 0.999, 0.4, 1.002]))
+    decimals = data.draw(st.integers(0, 9))
+    lines = ["deg,lift"]
+    for k in range(count):
+        lift = shape[k * len(shape) // count]
+        angle = 360 * gap * k / count
+        lines.append(f"{angle:.5f},{lift / max(1, height):.{decimals}f}")
+    accepted_or_refused(folder, "\n".join(lines).encode(), data.draw(CHANGES))
+
+
+@FUZZ
+@given(st.one_of(st.binary(max_size=300), st.lists(BITS, max_size=60).map("".join).map(str.encode)))
+def test_random_bytes(folder, data):
+    accepted_or_refused(folder, data, {})
