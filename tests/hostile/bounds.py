@@ -98,7 +98,7 @@ def plain_kernel(steps: int = 200) -> Iterator[None]:
         patch.setattr(backend, "on_compile", None)
         patch.setattr(orbit, "MOST_STEPS_BETWEEN", steps)
         for function in backend._entries:
-            patch.setattr(lanes, function.__name__, function)
+            patch.setattr(entry_points, function.__name__, function)
         yield
 
 
