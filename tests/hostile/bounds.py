@@ -88,7 +88,7 @@ def command_line(words: Sequence[str]) -> tuple[int, str]:
 @contextlib.contextmanager
 def plain_kernel(steps: int = 200) -> Iterator[None]:
     """The kernel in plain Python, where bad arithmetic raises, with few steps between impacts."""
-    from camcli.kernel import backend
+    from camcli.kernel import backend, entry_points
     from camcli.kernel import orbit_loop as orbit
 
     with pytest.MonkeyPatch.context() as patch:
