@@ -15,7 +15,7 @@ from math import inf, pi, sqrt
 
 from camcli.analysis.contact_loss.detachment import Critical, detachment
 from camcli.analysis.contact_loss.force import Force, ForceCurve
-from camcli.analysis.contact_loss.regions import corner_list
+from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.system import System
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from conftest import chapter_system, settings
 
-from camcli.analysis.contact_loss.regions import corner_list
 from camcli.analysis.explain.crisis import find_crisis
 from camcli.analysis.explain.crisis.approach import Approach
 from camcli.analysis.explain.crisis.folds import Folds
@@ -17,6 +16,7 @@ from camcli.analysis.explain.crisis.tangency import Tangency, width
 from camcli.analysis.explain.crisis.words import approach_said, speed
 from camcli.analysis.integrate import Orbit, Start, with_turns
 from camcli.analysis.orbits.find import find
+from camcli.cams.regions import corner_list
 
 RUN = settings(300, 1)
 

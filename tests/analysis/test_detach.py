@@ -9,11 +9,11 @@ from camcli.analysis.contact_loss.burst import Bursts
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.contact_loss.follow import CAUGHT, FLIES_OFF, WITHIN, follow
 from camcli.analysis.contact_loss.force import Force
-from camcli.analysis.contact_loss.regions import regions
 from camcli.analysis.integrate import Orbit
 from camcli.cams.decimals import pi as decimal_pi
 from camcli.cams.decimals import sincos
 from camcli.cams.pieces import Part
+from camcli.cams.regions import regions
 from camcli.system import Follower, System
 from tests.conftest import chapter_system, settings
 

@@ -4,11 +4,11 @@ from math import inf
 
 import pytest
 
+from camcli.analysis.bracketing import bracket, lowest
 from camcli.analysis.contact_loss.accumulation_range import settled
 from camcli.analysis.contact_loss.burst import Bursts
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.contact_loss.force import DEG
-from camcli.analysis.contact_loss.search import bracket, lowest
 from camcli.analysis.contact_loss.study import Question, study
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.sweep import rpm_grid

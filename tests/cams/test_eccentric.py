@@ -7,9 +7,9 @@ import pytest
 from mpmath import cos, mp, mpf
 from pydantic import ValidationError
 
-from camcli.analysis.contact_loss.regions import regions
 from camcli.cams.compile import build, column, corners
 from camcli.cams.eccentric import EccentricCam
+from camcli.cams.regions import regions
 from camcli.kernel.cam_table import higher, lift, stretch_at
 
 SHAPES = [(0.0, 0.02), (-1.0, 2.0), (-5.0, 0.5), (3.0, 1e-6), (-1 / 3, 2 / 3)]

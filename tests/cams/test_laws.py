@@ -8,9 +8,9 @@ from mpmath import mp, mpf
 from pydantic import ValidationError
 from tests.profiles.law_oracle import LAWS, OWN, OWN_LAW
 
-from camcli.analysis.contact_loss.regions import corner_list
 from camcli.cams.compile import build, column, corners
 from camcli.cams.law import LawCam
+from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import higher, lift, lift_at, stretch_at
 
 BASE, LIFT = -0.013, 0.05  # m

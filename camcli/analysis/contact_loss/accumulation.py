@@ -8,11 +8,11 @@ from itertools import groupby
 from math import inf
 
 from camcli import errors
+from camcli.analysis.bracketing import bracket
 from camcli.analysis.contact_loss.accumulation_range import COMPLETE, Settled
 from camcli.analysis.contact_loss.burst import Bursts
 from camcli.analysis.contact_loss.detachment import JUMP, OK, UNRESOLVED, Critical
-from camcli.analysis.contact_loss.regions import corner_list
-from camcli.analysis.contact_loss.search import bracket
+from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import TURN
 
 AT = 1e-4  # rad: a phase this close to a corner, at a bracket of relative 1e-12, has reached it

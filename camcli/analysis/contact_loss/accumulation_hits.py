@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from camcli.analysis.bracketing import bracket
 from camcli.analysis.contact_loss.accumulation import FAR, Goal
 from camcli.analysis.contact_loss.burst import Bursts
 from camcli.analysis.contact_loss.detachment import JUMP, OK
 from camcli.analysis.contact_loss.force import DEG
-from camcli.analysis.contact_loss.search import bracket
 
 AT = 1e-7  # rad: a landing this close to the corner, at a bracket of relative 1e-12, is on it
 

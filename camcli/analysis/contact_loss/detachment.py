@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import inf, pi
 
 from camcli.analysis.contact_loss.force import DEG, Force
-from camcli.analysis.contact_loss.regions import Region
+from camcli.cams.regions import Region
 from camcli.kernel.cam_table import KICK, ROW
 from camcli.system import System, omega_of
 

@@ -12,9 +12,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, sqrt
 
-from camcli.analysis.contact_loss.regions import Region, regions
-from camcli.analysis.contact_loss.search import lowest
+from camcli.analysis.bracketing import lowest
 from camcli.cams.compile import column
+from camcli.cams.regions import Region, regions
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.kernel.sticking import slide
 from camcli.system import System, omega_of

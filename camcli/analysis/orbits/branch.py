@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from camcli.analysis.border_collision import Side
-from camcli.analysis.contact_loss.regions import corner_list
 from camcli.analysis.integrate import Settings
 from camcli.analysis.orbits.branch_segment import Leg
 from camcli.analysis.orbits.collide import CornerImpact, collide
@@ -14,6 +13,7 @@ from camcli.analysis.orbits.locate import GRAZING, PERIOD_DOUBLING, Found
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.sticking_orbits import Change, RestingLeg
+from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import TURN
 
 DEG = 57.29577951308232

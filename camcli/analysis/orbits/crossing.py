@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
-from camcli.analysis.contact_loss.regions import corner_list
 from camcli.analysis.orbits.identify import settled
 from camcli.analysis.orbits.locate import Found
 from camcli.analysis.orbits.orbit import section_states, shortest_period
 from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import END, KICK, ROW, START, TURN, lift
 from camcli.kernel.certify import ADMISSIBLE
 from camcli.kernel.flow import flow, lane_of

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from camcli.analysis.contact_loss.search import bracket
+from camcli.analysis.bracketing import bracket
 from camcli.analysis.orbits.arclength import beyond
 from camcli.analysis.orbits.branch import Bifurcation
 from camcli.analysis.orbits.collide import with_machine

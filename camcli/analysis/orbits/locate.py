@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import ulp
 
-from camcli.analysis.contact_loss.search import bracket
+from camcli.analysis.bracketing import bracket
 from camcli.analysis.orbits.arclength import Step, beyond
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.kernel.cam_table import END, ROW, START

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from camcli.analysis.contact_loss.regions import regions
 from camcli.analysis.labels import name
 from camcli.analysis.orbits.shooter import VERDICTS, Root, multipliers
+from camcli.cams.regions import regions
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.certify import ADMISSIBLE
 from camcli.kernel.flow import RPM, lane_of, move

@@ -9,7 +9,7 @@ smooth as the cam, so bounds of c_thetatheta and c''' isolate every root: none i
 
 from __future__ import annotations
 
-from camcli.analysis.contact_loss.search import bracket
+from camcli.analysis.bracketing import bracket
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.kernel.cam_table import (
     ACCEL_MAX,

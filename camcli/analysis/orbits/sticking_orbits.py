@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from math import inf, ulp
 
-from camcli.analysis.contact_loss.search import bracket
+from camcli.analysis.bracketing import bracket
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.collide import with_machine

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camcli.analysis.contact_loss.regions import Corner, corner_list
 from camcli.analysis.explain.crisis.runs import Carried, impacts_of
 from camcli.analysis.integrate import Tape
+from camcli.cams.regions import Corner, corner_list
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.flow import move
 

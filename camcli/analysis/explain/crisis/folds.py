@@ -12,7 +12,7 @@ from math import inf, log
 
 import numpy as np
 
-from camcli.analysis.contact_loss.search import lowest
+from camcli.analysis.bracketing import lowest
 from camcli.analysis.explain.crisis.manifold import FIRST, LostError, Saddle
 from camcli.analysis.explain.crisis.runs import Carried
 from camcli.analysis.explain.crisis.saddles import AFTER

@@ -7,7 +7,6 @@ from math import inf
 
 import numpy as np
 
-from camcli.analysis.contact_loss.regions import Corner, corner_list
 from camcli.analysis.explain.crisis.folds import Folds
 from camcli.analysis.explain.crisis.manifold import LostError, Saddle
 from camcli.analysis.explain.crisis.runs import LEAST, Carried, impacts_of, states_of
@@ -16,6 +15,7 @@ from camcli.analysis.explain.crisis.tangency import STEP, Tangency, first_touch
 from camcli.analysis.integrate import StartError
 from camcli.analysis.orbits.find import same_orbit
 from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.cams.regions import Corner, corner_list
 
 CALM = 0.8  # of the way to the change: the speed at which saddles are looked for
 AT_CORNER = 1e-6  # rad: an impact so near a corner is at it

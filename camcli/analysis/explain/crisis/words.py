@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from math import ceil, degrees, inf, isfinite, log10
 
-from camcli.analysis.contact_loss.regions import Corner
 from camcli.analysis.explain.crisis.approach import REACHED, Approach
 from camcli.analysis.explain.crisis.meeting import Contact, Meeting
 from camcli.analysis.explain.crisis.runs import Carried
 from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.cams.regions import Corner
 
 MOST_DECIMALS = 9  # of a speed in rpm
 
