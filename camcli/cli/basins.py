@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import contextmanager, nullcontext
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -143,15 +144,11 @@ def _write(request: Request, setup: Setup, store: Store, question: Question, res
     if request.no_plot:
         store.remove("basins.png")
         return
-    if result.grid is not None:
-        from camcli.plots.basins import draw_basins
+    from camcli.output.pictures import write_png
+    from camcli.plots.basins import draw_basins
 
-        (speed,) = result.speeds
-        store.write("basins.png", lambda file: draw_basins(speed, result.grid, setup.system, file))
-    else:
-        from camcli.plots.basins_range import draw_range
-
-        store.write("basins.png", lambda file: draw_range(result, question, file))
+    figure = draw_basins(result, question, setup.system)
+    store.write("basins.png", partial(write_png, figure))
 
 
 def _verdict(result: Study, quiet: bool, question: Question) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from camcli.analysis.bench import flights, precision, scenes, stability
@@ -30,9 +31,10 @@ def run_stability(here: Run) -> None:
     if here.request.no_plot:
         here.store.remove("stability.png")
     else:
+        from camcli.output.pictures import write_png
         from camcli.plots.bench_stability import draw_stability
 
-        here.store.write("stability.png", lambda file: draw_stability(outcomes, file))
+        here.store.write("stability.png", partial(write_png, draw_stability(outcomes)))
     here.done.append(f"{_reached(outcomes)} extreme cases")
     here.trouble += words.stability_faults(outcomes)
     failed = [o.case for o in outcomes if o.status != OK]
@@ -57,10 +59,11 @@ def run_precision(here: Run) -> None:
     if here.request.no_plot:
         here.store.remove("precision.png")
     else:
+        from camcli.output.pictures import write_png
         from camcli.plots.bench_precision import draw_precision
 
         titles = {name: case(name).title for name in here.plan.section.cases}
-        here.store.write("precision.png", lambda file: draw_precision(found, titles, file))
+        here.store.write("precision.png", partial(write_png, draw_precision(found, titles)))
     measured = sum(m.status not in (precision.ABSENT, NOT_REACHED) for m in found)
     here.done.append(f"{measured} of {len(found)} points")
     here.done += [f"{f.flights} random flights" for f in flown[:1]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import isfinite
 from time import perf_counter
 from typing import Any
@@ -61,6 +62,7 @@ def _draw(request: Request, setup: Setup, store: Store, result: Profile) -> None
     if request.no_plot:
         store.remove("profile.png")
         return
+    from camcli.output.pictures import write_png
     from camcli.plots.cam_profile import Measured, draw_profile
 
     cam, measured = setup.scene.cam, None
@@ -69,8 +71,8 @@ def _draw(request: Request, setup: Setup, store: Store, result: Profile) -> None
         rows = [k for k, line in enumerate(turn.line) if line]
         lift = [cam.base + turn.lift[k] for k in rows]
         measured = Measured([turn.theta[k] for k in rows], lift, cam.errors.bounds, words)
-    panels = setup.scene.simulate.profile_panels
-    store.write("profile.png", lambda file: draw_profile(result, measured, file, panels))
+    figure = draw_profile(result, measured, setup.scene.simulate.profile_panels)
+    store.write("profile.png", partial(write_png, figure))
 
 
 def _extreme(extreme: Extreme | None) -> dict[str, float] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -99,10 +100,12 @@ def _write(request, setup: Setup, store: Store, motions, explanation) -> None:
     if request.no_plot:
         store.remove("classify.png")
         return
+    from camcli.output.pictures import write_png
     from camcli.plots.classify import draw_classify
 
     events = [] if explanation is None else explanation.events
-    store.write("classify.png", lambda file: draw_classify(motions, events, file, setup.system))
+    figure = draw_classify(motions, setup.system, events)
+    store.write("classify.png", partial(write_png, figure))
 
 
 def _verdict(motions: list[Motion]) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -93,9 +94,10 @@ def _write(request: Request, setup: Setup, store: Store, result: Study) -> None:
     if request.no_plot:
         store.remove("detach.png")
         return
+    from camcli.output.pictures import write_png
     from camcli.plots.detach import draw_detach
 
-    store.write("detach.png", lambda file: draw_detach(result, setup.system, file))
+    store.write("detach.png", partial(write_png, draw_detach(result, setup.system)))
 
 
 def _verdict(result: Study) -> int:

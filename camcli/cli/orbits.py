@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -243,16 +244,17 @@ def _write(request: Request, setup: Setup, store: Store, result: Study, curves) 
         store.remove("orbits.png")
         store.remove("curve.png")
         return
+    from camcli.output.pictures import write_png
     from camcli.plots.curves import draw_curves
     from camcli.plots.orbits import draw_orbits
 
-    panels = setup.scene.orbits.panels
-    store.write("orbits.png", lambda file: draw_orbits(result, setup.system, file, panels))
-    second = setup.scene.orbits.curve_in
+    figure = draw_orbits(result, setup.system, setup.scene.orbits.panels)
+    store.write("orbits.png", partial(write_png, figure))
     if setup.scene.orbits.curve is None:
         store.remove("curve.png")
     else:
-        store.write("curve.png", lambda file: draw_curves(curves, second, file))
+        figure = draw_curves(curves, setup.scene.orbits.curve_in)
+        store.write("curve.png", partial(write_png, figure))
 
 
 def _verdict(result: Study, curves: list[Curve]) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from time import perf_counter
 
 from camcli.analysis.simulate import Simulation, simulate
@@ -53,10 +54,11 @@ def _draw(request: Request, setup: Setup, store: Store, result: Simulation) -> N
     if request.no_plot:
         store.remove("simulate.png")
         return
+    from camcli.output.pictures import write_png
     from camcli.plots.simulate import draw_simulation
 
-    turns = setup.scene.simulate.plot_turns
-    store.write("simulate.png", lambda file: draw_simulation(result, file, turns=turns))
+    figure = draw_simulation(result, setup.scene.simulate.plot_turns)
+    store.write("simulate.png", partial(write_png, figure))
 
 
 def _summary(result: Simulation) -> dict:

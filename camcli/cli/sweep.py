@@ -118,11 +118,11 @@ def write(request: Request, setup: Setup, store: Store, result: Sweep, events=No
     if request.no_plot:
         store.remove("sweep.png")
         return
+    from camcli.output.pictures import write_png
     from camcli.plots.sweep import draw_sweep
 
-    how = start_text(setup, result)
-    draw = partial(draw_sweep, result, setup.system, start_text=how, events=events)
-    store.write("sweep.png", draw)
+    figure = draw_sweep(result, setup.system, setup.settings, events or ())
+    store.write("sweep.png", partial(write_png, figure))
 
 
 def _write_section(setup: Setup, store: Store, section: str, result: Sweep) -> None:
@@ -140,24 +140,6 @@ def _write_section(setup: Setup, store: Store, section: str, result: Sweep) -> N
         names = IMPACTS if section == "impacts" else STROBE
         rows = partial(section_rows, result, section)
         store.write(f"{section}.npz", partial(write_npz, names, rows))
-
-
-def start_text(setup: Setup, result: Sweep) -> str:
-    """How the orbits were started, in words for the picture."""
-    start, turns = setup.settings.start, setup.settings.transient
-    if start.q is None and start.v is None:
-        place = "at rest on the cam"
-    else:
-        q = "on the cam" if start.q is None else f"q = {start.q:g} m"
-        v = "the cam's v" if start.v is None else f"v = {start.v:g} m/s"
-        place = f"at {q}, {v}"
-    if result.direction == FIXED:
-        return f"each speed started {place}, {turns} turns of transient"
-    first = result.speeds[0].rpm
-    return (
-        f"carried {result.direction} from {first:g} rpm, started there {place}; "
-        f"{turns} turns of transient at each speed"
-    )
 
 
 def summary(result: Sweep) -> dict:

@@ -1,6 +1,4 @@
-"""The pictures. Matplotlib is imported in this folder only: import it where a picture is due."""
+"""The pictures: a function takes a result and returns a matplotlib Figure; nothing is written.
 
-from camcli.plots.simulate import draw_simulation
-from camcli.plots.sweep import draw_sweep
-
-__all__ = ["draw_simulation", "draw_sweep"]
+Matplotlib is imported in this folder only: import its modules where a picture is due.
+"""

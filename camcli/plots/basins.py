@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from camcli.analysis.basins.attractor import CONTACT, Attractor
-from camcli.analysis.basins.mapping import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins
-from camcli.analysis.basins.study import Speed
+from camcli.analysis.basins.mapping import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question
+from camcli.analysis.basins.study import Speed, Study
 from camcli.analysis.sweep import status_name
 from camcli.kernel.cam_table import ROW, START0
 from camcli.plots import style
@@ -41,30 +41,39 @@ def _wanted(label: str) -> str:
     return style.APERIODIC_AREA if colour == style.APERIODIC else colour
 
 
-def draw_basins(speed: Speed, grid: Basins, system: System, path_or_buffer) -> None:
-    """Write the PNG of the basins of one speed to a path or a binary buffer."""
+def draw_basins(study: Study, question: Question, system: System) -> Figure:
+    """Picture of the basins of one speed, or of fractions and attractors over a range of them."""
+    if study.grid is None:
+        from camcli.plots.basins_range import draw_range
+
+        return draw_range(study, question)
+    return _draw_window(study.speeds[0], study.grid, system)
+
+
+@style.look()
+def _draw_window(speed: Speed, grid: Basins, system: System) -> Figure:
+    """The basins of one speed."""
     entries = _entries(speed)
     top = HEAD + style.LINE * (len(entries) + 1)
     wide = style.WIDTH - LEFT - RIGHT
-    with style.page(path_or_buffer, top + HIGH + BOTTOM) as figure:
-        _heading(figure, speed, grid, system)
-        axes = style.place(figure, LEFT, top, wide, HIGH)
-        window = grid.window
-        axes.imshow(
-            _pixels(grid, speed, wide, HIGH),
-            extent=(*window.q, *window.v),
-            origin="lower",
-            aspect="auto",
-            interpolation="none",
-        )
-        outside = _draw_attractors(axes, speed, grid)
-        cam = _draw_cam(axes, grid, system)
-        axes.set(xlim=window.q, ylim=window.v)
-        axes.set_xlabel("position $q$ of the start (m)")
-        axes.set_ylabel("velocity $v$ of the start (m/s)")
-        _legend(
-            figure, entries, _colours(speed), outside, cam, bool((grid.codes == BELOW_CODE).any())
-        )
+    figure = style.page(top + HIGH + BOTTOM)
+    _heading(figure, speed, grid, system)
+    axes = style.place(figure, LEFT, top, wide, HIGH)
+    window = grid.window
+    axes.imshow(
+        _pixels(grid, speed, wide, HIGH),
+        extent=(*window.q, *window.v),
+        origin="lower",
+        aspect="auto",
+        interpolation="none",
+    )
+    outside = _draw_attractors(axes, speed, grid)
+    cam = _draw_cam(axes, grid, system)
+    axes.set(xlim=window.q, ylim=window.v)
+    axes.set_xlabel("position $q$ of the start (m)")
+    axes.set_ylabel("velocity $v$ of the start (m/s)")
+    _legend(figure, entries, _colours(speed), outside, cam, bool((grid.codes == BELOW_CODE).any()))
+    return figure
 
 
 def _heading(figure: Figure, speed: Speed, grid: Basins, system: System) -> None:

@@ -20,25 +20,27 @@ LABELS = 3  # of a branch in the legend
 DOTS = 150  # states of an aperiodic attractor drawn at a speed
 
 
-def draw_range(result: Study, question: Question, path_or_buffer) -> None:
-    """Write the PNG of a range of speeds to a path or a binary buffer."""
+@style.look()
+def draw_range(result: Study, question: Question) -> Figure:
+    """Picture of a range of speeds."""
     entries = _entries(result)
     top = HEAD + style.LINE * len(entries)
     wide = style.WIDTH - LEFT - RIGHT
-    with style.page(path_or_buffer, top + STACK + GAP + STATES + BOTTOM) as figure:
-        _heading(figure, result, question)
-        upper = style.place(figure, LEFT, top, wide, STACK)
-        lower = style.place(figure, LEFT, top + STACK + GAP, wide, STATES)
-        colours = branch_colours(result)
-        edges = _edges(np.array([speed.rpm for speed in result.speeds]))
-        _draw_stack(upper, result, edges, colours)
-        _draw_states(lower, result, colours)
-        for axes in (upper, lower):
-            axes.set_xlim(edges.min(), edges.max())
-        upper.tick_params(labelbottom=False)
-        lower.set_xlabel("cam speed (rpm)")
-        lower.set_ylabel("attractors' stroboscopic $q$ (m)")
-        _legend(figure, entries, colours)
+    figure = style.page(top + STACK + GAP + STATES + BOTTOM)
+    _heading(figure, result, question)
+    upper = style.place(figure, LEFT, top, wide, STACK)
+    lower = style.place(figure, LEFT, top + STACK + GAP, wide, STATES)
+    colours = branch_colours(result)
+    edges = _edges(np.array([speed.rpm for speed in result.speeds]))
+    _draw_stack(upper, result, edges, colours)
+    _draw_states(lower, result, colours)
+    for axes in (upper, lower):
+        axes.set_xlim(edges.min(), edges.max())
+    upper.tick_params(labelbottom=False)
+    lower.set_xlabel("cam speed (rpm)")
+    lower.set_ylabel("attractors' stroboscopic $q$ (m)")
+    _legend(figure, entries, colours)
+    return figure
 
 
 def _heading(figure: Figure, result: Study, question: Question) -> None:

@@ -33,26 +33,28 @@ MARKS = (((MISSED, INVENTED), "x", 7.0), ((GIVEN_UP,), "|", 9.0), ((OVER,), "*",
 LIMITED = "max_step"  # in a setting: drawn hollow
 
 
-def draw_precision(found: Sequence[Measured], titles: dict[str, str], path_or_buffer) -> None:
-    """Write the PNG of the points; `titles` by case, in order."""
+@style.look()
+def draw_precision(found: Sequence[Measured], titles: dict[str, str]) -> Figure:
+    """Picture of the points; `titles` by case, in order."""
     rows = ceil(len(titles) / COLUMNS)
     height = TOP + rows * HIGH + (rows - 1) * DOWN + BOTTOM
     wide = (style.WIDTH - LEFT - RIGHT - (COLUMNS - 1) * ACROSS) // COLUMNS
     drawn = [m for m in found if isfinite(m.seconds) and isfinite(m.error)]
-    with style.page(path_or_buffer, height) as figure:
-        title = "Work and precision: error against time, lower left is better"
-        style.write(figure, 20, 14, title, size=9, weight="bold")
-        limits = _limits(drawn)
-        for k, (name, words) in enumerate(titles.items()):
-            row, column = divmod(k, COLUMNS)
-            left, top = LEFT + column * (wide + ACROSS), TOP + row * (HIGH + DOWN)
-            axes = style.place(figure, left, top, wide, HIGH)
-            _panel(axes, [m for m in drawn if m.case == name], words, limits)
-            axes.set_xlabel("time of a run (s)" if k + COLUMNS >= len(titles) else "")
-            axes.set_ylabel("largest error (turns)" if column == 0 else "")
-            if column:
-                axes.set_yticklabels([])
-        _legend(figure, drawn, height)
+    figure = style.page(height)
+    title = "Work and precision: error against time, lower left is better"
+    style.write(figure, 20, 14, title, size=9, weight="bold")
+    limits = _limits(drawn)
+    for k, (name, words) in enumerate(titles.items()):
+        row, column = divmod(k, COLUMNS)
+        left, top = LEFT + column * (wide + ACROSS), TOP + row * (HIGH + DOWN)
+        axes = style.place(figure, left, top, wide, HIGH)
+        _panel(axes, [m for m in drawn if m.case == name], words, limits)
+        axes.set_xlabel("time of a run (s)" if k + COLUMNS >= len(titles) else "")
+        axes.set_ylabel("largest error (turns)" if column == 0 else "")
+        if column:
+            axes.set_yticklabels([])
+    _legend(figure, drawn, height)
+    return figure
 
 
 def _limits(drawn: Sequence[Measured]) -> tuple[tuple[float, float], tuple[float, float]]:

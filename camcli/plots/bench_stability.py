@@ -18,17 +18,19 @@ LONGEST = 74  # letters of a line
 SHORTEST = 1e-4  # s, where the axis begins
 
 
-def draw_stability(outcomes: Sequence[Outcome], path_or_buffer) -> None:
-    """Write the PNG of the rows to a path or a binary buffer."""
+@style.look()
+def draw_stability(outcomes: Sequence[Outcome]) -> Figure:
+    """Picture of the rows."""
     height = TOP + ROW * len(outcomes) + BOTTOM
-    with style.page(path_or_buffer, height) as figure:
-        good = sum(o.status == OK for o in outcomes)
-        title = f"Extreme cases: {good} of {len(outcomes)} as expected"
-        style.write(figure, 20, 14, title, size=9, weight="bold")
-        style.write(figure, 20, 54, "case and what is expected; below it what was observed")
-        for k, outcome in enumerate(outcomes):
-            _words(figure, TOP + ROW * k, outcome)
-        _bars(figure, outcomes)
+    figure = style.page(height)
+    good = sum(o.status == OK for o in outcomes)
+    title = f"Extreme cases: {good} of {len(outcomes)} as expected"
+    style.write(figure, 20, 14, title, size=9, weight="bold")
+    style.write(figure, 20, 54, "case and what is expected; below it what was observed")
+    for k, outcome in enumerate(outcomes):
+        _words(figure, TOP + ROW * k, outcome)
+    _bars(figure, outcomes)
+    return figure
 
 
 def _words(figure: Figure, top: int, outcome: Outcome) -> None:

@@ -33,28 +33,30 @@ class Measured:
     words: str
 
 
+@style.look()
 def draw_profile(
-    profile: Profile, measured: Measured | None, path_or_buffer, panels: Sequence[str] = PANELS
-) -> None:
-    """Write the PNG of a cam to a path or a binary buffer; `panels` are some of PANELS."""
+    profile: Profile, measured: Measured | None = None, panels: Sequence[str] = PANELS
+) -> Figure:
+    """Picture of a cam; `panels` are some of PANELS."""
     over_turn = [name for name in PANELS if name in panels and name != CURVATURE]
     tops = {name: TOP + k * (PANEL + GAP) for k, name in enumerate(over_turn)}
     below = TOP + len(over_turn) * (PANEL + GAP) - GAP
     bent = below + BELOW
     height = (bent + PANEL if CURVATURE in panels else below) + BOTTOM
     wide = style.WIDTH - LEFT - RIGHT
-    with style.page(path_or_buffer, height) as figure:
-        style.write(figure, 20, 14, _title(profile), size=9, weight="bold")
-        style.write(figure, 20, 50, _second_line(profile), color=style.CAM)
-        drawn = []
-        for name, top in tops.items():
-            axes = style.place(figure, LEFT, top, wide, PANEL)
-            DRAW[name](axes, profile, measured)
-            _turn(axes, profile, name == over_turn[-1], name == over_turn[0])
-            drawn.append(axes)
-        _legend(figure, *drawn)
-        if CURVATURE in panels:
-            _curvatures(figure, profile, bent)
+    figure = style.page(height)
+    style.write(figure, 20, 14, _title(profile), size=9, weight="bold")
+    style.write(figure, 20, 50, _second_line(profile), color=style.CAM)
+    drawn = []
+    for name, top in tops.items():
+        axes = style.place(figure, LEFT, top, wide, PANEL)
+        DRAW[name](axes, profile, measured)
+        _turn(axes, profile, name == over_turn[-1], name == over_turn[0])
+        drawn.append(axes)
+    _legend(figure, *drawn)
+    if CURVATURE in panels:
+        _curvatures(figure, profile, bent)
+    return figure
 
 
 def _title(profile: Profile) -> str:

@@ -82,40 +82,41 @@ def kind(motion: Motion) -> str:
     return CHAOS if motion.label == APERIODIC else UNKNOWN
 
 
+@style.look()
 def draw_classify(
     motions: Sequence[Motion],
-    events: Sequence[Event],
-    path_or_buffer,
     system: System | None = None,
-) -> None:
-    """Write the PNG of classified motions to a path or a binary buffer.
+    events: Sequence[Event] = (),
+) -> Figure:
+    """Picture of classified motions, with the corners of the system.
 
-    Motions of one and the same speed stand side by side. With `system`, its corners are drawn.
+    Motions of one and the same speed stand side by side. `events` are listed and numbered.
     """
     scene = _scene(motions, events)
     top = HEAD + list_height(scene.events) + numbers_height(scene.events) + 10
     height = top + PHASES + GAP + GROWTH + KEY + 20 + ROW + BOTTOM
     height -= 30 * (len(scene.x) == 1)  # no numbers below the strip
-    with style.page(path_or_buffer, height) as figure:
-        style.write(figure, 20, 14, _title(scene), size=9, weight="bold")
-        _key(figure, scene)
-        draw_list(figure, HEAD, scene.events)
-        axes = style.place(figure, LEFT, top, WIDE, PHASES)
-        _draw_phases(axes, scene, system)
-        draw_numbers(axes, scene.events, WIDE, PHASES)
-        top += PHASES + GAP
-        axes = style.place(figure, LEFT, top, WIDE, GROWTH)
-        scene.frame(axes)
-        known = [Growth(x, m.exponents, COLOURS[kind(m)]) for x, m in scene.pairs() if m.exponents]
-        draw_growth(axes, known)
-        words = remark(known, len(scene.motions))
-        style.write(figure, LEFT, top - 32, words, size=7, color=style.CAM)
-        top += GROWTH + 20
-        draw_key(figure, LEFT, top, scene.motions)
-        axes = style.place(figure, LEFT, top + KEY, WIDE, ROW)
-        scene.frame(axes, False)
-        draw_strip(axes, scene.motions, scene.x)
-        axes.set_xlabel(_abscissa(scene))
+    figure = style.page(height)
+    style.write(figure, 20, 14, _title(scene), size=9, weight="bold")
+    _key(figure, scene)
+    draw_list(figure, HEAD, scene.events)
+    axes = style.place(figure, LEFT, top, WIDE, PHASES)
+    _draw_phases(axes, scene, system)
+    draw_numbers(axes, scene.events, WIDE, PHASES)
+    top += PHASES + GAP
+    axes = style.place(figure, LEFT, top, WIDE, GROWTH)
+    scene.frame(axes)
+    known = [Growth(x, m.exponents, COLOURS[kind(m)]) for x, m in scene.pairs() if m.exponents]
+    draw_growth(axes, known)
+    words = remark(known, len(scene.motions))
+    style.write(figure, LEFT, top - 32, words, size=7, color=style.CAM)
+    top += GROWTH + 20
+    draw_key(figure, LEFT, top, scene.motions)
+    axes = style.place(figure, LEFT, top + KEY, WIDE, ROW)
+    scene.frame(axes, False)
+    draw_strip(axes, scene.motions, scene.x)
+    axes.set_xlabel(_abscissa(scene))
+    return figure
 
 
 def _scene(motions: Sequence[Motion], events: Sequence[Event]) -> _Scene:

@@ -15,26 +15,26 @@ LEFT, RIGHT, TOP, BOTTOM, HEIGHT = 125, 50, 60, 95, 800  # px
 STYLES = ("-", "--", ":", "-.")
 
 
-def draw_curves(curves: Sequence[Curve], second: str, path_or_buffer) -> None:
-    """Write the PNG of the curves to a path or a binary buffer; an open circle is an end."""
+@style.look()
+def draw_curves(curves: Sequence[Curve], second: str) -> Figure:
+    """Picture of bifurcation curves; an open circle is an end."""
     lines = style.LINE * max(1, len(curves) + any(_early(c) for c in curves))
-    with style.page(path_or_buffer, TOP + lines + 20 + HEIGHT + BOTTOM) as figure:
-        style.write(figure, 20, 14, "Bifurcations in two parameters", size=9, weight="bold")
-        wide = style.WIDTH - LEFT - RIGHT
-        axes = style.place(figure, LEFT, TOP + lines + 20, wide, HEIGHT)
-        for curve, look in zip(curves, _looks(curves), strict=True):
-            _draw(axes, curve, *look)
-        if not curves:
-            style.note(axes, "no bifurcation of this kind was located")
-            axes.set(xticks=[], yticks=[])
-            return
-        if any(_early(curve) for curve in curves):
-            axes.plot(
-                [], [], "o", color=style.CAM, mfc="white", label="the curve ends within range"
-            )
-        _legend(figure)
-        axes.set_xlabel(axis_name("rpm"))
-        axes.set_ylabel(axis_name(second))
+    figure = style.page(TOP + lines + 20 + HEIGHT + BOTTOM)
+    style.write(figure, 20, 14, "Bifurcations in two parameters", size=9, weight="bold")
+    wide = style.WIDTH - LEFT - RIGHT
+    axes = style.place(figure, LEFT, TOP + lines + 20, wide, HEIGHT)
+    for curve, look in zip(curves, _looks(curves), strict=True):
+        _draw(axes, curve, *look)
+    if not curves:
+        style.note(axes, "no bifurcation of this kind was located")
+        axes.set(xticks=[], yticks=[])
+        return figure
+    if any(_early(curve) for curve in curves):
+        axes.plot([], [], "o", color=style.CAM, mfc="white", label="the curve ends within range")
+    _legend(figure)
+    axes.set_xlabel(axis_name("rpm"))
+    axes.set_ylabel(axis_name(second))
+    return figure
 
 
 def _looks(curves: Sequence[Curve]) -> list[tuple[str, str]]:

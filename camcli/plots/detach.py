@@ -45,34 +45,36 @@ class _View:
         return self.fold + (np.asarray(theta_deg, dtype=float) - self.fold) % 360.0
 
 
-def draw_detach(study: Study, system: System, path_or_buffer) -> None:
-    """Write the PNG of a study to a path or a binary buffer."""
+@style.look()
+def draw_detach(study: Study, system: System) -> Figure:
+    """Picture of a study."""
     views = _views(study)
     forces = [study.forces, [curve for _, curve in study.springs]]
     heights = [view.height for view in views]
     heights += [FORCE + LINES * len(curves) for curves in forces if curves]
     height = TOP + sum(heights) + GAP * (len(heights) - 1) + BOTTOM
     wide = style.WIDTH - LEFT - RIGHT
-    with style.page(path_or_buffer, height) as figure:
-        _heading(figure, study)
-        top, first = TOP, None
-        for view in views:
-            axes = style.place(figure, LEFT, top, wide, view.height)
-            _draw_phases(axes, view, study, system)
-            first = first or axes
-            top += view.height + GAP
-        _legend(figure, first, height)
-        if study.forces:
-            names = [_least(f"{style.number(round(c.rpm, 6))} rpm", c) for c in study.forces]
-            axes = style.place(figure, LEFT, top + LINES * len(names), wide, FORCE)
-            _draw_forces(axes, study.forces, names, system)
-            top += LINES * len(names) + FORCE + GAP
-        if study.springs:
-            rpm = style.number(study.springs[0][1].rpm)
-            names = [_least(name, curve) for name, curve in study.springs]
-            axes = style.place(figure, LEFT, top + LINES * len(names), wide, FORCE)
-            _draw_forces(axes, forces[1], names, system)
-            axes.set_ylabel(f"contact force at {rpm} rpm (N)")
+    figure = style.page(height)
+    _heading(figure, study)
+    top, first = TOP, None
+    for view in views:
+        axes = style.place(figure, LEFT, top, wide, view.height)
+        _draw_phases(axes, view, study, system)
+        first = first or axes
+        top += view.height + GAP
+    _legend(figure, first, height)
+    if study.forces:
+        names = [_least(f"{style.number(round(c.rpm, 6))} rpm", c) for c in study.forces]
+        axes = style.place(figure, LEFT, top + LINES * len(names), wide, FORCE)
+        _draw_forces(axes, study.forces, names, system)
+        top += LINES * len(names) + FORCE + GAP
+    if study.springs:
+        rpm = style.number(study.springs[0][1].rpm)
+        names = [_least(name, curve) for name, curve in study.springs]
+        axes = style.place(figure, LEFT, top + LINES * len(names), wide, FORCE)
+        _draw_forces(axes, forces[1], names, system)
+        axes.set_ylabel(f"contact force at {rpm} rpm (N)")
+    return figure
 
 
 def _heading(figure: Figure, study: Study) -> None:

@@ -26,28 +26,30 @@ CURVES = ((r"$c$ (m)"), (r"$c_\theta$ (m/rad)"), (r"$c_{\theta\theta}$ (m/rad²)
 COLUMNS = (20, 60, 340, 480, 760)  # px: mark, label, stability, multipliers, phases
 
 
-def draw_single(study: Study, system: System, path_or_buffer, heading) -> None:
-    """Write the PNG of a study without branches."""
+@style.look()
+def draw_single(study: Study, system: System, heading) -> Figure:
+    """Picture of a study without branches."""
     listed = min(len(study.orbits), MOST + 1)
     top = HEAD + style.LINE * (listed + 1 if listed else 0) + 50
     height = top + (LIFT + GAP) * len(CURVES) - GAP + 130 + PLANE + BOTTOM
     if not study.orbits:
         height = HEAD + 260
-    with style.page(path_or_buffer, height) as figure:
-        for line, (words, look) in enumerate(heading):
-            style.write(figure, 20, 14 + 40 * line, words, **look)
-        if not study.orbits:
-            axes = style.place(figure, LEFT, HEAD + 20, WIDE, 200, xticks=[], yticks=[])
-            style.note(axes, _nothing(study))
-            return
-        shades = colours([[orbit] for orbit in study.orbits])
-        _list(figure, study.orbits, shades)
-        _draw_cam(figure, top, study.orbits, shades, system)
-        top += (LIFT + GAP) * len(CURVES) - GAP + 130
-        _draw_states(style.place(figure, LEFT, top, PLANE, PLANE), study.orbits, shades, system)
-        left = style.WIDTH - RIGHT - PLANE
-        axes = style.place(figure, left, top, PLANE, PLANE)
-        _draw_multipliers(axes, study.orbits, shades)
+    figure = style.page(height)
+    for line, (words, look) in enumerate(heading):
+        style.write(figure, 20, 14 + 40 * line, words, **look)
+    if not study.orbits:
+        axes = style.place(figure, LEFT, HEAD + 20, WIDE, 200, xticks=[], yticks=[])
+        style.note(axes, _nothing(study))
+        return figure
+    shades = colours([[orbit] for orbit in study.orbits])
+    _list(figure, study.orbits, shades)
+    _draw_cam(figure, top, study.orbits, shades, system)
+    top += (LIFT + GAP) * len(CURVES) - GAP + 130
+    _draw_states(style.place(figure, LEFT, top, PLANE, PLANE), study.orbits, shades, system)
+    left = style.WIDTH - RIGHT - PLANE
+    axes = style.place(figure, left, top, PLANE, PLANE)
+    _draw_multipliers(axes, study.orbits, shades)
+    return figure
 
 
 def _nothing(study: Study) -> str:

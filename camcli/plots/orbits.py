@@ -79,13 +79,11 @@ class _Scene:
         return [of(branch.points) for branch in self.branches]
 
 
-def draw_orbits(
-    study: Study, system: System, path_or_buffer, panels: Sequence[str] = PANELS
-) -> None:
-    """Write the PNG of a study, or of some of its panels, to a path or a binary buffer."""
+@style.look()
+def draw_orbits(study: Study, system: System, panels: Sequence[str] = PANELS) -> Figure:
+    """Picture of a study, or of some of its panels."""
     if not study.branches:
-        draw_single(study, system, path_or_buffer, heading(study))
-        return
+        return draw_single(study, system, heading(study))
     corners = style.corner_names(system.corners_deg)
     found = events(study.bifurcations, corners)
     scene = _Scene(study, branch_colours(study.branches), found, corners)
@@ -95,30 +93,31 @@ def draw_orbits(
     height = top + (PHASE + GAP + STROBE) * branches + (PLANE + BOTTOM) * multipliers
     height += STEP * branches * (multipliers or bool(close)) or BOTTOM * branches
     height += (ZOOM + 60) * len(close)
-    with style.page(path_or_buffer, height) as figure:
-        for line, (words, look) in enumerate(heading(study)):
-            style.write(figure, 20, 14 + 40 * line, words, **look)
-        parameter = study.question.parameter
-        draw_lists(figure, HEAD, study.branches, scene.colours, found, parameter)
-        if branches:
-            below = style.place(figure, LEFT, top + PHASE + GAP, WIDE, STROBE)
-            _draw_phases(style.place(figure, LEFT, top, WIDE, PHASE), scene)
-            _draw_positions(below, scene, system)
-            top += PHASE + GAP + STROBE + STEP
-        if multipliers:
-            _draw_multipliers(figure, top, scene)
-            top += PLANE + BOTTOM + 20
-        for zoom in close:
-            draw_zoom(
-                figure,
-                top,
-                zoom,
-                scene.branches,
-                scene.colours,
-                found,
-                axis_name(study.question.parameter),
-            )
-            top += ZOOM + 60
+    figure = style.page(height)
+    for line, (words, look) in enumerate(heading(study)):
+        style.write(figure, 20, 14 + 40 * line, words, **look)
+    parameter = study.question.parameter
+    draw_lists(figure, HEAD, study.branches, scene.colours, found, parameter)
+    if branches:
+        below = style.place(figure, LEFT, top + PHASE + GAP, WIDE, STROBE)
+        _draw_phases(style.place(figure, LEFT, top, WIDE, PHASE), scene)
+        _draw_positions(below, scene, system)
+        top += PHASE + GAP + STROBE + STEP
+    if multipliers:
+        _draw_multipliers(figure, top, scene)
+        top += PLANE + BOTTOM + 20
+    for zoom in close:
+        draw_zoom(
+            figure,
+            top,
+            zoom,
+            scene.branches,
+            scene.colours,
+            found,
+            axis_name(study.question.parameter),
+        )
+        top += ZOOM + 60
+    return figure
 
 
 def heading(study: Study) -> list[tuple[str, dict]]:

@@ -25,31 +25,33 @@ MARKS = {  # event: colour, marker, size, name
 }
 
 
-def draw_simulation(simulation: Simulation, path_or_buffer, *, turns: int) -> None:
-    """Write the PNG of the last `turns` turns of a simulation to a path or a binary buffer."""
+@style.look()
+def draw_simulation(simulation: Simulation, turns: int) -> Figure:
+    """Picture of the last `turns` turns of a simulation."""
     trace = Trace.of(simulation, turns)
-    with style.page(path_or_buffer, HEIGHT) as figure:
-        _heading(figure, simulation)
-        wide = style.WIDTH - LEFT - RIGHT
-        motion = style.place(figure, LEFT, 205, wide, 440)
-        gap = style.place(figure, LEFT, 755, HALF, 395)
-        phase = style.place(figure, LEFT + 720, 755, wide - 720, 395)
-        motion.set_ylabel("position (m)")
-        gap.set_ylabel("relative position $q - c$ (m)")
-        phase.set_xlabel("relative position $q - c$ (m)")
-        phase.set_ylabel(r"relative velocity $v - \dot c$ (m/s)")
-        if trace is None:
-            for axes in (motion, gap, phase):
-                axes.set(xticks=[], yticks=[])
-                style.note(axes, "no trajectory was sampled")
-            return
-        _draw_motion(motion, trace, simulation)
-        _draw_gap(gap, trace)
-        _draw_phase(phase, trace)
-        _angle_axis(motion, trace, wide)
-        _angle_axis(gap, trace, HALF)
-        _clock(motion, trace, simulation.rpm)
-        _legend(figure, motion)
+    figure = style.page(HEIGHT)
+    _heading(figure, simulation)
+    wide = style.WIDTH - LEFT - RIGHT
+    motion = style.place(figure, LEFT, 205, wide, 440)
+    gap = style.place(figure, LEFT, 755, HALF, 395)
+    phase = style.place(figure, LEFT + 720, 755, wide - 720, 395)
+    motion.set_ylabel("position (m)")
+    gap.set_ylabel("relative position $q - c$ (m)")
+    phase.set_xlabel("relative position $q - c$ (m)")
+    phase.set_ylabel(r"relative velocity $v - \dot c$ (m/s)")
+    if trace is None:
+        for axes in (motion, gap, phase):
+            axes.set(xticks=[], yticks=[])
+            style.note(axes, "no trajectory was sampled")
+        return figure
+    _draw_motion(motion, trace, simulation)
+    _draw_gap(gap, trace)
+    _draw_phase(phase, trace)
+    _angle_axis(motion, trace, wide)
+    _angle_axis(gap, trace, HALF)
+    _clock(motion, trace, simulation.rpm)
+    _legend(figure, motion)
+    return figure
 
 
 def _heading(figure: Figure, simulation: Simulation) -> None:

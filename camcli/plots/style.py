@@ -8,9 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from string import ascii_lowercase
+from threading import RLock
 
 import matplotlib
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
@@ -77,15 +79,35 @@ RC = {
 }
 
 
+_ONE_AT_A_TIME = RLock()  # matplotlib's settings are the process's
+
+
 @contextmanager
-def page(path_or_buffer, height: int) -> Iterator[Figure]:
-    """A figure in our style whatever the user's matplotlibrc says, saved as PNG at the end."""
-    defaults = {k: v for k, v in matplotlib.rcParamsDefault.items() if k not in KEPT}
-    with matplotlib.rc_context({**defaults, **RC}):
-        figure = Figure(figsize=(WIDTH / DPI, height / DPI), dpi=DPI)
-        FigureCanvasAgg(figure)  # measures texts without a new canvas for each
-        yield figure
-        figure.savefig(path_or_buffer, format="png", dpi=DPI, metadata={"Software": None})
+def look() -> Iterator[None]:
+    """Our settings of matplotlib whatever the user's are, which hold again afterwards.
+
+    As a decorator: of a function that makes artists, since they take most settings when made.
+    """
+    with _ONE_AT_A_TIME:
+        defaults = {k: v for k, v in matplotlib.rcParamsDefault.items() if k not in KEPT}
+        with matplotlib.rc_context({**defaults, **RC}):
+            yield
+
+
+class Page(Figure):
+    """A figure that looks the same wherever it is shown: ticks and formulas are made when drawn."""
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw with our settings."""
+        with look():
+            super().draw(renderer)
+
+
+def page(height: int) -> Figure:
+    """An empty figure of our width; its canvas measures texts in pixels of the PNG."""
+    figure = Page(figsize=(WIDTH / DPI, height / DPI), dpi=DPI)
+    FigureCanvasAgg(figure)
+    return figure
 
 
 def place(figure: Figure, left: float, top: float, width: float, height: float, **more) -> Axes:

@@ -14,7 +14,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from camcli.analysis.sweep import Sweep
+from camcli.analysis.integrate import Settings
+from camcli.analysis.sweep import FIXED, Sweep
 from camcli.plots import style
 from camcli.plots.density import (
     TURN_DEG,
@@ -65,38 +66,36 @@ class _Panel:
     enlarged: tuple[float, float] | None = None  # shown again in the next panel
 
 
+@style.look()
 def draw_sweep(
-    sweep: Sweep,
-    system: System,
-    path_or_buffer,
-    *,
-    start_text: str,
-    events: Sequence[Event] | None = None,
-) -> None:
-    """Write the PNG of a sweep to a path or a binary buffer.
+    sweep: Sweep, system: System, settings: Settings, events: Sequence[Event] = ()
+) -> Figure:
+    """Picture of a sweep; `settings` tell how its orbits were started.
 
-    `start_text` says how the orbits were started; it stands below the title. `events` are listed
-    below it and numbered above the panels.
+    `events` are listed below the title and numbered above the panels.
     """
-    found = numbered(events or ())
+    found = numbered(events)
     survey = Survey.of(sweep.speeds)
     panels = _panels(survey)
-    lines = textwrap.wrap(_subtitle(survey, start_text), CHARS, break_on_hyphens=False)
+    lines = textwrap.wrap(
+        _subtitle(survey, _started(sweep, settings)), CHARS, break_on_hyphens=False
+    )
     head = 54 + style.LINE * len(lines) + (LIST_GAP if found else 0)
     top = head + list_height(found) + numbers_height(found)
     top += KEY if panels and panels[0].phases else KEY // 2
     heights = [panel.height for panel in panels] or [200]
     height = top + sum(heights) + GAP * (len(heights) - 1) + BOTTOM
-    with style.page(path_or_buffer, height) as figure:
-        style.write(figure, 20, 14, _title(survey), size=9, weight="bold")
-        style.write(figure, 20, 54, "\n".join(lines), linespacing=1.25)
-        draw_list(figure, head, found)
-        if not panels:
-            wide = style.WIDTH - LEFT - RIGHT
-            empty = style.place(figure, LEFT, top, wide, heights[0], xticks=[], yticks=[])
-            style.note(empty, "nothing was recorded")
-            return
-        _draw_panels(figure, panels, sweep, survey, system, top, found)
+    figure = style.page(height)
+    style.write(figure, 20, 14, _title(survey), size=9, weight="bold")
+    style.write(figure, 20, 54, "\n".join(lines), linespacing=1.25)
+    draw_list(figure, head, found)
+    if not panels:
+        wide = style.WIDTH - LEFT - RIGHT
+        empty = style.place(figure, LEFT, top, wide, heights[0], xticks=[], yticks=[])
+        style.note(empty, "nothing was recorded")
+        return figure
+    _draw_panels(figure, panels, sweep, survey, system, top, found)
+    return figure
 
 
 def _title(survey: Survey) -> str:
@@ -107,9 +106,26 @@ def _title(survey: Survey) -> str:
     return f"Bifurcation diagram, {' to '.join(ends)} rpm"
 
 
-def _subtitle(survey: Survey, start_text: str) -> str:
+def _started(sweep: Sweep, settings: Settings) -> str:
+    """How the orbits were started."""
+    start, turns = settings.start, settings.transient
+    if start.q is None and start.v is None:
+        place = "at rest on the cam"
+    else:
+        q = "on the cam" if start.q is None else f"q = {start.q:g} m"
+        v = "the cam's v" if start.v is None else f"v = {start.v:g} m/s"
+        place = f"at {q}, {v}"
+    if sweep.direction == FIXED or not sweep.speeds:
+        return f"each speed started {place}, {turns} turns of transient"
+    return (
+        f"carried {sweep.direction} from {sweep.speeds[0].rpm:g} rpm, started there {place}; "
+        f"{turns} turns of transient at each speed"
+    )
+
+
+def _subtitle(survey: Survey, started: str) -> str:
     many, troubles = len(survey.rpm), survey.troubles()
-    parts = [start_text, f"{many} speed" + ("s" if many != 1 else "")]
+    parts = [started, f"{many} speed" + ("s" if many != 1 else "")]
     if troubles:
         kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
         parts.append(f"{troubles.total()} not ok, marked at the bottom edge ({kinds})")

@@ -14,8 +14,9 @@ from camcli.analysis.basins.window import Window
 from camcli.plots import basins as figure
 from camcli.plots import style
 from camcli.plots.basins import area_colours, draw_basins, percent
-from camcli.plots.basins_range import branch_colours, draw_range
+from camcli.plots.basins_range import branch_colours
 from tests.conftest import settings
+from tests.output.pictures import png
 
 QUESTION = Question(Window((0.1, 0.9), (-50.0, 50.0), 30, 30))
 
@@ -26,9 +27,7 @@ def result(chapter):
 
 
 def drawn(result, system, grid=None):
-    buffer = BytesIO()
-    draw_basins(result.speeds[0], grid or result.grid, system, buffer)
-    return buffer.getvalue()
+    return png(draw_basins(replace(result, grid=grid or result.grid), QUESTION, system))
 
 
 def window_of(png):
@@ -105,11 +104,9 @@ def test_a_refined_grid_is_drawn(chapter):
 def test_a_range_stacks_to_one(chapter):
     question = Question(QUESTION.window.with_cells(8, 8))
     result = study(chapter, [358.5, 359.0, 360.0], settings(), question)
-    first, second = BytesIO(), BytesIO()
-    draw_range(result, question, first)
-    draw_range(result, question, second)
-    assert first.getvalue() == second.getvalue()
-    pixels = image.imread(BytesIO(first.getvalue()))[:, :, :3]
+    first, second = (png(draw_basins(result, question, chapter)) for _ in range(2))
+    assert first == second
+    pixels = image.imread(BytesIO(first))[:, :, :3]
     for colour in branch_colours(result).values():
         close = np.abs(pixels - np.array(to_rgb(colour))).max(axis=2) < 0.01
         assert close.sum() > 20_000

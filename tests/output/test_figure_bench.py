@@ -1,6 +1,5 @@
 """Pictures and tables of the bench from points and rows made by hand."""
 
-from io import BytesIO
 from math import nan
 
 from camcli.analysis.bench.flights import Flights
@@ -10,6 +9,7 @@ from camcli.analysis.bench.scenes import Scene
 from camcli.output.bench import flights_csv, precision_csv, scenes_csv, stability_csv
 from camcli.plots.bench_precision import draw_precision
 from camcli.plots.bench_stability import draw_stability
+from tests.output.pictures import png
 
 PNG = b"\x89PNG"
 
@@ -33,11 +33,9 @@ OUTCOMES = [
 
 
 def drawn(draw, *what):
-    first, second = BytesIO(), BytesIO()
-    draw(*what, first)
-    draw(*what, second)
-    assert first.getvalue() == second.getvalue()
-    return first.getvalue()
+    first, second = (png(draw(*what)) for _ in range(2))
+    assert first == second
+    return first
 
 
 def test_pictures_have_the_same_bytes_twice():

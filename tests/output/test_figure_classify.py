@@ -9,9 +9,6 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
-from tests.artefacts.test_figure_detach import count
-from tests.artefacts.test_figure_orbits import colour
-from tests.artefacts.test_figures import speed, sweep
 
 from camcli.analysis.classify import attractors, classify_at
 from camcli.analysis.explain.changes import explain
@@ -34,6 +31,10 @@ from camcli.plots.growth_panel import FORGETS, Growth, draw_growth, remark
 from camcli.plots.label_strip import OTHERS, draw_strip, strip_colour
 from camcli.plots.sweep import draw_sweep
 from tests.conftest import settings
+from tests.output import pictures
+from tests.output.pictures import count
+from tests.output.test_figure_orbits import colour
+from tests.output.test_figures import speed, sweep
 
 RPMS = [100.0, 190.0, 358.5, 700.0, 750.0]  # contact, a rest, three turns, one turn, chaos
 KINDS = ["always in contact", "periodic with rest on the cam", "periodic", "periodic", "aperiodic"]
@@ -56,9 +57,7 @@ def event(rpm, kind="corner-hit", label="P(1;inf)", error=1e-10, **more):
 
 
 def png(motions, events=(), system=None):
-    buffer = BytesIO()
-    draw_classify(motions, events, buffer, system)
-    return buffer.getvalue()
+    return pictures.png(draw_classify(motions, system, events))
 
 
 def pixels(*args):
@@ -259,11 +258,9 @@ def test_events_make_the_picture_taller_and_dotted(chapter, explained):
 
 def test_a_sweep_without_events_is_the_picture_it_was(chapter):
     it = sweep(speed(700.0, [150.0], [2.0]), speed(760.0, [151.0], [2.1]))
-    drawn = []
-    for more in ({}, {"events": None}, {"events": []}, {"events": [event(739.3)]}):
-        buffer = BytesIO()
-        draw_sweep(it, chapter, buffer, start_text="from rest", **more)
-        drawn.append(buffer.getvalue())
-    assert drawn[0] == drawn[1] == drawn[2] != drawn[3]
+    drawn = [
+        pictures.png(draw_sweep(it, chapter, settings(), some)) for some in ((), [event(739.3)])
+    ]
+    assert drawn[0] == pictures.png(draw_sweep(it, chapter, settings()))
     tall = [Image.open(BytesIO(data)).size[1] for data in drawn]
-    assert tall[3] > tall[0] + 100
+    assert tall[1] > tall[0] + 100

@@ -12,6 +12,7 @@ from camcli.plots import style
 from camcli.plots.detach import draw_detach
 from tests.analysis.test_detach import dwell, eccentric
 from tests.conftest import chapter_system, settings
+from tests.output import pictures
 
 PURPLE, GREEN, BLACK = (0xCC, 0x79, 0xA7), (0x00, 0x9E, 0x73), (0, 0, 0)
 
@@ -21,9 +22,7 @@ def found(system, rpms, **question):
 
 
 def png(result, system):
-    buffer = BytesIO()
-    draw_detach(result, system, buffer)
-    return buffer.getvalue()
+    return pictures.png(draw_detach(result, system))
 
 
 def pixels(result, system):

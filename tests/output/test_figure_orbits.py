@@ -9,7 +9,6 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
-from tests.artefacts.test_figure_detach import count
 
 from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits.absence import Absence
@@ -33,6 +32,8 @@ from camcli.plots.orbit_lines import (
 from camcli.plots.orbit_zoom import zooms
 from camcli.plots.orbits import NAMES, axis_name, draw_orbits, heading
 from tests.conftest import settings
+from tests.output import pictures
+from tests.output.pictures import count
 
 QUESTIONS = {
     "doubling": Question(700.0, span=Span(672.0, 756.0, 0.84)),
@@ -57,9 +58,7 @@ def corners(chapter):
 
 
 def png(result, system):
-    buffer = BytesIO()
-    draw_orbits(result, system, buffer)
-    return buffer.getvalue()
+    return pictures.png(draw_orbits(result, system))
 
 
 def pixels(result, system):

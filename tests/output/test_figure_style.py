@@ -95,7 +95,8 @@ def curve(force):
 
 @pytest.mark.parametrize(("force", "shaded"), [([1.0, -2.0, 1.0], True), ([1.0, 0.0, 1.0], False)])
 def test_negative_force_is_shaded(force, shaded):
-    with style.page("/dev/null", 400) as figure:
+    with style.look():
+        figure = style.page(400)
         axes = style.place(figure, 100, 100, 400, 200)
         draw_forces(axes, [curve(force)])
         found = [patch for patch in axes.patches if patch.get_facecolor()[:3] == to_rgb(style.PULL)]

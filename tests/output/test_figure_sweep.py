@@ -2,7 +2,6 @@
 
 import tracemalloc
 from collections.abc import Sequence
-from io import BytesIO
 
 import numpy as np
 import pytest
@@ -11,9 +10,12 @@ from camcli.analysis.integrate import Cost
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.cams.arcs import ArcsCam
 from camcli.errors import IMPACT_BUDGET, OK
-from camcli.plots import batches, density, draw_sweep
+from camcli.plots import batches, density
 from camcli.plots.survey import Survey
+from camcli.plots.sweep import draw_sweep
 from camcli.system import Follower, System
+from tests.conftest import settings
+from tests.output import pictures
 
 COLUMNS = [[150.0, 151.0, 149.0], [], [np.nan], [1.0, np.inf, 359.0, 20.0, 30.0], [150.0], [7.0]]
 
@@ -60,9 +62,7 @@ def some(k):
 
 
 def png(speeds, system):
-    buffer = BytesIO()
-    draw_sweep(Sweep(speeds, "fixed", Cost()), system, buffer, start_text="from rest")
-    return buffer.getvalue()
+    return pictures.png(draw_sweep(Sweep(speeds, "fixed", Cost()), system, settings()))
 
 
 def test_a_lazy_sweep_is_the_same_picture_and_read_twice(system):

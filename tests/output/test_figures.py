@@ -2,22 +2,25 @@
 
 import subprocess
 import sys
-from io import BytesIO
+from dataclasses import replace
 from math import cos, inf, nan, pi, sin
 
 import matplotlib
 import numpy as np
 import pytest
-from PIL import Image
 
-from camcli.analysis.integrate import Cost
+from camcli.analysis.integrate import Cost, Start
 from camcli.analysis.simulate import Simulation
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.cams.arcs import ArcsCam
-from camcli.errors import IMPACT_BUDGET, OK
-from camcli.plots import density, draw_simulation, draw_sweep, style
+from camcli.errors import IMPACT_BUDGET, NO_RETURN, OK
+from camcli.plots import density, style
+from camcli.plots.simulate import draw_simulation
+from camcli.plots.sweep import draw_sweep
 from camcli.plots.trace import Trace
 from camcli.system import Follower, System
+from tests.conftest import settings
+from tests.output import pictures
 
 RPM = 60.0  # a turn per second
 BLACK, RED = (0, 0, 0), (0xD5, 0x5E, 0x00)
@@ -50,16 +53,12 @@ def sweep(*speeds):
 
 def picture(draw, *args, **kwargs):
     """Pixels (row, column, rgb) of a drawing."""
-    buffer = BytesIO()
-    draw(*args, buffer, **kwargs)
-    assert buffer.getvalue().startswith(b"\x89PNG")
-    return np.asarray(Image.open(buffer).convert("RGB"))
+    return pictures.pixels(draw(*args, **kwargs))
 
 
-def drawn(system, *speeds, text="from rest"):
-    pixels = picture(draw_sweep, sweep(*speeds), system, start_text=text)
-    assert pixels.shape[1] == style.WIDTH
-    return pixels
+def drawn(system, *speeds, start=None):
+    run = replace(settings(), start=start or Start())
+    return picture(draw_sweep, sweep(*speeds), system, run)
 
 
 def count(pixels, colour):
@@ -89,16 +88,14 @@ def bounce(turns=2, label="P(1;inf)", status=OK, rows=None):
 # --- the sweep
 
 
-def test_sweep_is_the_same_bytes_twice_whatever_the_user_set(system, tmp_path):
+def test_sweep_is_the_same_bytes_twice_whatever_the_user_set(system):
     it = sweep(speed(700.0, [150.0], [2.0]), speed(701.0, [151.0, 155.0], [2.1, 1.0]))
-    first, second = BytesIO(), tmp_path / "sweep.png"
-    draw_sweep(it, system, first, start_text="from rest")
+    first = pictures.png(draw_sweep(it, system, settings()))
     with matplotlib.rc_context({"font.size": 20, "savefig.dpi": 50, "axes.grid": True}):
-        draw_sweep(it, system, second, start_text="from rest")
+        assert pictures.png(draw_sweep(it, system, settings())) == first
         assert matplotlib.rcParams["font.size"] == 20
-    assert first.getvalue() == second.read_bytes()
-    assert b"Software" not in first.getvalue()
-    assert b"tIME" not in first.getvalue()
+    assert b"Software" not in first
+    assert b"tIME" not in first
 
 
 @pytest.mark.parametrize("many", [1, 2, 401, 4001])
@@ -150,7 +147,10 @@ def test_values_that_are_not_finite_are_left_out(system):
 
 
 def test_a_long_text_is_wrapped(system):
-    short, long = (drawn(system, speed(700.0, [150.0]), text=text) for text in ("", "word " * 60))
+    good = [speed(700.0, [150.0], [1.0]), speed(701.0, [150.0], [1.0])]
+    bad = [replace(good[0], status=IMPACT_BUDGET), replace(good[1], status=NO_RETURN)]
+    short = drawn(system, *good)
+    long = drawn(system, *bad, start=Start(q=1.0 / 3.0, v=-1.0 / 3.0))
     assert long.shape[0] > short.shape[0]
 
 
@@ -222,10 +222,8 @@ def test_labels_for_print():
 
 
 def test_simulation_is_the_same_bytes_twice():
-    one, two = BytesIO(), BytesIO()
-    draw_simulation(bounce(), one, turns=2)
-    draw_simulation(bounce(), two, turns=2)
-    assert one.getvalue() == two.getvalue()
+    one, two = (pictures.png(draw_simulation(bounce(), 2)) for _ in range(2))
+    assert one == two
     assert count(picture(draw_simulation, bounce(), turns=2), (0xE6, 0x9F, 0x00)) > 100
 
 
@@ -288,6 +286,6 @@ def test_the_angle_is_the_cams_whatever_the_strobe():
 
 
 def test_pyplot_stays_out():
-    code = "import sys, camcli.plots; print('matplotlib.pyplot' in sys.modules)"
+    code = "import sys, camcli.plots.sweep; print('matplotlib.pyplot' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "False"
