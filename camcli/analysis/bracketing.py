@@ -1,4 +1,8 @@
-"""Lowest value over an interval, and a bracketed root; IEEE arithmetic only, no luck involved."""
+"""Lowest value over an interval, and a bracketed root; the same bits on every machine.
+
+Golden sections refine a minimum. A root is bracketed by the ITP method of I. F. D. Oliveira and
+R. H. C. Takahashi, ACM Trans. Math. Softw. 47 (2021), article 5.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +10,15 @@ from collections.abc import Callable
 from math import inf
 
 GOLDEN = 0.6180339887498949
-TIE = 1e-14  # relative difference that counts as none: an end of the interval is then the place
-CLOSEST = 1e-9  # rad: a smooth minimum is then exact to rounding
-NARROW = 1e-12  # relative width of a bracket of speeds
-FIRST_CUT, MOST_STEPS = 0.2, 200
+TIE = 1e-14  # relative difference that counts as none: the earlier place is then named
+CLOSEST = 1e-9  # of the argument: f is flat there, its least value exact to rounding
+NARROW = 1e-12  # relative width of a bracket: some hundred times the rounding of a simulated root
+FIRST_CUT, MOST_STEPS = 0.2, 200  # kappa_1 of the ITP method; bisection alone needs 60 steps
 
 
-def lowest(f: Callable[[float], float], low: float, high: float, samples: int):
+def lowest(
+    f: Callable[[float], float], low: float, high: float, samples: int
+) -> tuple[float, float]:
     """(value, x) of the smallest f on [low, high], ends included; f may be inf in places.
 
     Every local minimum among the samples is refined by golden sections; f must be smooth enough
@@ -36,7 +42,7 @@ def lowest(f: Callable[[float], float], low: float, high: float, samples: int):
     return value, place
 
 
-def _golden(f: Callable[[float], float], a: float, b: float):
+def _golden(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
     x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
     fx, fy = f(x), f(y)
     while b - a > CLOSEST:
@@ -51,11 +57,13 @@ def _golden(f: Callable[[float], float], a: float, b: float):
     return (fx, x) if fx <= fy else (fy, y)
 
 
-def bracket(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float):
+def bracket(
+    f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float
+) -> tuple[float, float, float, float]:
     """(low, high, f_low, f_high) with f_low < 0 <= f_high, narrowed to a relative NARROW.
 
-    The ITP method: secant steps that never need more than one step beyond bisection, so a jump of
-    f is bracketed as well as a root. Needs f(low) < 0 <= f(high).
+    Secant steps that never need more than one step beyond bisection, so a jump of f is bracketed as
+    well as a root. Needs f(low) < 0 <= f(high); f may be inf.
     """
     width = high - low
     spare = 2.0 * width

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, pi, sqrt
 
-from camcli.analysis.contact_loss.detachment import Critical, detachment
+from camcli.analysis.contact_loss.detachment import CriticalSpeed, detachment
 from camcli.analysis.contact_loss.force import Force, ForceCurve
 from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
@@ -63,7 +63,7 @@ class Profile:
     corners: dict[str, float]  # deg, by letter
     ranges: dict[str, tuple[Extreme, Extreme]]  # lowest and highest by name
     force: ForceCurve
-    first: Critical | None
+    first: CriticalSpeed | None
     curvature: Curvature
 
 

@@ -8,6 +8,8 @@ from string import ascii_lowercase
 from camcli.cams.compile import column, corners
 from camcli.kernel.cam_table import TURN, Cam
 
+SAME_PHASE = 1e-12  # rad: phases of a turn are exact to some 1e-15
+
 
 @dataclass(frozen=True)
 class Corner:

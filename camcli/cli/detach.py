@@ -8,12 +8,12 @@ from functools import partial
 from time import perf_counter
 from typing import Any
 
-from camcli.analysis.contact_loss.accumulation_range import RECORD
-from camcli.analysis.contact_loss.detachment import UNRESOLVED
-from camcli.analysis.contact_loss.study import Question, Study, study
+from camcli.analysis.contact_loss.bursts import RECORD
+from camcli.analysis.contact_loss.detachment import SpeedStatus
+from camcli.analysis.contact_loss.study import ContactLoss, detach
 from camcli.analysis.integrate import Start
 from camcli.analysis.sweep import rpm_grid
-from camcli.cli.detach_words import show, summary
+from camcli.cli.detach_words import show
 from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
 from camcli.cli.plan_starts import starts_planned
@@ -22,6 +22,7 @@ from camcli.cli.report import finish
 from camcli.cli.setup import Setup, set_up, speed_range
 from camcli.errors import STATUSES, Fault, SceneError
 from camcli.kernel import backend
+from camcli.output.detach import summary
 from camcli.output.run_folder import Store
 from camcli.output.tables import accumulation_csv, corner_hits_csv, detach_csv, force_csv
 from camcli.scene import parse_rpm
@@ -46,8 +47,8 @@ def run(request: Request) -> int:
     seconds = perf_counter() - began - backend.compile_seconds
     _write(request, setup, store, result)
     if not request.json:
-        show(result, rpms)
-    finish(NAME, request, setup, store, result.cost, seconds, summary(result, rpms))
+        show(result)
+    finish(NAME, request, setup, store, result.cost, seconds, summary(result))
     return _verdict(result)
 
 
@@ -73,20 +74,24 @@ def _speed(text: str) -> float:
     return rpm
 
 
-def _compute(request: Request, setup: Setup, rpms: list[float]) -> Study:
+def _compute(request: Request, setup: Setup, rpms: list[float]) -> ContactLoss:
     section = setup.scene.detach
-    question = Question(
-        impacts=section.impacts,
-        force_rpm=section.force_rpm,
-        hold_to=section.hold_to,
-        margin=section.margin_n,
-        precompression=section.precompression_m,
-    )
     with nullcontext() if request.quiet else bar("speeds", len(rpms)) as tick:
-        return study(setup.system, rpms, setup.settings, question, tick or (lambda: None))
+        return detach(
+            setup.system,
+            rpms,
+            setup.settings,
+            settle=section.settle,
+            impacts=section.impacts,
+            force_rpm=section.force_rpm,
+            hold_rpm=section.hold_to,
+            margin=section.margin_n,
+            precompression=section.precompression_m,
+            on_speed=tick or (lambda: None),
+        )
 
 
-def _write(request: Request, setup: Setup, store: Store, result: Study) -> None:
+def _write(request: Request, setup: Setup, store: Store, result: ContactLoss) -> None:
     store.write_text("detach.csv", detach_csv(result))
     store.write_text("accumulation.csv", accumulation_csv(result))
     store.write_text("corner_hits.csv", corner_hits_csv(result))
@@ -100,14 +105,14 @@ def _write(request: Request, setup: Setup, store: Store, result: Study) -> None:
     store.write("detach.png", partial(write_png, draw_detach(result, setup.system)))
 
 
-def _verdict(result: Study) -> int:
+def _verdict(result: ContactLoss) -> int:
     """Exit code 3 and a note where a speed or a simulation could not be settled."""
     for code in sorted({status for _, status in result.troubled}):
         rpms = [f"{rpm:.10g}" for rpm, status in result.troubled if status == code]
         shown = ", ".join(rpms[:5]) + (", ..." if len(rpms) > 5 else "")
         status = STATUSES[code]
         note(f"{status.name} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
-    open_ = [c for c in result.criticals if c.status == UNRESOLVED]
-    for c in open_:
-        note(f"{UNRESOLVED}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket")
-    return NUMERICS if result.troubled or open_ else DONE
+    unsafe = [c for c in result.critical_speeds if c.status is SpeedStatus.UNRESOLVED]
+    for c in unsafe:
+        note(f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket")
+    return NUMERICS if result.troubled or unsafe else DONE

@@ -20,7 +20,7 @@ def table_record(setup: Setup) -> dict[str, Any] | None:
     """The fit of a lift table for run.json, None for other kinds of cam."""
     if setup.scene.cam.kind != "table":
         return None
-    from camcli.analysis.contact_loss.range import first_loss_range
+    from camcli.analysis.contact_loss.detachment import first_loss_range
 
     accuracy: Accuracy = setup.scene.cam.accuracy
     speeds = first_loss_range(setup.system, setup.scene.cam.errors.bounds)

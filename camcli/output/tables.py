@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import repeat
 
-from camcli.analysis.contact_loss.study import Study
+from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.simulate import Simulation
 from camcli.analysis.sweep import Speed, Sweep, status_name
 from camcli.system import omega_of
@@ -92,10 +92,10 @@ def speeds_csv(sweep: Sweep) -> Iterator[str]:
         yield from mixed_rows([row])
 
 
-def detach_csv(study: Study) -> Iterator[str]:
+def detach_csv(study: ContactLoss) -> Iterator[str]:
     """detach.csv: critical speeds; a speed that does not exist is inf, without a phase."""
     yield header(DETACH)
-    for c in study.criticals:
+    for c in study.critical_speeds:
         theta = c.theta_deg if c.finite else ""
         yield from mixed_rows([(c.quantity, c.region, theta, c.rpm, omega_of(c.rpm))])
     for hold in study.holds:
@@ -106,19 +106,19 @@ def detach_csv(study: Study) -> Iterator[str]:
             yield from mixed_rows([row])
 
 
-def accumulation_csv(study: Study) -> Iterator[str]:
+def accumulation_csv(study: ContactLoss) -> Iterator[str]:
     """accumulation.csv"""
     yield header(ACCUMULATION)
     yield from mixed_rows((speed.rpm, end) for speed in study.speeds for end in speed.ends)
 
 
-def corner_hits_csv(study: Study) -> Iterator[str]:
+def corner_hits_csv(study: ContactLoss) -> Iterator[str]:
     """corner_hits.csv"""
     yield header(CORNER_HITS)
     yield from mixed_rows((hit.impact, hit.corner, hit.rpm) for hit in study.hits)
 
 
-def force_csv(study: Study) -> Iterator[str]:
+def force_csv(study: ContactLoss) -> Iterator[str]:
     """force.csv: two rows at a corner, one for each side."""
     yield header(FORCE)
     for curve in study.forces:

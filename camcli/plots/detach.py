@@ -14,7 +14,8 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from camcli.analysis.contact_loss.detachment import Loss
 from camcli.analysis.contact_loss.force import ForceCurve
-from camcli.analysis.contact_loss.study import Study
+from camcli.analysis.contact_loss.hold import Hold
+from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.plots import style
 from camcli.plots.force import draw_forces, newtons
 from camcli.system import System
@@ -46,7 +47,7 @@ class _View:
 
 
 @style.look()
-def draw_detach(study: Study, system: System) -> Figure:
+def draw_detach(study: ContactLoss, system: System) -> Figure:
     """Picture of a study."""
     views = _views(study)
     forces = [study.forces, [curve for _, curve in study.springs]]
@@ -70,20 +71,21 @@ def draw_detach(study: Study, system: System) -> Figure:
         top += LINES * len(names) + FORCE + GAP
     if study.springs:
         rpm = style.number(study.springs[0][1].rpm)
-        names = [_least(name, curve) for name, curve in study.springs]
+        names = [_least(_spring(hold), curve) for hold, curve in study.springs]
         axes = style.place(figure, LEFT, top + LINES * len(names), wide, FORCE)
         _draw_forces(axes, forces[1], names, system)
         axes.set_ylabel(f"contact force at {rpm} rpm (N)")
     return figure
 
 
-def _heading(figure: Figure, study: Study) -> None:
+def _heading(figure: Figure, study: ContactLoss) -> None:
     rpms = dict.fromkeys(style.number(f(s.rpm for s in study.speeds)) for f in (min, max))
     title = f"Detachment and chattering, {' to '.join(rpms)} rpm"
     style.write(figure, 20, 14, title, size=9, weight="bold")
     first = study.detachment.first
     if first is None:
-        text = study.detachment.words[0]
+        never = study.detachment.never
+        text = "contact is never lost" if never else "contact is lost at every speed"
     else:
         text = f"contact is first lost at {first.rpm:.9f} rpm, {first.theta_deg:.6f} deg"
         if study.completion:
@@ -91,7 +93,7 @@ def _heading(figure: Figure, study: Study) -> None:
     style.write(figure, 20, 54, text)
 
 
-def _views(study: Study) -> list[_View]:
+def _views(study: ContactLoss) -> list[_View]:
     """The whole range; before it, enlarged, the speeds up to the last corner first reached."""
     rpms = [speed.rpm for speed in study.speeds]
     span = _padded(min(rpms), max(rpms))
@@ -120,16 +122,17 @@ def _views(study: Study) -> list[_View]:
     return views
 
 
-def _ends(study: Study) -> list[tuple[str, float, float]]:
+def _ends(study: ContactLoss) -> list[tuple[str, float, float]]:
     """Region, end and speed of every complete burst."""
-    found = []
-    for speed in study.speeds:
-        complete = [region for region, outcome in speed.bursts if outcome == "complete"]
-        found += [(r, end, speed.rpm) for r, end in zip(complete, speed.ends, strict=True)]
-    return found
+    return [
+        (burst.region, burst.end_deg, speed.rpm)
+        for speed in study.speeds
+        for burst in speed.bursts
+        if burst.end_deg is not None
+    ]
 
 
-def _leading(study: Study) -> Loss:
+def _leading(study: ContactLoss) -> Loss:
     """The region whose bursts have most to show: the axis of phases begins where they do."""
     losses = {loss.region.name: loss for loss in study.detachment.losses}
     marks = Counter(c.burst for c in study.accumulation)
@@ -142,7 +145,7 @@ def _padded(low: float, high: float) -> tuple[float, float]:
     return low - room, high + room
 
 
-def _draw_phases(axes: Axes, view: _View, study: Study, system: System) -> None:
+def _draw_phases(axes: Axes, view: _View, study: ContactLoss, system: System) -> None:
     """Impacts in the background; the computed curve and points on top."""
     _corners(axes, view, system)
     rpm = [speed.rpm for speed in study.speeds for _ in speed.impacts]
@@ -171,7 +174,7 @@ def _draw_phases(axes: Axes, view: _View, study: Study, system: System) -> None:
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % 360.0:g}"))
 
 
-def _curves(axes: Axes, view: _View, study: Study) -> None:
+def _curves(axes: Axes, view: _View, study: ContactLoss) -> None:
     """Where each region's bursts end, a line per region, broken at jumps."""
     curves: dict[str, list[tuple[float, float]]] = {}
     for region, end, rpm in _ends(study):
@@ -186,7 +189,7 @@ def _curves(axes: Axes, view: _View, study: Study) -> None:
         label = None
 
 
-def _hits(axes: Axes, view: _View, study: Study, system: System) -> None:
+def _hits(axes: Axes, view: _View, study: ContactLoss, system: System) -> None:
     """Speeds at which the n-th impact lands on a corner; the first ones numbered."""
     phases = style.corner_names(system.corners_deg)
     hits = [hit for hit in study.hits if hit.corner in phases]
@@ -233,6 +236,13 @@ def _draw_forces(axes: Axes, curves: Sequence[ForceCurve], names, system: System
 
 def _least(name: str, curve: ForceCurve) -> str:
     return f"{name}: least {newtons(curve.lowest_n, 6)} at {curve.lowest_deg:.6g} deg"
+
+
+def _spring(hold: Hold | None) -> str:
+    """The name of a spring in a legend."""
+    if hold is None:
+        return "present spring"
+    return f"{hold.stiffness:.6g} N/m, preload {hold.preload:.6g} N"
 
 
 def _legend(figure: Figure, axes: Axes, height: int) -> None:

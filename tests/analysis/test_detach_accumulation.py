@@ -5,14 +5,14 @@ from math import inf
 import pytest
 
 from camcli.analysis.bracketing import bracket, lowest
-from camcli.analysis.contact_loss.accumulation_range import settled
-from camcli.analysis.contact_loss.burst import Bursts
+from camcli.analysis.contact_loss.bursts import Bursts, settled
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.contact_loss.force import DEG
-from camcli.analysis.contact_loss.study import Question, study
+from camcli.analysis.contact_loss.study import detach
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.sweep import rpm_grid
 from camcli.kernel.orbit_loop import CHATTER, IMPACT
+from camcli.output.detach import bursts_text
 from tests.conftest import chapter_system, settings
 
 HITS = (124.998297, 122.699318, 121.685872, 121.106981, 120.735577, 120.481041, 120.299126,
@@ -21,7 +21,7 @@ HITS = (124.998297, 122.699318, 121.685872, 121.106981, 120.735577, 120.481041, 
 
 @pytest.fixture(scope="module")
 def result(chapter):
-    return study(chapter, rpm_grid(110.0, 200.0, 181), settings(3, 2), Question())
+    return detach(chapter, rpm_grid(110.0, 200.0, 181), settings(), settle=3)
 
 
 def of_corner(result, name):
@@ -103,7 +103,7 @@ def test_a_curve_of_hits_that_ends_says_where(chapter, result):
 
 def test_hits_are_followed_to_any_number_and_close_in_on_the_accumulation(chapter):
     rpms = rpm_grid(118.0, 126.0, 41)
-    found = study(chapter, rpms, settings(2, 2), Question(impacts=55))
+    found = detach(chapter, rpms, settings(), settle=2, impacts=55)
     (end,) = of_corner(found, "c")
     hits = [hit.rpm for hit in found.hits if hit.corner == "c"]
     assert len(hits) == 55
@@ -114,7 +114,7 @@ def test_hits_are_followed_to_any_number_and_close_in_on_the_accumulation(chapte
 
 
 def test_bursts_per_speed(result):
-    said = {speed.rpm: speed.words for speed in result.speeds}
+    said = {speed.rpm: bursts_text(speed) for speed in result.speeds}
     assert said[114.5] == "none"
     assert said[115.0] == said[136.0] == "A2 complete, A4 complete"
     assert said[137.0] == said[198.5] == "A2 complete"
@@ -123,7 +123,7 @@ def test_bursts_per_speed(result):
 
 def test_the_curve_has_a_row_per_complete_burst(chapter, result):
     for speed in result.speeds:
-        complete = [outcome for _, outcome in speed.bursts].count("complete")
+        complete = sum(burst.end_deg is not None for burst in speed.bursts)
         assert len(speed.ends) == complete
         if speed.rpm in (120.0, 150.0):
             tape = Orbit(chapter, speed.rpm, settings(20, 1, 1e-13)).run()
@@ -133,19 +133,19 @@ def test_the_curve_has_a_row_per_complete_burst(chapter, result):
 
 def test_events_of_the_burst_that_lives_are_found_where_the_fall_loses_first():
     system = chapter_system(damping=5.0, preload=20.0)
-    found = study(system, rpm_grid(110.0, 220.0, 111), settings(3, 2), Question(impacts=2))
+    found = detach(system, rpm_grid(110.0, 220.0, 111), settings(), settle=3, impacts=2)
     assert found.detachment.first.region == "A4"
-    assert [f.kind for f in found.follows] == ["flies-off", "released-and-caught"]
+    assert [f.kind for f in found.lift_offs] == ["flies-off", "released-and-caught"]
     (c,) = of_corner(found, "c")
     assert c.burst == "A2"
     (lost,) = found.completion
-    below, above = settled(system, [lost.rpm - 1e-3, lost.rpm + 1e-3], settings(20, 2))
-    assert below.words == "A2 complete"
-    assert "complete" not in above.words.split() or above.words != below.words
+    below, above = settled(system, [lost.rpm - 1e-3, lost.rpm + 1e-3], settings(), 20)
+    assert bursts_text(below) == "A2 complete"
+    assert "complete" not in bursts_text(above).split() or bursts_text(above) != bursts_text(below)
 
 
 def test_few_speeds_find_the_same_events(chapter, result):
-    few = study(chapter, [110.0, 200.0], settings(3, 2), Question(impacts=1))
+    few = detach(chapter, [110.0, 200.0], settings(), settle=3, impacts=1)
     assert of_corner(few, "c")[0].rpm == pytest.approx(of_corner(result, "c")[0].rpm, abs=1e-9)
     assert few.completion[0].rpm == pytest.approx(result.completion[0].rpm, abs=1e-9)
     assert [speed.rpm for speed in few.speeds] == [110.0, 200.0]
@@ -153,25 +153,25 @@ def test_few_speeds_find_the_same_events(chapter, result):
 
 def test_without_restitution_the_first_landing_ends_the_burst():
     system = chapter_system(restitution=0.0)
-    found = study(system, rpm_grid(110.0, 130.0, 41), settings(1, 2), Question(impacts=3))
+    found = detach(system, rpm_grid(110.0, 130.0, 41), settings(), settle=1, impacts=3)
     assert of_corner(found, "c")[0].rpm == pytest.approx(HITS[0], abs=1e-6)
-    assert found.speeds[-1].words == "A2 complete, A4 complete"
+    assert bursts_text(found.speeds[-1]) == "A2 complete, A4 complete"
 
 
 def test_without_loss_nothing_accumulates():
     system = chapter_system(restitution=1.0)
-    found = study(system, [116.0, 117.0], settings(0, 2), Question(impacts=1))
+    found = detach(system, [116.0, 117.0], settings(), settle=0, impacts=1)
     assert not any(speed.ends for speed in found.speeds)
     assert not found.accumulation
     assert not found.completion
 
 
 def test_no_events_where_contact_is_held_or_never(chapter):
-    held = study(chapter, [100.0, 110.0], settings(1, 2), Question())
-    assert held.accumulation + held.completion + held.hits == []
-    assert {speed.words for speed in held.speeds} == {"none"}
-    lost = study(chapter_system(preload=-200.0), [100.0, 110.0], settings(1, 2), Question())
-    assert lost.accumulation + lost.completion + lost.hits + lost.follows == []
+    held = detach(chapter, [100.0, 110.0], settings(), settle=1)
+    assert held.ends + held.completion + held.landings == ()
+    assert {bursts_text(speed) for speed in held.speeds} == {"none"}
+    lost = detach(chapter_system(preload=-200.0), [100.0, 110.0], settings(), settle=1)
+    assert lost.ends + lost.completion + lost.landings + lost.lift_offs == ()
 
 
 def test_a_bracket_closes_on_a_root_and_on_a_jump():

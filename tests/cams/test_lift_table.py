@@ -15,8 +15,7 @@ from tests.profiles.lift_tables import (
     worst_error,
 )
 
-from camcli.analysis.contact_loss.detachment import detachment
-from camcli.analysis.contact_loss.range import first_loss_range
+from camcli.analysis.contact_loss.detachment import detachment, first_loss_range
 from camcli.cams.bspline import at, basis
 from camcli.cams.compile import build, column, corners
 from camcli.kernel.cam_table import lift_at, stretch_at

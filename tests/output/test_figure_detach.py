@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from camcli.analysis.contact_loss.study import Question, study
+from camcli.analysis.contact_loss.study import detach
 from camcli.plots import style
 from camcli.plots.detach import draw_detach
 from tests.analysis.test_detach import dwell, eccentric
@@ -18,7 +18,7 @@ PURPLE, GREEN, BLACK = (0xCC, 0x79, 0xA7), (0x00, 0x9E, 0x73), (0, 0, 0)
 
 
 def found(system, rpms, **question):
-    return study(system, list(rpms), settings(1, 2), Question(**question))
+    return detach(system, list(rpms), settings(), settle=1, **question)
 
 
 def png(result, system):
@@ -63,7 +63,7 @@ def test_the_first_chattering_range_is_enlarged_only_where_it_is_small(chapter, 
 
 
 def test_hold_to_adds_a_panel(chapter, result):
-    more = found(chapter, [112.0, 116.0], hold_to=150.0)
+    more = found(chapter, [112.0, 116.0], hold_rpm=150.0)
     less = found(chapter, [112.0, 116.0])
     assert pixels(more, chapter).shape[0] > pixels(less, chapter).shape[0] + 400
 
@@ -79,7 +79,7 @@ def test_any_range(chapter, rpms):
     ids=["never", "no corners", "always", "damped"],
 )
 def test_any_machine(system):
-    pixels(found(system, [500.0, 800.0], hold_to=900.0), system)
+    pixels(found(system, [500.0, 800.0], hold_rpm=900.0), system)
 
 
 def test_no_force_curves(chapter):

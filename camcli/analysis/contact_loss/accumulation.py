@@ -1,23 +1,30 @@
-"""Where chatter ends, and the speeds at which that phase reaches a corner or is lost."""
+"""Speeds at which a chatter's end, or one of its impacts, reaches a corner or the next release.
+
+Where the end comes up to the phase at which contact is lost again, the chatter is complete no
+longer: the chatter that ends at the point of release (Dankowicz & Fotsch, Procedia IUTAM 20 (2017)
+18). The corners are those of the cam-follower example (Osorio, di Bernardo & Santini, SIAM J. Appl.
+Dyn. Syst. 7 (2008) 18).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, pairwise
 from math import inf
 
 from camcli import errors
 from camcli.analysis.bracketing import bracket
-from camcli.analysis.contact_loss.accumulation_range import COMPLETE, Settled
-from camcli.analysis.contact_loss.burst import Bursts
-from camcli.analysis.contact_loss.detachment import JUMP, OK, UNRESOLVED, Critical
-from camcli.cams.regions import corner_list
+from camcli.analysis.contact_loss.bursts import JUST_ABOVE, Bursts, Settled
+from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity, SpeedStatus
+from camcli.analysis.contact_loss.force import DEG
+from camcli.cams.regions import SAME_PHASE, corner_list
 from camcli.kernel.cam_table import TURN
 
-AT = 1e-4  # rad: a phase this close to a corner, at a bracket of relative 1e-12, has reached it
+# rad: a phase this close to its goal has come up to it. The bracket of the speed is NARROW, 1e-12,
+# and at a point of release or a graze a phase moves with the root of the speed: some 1e-5.
+AT = 1e-4
 FAR = 10.0 * TURN  # stands for a burst that does not accumulate
-JUST_ABOVE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -29,15 +36,32 @@ class Goal:
     within: float  # the same phase within the turn
 
 
+@dataclass(frozen=True)
+class CornerHit:
+    """Impact `impact` (1 is the first after lift-off) lands on `corner`; value and bracket in rpm.
+
+    Status JUMP: the curve ends here, the impact ceases to exist or to come first (a graze), and
+    `ends_deg` are the phases of impact number `impact` on both sides.
+    """
+
+    impact: int
+    corner: str
+    rpm: float
+    low: float
+    high: float
+    status: SpeedStatus
+    burst: str
+    ends_deg: tuple[float, float] | None = None
+
+
 def corners_ahead(bursts: Bursts) -> list[Goal]:
     """Corners in the turn after lift-off, in the order a burst meets them."""
     goals = []
     for corner in corner_list(bursts.system.cam):
         ahead = corner.theta - bursts.theta
-        if abs(ahead) < 1e-12:
-            continue
-        theta = corner.theta if ahead > 0.0 else corner.theta + TURN
-        goals.append(Goal(corner.name, theta, corner.theta))
+        if abs(ahead) >= SAME_PHASE:
+            theta = corner.theta if ahead > 0.0 else corner.theta + TURN
+            goals.append(Goal(corner.name, theta, corner.theta))
     return sorted(goals, key=lambda goal: goal.theta)
 
 
@@ -48,7 +72,9 @@ def scan_speeds(opens: float, region: str, speeds: Sequence[Settled]) -> list[fl
     the speed after it, and before it the opening speed itself.
     """
     speeds = sorted(speeds, key=lambda speed: speed.rpm)
-    present = [(region, COMPLETE) in speed.bursts for speed in speeds]
+    present = [
+        any(b.region == region and b.end_deg is not None for b in speed.bursts) for speed in speeds
+    ]
     rows = [list(row) for there, row in groupby(range(len(speeds)), present.__getitem__) if there]
     if not rows:
         return []
@@ -59,53 +85,78 @@ def scan_speeds(opens: float, region: str, speeds: Sequence[Settled]) -> list[fl
     return [just_above, *scan] if before <= opens and just_above < scan[0] else scan
 
 
-def reaching(bursts: Bursts, goal: Goal, speeds: list[float]) -> list[Critical]:
+def reaching(bursts: Bursts, goal: Goal, speeds: Sequence[float]) -> list[CriticalSpeed]:
     """Every change, between neighbours of `speeds`, of "the burst accumulates before the goal".
 
-    Status `jump` where the end of the chatter jumps over the goal instead of coming up to it.
+    Status JUMP where the end of the chatter jumps over the goal instead of coming up to it.
     """
-    return _changes(bursts, lambda rpm: _capped(bursts, rpm) - goal.theta, speeds, goal)
+
+    def excess(rpm: float) -> float:
+        return min(bursts.at(rpm).end, FAR) - goal.theta
+
+    return [
+        CriticalSpeed(Quantity.ACCUMULATION, goal.name, goal.within, *where, bursts.name)
+        for _, where in _changes(bursts, excess, speeds)
+    ]
 
 
-def completion_loss(bursts: Bursts, speeds: list[float]) -> list[Critical]:
+def completion_loss(bursts: Bursts, speeds: Sequence[float]) -> list[CriticalSpeed]:
     """Where the burst's end reaches, one turn later, the phase at which the next one begins."""
 
     def excess(rpm: float) -> float:
-        release = bursts.at(rpm).release
-        return _capped(bursts, rpm) - release - TURN if release < inf else FAR
+        burst = bursts.at(rpm)
+        return min(burst.end, FAR) - burst.release - TURN if burst.release < inf else FAR
 
-    goal = Goal(bursts.name, bursts.theta + TURN, bursts.theta)
-    return _changes(bursts, excess, speeds, goal, "completion_loss")
+    return [  # the phase is that at which the chatter ends at the last complete speed
+        CriticalSpeed(
+            Quantity.COMPLETION_LOSS, bursts.name, bursts.at(last).release, *where, bursts.name
+        )
+        for last, where in _changes(bursts, excess, speeds)
+    ]
 
 
-def _capped(bursts: Bursts, rpm: float) -> float:
-    return min(bursts.at(rpm).end, FAR)
-
-
-def _changes(bursts, excess, speeds, goal, quantity="accumulation_at_corner") -> list[Critical]:
-    found = []
-    values = [excess(rpm) for rpm in speeds]
-    for k in range(1, len(speeds)):
-        before, after = values[k - 1], values[k]
-        if (before < 0.0) == (after < 0.0):
+def _changes(
+    bursts: Bursts, excess: Callable[[float], float], speeds: Sequence[float]
+) -> Iterator[tuple[float, tuple[float, float, float, SpeedStatus]]]:
+    """(end of the bracket with excess < 0, (rpm, low, high, status)) of every change of sign."""
+    values = [(rpm, excess(rpm)) for rpm in speeds]
+    for (a, e_a), (b, e_b) in pairwise(values):
+        if (e_a < 0.0) == (e_b < 0.0):
             continue
-        if before < 0.0:
-            low, high, e_low, e_high = bracket(excess, speeds[k - 1], speeds[k], before, after)
-            left = (low, e_low)
+        if e_a < 0.0:
+            low, high, e_low, e_high = bracket(excess, a, b, e_a, e_b)
+            last = low
         else:  # the order of the speeds is turned round by the sign
-            low, high, e_low, e_high = bracket(
-                lambda x: excess(-x), -speeds[k], -speeds[k - 1], after, before
-            )
-            low, high, left = -high, -low, (-low, e_low)
-        found.append(_critical(bursts, quantity, goal, low, high, left, min(-e_low, e_high)))
-    return found
+            low, high, e_low, e_high = bracket(lambda x: excess(-x), -b, -a, e_b, e_a)
+            low, high, last = -high, -low, -low
+        status = SpeedStatus.OK if min(-e_low, e_high) < AT else SpeedStatus.JUMP
+        if any(bursts.at(rpm).status != errors.OK for rpm in (low, high)):
+            status = SpeedStatus.UNRESOLVED
+        yield last, (0.5 * (low + high), low, high, status)
 
 
-def _critical(bursts, quantity, goal, low, high, left, distance) -> Critical:
-    troubled = any(bursts.at(rpm).status != errors.OK for rpm in (low, high))
-    status = UNRESOLVED if troubled else (OK if distance < AT else JUMP)
-    theta = goal.within
-    if quantity == "completion_loss":  # where the chatter ends at the last complete speed
-        theta = bursts.at(left[0]).release
-    rpm = 0.5 * (low + high)
-    return Critical(quantity, goal.name, theta, rpm, low, high, status, bursts.name)
+def corner_hits(bursts: Bursts, goal: Goal, low: float, high: float, count: int) -> list[CornerHit]:
+    """Hits of impacts 1..count on the goal for speeds from `low` to `high`.
+
+    `low`: a speed at which the whole burst lies before the goal. At the root for n, impact n + 1
+    lies behind the goal, so its root lies between `low` and that for n. An impact that is still
+    before the goal at `high` has its hit beyond the range.
+    """
+    hits = []
+    for n in range(1, count + 1):
+
+        def excess(rpm: float, n: int = n) -> float:
+            burst = bursts.at(rpm, n)
+            at = burst.impacts[n - 1] if len(burst.impacts) >= n else min(burst.end, FAR)
+            return at - goal.theta
+
+        e_low, e_high = excess(low), excess(high)
+        if not e_low < 0.0 <= e_high:
+            continue
+        a, b, e_a, e_b = bracket(excess, low, high, e_low, e_high)
+        status, ends = SpeedStatus.OK, None
+        if min(-e_a, e_b) >= AT:
+            status, ends = SpeedStatus.JUMP, ((e_a + goal.theta) * DEG, (e_b + goal.theta) * DEG)
+        hits.append(CornerHit(n, goal.name, 0.5 * (a + b), a, b, status, bursts.name, ends))
+        high = b
+    return hits

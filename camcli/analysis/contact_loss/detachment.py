@@ -1,38 +1,66 @@
 """Where and from which speed on contact is lost: exact, per smooth region of the cam.
 
 The set of phases with N <= 0 opens in a region at the least omega*(theta) and fills it at the
-largest, omega* being the smallest positive root of the quadratic in `detach_force`.
+largest, omega* being the smallest positive root of the quadratic in `force`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
 from math import inf, pi
 
+from camcli.analysis.bracketing import NARROW
 from camcli.analysis.contact_loss.force import DEG, Force
 from camcli.cams.regions import Region
 from camcli.kernel.cam_table import KICK, ROW
 from camcli.system import System, omega_of
 
-OK, NEVER, STANDSTILL, UNRESOLVED, JUMP = "ok", "never", "at-standstill", "unresolved", "jump"
-SIDE = 1e-12  # relative distance of a bracket's ends
-TIE = 1e-12  # relative difference of speeds that counts as none
+RPM = 30.0 / pi  # rpm per rad/s
+
+
+class Quantity(StrEnum):
+    """What a critical speed is about, as in detach.csv."""
+
+    FIRST_DETACHMENT = "first_detachment"
+    OPENS = "opens"
+    FILLS = "fills"
+    ACCUMULATION = "accumulation_at_corner"
+    COMPLETION_LOSS = "completion_loss"
+    HOLD_STIFFNESS = "hold_stiffness"
+    HOLD_PRELOAD = "hold_preload"
+    HOLD_BOTH = "hold_both"
+
+
+class SpeedStatus(StrEnum):
+    """What is known of a critical speed.
+
+    OK: it lies in its bracket. NEVER: there is none. STANDSTILL: contact is lost without turning.
+    UNRESOLVED: no bracket is safe. JUMP: the quantity jumps over its goal between the ends.
+    """
+
+    OK = "ok"
+    NEVER = "never"
+    STANDSTILL = "at-standstill"
+    UNRESOLVED = "unresolved"
+    JUMP = "jump"
 
 
 @dataclass(frozen=True)
-class Critical:
+class CriticalSpeed:
     """One critical speed: value and bracket in rpm (inf: never), phase in rad.
 
     `burst`: the region in which the burst begins whose end the speed is about, if any.
     """
 
-    quantity: str
+    quantity: Quantity
     region: str
     theta: float
     rpm: float
     low: float
     high: float
-    status: str
+    status: SpeedStatus
     burst: str = ""
 
     @property
@@ -52,18 +80,38 @@ class Loss:
 
     region: Region
     stretch: int
-    opens: Critical
-    fills: Critical
+    opens: CriticalSpeed
+    fills: CriticalSpeed
+
+
+class Reason(StrEnum):
+    """Why contact is lost at any speed."""
+
+    KINK = "kink"  # c_theta drops, by `value` m/rad, and the follower goes on
+    FORCE = "force"  # the force at standstill is `value` N, not above zero
+
+
+@dataclass(frozen=True)
+class AlwaysLost:
+    """A place (deg) where contact is lost at any speed."""
+
+    reason: Reason
+    theta_deg: float
+    value: float
 
 
 @dataclass(frozen=True)
 class Detachment:
-    """`first` is None where no speed marks the beginning; `words` say why, `never` which way."""
+    """`first` is None where contact is never lost, or lost at any speed: `always` says why."""
 
-    first: Critical | None
-    losses: list[Loss]
-    words: list[str]
-    never: bool = False
+    first: CriticalSpeed | None
+    losses: tuple[Loss, ...]
+    always: tuple[AlwaysLost, ...]
+
+    @property
+    def never(self) -> bool:
+        """True where contact is held at every speed."""
+        return self.first is None and not self.always
 
     @property
     def first_loss(self) -> Loss | None:
@@ -76,64 +124,74 @@ class Detachment:
 def detachment(system: System) -> Detachment:
     """First detachment, and opening and filling of every region."""
     force = Force(system)
-    losses = [_loss(force, region) for region in force.regions]
-    words = _always(force)
-    finite = [loss for loss in losses if loss.opens.finite]
-    if words:
-        return Detachment(None, losses, words)
-    if not finite:
-        never = "contact is never lost: the contact force stays positive at every speed"
-        return Detachment(None, losses, [never], True)
-    least = min(loss.opens.rpm for loss in finite)
-    opens = next(loss.opens for loss in finite if loss.opens.rpm <= least * (1.0 + TIE))
-    first = Critical(
-        "first_detachment", opens.region, opens.theta, opens.rpm, opens.low, opens.high,
-        opens.status,
-    )  # fmt: skip
-    return Detachment(first, losses, [])
+    losses = tuple(_loss(force, region) for region in force.regions)
+    always = _always(force)
+    finite = [loss.opens for loss in losses if loss.opens.finite]
+    if always or not finite:
+        return Detachment(None, losses, always)
+    least = min(opens.rpm for opens in finite)
+    first = next(opens for opens in finite if opens.rpm <= least * (1.0 + NARROW))
+    return Detachment(replace(first, quantity=Quantity.FIRST_DETACHMENT), losses, ())
 
 
 def _loss(force: Force, region: Region) -> Loss:
     omega, i, theta = force.lowest(lambda i, x: force.lost(i, x)[0], region.stretches)
-    opens = _critical(force, "opens", region, i, theta, omega)
+    opens = _critical(force, Quantity.OPENS, region, i, theta, omega)
     late, j, place = force.lowest(lambda i, x: -force.lost(i, x)[0], region.stretches)
     back = force.lowest(lambda i, x: force.lost(i, x)[1], region.stretches)[0]
-    late = -late if -late <= back else inf
-    return Loss(region, i, opens, _critical(force, "fills", region, j, place, late))
+    late = -late if -late <= back else inf  # where it opens again before, it is never filled
+    return Loss(region, i, opens, _critical(force, Quantity.FILLS, region, j, place, late))
 
 
-def _critical(force: Force, quantity: str, region: Region, i: int, theta: float, omega: float):
+def _critical(
+    force: Force, quantity: Quantity, region: Region, i: int, theta: float, omega: float
+) -> CriticalSpeed:
     """The speed with N checked on both sides of it."""
-    if omega == inf:
-        return Critical(quantity, region.name, theta, inf, inf, inf, NEVER)
-    if omega == 0.0:
-        return Critical(quantity, region.name, theta, 0.0, 0.0, 0.0, STANDSTILL)
-    rpm = omega * (30.0 / pi)
-    low, high = rpm * (1.0 - SIDE), rpm * (1.0 + SIDE)
+    if omega in (0.0, inf):
+        status = SpeedStatus.NEVER if omega == inf else SpeedStatus.STANDSTILL
+        return CriticalSpeed(quantity, region.name, theta, omega, omega, omega, status)
+    rpm = omega * RPM
+    low, high = rpm * (1.0 - NARROW), rpm * (1.0 + NARROW)
     below, above = (force.newton(i, theta, omega_of(side)) for side in (low, high))
-    good = below > 0.0 >= above and (quantity != "opens" or force.held(region, low))
-    return Critical(quantity, region.name, theta, rpm, low, high, OK if good else UNRESOLVED)
+    good = below > 0.0 >= above and (quantity != Quantity.OPENS or force.held(region, low))
+    status = SpeedStatus.OK if good else SpeedStatus.UNRESOLVED
+    return CriticalSpeed(quantity, region.name, theta, rpm, low, high, status)
 
 
-def _always(force: Force) -> list[str]:
+def _always(force: Force) -> tuple[AlwaysLost, ...]:
     """Why contact is lost at any speed, empty where it is held at standstill."""
-    words = []
-    for corner in range(force.cam.stretches):
-        kick = force.cam.rows[corner * ROW + KICK]
-        if kick < 0.0:
-            words.append(
-                f"contact is lost at every speed: the cam's slope drops by {-kick:.6g} m/rad at "
-                f"{force.starts[corner] * DEG:.10g} deg and throws the follower off"
-            )
+    drops = [-force.cam.rows[i * ROW + KICK] for i in range(force.cam.stretches)]
+    kinks = [
+        AlwaysLost(Reason.KINK, start * DEG, drop)
+        for start, drop in zip(force.starts, drops, strict=True)
+        if drop > 0.0
+    ]
     weakest, _, theta = force.weakest(0.0)
-    if weakest < 0.0:
-        words.append(
-            f"contact is not held even at standstill: the contact force is {weakest:.6g} N at "
-            f"{theta * DEG:.10g} deg; give it more preload or weight"
-        )
-    elif weakest == 0.0:
-        words.append(
-            f"contact is not held even at standstill: the contact force is zero at "
-            f"{theta * DEG:.10g} deg; give it a preload, weight or a spring"
-        )
-    return words
+    pulled = [AlwaysLost(Reason.FORCE, theta * DEG, weakest)] if weakest <= 0.0 else []
+    return (*kinks, *pulled)
+
+
+class _Uncertain(Force):
+    """The contact force with c_thetatheta moved by a bound that depends on the phase."""
+
+    def __init__(self, system: System, bounds: Sequence[float], sign: float):
+        super().__init__(system)
+        self.bounds, self.sign = bounds, sign
+
+    def terms(self, i: int, theta: float) -> tuple[float, float, float]:
+        """A, B, C of the force with the moved c_thetatheta."""
+        a, b, c = super().terms(i, theta)
+        k = min(int(theta * DEG / 360.0 * len(self.bounds)), len(self.bounds) - 1)
+        return a, b, c + self.sign * self.bounds[k]
+
+
+def first_loss_range(system: System, bounds: Sequence[float]) -> tuple[float, float]:
+    """(lowest, highest) rpm of the first detachment of a cam that is measured; inf: never.
+
+    `bounds` are bounds on the error of c_thetatheta, m/rad2, of equal shares of the turn.
+    """
+    speeds = []
+    for sign in (-1.0, 1.0):
+        force = _Uncertain(system, bounds, sign)
+        speeds.append(force.lowest(lambda i, x, f=force: f.lost(i, x)[0])[0] * RPM)
+    return speeds[0], speeds[1]

@@ -8,20 +8,20 @@ one quadratic in omega for each phase; contact is lost where N reaches zero.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf, pi, sqrt
 
-from camcli.analysis.bracketing import lowest
+from camcli.analysis.bracketing import TIE, lowest
 from camcli.cams.compile import column
 from camcli.cams.regions import Region, regions
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.kernel.sticking import slide
 from camcli.system import System, omega_of
 
-TIE = 1e-14  # relative difference that counts as none: the earlier stretch is named
-PER_PIECE = 48  # samples per polynomial piece in the search of extremes
-DEG = 57.29577951308232
+DEG = 180.0 / pi
+PER_PIECE = 48  # samples per polynomial piece, which is short enough for a minimum or two
+CURVE = 720  # points of a force curve: half a degree, finer than any picture
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Force:
         return self.newton(stretch_at(self.cam, theta), theta, omega)
 
     def lost(self, i: int, theta: float) -> tuple[float, float]:
-        """The omegas (from, to) between which N <= 0 at a phase held at standstill (A > 0).
+        """The omegas (from, to) between which N <= 0, the roots of the quadratic; from 0 if A <= 0.
 
         (inf, inf) where contact is never lost; with C > 0 a fast cam presses the follower again.
         """
@@ -77,8 +77,11 @@ class Force:
             return inf, inf
         return 2.0 * a / root, root / (2.0 * c) if c > 0.0 else inf
 
-    def lowest(self, f: Callable[[int, float], float], stretches) -> tuple[float, int, float]:
-        """(value, stretch, theta) of the smallest f(i, theta) on some stretches, ends included."""
+    def lowest(
+        self, f: Callable[[int, float], float], stretches: Sequence[int] | None = None
+    ) -> tuple[float, int, float]:
+        """(value, stretch, theta) of the smallest f(i, theta) on some stretches, all by default."""
+        stretches = range(self.cam.stretches) if stretches is None else stretches
         best = (inf, stretches[0], self.starts[stretches[0]])
         for i in stretches:
             count = PER_PIECE * self.counts[i]
@@ -90,7 +93,7 @@ class Force:
     def weakest(self, rpm: float) -> tuple[float, int, float]:
         """(N, stretch, theta) where the force is smallest over a turn."""
         omega = omega_of(rpm)
-        return self.lowest(lambda i, x: self.newton(i, x, omega), range(self.cam.stretches))
+        return self.lowest(lambda i, x: self.newton(i, x, omega))
 
     def held(self, region: Region, rpm: float) -> bool:
         """True where the kernel's own certified step finds no zero of N in the region."""
@@ -101,7 +104,7 @@ class Force:
         """The region that holds a stretch."""
         return next(region for region in self.regions if stretch in region.stretches)
 
-    def curve(self, rpm: float, points: int = 720) -> ForceCurve:
+    def curve(self, rpm: float, points: int = CURVE) -> ForceCurve:
         """N over a turn, `points` per turn at least, and its minimum."""
         omega = omega_of(rpm)
         theta, force = [], []

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from camcli.analysis.classify import COMPLETE, Motion
-from camcli.analysis.contact_loss import study as detach_study
-from camcli.analysis.contact_loss.accumulation_range import RECORD
-from camcli.analysis.contact_loss.detachment import Critical
-from camcli.analysis.integrate import Cost, Settings, Start
+from camcli.analysis.contact_loss.detachment import CriticalSpeed
+from camcli.analysis.contact_loss.study import detach
+from camcli.analysis.integrate import Cost, Settings
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch import Bifurcation, Writer
 from camcli.analysis.orbits.branch_segment import both_ways
@@ -131,9 +130,8 @@ def _event(b: Bifurcation) -> Event:
 
 def _resting(system: System, settings: Settings, low: float, high: float, count: int):
     """First detachment, accumulation at corners, corner hits and completion loss in the range."""
-    run = replace(settings, transient=SETTLE, record=RECORD, start=Start())
-    question = detach_study.Question(impacts=CORNER_HITS)
-    study = detach_study.study(system, rpm_grid(low, high, max(41, count)), run, question)
+    rpms = rpm_grid(low, high, max(41, count))
+    study = detach(system, rpms, settings, settle=SETTLE, impacts=CORNER_HITS)
     first = study.detachment.first
     events = []
     if first is not None:
@@ -155,7 +153,7 @@ def _resting(system: System, settings: Settings, low: float, high: float, count:
     return [e for e in events if low <= e.rpm <= high], study.cost
 
 
-def _critical(c: Critical, kind: str, label: str, corner: str, words: str) -> Event:
+def _critical(c: CriticalSpeed, kind: str, label: str, corner: str, words: str) -> Event:
     return Event(c.rpm, 0.5 * (c.high - c.low), kind, label, corner, status=c.status, words=words)
 
 

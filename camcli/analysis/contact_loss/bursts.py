@@ -1,0 +1,234 @@
+"""Bursts of impacts by simulation: from rest on the cam, over lift-off, to the end of the chatter.
+
+A chatter is complete where infinitely many impacts accumulate in finite time and the follower rests
+again (Budd & Dux, Phil. Trans. R. Soc. A 347 (1994) 365); the kernel closes the series with the map
+of Nordmark & Piiroinen, Nonlinear Dynamics 58 (2009) 85.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from math import inf
+
+from camcli.analysis.contact_loss.detachment import Loss
+from camcli.analysis.contact_loss.force import DEG, Force
+from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape
+from camcli.cams.regions import SAME_PHASE
+from camcli.errors import OK
+from camcli.kernel.cam_table import TURN, stretch_at
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
+from camcli.kernel.sticking import contact_accel
+from camcli.system import System, omega_of
+
+FINEST = 1e-13  # fraction of a turn, error of the accumulation phase: what doubles still resolve
+STEP_BACK = 0.5 / DEG  # rad; any rest before the lost set will do
+TURNS = (0, 2)  # strobes passed by a burst: most end in the turn they began
+RECORD = 2  # turns of a settled motion: bursts begin in the first, may end in the second
+JUST_ABOVE = 1e-6  # relative: beyond the speed at which a region opens, for its burst
+
+
+@dataclass
+class Burst:
+    """Phases in rad: `release` within the turn (inf: the burst goes on from before the record).
+
+    begin, impacts and end are counted on from one origin. `end` is where the chatter accumulates,
+    inf where it does not within the record.
+    """
+
+    release: float
+    begin: float
+    impacts: list[float] = field(default_factory=list)
+    end: float = inf
+    status: int = OK
+
+    def from_release(self) -> Burst:
+        """The same with all phases counted on from `release` within its turn."""
+        impacts = [self.release + (x - self.begin) for x in self.impacts]
+        end = self.release + (self.end - self.begin)
+        return Burst(self.release, self.release, impacts, end, self.status)
+
+
+def timeline(system: System, orbit: Orbit, tape: Tape) -> list[tuple[int, float, float]]:
+    """(kind, theta, phase counted on from the first recorded strobe) of every event, in rad."""
+    strobe, cam, lane = system.strobe, system.cam, orbit.lane
+    rows = []
+    for kind, period, theta, u in zip(tape.kind, tape.period, tape.theta, tape.u, strict=True):
+        kind, theta = int(kind), float(theta)
+        since = theta - strobe if theta >= strobe else theta - strobe + TURN
+        rows.append((kind, theta, TURN * int(period) + since))
+        dead = kind == IMPACT and lane.r * u == 0.0  # restitution 0: it rests, if it is pressed on
+        if dead and contact_accel(cam, lane, stretch_at(cam, theta), theta)[0] < 0.0:
+            rows.append((CHATTER, *rows[-1][1:]))
+    return rows
+
+
+def bursts_of(events: Sequence[tuple[int, float, float]]) -> list[Burst]:
+    """The bursts of a `timeline` in order, phases counted on from its first strobe."""
+    found: list[Burst] = []
+    for kind, theta, phase in events:
+        open_ = bool(found) and found[-1].end == inf
+        if kind == DETACHMENT:
+            if open_:  # it rested unseen, below the kernel's resolution
+                found[-1].end = found[-1].impacts[-1] if found[-1].impacts else found[-1].begin
+            found.append(Burst(theta, phase))
+        elif kind == IMPACT:
+            if not found:
+                found.append(Burst(inf, phase))
+            found[-1].impacts.append(phase)
+        elif kind == CHATTER and open_:
+            found[-1].end = phase
+    return found
+
+
+class Bursts:
+    """Bursts of one machine that begin where contact is lost around the phase `theta`.
+
+    `name` is the region they begin in.
+    """
+
+    def __init__(self, system: System, name: str, theta: float, impact_budget: int):
+        self.system, self.force, self.name, self.theta = system, Force(system), name, theta
+        self.impact_budget = impact_budget
+        self.cost = Cost()
+        self._known: dict[tuple[float, int], Burst] = {}
+
+    def at(self, rpm: float, impacts: int = 0) -> Burst:
+        """The burst at one speed, or its first `impacts` impacts; each simulated once.
+
+        Phases are counted on from the release; one that never begins has release and end inf.
+        """
+        key = rpm, impacts
+        if key not in self._known:
+            self._known[key] = self._simulated(rpm, impacts)
+        return self._known[key]
+
+    def _simulated(self, rpm: float, impacts: int) -> Burst:
+        found = Burst(inf, inf)
+        start = self._held_before(omega_of(rpm))
+        if start is None:
+            return found
+        budget = impacts or self.impact_budget  # the kernel stops where it is used up
+        for turns in TURNS:
+            settings = Settings(0, turns, FINEST, budget, Start(None, None, start))
+            orbit = Orbit(self.system, rpm, settings)
+            tape = orbit.run(strobes=False)
+            self.cost = self.cost + tape.cost
+            begun = [b for b in bursts_of(timeline(self.system, orbit, tape)) if b.release < inf]
+            found = begun[0].from_release() if begun else Burst(inf, inf)
+            found.status = tape.status
+            if found.end < inf or found.status != OK:
+                break
+        return found
+
+    def _held_before(self, omega: float) -> float | None:
+        """A phase (deg) shortly before the lost set where the follower rests; None: nowhere."""
+        for k in range(1, int(TURN / STEP_BACK)):
+            theta = (self.theta - k * STEP_BACK) % TURN
+            if self.force.at_phase(theta, omega) > 0.0:
+                return theta * DEG
+        return None
+
+
+class LiftOffKind(StrEnum):
+    """How contact is lost just above the speed at which a region opens.
+
+    FLIES_OFF: at the corner where the region begins, since the force drops there. CAUGHT: before
+    the corner where it ends, since the force fades; caught behind it. WITHIN: inside the region.
+    UNSEEN: there is no rest before it.
+    """
+
+    FLIES_OFF = "flies-off"
+    CAUGHT = "released-and-caught"
+    WITHIN = "within-region"
+    UNSEEN = "unseen"
+
+
+@dataclass(frozen=True)
+class LiftOff:
+    """Release, first landing and end of the chatter of one burst (deg, unrolled; inf: not seen)."""
+
+    region: str
+    kind: LiftOffKind
+    corner: str
+    rpm: float
+    release_deg: float
+    landing_deg: float
+    rest_deg: float
+
+
+def lift_off(bursts: Bursts, loss: Loss) -> LiftOff:
+    """One burst simulated just above loss.opens: how it begins and where it is caught."""
+    region, place = loss.region, loss.opens.theta
+    rpm = loss.opens.rpm * (1.0 + JUST_ABOVE)
+    burst = bursts.at(rpm)
+    kind, corner = LiftOffKind.WITHIN, ""
+    if burst.release == inf:
+        kind = LiftOffKind.UNSEEN
+    elif region.begins and abs(place - region.start) < SAME_PHASE:
+        kind, corner = LiftOffKind.FLIES_OFF, region.begins
+    elif region.ends and min(abs(place - region.end + x) for x in (0.0, TURN)) < SAME_PHASE:
+        kind, corner = LiftOffKind.CAUGHT, region.ends
+    landing = burst.impacts[0] if burst.impacts else burst.end
+    phases = [x * DEG for x in (burst.release, landing, burst.end)]
+    return LiftOff(region.name, kind, corner, rpm, *phases)
+
+
+@dataclass(frozen=True)
+class SettledBurst:
+    """A burst of one turn: the region it begins in ("": it goes on from before), its end in deg.
+
+    `end_deg` lies within the turn; None where the chatter is incomplete.
+    """
+
+    region: str
+    end_deg: float | None
+
+
+@dataclass(frozen=True)
+class Settled:
+    """The motion at one speed after its settling turns; `impacts` of one turn, deg."""
+
+    rpm: float
+    bursts: tuple[SettledBurst, ...]
+    impacts: tuple[float, ...]
+    status: int
+    cost: Cost
+
+    @property
+    def ends(self) -> list[float]:
+        """Where its complete chatters end, deg within the turn."""
+        return [burst.end_deg for burst in self.bursts if burst.end_deg is not None]
+
+
+def settled(
+    system: System,
+    rpms: Sequence[float],
+    settings: Settings,
+    settle: int,
+    on_speed: Callable[[], None] = lambda: None,
+) -> list[Settled]:
+    """Every speed from rest: `settle` turns, then one turn looked at."""
+    force = Force(system)
+    turns = Settings(settle, RECORD, settings.chatter_tolerance, settings.impact_budget, Start())
+    result = []
+    for rpm in rpms:
+        orbit = Orbit(system, rpm, turns)
+        tape = orbit.run(strobes=False)
+        events = timeline(system, orbit, tape)
+        bursts = bursts_of(events)
+        if tape.status == OK:  # those of the first turn; one from before it only if none begins
+            bursts = [b for b in bursts if b.release < inf and b.begin < TURN] or bursts[:1]
+        impacts = [theta * DEG for kind, theta, at in events if kind == IMPACT and at < TURN]
+        rows = tuple(_settled_burst(force, system.strobe, burst) for burst in bursts)
+        result.append(Settled(rpm, rows, tuple(impacts), tape.status, tape.cost))
+        on_speed()
+    return result
+
+
+def _settled_burst(force: Force, strobe: float, burst: Burst) -> SettledBurst:
+    region = ""
+    if burst.release < inf:
+        region = force.region_of(stretch_at(force.cam, burst.release)).name
+    return SettledBurst(region, ((burst.end + strobe) % TURN) * DEG if burst.end < inf else None)

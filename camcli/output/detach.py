@@ -1,0 +1,167 @@
+"""What `cam detach` found, as sentences and as the `result` of run.json."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from math import inf, isfinite
+from typing import Any
+
+from camcli.analysis.contact_loss.accumulation import CornerHit
+from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, Settled
+from camcli.analysis.contact_loss.detachment import AlwaysLost, CriticalSpeed, Quantity, Reason
+from camcli.analysis.contact_loss.hold import Hold, HoldStatus, Obstacle
+from camcli.analysis.contact_loss.study import ContactLoss
+
+
+def sentences(result: ContactLoss) -> list[str]:
+    """What no number says."""
+    found, rpms = result.detachment, [speed.rpm for speed in result.speeds]
+    first = found.first
+    said = [_always(place) for place in found.always]
+    if found.never:
+        said.append("contact is never lost: the contact force stays positive at every speed")
+    never = [loss.region.name for loss in found.losses if loss.opens.rpm == inf]
+    if first is not None:
+        if never:
+            said.append(f"contact is never lost in {', '.join(never)}, at any speed")
+        if first.rpm > max(rpms):
+            said.append(f"contact is held at every speed up to {max(rpms):.10g} rpm, all asked for")
+        elif first.rpm < min(rpms):
+            said.append(f"contact is lost at every speed asked for, {min(rpms):.10g} rpm and above")
+    places = {loss.region.name: loss.opens.theta_deg for loss in found.losses}
+    said += [
+        f"at {f.rpm:.10g} rpm, a little above the opening of {f.region}: "
+        + _lift_off(f, places[f.region])
+        for f in result.lift_offs
+    ]
+    for hit in result.ended:
+        before, after = hit.ends_deg or (inf, inf)
+        said.append(
+            f"impact {hit.impact} of the burst from {hit.burst} ends at {hit.rpm:.10g} rpm before "
+            f"it lands on {hit.corner}: it was at {before:.6g} deg, the next contact is at "
+            f"{after:.6g} deg"
+        )
+    said += [
+        f"at {c.rpm:.10g} rpm the end of the burst from {c.burst} jumps over {c.region}"
+        for c in result.jumps
+    ]
+    told = [h for h in result.holds if h.status is not HoldStatus.OK]
+    return said + [f"{h.quantity}: {spring(h)}" for h in told]
+
+
+def _always(place: AlwaysLost) -> str:
+    at = f"{place.theta_deg:.10g} deg"
+    if place.reason is Reason.KINK:
+        drop = f"the cam's slope drops by {place.value:.6g} m/rad at {at}"
+        return f"contact is lost at every speed: {drop} and throws the follower off"
+    force, cure = f"{place.value:.6g} N", "more preload or weight"
+    if place.value == 0.0:
+        force, cure = "zero", "a preload, weight or a spring"
+    return (
+        f"contact is not held even at standstill: the contact force is {force} at {at}; give it "
+        f"{cure}"
+    )
+
+
+def _lift_off(seen: LiftOff, place: float) -> str:
+    """place: the phase (deg) at which the region opens."""
+    rest, landing = seen.rest_deg - place, seen.landing_deg - place
+    caught = f"{landing:.3g} deg after" if landing < inf else "not within two turns"
+    if rest < inf:
+        caught += f", at rest again {rest:.3g} deg after it"
+    before = f"{place - seen.release_deg:.3g} deg before"
+    return {
+        LiftOffKind.FLIES_OFF: f"flies off at {seen.corner}: the force drops there; lands {caught}",
+        LiftOffKind.CAUGHT: (
+            f"released {before} {seen.corner}, where the force fades; caught {caught}"
+        ),
+        LiftOffKind.WITHIN: f"released {before} the weakest phase, lands {caught}",
+        LiftOffKind.UNSEEN: (
+            "no lift-off was seen: contact is lost at no phase that rests before it"
+        ),
+    }[seen.kind]
+
+
+def spring(hold: Hold) -> str:
+    """A spring that holds, or why none does."""
+    if hold.obstacle is not None:
+        return _impossible(hold)
+    if hold.status is HoldStatus.NOT_NEEDED:
+        what = hold.quantity.removeprefix("hold_").replace("both", "spring")
+        return f"no {what} is needed"
+    stiffness, preload = f"stiffness {hold.stiffness:.10g} N/m", f"preload {hold.preload:.10g} N"
+    return {
+        Quantity.HOLD_STIFFNESS: f"{stiffness}, preload as it is",
+        Quantity.HOLD_PRELOAD: f"{preload}, stiffness as it is",
+    }.get(hold.quantity, f"{stiffness} and {preload}")
+
+
+def _impossible(hold: Hold) -> str:
+    if hold.obstacle is Obstacle.KINK:
+        return "impossible: at a downward kink the cam throws the follower off at any speed"
+    what = "the spring would pull"
+    if hold.obstacle is Obstacle.LIFT:
+        what = f"{hold.missing_n:.6g} N are missing"
+    where = f"{what} at {hold.theta_deg:.10g} deg"
+    if hold.quantity is Quantity.HOLD_STIFFNESS:
+        return f"impossible with stiffness alone: {where}, where c <= 0 and a spring does not press"
+    return f"impossible: {where}, where c + precompression <= 0; raise detach.precompression_m"
+
+
+def bursts_text(speed: Settled) -> str:
+    """A2 complete, A4 complete; none where the follower stays on the cam."""
+    said = [
+        f"{b.region} {'incomplete' if b.end_deg is None else 'complete'}".strip()
+        for b in speed.bursts
+    ]
+    return ", ".join(dict.fromkeys(said)) or "none"
+
+
+def burst_ranges(result: ContactLoss) -> list[tuple[str, float, float, int]]:
+    """(bursts in words, from rpm, to rpm, speeds) of neighbouring speeds that behave alike."""
+    found = []
+    for text, group in groupby(result.speeds, bursts_text):
+        rpms = [speed.rpm for speed in group]
+        found.append((text, rpms[0], rpms[-1], len(rpms)))
+    return found
+
+
+def summary(result: ContactLoss) -> dict[str, Any]:
+    """The result of run.json; a speed that does not exist is null."""
+    return {
+        "words": sentences(result),
+        "critical_speeds": [_critical(c) for c in result.critical_speeds],
+        "just_above_opening": [_finite(vars(f)) for f in result.lift_offs],
+        "corner_hits": [_hit(hit) for hit in result.hits],
+        "corner_hits_ended": [_hit(hit) for hit in result.ended],
+        "accumulation_jumps": [_critical(c) for c in result.jumps],
+        "bursts": [
+            {"bursts": text, "from_rpm": a, "to_rpm": b, "speeds": n}
+            for text, a, b, n in burst_ranges(result)
+        ],
+        "least_force": [
+            {"rpm": f.rpm, "force_n": f.lowest_n, "theta_deg": f.lowest_deg} for f in result.forces
+        ],
+        "hold": [{**_finite(vars(h)), "words": spring(h)} for h in result.holds],
+    }
+
+
+def _critical(c: CriticalSpeed) -> dict[str, Any]:
+    values = {"theta_deg": c.theta_deg if c.finite else None, "rpm": c.rpm}
+    ends = {"low_rpm": c.low, "high_rpm": c.high, "status": c.status}
+    burst = {"burst": c.burst} if c.burst else {}
+    return _finite({"quantity": c.quantity, "region": c.region, **values, **ends, **burst})
+
+
+def _hit(hit: CornerHit) -> dict[str, Any]:
+    row = {"impact": hit.impact, "corner": hit.corner, "rpm": hit.rpm, "burst": hit.burst}
+    ends = {"low_rpm": hit.low, "high_rpm": hit.high, "status": hit.status}
+    phases = dict(zip(("before_deg", "after_deg"), hit.ends_deg or (), strict=False))
+    return {**row, **ends, **phases}
+
+
+def _finite(values: dict[str, Any]) -> dict[str, Any]:
+    return {
+        key: None if isinstance(value, float) and not isfinite(value) else value
+        for key, value in values.items()
+    }
