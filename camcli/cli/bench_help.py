@@ -14,7 +14,7 @@ precision.png  error against time, a panel per case
 stability.csv  case, expected, observed, status, seconds: the table of extreme cases, run
 stability.png  the same to look at
 flights.csv    method, asked, flights, compared, missed, invented, seconds: random flights asked
-               for, flown by the method, and decided by a dense search
+               for, flown, and decided by a dense search of the gap
 scenes.csv     scene, status, seconds, ratio, compute_s, modules, heavy: what a scene does not
                need costs nothing; each row is a process of its own, ratio is over the cheapest
 
@@ -36,11 +36,11 @@ and close a chatter by its map.
 
 \b
 --quick       a subset, within a minute
---flights N   random flights, 200 unless bench.flights says otherwise: impacts missed by ours and by
-              solve_ivp, which flies the first 2000 only, against a dense search
-A run ends within ten minutes, a quick one within one: what a part has left of its time is shared by
-what it has left to do, and what there is no time for has the status not-reached. More flights than
-usual take what they take; --dry-run says how long.
+--flights N   random flights, 200 unless bench.flights says otherwise: impacts that ours misses or
+              invents, against a dense search
+A run ends within ten minutes, a quick one within one: the time a part has left is shared by what it
+has left to do, and what there is no time for has the status not-reached. More flights than usual
+take what they take; --dry-run says how long.
 The machine of the scene is not used; section bench chooses cases, methods and repeats. Exit code 3
 if a row of stability fails, if an error of ours is beyond its bound, or where one of these was not
 reached.
@@ -58,9 +58,7 @@ BENCH_OPTIONS = {
     "flights": (
         Annotated[
             int | None,
-            typer.Option(
-                "--flights", help="Random flights; solve_ivp: the first 2000.", metavar="N"
-            ),
+            typer.Option("--flights", help="Random flights to compare.", metavar="N"),
         ],
         None,
     ),

@@ -13,18 +13,17 @@ from __future__ import annotations
 import argparse
 import platform
 from collections.abc import Callable
-from functools import partial
-from math import inf
+from dataclasses import replace
 from statistics import median
 from time import perf_counter
 
 import numpy as np
 
-from camcli.analysis.bench.cases import Case, case
-from camcli.analysis.bench.peers import solve_ivp, taylor
-from camcli.analysis.bench.peers.world import World
+from camcli.analysis.bench.peers import Heyoka, SolveIvp
+from camcli.analysis.bench.precision import Case, case, heyoka_available, run_peer
 from camcli.analysis.integrate import IMPACT, Orbit, Settings, Start, compile_for
-from camcli.cli.bench_runs import bench_of
+from camcli.cli.bench import machines
+from camcli.system import System
 
 CHATTER = 1e-9  # turns, everybody's tolerance
 TURNS = {  # of a repeat, whatever the scale
@@ -33,16 +32,16 @@ TURNS = {  # of a repeat, whatever the scale
 }
 METHODS = ("core", "heyoka", "dop853", "rk45")
 PEERS = {  # the published setting of RK45 on this cam has steps of 1 ms
-    "heyoka": partial(taylor.run, tolerance=1e-13),
-    "dop853": partial(solve_ivp.run, method="dop853", tolerance=1e-12, max_turn=1.0 / 16.0),
-    "rk45": partial(solve_ivp.run, method="rk45", tolerance=1e-12, max_turn=1.0 / 86.0),
+    "heyoka": Heyoka(1e-13),
+    "dop853": SolveIvp("dop853", 1e-12, 1.0 / 16.0),
+    "rk45": SolveIvp("rk45", 1e-12, 1.0 / 86.0),
 }
 
 
 def runner(method: str, some: Case) -> Callable[[int], int]:
     """Impacts as a function of the number of turns; every impact is logged."""
     if method == "core":
-        system = some.system(bench_of())
+        system = System(some.follower, machines().cam(some.cam))
         compile_for(system)
         begin = Start(*some.start)
 
@@ -53,8 +52,8 @@ def runner(method: str, some: Case) -> Callable[[int], int]:
         return logged
 
     def call(turns: int) -> int:
-        world = World(some.follower, some.lift, some.omega, turns, CHATTER, inf)
-        return len(PEERS[method](world, some.start).hits)
+        longer = replace(some, turns=turns, hits=range(10**6))  # as many impacts as it likes
+        return len(run_peer(PEERS[method], longer, CHATTER).hits)
 
     return call
 
@@ -62,7 +61,7 @@ def runner(method: str, some: Case) -> Callable[[int], int]:
 def measure(name: str, options: argparse.Namespace) -> None:
     """Print the table of a case."""
     some = case(name)
-    calls = {m: runner(m, some) for m in options.methods if m != "heyoka" or taylor.available()}
+    calls = {m: runner(m, some) for m in options.methods if m != "heyoka" or heyoka_available()}
     turns = {m: max(1, round(TURNS[name][m] * options.scale)) for m in calls}
     first, times, impacts = {}, {m: [] for m in calls}, {}
     for method, call in calls.items():

@@ -2,23 +2,17 @@
 
 import pytest
 
-from camcli.analysis.bench.machine import Bench
-from camcli.analysis.bench.row import OK, measure
-from camcli.analysis.bench.stability import ROWS
-from camcli.cli.bench_runs import command, parts_of
+from camcli.analysis.bench.pieces import OK
+from camcli.analysis.bench.stability import ROWS, measure
+from camcli.cli.bench import machines
 
 
-@pytest.fixture(scope="module")
-def bench():
-    return Bench(parts_of, command)
-
-
-@pytest.mark.parametrize("row", ROWS, ids=[row.case for row in ROWS])
-def test_row(row, bench):
-    outcome = measure(row, bench)
+@pytest.mark.parametrize("number", ROWS)
+def test_row(number):
+    (outcome,) = measure(ROWS[number], machines())
     assert outcome.status == OK, outcome.observed
 
 
 def test_every_numerical_row_is_there_once():
-    numbers = [int(row.case.split(":")[0]) for row in ROWS]
-    assert numbers == [1, 2, 3, *range(5, 26)]
+    assert list(ROWS) == [1, 2, 3, *range(5, 26)]
+    assert all(row.case.startswith(f"{number}: ") for number, row in ROWS.items())

@@ -6,23 +6,22 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from camcli.analysis.bench.flights import ours, random_flight, verdict
-from camcli.analysis.bench.machine import Bench, reference
-from camcli.analysis.bench.peers.lifts import lift_of
-from camcli.cli.bench_runs import parts_of
+from camcli.analysis.bench.flights import first_impact, random_flight, verdict
+from camcli.analysis.bench.lifts import lift_of
+from camcli.analysis.bench.machine import reference
+from camcli.cli.bench import machines
 from tests.kernel.helpers import ORACLE_CAM, events, run, system
 
 SECTION = reference("stability")["cam"]
-BENCH = Bench(parts_of, list)
 
 
 def outcomes(seed, count):
     """How many of so many random flights ours gets right; none may be missed or invented."""
-    rng, lift, cam = np.random.default_rng(seed), lift_of(SECTION), BENCH.cam(SECTION)
+    rng, lift, cam = np.random.default_rng(seed), lift_of(SECTION), machines().cam(SECTION)
     right = 0
     for _ in range(count):
-        flight = random_flight(rng, cam)
-        outcome, expected = verdict(lift, flight, *ours(lift, flight))
+        flight = random_flight(rng, cam, lift)
+        outcome, expected = verdict(lift, flight, first_impact(flight))
         assert outcome in ("right", "undecided"), (flight, outcome, expected)
         right += outcome == "right"
     return right

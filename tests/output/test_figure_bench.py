@@ -1,17 +1,16 @@
 """Pictures and tables of the bench from points and rows made by hand."""
 
+from io import BytesIO
 from math import nan
 
-from camcli.analysis.bench.flights import Flights
-from camcli.analysis.bench.precision import GIVEN_UP, MISSED, OK, OVER, Measured
-from camcli.analysis.bench.row import FAILED, Outcome
+from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK
+from camcli.analysis.bench.precision import GIVEN_UP, MISSED, OVER, Measured
 from camcli.analysis.bench.scenes import Scene
-from camcli.output.bench import flights_csv, precision_csv, scenes_csv, stability_csv
-from camcli.plots.bench_precision import draw_precision
-from camcli.plots.bench_stability import draw_stability
-from tests.output.pictures import png
-
-PNG = b"\x89PNG"
+from camcli.analysis.bench.stability import Outcome
+from camcli.cli.bench import PRECISION_CSV, SCENES_CSV, STABILITY_CSV
+from camcli.output.bench import rows_csv
+from camcli.output.pictures import write_png
+from camcli.plots.bench import draw_precision, draw_stability
 
 
 def point(method, setting, seconds, error, status=OK):
@@ -28,40 +27,35 @@ POINTS = [
 OUTCOMES = [
     Outcome("1: a, b", 'six "or" seven', "6", OK, 0.001),
     Outcome("2: c", "six", "a very long story " * 20, FAILED, 2.0),
-    Outcome("3: d", "six", "", "not-reached", nan),
+    Outcome("3: d", "six"),
 ]
 
 
-def drawn(draw, *what):
-    first, second = (png(draw(*what)) for _ in range(2))
-    assert first == second
-    return first
-
-
 def test_pictures_have_the_same_bytes_twice():
-    assert drawn(draw_precision, POINTS, {"p3": "P(3;3:3:2)", "none": "no points"})[:4] == PNG
-    assert drawn(draw_precision, POINTS[-1:], {"p3": "P(3;3:3:2)"})[:4] == PNG
-    assert drawn(draw_stability, OUTCOMES)[:4] == PNG
+    for draw in (
+        lambda: draw_precision(POINTS, {"p3": "P(3;3:3:2)", "none": "no points"}),
+        lambda: draw_precision(POINTS[-1:], {"p3": "P(3;3:3:2)"}),
+        lambda: draw_stability(OUTCOMES),
+    ):
+        files = BytesIO(), BytesIO()
+        for file in files:
+            write_png(draw(), file)
+        assert files[0].getvalue() == files[1].getvalue()
+        assert files[0].getvalue().startswith(b"\x89PNG")
 
 
 def test_tables_have_their_columns_and_no_stray_commas():
-    lines = "".join(stability_csv(OUTCOMES)).splitlines()
+    lines = "".join(rows_csv(STABILITY_CSV, OUTCOMES)).splitlines()
     assert lines[0] == "case,expected,observed,status,seconds"
     assert lines[1] == "1: a; b,six 'or' seven,6,ok,0.001"
-    assert lines[3] == "3: d,six,,not-reached,"
-    lines = "".join(precision_csv(POINTS)).splitlines()
+    assert lines[3] == f"3: d,six,,{NOT_REACHED},"
+    lines = "".join(rows_csv(PRECISION_CSV, POINTS)).splitlines()
     assert lines[0].startswith("case,method,setting,seconds,error,impacts,")
     assert lines[-1] == "p3,heyoka,tol 1e-13,,,8,20,0,0,0.1,,,not-installed"
-    found = [
-        Scene("a, b", ("x",), "ok", 0, 2.0, None, 10, ()),
-        Scene("c", ("y",), "ok", 0, 3.0, 0.5, 20, ("numpy", "yaml")),
-        Scene("d", ("z",), "not-reached", None, nan, None, 0, ()),
+    found = [Scene("a, b", OK, 3.0, 1.5, 0.5, 20, "numpy yaml", 0), Scene("d")]
+    lines = "".join(rows_csv(SCENES_CSV, found)).splitlines()
+    assert lines == [
+        "scene,status,seconds,ratio,compute_s,modules,heavy",
+        "a; b,ok,3.0,1.5,0.5,20,numpy yaml",
+        f"d,{NOT_REACHED},,,,0,",
     ]
-    assert "".join(scenes_csv(found)).splitlines()[1:] == [
-        "a; b,ok,2.0,1.0,,10,",
-        "c,ok,3.0,1.5,0.5,20,numpy yaml",
-        "d,not-reached,,,,0,",
-    ]
-    assert "".join(flights_csv([Flights("core", 10, 9, 8)])).splitlines()[1] == (
-        "core,10,9,8,0,0,0.0"
-    )

@@ -1,70 +1,60 @@
-"""Random flights: contacts missed or invented, by ours and by solve_ivp, against brute force.
+"""Random flights: contacts that the kernel misses or invents, against a dense search.
 
-A flight counts where brute force can decide it: it has a contact within TURNS that no graze closer
-than rounding precedes. Flights come in blocks of BLOCK, each with random numbers of its own, so
-that a flight is the same however many are asked for.
+The search samples the gap finely, the cam in closed form and the flight by textbook formulas, and
+looks into every dip: nothing of the kernel, and no proof, since a dip narrower than a cell between
+two corners stays unseen. A flight counts where it can be decided: it has a contact within TURNS
+that no graze closer than rounding precedes. Flights come in blocks of BLOCK, each with random
+numbers of its own, so that a flight is the same however many are asked for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
-from math import pi
-from time import perf_counter, process_time
+from math import inf, pi
+from time import perf_counter
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from camcli.analysis.bench import dense
-from camcli.analysis.bench.clock import Clock
-from camcli.analysis.bench.kept import one_by_one
-from camcli.analysis.bench.machine import Bench, events, reference
-from camcli.analysis.bench.peers import solve_ivp
-from camcli.analysis.bench.peers.lifts import TWO_PI, Lift, lift_of
-from camcli.analysis.bench.peers.world import BudgetError, World
+from camcli.analysis.bench.lifts import TWO_PI, Lift, lift_of
+from camcli.analysis.bench.machine import Machines, events, reference
+from camcli.analysis.bench.pieces import NOT_REACHED, OK
 from camcli.analysis.integrate import Orbit, Settings, Start, compile_for
 from camcli.kernel import backend
-from camcli.parallel import Codec, Work
+from camcli.kernel.cam_table import Cam
 from camcli.system import Follower, System
 
 TURNS = 2.5
-EDGE = 1e-6  # rad: a contact this close to the end is not asked of anybody
+EDGE = 1e-5  # rad: a contact this close to the end is not asked of anybody
 BLOCK = 1000  # flights
-BLOCKS_OF_PEERS = 2  # blocks that solve_ivp is asked to fly too
-MOST_OF_PEERS = BLOCKS_OF_PEERS * BLOCK
-APART = 1e-3  # rad: a peer's contact further off is another one
-TOLERANCE = 1e-9  # of the peers, rtol = atol
-MAX_TURN = 1.0 / 16.0  # largest step of the careful one
-SLOWEST = 5.0  # s, for one flight of a peer
 COMPILE_FROM = 500  # flights
-OURS, PLAIN = "core", "rk45 with a contact event"
-CAREFUL = "dop853 careful; max_step 1/16 turn"
+CORE = "core"
+RIGHT, MISSED, INVENTED, UNDECIDED = "right", "missed", "invented", "undecided"
 
 
-@dataclass(frozen=True)
-class Random:
-    """A flight: machine, speed, start phase, gap (m) and relative velocity (m/rad) there."""
+class Flight(NamedTuple):
+    """A flight over a cam: the machine, and in rad of cam angle its constants and its start."""
 
     system: System
     rpm: float
+    W: float  # omega0/omega
+    Z: float  # zeta/omega
+    G: float  # (g + F0/m)/omega^2
     theta_deg: float
-    gap: float
-    u: float
-    contact: bool
+    q: float
+    w: float  # m/rad
+    contact: bool  # it starts on the cam
 
-
-@dataclass(frozen=True)
-class Block:
-    """Flights to fly: the first `count` of block `number`; whether they are worth compiling for."""
-
-    number: int
-    count: int
-    compiled: bool = False
+    @property
+    def theta(self) -> float:
+        """Phase of the start, rad."""
+        return self.theta_deg * (pi / 180.0)
 
 
 @dataclass
 class Flights:
-    """What a method made of the flights: asked for in all, flown by it, and decided."""
+    """A row of flights.csv: flights asked for, flown by a method, and decided."""
 
     method: str
     asked: int = 0
@@ -74,8 +64,21 @@ class Flights:
     invented: int = 0
     seconds: float = 0.0
 
+    @property
+    def status(self) -> str:
+        """Whether the clock has cut the block short."""
+        return NOT_REACHED if self.flights < self.asked else OK
 
-def random_flight(rng: np.random.Generator, cam) -> Random:
+    def count(self, outcome: str, seconds: float) -> None:
+        """One flight more."""
+        self.flights += 1
+        self.seconds += seconds
+        self.compared += outcome != UNDECIDED
+        self.missed += outcome == MISSED
+        self.invented += outcome == INVENTED
+
+
+def random_flight(rng: np.random.Generator, cam: Cam, lift: Lift) -> Flight:
     """Any damping and frequency, a fifth of the starts on a corner, three tenths on the cam."""
     rpm, W = 10 ** rng.uniform(1.5, 4), 10 ** rng.uniform(-2, 1.3)
     omega = rpm * pi / 30
@@ -87,162 +90,147 @@ def random_flight(rng: np.random.Generator, cam) -> Random:
     contact = bool(rng.random() < 0.3)
     gap = 0.0 if contact else 10 ** rng.uniform(-6, 0.3)
     u = 10 ** rng.uniform(-4, 1) * (1 if contact else rng.choice([-1, 1]))
-    return Random(system, float(rpm), float(theta), float(gap), float(u), contact)
+    c, c1, _ = lift.at(theta * (pi / 180))
+    start = (float(theta), c + float(gap), c1 + float(u), contact)
+    return Flight(system, float(rpm), W, Z, gravity / omega**2, *start)
 
 
-def ours(lift: Lift, f: Random) -> tuple[float | None, dense.Flight]:
-    """Phase of our first impact from the start, None if there is none; and the flight."""
-    theta, omega = f.theta_deg * (pi / 180), f.rpm * (pi / 30)
-    c, c1 = (float(x[0]) for x in dense.lift_at(lift, np.array([theta])))
-    start = Start(None if f.contact else c + f.gap, (c1 + f.u) * omega, f.theta_deg)
-    orbit = Orbit(f.system, f.rpm, Settings(0, 3, 1e-16, 1, start))
-    q, w = orbit.position()
-    rows = events(orbit.run(), 0 if theta == 0 else 1)
-    phases = [row[2] + 2 * pi * row[1] - theta for row in rows if row[0] == "impact"]
-    lane = f.system.lane(f.rpm, 1e-9, 1)
-    return (phases[0] if phases else None), dense.Flight(lane.W, lane.Z, lane.G, theta, q, w)
+def first_impact(f: Flight) -> float | None:
+    """Phase of our first impact from the start, None if there is none."""
+    omega = f.rpm * (pi / 30)
+    start = Start(None if f.contact else f.q, f.w * omega, f.theta_deg)
+    tape = Orbit(f.system, f.rpm, Settings(0, 3, 1e-16, 1, start)).run()
+    found = (e for e in events(tape, 0 if f.theta == 0 else 1) if e.kind == "impact")
+    return next((e.theta + TWO_PI * e.turn - f.theta for e in found), None)
 
 
-def verdict(
-    lift: Lift, f: Random, found: float | None, flight: dense.Flight
-) -> tuple[str, float | None]:
-    """(right, missed, invented or undecided) of a contact, and the one by brute force."""
-    expected, doubtful = dense.first_contact(lift, flight, TURNS, f.contact)
+# --- the dense search
+
+CELLS = 3000  # per turn
+DOUBT = 1e-13  # m: a gap this small may count either way
+FINER = 16  # cells of a cell
+
+
+def flow(f: Flight, s: Any) -> tuple[Any, Any]:
+    """(q, w) after s of flight, with the equilibrium subtracted (W > 0)."""
+    rest = -f.G / f.W**2
+    d = np.sqrt(complex(f.Z * f.Z - f.W * f.W))
+    cosh, sinh = np.cosh(d * s), np.sinh(d * s) / d if d else s + 0j
+    decay = np.exp(-f.Z * s)
+    x, y = f.q - rest, f.w + f.Z * (f.q - rest)
+    position = decay * (x * cosh + y * sinh).real
+    slope = decay * (x * d * d * sinh + y * cosh).real - f.Z * position
+    return rest + position, slope
+
+
+def gap(lift: Lift, f: Flight, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gap and its rate after s of flight; m, m/rad."""
+    theta = np.mod(f.theta + s, TWO_PI)
+    region = np.searchsorted(np.array(lift.breaks), theta, side="right")
+    c, c1 = np.empty_like(theta), np.empty_like(theta)
+    for k in np.unique(region):
+        here = region == k
+        c[here], c1[here], _ = lift.law(int(k), theta[here], np)
+    q, w = flow(f, s)
+    return q - c, w - c1
+
+
+def dense_contact(lift: Lift, f: Flight) -> tuple[float | None, bool]:
+    """(s, doubtful): phase of the first contact within TURNS, None if there is none.
+
+    doubtful: a graze closer than DOUBT comes first.
+    """
+    cell = TWO_PI / CELLS
+    first = np.geomspace(1e-7, cell, 400) if f.contact else np.zeros(1)
+    turns = TWO_PI * np.arange(int(TURNS) + 2)[:, None]
+    corners = (np.array([0.0, *lift.breaks]) + turns).ravel() - f.theta
+    corners = corners[(corners > first[-1]) & (corners < TURNS * TWO_PI)]
+    s = np.sort(np.concatenate([first, cell * np.arange(2, int(CELLS * TURNS) + 1), corners]))
+    g, u = gap(lift, f, s)
+    below = np.flatnonzero(g <= 0)
+    stop = below[0] if len(below) else len(s) - 1
+    for j in np.flatnonzero((u[:stop] < 0) & (u[1 : stop + 1] >= 0) & (g[:stop] > 0)):
+        low = _crossing(lambda at: -gap(lift, f, at)[1], s[j], s[j + 1])
+        least = float(gap(lift, f, np.array([low]))[0][0])
+        if abs(least) < DOUBT:
+            return low, True
+        if least < 0:
+            return _crossing(lambda at: gap(lift, f, at)[0], s[j], low), False
+    if not len(below):
+        return None, False
+    if stop == 0:
+        return None, True
+    return _crossing(lambda at: gap(lift, f, at)[0], s[stop - 1], s[stop]), False
+
+
+def _crossing(function: Callable, low: float, high: float) -> float:
+    """Where a function, positive at low, becomes negative: cells of cells, to the last bit."""
+    for _ in range(15):
+        at = np.linspace(low, high, FINER + 1)
+        crossed = np.flatnonzero(function(at[1:]) <= 0)
+        k = crossed[0] if len(crossed) else FINER - 1
+        low, high = at[k], at[k + 1]
+    return float(0.5 * (low + high))
+
+
+def verdict(lift: Lift, f: Flight, found: float | None) -> tuple[str, float | None]:
+    """What our contact is, and the contact by the dense search."""
+    expected, doubtful = dense_contact(lift, f)
     far = TURNS * TWO_PI - EDGE
-    if doubtful or (found is not None and found > far) or (expected or 0.0) > far - 10.0 * EDGE:
-        return "undecided", None
+    none = found is None and expected is None
+    if doubtful or none or (found or 0.0) > far or (expected or 0.0) > far:
+        return UNDECIDED, None
     if found is None or expected is None:
-        if found is None and expected is None:
-            return "undecided", None
-        return ("missed" if found is None else "invented"), expected
-    _, slope = dense.flow(flight, expected)
-    u = abs(slope - dense.lift_at(lift, np.array([flight.theta + expected]))[1][0])
-    size = abs(flight.q) + abs(flight.w) + flight.G * expected**2 + flight.G / flight.W**2
-    room = 1e-12 * size / max(u, 1e-7) + 2e-12
-    if abs(found - expected) <= room:
-        return "right", expected
-    return ("missed" if found > expected else "invented"), expected
+        return (MISSED if found is None else INVENTED), expected
+    u = abs(float(gap(lift, f, np.array([expected]))[1][0]))
+    size = abs(f.q) + abs(f.w) + f.G * expected**2 + f.G / f.W**2
+    if abs(found - expected) <= 1e-12 * size / max(u, 1e-7) + 2e-12:
+        return RIGHT, expected
+    return (MISSED if found > expected else INVENTED), expected
 
 
-def plain(lift: Lift, f: Random, flight: dense.Flight) -> float | None:
-    """RK45 with a terminal contact event and nothing else; phase of the contact."""
-    from scipy.integrate import solve_ivp as solve
-
-    W2, Z2, G = flight.W**2, 2.0 * flight.Z, flight.G
-
-    def rhs(_s, z):
-        return z[1], -W2 * z[0] - Z2 * z[1] - G
-
-    def contact(s, z):
-        return z[0] - lift.height(flight.theta + s)
-
-    contact.terminal, contact.direction = True, -1
-    start, span = (flight.q, flight.w), (0.0, TURNS * TWO_PI)
-    sol = solve(rhs, span, start, events=contact, rtol=TOLERANCE, atol=TOLERANCE)
-    hits = sol.t_events[0]
-    return float(hits[0]) if hits.size else None
+# --- blocks
 
 
-def careful(lift: Lift, f: Random, flight: dense.Flight) -> float | None:
-    """DOP853 as in the precision part; phase of the contact."""
-    theta, omega = flight.theta, f.rpm * pi / 30
-    c, c1, _ = lift.law(lift.region(theta), theta)
-    world = World(f.system.follower, lift, omega, TURNS + 1.0, 0.0, process_time() + SLOWEST)
-    fly = solve_ivp.Flights(world, "dop853", TOLERANCE, MAX_TURN)
-    try:
-        hit, turn, at, _, _ = fly(0, theta, max(flight.q - c, 0.0), (flight.w - c1) * omega)
-    except (BudgetError, ArithmeticError, ValueError):
-        return None
-    return turn * TWO_PI + at - theta if hit else None
+class Block(NamedTuple):
+    """Flights to fly: the first `count` of block `number`; whether they are worth compiling for."""
 
-
-PEERS: tuple[tuple[str, Callable], ...] = ((PLAIN, plain), (CAREFUL, careful))
+    number: int
+    count: int
+    compiled: bool = False
 
 
 def blocks(count: int) -> list[Block]:
     """The blocks of so many flights; only the last one may be cut short."""
-    compiled = count >= COMPILE_FROM
     firsts = range(0, count, BLOCK)
+    compiled = count >= COMPILE_FROM
     return [Block(k, min(BLOCK, count - first), compiled) for k, first in enumerate(firsts)]
 
 
-def flights(
-    bench: Bench,
-    work: Iterable[Block],
-    clock: Clock | None = None,
-    on_block: Callable[[], None] = lambda: None,
-    keeping: Work | None = None,
-) -> Iterator[list[Flights]]:
-    """Fly the blocks in order; `on_block` is called after each."""
-    fly = partial(fly_block, bench=bench, clock=clock or Clock())
-    return one_by_one(fly, work, CODEC, keeping, on_block)
-
-
-def _store(rows: list[Flights]) -> list | None:
-    """Nothing of a block that the clock has cut short."""
-    whole = rows[0].flights == rows[0].asked
-    return [list(vars(row).values()) for row in rows] if whole else None
-
-
-CODEC = Codec(_store, lambda stored: [Flights(*row) for row in stored])
-
-
-def fly_block(block: Block, bench: Bench, clock: Clock) -> list[Flights]:
-    """Fly the flights of a block by ours, those of the first blocks by the peers too.
-
-    Where the clock is over the rest is left out: fewer flights than asked.
-    """
+def fly_block(block: Block, machines: Machines, seconds: float = inf) -> list[Flights]:
+    """Fly the flights of a block; what the seconds do not suffice for is left out."""
     section = reference("stability")["cam"]
-    lift, cam = lift_of(section), bench.cam(section)
-    peers = PEERS if block.number < BLOCKS_OF_PEERS else ()
-    if peers:
-        solve_ivp.load()
-    table = [Flights(name, block.count) for name in (OURS, *(name for name, _ in PEERS))]
+    lift, cam = lift_of(section), machines.cam(section)
+    flown = Flights(CORE, block.count)
     rng = np.random.default_rng([block.number])
+    until = perf_counter() + seconds
     for k in range(block.count):
-        if clock.over:
+        if perf_counter() >= until:
             break
-        f = random_flight(rng, cam)
+        f = random_flight(rng, cam, lift)
         if k == 0 and block.compiled and backend.may_compile():
             compile_for(f.system)
         began = perf_counter()
-        found, flight = ours(lift, f)
-        seconds = perf_counter() - began
-        outcome, expected = verdict(lift, f, found, flight)
-        _count(table[0], outcome, seconds)
-        for row, (_, fly) in zip(table[1:], peers, strict=False):
-            _count(row, *_peer(lift, f, flight, fly, outcome, expected))
-    return table
+        found = first_impact(f)
+        spent = perf_counter() - began
+        flown.count(verdict(lift, f, found)[0], spent)
+    return [flown]
 
 
-def totals(flown: Iterable[list[Flights]]) -> list[Flights]:
-    """What each method made of all blocks."""
-    sums: dict[str, Flights] = {}
-    for row in (row for rows in flown for row in rows):
-        total = sums.setdefault(row.method, Flights(row.method))
-        for name, value in vars(row).items():
-            if name != "method":
-                setattr(total, name, getattr(total, name) + value)
-    return list(sums.values())
-
-
-def _peer(lift: Lift, f: Random, flight: dense.Flight, fly: Callable, outcome: str, expected):
-    """(outcome, seconds) of a peer; where brute force cannot decide, neither is it asked."""
-    if outcome == "undecided":
-        return outcome, 0.0
-    began = perf_counter()
-    found = fly(lift, f, flight)
-    seconds = perf_counter() - began
-    if expected is None:
-        return "invented" if found is not None else "right", seconds
-    if found is None or found > expected + APART:
-        return "missed", seconds
-    return ("invented" if found < expected - APART else "right"), seconds
-
-
-def _count(row: Flights, outcome: str, seconds: float) -> None:
-    row.flights += 1
-    row.seconds += seconds
-    row.compared += outcome != "undecided"
-    row.missed += outcome == "missed"
-    row.invented += outcome == "invented"
+def total(flown: Iterable[Flights]) -> Flights:
+    """All blocks together."""
+    whole = Flights(CORE)
+    for row in flown:
+        for name in ("asked", "flights", "compared", "missed", "invented", "seconds"):
+            setattr(whole, name, getattr(whole, name) + getattr(row, name))
+    return whole

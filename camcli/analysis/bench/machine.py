@@ -1,13 +1,15 @@
-"""The machines of the bench: the chapter's, with some constants changed, and runs of them."""
+"""The machines of the bench: the example's, with some constants changed, and runs of them."""
 
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
 
 from camcli.analysis.integrate import Orbit, Settings, Start, Tape
 from camcli.cams.compile import build
@@ -16,27 +18,26 @@ from camcli.kernel.cam_table import Cam
 from camcli.system import Follower, System
 
 NAMES = {1: "impact", 2: "chatter", 3: "detachment"}
-
-Event = tuple[str, int, float, float, float]  # kind, turn, theta (rad), q (m), u (m/rad)
-
-
-@dataclass(frozen=True)
-class Done:
-    """What a run of the command line left: exit code, stdout and stderr."""
-
-    code: int
-    out: str
-    said: str
+LONGEST = 60.0  # s, beyond which a command is stopped
+STOPPED = 124  # its exit code then
 
 
-@dataclass(frozen=True)
-class Bench:
-    """What the bench needs from outside: cams by their scene section, and the command line."""
+class Event(NamedTuple):
+    """A logged event."""
 
-    parts_of: Callable[[Mapping[str, Any]], list[Part]]
-    command: Callable[[Sequence[str]], Done]
-    tables: dict[str, Cam] = field(default_factory=dict)
-    systems: dict[str, System] = field(default_factory=dict)
+    kind: str
+    turn: int
+    theta: float  # rad
+    q: float  # m
+    u: float  # m/rad
+
+
+class Machines:
+    """Machines of the cams of scene sections; `parts_of` gives a section's smooth parts."""
+
+    def __init__(self, parts_of: Callable[[Mapping[str, Any]], list[Part]]):
+        self.parts_of = parts_of
+        self.tables: dict[str, Cam] = {}
 
     def cam(self, section: Mapping[str, Any], strobe_deg: float = 0.0) -> Cam:
         """The compiled table of a cam section, kept."""
@@ -45,17 +46,11 @@ class Bench:
             self.tables[key] = build(self.parts_of(section), strobe_deg)
         return self.tables[key]
 
-    def system(self, name: str, make: Callable[[], System]) -> System:
-        """A machine by its name, made once and kept."""
-        if name not in self.systems:
-            self.systems[name] = make()
-        return self.systems[name]
-
-    def chapter(self, strobe_deg: float = 0.0, **changes: float) -> System:
-        """The chapter's follower on the chapter's cam, some constants changed."""
-        machine = reference("stability")
-        follower = Follower(**{**machine["follower"], **changes})
-        return System(follower, self.cam(machine["cam"], strobe_deg))
+    def example(self, strobe_deg: float = 0.0, **changes: float) -> System:
+        """The cam-follower example of Osorio, di Bernardo and Santini (2008), some changed."""
+        stored = reference("stability")
+        follower = Follower(**{**stored["follower"], **changes})
+        return System(follower, self.cam(stored["cam"], strobe_deg))
 
 
 @cache
@@ -81,10 +76,26 @@ def events(tape: Tape, first: int = 0) -> list[Event]:
     """Every logged event; `first`: 1 for a start off the strobe."""
     columns = zip(tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True)
     return [
-        (NAMES[int(k)], int(p) + first, float(t), float(q), float(u)) for k, p, t, q, u in columns
+        Event(NAMES[int(k)], int(p) + first, float(t), float(q), float(u))
+        for k, p, t, q, u in columns
     ]
 
 
 def phases(tape: Tape, kind: str = "impact") -> list[float]:
     """Phases of the events of a kind, rad."""
-    return [theta for name, _, theta, _, _ in events(tape) if name == kind]
+    return [event.theta for event in events(tape) if event.kind == kind]
+
+
+def command(words: Sequence[str], seconds: float = LONGEST, program: Sequence[str] = ()):
+    """`cam WORDS` in a process of its own, in an empty folder: the finished process.
+
+    `program` stands in for `-m camcli`. One stopped after `seconds` has the exit code STOPPED.
+    """
+    given = [sys.executable, *(program or ("-m", "camcli")), *words]
+    with TemporaryDirectory(prefix="cam-bench-") as folder:
+        try:
+            return subprocess.run(
+                given, cwd=folder, capture_output=True, text=True, check=False, timeout=seconds
+            )
+        except subprocess.TimeoutExpired:
+            return subprocess.CompletedProcess(given, STOPPED, "", f"stopped after {seconds:g} s")

@@ -1,0 +1,94 @@
+"""Contacts of random flights that solve_ivp misses or invents, and ours, against a dense search.
+
+    python tests/bench/bench_flights.py [--flights 2000]
+
+The flights are those of `cam bench precision --flights N`; two ways of using solve_ivp fly them
+too: RK45 with a terminal contact event and nothing else, and DOP853 as the precision part uses it.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from math import inf, pi
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from camcli.analysis.bench.flights import (
+    BLOCK,
+    INVENTED,
+    MISSED,
+    RIGHT,
+    TURNS,
+    UNDECIDED,
+    Flight,
+    blocks,
+    first_impact,
+    random_flight,
+    verdict,
+)
+from camcli.analysis.bench.lifts import TWO_PI, Lift, lift_of
+from camcli.analysis.bench.machine import reference
+from camcli.analysis.bench.peers import BudgetError, Machine, SolveIvp, State, fly
+from camcli.cli.bench import machines
+
+TOLERANCE = 1e-9  # rtol = atol
+APART = 1e-3  # rad: a peer's contact further off is another one
+SLOWEST = 5.0  # s, for one flight
+
+
+def plain(lift: Lift, f: Flight) -> float | None:
+    """RK45 with a terminal contact event; phase of the contact."""
+
+    def rhs(_s, z):
+        return z[1], -f.W * f.W * z[0] - 2.0 * f.Z * z[1] - f.G
+
+    def contact(s, z):
+        return z[0] - lift.at(f.theta + s)[0]
+
+    contact.terminal, contact.direction = True, -1  # type: ignore[attr-defined]
+    span = (0.0, TURNS * TWO_PI)
+    sol = solve_ivp(rhs, span, (f.q, f.w), events=contact, rtol=TOLERANCE, atol=TOLERANCE)
+    return float(sol.t_events[0][0]) if sol.t_events[0].size else None
+
+
+def careful(lift: Lift, f: Flight) -> float | None:
+    """DOP853 as in the precision part; phase of the contact."""
+    omega = f.rpm * pi / 30
+    c, c1, _ = lift.at(f.theta)
+    machine = Machine(f.system.follower, lift, omega, TURNS + 1.0, 0.0, SLOWEST)
+    start = State(0, f.theta, max(f.q - c, 0.0), (f.w - c1) * omega)
+    try:
+        hit, end = fly(machine, SolveIvp("dop853", TOLERANCE, 1.0 / 16.0), start)
+    except (BudgetError, ArithmeticError, ValueError):
+        return None
+    return end.turn * TWO_PI + end.theta - f.theta if hit else None
+
+
+def main() -> None:
+    """Fly and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--flights", type=int, default=2 * BLOCK)
+    section = reference("stability")["cam"]
+    lift, cam = lift_of(section), machines().cam(section)
+    found: dict[str, Counter] = {name: Counter() for name in ("ours", "plain", "careful")}
+    for block in blocks(parser.parse_args().flights):
+        rng = np.random.default_rng([block.number])
+        for _ in range(block.count):
+            f = random_flight(rng, cam, lift)
+            outcome, expected = verdict(lift, f, first_impact(f))
+            found["ours"][outcome] += 1
+            if outcome == UNDECIDED:
+                continue
+            for name, peer in (("plain", plain), ("careful", careful)):
+                hit = peer(lift, f)
+                at, true = (inf if x is None else x for x in (hit, expected))
+                wrong = at != true and abs(at - true) > APART
+                found[name][(MISSED if at > true else INVENTED) if wrong else RIGHT] += 1
+    for name, outcomes in found.items():
+        print(name, dict(outcomes))
+
+
+if __name__ == "__main__":
+    main()
