@@ -16,7 +16,7 @@ from camcli.cli.detach_help import DETACH_HELP, DETACH_OPTIONS
 from camcli.cli.figures_help import FIGURES_HELP, FIGURES_OPTIONS, WITHOUT
 from camcli.cli.options import Request, command
 from camcli.cli.orbits_help import ORBITS_HELP, ORBITS_OPTIONS
-from camcli.cli.repeat_help import AGAIN, MERGE_HELP, MERGE_OPTIONS, RERUN_HELP, RERUN_OPTIONS
+from camcli.cli.rerun_help import AGAIN, MERGE_HELP, MERGE_OPTIONS, RERUN_HELP, RERUN_OPTIONS
 from camcli.cli.sweep_help import MANY, SIMULATE_HELP, SWEEP_HELP, SWEEP_OPTIONS
 
 app = typer.Typer(

@@ -13,7 +13,7 @@ from camcli.analysis.basins.window import Window
 from camcli.analysis.sweep import rpm_grid
 from camcli.cli.basins_words import show, summary, undecided_words
 from camcli.cli.exit_codes import DONE, NUMERICS, note
-from camcli.cli.long_run import shard_done, working
+from camcli.cli.long_run import long_run
 from camcli.cli.options import Request
 from camcli.cli.plan_basins import basins_planned
 from camcli.cli.progress import bar
@@ -22,8 +22,8 @@ from camcli.cli.setup import Setup, set_up, speed_range
 from camcli.errors import STATUSES, Fault, SceneError
 from camcli.kernel import backend
 from camcli.output.basins import attractors_csv, basins_csv
-from camcli.output.run_folder import Store
-from camcli.parallel import ShardDone, Work
+from camcli.output.run_folder import RunFolder
+from camcli.parallel import Work
 from camcli.scene.places import shown
 from camcli.scene.scalars import resolve
 from camcli.scene.studies import MOST_CELLS
@@ -41,20 +41,17 @@ def run(request: Request) -> int:
         return DONE
     speeds = section.rpm
     rpms = rpm_grid(speeds.start, speeds.stop, 1 if speeds.start == speeds.stop else speeds.num)
-    with working(NAME, request, setup) as desk:
+    with long_run(NAME, request, setup) as store:
         began = perf_counter()
-        try:
-            result = _compute(request, setup, question, rpms, desk.work)
-        except ShardDone:
-            return shard_done(desk, request)
+        result = _compute(request, setup, question, rpms, store.work)
         seconds = perf_counter() - began - backend.compile_seconds
-        _write(request, setup, desk.store, question, result)
+        _write(request, setup, store, question, result)
         if not request.json:
             show(result, question)
-        found, known = summary(result, question), desk.journal.found
-        store, cost = desk.store, result.cost
-        finish(NAME, request, setup, store, cost, seconds, found, from_disk=known)
+        found, known = summary(result, question), store.resumed
+        finish(NAME, request, setup, store, result.cost, seconds, found, from_disk=known)
         return _verdict(result, request.quiet, question)
+    return DONE  # of a shard
 
 
 def _options(request: Request) -> dict[str, tuple[Any, str]]:
@@ -135,14 +132,13 @@ def _progress(total: int, quiet: bool):
         yield on_cells
 
 
-def _write(request: Request, setup: Setup, store: Store, question: Question, result: Study) -> None:
+def _write(
+    request: Request, setup: Setup, store: RunFolder, question: Question, result: Study
+) -> None:
     store.write_text("attractors.csv", attractors_csv(result))
-    if result.grid is None:
-        store.remove("basins.csv")
-    else:
+    if result.grid is not None:
         store.write_text("basins.csv", basins_csv(result.grid, question.refine))
     if request.no_plot:
-        store.remove("basins.png")
         return
     from camcli.output.pictures import write_png
     from camcli.plots.basins import draw_basins

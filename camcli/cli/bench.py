@@ -16,13 +16,14 @@ from camcli.analysis.bench.machine import Machines
 from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK, measured
 from camcli.analysis.integrate import Cost
 from camcli.cli.exit_codes import DONE, NUMERICS, note
-from camcli.cli.long_run import Desk, working
+from camcli.cli.long_run import long_run
 from camcli.cli.options import Request
 from camcli.cli.progress import bar
 from camcli.cli.report import finish, table
 from camcli.cli.setup import set_up
 from camcli.errors import Fault, SceneError
 from camcli.output.bench import rows_csv
+from camcli.output.run_folder import RunFolder
 from camcli.scene.bench import Bench
 
 NAME = "bench"
@@ -55,7 +56,7 @@ class Run:
 
     request: Request
     section: Bench
-    desk: Desk | None = None  # None: only the plan is wanted
+    folder: RunFolder | None = None  # None: only the plan is wanted
     result: dict[str, Any] = field(default_factory=dict)
     trouble: list[str] = field(default_factory=list)  # a line per failure
     done: list[str] = field(default_factory=list)  # what was measured, in words
@@ -98,7 +99,7 @@ class Run:
 
     def rows(self, name: str, kind: type, measure: Callable[..., list]) -> list:
         """Measure the pieces one after the other."""
-        work = replace(self.desk.work.within(name), threads=1)
+        work = replace(self.folder.work.within(name), threads=1)
         pieces: Sequence = self.pieces(name)
         found: list = []
         with bar(name, len(pieces)) as tick:
@@ -110,16 +111,15 @@ class Run:
 
     def write(self, name: str, columns: Sequence[str], rows: Sequence) -> None:
         """Write a table."""
-        self.desk.store.write_text(f"{name}.csv", rows_csv(columns, rows))
+        self.folder.write_text(f"{name}.csv", rows_csv(columns, rows))
 
     def draw(self, name: str, picture: Callable[[], Any]) -> None:
-        """Write a picture, or remove the one of an earlier run."""
+        """Write a picture, unless --no-plot."""
         if self.request.no_plot:
-            self.desk.store.remove(f"{name}.png")
             return
         from camcli.output.pictures import write_png
 
-        self.desk.store.write(f"{name}.png", partial(write_png, picture()))
+        self.folder.write(f"{name}.png", partial(write_png, picture()))
 
     def show(self, title: str, columns: Sequence[str], rows: Iterable[Any]) -> None:
         """Print fields of dataclasses as a table, unless --json."""
@@ -153,12 +153,12 @@ def run(request: Request) -> int:
             table("cam bench, planned", ["part", "runs", "seconds (at most)"], lines)
         return DONE
     began = perf_counter()
-    with working(NAME, request, setup) as here.desk:
+    with long_run(NAME, request, setup) as here.folder:
         for part in parts:
             PARTS[part][0](here)
-        seconds, known = perf_counter() - began, here.desk.journal.found
-        store = here.desk.store
-        finish(NAME, request, setup, store, here.cost, seconds, here.result, False, known)
+        seconds, known = perf_counter() - began, here.folder.resumed
+        folder = here.folder
+        finish(NAME, request, setup, folder, here.cost, seconds, here.result, False, known)
     if not request.json:
         kept = f", {known} pieces of them from disk" if known else ""
         print(f"{', '.join(here.done)} in {seconds:.3g} s{kept}")

@@ -15,7 +15,7 @@ from camcli.cli.report import finish, table
 from camcli.cli.setup import Setup
 from camcli.errors import Fault, SceneError
 from camcli.output.cam_profile import profile_csv
-from camcli.output.run_folder import Store
+from camcli.output.run_folder import RunFolder, run_folder
 
 NAME = "simulate"
 NOTHING = 1e-18  # m, rounding of a lift
@@ -29,15 +29,15 @@ def run_profile(request: Request, setup: Setup) -> int:
         points = setup.scene.simulate.samples
         table("cam simulate --profile-only, planned", ["what", "how much"], [["rows", str(points)]])
         return DONE
-    store = Store(request.folder(NAME))
-    began = perf_counter()
-    result = profile(setup.system, setup.scene.run.rpm, setup.scene.simulate.samples, base)
-    seconds = perf_counter() - began
-    store.write_text("profile.csv", profile_csv(setup.system, result))
-    _draw(request, setup, store, result)
-    if not request.json:
-        _show(result)
-    finish(NAME, request, setup, store, Cost(), seconds, _summary(result), False)
+    with run_folder(request.folder(NAME)) as store:
+        began = perf_counter()
+        result = profile(setup.system, setup.scene.run.rpm, setup.scene.simulate.samples, base)
+        seconds = perf_counter() - began
+        store.write_text("profile.csv", profile_csv(setup.system, result))
+        _draw(request, setup, store, result)
+        if not request.json:
+            _show(result)
+        finish(NAME, request, setup, store, Cost(), seconds, _summary(result), False)
     if not request.quiet and result.curvature.undercut:
         least = result.curvature.flat_least
         note(
@@ -58,9 +58,8 @@ def _base_radius(request: Request, setup: Setup) -> float | None:
     return given
 
 
-def _draw(request: Request, setup: Setup, store: Store, result: Profile) -> None:
+def _draw(request: Request, setup: Setup, store: RunFolder, result: Profile) -> None:
     if request.no_plot:
-        store.remove("profile.png")
         return
     from camcli.output.pictures import write_png
     from camcli.plots.cam_profile import Measured, draw_profile

@@ -21,7 +21,7 @@ from camcli.cli.setup import Setup, set_up, speed_range
 from camcli.errors import OK, STATUSES, Fault, SceneError
 from camcli.kernel import backend
 from camcli.output.classify import classify_csv, corners_csv
-from camcli.output.run_folder import Store
+from camcli.output.run_folder import RunFolder, run_folder
 from camcli.parallel import in_threads
 
 NAME = "classify"
@@ -42,17 +42,17 @@ def run(request: Request) -> int:
     if classify_planned(request, setup):
         return DONE
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
-    store = Store(request.folder(NAME))
-    began = perf_counter()
-    motions = _classify(request, setup, rpms)
-    explanation = _explain(request, setup, motions) if section.explain else None
-    seconds = perf_counter() - began - backend.compile_seconds
-    _write(request, setup, store, motions, explanation)
-    if not request.json:
-        show(motions, explanation)
-    cost = sum((m.cost for m in motions), explanation.cost if explanation else Cost())
-    finish(NAME, request, setup, store, cost, seconds, summary(motions, explanation))
-    return _verdict(motions)
+    with run_folder(request.folder(NAME)) as store:
+        began = perf_counter()
+        motions = _classify(request, setup, rpms)
+        explanation = _explain(request, setup, motions) if section.explain else None
+        seconds = perf_counter() - began - backend.compile_seconds
+        _write(request, setup, store, motions, explanation)
+        if not request.json:
+            show(motions, explanation)
+        cost = sum((m.cost for m in motions), explanation.cost if explanation else Cost())
+        finish(NAME, request, setup, store, cost, seconds, summary(motions, explanation))
+        return _verdict(motions)
 
 
 def _options(request: Request) -> dict[str, tuple[Any, str]]:
@@ -93,12 +93,11 @@ def _explain(request: Request, setup: Setup, motions: list[Motion]) -> Explanati
         return explain(setup.system, setup.settings, own, tick or (lambda: None))
 
 
-def _write(request, setup: Setup, store: Store, motions, explanation) -> None:
+def _write(request, setup: Setup, store: RunFolder, motions, explanation) -> None:
     store.write_text("classify.csv", classify_csv(motions))
     found = [] if explanation is None else explanation.found.bifurcations
     store.write_text("corners.csv", corners_csv(found))
     if request.no_plot:
-        store.remove("classify.png")
         return
     from camcli.output.pictures import write_png
     from camcli.plots.classify import draw_classify

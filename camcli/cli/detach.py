@@ -23,7 +23,7 @@ from camcli.cli.setup import Setup, set_up, speed_range
 from camcli.errors import STATUSES, Fault, SceneError
 from camcli.kernel import backend
 from camcli.output.detach import summary
-from camcli.output.run_folder import Store
+from camcli.output.run_folder import RunFolder, run_folder
 from camcli.output.tables import accumulation_csv, corner_hits_csv, detach_csv, force_csv
 from camcli.scene import parse_rpm
 
@@ -41,15 +41,15 @@ def run(request: Request) -> int:
     rpms = rpm_grid(section.start, section.stop, section.num)
     if starts_planned(NAME, request, setup, rpms, settings, "detach.rpm.num"):
         return DONE
-    store = Store(request.folder(NAME))
-    began = perf_counter()
-    result = _compute(request, setup, rpms)
-    seconds = perf_counter() - began - backend.compile_seconds
-    _write(request, setup, store, result)
-    if not request.json:
-        show(result)
-    finish(NAME, request, setup, store, result.cost, seconds, summary(result))
-    return _verdict(result)
+    with run_folder(request.folder(NAME)) as store:
+        began = perf_counter()
+        result = _compute(request, setup, rpms)
+        seconds = perf_counter() - began - backend.compile_seconds
+        _write(request, setup, store, result)
+        if not request.json:
+            show(result)
+        finish(NAME, request, setup, store, result.cost, seconds, summary(result))
+        return _verdict(result)
 
 
 def _options(request: Request) -> dict[str, tuple[Any, str]]:
@@ -91,13 +91,12 @@ def _compute(request: Request, setup: Setup, rpms: list[float]) -> ContactLoss:
         )
 
 
-def _write(request: Request, setup: Setup, store: Store, result: ContactLoss) -> None:
+def _write(request: Request, setup: Setup, store: RunFolder, result: ContactLoss) -> None:
     store.write_text("detach.csv", detach_csv(result))
     store.write_text("accumulation.csv", accumulation_csv(result))
     store.write_text("corner_hits.csv", corner_hits_csv(result))
     store.write_text("force.csv", force_csv(result))
     if request.no_plot:
-        store.remove("detach.png")
         return
     from camcli.output.pictures import write_png
     from camcli.plots.detach import draw_detach

@@ -27,7 +27,7 @@ from camcli.cli.progress import bar
 from camcli.cli.report import table
 from camcli.errors import Fault, SceneError
 from camcli.output.gallery import Picture, page
-from camcli.output.run_folder import Store
+from camcli.output.run_folder import run_folder
 
 NAME = "figures"
 
@@ -43,24 +43,28 @@ def run(request: Request) -> int:
     if request.dry_run:
         _show_plan(request, asked, why, out)
         return DONE
-    store = Store(out)
-    began = perf_counter()
-    wanted = sorted((f for f in asked if why[f.name] != UNCHANGED), key=lambda f: -_cost(f, out))
-    try:
-        done = _compute(request, wanted, why, out)
-    finally:
-        pictures = [_picture(figure, out) for figure in known]
-        store.write_text("index.html", page(pictures))
-        store.commit()
-    whole = [f for f in asked if state_of(out / f.name) is not None]
-    if request.extra["update_reference"] and len(whole) == len(asked):
-        size = update(asked, known, out)
-        note(f"{reference_path(asked[0]).parent}/: references of {len(asked)} figures, {size} B")
-    drifts = [d for f in whole for d in check(f, out)] if request.extra["check"] else []
-    _show(request, asked, why, done, drifts, out, perf_counter() - began)
-    codes = {(state_of(out / f.name) or {}).get("exit", DONE) for f in whole}
-    codes |= {d.code for d in done} | ({NUMERICS} if drifts else set())
-    return max(codes - set(KEEP), default=max(codes, default=DONE))
+    with run_folder(out) as store:
+        began = perf_counter()
+        wanted = sorted(
+            (f for f in asked if why[f.name] != UNCHANGED), key=lambda f: -_cost(f, out)
+        )
+        try:
+            done = _compute(request, wanted, why, out)
+        finally:
+            pictures = [_picture(figure, out) for figure in known]
+            store.write_text("index.html", page(pictures))
+            store.commit()
+        whole = [f for f in asked if state_of(out / f.name) is not None]
+        if request.extra["update_reference"] and len(whole) == len(asked):
+            size = update(asked, known, out)
+            note(
+                f"{reference_path(asked[0]).parent}/: references of {len(asked)} figures, {size} B"
+            )
+        drifts = [d for f in whole for d in check(f, out)] if request.extra["check"] else []
+        _show(request, asked, why, done, drifts, out, perf_counter() - began)
+        codes = {(state_of(out / f.name) or {}).get("exit", DONE) for f in whole}
+        codes |= {d.code for d in done} | ({NUMERICS} if drifts else set())
+        return max(codes - set(KEEP), default=max(codes, default=DONE))
 
 
 def _refuse(request: Request) -> None:

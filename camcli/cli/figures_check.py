@@ -11,7 +11,7 @@ from typing import Any
 from camcli.cli.figures_plan import Figure, state_of
 from camcli.errors import Fault, SceneError
 from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, digest
-from camcli.output.run_folder import Store
+from camcli.output.run_folder import run_folder
 
 FOLDER = "reference"
 TOLERANCE = 1e-8  # of a solved number
@@ -51,18 +51,18 @@ def reference_path(figure: Figure) -> Path:
 def update(figures: Sequence[Figure], known: Sequence[Figure], out: Path) -> int:
     """Write the references of these figures; remove those of no known one; their total size."""
     folder = figures[0].path.parent / FOLDER
-    store = Store(folder)
-    for figure in figures:
-        groups = digest(out / figure.name)
-        seconds = round((state_of(out / figure.name) or {}).get("seconds", 0.0), 1)
-        hashes = {key: figure.hashes[key] for key in ("scene", "data")}
-        text = {**hashes, "seconds": seconds, **groups}
-        store.write_text(f"{figure.name}.json", [json.dumps(text, indent=0) + "\n"])
-    store.commit()
-    for path in folder.glob("*.json"):
-        if path.stem not in {figure.name for figure in known}:
-            path.unlink()
-    return sum(path.stat().st_size for path in folder.glob("*.json"))
+    with run_folder(folder) as store:
+        for figure in figures:
+            groups = digest(out / figure.name)
+            seconds = round((state_of(out / figure.name) or {}).get("seconds", 0.0), 1)
+            hashes = {key: figure.hashes[key] for key in ("scene", "data")}
+            text = {**hashes, "seconds": seconds, **groups}
+            store.write_text(f"{figure.name}.json", [json.dumps(text, indent=0) + "\n"])
+        store.commit()
+        for path in folder.glob("*.json"):
+            if path.stem not in {figure.name for figure in known}:
+                path.unlink()
+        return sum(path.stat().st_size for path in folder.glob("*.json"))
 
 
 def check(figure: Figure, out: Path) -> list[Drift]:

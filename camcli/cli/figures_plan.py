@@ -106,7 +106,11 @@ def _figure(path: Path, sets: Sequence[str]) -> Figure:
     words = scene.figure.words
     _refuse_unknown(path, words)
     data = getattr(scene.cam, "sha256", None) or ""
-    hashes = {"scene": _scene_hash(scene, words), "data": data, "program": program_hash()}
+    hashes = {
+        "scene": _scene_hash(scene, words),
+        "data": data,
+        "program": program_hash(pictures=True),
+    }
     return Figure(
         path.stem, path, path.read_text(encoding="utf-8-sig"), scene.figure.title,
         scene.figure.shows, words, hashes,

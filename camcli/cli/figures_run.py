@@ -16,7 +16,7 @@ from time import perf_counter
 from camcli.cli.exit_codes import DONE, INTERRUPTED, NUMERICS
 from camcli.cli.figures_plan import STATE, Figure, sizes
 from camcli.cli.parent_watch import PARENT
-from camcli.output.run_folder import Store
+from camcli.output.run_folder import run_folder
 from camcli.parallel import thread_count
 
 KEEP = (DONE, NUMERICS)  # exit codes of a run whose artefacts are whole
@@ -114,6 +114,6 @@ def _mark(figure: Figure, folder: Path, done: Done) -> None:
         "seconds": round(done.seconds, 3),
         "files": sizes(folder),
     }
-    with Store(folder) as store:
+    with run_folder(folder) as store:
         store.write_text(STATE, [json.dumps(state, indent=2) + "\n"])
         store.commit()

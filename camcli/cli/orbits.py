@@ -23,7 +23,7 @@ from camcli.cli.setup import Setup, set_up
 from camcli.errors import Fault, SceneError
 from camcli.kernel import backend
 from camcli.output.orbits import bifurcations_csv, branch_csv, curve_csv
-from camcli.output.run_folder import Store
+from camcli.output.run_folder import RunFolder, run_folder
 from camcli.scene import parse_rpm
 
 NAME = "orbits"
@@ -41,17 +41,17 @@ def run(request: Request) -> int:
     rpms = [question.rpm] * (setup.scene.orbits.starts + 1)
     if starts_planned(NAME, request, setup, rpms, run, "orbits.starts"):
         return DONE
-    store = Store(request.folder(NAME))
-    began = perf_counter()
-    with nullcontext() if request.quiet else bar("branches", question.branches + 2) as tick:
-        result = study(setup.system, setup.settings, question, tick or (lambda: None))
-    curves = _curves(setup, result, bounds)
-    seconds = perf_counter() - began - backend.compile_seconds
-    _write(request, setup, store, result, curves)
-    if not request.json:
-        show(result, curves)
-    finish(NAME, request, setup, store, result.cost, seconds, summary(result, curves))
-    return _verdict(result, curves)
+    with run_folder(request.folder(NAME)) as store:
+        began = perf_counter()
+        with nullcontext() if request.quiet else bar("branches", question.branches + 2) as tick:
+            result = study(setup.system, setup.settings, question, tick or (lambda: None))
+        curves = _curves(setup, result, bounds)
+        seconds = perf_counter() - began - backend.compile_seconds
+        _write(request, setup, store, result, curves)
+        if not request.json:
+            show(result, curves)
+        finish(NAME, request, setup, store, result.cost, seconds, summary(result, curves))
+        return _verdict(result, curves)
 
 
 def _options(request: Request) -> dict[str, tuple[Any, str]]:
@@ -233,16 +233,12 @@ def _curves(setup: Setup, result: Study, bounds: Bounds | None) -> list[Curve]:
     return found
 
 
-def _write(request: Request, setup: Setup, store: Store, result: Study, curves) -> None:
+def _write(request: Request, setup: Setup, store: RunFolder, result: Study, curves) -> None:
     store.write_text("branch.csv", branch_csv(result))
     store.write_text("bifurcations.csv", bifurcations_csv(result))
-    if setup.scene.orbits.curve is None:
-        store.remove("curve.csv")
-    else:
+    if setup.scene.orbits.curve is not None:
         store.write_text("curve.csv", curve_csv(curves, setup.scene.orbits.curve_in))
     if request.no_plot:
-        store.remove("orbits.png")
-        store.remove("curve.png")
         return
     from camcli.output.pictures import write_png
     from camcli.plots.curves import draw_curves
@@ -250,9 +246,7 @@ def _write(request: Request, setup: Setup, store: Store, result: Study, curves) 
 
     figure = draw_orbits(result, setup.system, setup.scene.orbits.panels)
     store.write("orbits.png", partial(write_png, figure))
-    if setup.scene.orbits.curve is None:
-        store.remove("curve.png")
-    else:
+    if setup.scene.orbits.curve is not None:
         figure = draw_curves(curves, setup.scene.orbits.curve_in)
         store.write("curve.png", partial(write_png, figure))
 

@@ -49,7 +49,7 @@ def estimate(request: Request, setup: Setup, question: Question) -> Plan:
     ]
     each, shard = speeds / len(seen), shard_of(request)
     pace = costs.Pace.of([one for at in seen for one in at.seen])
-    part = 1.0 if shard is None else 1.0 / shard.count
+    part = 1.0 if shard is None else 1.0 / shard.total
     turns = [_turns(setup, question, at, part) for at in seen]
     work = sum(n * pace_of(at) for n, at in zip(turns, seen, strict=True)) * each
     compiled, lanes = backend.may_compile(), costs.lanes_of(request.threads, 1 << 20)
@@ -145,7 +145,7 @@ def _notes(request: Request, setup: Setup, compiled: bool) -> tuple[str, ...]:
     notes = list(costs.compile_note(compiled, ("advance", "settle_cells")))
     shard = shard_of(request)
     if shard is not None:
-        notes.append(f"shard {shard.number} of {shard.count}: pieces only, no tables, no picture")
+        notes.append(f"shard {shard.number} of {shard.total}: pieces only, no tables, no picture")
     if section.boundary:
         starts = STARTS * (1 + 2 * (FINEST - COARSEST + 1))
         notes.append(f"the boundary's dimension is in it: {starts} further starts at each speed")

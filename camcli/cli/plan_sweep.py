@@ -92,7 +92,7 @@ def estimate(request: Request, setup: Setup) -> Plan:
 
 def _work(request: Request, setup: Setup) -> _Work:
     section, shard = setup.scene.sweep, shard_of(request)
-    count = section.rpm.num if shard is None else ceil(section.rpm.num / shard.count)
+    count = section.rpm.num if shard is None else ceil(section.rpm.num / shard.total)
     lanes = costs.lanes_of(request.threads, count) if section.direction == FIXED else 1
     return _Work(count, lanes)
 
@@ -159,7 +159,7 @@ def _notes(request: Request, setup: Setup, compiled: bool) -> tuple[str, ...]:
     section, notes = setup.scene.sweep, list(costs.compile_note(compiled))
     shard = shard_of(request)
     if shard is not None:
-        notes.append(f"shard {shard.number} of {shard.count}: pieces only, no tables, no picture")
+        notes.append(f"shard {shard.number} of {shard.total}: pieces only, no tables, no picture")
     if section.explain:
         changes = section.rpm.num - 1
         notes.append(f"changes explained come on top: up to {changes} searches of 5 to 15 s each")

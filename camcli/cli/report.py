@@ -10,7 +10,7 @@ from camcli.cli.exit_codes import note
 from camcli.cli.lift_words import bound_line, table_record
 from camcli.cli.options import Request
 from camcli.cli.setup import Setup
-from camcli.output.run_folder import Store
+from camcli.output.run_folder import RunFolder
 from camcli.output.run_record import cost_record, error_record, run_record, to_text
 from camcli.scene import resolved, scene_hash
 
@@ -22,7 +22,7 @@ def finish(
     command: str,
     request: Request,
     setup: Setup,
-    store: Store,
+    store: RunFolder,
     cost: Cost,
     seconds: float,
     result: Mapping[str, Any],

@@ -13,7 +13,7 @@ from camcli.cli.report import finish, table, warn_of_height
 from camcli.cli.setup import Setup, one_speed, set_up
 from camcli.errors import OK, STATUSES
 from camcli.kernel import backend
-from camcli.output.run_folder import Store
+from camcli.output.run_folder import RunFolder, run_folder
 from camcli.output.tables import events_csv, trajectory_csv
 
 NAME = "simulate"
@@ -30,29 +30,28 @@ def run(request: Request) -> int:
     rpm, samples = setup.scene.run.rpm, setup.scene.simulate.samples
     if simulate_planned(request, setup):
         return DONE
-    store = Store(request.folder(NAME))
-    began = perf_counter()
-    result = simulate(setup.system, rpm, setup.settings, samples)
-    seconds = perf_counter() - began - backend.compile_seconds
-    store.write_text("trajectory.csv", trajectory_csv(result))
-    store.write_text("events.csv", events_csv(result))
-    _draw(request, setup, store, result)
-    if not request.json:
-        _show(result)
-    finish(NAME, request, setup, store, result.cost, seconds, _summary(result))
-    if not request.quiet:
-        highest = max((row[2] for row in result.trajectory), default=0.0)
-        warn_of_height([(rpm, highest)], setup.system.cam.top)
-    if result.status != OK:
-        status = STATUSES[result.status]
-        note(f"{status.name}: {status.cause}; {status.cure}")
-        return NUMERICS
-    return DONE
+    with run_folder(request.folder(NAME)) as store:
+        began = perf_counter()
+        result = simulate(setup.system, rpm, setup.settings, samples)
+        seconds = perf_counter() - began - backend.compile_seconds
+        store.write_text("trajectory.csv", trajectory_csv(result))
+        store.write_text("events.csv", events_csv(result))
+        _draw(request, setup, store, result)
+        if not request.json:
+            _show(result)
+        finish(NAME, request, setup, store, result.cost, seconds, _summary(result))
+        if not request.quiet:
+            highest = max((row[2] for row in result.trajectory), default=0.0)
+            warn_of_height([(rpm, highest)], setup.system.cam.top)
+        if result.status != OK:
+            status = STATUSES[result.status]
+            note(f"{status.name}: {status.cause}; {status.cure}")
+            return NUMERICS
+        return DONE
 
 
-def _draw(request: Request, setup: Setup, store: Store, result: Simulation) -> None:
+def _draw(request: Request, setup: Setup, store: RunFolder, result: Simulation) -> None:
     if request.no_plot:
-        store.remove("simulate.png")
         return
     from camcli.output.pictures import write_png
     from camcli.plots.simulate import draw_simulation

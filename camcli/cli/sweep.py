@@ -10,7 +10,7 @@ from typing import Any
 
 from camcli.analysis.sweep import FIXED, Speed, Sweep, bare, rpm_grid, status_name, sweep
 from camcli.cli.exit_codes import DONE, NUMERICS, note
-from camcli.cli.long_run import Desk, shard_done, working
+from camcli.cli.long_run import long_run
 from camcli.cli.options import Request
 from camcli.cli.plan_sweep import sweep_planned
 from camcli.cli.progress import bar
@@ -18,7 +18,7 @@ from camcli.cli.report import finish, table, warn_of_height
 from camcli.cli.setup import Setup, set_up, speed_range
 from camcli.errors import STATUSES, Fault, SceneError
 from camcli.kernel import backend
-from camcli.output.run_folder import Store
+from camcli.output.run_folder import RunFolder
 from camcli.output.tables import (
     IMPACTS,
     STROBE,
@@ -27,7 +27,7 @@ from camcli.output.tables import (
     speeds_csv,
     strobe_csv,
 )
-from camcli.parallel import ShardDone, Work
+from camcli.parallel import Work
 
 NAME = "sweep"
 SHOWN = 40  # rows of the table on stdout
@@ -41,30 +41,28 @@ def run(request: Request) -> int:
     if sweep_planned(request, setup):
         return DONE
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
-    with working(NAME, request, setup) as desk:
-        try:
-            result, seconds = _compute(request, setup, rpms, desk.work)
-        except ShardDone:
-            return shard_done(desk, request)
-        _finish(request, setup, desk, result, seconds)
+    with long_run(NAME, request, setup) as store:
+        result, seconds = _compute(request, setup, rpms, store.work)
+        _finish(request, setup, store, result, seconds)
         if not request.quiet:
             warn_of_height(_heights(result), setup.system.cam.top)
         return _verdict(result)
+    return DONE  # of a shard
 
 
-def _finish(request: Request, setup: Setup, desk: Desk, result: Sweep, seconds: float) -> None:
+def _finish(
+    request: Request, setup: Setup, store: RunFolder, result: Sweep, seconds: float
+) -> None:
     """Write everything and say it."""
     if setup.scene.sweep.explain:
         from camcli.cli.sweep_explain import finish_explained
 
-        finish_explained(request, setup, desk, result, seconds)
+        finish_explained(request, setup, store, result, seconds)
         return
-    store = desk.store
-    store.remove("corners.csv")
     write(request, setup, store, result)
     if not request.json:
         show(result)
-    found, known = summary(result), desk.journal.found
+    found, known = summary(result), store.resumed
     finish(NAME, request, setup, store, result.cost, seconds, found, from_disk=known)
 
 
@@ -110,13 +108,12 @@ def _compute(request: Request, setup: Setup, rpms: list[float], work: Work):
     return result, perf_counter() - began - backend.compile_seconds
 
 
-def write(request: Request, setup: Setup, store: Store, result: Sweep, events=None) -> None:
+def write(request: Request, setup: Setup, store: RunFolder, result: Sweep, events=None) -> None:
     """Write the tables and the picture, with the events in it where they are given."""
     for section in ("impacts", "strobe"):
         _write_section(setup, store, section, result)
     store.write_text("speeds.csv", speeds_csv(result))
     if request.no_plot:
-        store.remove("sweep.png")
         return
     from camcli.output.pictures import write_png
     from camcli.plots.sweep import draw_sweep
@@ -125,12 +122,9 @@ def write(request: Request, setup: Setup, store: Store, result: Sweep, events=No
     store.write("sweep.png", partial(write_png, figure))
 
 
-def _write_section(setup: Setup, store: Store, section: str, result: Sweep) -> None:
-    """A section's table in the form asked for; the other forms of an earlier run go."""
+def _write_section(setup: Setup, store: RunFolder, section: str, result: Sweep) -> None:
+    """A section's table in the form asked for."""
     form = setup.scene.sweep.tables if section in setup.scene.sweep.sections else "none"
-    for other in ("csv", "npz"):
-        if other != form:
-            store.remove(f"{section}.{other}")
     if form == "csv":
         text = impacts_csv if section == "impacts" else strobe_csv
         store.write_text(f"{section}.csv", text(result))

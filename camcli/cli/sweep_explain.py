@@ -11,7 +11,6 @@ from camcli.analysis.integrate import compile_for
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.sweep import LITTLE_WORK, Sweep
 from camcli.cli.classify_words import explained, show_explanation
-from camcli.cli.long_run import Desk
 from camcli.cli.options import Request
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
@@ -19,11 +18,12 @@ from camcli.cli.setup import Setup
 from camcli.cli.sweep import NAME, show, summary, write
 from camcli.kernel import backend
 from camcli.output.classify import corners_csv
+from camcli.output.run_folder import RunFolder
 from camcli.parallel import in_threads
 
 
 def finish_explained(
-    request: Request, setup: Setup, desk: Desk, result: Sweep, seconds: float
+    request: Request, setup: Setup, store: RunFolder, result: Sweep, seconds: float
 ) -> None:
     """Explain a sweep, write all its artefacts and print its tables."""
     began, compiled = perf_counter(), backend.compile_seconds
@@ -31,7 +31,6 @@ def finish_explained(
     with nullcontext() if request.quiet else bar("changes", len(motions) - 1) as tick:
         explanation = explain(setup.system, setup.settings, motions, tick or (lambda: None))
     seconds += perf_counter() - began - (backend.compile_seconds - compiled)
-    store = desk.store
     store.write_text("corners.csv", corners_csv(explanation.found.bifurcations))
     write(request, setup, store, result, explanation.events)
     if not request.json:
@@ -39,7 +38,7 @@ def finish_explained(
         show_explanation(explanation)
     cost = sum((motion.cost for motion in motions), result.cost + explanation.cost)
     words = {**summary(result), **explained(explanation)}
-    known = desk.journal.found
+    known = store.resumed
     finish(NAME, request, setup, store, cost, seconds, words, from_disk=known)
 
 

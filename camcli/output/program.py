@@ -6,12 +6,19 @@ import hashlib
 from functools import cache
 from pathlib import Path
 
+# What can change a number: not the command line, its help texts and tables, nor the pictures.
+RESULTS = ("errors.py", "system.py", "kernel", "cams", "exact", "analysis", "parallel")
+PICTURES = ("plots", "output")
+
 
 @cache
-def program_hash() -> str:
-    """SHA-256 of the sources of the package."""
+def program_hash(pictures: bool = False) -> str:
+    """SHA-256 of the sources that decide the numbers, or those and how they are drawn."""
     package = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256()
-    for path in sorted(package.rglob("*.py")):
-        digest.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
+    for name in (*RESULTS, *(PICTURES if pictures else ())):
+        path = package / name
+        for source in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            name = source.relative_to(package).as_posix()
+            digest.update(name.encode() + b"\0" + source.read_bytes())
     return digest.hexdigest()

@@ -1,50 +1,47 @@
-"""The output folder: checked and locked before any work, changed at the end of it at once."""
+"""The folder of one run: locked while it is at work, its artefacts changed at the end at once.
+
+with run_folder(folder, key, threads=2) as run:
+    result = sweep(..., work=run.work)         # finished pieces go on disk; a killed run resumes
+    run.write_text("speeds.csv", lines)        # beside its place
+    run.commit()                               # all of them in their places
+"""
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Callable, Iterable
-from hashlib import sha256
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from hashlib import file_digest, sha256
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from camcli.errors import Fault, SceneError
+from camcli.output.program import program_hash
+from camcli.parallel import Checkpoint, Shard, ShardDone, Work
+from camcli.parallel.checkpoint import END
 
-PART = ".part"
+PART, PIECES = ".part", ".pieces"  # endings of files that are gone when a run has finished
+RECORD = "run.json"
 
 
-class Store:
-    """Artefacts of one run in one folder.
+class RunFolder:
+    """What a run writes, and how its pieces are run (see `run_folder`)."""
 
-    Every file is written beside its place; `commit` moves all there by renames, so that until then
-    the artefacts of an earlier run stand as they were. One process at a time has the folder.
-    """
-
-    def __init__(self, folder: Path):
-        """Create and lock the folder, or raise SceneError if artefacts could not be written."""
+    def __init__(self, folder: Path, work: Work):
         self.folder = folder
-        self.hashes: dict[str, str] = {}
-        self._written: list[str] = []
-        self._dropped: list[str] = []
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except (FileExistsError, NotADirectoryError):
-            raise _refused(folder, "found a file where the folder should be") from None
-        except OSError as error:
-            raise _refused(folder, f"found no way to create it ({error.strerror})") from None
-        if not os.access(folder, os.W_OK | os.X_OK):
-            raise _refused(folder, "found a folder that may not be written")
-        self._lock = locked(folder)
-        try:
-            for stale in folder.glob(f".*{PART}"):  # of a run that was killed
-                stale.unlink(missing_ok=True)
-        except OSError as error:
-            self.close()
-            raise _refused(
-                folder, f"{stale.name} could not be removed ({error.strerror})"
-            ) from None
+        self.work = work
+        self.hashes: dict[str, str] = {}  # of what was written, in this order
+        self.committed = False
+        self.shard_done = False
+        self._waiting: list[str] = []  # written, not yet in its place
 
-    def write(self, name: str, fill: Callable[[BinaryIO], None]) -> None:
+    @property
+    def resumed(self) -> int:
+        """Pieces that an earlier run had left on disk."""
+        return self.work.checkpoint.resumed if self.work.checkpoint is not None else 0
+
+    def write(self, name: str, fill: Callable[[BinaryIO], Any]) -> None:
         """Let `fill` write the bytes of `name`; an earlier file stays until `commit`."""
         part = self._part(name)
         try:
@@ -55,60 +52,158 @@ class Store:
             self.hashes[name] = _hash(part)
         except OSError as error:
             part.unlink(missing_ok=True)
-            raise unwritable(self.folder, name, error) from None
+            raise _unwritable(self.folder, name, error) from None
         except BaseException:
             part.unlink(missing_ok=True)
             raise
-        self._written = [other for other in self._written if other != name] + [name]
+        self._waiting = [other for other in self._waiting if other != name] + [name]
 
     def write_text(self, name: str, chunks: Iterable[str]) -> None:
         """Write `name` from pieces of text."""
         self.write(name, lambda file: file.writelines(chunk.encode() for chunk in chunks))
 
-    def remove(self, name: str) -> None:
-        """Drop, with the next commit, an artefact of an earlier run that this run does not make."""
-        self._dropped.append(name)
-
     def commit(self) -> None:
-        """Put everything written in its place, in the order in which it was written."""
-        name = ""
+        """Put everything written in its place, run.json last: by renames, so each file is whole.
+
+        With a new run.json the artefacts go that only the run before had; see `_outdated`.
+        """
+        last = [RECORD] if RECORD in self._waiting else []
+        name = RECORD
         try:
-            for name in self._dropped:
-                if name not in self._written:
-                    (self.folder / name).unlink(missing_ok=True)
-            for name in self._written:
+            outdated = self._outdated() if last else []
+            for name in [name for name in self._waiting if name != RECORD]:
                 os.replace(self._part(name), self.folder / name)
+            for name in outdated:
+                (self.folder / name).unlink(missing_ok=True)
+            for name in last:
+                os.replace(self._part(name), self.folder / name)
+            _sync(self.folder)
         except OSError as error:
-            raise unwritable(self.folder, name, error) from None
-        self._written, self._dropped = [], []
+            raise _unwritable(self.folder, name, error) from None
+        self._waiting, self.committed = [], True
+
+    def _outdated(self) -> list[str]:
+        """Files that the run.json of the run before lists, as they were, and we do not make.
+
+        Any other file in the folder is somebody's, or has been changed by somebody since.
+        """
+        try:
+            listed = json.loads((self.folder / RECORD).read_bytes())["artefacts"]
+            others = [(name, digest) for name, digest in listed.items() if name not in self.hashes]
+            plain = [(n, digest) for n, digest in others if n == Path(n).name and n[0] != "."]
+        except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError):
+            return []
+        here = [(self.folder / name, digest) for name, digest in plain]
+        return [path.name for path, digest in here if path.is_file() and _hash(path) == digest]
 
     def close(self) -> None:
-        """Leave the folder to others; what was not committed is gone."""
-        for name in self._written:
+        """Forget what was not committed."""
+        for name in self._waiting:
             self._part(name).unlink(missing_ok=True)
-        if self._lock is not None:
-            os.close(self._lock)
-            self._lock = None
-
-    def __enter__(self) -> Store:
-        return self
-
-    def __exit__(self, *failure: object) -> None:
-        self.close()
 
     def _part(self, name: str) -> Path:
         return self.folder / f".{name}{PART}"
 
 
-def locked(folder: Path) -> int | None:
-    """A lock on a folder or file that ends with the process; None where the system has none.
+@contextmanager
+def run_folder(
+    folder: Path,
+    key: Mapping[str, Any] | None = None,
+    *,
+    threads: int | None = None,
+    cluster: str | None = None,
+    shard: Shard | None = None,
+    parts: tuple[Path, ...] = (),
+) -> Iterator[RunFolder]:
+    """Lock the folder for a run, and open the pieces that an earlier run of this key has left.
 
-    Raises SceneError where another process has it.
+    key: plain values that decide the results, beside the program (its `command` names the file of
+    pieces); None: nothing is kept. The pieces stay where the block ends without a commit, so that a
+    run with the same key goes on from them. cluster: `local` or HOST:PORT of a Dask scheduler.
+    shard: only pieces of this part are made, no artefacts: the block ends early, without an
+    exception, and `shard_done` is set. parts: files of shards, whose pieces are read.
+
+    Raises SceneError where the folder cannot be written, or another run is at work in it.
+    """
+    run = RunFolder(folder, Work(threads, shard=shard))
+    with ExitStack() as stack:
+        _create(folder)
+        if shard is None:
+            stack.callback(_unlock, _lock(folder))
+            _remove_leftovers(folder)
+            stack.callback(run.close)
+        if key is not None:
+            checkpoint = _checkpoint(stack, folder, key, shard, parts)
+            run.work.checkpoint = checkpoint
+        if cluster is not None:
+            from camcli.parallel.dask_cluster import DaskCluster
+
+            run.work.cluster = stack.enter_context(DaskCluster(cluster, threads, program_hash))
+        try:
+            yield run
+        except ShardDone:
+            assert shard is not None
+            checkpoint.put(END, 0, list(shard))
+            run.shard_done = True
+        if run.committed and key is not None:
+            checkpoint.discard()
+
+
+def _create(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise _refused(folder, "found a file where the folder should be") from None
+    except OSError as error:
+        raise _refused(folder, f"found no way to create it ({error.strerror})") from None
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise _refused(folder, "found a folder that may not be written")
+
+
+def _remove_leftovers(folder: Path) -> None:
+    """Remove what a run that was killed had written and not put in its place."""
+    path = folder
+    try:
+        for path in folder.glob(f".*{PART}"):
+            path.unlink(missing_ok=True)
+    except OSError as error:
+        raise _refused(folder, f"{path.name} could not be removed ({error.strerror})") from None
+
+
+def _checkpoint(
+    stack: ExitStack,
+    folder: Path,
+    key: Mapping[str, Any],
+    shard: Shard | None,
+    parts: tuple[Path, ...],
+) -> Checkpoint:
+    text = json.dumps({**key, "program": program_hash()}, sort_keys=True, default=str)
+    command = key.get("command", "run")
+    if shard is None:
+        path = folder / f".{command}-{sha256(text.encode()).hexdigest()[:12]}{PIECES}"
+    else:
+        path = folder / f"{command}-{shard.number}-of-{shard.total}{PIECES}"
+    try:
+        if shard is not None:  # other shards may be at work in the same folder
+            path.touch()
+            stack.callback(_unlock, _lock(path))
+        checkpoint = Checkpoint(path, text, parts)
+    except OSError as error:
+        raise _unwritable(folder, path.name, error) from None
+    stack.callback(checkpoint.close)
+    return checkpoint
+
+
+def _lock(path: Path) -> int | None:
+    """A lock on a folder or file until `_unlock` or the end of the process; None without locks.
+
+    It belongs to the open file, not to the process: of two runs in one process one is refused.
+    Raises SceneError where another run has it.
     """
     try:
         import fcntl
 
-        handle = os.open(folder, os.O_RDONLY)
+        handle = os.open(path, os.O_RDONLY)
     except (ImportError, OSError):
         return None
     try:
@@ -116,24 +211,39 @@ def locked(folder: Path) -> int | None:
     except BlockingIOError:
         os.close(handle)
         found, cure = "found another run at work here", "wait for it, or choose another"
-        raise SceneError(Fault("-o", str(folder), found, "expected it free", cure)) from None
+        raise SceneError(Fault("-o", str(path), found, "expected it free", cure)) from None
     except OSError:  # a file system without locks
         os.close(handle)
         return None
     return handle
 
 
-def unwritable(folder: Path, name: str, error: OSError) -> SceneError:
-    """The refusal for a file that could not be written."""
-    return _refused(folder, f"{name} could not be written ({error.strerror})")
+def _unlock(handle: int | None) -> None:
+    if handle is not None:
+        os.close(handle)
+
+
+def _sync(folder: Path) -> None:
+    """Wait until the renames are on disk, before the pieces are forgotten."""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:  # no system that opens folders
+        return
+    try:
+        os.fsync(handle)
+    except OSError:  # a file system that does not know it
+        pass
+    finally:
+        os.close(handle)
 
 
 def _hash(path: Path) -> str:
-    digest = sha256()
     with open(path, "rb") as file:
-        while block := file.read(1 << 20):
-            digest.update(block)
-    return digest.hexdigest()
+        return file_digest(file, "sha256").hexdigest()
+
+
+def _unwritable(folder: Path, name: str, error: OSError) -> SceneError:
+    return _refused(folder, f"{name} could not be written ({error.strerror})")
 
 
 def _refused(folder: Path, found: str) -> SceneError:

@@ -8,11 +8,11 @@ hands to another one. The task travels with each chunk, since data left with a w
 from __future__ import annotations
 
 import logging
-import pickle
+import signal
 import warnings
-import zlib
+from asyncio import CancelledError
 from collections.abc import Callable, Iterator, Sequence
-from functools import lru_cache
+from concurrent import futures
 from time import monotonic, perf_counter
 from typing import Any
 
@@ -29,8 +29,8 @@ POLL, PATIENCE = 2.0, 60.0  # s: between looks; without any worker, before givin
 RESUME = "repeat the command: finished pieces are on disk"
 
 
-class WorkerError(Exception):
-    """A worker that would not compute what we would."""
+class OtherProgramError(Exception):
+    """A worker has another version of this program."""
 
 
 class DaskCluster:
@@ -50,9 +50,8 @@ class DaskCluster:
             raise _fault("found no package `distributed`", cure, "expected it") from None
         _silence()
         self.program = (program, program()) if program is not None else None
-        self.local = None
-        if address == LOCAL:
-            self.local = _local(distributed, thread_count(threads))
+        self.local = _local(distributed, thread_count(threads)) if address == LOCAL else None
+        self.lonely = monotonic()  # since when no worker was seen
         try:
             self.client = distributed.Client(self.local or address, timeout=CONNECT)
         except (OSError, ValueError, TypeError, TimeoutError) as error:
@@ -67,115 +66,86 @@ class DaskCluster:
         self.client.close(timeout=CONNECT)
         self._end_local()
 
-    def results(
-        self, task: Callable, pieces: Sequence, keep: Callable[[int, Any], Any]
-    ) -> Iterator:
-        """Iterator of task(piece) in order; keep(k, result) as soon as piece k is here."""
-        packed = zlib.compress(pickle.dumps(task), 1)
-        running: dict[Any, int] = {}  # future -> first piece of its chunk
-        done: dict[int, list] = {}  # first piece -> results
-        sent = turn = 0
-        size = 1
-        while turn < len(pieces):
-            slots = max(1, self._slots())
-            while sent < len(pieces) and len(running) + len(done) < AHEAD * slots:
-                some = list(pieces[sent : sent + size])
-                running[self._submit(packed, some)] = sent
-                sent += len(some)
-            for future in self._finished(running):
-                first = running.pop(future)
-                seconds, done[first] = self._result(future)
-                for k, result in enumerate(done[first], first):
-                    keep(k, result)
-                size = _size(seconds / len(done[first]), len(pieces) // (slots * CHUNKS_PER_SLOT))
-            while turn in done:
-                found = done.pop(turn)
-                turn += len(found)
-                yield from found
-
-    def _submit(self, packed: bytes, some: list) -> Any:
-        return self.client.submit(_chunk, packed, some, self.program, pure=False)
-
-    def _finished(self, running: dict) -> list:
-        """Those that have come; raises SceneError where no worker is left to bring any."""
-        import distributed
-
-        lonely = monotonic()
-        while True:
-            try:
-                found = distributed.wait(list(running), POLL, return_when="FIRST_COMPLETED")
-                return list(found.done)
-            except TimeoutError:
-                if self._slots():
-                    lonely = monotonic()
-                elif monotonic() - lonely > PATIENCE:
-                    words = f"found no worker for {PATIENCE:g} s"
-                    raise _fault(words, f"start workers and {RESUME}") from None
-            except _lost() as error:
-                raise _scheduler_lost(error) from None
-
-    def _result(self, future: Any) -> tuple[float, list]:
-        """(seconds, results) of a chunk; raises SceneError for what the cluster has done wrong."""
-        import distributed
-
-        try:
-            return future.result()
-        except distributed.KilledWorker as error:
-            found = f"found pieces at which {_attempts(error)} workers died"
-            raise _fault(found, f"give the workers more memory and {RESUME}") from None
-        except WorkerError as error:
-            raise _fault(f"found {error}", f"update the workers and {RESUME}") from None
-        except ImportError as error:
-            raise _fault(f"found a worker without {error.name}", "install camcli there") from None
-        except _lost() as error:
-            raise _scheduler_lost(error) from None
-
-    def _slots(self) -> int:
-        try:
-            return sum(self.client.nthreads().values())
-        except (*_lost(), TimeoutError, OSError) as error:
-            raise _scheduler_lost(error) from None
-
     def _end_local(self) -> None:
         if self.local is not None:
             self.local.close(timeout=CONNECT)
 
+    def results(
+        self, task: Callable, pieces: Sequence, keep: Callable[[int, Any], Any]
+    ) -> Iterator:
+        """Iterator of task(piece) in order; keep(k, result) as soon as piece k is here.
 
-def _chunk(packed: bytes, pieces: Sequence, program: tuple | None) -> tuple[float, list]:
+        Raises SceneError where the cluster fails; what it has computed is kept.
+        """
+        import distributed
+
+        running: dict[Any, int] = {}  # future -> first piece of its chunk
+        done: dict[int, list] = {}  # first piece -> results
+        sent = turn = 0
+        size, self.lonely = 1, monotonic()
+        while turn < len(pieces):
+            try:
+                slots = self._slots()
+                while sent < len(pieces) and len(running) + len(done) < AHEAD * slots:
+                    chunk = list(pieces[sent : sent + size])
+                    future = self.client.submit(_run, task, chunk, self.program, pure=False)
+                    running[future], sent = sent, sent + len(chunk)
+                arrived = [(f, *f.result()) for f in _finished(distributed, running)]
+            except distributed.KilledWorker as error:
+                died = getattr(error, "allowed_failures", 0) + 1
+                found = f"found pieces at which {died} workers died"
+                raise _fault(found, f"give the workers more memory and {RESUME}") from None
+            except OtherProgramError:
+                found = "found a worker with another version of this program"
+                raise _fault(found, f"update the workers and {RESUME}") from None
+            except ImportError as error:
+                found = f"found a worker without {error.name}"
+                raise _fault(found, "install camcli there") from None
+            except (OSError, TimeoutError, CancelledError, futures.CancelledError) as error:
+                raise _fault(f"lost the scheduler ({type(error).__name__})", RESUME) from None
+            for future, seconds, results in arrived:
+                first = running.pop(future)
+                done[first] = results
+                for k, result in enumerate(results, first):
+                    keep(k, result)
+                per_slot = len(pieces) // (slots * CHUNKS_PER_SLOT)
+                wanted = int(TARGET * len(results) / max(seconds, 1e-6))
+                size = max(1, min(MOST_IN_CHUNK, per_slot, wanted))
+            while turn in done:
+                results = done.pop(turn)
+                turn += len(results)
+                yield from results
+
+    def _slots(self) -> int:
+        """Threads of all workers, at least 1; raises SceneError after a while without any."""
+        count = sum(self.client.nthreads().values())
+        if count > 0:
+            self.lonely = monotonic()
+        elif monotonic() - self.lonely > PATIENCE:
+            raise _fault(f"found no worker for {PATIENCE:g} s", f"start workers and {RESUME}")
+        return max(1, count)
+
+
+def dask_setup(worker: object) -> None:
+    """Called in a process of `--cluster local` (see `_local`): Ctrl-C is for the command."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _run(task: Callable, chunk: Sequence, program: tuple | None) -> tuple[float, list]:
     """(seconds, results) of some pieces, in a worker."""
     if program is not None and program[0]() != program[1]:
-        raise WorkerError("a worker with another version of this program")
-    task, began = _unpacked(packed), perf_counter()
-    results = [task(piece) for piece in pieces]
+        raise OtherProgramError
+    began = perf_counter()
+    results = [task(piece) for piece in chunk]
     return perf_counter() - began, results
 
 
-@lru_cache(maxsize=4)
-def _unpacked(packed: bytes) -> Callable:
-    return pickle.loads(zlib.decompress(packed))
-
-
-def _size(seconds: float, most: int) -> int:
-    """Pieces of the next chunks, where one takes so long."""
-    return max(1, min(MOST_IN_CHUNK, most, int(TARGET / max(seconds, 1e-6))))
-
-
-def _lost() -> tuple[type[BaseException], ...]:
-    """What says that scheduler or network are gone."""
-    from asyncio import CancelledError as Cancelled
-    from concurrent.futures import CancelledError
-
-    from distributed.comm import CommClosedError
-
-    return (CommClosedError, CancelledError, Cancelled)
-
-
-def _scheduler_lost(error: BaseException) -> SceneError:
-    return _fault(f"lost the scheduler ({type(error).__name__})", RESUME)
-
-
-def _attempts(error: Any) -> Any:
-    return getattr(error, "allowed_failures", 0) + 1
+def _finished(distributed: Any, running: dict) -> list:
+    """Futures that have come, none where none comes for a while."""
+    try:
+        return list(distributed.wait(list(running), POLL, return_when="FIRST_COMPLETED").done)
+    except TimeoutError:
+        return []
 
 
 def _fault(found: str, cure: str, expected: str = "") -> SceneError:
@@ -190,9 +160,9 @@ def _silence() -> None:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
-def _local(distributed, count: int):
+def _local(distributed: Any, count: int) -> Any:
     """Processes of this machine, one thread each."""
     return distributed.LocalCluster(
         n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None,
-        silence_logs=logging.CRITICAL + 1, preload=["camcli.parallel.worker"],
+        silence_logs=logging.CRITICAL + 1, preload=["camcli.parallel.dask_cluster"],
     )  # fmt: skip

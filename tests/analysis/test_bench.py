@@ -15,7 +15,7 @@ from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK, measured
 from camcli.analysis.bench.precision import case, compare, run_core, run_peer
 from camcli.cli.bench import machines
 from camcli.parallel import Work
-from camcli.parallel.journal import Journal
+from camcli.parallel.checkpoint import Checkpoint
 from camcli.scene.bench import CASES, METHODS
 from camcli.system import System
 from tests import oracle
@@ -198,15 +198,17 @@ class Kept:
 
 def test_only_what_was_not_reached_is_measured_again(tmp_path):
     def run(found):
-        asked, journal = [], Journal(tmp_path / "j", "bench")
+        asked, checkpoint = [], Checkpoint(tmp_path / "j", "bench")
 
         def measure(piece, share, left):
             asked.append(piece)
             assert 0.0 < share <= left <= 60.0
             return [Kept(f"case {piece}", found[piece])]
 
-        rows = list(measured(Kept, measure, [1, 2, 3], Work(threads=1, journal=journal), 60.0))
-        journal.close()
+        rows = list(
+            measured(Kept, measure, [1, 2, 3], Work(threads=1, checkpoint=checkpoint), 60.0)
+        )
+        checkpoint.close()
         return rows, asked
 
     first, asked = run({1: OK, 2: NOT_REACHED, 3: FAILED})

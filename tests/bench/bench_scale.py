@@ -14,8 +14,8 @@ from time import perf_counter
 from camcli.analysis.integrate import Settings, compile_for
 from camcli.analysis.sweep import rpm_grid, sweep
 from camcli.parallel import Work
+from camcli.parallel.checkpoint import Checkpoint
 from camcli.parallel.dask_cluster import LOCAL, DaskCluster
-from camcli.parallel.journal import Journal
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 
@@ -53,14 +53,14 @@ def main() -> None:
             print(f"a piece of one turn, {way}: {took / PIECES * 1e6:.0f} us")
         count = iter(range(1000))
 
-        def journaled(_: Work) -> tuple[float, int]:
-            journal = Journal(folder / f"{next(count)}", "bench")
-            found = timed(system, Work(threads=1, journal=journal), SHORT, PIECES)
-            journal.discard()
+        def kept_on_disk(_: Work) -> tuple[float, int]:
+            checkpoint = Checkpoint(folder / f"{next(count)}", "bench")
+            found = timed(system, Work(threads=1, checkpoint=checkpoint), SHORT, PIECES)
+            checkpoint.discard()
             return found
 
         (kept, _), (plain, _) = (
-            best({"kept": ways["1 thread"]}, journaled)["kept"],
+            best({"kept": ways["1 thread"]}, kept_on_disk)["kept"],
             short["1 thread"],
         )
         print(f"kept on disk: {(kept - plain) / PIECES * 1e6:.0f} us more")

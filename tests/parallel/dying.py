@@ -1,8 +1,8 @@
 """`cam` that kills itself at a chosen moment: python dying.py WHERE NUMBER SIGNAL WORDS...
 
-WHERE: half (half of a record is in the file of pieces), put (a record is), fsync (an artefact is
-written beside its place), replace (it is about to go there), unlink (a file is about to go),
-slow (never; NUMBER ms are added to every piece).
+WHERE: half (half of a piece is on disk), put (a piece is), fsync (an artefact is written beside its
+place), replace (it is about to go there), unlink (a file is about to go), slow (never; NUMBER ms
+are added to every piece).
 """
 
 import os
@@ -11,19 +11,19 @@ import sys
 import time
 from pathlib import Path
 
-from camcli.parallel import pieces as work
-from camcli.parallel.journal import Journal
+from camcli.parallel.checkpoint import Checkpoint
+from camcli.parallel.work import Kept
 
 
-def before(owner, name: str, number: int, end) -> None:
-    """Call `end` before the call `number` of a function."""
+def before(owner, name: str, number: int, act) -> None:
+    """Call act(first argument) before the call `number` of a function."""
     original, left = getattr(owner, name), number
 
     def dying(*args, **options):
         nonlocal left
         left -= 1
         if left == 0:
-            end()
+            act(args[0])
         return original(*args, **options)
 
     setattr(owner, name, dying)
@@ -45,45 +45,24 @@ class Half:
         return done
 
 
-def in_record(number: int, end) -> None:
-    """Die in the middle of the record `number` after the header."""
-    append, left = Journal._append, number + 1
-
-    def dying(journal, name, value):
-        nonlocal left
-        left -= 1
-        if left == 0:
-            journal._file = Half(journal._file, end)
-        return append(journal, name, value)
-
-    Journal._append = dying
-
-
-def slowly(seconds: float) -> None:
-    """Make every piece that is kept slow."""
-    keep = work._Call.keep
-
-    def slow(call, k, result):
-        time.sleep(seconds)
-        return keep(call, k, result)
-
-    work._Call.keep = slow
-
-
 def main() -> None:
     """Arm, then run `cam`."""
     where, number, how = sys.argv[1], int(sys.argv[2]), signal.Signals[sys.argv[3]]
     sys.argv = ["cam", *sys.argv[4:]]
 
-    def end() -> None:
+    def end(_=None) -> None:
         os.kill(os.getpid(), how)
 
+    def cut(checkpoint) -> None:
+        checkpoint._file = Half(checkpoint._file, end)
+
     if where == "half":
-        in_record(number, end)
+        before(Checkpoint, "put", number, cut)
     elif where == "slow":
-        slowly(number / 1000)
+        put = Kept.put
+        Kept.put = lambda *args: time.sleep(number / 1000) or put(*args)
     else:
-        owners = {"put": (Journal, "put"), "fsync": (os, "fsync"), "unlink": (Path, "unlink")}
+        owners = {"put": (Checkpoint, "put"), "unlink": (Path, "unlink"), "fsync": (os, "fsync")}
         before(*owners.get(where, (os, "replace")), number, end)
     from camcli.cli.app import main as run
 

@@ -15,7 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from camcli.parallel.journal import records
+from camcli.parallel.checkpoint import records
 
 DYING = Path(__file__).with_name("dying.py")
 SIGNALS = (signal.SIGKILL, signal.SIGINT, signal.SIGTERM)
@@ -185,7 +185,7 @@ def at_work(folder: Path, pieces: int = 2, seconds: float = 60.0) -> bool:
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         for path in folder.glob("*.pieces"):
-            with suppress(OSError), open(path, "rb", buffering=0) as file:
+            with suppress(OSError), open(path, "rb") as file:
                 if sum(1 for _ in records(file)) > pieces:
                     return True
         time.sleep(0.02)

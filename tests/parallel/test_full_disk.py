@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from camcli.parallel.journal import records
+from camcli.parallel.checkpoint import records
 from tests.parallel.long_runs import (
     at_work,
     begin,
@@ -44,7 +44,7 @@ def disk(tmp_path):
 
 def pieces(folder: Path) -> int:
     (path,) = folder.glob(".*.pieces")
-    with open(path, "rb", buffering=0) as file:
+    with open(path, "rb") as file:
         return sum(1 for _ in records(file)) - 1
 
 
