@@ -73,29 +73,24 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
+def shown(text: str, limit: int = 60) -> str:
+    """Text of the user, cut to `limit` characters and safe to print on any terminal."""
+    return printable(text if len(text) <= limit else text[: limit - 3] + "...")
+
+
 class CamError(Exception):
     """Base of every error this package raises on purpose."""
 
 
-class SceneError(CamError):
-    """The input cannot be used; carries every fault found (exit code 2)."""
+class SceneError(CamError, ValueError):
+    """The input cannot be used; carries every fault found (exit code 2).
+
+    A ValueError, so that a validator may raise it: validation then says where the faults stand.
+    """
 
     def __init__(self, *faults: Fault):
         self.faults = faults
         super().__init__("\n".join(str(fault) for fault in faults))
-
-
-class FileFaultsError(ValueError):
-    """A file that the scene names cannot be used; carries every fault found in it."""
-
-    def __init__(self, *faults: Fault):
-        self.faults = faults
-        super().__init__("\n".join(str(fault) for fault in faults))
-
-
-def refused(where: str, key: str, found: str, expected: str, cure: str) -> FileFaultsError:
-    """One fault of a file that the scene names; `key` is the key of the section it concerns."""
-    return FileFaultsError(Fault(where, key, found, expected, cure))
 
 
 class NumericsError(CamError):

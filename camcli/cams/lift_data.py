@@ -8,8 +8,9 @@ from decimal import Decimal, localcontext
 from math import gcd, sqrt
 from statistics import median_low
 
+from camcli.cams.files import refused
 from camcli.cams.lift_text import MAX_FAULTS, Rows
-from camcli.errors import Fault, FileFaultsError, refused
+from camcli.errors import Fault, SceneError
 
 LEAST_ROWS = 16
 LEAST_MOVING = 12  # rows off the dwells
@@ -57,7 +58,7 @@ class Reading:
 
 
 def one_turn(rows: Rows, reading: Reading) -> Turn:
-    """Check angles and cover of the table and lay it on the turn; raises FileFaultsError."""
+    """Check angles and cover of the table and lay it on the turn; raises SceneError."""
     if len(rows.angle) < LEAST_ROWS:
         found, expected = f"found {len(rows.angle)} rows", f"expected at least {LEAST_ROWS}"
         raise refused(rows.name, "file", found, expected, "measure more rows")
@@ -98,7 +99,7 @@ def _ascending(rows: Rows) -> None:
         if len(faults) >= MAX_FAULTS:
             break
     if faults:
-        raise FileFaultsError(*faults)
+        raise SceneError(*faults)
 
 
 def _quantum(rows: Rows) -> tuple[Decimal, list[int]]:
@@ -129,14 +130,14 @@ def _sizes(rows: Rows, reading: Reading, step: float) -> None:
         found = f"found a largest lift of {top:.6g} m, suspiciously {size}"
         expected = f"expected {SMALLEST_LIFT:g} to {LARGEST_LIFT:g} m"
         cure = "is the unit in cam.lift the file's? And lift_column, rocker_ratio?"
-        raise FileFaultsError(rows.fault(k, found, expected, cure))
+        raise SceneError(rows.fault(k, found, expected, cure))
     if bottom < -0.02 * abs(top) - step:
         found = f"found a lift of {bottom:.6g} m, below the base circle"
         cure = "is lift_column the right column? Subtract the base if the file has radii"
-        raise FileFaultsError(rows.fault(least, found, "expected lifts from zero up", cure))
+        raise SceneError(rows.fault(least, found, "expected lifts from zero up", cure))
     if top - bottom < 8.0 * step:
         found = f"found lifts that differ by {top - bottom:.6g} m, a few steps of the last digit"
-        raise FileFaultsError(rows.fault(k, found, "expected a lift curve", "write more decimals"))
+        raise SceneError(rows.fault(k, found, "expected a lift curve", "write more decimals"))
 
 
 def _cover(rows, angles, spacing, whole, reading) -> tuple[int, bool]:
@@ -145,14 +146,14 @@ def _cover(rows, angles, spacing, whole, reading) -> tuple[int, bool]:
     if span > 360 + spacing / 4:
         found = f"the table covers {float(span):.10g} deg of cam, {float(span - 360):.6g} too much"
         cure = "is cam.angle right (crank angles are halved)? Cut the table after one turn"
-        raise FileFaultsError(rows.fault(last, found, "expected one turn", cure, "angle"))
+        raise SceneError(rows.fault(last, found, "expected one turn", cure, "angle"))
     quantum = max(1, gcd(*whole))
     if 360 - span < spacing / 4:
         jump = abs(whole[-1] - whole[0])
         if jump > 2 * quantum + abs(whole[1] - whole[0]) // 4:
             found = f"the last row is one turn after the first, its lift is {rows.lift[-1].value}"
             expected = f"expected {rows.lift[0].value} as in the first row"
-            raise FileFaultsError(rows.fault(last, found, expected, "correct one of the two"))
+            raise SceneError(rows.fault(last, found, expected, "correct one of the two"))
         return last, True
     if 360 - span <= spacing * 3 / 2:
         return last + 1, True
@@ -167,7 +168,7 @@ def _cover(rows, angles, spacing, whole, reading) -> tuple[int, bool]:
             cure = "measure down to zero lift, or is cam.angle wrong (crank angles are halved)?"
             faults.append(rows.fault(k, found, COVER, cure))
     if faults:
-        raise FileFaultsError(*faults)
+        raise SceneError(*faults)
     return last + 1, False
 
 
@@ -203,7 +204,7 @@ def _filled(rows: Rows, turn: Turn, whole: list[int], covered: bool) -> tuple[Tu
             where = f"{rows.name}:{turn.line[k]}"
             faults.append(Fault(where, "angle", found, expected, "measure the rows between"))
     if faults:
-        raise FileFaultsError(*faults[:MAX_FAULTS])
+        raise SceneError(*faults[:MAX_FAULTS])
     order = sorted(range(len(theta)), key=lambda k: theta[k] % 360.0)
     return replace(
         turn,

@@ -12,7 +12,7 @@ from statistics import median_low
 
 from camcli.cams.lift_data import Turn
 from camcli.cams.lift_text import MAX_FAULTS
-from camcli.errors import Fault, FileFaultsError
+from camcli.errors import Fault, SceneError
 
 SPIKE = 12.0  # quanta: a row further off its neighbours is refused
 BACKGROUND = 8.0  # times the median deviation, likewise
@@ -22,7 +22,7 @@ NORMAL = 0.6745  # median of |x| of a normal distribution
 
 
 def refuse_spikes(turn: Turn, name: str) -> None:
-    """Raise FileFaultsError with every row that is off all its neighbours."""
+    """Raise SceneError with every row that is off all its neighbours."""
     n = len(turn.lift)
     rows = [_deviation(turn, k, 2) for k in range(n)]
     off = sorted(abs(d) for d, _ in rows if d != 0.0)
@@ -41,7 +41,7 @@ def refuse_spikes(turn: Turn, name: str) -> None:
             cure = "correct the row, or remove it"
             faults.append(Fault(f"{name}:{turn.line[k]}", "lift", found, expected, cure))
     if faults:
-        raise FileFaultsError(*faults[:MAX_FAULTS])
+        raise SceneError(*faults[:MAX_FAULTS])
 
 
 def noise(turn: Turn) -> float:

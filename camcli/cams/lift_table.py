@@ -20,17 +20,20 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, 
 
 from camcli.cams.bspline import piece
 from camcli.cams.decimals import pi
+from camcli.cams.files import read_bytes, refused
 from camcli.cams.lift_data import Reading, Turn, one_turn
 from camcli.cams.lift_error import Accuracy, Errors
 from camcli.cams.lift_fit import Fit, Smoother
 from camcli.cams.lift_noise import noise, refuse_spikes
-from camcli.cams.lift_text import parse, read_bytes
+from camcli.cams.lift_text import parse
 from camcli.cams.pieces import Part
-from camcli.errors import Fault, FileFaultsError, refused
+from camcli.errors import Fault, SceneError
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Column = Annotated[int, Field(strict=True, ge=1)] | Annotated[str, Field(min_length=1)]
 UNITS = {"m": 1.0, "mm": 1e-3, "inch": 0.0254}
+MAX_BYTES = 10_000_000
+EXPECTED = "expected a table of angles and lifts"
 CHUNK = 8  # pieces of a stretch: its bounds are tighter than those of a whole flank
 
 
@@ -89,7 +92,8 @@ class TableCam(BaseModel):
         folder = Path((info.context or {}).get("folder", Path()))
         name = str(folder / self.file)
         self._inside(folder, name)
-        data = read_bytes(folder / self.file, name)
+        cure = "check the name; it is looked for beside the scene"
+        data = read_bytes(folder / self.file, name, MAX_BYTES, EXPECTED, cure, "file")
         digest = hashlib.sha256(data).hexdigest()
         if self.sha256 not in (None, digest):
             found = f"found a file with the SHA-256 {digest}"
@@ -112,9 +116,7 @@ class TableCam(BaseModel):
         if not inside and not self.allow_outside:
             found = "found a file outside the scene's folder"
             cure = "copy it beside the scene, or write allow_outside: true"
-            raise FileFaultsError(
-                Fault(name, "file", found, "expected a file beside the scene", cure)
-            )
+            raise SceneError(Fault(name, "file", found, "expected a file beside the scene", cure))
         self._outside = "" if inside else place
 
     def _reading(self) -> Reading:

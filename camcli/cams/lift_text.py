@@ -6,16 +6,13 @@ first line with content says how cells are separated: `;` if it has one, else `,
 
 from __future__ import annotations
 
-import os
 import re
-import stat
 from dataclasses import dataclass
 from decimal import Decimal
-from pathlib import Path
 
-from camcli.errors import Fault, FileFaultsError, refused
+from camcli.cams.files import decoded, refused
+from camcli.errors import Fault, SceneError
 
-MAX_BYTES = 10_000_000
 MAX_ROWS = 50_000
 MAX_LINES = 2 * MAX_ROWS  # with comments
 LONGEST_LINE = 10_000  # characters
@@ -25,7 +22,6 @@ SMALLEST = -40  # decimals of a number, at most
 
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?", re.ASCII)
-_BINARY = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 
 
 @dataclass(frozen=True)
@@ -52,39 +48,8 @@ class Rows:
         return Fault(f"{self.name}:{cell.line}:{cell.column}", key, found, expected, cure)
 
 
-def read_bytes(path: Path, name: str) -> bytes:
-    """The file's bytes; raises FileFaultsError where it is missing, no file, or too large."""
-    expected = "expected a table of angles and lifts"
-    try:
-        status = os.stat(path)
-        data = b""
-        if stat.S_ISREG(status.st_mode):
-            with open(path, "rb", opener=never_waiting) as file:
-                data = file.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        cure = "check the name; it is looked for beside the scene"
-        raise refused(name, "file", "no such file", expected, cure) from None
-    except (OSError, ValueError) as error:
-        reason = (getattr(error, "strerror", None) or str(error)).lower()
-        found = f"cannot be read: {reason}"
-        raise refused(name, "file", found, expected, "check the permissions") from None
-    if not stat.S_ISREG(status.st_mode):
-        kind = "a folder" if stat.S_ISDIR(status.st_mode) else "a pipe, socket or device"
-        raise refused(name, "file", f"found {kind}", expected, "name a text file")
-    if len(data) > MAX_BYTES:
-        found = f"found more than {MAX_BYTES // 10**6} MB"
-        cure = "is this the right file? Thin the table out otherwise"
-        raise refused(name, "file", found, expected, cure)
-    return data
-
-
-def never_waiting(path: str, flags: int) -> int:
-    """An opener that does not wait, should the file have become a pipe since it was looked at."""
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
-
-
 def parse(data: bytes, name: str, angle: int | str, lift: int | str, header: bool) -> Rows:
-    """The rows of the two columns, by number from 1 or by name; raises FileFaultsError."""
+    """The rows of the two columns, by number from 1 or by name; raises SceneError."""
     lines = _lines(data, name)
     split = _splitter(lines[0][1], name, lines[0][0])
     titles = [text.strip('"') for _, text in split(lines[0][1])] if header else []
@@ -102,29 +67,13 @@ def parse(data: bytes, name: str, angle: int | str, lift: int | str, header: boo
     ]
     if wanted[0] == wanted[1]:
         found = f"angle_column and lift_column are both column {wanted[0] + 1}"
-        raise FileFaultsError(
-            Fault(name, "lift_column", found, "expected two columns", "name both")
-        )
+        raise SceneError(Fault(name, "lift_column", found, "expected two columns", "name both"))
     return _rows(body, split, width, wanted, name, header)
 
 
 def _lines(data: bytes, name: str) -> list[tuple[int, str]]:
     """(number, text) of the lines with content, comments cut off."""
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        found = f"found byte 0x{data[error.start]:02x}"
-        cure = "is this a binary file?" if 0 in data else "save the file as UTF-8"
-        where = f"{name}:{line}"
-        raise refused(where, "file", found, "expected UTF-8 text", cure) from None
-    odd = _BINARY.search(text)
-    if odd:
-        where = f"{name}:{text.count(chr(10), 0, odd.start()) + 1}"
-        found = f"found the control character 0x{ord(odd[0]):02x}"
-        raise FileFaultsError(
-            Fault(where, "file", found, "expected text", "is this a binary file?")
-        )
+    text = decoded(data, name, "file")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if text.count("\n") > MAX_LINES:
         found, expected = f"found {text.count(chr(10))} lines", f"expected at most {MAX_LINES}"
@@ -149,7 +98,7 @@ def _short(lines: list[str], name: str) -> None:
         if len(line) > LONGEST_LINE
     ]  # fmt: skip
     if faults:
-        raise FileFaultsError(*faults[:MAX_FAULTS])
+        raise SceneError(*faults[:MAX_FAULTS])
 
 
 def _splitter(first: str, name: str, line: int):
@@ -158,7 +107,7 @@ def _splitter(first: str, name: str, line: int):
     if ";" in first:
         mark = ";"
     elif len(words) > 1 and all(_DECIMAL_COMMA.fullmatch(w) or w.isdigit() for w in words):
-        raise FileFaultsError(_comma(name, line, 1, words[0]))
+        raise SceneError(_comma(name, line, 1, words[0]))
     elif "," in first:
         mark = ","
     else:
@@ -217,7 +166,7 @@ def _rows(body, split, width: int, wanted: list[int], name: str, header: bool) -
         if len(faults) >= MAX_FAULTS:
             break
     if faults:
-        raise FileFaultsError(*faults)
+        raise SceneError(*faults)
     return Rows(name, *columns)
 
 

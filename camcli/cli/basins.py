@@ -19,14 +19,13 @@ from camcli.cli.plan_basins import basins_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
 from camcli.cli.setup import Setup, set_up, speed_range
-from camcli.errors import STATUSES, Fault, SceneError
+from camcli.errors import STATUSES, Fault, SceneError, shown
 from camcli.kernel import backend
 from camcli.output.basins import attractors_csv, basins_csv
 from camcli.output.run_folder import RunFolder
 from camcli.parallel import Work
-from camcli.scene.places import shown
-from camcli.scene.scalars import resolve
-from camcli.scene.studies import MOST_CELLS
+from camcli.scene import scalar
+from camcli.scene.schema import MOST_CELLS
 
 NAME = "basins"
 STEPS = 100  # of the progress bar
@@ -73,7 +72,7 @@ def _options(request: Request) -> dict[str, tuple[Any, str]]:
 
 
 def _cells(text: str) -> list[int]:
-    numbers = [resolve(word.strip()) for word in text.replace("x", ",").split(",")]
+    numbers = [scalar(word.strip()) for word in text.replace("x", ",").split(",")]
     good = all(type(n) is int and 1 <= n <= MOST_CELLS for n in numbers)
     if not good or len(numbers) > 2:
         expected = f"expected N or NQ,NV, whole numbers from 1 to {MOST_CELLS}"
@@ -83,7 +82,7 @@ def _cells(text: str) -> list[int]:
 
 
 def _span(text: str, name: str) -> list[float]:
-    values = [resolve(word.strip()) for word in text.split(":")]
+    values = [scalar(word.strip()) for word in text.split(":")]
     if len(values) != 2 or any(isinstance(v, bool | str | None) for v in values):
         found = f"found '{shown(text)}'"
         raise SceneError(Fault(name, "", found, "expected LO:HI, two numbers", "e.g. -20:40"))

@@ -16,10 +16,9 @@ from typing import Any, get_args, get_origin
 from camcli.cli.exit_codes import NUMERICS, note
 from camcli.cli.options import HOW, Request
 from camcli.cli.report import table
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, shown
 from camcli.output.program import program_hash
 from camcli.output.run_folder import RECORD
-from camcli.scene.places import shown
 
 NAME = "rerun"
 COMMANDS = ("simulate", "sweep", "detach", "orbits", "basins", "classify")

@@ -9,10 +9,9 @@ from camcli.analysis.integrate import Settings, Start
 from camcli.cli.exit_codes import note
 from camcli.cli.lift_words import cautions, fit_line
 from camcli.cli.options import Request
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, shown
 from camcli.kernel import backend
-from camcli.scene import Scene, load_scene, parse_rpm, scene_of
-from camcli.scene.places import shown
+from camcli.scene import Scene, load_scene, parse_rpm
 from camcli.system import Follower, System
 
 
@@ -57,7 +56,7 @@ def speed_range(request: Request, section: str) -> dict[str, tuple[Any, str]]:
 def set_up(request: Request, options: dict[str, tuple[Any, str]]) -> Setup:
     """Load and validate the scene and compile its cam; raises SceneError with every fault."""
     if request.scene is not None:
-        scene = scene_of(request.scene, request.home)
+        scene = load_scene(request.scene, folder=request.home)
     else:
         scene = load_scene(request.config, request.sets, options)
     follower = Follower(**scene.follower.model_dump())

@@ -1,26 +1,17 @@
-"""The scene: a YAML file, validated as a whole, with `--set` and options on top of it."""
+"""The scene: a YAML file or a dict, validated as a whole, with overrides on top of it."""
 
-from camcli.scene.files import default_scene_path
-from camcli.scene.load import load_scene, resolved, scene_hash, scene_of
-from camcli.scene.machine import Follower, RpmRange, Run, Start
-from camcli.scene.overrides import parse_rpm
-from camcli.scene.schema import Cam, Detach, Scene, Simulate, Sweep, json_schema
+from camcli.scene.document import scalar
+from camcli.scene.load import default_scene_path, load_scene, parse_rpm, resolved, scene_hash
+from camcli.scene.schema import Cam, Scene, json_schema
 
 __all__ = [
     "Cam",
-    "Detach",
-    "Follower",
-    "RpmRange",
-    "Run",
     "Scene",
-    "Simulate",
-    "Start",
-    "Sweep",
     "default_scene_path",
     "json_schema",
     "load_scene",
     "parse_rpm",
     "resolved",
+    "scalar",
     "scene_hash",
-    "scene_of",
 ]

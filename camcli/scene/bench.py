@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Literal, get_args
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import Field
 
-from camcli.scene.fields import Flag, Section, Whole, items, unique
+from camcli.scene.fields import Flag, Names, Section, Whole
 
 CaseName = Literal[
     "periodic", "chatter", "incomplete", "p3", "chaotic", "critical", "overdamped", "stiff",
     "eccentric",
 ]  # fmt: skip
 MethodName = Literal["core", "rk45", "dop853", "lsoda", "radau", "heyoka", "rk4"]
-CASES = CaseName.__args__
-METHODS = MethodName.__args__
-UNIQUE = {"uniqueItems": True}
+CASES = get_args(CaseName)
+METHODS = get_args(MethodName)
 
 
 class Bench(Section):
     """What `cam bench` measures: motions, methods and how often."""
 
-    cases: Annotated[
-        tuple[CaseName, ...], Field(min_length=1), BeforeValidator(items), AfterValidator(unique)
-    ] = Field(CASES, description="motions compared by precision", json_schema_extra=UNIQUE)
-    methods: Annotated[
-        tuple[MethodName, ...], Field(min_length=1), BeforeValidator(items), AfterValidator(unique)
-    ] = Field(METHODS, description="methods compared by precision", json_schema_extra=UNIQUE)
+    cases: Names[CaseName] = Field(CASES, description="motions compared by precision")
+    methods: Names[MethodName] = Field(METHODS, description="methods compared by precision")
     repeats: Whole = Field(3, ge=1, le=1000, description="timings of a point, after a first call")
     quick: Flag = Field(False, description="a subset, within a minute")
     flights: Whole = Field(

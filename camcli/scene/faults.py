@@ -4,226 +4,207 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, get_args
 
-from camcli.errors import FileFaultsError
-from camcli.scene.expected import Expectations, in_words
-from camcli.scene.fields import RefusedError
-from camcli.scene.nodes import Node, at, plain
-from camcli.scene.places import Finding, Mark, Path, Source, dotted, shown
-from camcli.scene.scalars import oddity
-from camcli.scene.schema import TAGGED, json_schema
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from camcli.errors import SceneError, shown
+from camcli.scene.document import Document, Finding, Mark, Path, dotted, oddity
+from camcli.scene.schema import Scene
 
 MAX_HINTS = 50  # nearest names are looked up for so many unknown keys: the search is not free
 
-_AT_KEY = {"extra_forbidden", "missing", "value_error", "union_tag_not_found"}
-_RANGES = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
-_SIZES = {"too_long", "string_too_short", "string_too_long", "string_pattern_mismatch"}
-_VALUES = {
-    *_RANGES,
-    "string_unicode",
-    "finite_number",
-    "literal_error",
-    "too_short",
-}  # and all that end in _type
+_EXPECTED = {  # by pydantic's type of an error; others keep the message after "should be"
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "greater_than": "a number greater than {gt:.15g}",
+    "greater_than_equal": "a number of at least {ge:.15g}",
+    "less_than": "a number less than {lt:.15g}",
+    "less_than_equal": "a number of at most {le:.15g}",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "bool_type": "true or false",
+    "string_type": "text",
+    "string_unicode": "text",
+    "string_too_short": "text of at least {min_length} character(s)",
+    "string_too_long": "text of at most {max_length} characters",
+    "string_pattern_mismatch": "text that matches {pattern}",
+    "tuple_type": "a list",
+    "too_short": "a list of at least {min_length} item(s)",
+    "too_long": "a list of at most {max_length} item(s)",
+}
+_MAP_TYPES = {"model_type", "model_attributes_type", "dict_type"}
+_AT_KEY = {"extra_forbidden", "missing", "value_error"}  # the fault is the key's or the section's
 
 
-class Translator:
-    """Turns pydantic's error details about one scene into findings."""
+def findings(document: Document, error: ValidationError) -> Iterator[Finding]:
+    """A finding for each of pydantic's errors about the data of a document."""
+    details = error.errors(include_url=False)
+    hints = 0
+    for detail in details:
+        if detail["type"] == "too_short" and any(_is_below(d, detail) for d in details):
+            continue  # too short only because its bad items do not count
+        cause = detail.get("ctx", {}).get("error")
+        if isinstance(cause, SceneError):
+            yield from _refused(document, detail, cause)
+            continue
+        finding = _finding(document, detail, hints < MAX_HINTS)
+        hints += detail["type"] == "extra_forbidden"
+        yield finding
 
-    def __init__(self, root: Node):
-        self.root = root
-        self.data = plain(root)
-        self.expectations = Expectations(json_schema)
-        self.hints = 0
 
-    def findings(self, errors: list[Mapping[str, Any]]) -> list[Finding]:
-        found: list[Finding] = []
-        for error in _causes(errors):
-            cause = error.get("ctx", {}).get("error")
-            if isinstance(cause, FileFaultsError):
-                found += self._in_file(error, cause)
-            else:
-                found.append(self._finding(error))
-        return found
+def _is_below(detail: Mapping[str, Any], above: Mapping[str, Any]) -> bool:
+    loc = above["loc"]
+    return detail["loc"][: len(loc)] == loc and len(detail["loc"]) > len(loc)
 
-    def _in_file(self, error: Mapping[str, Any], cause: FileFaultsError) -> list[Finding]:
-        """Faults of a file that the scene names, each at its place in that file."""
-        rank = self.root.mark.source.rank
-        return [
-            Finding(
-                _mark_in_file(rank, fault.where),
-                (*self._path(error["loc"], error["type"]), fault.path),
-                shown(fault.found, 300),
-                shown(fault.expected, 300),
-                fault.cure,
-            )
-            for fault in cause.faults
-        ]
 
-    def _finding(self, error: Mapping[str, Any]) -> Finding:
-        kind = error["type"]
-        path = self._path(error["loc"], kind)
-        if kind in ("union_tag_invalid", "union_tag_not_found"):
-            path = (*path, error["ctx"]["discriminator"].strip("'"))
-            kind = "missing" if kind == "union_tag_not_found" else "literal_error"
-        if kind == "missing" and isinstance(path[-1], int):  # an item of a list of fixed length
-            kind, path = "too_long", path[:-1]
-        node, key_mark = at(self.root, path)
-        mark = key_mark if kind in _AT_KEY else node.mark
-        if kind == "extra_forbidden":
-            words = self._unknown_key(path)
-        elif kind == "missing":
-            words = self._missing_key(path)
-        elif kind in _SIZES:
-            words = self._wrong_size(node, path)
-        elif kind in _VALUES or kind.endswith("_type"):
-            words = self._wrong_value(node, path, kind)
-        else:
-            words = self._refused(error, path)
-        return Finding(mark, path, *words)
+def _refused(document: Document, detail: Mapping[str, Any], cause: SceneError) -> Iterator[Finding]:
+    """Findings of a check of its own; faults of a file that the scene names stand in that file."""
+    path = _path(document.data, detail["loc"])
+    for fault in cause.faults:
+        mark = document.place(path).key
+        if fault.where:
+            name, line, column = _WHERE.findall(fault.where)[0]
+            rank = document.place(()).value.rank
+            mark = Mark(rank, shown(name, 500), int(line or 0), int(column or 1))
+        whole = (*path, fault.path) if fault.path else path
+        found, expected = shown(fault.found, 300), shown(fault.expected, 300)
+        yield Finding(mark, whole, found, expected, fault.cure)
 
-    def _path(self, location: tuple[str | int, ...], kind: str) -> Path:
-        """Location without the names of union members, which are no keys of the data."""
-        path: list[str | int] = []
-        node = self.root
-        for number, key in enumerate(location):
-            if TAGGED and number == 1 and location[0] == "cam":
-                continue
-            child = node.child(key)
-            if child is None and not (kind == "missing" and number == len(location) - 1):
-                continue
-            path.append(key)
-            node = child or node
-        return tuple(path)
 
-    def _unknown_key(self, path: Path) -> tuple[str, str, str]:
-        key = str(path[-1])
-        known = list(self.expectations.at(path[:-1], self.data).get("properties", {}))
-        expected = "expected one of " + ", ".join(known)
-        if key == "<<":
-            return "found a merge key '<<'", expected, "write the keys out, merging is not read"
-        return f"found the unknown key '{shown(key)}'", expected, self._hint(key, known, path)
+_WHERE = re.compile(r"\A(.*?)(?::(\d+))?(?::(\d+))?\Z", re.DOTALL)
 
-    def _hint(self, key: str, known: list[str], path: Path) -> str:
-        if self.hints >= MAX_HINTS or len(key) > 40:
-            return "remove it"
-        self.hints += 1
+
+def _finding(document: Document, detail: Mapping[str, Any], hint: bool) -> Finding:
+    kind, ctx = detail["type"], detail.get("ctx", {})
+    last = detail["loc"][-1] if kind in ("missing", "extra_forbidden") else None
+    path = _path(document.data, detail["loc"], last)
+    if kind in ("union_tag_not_found", "union_tag_invalid"):  # kind: missing, or of no cam
+        path = (*path, ctx["discriminator"].strip("'"))
+        kind = "missing" if kind == "union_tag_not_found" else "literal_error"
+    short = kind == "missing" and isinstance(last, int)
+    if short:  # a list of fixed length
+        path = path[:-1]
+    place = document.place(path)
+    fields, field = _schema(path, document)
+    about = f" ({field.description})" if field and field.description else ""
+    mark = place.key if kind in _AT_KEY and not short else place.value
+    if kind == "extra_forbidden":
+        return Finding(mark, path, *_unknown_key(path, document, hint))
+    if short or kind in ("too_short", "too_long", "string_too_short", "string_too_long"):
+        value = document.value(path)
+        kind_of = "values" if isinstance(value, list) else "characters"
+        what = "a list" if isinstance(value, list) else _shown(document, path)
+        found = f"found {what} of {len(value)} {kind_of}"
+        expected = "more of them" if short else _EXPECTED[kind].format(**ctx)
+        return Finding(mark, path, found, f"expected {expected}", f"change {_name(path)}{about}")
+    if kind == "missing":
+        key = path[-1]
+        if fields and not (field and get_args(field.annotation)):
+            return Finding(mark, path, f"no section '{key}'", f"expected {_keys(fields)}", "add it")
+        expected = f"expected {_choices(field) or (field and field.description) or 'a value'}"
+        return Finding(mark, path, f"no key '{key}'", expected, f"add '{key}: ...'{about}")
+    if kind == "value_error":
+        message = shown(str(ctx.get("error") or detail["msg"]), 400)
+        return Finding(mark, path, message, "", f"change the values of {dotted(path)}")
+    if kind in _MAP_TYPES:
+        expected = _keys(fields)
+    elif kind == "literal_error":
+        expected = _choices(field)
+        if fields and "discriminator" not in ctx:
+            expected += f" or {_keys(fields)}"
+    elif kind in _EXPECTED:
+        expected = _EXPECTED[kind].format(**ctx)
+    else:
+        expected = detail["msg"].partition("should be ")[2] or detail["msg"]
+    found = f"found {_shown(document, path)}"
+    cure = _cure(document.value(path), path, kind, expected) + about
+    return Finding(mark, path, found, f"expected {expected}", cure)
+
+
+def _path(data: Any, location: tuple[str | int, ...], last: str | int | None = None) -> Path:
+    """A location without the names of union members, which are no keys of the data."""
+    path: list[str] = []
+    for number, key in enumerate(location):
+        if number == 1 and location[0] == "cam" and isinstance(data, dict):
+            continue  # the kind of cam
+        at_end = number == len(location) - 1 and key == last
+        item = isinstance(data, list) and isinstance(key, int) and key < len(data)
+        if item or (isinstance(data, dict) and key in data):
+            data = data[key]
+        elif not at_end:
+            continue
+        path.append(str(key))
+    return tuple(path)
+
+
+def _schema(path: Path, document: Document) -> tuple[dict[str, FieldInfo], FieldInfo | None]:
+    """(keys that a map at the path may have, field of its last key) from the sections' models."""
+    models: list[type[BaseModel]] = [Scene]
+    field = None
+    for n, key in enumerate(path, 1):
+        known = [m.model_fields[key] for m in models if key in m.model_fields]
+        if known:
+            field = known[0]
+            models = [m for f in known for m in _models(f.annotation)]
+        elif models or not key.isdecimal():  # an item of a list has the field of the list
+            return {}, None
+        if any("kind" in m.model_fields for m in models):
+            kind = document.value((*path[:n], "kind"))
+            chosen = [m for m in models if kind in get_args(m.model_fields["kind"].annotation)]
+            if not chosen:
+                return {"kind": models[0].model_fields["kind"]}, field
+            models = chosen
+    return {key: f for model in models for key, f in model.model_fields.items()}, field
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """The models in a type."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in _models(part)]
+
+
+def _choices(field: FieldInfo | None) -> str:
+    """`one of fixed, up, down` for a key that takes words only (or is of a kind), else ''."""
+    words = _words(field.annotation) if field else []
+    for model in _models(field.annotation) if field else []:
+        kind = model.model_fields.get("kind")
+        words += _words(kind.annotation) if kind else []
+    return ("one of " if len(words) > 1 else "") + ", ".join(words)
+
+
+def _words(annotation: Any) -> list[str]:
+    return [
+        word
+        for part in get_args(annotation)
+        for word in ([part] if isinstance(part, str) else _words(part))
+    ]
+
+
+def _keys(fields: Mapping[str, Any]) -> str:
+    return f"a map with the keys {', '.join(fields)}" if fields else "a map"
+
+
+def _unknown_key(path: Path, document: Document, hint: bool) -> tuple[str, str, str]:
+    key, known = path[-1], list(_schema(path[:-1], document)[0])
+    expected = "expected one of " + ", ".join(known)
+    if key == "<<":
+        return "found a merge key '<<'", expected, "write the keys out, merging is not read"
+    cure = "remove it"
+    if hint and len(key) <= 40:
         longer = [name for name in known if name.startswith(f"{key}_")]
-        if longer:
-            return f"did you mean '{longer[0]}'?"
-        elsewhere = [p for p in self.expectations.dotted_paths(key) if p != dotted(path)]
-        if elsewhere:
-            return f"did you mean {' or '.join(elsewhere)}?"
-        near = _nearest(key, known)
-        return f"did you mean '{near}'?" if near else "remove it"
-
-    def _missing_key(self, path: Path) -> tuple[str, str, str]:
-        schema = self.expectations.at(path, self.data)
-        key, about = path[-1], _about(schema)
-        if schema.get("type") == "object":
-            return f"no section '{key}'", f"expected {in_words(schema)}", "add the section"
-        return f"no key '{key}'", f"expected {in_words(schema)}", f"add '{key}: ...'{about}"
-
-    def _refused(self, error: Mapping[str, Any], path: Path) -> tuple[str, str, str]:
-        """A check of its own refused the value; its message says what and how much."""
-        cause = error.get("ctx", {}).get("error")
-        if isinstance(cause, RefusedError):
-            return shown(cause.found, 300), cause.expected, cause.cure
-        message = str(cause or error["msg"])
-        return shown(message, 400), "", f"change the values of {dotted(path) or 'the scene'}"
-
-    def _wrong_size(self, node: Node, path: Path) -> tuple[str, str, str]:
-        """A list of the wrong length, or a text of the wrong length or form."""
-        schema = self.expectations.at(path, self.data)
-        size = len(node.value) if isinstance(node.value, list | str) else 0
-        kind = "a list" if isinstance(node.value, list) else f"'{shown(str(node.value))}'"
-        unit = "values" if isinstance(node.value, list) else "characters"
-        found = f"found {kind} of {size} {unit}"
-        return found, f"expected {in_words(schema)}", f"change {_name(path)}{_about(schema)}"
-
-    def _wrong_value(self, node: Node, path: Path, kind: str) -> tuple[str, str, str]:
-        schema = self.expectations.at(path, self.data)
-        expected = f"expected {in_words(schema)}"
-        return f"found {_found(node)}", expected, _cure(node, path, kind, schema)
-
-
-def _mark_in_file(rank: int, where: str) -> Mark:
-    """`file`, `file:line` or `file:line:column` as a mark, so that faults come in order."""
-    name, line, column = re.fullmatch(r"(.*?)(?::(\d+))?(?::(\d+))?", where, re.DOTALL).groups()
-    return Mark(Source(rank, shown(name, 500), True), int(line or 0), int(column or 1))
-
-
-def _found(node: Node) -> str:
-    value = node.value
-    if isinstance(value, dict):
-        return "a map" if value else "an empty map"
-    if isinstance(value, list):
-        return "a list" if value else "an empty list"
-    if value is None:
-        return "nothing" if not node.text else shown(node.text)
-    if isinstance(value, str):
-        return f"'{shown(value)}'"
-    return shown(node.text or str(value))
-
-
-def _cure(node: Node, path: Path, kind: str, schema: dict[str, Any]) -> str:
-    value, name = node.value, _name(path)
-    wanted = schema.get("type")
-    if wanted == "object" or (isinstance(value, dict) and wanted == "array"):
-        return _shape_cure(value, str(name), wanted)
-    if isinstance(value, list) and wanted == "array":
-        return f"name at least one in {name}"
-    if isinstance(value, list | dict):
-        return f"give {name} a single value{_about(schema)}"
-    if wanted == "array":
-        return f"write it in brackets: {name}: [{_found(node).strip(chr(39))}]"
-    if isinstance(value, float) and not math.isfinite(value):
-        return f"give {name} a finite number{_about(schema)}"
-    if kind in _RANGES:
-        return f"give {name} a value in this range{_about(schema)}"
-    if "enum" in schema or "const" in schema:
-        near = _nearest(str(value), [str(c) for c in schema.get("enum", [schema.get("const")])])
-        return f"did you mean '{near}'?" if near else "choose one of these"
-    return _scalar_cure(value, path, wanted) + _about(schema)
-
-
-def _scalar_cure(value: object, path: Path, wanted: str | None) -> str:
-    """What to do about a single value of the wrong type."""
-    name = _name(path)
-    if value is None:
-        return f"give {name} a value, or remove the line"
-    if isinstance(value, bool):
-        return "true and false are neither numbers nor text here"
-    if isinstance(value, str) and wanted in ("number", "integer"):
-        swept = "a range of speeds stands in sweep.rpm; " if path[-2:] == ("run", "rpm") else ""
-        return (swept if ":" in value else "") + (oddity(value) or f"give {name} as a number")
-    if isinstance(value, float) and wanted == "integer":
-        return "round it"
-    return f"put {name} in quotes" if wanted == "string" else f"change {name}"
-
-
-def _name(path: Path) -> str:
-    """What a cure calls the value: its key, or the place in a list and the list's key."""
-    if not path:
-        return "the scene"
-    if isinstance(path[-1], int) and len(path) > 1:
-        return f"value {path[-1] + 1} of {shown(str(path[-2]), 40)}"
-    return shown(str(path[-1]), 40)
-
-
-def _shape_cure(value: object, name: str, wanted: str) -> str:
-    if wanted == "array":
-        return f"write {name} as a list: [...]"
-    if isinstance(value, list):
-        return f"write 'key: value' lines below {name}, without dashes or brackets"
-    return f"write 'key: value' lines below {name}"
-
-
-def _about(schema: dict[str, Any]) -> str:
-    """` (mass of the follower, kg)`: the unit is in the description."""
-    return f" ({schema['description']})" if schema.get("description") else ""
+        sections = [(name, _schema((name,), document)[0]) for name in Scene.model_fields]
+        elsewhere = [f"{name}.{key}" for name, keys in sections if key in keys]
+        elsewhere = [place for place in elsewhere if place != ".".join(path)]
+        near = longer[0] if longer else "" if elsewhere else _nearest(key, known)
+        if near or elsewhere:
+            cure = (
+                f"did you mean {' or '.join(elsewhere) if elsewhere and not near else repr(near)}?"
+            )
+    return f"found the unknown key '{shown(key)}'", expected, cure
 
 
 def _nearest(word: str, known: list[str]) -> str:
@@ -233,10 +214,51 @@ def _nearest(word: str, known: list[str]) -> str:
     return near[0] if near else ""
 
 
-def _causes(errors: list[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """The errors without a list too short only because its bad items do not count."""
+def _shown(document: Document, path: Path) -> str:
+    """A value as a person wrote it."""
+    value = document.value(path)
+    if isinstance(value, dict | list):
+        kind = "map" if isinstance(value, dict) else "list"
+        return f"a {kind}" if value else f"an empty {kind}"
+    if isinstance(value, str):
+        return f"'{shown(value)}'"
+    text = document.places[path].text if path in document.places else None
+    return "nothing" if value is None and not text else shown(text or str(value))
 
-    def is_bad(loc: tuple) -> bool:
-        return any(e["loc"][: len(loc)] == loc and len(e["loc"]) > len(loc) for e in errors)
 
-    return [e for e in errors if e["type"] != "too_short" or not is_bad(e["loc"])]
+def _cure(value: Any, path: Path, kind: str, expected: str) -> str:
+    """What to do about a value of the wrong type or size."""
+    name = _name(path)
+    if kind in _MAP_TYPES:
+        dashes = ", without dashes or brackets" if isinstance(value, list) else ""
+        return f"write 'key: value' lines below {name}{dashes}"
+    if kind == "tuple_type":
+        single = not isinstance(value, dict | None)
+        return f"write {name} as a list: [{value if single else '...'}]"
+    if isinstance(value, list | dict):
+        return f"give {name} a single value"
+    if value is None:
+        return f"give {name} a value, or remove the line"
+    if isinstance(value, float) and not math.isfinite(value):
+        return f"give {name} a finite number"
+    if kind.startswith(("greater", "less")):
+        return f"give {name} a value in this range"
+    if kind == "literal_error":
+        near = _nearest(str(value), re.findall(r"[\w.-]+", expected))
+        return f"did you mean '{near}'?" if near else "choose one of these"
+    if isinstance(value, bool):
+        return "true and false are neither numbers nor text here"
+    if kind.startswith(("float", "int")) and isinstance(value, str):
+        swept = path[-2:] == ("run", "rpm") and ":" in value
+        cure = oddity(value) or f"give {name} as a number"
+        return f"a range of speeds stands in sweep.rpm; {cure}" if swept else cure
+    if kind.startswith("int") and isinstance(value, float):
+        return "round it"
+    return f"put {name} in quotes" if kind == "string_type" else f"change {name}"
+
+
+def _name(path: Path) -> str:
+    """What a cure calls the value: its key, or the place in a list and the list's key."""
+    if len(path) > 1 and path[-1].isdecimal():
+        return f"value {int(path[-1]) + 1} of {shown(path[-2], 40)}"
+    return shown(path[-1], 40) if path else "the scene"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -13,15 +13,15 @@ from pydantic import (
     model_validator,
 )
 
+from camcli.errors import Fault, SceneError
+
 SLOWEST, FASTEST = 1e-9, 1e9  # rpm
+SWITCHES = {"yes": True, "on": True, "no": False, "off": False}
 
 
-class RefusedError(ValueError):
-    """A value refused by a check of its own, in the three parts of a fault."""
-
-    def __init__(self, found: str, expected: str, cure: str):
-        self.found, self.expected, self.cure = found, expected, cure
-        super().__init__(f"{found}, {expected}, {cure}")
+def refused(found: str, expected: str, cure: str) -> SceneError:
+    """The error of a check of its own; validation adds the place."""
+    return SceneError(Fault("", "", found, expected, cure))
 
 
 def whole(value: Any) -> Any:
@@ -29,42 +29,46 @@ def whole(value: Any) -> Any:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
+def _switch(value: Any) -> Any:
+    """`yes`, `on`, `no` and `off` where true or false is asked for."""
+    return SWITCHES.get(value.lower(), value) if isinstance(value, str) else value
+
+
 def items(value: Any) -> Any:
     """A list as a tuple; anything else is left to the validation."""
     return tuple(value) if isinstance(value, list) else value
 
 
-def unique(values: tuple[str, ...]) -> tuple[str, ...]:
-    """The values, or ValueError where one stands twice."""
+def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
     if len(set(values)) < len(values):
-        seen: set[str] = set()
-        twice = next(name for name in values if name in seen or seen.add(name))
+        twice = next(name for k, name in enumerate(values) if name in values[:k])
         found = f"found the same name twice: '{twice}'"
-        raise RefusedError(found, "expected each name once", "keep one of the two")
+        raise refused(found, "expected each name once", "keep one of the two")
     return values
 
 
 def _ascending(values: tuple[float, float]) -> tuple[float, float]:
     if not values[0] < values[1]:
+        found = f"found [{values[0]:.15g}, {values[1]:.15g}]"
         same = values[0] == values[1]
-        raise RefusedError(
-            f"found [{values[0]:.15g}, {values[1]:.15g}]",
-            "expected [low, high], two different ends",
-            "give a window of some width" if same else "exchange the two",
-        )
+        cure = "give a window of some width" if same else "exchange the two"
+        raise refused(found, "expected [low, high], two different ends", cure)
     return values
 
 
+Name = TypeVar("Name")
+Names = Annotated[
+    tuple[Name, ...],
+    Field(min_length=1, json_schema_extra={"uniqueItems": True}),
+    BeforeValidator(items),
+    AfterValidator(_unique),
+]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Whole = Annotated[int, Field(strict=True), BeforeValidator(whole)]
 Speed = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
 End = Annotated[Number, Field(ge=-1e12, le=1e12)]
-Span = Annotated[
-    tuple[End, End],
-    BeforeValidator(items),
-    AfterValidator(_ascending),
-]
-Flag = Annotated[bool, Field(strict=True)]
+Span = Annotated[tuple[End, End], BeforeValidator(items), AfterValidator(_ascending)]
+Flag = Annotated[bool, Field(strict=True), BeforeValidator(_switch)]
 
 
 class Section(BaseModel):

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from camcli.scene.fields import RefusedError, Section
+from camcli.scene.fields import Section, refused
 
 
 def _splits(text: str) -> str:
@@ -16,11 +16,11 @@ def _splits(text: str) -> str:
         words = shlex.split(text)
     except ValueError as error:
         found = f"found {text!r}: {str(error).lower()}"
-        raise RefusedError(found, "expected words as in a shell", "close the quotes") from None
+        raise refused(found, "expected words as in a shell", "close the quotes") from None
     if not words:
-        raise RefusedError("found no command", "expected a command of cam", "name one")
+        raise refused("found no command", "expected a command of cam", "name one")
     if "--" in words:
-        raise RefusedError(
+        raise refused(
             f"found '--' in {text!r}", "expected a command and its options", "leave '--' out"
         )
     return text

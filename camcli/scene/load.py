@@ -1,51 +1,96 @@
-"""A scene from its file, `--set` texts and options: valid as a whole, or every fault at once."""
+"""A scene from its source and what overrides it: valid as a whole, or every fault at once."""
 
 from __future__ import annotations
 
+import math
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from camcli.errors import Fault, SceneError
-from camcli.scene.files import default_scene_path, read_text
-from camcli.scene.nodes import Node, node_of, plain, replaced
-from camcli.scene.overrides import apply_set, of_new_kind
-from camcli.scene.places import Finding, Mark, Source, shown
+from camcli.cams import CAMS
+from camcli.cams.files import decoded, read_bytes
+from camcli.errors import Fault, SceneError, shown
+from camcli.scene.document import (
+    MAX_DEPTH,
+    Document,
+    Finding,
+    Mark,
+    document_of,
+    oddity,
+    parse,
+    scalar,
+)
+from camcli.scene.fields import FASTEST, SLOWEST
 from camcli.scene.schema import Scene
-from camcli.scene.tree import parse
 
+MAX_BYTES = 256_000  # a scene is a few kB
 MAX_FAULTS = 100  # a file with more is not a scene; the last fault then says how many
+
+_FORM = "expected path.to.key=value"
+_SPEED = f"expected a speed from {SLOWEST:g} to {FASTEST:g} turns per minute, or a range LO:HI"
 
 
 def load_scene(
-    path: Path | None,
-    sets: Sequence[str] = (),
-    options: Mapping[str, tuple[object, str]] | None = None,
+    source: str | os.PathLike | Mapping[str, Any] | None = None,
+    overrides: Mapping[str, Any] | Sequence[str] = (),
+    options: Mapping[str, tuple[Any, str]] | None = None,
+    *,
+    folder: str | os.PathLike = "",
 ) -> Scene:
-    """Read, override and validate a scene; None is the chapter's.
+    """Read, override and validate a scene.
 
-    `sets` are the texts of `--set`, `options` maps a dotted path to (value, option name).
-    Options beat `--set`, a later `--set` beats an earlier one, and both beat the file.
-    Raises SceneError with all faults, in the order of the file, then of the command line.
+    Parameters
+    ----------
+    source
+        Path of a YAML file, the same as a dict, or None for the scene shipped with the package.
+    overrides
+        Values by dotted path, `{"run.rpm": 700}`; or texts of `--set`, `["run.rpm=700"]`, whose
+        values are read as YAML. A later one beats an earlier one, and all beat the source.
+    options
+        Values of the command line's options by dotted path, as (value, name of the option). They
+        beat the overrides.
+    folder
+        Where a lift table that a dict names is looked for; beside the file for a path.
+
+    Raises
+    ------
+    SceneError
+        With every fault, those of the source first, each with its place and what to do.
     """
-    findings: list[Finding] = []
-    root = _read(path, findings)
-    start = root or Node(Mark(Source(0, "")), {})  # the command line is checked all the same
-    scene = _override(start, sets, options or {}, findings)
-    if root is None:
-        raise _error(findings)
-    return _validate(scene, path, findings)
+    if isinstance(source, Mapping):
+        document, home = document_of(source, Mark(0, "scene")), Path(folder)
+    else:
+        file = default_scene_path() if source is None else Path(source)
+        document, home = _read(file), file.parent
+    read = bool(not document.findings or document.data is not None)
+    if read and not isinstance(document.data, dict):
+        document.findings.append(_no_map(document))
+        read = False
+    if not read:
+        document.data = {}  # the command line is checked all the same
+    findings = [*document.findings, *_override(document, overrides, options or {})]
+    if read:
+        try:
+            # a cam that names a file finds it beside the scene
+            scene = Scene.model_validate(document.data, strict=True, context={"folder": home})
+        except ValidationError as error:
+            from camcli.scene.faults import findings as translated
+
+            findings += translated(document, error)
+        else:
+            if not findings:
+                return scene
+    raise _error(findings)
 
 
-def scene_of(values: Mapping[str, Any], folder: Path) -> Scene:
-    """The scene that `resolved` gave these values; files it names are in `folder`.
-
-    Raises SceneError.
-    """
-    root = node_of(values, Mark(Source(0, "scene")))
-    return _validate(root, folder / "scene", [])
+def default_scene_path() -> Path:
+    """The default scene, the cam-follower example: in the package (wheel) or beside (checkout)."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "configs" / "chapter.yaml"
+    return inside if inside.is_file() else package.parent / "configs" / "chapter.yaml"
 
 
 def resolved(scene: Scene) -> dict[str, Any]:
@@ -62,71 +107,116 @@ def scene_hash(scene: Scene) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _read(path: Path | None, findings: list[Finding]) -> Node | None:
-    """Nodes of the file, None when it cannot be read to its end or is no map."""
-    file = default_scene_path() if path is None else path
-    source = Source(0, shown(str(file), 500), numbered=True)
-    text = read_text(file, source)
-    if isinstance(text, Finding):
-        findings.append(text)
-        return None
-    root, faults = parse(text, source)
-    findings.extend(faults)
-    if root and not isinstance(root.value, dict):
-        findings.append(_no_map(root))
-        return None
-    return root
+def parse_rpm(text: str) -> float | tuple[float, float]:
+    """A speed `X` or a range `LO:HI` (either order), in turns per minute."""
+    parts = text.split(":")
+    if len(parts) > 2:
+        raise _rpm_error(text, "give the number of speeds with --points")
+    speeds = []
+    for part in parts:
+        value = scalar(part.strip())
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise _rpm_error(text, oddity(part.strip()) or "write it as 700 or 660:760")
+        if not math.isfinite(value) or not SLOWEST <= value <= FASTEST:
+            raise _rpm_error(text, "give a speed in this range")
+        speeds.append(float(value))
+    return speeds[0] if len(speeds) == 1 else (speeds[0], speeds[1])
 
 
-def _no_map(root: Node) -> Finding:
-    if root.value is None:
-        found = "found nothing in this file"
-    else:
-        found = "found a list" if isinstance(root.value, list) else "found a single value"
+def _rpm_error(text: str, cure: str) -> SceneError:
+    return SceneError(Fault("--rpm", "", f"found '{shown(text)}'", _SPEED, cure))
+
+
+def _read(file: Path) -> Document:
+    name = shown(str(file), 500)
+    cure = "check the name, or leave out -c for the default scene"
+    try:
+        text = decoded(read_bytes(file, name, MAX_BYTES, "expected a YAML file", cure), name)
+    except SceneError as error:
+        document = Document(Mark(0, name))
+        document.findings += [
+            Finding(Mark(0, f.where), (), f.found, f.expected, f.cure) for f in error.faults
+        ]
+        return document
+    return parse(text, name)
+
+
+def _no_map(document: Document) -> Finding:
+    data = document.data
+    kind = "list" if isinstance(data, list) else "single value"
+    found = "found nothing in this file" if data is None else f"found a {kind}"
     expected = f"expected a map with the sections {', '.join(Scene.model_fields)}"
-    return Finding(root.mark, (), found, expected, "start from 'follower:' and 'cam:'")
+    return Finding(document.place(()).value, (), found, expected, "start from follower: and cam:")
 
 
 def _override(
-    root: Node,
-    sets: Sequence[str],
-    options: Mapping[str, tuple[object, str]],
-    findings: list[Finding],
-) -> Node:
-    before = root
-    for rank, text in enumerate(sets, 1):
-        root, faults = apply_set(root, text, rank)
-        findings.extend(faults)
-    root = of_new_kind(root, before)
-    for rank, (dotted_path, (value, name)) in enumerate(options.items(), len(sets) + 1):
-        node = node_of(value, Mark(Source(rank, name)))
-        root = replaced(root, tuple(dotted_path.split(".")), node)
-    return root
+    document: Document,
+    overrides: Mapping[str, Any] | Sequence[str],
+    options: Mapping[str, tuple[Any, str]],
+) -> list[Finding]:
+    """Put every override where it belongs; the faults of those that cannot be read."""
+    findings: list[Finding] = []
+    kind = _kind(document.data)
+    if isinstance(overrides, Mapping):
+        for rank, (dotted_path, value) in enumerate(overrides.items(), 1):
+            mark = Mark(rank, f"override {shown(str(dotted_path))}")
+            findings += _put(document, str(dotted_path), document_of(value, mark))
+    else:
+        for rank, text in enumerate(overrides, 1):
+            findings += _set(document, text, rank)
+    _drop_foreign_keys(document, kind)
+    for rank, (dotted_path, (value, name)) in enumerate(options.items(), len(overrides) + 1):
+        findings += _put(document, dotted_path, document_of(value, Mark(rank, name)))
+    return findings
 
 
-def _validate(root: Node, path: Path | None, findings: list[Finding]) -> Scene:
-    # context: a cam that names a file finds it beside the scene
-    context = {"folder": path.parent if path else Path()}
-    try:
-        scene = Scene.model_validate(plain(root), strict=True, context=context)
-    except ValidationError as error:
-        from camcli.scene.faults import Translator
+def _set(document: Document, text: str, rank: int) -> list[Finding]:
+    name = f"--set {shown(text)}"
+    key, equals, value = text.partition("=")
+    if any("\ud800" <= character <= "\udfff" for character in text):  # as Python reads odd bytes
+        found = "found bytes that are no UTF-8 text"
+        return [Finding(Mark(rank, name), (), found, _FORM, "type it again")]
+    if not equals:
+        cure = "write the key, an = and the value without blanks between"
+        return [Finding(Mark(rank, name), (), "found no '='", _FORM, cure)]
+    return _put(document, key, parse(value, name, rank, numbered=False))
 
-        details = error.errors(include_url=False)
-        raise _error([*findings, *Translator(root).findings(details)]) from None
-    if findings:
-        raise _error(findings)
-    return scene
+
+def _put(document: Document, dotted_path: str, value: Document) -> list[Finding]:
+    path = tuple(key.strip() for key in dotted_path.split("."))
+    if "" in path or len(path) > MAX_DEPTH:
+        found = f"found the path '{shown(dotted_path)}'"
+        mark = value.place(()).value
+        return [Finding(mark, (), found, _FORM, "name a key as in run.rpm")]
+    if not value.findings:
+        document.put(path, value)
+    return [item._replace(path=path + item.path) for item in value.findings]
+
+
+def _kind(data: Any) -> Any:
+    cam = data.get("cam")
+    return cam.get("kind") if isinstance(cam, dict) else None
+
+
+def _drop_foreign_keys(document: Document, before: Any) -> None:
+    """Where overrides changed `cam.kind`, keys of the source that the new kind lacks fall away."""
+    kind = _kind(document.data)
+    for model in CAMS:
+        if kind != before and kind in get_args(model.model_fields["kind"].annotation):
+            cam = document.data["cam"]
+            ours = {key for key in cam if document.place(("cam", key)).key.rank > 0}
+            known = {key: cam[key] for key in cam if key in model.model_fields or key in ours}
+            document.data = {**document.data, "cam": known}
 
 
 def _error(findings: Iterable[Finding]) -> SceneError:
     """All faults in order, one per place and path."""
-    first: dict[tuple[Mark, tuple], Finding] = {}
+    first: dict[tuple, Finding] = {}
     for item in findings:
         first.setdefault((item.mark, item.path), item)
     ordered = sorted(first.values(), key=lambda item: item.mark)
     faults = [item.fault() for item in ordered[:MAX_FAULTS]]
     if len(ordered) > MAX_FAULTS:
         more = f"{len(ordered) - MAX_FAULTS} further faults"
-        faults.append(Fault(ordered[0].mark.source.name, "", more, "", "correct these first"))
+        faults.append(Fault(ordered[0].mark.name, "", more, "", "correct these first"))
     return SceneError(*faults)

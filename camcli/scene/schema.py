@@ -2,36 +2,40 @@
 
 Sections and keys are optional, except `follower` and `cam`: a scene without a cam is a mistake.
 An empty section counts as left out. Text and booleans are never numbers, NaN and infinities
-never pass.
+never pass. Every constant has a range far beyond any machine, inside which squares and quotients of
+constants stay finite numbers and a turn of any speed has an end.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Union, get_args
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from camcli.cams import CAMS
 from camcli.scene.bench import Bench
-from camcli.scene.fields import Flag, Number, Section, Speed, Whole, items, unique
-from camcli.scene.figure import Figure
-from camcli.scene.machine import (
-    LARGEST,
-    MOST_SPEEDS,
-    MOST_TURNS,
-    Constant,
-    Follower,
-    RpmRange,
-    Run,
+from camcli.scene.fields import (
+    Flag,
+    Names,
+    Number,
+    Section,
+    Span,
+    Speed,
+    Whole,
+    items,
+    refused,
+    whole,
 )
-from camcli.scene.studies import Basins, Classify
+from camcli.scene.figure import Figure
 
-
-def cam_union(cams: tuple[type[BaseModel], ...]) -> Any:
-    """Type of the cam section: the model that `kind` names."""
-    if len(cams) == 1:  # a discriminator needs at least two models
-        return cams[0]
-    return Annotated[Union[cams], Field(discriminator="kind")]  # noqa: UP007 - made at run time
+MOST_TURNS = 10**9
+MOST_SPEEDS = 10_000_000
+MOST_MOTIONS = MOST_SPEEDS  # speeds times starts
+MOST_CELLS = 16_384  # along one side of a window
+LARGEST = 1e15  # of a constant of the follower, SI
+FARTHEST, QUICKEST = 1e9, 1e12  # of a start: m and m/s
+Constant = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
+Side = Annotated[int, Field(strict=True, ge=1, le=MOST_CELLS), BeforeValidator(whole)]
 
 
 SectionName = Literal["impacts", "strobe"]
@@ -39,8 +43,60 @@ ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "prelo
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
 PanelName = Literal["branches", "multipliers", "events"]
 ProfilePanel = Literal["lift", "velocity", "acceleration", "force", "curvature"]
-Cam = cam_union(CAMS)
-TAGGED = len(CAMS) > 1  # pydantic then names the kind in the location of an error
+Cam = Annotated[
+    Union[CAMS],  # type: ignore[valid-type]  # noqa: UP007 - the kinds that are registered
+    Field(discriminator="kind"),
+]
+
+
+class Follower(Section):
+    """A mass on a spring and a damper; q is its height, zero where the cam's offset puts it."""
+
+    mass: Number = Field(ge=1e-15, le=LARGEST, description="mass of the follower, kg")
+    stiffness: Number = Field(ge=0, le=LARGEST, description="stiffness of the spring, N/m")
+    damping: Number = Field(0.0, ge=0, le=LARGEST, description="damping to the frame, N s/m")
+    gravity: Constant = Field(0.0, description="gravity, positive towards the cam, m/s2")
+    preload: Constant = Field(0.0, description="spring force at q = 0, positive towards the cam, N")
+    restitution: Number = Field(ge=0, le=1, description="coefficient of restitution, 0..1")
+
+
+class Start(Section):
+    """State at the first instant; without q and v the follower rests on the cam."""
+
+    q: Annotated[Number, Field(ge=-FARTHEST, le=FARTHEST)] | None = Field(
+        None, description="height of the follower, m; null: on the cam"
+    )
+    v: Annotated[Number, Field(ge=-QUICKEST, le=QUICKEST)] | None = Field(
+        None, description="velocity of the follower, m/s; null: the cam's"
+    )
+    theta_deg: Number = Field(0.0, ge=-1e9, le=1e9, description="angle of the cam, deg")
+
+
+class Run(Section):
+    """One simulation: its speed, start and length, and what bounds its error and cost."""
+
+    rpm: Speed = Field(700.0, description="speed of the cam, turns per minute")
+    start: Start = Field(default_factory=Start, description="state at the first instant")
+    transient: Whole = Field(600, ge=0, le=MOST_TURNS, description="turns before recording")
+    record: Whole = Field(400, ge=1, le=MOST_TURNS, description="turns recorded")
+    strobe_deg: Number = Field(0.0, ge=0, lt=360, description="phase of the strobe, deg")
+    chatter_tolerance: Number = Field(
+        1e-9,
+        ge=1e-13,
+        le=1e-3,
+        description="largest error of the accumulation phase, fraction of a turn",
+    )
+    impact_budget: Whole = Field(
+        1_000_000, ge=1, le=10**15, description="impacts in one turn before the run is given up"
+    )
+
+
+class RpmRange(Section):
+    """Equally spaced speeds, ascending or descending; one speed (num: 1) is the start."""
+
+    start: Speed = Field(660.0, description="first speed, turns per minute")
+    stop: Speed = Field(760.0, description="last speed, turns per minute")
+    num: Whole = Field(401, ge=1, le=MOST_SPEEDS, description="number of speeds")
 
 
 class Simulate(Section):
@@ -50,15 +106,8 @@ class Simulate(Section):
     plot_turns: Whole = Field(
         3, ge=1, le=MOST_TURNS, description="turns drawn, counted from the end"
     )
-    profile_panels: Annotated[
-        tuple[ProfilePanel, ...],
-        Field(min_length=1),
-        BeforeValidator(items),
-        AfterValidator(unique),
-    ] = Field(
-        get_args(ProfilePanel),
-        description="panels of profile.png (--profile-only)",
-        json_schema_extra={"uniqueItems": True},
+    profile_panels: Names[ProfilePanel] = Field(
+        get_args(ProfilePanel), description="panels of profile.png (--profile-only)"
     )
 
 
@@ -69,16 +118,7 @@ class Sweep(Section):
     direction: Literal["fixed", "up", "down"] = Field(
         "fixed", description="start every speed alike, or carry the state up or down"
     )
-    sections: Annotated[
-        tuple[SectionName, ...],
-        Field(min_length=1),
-        BeforeValidator(items),
-        AfterValidator(unique),
-    ] = Field(
-        ("impacts", "strobe"),
-        description="sections recorded",
-        json_schema_extra={"uniqueItems": True},
-    )
+    sections: Names[SectionName] = Field(("impacts", "strobe"), description="sections recorded")
     tables: Literal["csv", "npz", "none"] = Field(
         "csv", description="form of the sections' tables: text, binary columns, or left out"
     )
@@ -153,16 +193,68 @@ class Orbits(Section):
         None, description="kind of bifurcation to continue in two parameters"
     )
     curve_in: ParameterName = Field("restitution", description="second parameter of the curve")
-    panels: Annotated[
-        tuple[PanelName, ...],
-        Field(min_length=1),
-        BeforeValidator(items),
-        AfterValidator(unique),
-    ] = Field(
+    panels: Names[PanelName] = Field(
         ("branches", "multipliers", "events"),
         description="parts of the picture, where branches are followed",
-        json_schema_extra={"uniqueItems": True},
     )
+
+
+class BasinsRange(RpmRange):
+    """Equally spaced speeds; one where start and stop are equal."""
+
+    start: Speed = Field(358.5, description="first speed, turns per minute")
+    stop: Speed = Field(358.5, description="last speed, turns per minute")
+    num: Whole = Field(41, ge=1, le=100_000, description="number of speeds, if they differ")
+
+
+class Basins(Section):
+    """The window of starts at the strobe phase, and how `cam basins` follows them."""
+
+    rpm: BasinsRange = Field(default_factory=BasinsRange, description="range of speeds")
+    q: Span = Field((0.1, 0.9), description="[low, high] of the starts' position, m")
+    v: Span = Field((-50.0, 50.0), description="[low, high] of the starts' velocity, m/s")
+    cells: Annotated[tuple[Side, Side], BeforeValidator(items)] = Field(
+        (200, 200), description="cells along q and along v"
+    )
+    method: Literal["orbit", "simple"] = Field(
+        "orbit", description="follow every cell, or simple cell mapping: fast and approximate"
+    )
+    budget: Whole = Field(
+        4000, ge=1, le=10_000_000, description="turns after which a cell is left undecided"
+    )
+    refine: Whole = Field(
+        0, ge=0, le=10, description="times that cells at boundaries are cut in four"
+    )
+    boundary: Flag = Field(False, description="measure the uncertainty exponent of the boundary")
+    exponents: Flag = Field(
+        False, description="multipliers and Lyapunov exponents of the attractors"
+    )
+
+
+class ClassifyRange(RpmRange):
+    """Equally spaced speeds to classify."""
+
+    num: Whole = Field(101, ge=1, le=MOST_SPEEDS, description="number of speeds")
+
+
+class Classify(Section):
+    """What `cam classify` names, measures and explains."""
+
+    rpm: ClassifyRange = Field(default_factory=ClassifyRange, description="range of speeds")
+    starts: Whole = Field(0, ge=0, le=1_000_000, description="further starts at each speed")
+    seed: Whole = Field(0, ge=0, le=10**9, description="which cloud of starts")
+    explain: Flag = Field(False, description="find the cause of every change")
+
+    @model_validator(mode="after")
+    def _few_enough(self) -> Classify:
+        motions = self.rpm.num * (self.starts + 1)
+        if motions > MOST_MOTIONS:
+            raise refused(
+                f"found {self.rpm.num} speeds x {self.starts + 1} starts, {motions} motions",
+                f"expected at most {MOST_MOTIONS}",
+                "ask for fewer speeds or starts",
+            )
+        return self
 
 
 class Scene(Section):

@@ -6,12 +6,12 @@ from math import pi, ulp
 import pytest
 from mpmath import mp, mpf
 from pydantic import ValidationError
-from tests.profiles.law_oracle import LAWS, OWN, OWN_LAW
 
 from camcli.cams.compile import build, column, corners
 from camcli.cams.law import LawCam
 from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import higher, lift, lift_at, stretch_at
+from tests.cams.law_oracle import LAWS, OWN, OWN_LAW
 
 BASE, LIFT = -0.013, 0.05  # m
 RISE, DWELL, FALL = 100.0, 40.0, 120.0  # deg

@@ -4,7 +4,13 @@ from itertools import pairwise
 from math import pi
 
 import pytest
-from tests.profiles.lift_tables import (
+
+from camcli.analysis.contact_loss.detachment import detachment, first_loss_range
+from camcli.cams.bspline import at, basis
+from camcli.cams.compile import build, column, corners
+from camcli.kernel.cam_table import lift_at, stretch_at
+from camcli.system import Follower, System
+from tests.cams.lift_tables import (
     Eccentric,
     Lobe,
     cycloidal,
@@ -14,12 +20,6 @@ from tests.profiles.lift_tables import (
     table,
     worst_error,
 )
-
-from camcli.analysis.contact_loss.detachment import detachment, first_loss_range
-from camcli.cams.bspline import at, basis
-from camcli.cams.compile import build, column, corners
-from camcli.kernel.cam_table import lift_at, stretch_at
-from camcli.system import Follower, System
 
 INCH = 0.0254
 

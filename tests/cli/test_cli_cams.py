@@ -167,7 +167,7 @@ MOTION = "{start_deg: 10, length_deg: 90, law: 3-4-5}"
 @pytest.mark.parametrize(
     ("text", "places", "said"),
     [
-        ("{lift: 1}", ["1 cam.kind"], "no key 'kind', expected one of arcs, eccentric, law"),
+        ("{lift: 1}", ["1 cam.kind"], "no key 'kind', expected one of arcs, law, eccentric"),
         ("{kind: lawx}", ["13 cam.kind"], "found 'lawx', expected one of arcs"),
         (
             "{kind: eccentric, base: 0, lift: 1, lfit: 1}",
@@ -189,7 +189,7 @@ MOTION = "{start_deg: 10, length_deg: 90, law: 3-4-5}"
         (
             SMOOTH.replace("4-5-6-7", "{scca: {b: 0.5, d: 0.5}}"),
             ["88 cam.rise.law.scca.c"],
-            "no key 'c', expected a number from 0 to 1",
+            "no key 'c', expected share with constant acceleration",
         ),
         (
             SMOOTH.replace("4-5-6-7", "{b: 1}"),

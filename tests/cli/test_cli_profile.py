@@ -144,7 +144,7 @@ def test_dry_run_and_json(cam, tmp_path):
 
 def test_the_example_table_is_that_of_its_program():
     done = subprocess.run(
-        [sys.executable, ROOT / "tests" / "profiles" / "valve_lift.py"],
+        [sys.executable, ROOT / "tests" / "cams" / "valve_lift.py"],
         capture_output=True,
         check=True,
     )

@@ -42,7 +42,7 @@ def names_of_yaml(source: str) -> set[str]:
 def test_no_loader_of_yaml_that_makes_objects_is_used():
     used = {path: names_of_yaml(path.read_text()) for path in (ROOT / "camcli").rglob("*.py")}
     used = {path.relative_to(ROOT).as_posix(): names for path, names in used.items() if names}
-    assert "camcli/scene/tree.py" in used
+    assert "camcli/scene/document.py" in used
     assert not {path: names & LOADERS for path, names in used.items() if names & LOADERS}
     assert names_of_yaml("import yaml\nyaml.load(x)\n") & LOADERS
     assert names_of_yaml("from yaml import full_load\n") & LOADERS

@@ -1,4 +1,4 @@
-"""A valid scene as text, and a loader that turns faults into comparable lines."""
+"""A valid scene as text, and what is said of scene texts."""
 
 import pytest
 
@@ -29,21 +29,21 @@ def valid():
 def load(tmp_path):
     """Load scene text from a file."""
 
-    def load_text(text, sets=(), options=None):
+    def load_text(text, overrides=(), options=None):
         path = tmp_path / "scene.yaml"
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return load_scene(path, sets, options)
+        return load_scene(path, overrides, options)
 
     return load_text
 
 
 @pytest.fixture
 def faults(load):
-    """Faults of scene text, with `where` cut to what follows the folder."""
+    """Faults of scene text."""
 
-    def faults_of(text, sets=(), options=None):
+    def faults_of(text, overrides=(), options=None):
         with pytest.raises(SceneError) as caught:
-            load(text, sets, options)
+            load(text, overrides, options)
         return caught.value.faults
 
     return faults_of
@@ -53,10 +53,10 @@ def faults(load):
 def places(faults):
     """(line:column or source, path) of each fault."""
 
-    def places_of(text, sets=(), options=None):
+    def places_of(text, overrides=(), options=None):
         return [
             (fault.where.partition("scene.yaml:")[2] or fault.where, fault.path)
-            for fault in faults(text, sets, options)
+            for fault in faults(text, overrides, options)
         ]
 
     return places_of

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from camcli.errors import SceneError
 from camcli.scene import Scene, load_scene, parse_rpm
-from camcli.scene import tree as tree_module
+from camcli.scene import document as document_module
 
 SHIPPED = (Path(__file__).parents[2] / "configs" / "chapter.yaml").read_text()
 QUICK = settings(
@@ -71,7 +71,7 @@ def test_random_files(scene_file, data):
 def test_random_files_with_the_parser_in_python(scene_file, text):
     scene_file.write_text(text, newline="")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tree_module, "_LOADER", yaml.BaseLoader)
+        patch.setattr(document_module, "_LOADER", document_module.limited(yaml.BaseLoader))
         check(scene_file)
 
 

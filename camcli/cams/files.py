@@ -1,0 +1,73 @@
+"""Text from a file that a user names: its kind, size and encoding are checked first."""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+from pathlib import Path
+
+from camcli.errors import Fault, SceneError
+
+_CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
+
+
+def refused(where: str, key: str, found: str, expected: str, cure: str) -> SceneError:
+    """One fault of a file that the scene names; `key` is the key of the section it concerns."""
+    return SceneError(Fault(where, key, found, expected, cure))
+
+
+def read_bytes(path: Path, name: str, most: int, expected: str, cure: str, key: str = "") -> bytes:
+    """The file's bytes; raises SceneError where it is missing, no file, or larger than `most`.
+
+    `expected` says what it should be, `cure` what to do about a name that is no file's, `key` is
+    the key of the scene's section that names it.
+    """
+
+    try:
+        mode = os.stat(path).st_mode
+        if stat.S_ISDIR(mode):
+            raise refused(name, key, "found a folder", expected, "name the file in it")
+        if not stat.S_ISREG(mode):
+            found = "found a pipe, socket or device"
+            raise refused(name, key, found, expected, "save it as a file first")
+        with open(path, "rb", opener=_never_waiting) as file:
+            data = file.read(most + 1)
+    except FileNotFoundError:
+        raise refused(name, key, "no such file", expected, cure) from None
+    except SceneError:  # of the above
+        raise
+    except (OSError, ValueError) as error:
+        reason = (getattr(error, "strerror", None) or str(error)).lower()
+        found, cure = f"cannot be read: {reason}", "check the name and the permissions"
+        raise refused(name, key, found, expected, cure) from None
+    if len(data) > most:
+        size = f"{most // 1000} kB" if most < 10**6 else f"{most // 10**6} MB"
+        expected = f"expected at most {size}"
+        raise refused(name, key, f"found more than {size}", expected, "is this the right file?")
+    return data
+
+
+def _never_waiting(path: str, flags: int) -> int:
+    """An opener that does not wait, should the file have become a pipe since it was looked at."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+def decoded(data: bytes, name: str, key: str = "") -> str:
+    """The text of UTF-8 with or without a byte order mark; raises SceneError with the place."""
+    try:
+        text = data.decode("utf-8-sig")
+        odd = _CONTROL.search(text)
+        if odd is None:
+            return text
+        before = text[: odd.start()]
+        found, expected = f"found the control character 0x{ord(odd[0]):02x}", "expected text"
+        cure = "is this a binary file?"
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode("utf-8-sig")
+        found, expected = f"found byte 0x{data[error.start]:02x}", "expected UTF-8 text"
+        cure = "save the file as UTF-8" if 0 not in data else "is this a binary file?"
+        if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+            found, cure = "found UTF-16 text", "save the file as UTF-8"
+    line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+    raise refused(f"{name}:{line}:{column}", key, found, expected, cure)

@@ -1,0 +1,164 @@
+"""Every fault at once, each at its line and column, in words, with something to do."""
+
+import re
+
+import pytest
+
+SEVERAL = """\
+follower:
+  mass: "1.2"
+  stiffness: -3
+  damping: 010
+  gravity: .nan
+  prelod: 0
+  restitution: 1e-3
+cam: {kind: arcs, base_radius: 0.4 m, flank_center: 0.45, flank_radius: 0.85,
+      nose_center: 0.4039332, nose_radius: true, top_dwell_deg: 40, offset: .inf}
+run:
+  rpm: 660:760
+  start: [1, 2]
+  transient: 600.5
+  transient: 3
+  record: on
+  chatter_tolerance: 1e-2
+simulate:
+- samples: 3
+sweep:
+  rpm: {start: 0, num: 0, stop: null}
+  direction: upp
+  sections: [impacts, strob]
+rpm: 700
+"""
+PLACES = """
+2:9 follower.mass           3:14 follower.stiffness   4:12 follower.damping  5:12 follower.gravity
+6:3 follower.prelod         8:32 cam.base_radius      9:44 cam.nose_radius   9:77 cam.offset
+11:8 run.rpm                12:10 run.start           13:14 run.transient    14:3 run.transient
+15:11 run.record            16:22 run.chatter_tolerance                      18:1 simulate
+20:16 sweep.rpm.start       20:24 sweep.rpm.num       20:33 sweep.rpm.stop   21:14 sweep.direction
+22:23 sweep.sections.1      23:1 rpm
+"""
+
+
+def test_several_faults_at_once_with_exact_places_each_in_three_parts(faults, places):
+    assert places(SEVERAL) == list(zip(PLACES.split()[::2], PLACES.split()[1::2], strict=True))
+    for fault in faults(SEVERAL):
+        assert re.search(r"scene\.yaml:\d+:\d+: \S+: (found|no) .*, expected .*, .+", str(fault))
+
+
+@pytest.mark.parametrize(
+    ("line", "found", "expected", "cure"),
+    [
+        ("run: {rpm: '7e2'}", "'7e2'", "a number", "remove the quotes"),
+        ("run: {rpm: 0}", "0", "at least 1e-09", "this range (speed of the cam, turns per minute)"),
+        ("run: {rpm: 1e999}", "1e999", "a finite number", "finite"),
+        ("run: {rpm: nan}", "nan", "a finite number", "finite"),
+        ("run: {rpm: true}", "true", "a number", "neither numbers nor text"),
+        ("run: {rpm: [700]}", "a list", "a number", "a single value"),
+        ("run: {rpm: {a: 1}}", "a map", "a number", "a single value"),
+        ("run: {rpm: 11:40}", "'11:40'", "a number", "base 60"),
+        ("run: {rpm: fast}", "'fast'", "a number", "give rpm as a number"),
+        ("run: {rpm: }", "nothing", "a number", "remove the line"),
+        ("run: {record: 0}", "0", "a number of at least 1", "turns recorded"),
+        ("run: {record: 1e30}", "1e30", "a number of at most 1000000000", "in this range"),
+        ("run: {record: 2.5}", "2.5", "a whole number", "round it"),
+        ("run: {record: yes}", "'yes'", "a whole number", "give record as a number"),
+        ("run: {strobe_deg: 360}", "360", "less than 360", "in this range"),
+        ("run: {start: resting}", "'resting'", "a map with the keys q, v, theta_deg", "key: value"),
+        ("run: {start: {q: 1 m}}", "'1 m'", "a number", "unit (height of the follower, m;"),
+        ("run: [rpm, 700]", "a list", "a map with the keys rpm, start", "without dashes"),
+        ("run: {<<: {rpm: 3}}", "merge key", "one of rpm, start", "write the keys out"),
+        ("run: {recrod: 4}", "unknown key 'recrod'", "one of rpm", "did you mean 'record'?"),
+        ("run: {zzz: 4}", "unknown key 'zzz'", "one of rpm", "remove it"),
+        ("num: 3\nrpm: 3", "unknown key 'rpm'", "one of follower", "run.rpm or sweep.rpm"),
+        ("sweep: {direction: Up}", "'Up'", "one of fixed, up, down", "did you mean 'up'?"),
+        ("sweep: {sections: impacts}", "'impacts'", "a list", "sections as a list: [impacts]"),
+        ("sweep: {sections: []}", "a list of 0 values", "at least 1", "sections recorded"),
+        ("sweep: {sections: {}}", "an empty map", "a list", "as a list"),
+        ("sweep: {sections: [strobe, strobe]}", "twice: 'strobe'", "once", "keep one"),
+        ("sweep: {lyapunov: 1}", "1", "true or false", "largest exponent"),
+        ("basins: {q: [1]}", "a list of 1 values", "more", "position"),
+        ("basins: {q: [1, 2, 3]}", "a list of 3 values", "at most 2", "position"),
+        ("figure: {command: sweep}", "no key 'title'", "what the figure shows", "add 'title: ...'"),
+        ("figure: {title: '', command: sweep}", "''", "at least 1 char", "change title"),
+    ],
+)
+def test_words_of_a_fault(faults, valid, line, found, expected, cure):
+    fault = faults(valid + line + "\n")[-1]
+    assert found in fault.found
+    assert expected in fault.expected
+    assert cure in fault.cure
+
+
+@pytest.mark.parametrize(
+    ("key", "bad"),
+    [
+        ("mass", ["0", "-1", "nan", "inf", "-inf", "'1'", "true", "1e999"]),
+        ("stiffness", ["-1", "nan", "inf"]),
+        ("damping", ["-1e-300", "nan", "inf"]),
+        ("gravity", ["nan", "-.inf"]),
+        ("preload", ["nan", "inf"]),
+        ("restitution", ["-0.1", "1.0000000000000002", "nan", "inf"]),
+    ],
+)
+def test_follower_outside_its_range(places, valid, key, bad):
+    for value in bad:
+        text = re.sub(rf"{key}: [\d.]+", f"{key}: {value}", valid)
+        if text == valid:
+            text = valid.replace("{mass", f"{{{key}: {value}, mass")
+        column = text.index(f"{key}: {value}") + len(key) + 3
+        assert places(text) == [(f"1:{column}", f"follower.{key}")]
+
+
+def test_missing_sections_and_keys(places, valid):
+    assert places("run: {rpm: 700}\n") == [("1:1", "follower"), ("1:1", "cam")]
+    assert places(valid.replace("mass: 1.221, ", "")) == [("1:1", "follower.mass")]
+    assert places(valid.replace("  kind: arcs\n", "")) == [("2:1", "cam.kind")]
+    assert [path for _, path in places("follower:\n" + valid[valid.index("cam:") :])] == [
+        "follower.mass", "follower.stiffness", "follower.restitution"
+    ]  # fmt: skip
+
+
+def test_the_cam_s_own_checks_and_kinds(faults, valid):
+    (fault,) = faults("# a comment\n" + valid.replace("flank_radius: 0.85", "flank_radius: 0.9"))
+    assert (fault.where[-14:], fault.path) == ("scene.yaml:3:1", "cam")
+    assert "flank circle" in fault.found
+    (fault,) = faults(valid.replace("kind: arcs", "kind: arc"))
+    assert (fault.path, fault.where[-4:]) == ("cam.kind", ":3:9")
+    assert fault.expected == "expected one of arcs, law, eccentric, table"
+    assert fault.cure.startswith("did you mean 'arcs'?")
+    assert faults(valid[: valid.index("cam:")] + "cam: arcs\n")[0].path == "cam"
+
+
+@pytest.mark.parametrize(
+    ("law", "path", "expected"),
+    [
+        ("3-4-6", "cam.rise.law", "one of harmonic, cycloidal, 3-4-5"),
+        ("{scca: {b: 1, c: x, d: 0}}", "cam.rise.law.scca.c", "a number"),
+        ("{scca: {b: 1, c: 1, d: 0}}", "cam.rise.law.scca", ""),
+        ("{scca: {b: 1, c: 0}}", "cam.rise.law.scca.d", "share with a cosine"),
+        ("{sca: {}}", "cam.rise.law.scca", "a map with the keys b, c, d"),
+        ("{scca: {b: 1, c: 0, d: 0, e: 0}}", "cam.rise.law.scca.e", "one of b, c, d"),
+    ],
+)
+def test_a_union_inside_a_kind_names_no_members(faults, valid, law, path, expected):
+    cam = f"cam: {{kind: law, base: 0, lift: 1, fall: {{length_deg: 90, law: 3-4-5}}, rise: {{start_deg: 0, length_deg: 90, law: {law}}}}}\n"  # noqa: E501
+    fault = faults(valid[: valid.index("cam:")] + cam)[0]
+    assert fault.path == path
+    assert expected in fault.expected
+
+
+def test_a_file_that_is_no_map_is_one_fault(faults):
+    for text in ("", "- a\n", "7\n", "# comment\n", "~\n"):
+        (fault,) = faults(text)
+        assert "a map with the sections follower, cam, run" in fault.expected
+
+
+def test_too_many_faults_are_counted(faults, valid):
+    found = faults(valid + "".join(f"k{i}: 1\n" for i in range(500)))
+    assert len(found) == 101
+    assert found[-1].found == "400 further faults"
+
+
+def test_keys_of_the_user_cannot_write_to_the_terminal(faults, valid):
+    (fault,) = faults(valid + '"\\e[2J\\n\\u202e": 1\n')
+    assert str(fault).isprintable()
