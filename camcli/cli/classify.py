@@ -95,7 +95,7 @@ def _explain(request: Request, setup: Setup, motions: list[Motion]) -> Explanati
 
 def _write(request, setup: Setup, store: RunFolder, motions, explanation) -> None:
     store.write_text("classify.csv", classify_csv(motions))
-    found = [] if explanation is None else explanation.found.bifurcations
+    found = [] if explanation is None else explanation.bifurcations
     store.write_text("corners.csv", corners_csv(found))
     if request.no_plot:
         return

@@ -7,11 +7,12 @@ from math import inf, isfinite
 from typing import Any
 
 from camcli.analysis.classify import Motion
-from camcli.analysis.explain.changes import Change, Explanation
+from camcli.analysis.explain.changes import Explanation
 from camcli.analysis.explain.events import Event
 from camcli.analysis.exponents import Exponents
 from camcli.analysis.sweep import status_name
 from camcli.cli.report import table
+from camcli.output.explanations import change_sentence, explained
 
 SHOWN = 40  # rows of a table on stdout
 LONG = 60  # characters of a cell
@@ -76,7 +77,10 @@ def show_explanation(explanation: Explanation) -> None:
     ]
     table("Changes of the diagram", ["rpm", "from", "to", "cause"], rows)
     for c in explanation.changes:
-        print(f"- {c.low:.10g} to {c.high:.10g} rpm, {c.cause}: {c.words}")
+        print(
+            f"- {c.low:.10g} to {c.high:.10g} rpm, {c.cause}: "
+            f"{change_sentence(c, explanation.events)}"
+        )
 
 
 def _digits(rpm: float, error: float) -> str:
@@ -131,14 +135,6 @@ def summary(motions: list[Motion], explanation: Explanation | None) -> dict[str,
     return result
 
 
-def explained(explanation: Explanation) -> dict[str, Any]:
-    """Events and changes for run.json."""
-    return {
-        "events": [_event(e) for e in explanation.events],
-        "changes": [_change(c) for c in explanation.changes],
-    }
-
-
 def _motion(m: Motion) -> dict[str, Any]:
     e = m.exponents
     return {
@@ -158,17 +154,3 @@ def _plain(value: float) -> float | str | None:
     if isfinite(value):
         return value
     return None if value != value else ("inf" if value > 0.0 else "-inf")
-
-
-def _event(e: Event) -> dict[str, Any]:
-    return {
-        "rpm": e.rpm, "error": e.error, "kind": e.kind, "label": e.label, "corner": e.corner,
-        "classification": e.classification, "status": e.status, "words": e.words,
-    }  # fmt: skip
-
-
-def _change(c: Change) -> dict[str, Any]:
-    return {
-        "from_rpm": c.low, "to_rpm": c.high, "before": c.before, "after": c.after,
-        "cause": c.cause, "words": c.words,
-    }  # fmt: skip

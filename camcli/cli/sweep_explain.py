@@ -10,7 +10,7 @@ from camcli.analysis.explain.changes import explain
 from camcli.analysis.integrate import compile_for
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.sweep import LITTLE_WORK, Sweep
-from camcli.cli.classify_words import explained, show_explanation
+from camcli.cli.classify_words import show_explanation
 from camcli.cli.options import Request
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
@@ -18,6 +18,7 @@ from camcli.cli.setup import Setup
 from camcli.cli.sweep import NAME, show, summary, write
 from camcli.kernel import backend
 from camcli.output.classify import corners_csv
+from camcli.output.explanations import explained
 from camcli.output.run_folder import RunFolder
 from camcli.parallel import in_threads
 
@@ -31,7 +32,7 @@ def finish_explained(
     with nullcontext() if request.quiet else bar("changes", len(motions) - 1) as tick:
         explanation = explain(setup.system, setup.settings, motions, tick or (lambda: None))
     seconds += perf_counter() - began - (backend.compile_seconds - compiled)
-    store.write_text("corners.csv", corners_csv(explanation.found.bifurcations))
+    store.write_text("corners.csv", corners_csv(explanation.bifurcations))
     write(request, setup, store, result, explanation.events)
     if not request.json:
         show(result)

@@ -190,8 +190,8 @@ def first_loss_range(system: System, bounds: Sequence[float]) -> tuple[float, fl
 
     `bounds` are bounds on the error of c_thetatheta, m/rad2, of equal shares of the turn.
     """
-    speeds = []
-    for sign in (-1.0, 1.0):
-        force = _Uncertain(system, bounds, sign)
-        speeds.append(force.lowest(lambda i, x, f=force: f.lost(i, x)[0])[0] * RPM)
-    return speeds[0], speeds[1]
+
+    def first(force: Force) -> float:
+        return force.lowest(lambda i, x: force.lost(i, x)[0])[0] * RPM
+
+    return first(_Uncertain(system, bounds, -1.0)), first(_Uncertain(system, bounds, 1.0))

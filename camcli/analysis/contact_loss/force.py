@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import inf, pi, sqrt
 
 from camcli.analysis.bracketing import TIE, lowest
@@ -85,7 +86,7 @@ class Force:
         best = (inf, stretches[0], self.starts[stretches[0]])
         for i in stretches:
             count = PER_PIECE * self.counts[i]
-            value, theta = lowest(lambda x, i=i: f(i, x), self.starts[i], self.ends[i], count)
+            value, theta = lowest(partial(f, i), self.starts[i], self.ends[i], count)
             if value < best[0] and not value >= best[0] - TIE * abs(best[0]):
                 best = value, i, theta
         return best

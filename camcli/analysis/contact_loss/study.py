@@ -165,5 +165,6 @@ def _force_speeds(
     if asked is not None:
         return list(dict.fromkeys(asked))
     low, high = min(rpms), max(rpms)
-    telling = [found.first, found.first_loss.fills] if found.first else []
-    return sorted({low, *(c.rpm for c in telling if low < c.rpm < high), high})
+    loss = found.first_loss
+    telling = [loss.opens.rpm, loss.fills.rpm] if loss else []
+    return sorted({low, *(rpm for rpm in telling if low < rpm < high), high})

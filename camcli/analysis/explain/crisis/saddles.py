@@ -1,13 +1,17 @@
-"""Saddles seen in a chaotic record, and the side of one whose unstable manifold leads out."""
+"""Saddles in a chaotic record: found, solved at a speed with their axes, and where they lead.
+
+Near an orbit x the map over its period is linear: its unstable manifold W^u runs along the first
+axis, its stable manifold W^s along the second. A state x + eta a_1 + xi a_2 lies on W^s where
+eta = 0. The axes have relative size 1, so eta and xi are relative too.
+"""
 
 from __future__ import annotations
 
-from math import log
+from math import exp, log
 
 import numpy as np
 
-from camcli.analysis.explain.crisis.manifold import Saddle
-from camcli.analysis.explain.crisis.runs import LEAST, Carried, impacts_of, states_of
+from camcli.analysis.explain.crisis.attractor import LEAST, Carried, impacts_of, states_of
 from camcli.analysis.integrate import StartError, Tape
 from camcli.analysis.orbits.find import primitive, same_orbit
 from camcli.analysis.orbits.identify import newton_from
@@ -19,10 +23,69 @@ TRIES = 40  # close returns tried for each number of turns
 RETURN = 0.05  # sizes of the attractor: ends of a close return lie nearer
 SAME_STATE = 1e-9  # sizes of the attractor: nearer ends are an orbit at rest
 CELLS = 64  # of the attractor's size: one close return is tried in each cell
-SMALL = 1e-6  # relative: first distance from the saddle of the starts along its W^u
-STARTS = 60  # over one turn of the multiplier
+PARALLEL = 1e-9  # relative area between the two axes below which they are one
+NUDGE = 1e-7  # relative: differences that give the linear map
+ON_MANIFOLD = 1e-4  # relative: distance from the orbit at which a start lies on W^u
+SMALL = 1e-6  # relative: the same for starts that are only to leave on their own side
+STARTS = 60  # on each side, over one turn of the multiplier
 AFTER = 55  # turns after a start has grown to the size of the attractor
 CLEARLY = 10  # times as many states outside on the side that leads out
+
+
+class LostError(Exception):
+    """An orbit has no admissible, unstable continuation at a speed."""
+
+
+class Saddle:
+    """An unstable orbit solved again at `rpm`: x its state, mu the multiplier along W^u.
+
+    axes: columns a_1, a_2; to: rows that give (eta, xi) of a difference from x. Raises LostError
+    where Newton's method fails, or the root is no motion.
+    """
+
+    def __init__(self, carried: Carried, rpm: float, orbit: PeriodicOrbit):
+        old, shooter = orbit.root, Shooter(carried.system, rpm)
+        root = None if old is None else shooter.at_value(old.x, old.whole, old.turns, rpm)
+        if root is None:
+            raise LostError
+        self.orbit = from_root(carried.system, root, shooter.verdict(root)[0])
+        if not self.orbit.admissible:
+            raise LostError
+        self.x = np.array(self.orbit.states[0])
+        size = np.abs(self.orbit.states).max(0)
+        values, axes = np.linalg.eig(_linear_map(carried, rpm, self.x, size, root.turns))
+        order = np.argsort(-np.abs(values))
+        self.mu = float(values.real[order[0]])
+        axes = axes.real[:, order]
+        self.axes = axes / np.linalg.norm(axes / size[:, None], axis=0)
+        if abs(np.linalg.det(self.axes / size[:, None])) < PARALLEL:
+            raise LostError  # one direction only: no saddle
+        self.to = np.linalg.inv(self.axes).T
+
+    def leaf(self, t: float, first: float = ON_MANIFOLD) -> np.ndarray:
+        """The state at t along W^u: `first` e^t from the orbit; t to t + ln mu is all of a side."""
+        return self.x + first * exp(t) * self.axes[:, 0]
+
+
+def _linear_map(carried: Carried, rpm: float, x, size, turns: int) -> np.ndarray:
+    """Derivative of the map over the period at x; one-sided where a nudge goes below the cam."""
+    columns = []
+    for axis, nudge in enumerate(np.diag(NUDGE * size)):
+        ends, width = [], 0.0
+        for jump in (nudge, -nudge):
+            try:
+                states = carried.states(rpm, x + jump, turns)
+            except StartError:
+                ends.append(x)
+                continue
+            if len(states) <= turns:  # the motion ends early
+                raise LostError
+            ends.append(states[turns])
+            width += NUDGE
+        if width == 0.0:
+            raise LostError
+        columns.append((ends[0] - ends[1]) / (width * size[axis]))
+    return np.array(columns).T
 
 
 def find_saddles(carried: Carried, rpm: float, tape: Tape) -> list[PeriodicOrbit]:
@@ -32,12 +95,18 @@ def find_saddles(carried: Carried, rpm: float, tape: Tape) -> list[PeriodicOrbit
     that it never comes near are not found.
     """
     found: list[PeriodicOrbit] = []
-    shooter, columns = Shooter(carried.system, rpm), impacts_of(tape)
+    shooter, (theta, u, period) = Shooter(carried.system, rpm), impacts_of(tape)
     at = states_of(tape) / carried.size
     for turns in range(1, LONGEST + 1):
         for k in _close_returns(at, turns):
-            orbit = _solved(carried, shooter, columns, k, turns)
-            if orbit is not None and not any(same_orbit(orbit, other) for other in found):
+            window = slice(*np.searchsorted(period, (k, k + turns)))
+            rows = zip(*(column[window].tolist() for column in (period, theta, u)), strict=True)
+            root = newton_from(carried.system, shooter, list(rows), turns)
+            if root is None:
+                continue
+            orbit = from_root(carried.system, root, shooter.verdict(root)[0])
+            known = any(same_orbit(orbit, other) for other in found)
+            if orbit.admissible and not orbit.stable and primitive(orbit) and not known:
                 found.append(orbit)
     return sorted(found, key=lambda orbit: (orbit.turns, abs(orbit.multipliers[0])))
 
@@ -51,47 +120,33 @@ def _close_returns(at: np.ndarray, turns: int) -> np.ndarray:
     return order[np.sort(first)[:TRIES]]
 
 
-def _solved(carried: Carried, shooter: Shooter, columns, k: int, turns: int):
-    """The unstable orbit near the impacts of the turns from k on, or None."""
-    theta, u, period = columns
-    window = slice(*np.searchsorted(period, (k, k + turns)))
-    rows = (column[window].tolist() for column in (period, theta, u))
-    root = newton_from(carried.system, shooter, list(zip(*rows, strict=True)), turns)
-    if root is None:
-        return None
-    orbit = from_root(carried.system, root, shooter.verdict(root)[0])
-    return orbit if orbit.admissible and not orbit.stable and primitive(orbit) else None
-
-
-def crossed_one_way(orbit: PeriodicOrbit) -> bool:
-    """True for a saddle with a real multiplier above 1: each side of its W^u keeps to itself."""
-    mu = orbit.multipliers[0]
-    return mu.imag == 0.0 and mu.real >= 1.0
-
-
 def inner_side(carried: Carried, rpm: float, orbit: PeriodicOrbit) -> float:
     """+-1: the side of the saddle whose W^u stays in the box where the other one leads out.
 
-    0 where neither does clearly, or the saddle attracts at this speed. Starts below the cam are no
-    states and left out. Raises LostError where the saddle cannot be followed to this speed.
+    0 where neither does clearly, or the orbit is no saddle with a real multiplier above 1, of which
+    each side of W^u keeps to itself. Starts below the cam are no states and left out. Raises
+    LostError where the saddle cannot be followed to this speed.
     """
+    mu = orbit.multipliers[0]
+    if mu.imag != 0.0 or mu.real < 1.0:
+        return 0.0
     saddle = Saddle(carried, rpm, orbit)
     if saddle.mu <= 1.0:
         return 0.0
-    above, below = (_leaving(carried, rpm, saddle, sign * SMALL) for sign in (1.0, -1.0))
+    turns = AFTER + int(orbit.turns * log(1.0 / SMALL) / log(saddle.mu))
+    above, below = 0, 0
+    for k in range(STARTS):
+        t = k / STARTS * log(saddle.mu)
+        above += _outside(carried, rpm, saddle.leaf(t, SMALL), turns)
+        below += _outside(carried, rpm, saddle.leaf(t, -SMALL), turns)
     if max(above, below) <= max(LEAST, CLEARLY * min(above, below)):
         return 0.0
     return 1.0 if above < below else -1.0
 
 
-def _leaving(carried: Carried, rpm: float, saddle: Saddle, first: float) -> int:
-    """How many states of the motions that start along one side of W^u lie outside the box."""
-    turns = AFTER + int(saddle.orbit.turns * log(1.0 / SMALL) / log(saddle.mu))
-    count = 0
-    for k in range(STARTS):
-        x = saddle.leaf(k / STARTS * log(saddle.mu), first)
-        try:
-            count += carried.outside(carried.states(rpm, x, turns))
-        except StartError:
-            continue
-    return count
+def _outside(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> int:
+    """How many states of the motion from x lie outside the box."""
+    try:
+        return carried.outside(carried.states(rpm, x, turns))
+    except StartError:
+        return 0

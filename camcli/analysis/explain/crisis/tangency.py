@@ -1,28 +1,53 @@
 """The speed at which a fold of W^u(B) touches W^s(p): min over t of eta(x_n(t; rpm)) = 0.
 
-Secants in the speed for a fixed n; then n grows by the period of p, which brings the fold nearer
-to p along W^s, until W^s is straight there. Where the speed no longer moves, it is solved.
+B is an orbit in the attractor, p a saddle. t runs along W^u(B), x_n(t) is the state n turns on and
+eta(x_n(t)) its coordinate across W^s(p), positive on the side of the attractor. A fold is a minimum
+over t of eta, smooth, or a kink that is the image of an impact at a corner. Secants solve for the
+speed with a fixed n; then n grows by the period of p, which brings the fold nearer to p along W^s,
+until W^s is straight there. Where the speed no longer moves, it is solved.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, log
 
-from camcli.analysis.explain.crisis.folds import NEAR, Fold, Folds
+import numpy as np
 
+from camcli.analysis.bracketing import lowest
+from camcli.analysis.explain.crisis.attractor import Carried, impacts_of
+from camcli.analysis.explain.crisis.saddles import AFTER, ON_MANIFOLD, LostError, Saddle
+from camcli.analysis.integrate import StartError
+from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.cams.regions import Corner, corner_list
+
+STARTS = 4000  # along the whole of W^u(B)
+NEAR = 0.05  # relative: |eta| and |xi| within which coordinates about p mean something
+REFINED = 60  # lowest minima among the starts that are refined
+COARSE = 2  # samples of the window in which a minimum is refined at first
+WINDOW = 12  # samples of the window in which a fold is followed
 SEARCHES = 5  # samples of folds, each at the earliest tangency so far
 FOLDS = 6  # lowest folds solved in each
 SECANTS = 150  # steps for one fold
 TOUCH = 1e-6  # relative: an eta that counts as none
 BELOW = -1e-7  # relative: a fold lower than this at a tangency has touched earlier
 STRAIGHT = 1e-5  # relative: xi within which W^s is straight
-CLOSE = 1e-9  # of the speed: a step that ends the secants; nearer folds count as one
-STEP = 1e-9  # of the speed: first step of the secants
+CLOSE = 1e-9  # of the speed: first step of the secants, and a step that ends them
 MOST = 5.0  # times the last step: the longest next one
 LEAST_GROWTH = 1.5  # by which the window shrinks at least when n grows by a period
 UNSAMPLED = 4e-7  # of the speed: 9001 starts and 12 folds have found tangencies so much earlier
 LIFETIMES = 3.0  # runs leave within so many mean lifetimes but for one in twenty (e^-3)
+AT_CORNER = 1e-6  # rad: an impact so near a corner is at it
+
+
+@dataclass(frozen=True)
+class Fold:
+    """A minimum eta at t after n turns, alone within t +- half."""
+
+    eta: float
+    n: int
+    t: float
+    half: float
 
 
 @dataclass(frozen=True)
@@ -53,41 +78,71 @@ class _Root:
     left: int
 
 
-def touch(folds: Folds, rpm: float, fold: Fold) -> Tangency | None:
-    """Where a fold seen at `rpm` touches; None where it leaves p or the range of speeds first."""
-    n, half, solved = fold.n, fold.half, None
-    root = _Root(rpm, fold.t, inf, 0.0, SECANTS)
-    while True:
-        root = _secants(folds, root, n, half)
-        if root is None:
-            return None
-        goal = CLOSE * root.rpm
-        change = goal if solved is None else abs(root.rpm - solved)
-        if abs(root.xi) <= STRAIGHT or (solved is not None and change <= goal):
-            return Tangency(root.rpm, n, root.t, change, half, root.slope)
-        solved = root.rpm
-        n += folds.saddle.turns
-        half /= max(abs(folds.saddle.multipliers[0]), LEAST_GROWTH)
+@dataclass(frozen=True)
+class Folds:
+    """The folds of W^u(base) over W^s(saddle); side: +-1, the attractor's side of the saddle."""
 
+    carried: Carried
+    base: PeriodicOrbit
+    saddle: PeriodicOrbit
+    side: float
 
-def _secants(folds: Folds, start: _Root, n: int, half: float) -> _Root | None:
-    """Solve eta = 0 for the speed after n turns; the fold is looked for where it drifts to."""
-    carried, slope = folds.carried, start.slope
-    rpm, step = start.rpm, STEP * start.rpm * carried.ahead
-    value, t, _ = folds.lowest(rpm, n, start.t, half)
-    for used in range(1, start.left + 1):
-        rpm, last_value, last_t = rpm + step, value, t
-        value, t, xi = folds.lowest(rpm, n, t + slope * step, half)
-        outside = (rpm - carried.near) * (rpm - carried.far) > 0.0
-        if outside or abs(value) > NEAR or value == last_value:
-            return None
-        if abs(step) >= STEP * rpm:
-            slope = (t - last_t) / step
-        most = MOST * abs(step)
-        step = min(max(-value * step / (value - last_value), -most), most)
-        if abs(value) <= TOUCH and abs(step) <= CLOSE * rpm:
-            return _Root(rpm, t, xi, slope, start.left - used)
-    return None
+    def at(self, rpm: float) -> tuple[Saddle, Saddle]:
+        """B and p at this speed; raises LostError where either cannot be followed to it."""
+        base = Saddle(self.carried, rpm, self.base)
+        if abs(base.mu) <= 1.0:
+            raise LostError
+        return base, Saddle(self.carried, rpm, self.saddle)
+
+    def places(self, rpm: float, pair: tuple[Saddle, Saddle], t: float, n: int) -> np.ndarray:
+        """(eta, xi) about p after 0, ..., n turns from t; inf where there is no such motion."""
+        base, saddle = pair
+        result = np.full((n + 1, 2), inf)
+        try:
+            x = self.carried.states(rpm, base.leaf(t), n)[: n + 1]
+        except StartError:
+            return result
+        result[: len(x)] = (x - saddle.x) @ saddle.to * (self.side, 1.0)
+        return result
+
+    def sample(self, rpm: float, shift: float) -> list[Fold]:
+        """Folds among STARTS starts, refined, lowest first; `shift` moves them by part of a gap."""
+        pair = self.at(rpm)
+        mu = pair[0].mu
+        gap = log(abs(mu)) * (1 if mu > 0.0 else 2) / STARTS
+        n = AFTER + int(self.base.turns * log(1.0 / ON_MANIFOLD) / log(abs(mu)))
+        t = gap * (np.arange(STARTS) + shift)
+        places = np.array([self.places(rpm, pair, x, n) for x in t])
+        eta = np.where((np.abs(places) < NEAR).all(2), places[..., 0], inf)
+        low = (eta[1:-1] < inf) & (eta[1:-1] <= eta[:-2]) & (eta[1:-1] <= eta[2:])
+        minima = [(int(k) + 1, int(turns)) for k, turns in np.argwhere(low)]
+        folds = []
+        for k, turns in sorted(minima, key=lambda at: (eta[at], at[1], at[0]))[:REFINED]:
+            value, x, _ = self.lowest(rpm, turns, t[k], gap, COARSE)
+            if abs(value) < NEAR:
+                folds.append(Fold(value, turns, x, 0.5 * gap))
+        return sorted(folds, key=lambda fold: (fold.eta, fold.n, fold.t))
+
+    def lowest(
+        self, rpm: float, n: int, t: float, half: float, samples: int = WINDOW
+    ) -> tuple[float, float, float]:
+        """(eta, t, xi) of the lowest eta within t +- half after n turns."""
+        pair = self.at(rpm)
+
+        def eta(y: float) -> float:
+            return self.places(rpm, pair, t + half * y, n)[n, 0]
+
+        value, y = lowest(eta, -1.0, 1.0, samples)
+        t = t + half * y
+        return float(value), t, float(self.places(rpm, pair, t, n)[n, 1])
+
+    def corner(self, at: Tangency) -> Corner | None:
+        """The corner whose image the fold is; None for a smooth fold."""
+        base, _ = self.at(at.rpm)
+        theta = impacts_of(self.carried.motion(at.rpm, base.leaf(at.t), at.n, True))[0]
+        corners = corner_list(self.carried.system.cam)
+        hit = [c for c in corners if np.abs(theta - c.theta).min(initial=inf) < AT_CORNER]
+        return hit[0] if hit else None
 
 
 def first_touch(folds: Folds, rpm: float) -> Tangency | None:
@@ -110,11 +165,48 @@ def first_touch(folds: Folds, rpm: float) -> Tangency | None:
         best, rpm = new, new.rpm
     if best is None:
         return None
-    error = width(folds, best, [x.rpm for x in solved])
-    return replace(best, error=error)
+    return replace(best, error=width(folds.carried, best, [x.rpm for x in solved]))
 
 
-def width(folds: Folds, best: Tangency, solved: list[float]) -> float:
+def touch(folds: Folds, rpm: float, fold: Fold) -> Tangency | None:
+    """Where a fold seen at `rpm` touches; None where it leaves p or the range of speeds first."""
+    n, half, solved = fold.n, fold.half, None
+    root: _Root | None = _Root(rpm, fold.t, inf, 0.0, SECANTS)
+    while root is not None:
+        root = _secants(folds, root, n, half)
+        if root is None:
+            break
+        goal = CLOSE * root.rpm
+        change = goal if solved is None else abs(root.rpm - solved)
+        if abs(root.xi) <= STRAIGHT or (solved is not None and change <= goal):
+            return Tangency(root.rpm, n, root.t, change, half, root.slope)
+        solved = root.rpm
+        n += folds.saddle.turns
+        half /= max(abs(folds.saddle.multipliers[0]), LEAST_GROWTH)
+    return None
+
+
+def _secants(folds: Folds, start: _Root, n: int, half: float) -> _Root | None:
+    """Solve eta = 0 for the speed after n turns; the fold is looked for where it drifts to."""
+    carried, slope = folds.carried, start.slope
+    rpm, step = start.rpm, CLOSE * start.rpm * carried.ahead
+    value, t, _ = folds.lowest(rpm, n, start.t, half)
+    for used in range(1, start.left + 1):
+        rpm, last_value, last_t = rpm + step, value, t
+        value, t, xi = folds.lowest(rpm, n, t + slope * step, half)
+        outside = (rpm - carried.near) * (rpm - carried.far) > 0.0
+        if outside or abs(value) > NEAR or value == last_value:
+            return None
+        if abs(step) >= CLOSE * rpm:
+            slope = (t - last_t) / step
+        most = MOST * abs(step)
+        step = min(max(-value * step / (value - last_value), -most), most)
+        if abs(value) <= TOUCH and abs(step) <= CLOSE * rpm:
+            return _Root(rpm, t, xi, slope, start.left - used)
+    return None
+
+
+def width(carried: Carried, best: Tangency, solved: list[float]) -> float:
     """Error of the earliest tangency (rpm): how much earlier a fold not sampled may touch.
 
     The scatter, that is the distance to the next fold solved and UNSAMPLED at least, or LIFETIMES
@@ -125,7 +217,6 @@ def width(folds: Folds, best: Tangency, solved: list[float]) -> float:
     off = [abs(rpm - best.rpm) for rpm in solved]
     scatter = min((x for x in off if x > CLOSE * best.rpm), default=inf)
     scatter = max(scatter, UNSAMPLED * best.rpm)
-    stays, leaves = folds.carried.bracket
-    runs = max(abs(best.rpm - stays), abs(best.rpm - leaves))
-    late = folds.carried.way(best.rpm) - folds.carried.way(leaves)
+    runs = max(abs(best.rpm - end) for end in carried.bracket)
+    late = carried.way(best.rpm) - carried.way(carried.leaves)
     return max(best.change, min(scatter, LIFETIMES * runs), late)

@@ -10,13 +10,11 @@ from math import degrees
 
 import numpy as np
 
-from camcli.analysis.integrate import IMPACT, Orbit, Settings, Start, Tape, with_turns
-from camcli.analysis.labels import label
+from camcli.analysis.integrate import IMPACT, Cost, Orbit, Settings, Start, Tape, with_turns
 from camcli.system import System, omega_of
 
 MARGIN = 0.05  # of the box, in widths of all states seen at both ends
-LEAST = 16  # states outside the box that count as leaving
-STAYS = "Nothing leaves"  # begins the sentence of an attractor that lives on
+LEAST = 16  # states outside the box that count as leaving: fewer may be a transient
 HALVINGS = 16  # of the interval of speeds
 SETTLE = 1000  # turns from the scene's start before the attractor is recorded
 BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
@@ -37,16 +35,16 @@ def impacts_of(tape: Tape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 class Carried:
     """The attractor that the scene's start settles on at `near`, carried towards `far` (rpm).
 
-    bracket: the last speed known at which a run stays in the box, and the first at which one
+    stays, leaves: the last speed known at which a run stays in the box, and the first at which one
     leaves; size: widths of the states at both ends; ahead: +1 where far is the higher speed.
     Raises StartError where the scene's start lies below the cam.
     """
 
     def __init__(self, system: System, settings: Settings, near: float, far: float, turns: int):
         self.system, self.settings, self.turns = system, settings, turns
-        self.near, self.far = near, far
-        self.bracket = (near, far)
+        self.near, self.far = self.stays, self.leaves = near, far
         self.ahead = -1.0 if far < near else 1.0
+        self.cost = Cost()
         orbit = Orbit(system, near, with_turns(settings, max(settings.transient, SETTLE), 1))
         orbit.run()
         self.start = orbit.here()
@@ -55,17 +53,26 @@ class Carried:
         self.size = np.ptp(np.concatenate((first, last)), axis=0) + 1e-300
         self.box = first.min(0) - MARGIN * self.size, first.max(0) + MARGIN * self.size
 
+    @property
+    def bracket(self) -> tuple[float, float]:
+        """(stays, leaves)."""
+        return self.stays, self.leaves
+
     def run(self, rpm: float, events: bool = False) -> Tape:
         """The record of the attractor at this speed, from the state it has at the near end."""
-        settings = with_turns(self.settings, 0, self.turns)
-        return Orbit(self.system, rpm, settings, self.start).run(events=events)
+        return self._tape(rpm, self.turns, self.start, events)
 
     def motion(self, rpm: float, x, turns: int, events: bool = False) -> Tape:
         """The record of a motion from the state x at the strobe; StartError below the cam."""
         deg = degrees(self.system.strobe) * (1.0 - BEFORE_STROBE)
         start = Start(float(x[0]), float(x[1]) * omega_of(rpm), deg)
-        settings = with_turns(self.settings, 0, turns + 1)
-        return Orbit(self.system, rpm, settings, start).run(events=events)
+        return self._tape(rpm, turns + 1, start, events)
+
+    def _tape(self, rpm: float, turns: int, start: Start, events: bool) -> Tape:
+        settings = with_turns(self.settings, 0, turns)
+        tape = Orbit(self.system, rpm, settings, start).run(events=events)
+        self.cost = self.cost + tape.cost
+        return tape
 
     def states(self, rpm: float, x, turns: int) -> np.ndarray:
         """The states of `motion` after 0, 1, ..., turns turns; fewer where it ends early."""
@@ -76,7 +83,7 @@ class Carried:
         low, high = self.box
         return int(((states < low) | (states > high)).any(1).sum())
 
-    def leaves(self, tape: Tape) -> bool:
+    def has_left(self, tape: Tape) -> bool:
         """True where a record has left the box."""
         return self.outside(states_of(tape)) >= LEAST
 
@@ -84,19 +91,11 @@ class Carried:
         """Distance of a speed from the near end, rpm."""
         return abs(rpm - self.near)
 
-    def narrow(self) -> str:
-        """Halve the bracket; "" where the attractor leaves its box, else why there is nothing."""
-        near, far = self.ends
-        if label(near) != "aperiodic":
-            return f"The motion carried from {self.near:.10g} rpm is not chaotic."
-        if not self.leaves(far):
-            return (
-                f"{STAYS} the attractor carried from {self.near:.10g} rpm: "
-                f"a run of {self.turns} turns stays in its range at {self.far:.10g} rpm."
-            )
+    def narrow(self) -> None:
+        """Halve the bracket HALVINGS times; the far run must have left the box."""
         for _ in range(HALVINGS):
-            last, first = self.bracket
-            middle = 0.5 * (last + first)
-            left = self.leaves(self.run(middle))
-            self.bracket = (last, middle) if left else (middle, first)
-        return ""
+            middle = 0.5 * (self.stays + self.leaves)
+            if self.has_left(self.run(middle)):
+                self.leaves = middle
+            else:
+                self.stays = middle

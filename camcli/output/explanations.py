@@ -1,0 +1,199 @@
+"""Why a diagram changes, as sentences and as the `result` of run.json."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, degrees, inf, isfinite, log10
+from typing import Any
+
+from camcli.analysis.contact_loss.accumulation import CornerHit
+from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity
+from camcli.analysis.explain.changes import BASIN, MOST_CRISES, UNEXPLAINED, Change, Explanation
+from camcli.analysis.explain.crisis import Crisis, CrisisKind
+from camcli.analysis.explain.crisis.approach import REACHED, Approach
+from camcli.analysis.explain.crisis.search import Saddles
+from camcli.analysis.explain.events import Event
+from camcli.analysis.orbits.branch import Bifurcation
+from camcli.analysis.orbits.locate import CORNER, FOLD, GRAZING, PERIOD_DOUBLING
+
+MOST_DECIMALS = 9  # of a speed in rpm
+
+
+def explained(explanation: Explanation) -> dict[str, Any]:
+    """Events and changes for run.json."""
+    return {
+        "events": [
+            {
+                "rpm": e.rpm, "error": e.error, "kind": e.kind, "label": e.label,
+                "corner": e.corner, "classification": e.classification, "status": e.status,
+                "words": event_sentence(e),
+            }
+            for e in explanation.events
+        ],
+        "changes": [
+            {
+                "from_rpm": c.low, "to_rpm": c.high, "before": c.before, "after": c.after,
+                "cause": c.cause, "words": change_sentence(c, explanation.events),
+            }
+            for c in explanation.changes
+        ],
+    }  # fmt: skip
+
+
+def event_sentence(event: Event) -> str:
+    """What happens at a critical speed."""
+    source = event.source
+    if isinstance(source, Bifurcation):
+        return _bifurcation(source)
+    if isinstance(source, Crisis):
+        return " ".join(crisis_sentences(source))
+    if isinstance(source, CornerHit):
+        return f"impact {source.impact} after lift-off lands on corner {source.corner}"
+    if isinstance(source, CriticalSpeed):
+        if source.quantity is Quantity.FIRST_DETACHMENT:
+            return f"the contact force reaches zero at {source.theta_deg:.6g} deg"
+        if source.quantity is Quantity.ACCUMULATION:
+            return f"impacts accumulate exactly at corner {source.region}"
+        return "the chatter ends where the next one begins: it is complete no longer"
+    if source is None:
+        return event.kind
+    after = "nothing found" if source.beyond is None else source.beyond.label
+    return f"{event.label} ends ({event.kind}), beyond it a run settles on {after}"
+
+
+def _bifurcation(b: Bifurcation) -> str:
+    what = {
+        PERIOD_DOUBLING: f"a multiplier of {b.label} passes -1",
+        FOLD: f"{b.label} meets an unstable orbit and both vanish",
+        CORNER: f"an impact of {b.label} reaches corner {b.corner}",
+        GRAZING: f"{b.label} ceases to be a motion",
+    }.get(b.kind, b.kind)
+    return ": ".join(filter(None, (what, " ".join(b.words))))
+
+
+def change_sentence(change: Change, events: Sequence[Event]) -> str:
+    """Why the diagram changes, among all events of the range; or what was tried."""
+    tried = [] if change.crisis is None else crisis_sentences(change.crisis)
+    if change.cause == BASIN:
+        if change.persists:
+            return "; ".join(_coexists(label, events) for label in change.persists)
+        lives = "the chaotic attractor lives on at both speeds, the start changes basins."
+        return " ".join([lives, *tried])
+    if change.cause == UNEXPLAINED:
+        said = (
+            "tried: bifurcations of solved branches, none lies in it; branches through it, none is "
+            "stable"
+        )
+        if tried:
+            said = " ".join([f"{said}.", *tried])
+        if not change.may_search:
+            said += f"; crises are looked for in the first {MOST_CRISES} changes only"
+        return said
+    listed = (Bifurcation, CriticalSpeed, CornerHit)
+    return "; ".join(
+        f"{e.kind} at {e.rpm:.10g} rpm ({e.label})"
+        if isinstance(e.source, listed)
+        else event_sentence(e)
+        for e in change.events
+    )
+
+
+def _coexists(label: str, events: Sequence[Event]) -> str:
+    """The orbit exists on both sides: what changes is the basin; and where it really ends."""
+    ends = [f"{e.kind} at {e.rpm:.10g} rpm" for e in events if e.label == label]
+    where = ", ".join(ends) or "nowhere in the range"
+    return (
+        f"{label} exists and attracts on both sides, the start changes basins; {label} changes at: "
+        f"{where}"
+    )
+
+
+def speed_text(rpm: float, error: float) -> str:
+    """The speed up to the decimal place of the error's first digit, without a unit."""
+    if not isfinite(error) or error <= 0.0:
+        return f"{rpm:.10g}"
+    return f"{rpm:.{min(max(ceil(-log10(error)), 0), MOST_DECIMALS)}f}"
+
+
+def crisis_sentences(crisis: Crisis) -> list[str]:
+    """What is said of a search for a crisis."""
+    near = f"carried from {crisis.near:.10g} rpm"
+    if crisis.kind is CrisisKind.NOT_CHAOTIC:
+        return [f"The motion {near} is not chaotic."]
+    if crisis.approach is None or crisis.saddles is None:
+        return [
+            f"Nothing leaves the attractor {near}: a run of {crisis.turns} turns stays in its "
+            f"range at {crisis.rpm:.10g} rpm."
+        ]
+    stays, leaves = crisis.bracket
+    first_left = speed_text(leaves, abs(leaves - stays))
+    runs = f"Runs of {crisis.turns} turns {near} first leave the attractor's range at {first_left}"
+    saddles = _saddles(crisis.saddles)
+    if not crisis.saddles.met:
+        return [f"{runs} rpm.", *_approach(crisis.approach, True), *saddles]
+    fold = "smooth."
+    if crisis.corner is not None:
+        fold = f"the image of an impact at corner {crisis.corner.name}."
+    return [
+        f"{runs} rpm.", *saddles, f"The fold that touches is {fold}",
+        *_approach(crisis.approach, False),
+    ]  # fmt: skip
+
+
+def _saddles(seen: Saddles) -> list[str]:
+    """How many were looked at, the one met first, those met later, and those that are not met."""
+    said = [f"Saddles seen: {seen.inside} in the attractor, {seen.beyond} beyond it."]
+    if seen.lost:
+        said.append(f"{seen.lost} of them could not be followed and are left out.")
+    for k, meeting in enumerate(seen.met):
+        orbit, at = meeting.orbit, f"at {speed_text(meeting.rpm, meeting.error)} rpm"
+        if k == 0:
+            said.append(
+                f"The attractor meets the stable manifold of {orbit.label} (larger multiplier "
+                f"{orbit.multipliers[0].real:.4g}) {at}."
+            )
+        else:
+            said.append(f"{orbit.label} would be met later, {at}.")
+    unmet = "leads out, but no fold was seen to touch its stable manifold."
+    return said + [f"{orbit.label} {unmet}" for orbit in seen.unmet]
+
+
+def _approach(found: Approach, is_cause: bool) -> list[str]:
+    """What impacts and flights reach before the change or near it, and whether that causes it."""
+    said = []
+    names = [corner.name for corner, _, distance in found.corners if distance <= REACHED]
+    if names:
+        corners = f"corner {names[0]}"
+        if len(names) > 1:
+            corners = f"corners {', '.join(names[:-1])} and {names[-1]}"
+        said.append(f"Impacts reach {corners} already before it.")
+    if min(found.gap) <= found.low:
+        said.append("Contacts of hardly any force occur already before it.")
+    if found.rpm is None:
+        return said + _not_reached(found)
+    what, place = "Flights come down towards the cam", "touch it"
+    if found.reached is not None:
+        what, place = f"Impacts draw near to corner {found.reached.name}", "reach it"
+    if is_cause:
+        return [*said, f"{what} and {place} there for the first time, by a line through two runs."]
+    might = f"{what} too and might {place} about there."
+    return [*said, f"{might} That is only extrapolated; the tangency is solved."]
+
+
+def _not_reached(found: Approach) -> list[str]:
+    """How far everything else stays away."""
+    what = []
+    others = [(off, corner.name) for corner, _, off in found.corners if off > REACHED]
+    if others:
+        off, name = min(others)
+        what.append(f"no impact comes nearer than {degrees(off):.2g} deg to corner {name}")
+    lowest = min(found.gap)
+    if lowest == inf:
+        what.append("no flight has a low gap")
+    elif lowest > found.low:
+        what.append(f"no gap inside a flight is lower than {1000.0 * lowest:.2g} mm")
+    if not what:
+        return []
+    text = " and ".join(what)
+    verdict = "neither causes it" if len(what) > 1 else "this does not cause it"
+    return [f"{text[0].upper()}{text[1:]}: {verdict}."]
