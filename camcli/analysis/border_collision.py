@@ -3,41 +3,300 @@
     x' = tau_L x + y + mu,  y' = -delta_L x   for x <= 0
     x' = tau_R x + y + mu,  y' = -delta_R x   for x > 0
 
-Trace and determinant of the two one-sided Jacobians at the border decide everything. Sources: Nusse
-& Yorke (1992) and Banerjee & Grebogi, Phys. Rev. E 59 (1999) 4052 for the form and its 2-cycle;
-Feigin's parity rules; Banerjee, Yorke & Grebogi, PRL 80 (1998) 3049 for robust chaos; Hassouneh,
-Abed & Nusse, PRL 92 (2004) 070201 for dangerous bifurcations. No units; nothing raises.
+Trace and determinant of the two one-sided Jacobians at the border decide everything, and only the
+sign of mu matters: scaling x, y and mu by one positive number changes nothing. A word of L and R
+names a cycle by the sides it visits. Sources: Nusse & Yorke, Physica D 57 (1992) 39 and Banerjee &
+Grebogi, Phys. Rev. E 59 (1999) 4052 for the form and its 2-cycle; Feigin's parity rules as in di
+Bernardo, Budd, Champneys & Kowalczyk, Piecewise-smooth Dynamical Systems (2008), ch. 3; Banerjee,
+Yorke & Grebogi, PRL 80 (1998) 3049 for robust chaos; Hassouneh, Abed & Nusse, PRL 92 (2004) 070201
+for dangerous bifurcations. No units; nothing raises, an overflow counts as an escape. `log` alone
+comes from libm, and only exponents and growths pass through it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import inf, log
+from math import copysign, fsum, inf, log, prod, sqrt
 
-from camcli.analysis.border_cycles import (
-    RENORM,
-    Cycle,
-    NormalForm,
-    Prediction,
-    Side,
-    attractor,
-    cycle,
-    size_of,
-    unclear,
-)
-
-KINDS = (
-    ("degenerate", "an equality holds within rounding: the linear parts do not decide"),
-    ("dangerous", "a stable fixed point on both sides, yet its basin shrinks to nothing at mu = 0"),
-    ("robust-chaos", "a chaotic attractor for one sign of mu, and for all sides close to these"),
-    ("no-attractor", "something attracts on one side, nothing bounded on the other"),
-    ("nonsmooth-fold", "two fixed points are born for one sign of mu, there is none for the other"),
-    ("border-period-doubling", "a fixed point on each side, and a cycle LR is born for one sign"),
-    ("persistence", "a fixed point on each side, and no cycle LR is born"),
-)
-PLAIN, THEOREM = 8, 7  # inequalities of parity and stability, and of robust chaos
+LONGEST_WORD = 64
+TRANSIENT = 1_000  # steps before an orbit's symbols are read
+WINDOW = 4 * LONGEST_WORD  # symbols that must repeat
+BLOCKS, BLOCK = 16, 512  # of the record an exponent is measured on
+ESCAPED = 1e9  # times |mu| and the farthest fixed point, virtual or not: counts as infinity
+NEAR = 1e-3  # relative distance of a start from an unstable cycle
+RINGS = (1.0, 4.0, 16.0, 64.0)  # radii of further starts, in |mu|
+GROWN = 10.0  # by this factor over a record whose symbols repeat: it is on its way to infinity
+SURE, FLOOR = 3.0, 1e-3  # standard errors, and amount, by which chaos has its exponent above zero
+RENORM = 16  # steps between two renormalisations of a tangent
+ROUNDING = 2.0**-49  # of the sum of the terms: a sum below this share of it may have either sign
+THEOREM = 7  # conditions for robust chaos
 AT_ZERO_STEPS, AT_ZERO_LOG = 20_000, 30.0  # orbits at mu = 0: steps, and the log that decides
 DECIDED = AT_ZERO_LOG / AT_ZERO_STEPS  # a smaller growth at mu = 0 is not told from none
+
+Point = tuple[float, float]
+
+
+def unclear(*terms: float) -> bool:
+    """True where the sum of the terms is zero within the rounding of the terms."""
+    return abs(fsum(terms)) <= ROUNDING * fsum(abs(term) for term in terms)
+
+
+@dataclass(frozen=True)
+class Side:
+    """Trace and determinant of the map on one side of the border, or of one turn of a cycle."""
+
+    trace: float
+    det: float
+
+    @property
+    def at_one(self) -> float:
+        """1 - trace + det, the characteristic polynomial at +1."""
+        return 1.0 - self.trace + self.det
+
+    @property
+    def at_minus_one(self) -> float:
+        """1 + trace + det, the characteristic polynomial at -1."""
+        return 1.0 + self.trace + self.det
+
+    @property
+    def multipliers(self) -> tuple[float, float] | tuple[complex, complex]:
+        """Two reals, larger modulus first, or a pair of complex numbers, upper one first.
+
+        The discriminant is a product and the smaller real is det over the larger: no cancellation
+        beyond that of the data themselves.
+        """
+        half, root = abs(self.trace) / 2.0, sqrt(abs(self.det))
+        if self.det > 0.0 and half < root:
+            imaginary = sqrt(root - half) * sqrt(root + half)
+            return complex(self.trace / 2.0, imaginary), complex(self.trace / 2.0, -imaginary)
+        if self.det > 0.0:
+            spread = sqrt(half - root) * sqrt(half + root)
+        else:
+            spread = sqrt(half * half - self.det)
+        large = copysign(half + spread, self.trace)
+        return large, (self.det / large if large else 0.0)
+
+    @property
+    def stable(self) -> bool:
+        """Both multipliers inside the unit circle, by more than rounding (Jury's conditions)."""
+        inside = self.at_one > 0.0 and self.at_minus_one > 0.0 and self.det < 1.0
+        return inside and not self.degenerate
+
+    @property
+    def degenerate(self) -> str:
+        """The multiplier that lies on the unit circle within rounding, or nothing."""
+        if unclear(1.0, -self.trace, self.det):
+            return "a multiplier is +1"
+        if unclear(1.0, self.trace, self.det):
+            return "a multiplier is -1"
+        complex_pair = isinstance(self.multipliers[0], complex)
+        return "two multipliers on the unit circle" * (complex_pair and unclear(1.0, -self.det))
+
+    @property
+    def kind(self) -> str:
+        """Node, spiral or saddle. `flip`: a negative multiplier; of a saddle, the unstable one."""
+        if self.degenerate:
+            return "nonhyperbolic"
+        if self.at_one * self.at_minus_one < 0.0:
+            return "regular saddle" if self.at_one < 0.0 else "flip saddle"
+        if isinstance(self.multipliers[0], complex):
+            return "spiral attractor" if self.stable else "spiral repeller"
+        if min(self.multipliers) < 0.0:
+            return "flip attractor" if self.stable else "flip repeller"
+        return "attracting node" if self.stable else "repelling node"
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A cycle of the normal form, of the word read from its leftmost symbols on.
+
+    `exists_for` is the sign of mu at which its points lie on the sides the word says, 0 for
+    neither; `points` are those at mu = exists_for, in the order of the word, none if it is 0.
+    """
+
+    word: str
+    multipliers: tuple
+    stable: bool
+    points: tuple[Point, ...]
+    exists_for: int
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What attracts at one sign of mu.
+
+    `kind` is fixed-point, cycle, chaos, none (every orbit followed escapes), several or undecided;
+    `word` the sides visited, or all that attract. `exponent`: the largest Lyapunov exponent per
+    step of natural logarithm, exact for a cycle, else measured with its standard error `spread`.
+    """
+
+    kind: str
+    period: int = 0
+    exponent: float | None = None
+    word: str = ""
+    spread: float = 0.0
+
+
+@dataclass(frozen=True)
+class NormalForm:
+    """The map of the module's head with its two sides, at one sign of mu."""
+
+    left: Side
+    right: Side
+    mu: float
+
+    def run(self, x: float, y: float, steps: int, limit: float) -> Iterator[Point]:
+        """The next `steps` points; ends early with the first one beyond `limit`."""
+        (tl, dl), (tr, dr) = ((side.trace, side.det) for side in (self.left, self.right))
+        mu = self.mu
+        for _ in range(steps):
+            x, y = (tl * x + y + mu, -dl * x) if x <= 0.0 else (tr * x + y + mu, -dr * x)
+            yield x, y
+            if not -limit < x < limit:
+                return
+
+
+def turn(word: str, left: Side, right: Side) -> tuple[float, ...]:
+    """Matrix, row by row, and shift at mu = 1 of the affine map along a word."""
+    a, b, c, d, u, v = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0
+    for symbol in word:
+        t, det = (left.trace, left.det) if symbol == "L" else (right.trace, right.det)
+        a, b, c, d = t * a + c, t * b + d, -det * a, -det * b
+        u, v = t * u + v + 1.0, -det * u
+    return a, b, c, d, u, v
+
+
+def cycle(word: str, left: Side, right: Side) -> Cycle:
+    """The cycle of a word: (I - M) p = s along its turn p -> M p + s, M's det as a product."""
+    a, b, c, d, u, v = turn(word, left, right)
+    around = Side(a + d, prod((left if symbol == "L" else right).det for symbol in word))
+    if around.at_one == 0.0:
+        return Cycle(word, around.multipliers, False, (), 0)
+    start = ((1.0 - d) * u + b * v) / around.at_one, (c * u + (1.0 - a) * v) / around.at_one
+    for sign in (1, -1):
+        form = NormalForm(left, right, float(sign))
+        first = sign * start[0], sign * start[1]
+        points = (first, *form.run(*first, len(word) - 1, inf))
+        if _sides(points) == word:
+            return Cycle(word, around.multipliers, around.stable, points, sign)
+    return Cycle(word, around.multipliers, around.stable, (), 0)
+
+
+def _sides(points: Iterable[Point]) -> str:
+    return "".join("L" if x <= 0.0 else "R" for x, _ in points)
+
+
+def repeating(symbols: str) -> str:
+    """The shortest word that repeats all through the symbols, first in lexical order, or ''."""
+    for p in range(1, min(LONGEST_WORD, len(symbols) // 2) + 1):
+        if symbols[p:] == symbols[:-p]:
+            return min(symbols[k : k + p] for k in range(p))
+    return ""
+
+
+def attractor(left: Side, right: Side, mu: int) -> Prediction:
+    """What attracts at mu = +1 or -1.
+
+    Stable fixed points and 2-cycles come from their formulas; the rest from orbits that start near
+    every cycle of period 1 or 2, at the border, and on RINGS. Where both determinants are positive
+    and no fixed point exists, nothing bounded does (Brouwer's plane translation theorem).
+    """
+    cycles = [cycle(word, left, right) for word in ("L", "R", "LR")]
+    cycles = [found for found in cycles if found.exists_for == mu]
+    if left.det > 0.0 and right.det > 0.0 and all(len(found.word) == 2 for found in cycles):
+        return Prediction("none")
+    form = NormalForm(left, right, float(mu))
+    attracting = {found.word: _settled(found) for found in cycles if found.stable}
+    for start in _starts(cycles):
+        end = _follow(form, start, "aperiodic" not in attracting)
+        if end.kind != "none":
+            attracting.setdefault(end.word or "aperiodic", end)
+    return _merged(list(attracting.values()))
+
+
+def _settled(found: Cycle) -> Prediction:
+    first, period = found.multipliers[0], len(found.word)
+    square = first.real * first.real + first.imag * first.imag
+    exponent = log(square) / (2.0 * period) if square > 0.0 else -inf
+    return Prediction("cycle" if period > 1 else "fixed-point", period, exponent, found.word)
+
+
+def size_of(x: float, y: float) -> float:
+    """A norm that needs no root: |x| + |y|."""
+    return abs(x) + abs(y)
+
+
+def _starts(cycles: list[Cycle]) -> Iterator[Point]:
+    yield 0.0, 0.0
+    centres = [
+        (point, NEAR * (1.0 + size_of(*point))) for found in cycles for point in found.points
+    ]
+    for (x, y), radius in [*centres, *(((0.0, 0.0), ring) for ring in RINGS)]:
+        yield from ((x + radius, y), (x - radius, y), (x, y + radius), (x, y - radius))
+
+
+def _follow(form: NormalForm, start: Point, measure: bool) -> Prediction:
+    """What an orbit ends on; the exponent of an aperiodic one is measured if `measure`."""
+    limit = ESCAPED / min(1.0, *(abs(s.at_one) or 1.0 for s in (form.left, form.right)))
+    *_, (x, y) = form.run(*start, TRANSIENT, limit)
+    if not abs(x) < limit:
+        return Prediction("none")
+    word, settled = _word(form, x, y, limit)
+    if settled or not (measure or word):
+        return settled or Prediction("undecided")
+    size = size_of(x, y)
+    exponent, spread, (x, y) = _exponent(form, x, y, limit)
+    if not abs(x) < limit:
+        return Prediction("none")
+    word, settled = _word(form, x, y, limit)
+    if settled or word:
+        grown = size_of(x, y) > GROWN * size
+        return settled or Prediction("none" if grown else "undecided", 0, exponent, word, spread)
+    sure = exponent > max(SURE * spread, FLOOR)
+    return Prediction("chaos" if sure else "undecided", 0, exponent, "", spread)
+
+
+def _word(form: NormalForm, x: float, y: float, limit: float) -> tuple[str, Prediction | None]:
+    """The word an orbit repeats, and its cycle where that one exists here and attracts."""
+    points = list(form.run(x, y, WINDOW, limit))
+    if not abs(points[-1][0]) < limit:
+        return "", Prediction("none")
+    word = repeating(_sides(points))
+    found = cycle(word, form.left, form.right) if word else None
+    confirmed = found and found.stable and found.exists_for * form.mu > 0.0
+    return word, _settled(found) if confirmed else None
+
+
+def _exponent(form: NormalForm, x: float, y: float, limit: float) -> tuple[float, float, Point]:
+    """Mean growth of the log of a tangent per step, its standard error, and the last point."""
+    rates, u, v = [], 1.0, 0.0
+    for _ in range(BLOCKS):
+        total = 0.0
+        for k, after in enumerate(form.run(x, y, BLOCK, limit), 1):
+            side = form.left if x <= 0.0 else form.right
+            u, v, (x, y) = side.trace * u + v, -side.det * u, after
+            if k % RENORM == 0:
+                size = size_of(u, v)
+                if size == 0.0:
+                    return -inf, 0.0, (x, y)
+                total, u, v = total + log(size), u / size, v / size
+        rates.append(total / BLOCK)
+        if not abs(x) < limit:
+            break
+    mean = fsum(rates) / len(rates)
+    scatter = fsum((rate - mean) * (rate - mean) for rate in rates)
+    return mean, sqrt(scatter / max(len(rates) - 1, 1) / len(rates)), (x, y)
+
+
+def _merged(attracting: list[Prediction]) -> Prediction:
+    if len(attracting) < 2:
+        return attracting[0] if attracting else Prediction("none")
+    words = ", ".join(sorted(found.word or found.kind for found in attracting))
+    for found in attracting:
+        if found.kind == "undecided":
+            return Prediction("undecided", 0, found.exponent, words, found.spread)
+    return Prediction("several", word=words)
 
 
 @dataclass(frozen=True)
@@ -52,18 +311,34 @@ class Inequality:
 
 @dataclass(frozen=True)
 class Collision:
-    """The verdict on one border collision, of a kind in KINDS.
+    """The verdict on one border collision.
 
-    `below` and `above` say what attracts for mu < 0 and mu > 0; `inequalities` are those the
-    verdict rests on, up to the first that fails for robust chaos; `words` are plain sentences.
+    kind: degenerate (an equality holds within rounding: the linear parts do not decide), dangerous
+    (a stable fixed point on both sides, yet its basin shrinks to nothing at mu = 0), robust-chaos
+    (a chaotic attractor for one sign of mu, and for all sides close to these), no-attractor
+    (something attracts on one side, nothing bounded on the other), nonsmooth-fold (two fixed points
+    are born for one sign of mu, there is none for the other), border-period-doubling (a fixed point
+    on each side, and a cycle LR is born for one sign) or persistence (no such cycle).
+    parity: what the kind rests on, of Feigin's rules and of stability; growth: at mu = 0, log per
+    step, where both sides are stable; chaos: the conditions for robust chaos up to the first that
+    fails; equal: equalities within rounding that leave the verdict open; cycles: L, R and LR;
+    below, above: what attracts for mu < 0 and mu > 0.
     """
 
     kind: str
-    inequalities: tuple[Inequality, ...]
+    parity: tuple[Inequality, ...]
+    growth: Inequality | None
+    chaos: tuple[Inequality, ...]
+    equal: tuple[str, ...]
     cycles: tuple[Cycle, ...]
     below: Prediction
     above: Prediction
-    words: tuple[str, ...]
+
+    @property
+    def inequalities(self) -> tuple[Inequality, ...]:
+        """All those that the verdict rests on."""
+        growth = () if self.growth is None else (self.growth,)
+        return (*self.parity, *growth, *self.chaos)
 
 
 def classify(left: Side, right: Side) -> Collision:
@@ -71,26 +346,31 @@ def classify(left: Side, right: Side) -> Collision:
 
     Equations: fixed points at x = mu / (1 - tau + delta), the 2-cycle LR at x_L = mu (1 + tau_R +
     delta_R) / q and x_R = mu (1 + tau_L + delta_L) / q with q = 1 - (tau_L tau_R - delta_L -
-    delta_R) + delta_L delta_R. Whatever cannot be decided is said so in `below`, `above`, `words`.
+    delta_R) + delta_L delta_R. Whatever cannot be decided is `undecided` in `below`, `above`.
     """
     cycles = tuple(cycle(word, left, right) for word in ("L", "R", "LR"))
     below, above = attractor(left, right, -1), attractor(left, right, 1)
     chaos, equal = _robust_chaos(left, right), equalities(left, right)
-    checks = [*_parity(left, right), *_stability("L", left), *_stability("R", right)]
+    parity = (*_parity(left, right), *_stability("L", left), *_stability("R", right))
+    growth = None
     if left.stable and right.stable:
-        growth = growth_at_zero(left, right)
-        checks.append(_more(f"log growth per step at mu = 0 > {DECIDED:.2g}", growth, DECIDED))
-    kind = "degenerate" if equal else _kind(checks, chaos, below, above)
-    words = (
-        f"{kind}: {dict(KINDS)[kind]}.",
-        *(f"Equal within rounding: {text}." for text in equal),
-        *_undecided_growth(checks),
-        f"For mu < 0, {_ends(below)}.",
-        f"For mu > 0, {_ends(above)}.",
-        *_two_cycle(cycles[2]),
-        *_no_theorem(chaos),
-    )
-    return Collision(kind, (*checks, *chaos), cycles, below, above, words)
+        text = f"log growth per step at mu = 0 > {DECIDED:.2g}"
+        growth = _more(text, growth_at_zero(left, right), DECIDED)
+    ends = below.kind == "none", above.kind == "none"
+    one_each_side, born_two = parity[0].holds, parity[1].holds
+    if equal:
+        kind = "degenerate"
+    elif growth is not None and growth.holds:
+        kind = "dangerous"
+    elif is_proved(chaos):
+        kind = "robust-chaos"
+    elif one_each_side and ends[0] != ends[1]:
+        kind = "no-attractor"
+    elif not one_each_side:
+        kind = "nonsmooth-fold"
+    else:
+        kind = "border-period-doubling" if born_two else "persistence"
+    return Collision(kind, parity, growth, chaos, tuple(equal), cycles, below, above)
 
 
 def equalities(left: Side, right: Side) -> list[str]:
@@ -152,6 +432,11 @@ def _crisis(saddle: Side, other: Side) -> tuple[float, ...]:
     return l1 * other.trace * (l1 - 1.0), -other.det * (l1 - 1.0), l1 * l1 * (1.0 - l2)
 
 
+def is_proved(chaos: tuple[Inequality, ...]) -> bool:
+    """True where all conditions for robust chaos were tried, and hold."""
+    return len(chaos) == THEOREM and chaos[-1].holds
+
+
 def _robust_chaos(left: Side, right: Side) -> tuple[Inequality, ...]:
     """The conditions of Banerjee, Yorke & Grebogi up to the first that fails: THEOREM if none."""
     saddle, other = _saddle_first(left, right)
@@ -166,27 +451,13 @@ def _robust_chaos(left: Side, right: Side) -> tuple[Inequality, ...]:
         lambda: _less(f"delta_{o} < 1", other.det, 1.0),
         lambda: _more(
             f"(l1 tau_{o} - delta_{o})(l1 - 1) + l1^2 (1 - l2) > 0, l1 > l2 the multipliers of {s}",
-            sum(_crisis(saddle, other)),
+            fsum(_crisis(saddle, other)),
         ),
     ):
         found.append(condition())
         if not found[-1].holds:
             break
     return tuple(found)
-
-
-def _kind(checks, chaos, below: Prediction, above: Prediction) -> str:
-    nowhere = [found.kind == "none" for found in (below, above)]
-    one_each_side, born_two = checks[0].holds, checks[1].holds
-    if len(checks) > PLAIN and checks[-1].holds:
-        return "dangerous"
-    if len(chaos) == THEOREM and chaos[-1].holds:
-        return "robust-chaos"
-    if one_each_side and nowhere[0] != nowhere[1]:
-        return "no-attractor"
-    if not one_each_side:
-        return "nonsmooth-fold"
-    return "border-period-doubling" if born_two else "persistence"
 
 
 def growth_at_zero(left: Side, right: Side) -> float:
@@ -210,48 +481,3 @@ def _growth(form: NormalForm, x: float, y: float) -> float:
             return -inf
         total, steps, x, y = total + log(size), steps + RENORM, x / size, y / size
     return total / steps
-
-
-def _undecided_growth(checks: list[Inequality]) -> list[str]:
-    if len(checks) == PLAIN or abs(checks[-1].left) > DECIDED:
-        return []
-    return [
-        f"The growth at mu = 0, {checks[-1].left:.2g} per step, is too small to exclude danger."
-    ]
-
-
-def _ends(found: Prediction) -> str:
-    measured = (
-        "" if found.exponent is None else f"{found.exponent:.4g} +- {found.spread:.1g} per step"
-    )
-    return {
-        "none": "nothing bounded attracts",
-        "fixed-point": f"the fixed point {found.word} attracts",
-        "cycle": f"the cycle {found.word} of period {found.period} attracts",
-        "chaos": f"a chaotic attractor, largest exponent {measured}",
-        "several": f"several attract: {found.word}",
-        "undecided": f"not decided, orbits stay bounded: {found.word or 'no period'}, {measured}",
-    }[found.kind]
-
-
-def _two_cycle(found: Cycle) -> list[str]:
-    if not found.exists_for:
-        return []
-    sign, first = "<>"[found.exists_for > 0], found.multipliers[0]
-    twisted = isinstance(first, complex)
-    size = (
-        f"multipliers {first.real:.6g} +- {first.imag:.6g} i"
-        if twisted
-        else f"larger multiplier {first:.6g}"
-    )
-    state = "stable" if found.stable else "unstable"
-    return [f"The cycle LR exists for mu {sign} 0 and is {state}: {size}."]
-
-
-def _no_theorem(chaos: tuple[Inequality, ...]) -> list[str]:
-    last = chaos[-1]
-    if len(chaos) < 2 or last.holds:
-        return []
-    numbers = f"{last.left:.6g} against {last.right:.6g}"
-    open_end = ", which leaves it open whether a chaotic attractor exists" * (len(chaos) == THEOREM)
-    return [f"The theorem on robust chaos does not apply: {last.text} fails, {numbers}{open_end}."]

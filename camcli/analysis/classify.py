@@ -2,23 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from math import inf
 
 from camcli.analysis.exponents import Exponents, of_orbit, of_tape
-from camcli.analysis.integrate import IMPACT, Cost, Orbit, Settings, Start, Tape, with_turns
+from camcli.analysis.integrate import (
+    IMPACT,
+    Cost,
+    Orbit,
+    Settings,
+    Start,
+    Tape,
+    compile_for,
+    with_turns,
+)
 from camcli.analysis.labels import LONGEST_PERIOD
-from camcli.analysis.orbits.find import cloud, same_orbit
-from camcli.analysis.orbits.identify import identify, passages, resting_orbit
-from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.analysis.orbits.identify import identify, passages
+from camcli.analysis.orbits.orbit import PeriodicOrbit, resting_orbit
+from camcli.analysis.orbits.same_orbit import SAME, distance_to, same_orbit
+from camcli.analysis.orbits.search import cloud
+from camcli.analysis.sweep import LITTLE_WORK
 from camcli.errors import OK
+from camcli.kernel import backend
+from camcli.parallel import in_threads
 from camcli.system import System
 
 COMPLETE, INCOMPLETE, NONE = "complete", "incomplete", "none"
 BURST = 8  # impacts in a row, each weaker than the one before, that make an incomplete chatter
 LONGER = 8  # times the record, where neither a period nor an exponent was certain
-ARRIVED = 1e-6  # relative distance from the solved orbit that ends the transient
 APERIODIC, UNDECIDED = "aperiodic", "undecided"
 
 
@@ -52,6 +65,36 @@ class Motion:
     def stable(self) -> bool | None:
         """True for a solved attracting orbit, None where nothing is solved."""
         return None if self.orbit is None else self.orbit.stable
+
+
+def classify(
+    system: System,
+    settings: Settings,
+    rpms: Sequence[float],
+    starts: int = 0,
+    seed: int = 0,
+    threads: int = 1,
+    on_speed: Callable[[], None] = lambda: None,
+) -> list[Motion]:
+    """The motions from settings.start and `starts` of a cloud, speed by speed in order.
+
+    Each with the length of its transient; `seed` chooses other starts of the cloud. Raises
+    StartError before any work if the start lies below the cam.
+    """
+    Orbit(system, rpms[0], settings)
+    turns = len(rpms) * (starts + 1) * (settings.transient + settings.record)
+    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
+        compile_for(system)  # before the threads start
+
+    def motions_at(rpm: float) -> list[Motion]:
+        found = attractors(system, rpm, settings, starts, seed)
+        return [with_transient(system, settings, motion) for motion in found]
+
+    motions: list[Motion] = []
+    for found in in_threads(motions_at, rpms, threads):
+        motions += found
+        on_speed()
+    return motions
 
 
 def classify_at(
@@ -176,20 +219,14 @@ def _chatter(tape: Tape) -> str:
 def with_transient(system: System, settings: Settings, motion: Motion) -> Motion:
     """The motion with the length of its transient, from a run logged from the start.
 
-    Counted in turns until the state at the strobe stays within ARRIVED of the solved orbit.
+    Counted in turns until the state at the strobe stays at the solved orbit.
     """
     if motion.orbit is None:
         return motion
     turns = settings.transient + 2 * LONGEST_PERIOD
     run = with_turns(settings, 0, turns)
     tape = Orbit(system, motion.rpm, run, motion.start).run(events=False)
-    states, _ = passages(tape)
-    orbit = motion.orbit
-    size = [max(abs(s[j]) for s in orbit.states) or 1.0 for j in range(2)]
-    away = [
-        min(max(abs(s[j] - o[j]) / size[j] for j in range(2)) for o in orbit.states) > ARRIVED
-        for s in states
-    ]
+    away = [distance_to(state, motion.orbit.states) > SAME for state in passages(tape)[0]]
     if not away or away[-1]:
         return motion
     last = max((k for k, far in enumerate(away) if far), default=-1)

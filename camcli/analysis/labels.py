@@ -1,25 +1,62 @@
-"""Name a motion from its stroboscopic record: P(m;s1:...:sm), contact or aperiodic.
+"""Name a motion from its stroboscopic record: P(m;s1:...:sm), contact, aperiodic or undecided.
 
-An mT-periodic orbit has s_i impacts in its i-th period, `inf` where the period holds a complete
-chatter. Of the m rotations the lexically largest is the name.
+An mT-periodic orbit has s_i impacts in its i-th period of the cam, `inf` where that period holds a
+complete chatter. Of its m rotations the one that is largest in lexical order is the name.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import inf
 
 from camcli.analysis.integrate import Tape
+from camcli.analysis.orbits.same_orbit import CLOSE, SAME
 from camcli.errors import OK
 
 LONGEST_PERIOD = 64
-SETTLED = 1e-7  # relative distance between a period and the next that counts as none
-NEARLY = 1e-2  # relative distance beyond which no extrapolation is tried
 WINDOW = 16  # periods compared at least
 FEWEST_IMPACTS = 16  # in the record, to call it aperiodic
 LIMIT_SHARE = 0.1  # what extrapolation may leave of a distance that is still shrinking
 SLOWEST = 0.97  # ratio of distances from a quarter of the record to the next
+
+
+class Label(str):
+    """P(m;s1:...:sm) of these symbols; a string, so that it is compared and written as its text.
+
+    symbols: impacts in each period of the cam, in the order of the name, `inf` for a complete
+    chatter.
+    """
+
+    symbols: tuple[float, ...]
+
+    def __new__(cls, symbols: Sequence[float]) -> Label:
+        first = rotation(symbols)
+        named = (*symbols[first:], *symbols[:first])
+        words = ":".join("inf" if s == inf else str(int(s)) for s in named)
+        label = super().__new__(cls, f"P({len(named)};{words})")
+        label.symbols = named
+        return label
+
+    def __getnewargs__(self) -> tuple[tuple[float, ...]]:
+        return (self.symbols,)
+
+    @classmethod
+    def parse(cls, text: str) -> Label:
+        """The label that a text means, in any rotation; ValueError where it is none."""
+        head, _, words = text.strip().removesuffix(")").partition(";")
+        turns, counts = head.removeprefix("P(").strip(), [word.strip() for word in words.split(":")]
+        whole = head.startswith("P(") and text.strip().endswith(")") and turns.isdecimal()
+        if not whole or not all(word == "inf" or word.isdecimal() for word in counts):
+            raise ValueError(f"found '{text}'")
+        if int(turns) != len(counts) or len(counts) > LONGEST_PERIOD:
+            raise ValueError(f"found '{text}'")
+        return cls(tuple(inf if word == "inf" else float(int(word)) for word in counts))
+
+
+def rotation(symbols: Sequence[float], tie: Callable[[int], tuple] = lambda first: ()) -> int:
+    """Where the rotation begins that is largest in lexical order; ties go to the largest `tie`."""
+    return max(range(len(symbols)), key=lambda k: ((*symbols[k:], *symbols[:k]), tie(k)))
 
 
 def label(tape: Tape) -> str:
@@ -40,19 +77,13 @@ def label(tape: Tape) -> str:
     m = find_period(q, w, symbols)
     if m == 0:
         return "aperiodic" if sum(_plain(tape.impacts)[:n]) >= FEWEST_IMPACTS else "undecided"
-    return name(symbols[-m:])
-
-
-def name(symbols: Sequence[float]) -> str:
-    """P(m;...) in the rotation that is largest in lexical order."""
-    best = max(list(symbols[k:]) + list(symbols[:k]) for k in range(len(symbols)))
-    return f"P({len(best)};{':'.join('inf' if s == inf else str(int(s)) for s in best)})"
+    return Label(symbols[-m:])
 
 
 def find_period(q: Sequence[float], w: Sequence[float], symbols: Sequence[float]) -> int:
     """Smallest m whose shift repeats the record, or 0.
 
-    A shift repeats where the symbols do and the states agree to SETTLED of their size, or approach
+    A shift repeats where the symbols do and the states agree to SAME of their size, or approach
     each other geometrically with an extrapolated limit of nothing (slow multipliers).
     """
     n = len(q)
@@ -67,9 +98,9 @@ def find_period(q: Sequence[float], w: Sequence[float], symbols: Sequence[float]
             return max(abs(q[k] - q[k - m]) / size_q, abs(w[k] - w[k - m]) / size_w)
 
         last = distance(n - 1)
-        if last <= SETTLED and all(distance(k) <= SETTLED for k in range(n - window, n)):
+        if last <= SAME and all(distance(k) <= SAME for k in range(n - window, n)):
             return m
-        if last > NEARLY or last > SLOWEST * distance(m + (n - m) // 4):
+        if last > CLOSE or last > SLOWEST * distance(m + (n - m) // 4):
             continue
         if symbols[m:] == symbols[:-m] and _shrinks([distance(k) for k in range(m, n)], m):
             return m

@@ -1,24 +1,31 @@
-"""Where on a step of a branch something happens: each event is the root of its own equation.
+"""Where on a step of a branch something happens: each event is the root of its own test function.
 
 period-doubling  1 + trace + det = 0        a multiplier is -1
 fold             the parameter turns round   1 - trace + det = 0, a multiplier is 1
 corner-impact    theta_k = corner
 grazing          the certificate is lost: a contact appears in a flight, or an impact fades
 A Neimark-Sacker bifurcation needs det = 1; here det = r^(2 n) exp(-b m T/mass) < 1 whenever
-anything dissipates, so none is looked for.
+anything dissipates, so none is looked for. References: Allgower & Georg, Numerical Continuation
+Methods (1990), ch. 8 and 9; di Bernardo, Budd, Champneys & Kowalczyk, Piecewise-smooth Dynamical
+Systems (2008), ch. 6 and 7.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from math import ulp
+from dataclasses import dataclass, replace
+from math import sqrt, ulp
 
+from camcli.cams.regions import corner_list
 from camcli.analysis.bracketing import bracket
-from camcli.analysis.orbits.arclength import Step, beyond
+from camcli.analysis.orbits.arclength import Step
+from camcli.analysis.orbits.identify import settled
+from camcli.analysis.orbits.orbit import section_states
+from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.kernel.cam_table import END, ROW, START
-from camcli.kernel.certify import ADMISSIBLE
+from camcli.kernel.cam_table import KICK, ROW, TURN, lift
+from camcli.kernel.flow import flow, lane_of
+from camcli.kernel.variational import relative_accel
 
 PERIOD_DOUBLING, FOLD, CORNER, GRAZING = "period-doubling", "fold", "corner-impact", "grazing"
 COMPLETION, RANGE, LOST, CLOSED = "chatter-completion", "end-of-range", "lost", "closed"
@@ -29,14 +36,16 @@ AT_ONCE = 1e-10  # a test function this small at the first point of a branch is 
 HALVES = 0.05  # rad, between the halves of an orbit that is about to be a single one
 SAME_VALUE = 1e-6  # relative distance of the parameters of a fold and of its period doubling
 ERRORS = (1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # relative half widths tried for a bracket
+AMPLITUDES = (1e-3, 1e-4, 1e-5, 1e-2)  # rad, tried between a doubled orbit and the single one
 
 
 @dataclass(frozen=True)
-class Found:
+class Located:
     """An event on a step: its root, how far along, and the bracket of the parameter.
 
     `impact` (0-based) and `side` belong to a corner impact: +1 at the end of its region, -1 at the
-    start; for grazing `impact` is the flight's and `phase` where the contact appears, rad.
+    start. For grazing `impact` is the flight's and `phase` where the contact appears, rad, unless
+    it is the impact `fading` whose velocity goes to zero.
     """
 
     kind: str
@@ -47,6 +56,36 @@ class Found:
     impact: int = -1
     side: int = 0
     phase: float = 0.0
+    fading: int | None = None
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """The same orbit seen with impact `impact` on both sides of a boundary.
+
+    left, right: roots with the impact at the end of the one stretch and the start of the next;
+    corner: name of the boundary, empty where the cam is smooth there; kink: c_theta jumps.
+    `ahead`: direction of the branch on the far side.
+    """
+
+    left: Root
+    right: Root
+    impact: int
+    upward: bool
+    corner: str
+    kink: bool
+    ahead: list[float]
+
+    @property
+    def far(self) -> Root:
+        """The side the branch goes to."""
+        return self.right if self.upward else self.left
+
+    @property
+    def turns_back(self) -> bool:
+        """True where the parameter turns round: both sides exist for one sign only."""
+        coming = (self.left if self.upward else self.right).tangent[-1]
+        return (coming < 0.0) != (self.far.tangent[-1] < 0.0)
 
 
 def flip_test(root: Root) -> float:
@@ -54,30 +93,26 @@ def flip_test(root: Root) -> float:
     return 1.0 + root.trace + root.det
 
 
-def corners_on(shooter: Shooter, step: Step) -> list[Found]:
+def collapses(shooter: Shooter, root: Root) -> bool:
+    """True for an orbit that is another one gone through several times."""
+    return shortest_period(section_states(shooter.system, root)[0]) < root.turns
+
+
+def corner_on(shooter: Shooter, step: Step) -> Located | None:
     """The first place on the step where an impact reaches the end of its region."""
     found = []
-    for _, k, side in beyond(shooter, step.after):
-        root = at_corner(shooter, step.after, k, side)
+    for _, k, side in shooter.beyond(step.after):
+        root = shooter.at_corner(step.after, k, side)
         if root is None:
             continue
         reach = step.reach(root)
         if -1e-9 * step.length <= reach <= step.length:
             error, status = _bracket(shooter, root, lambda r, k=k, x=root.x[2 * k]: r.x[2 * k] - x)
-            found.append(Found(CORNER, root, max(reach, 0.0), error, status, k, side))
-    return sorted(found, key=lambda f: f.reach)[:1]
+            found.append(Located(CORNER, root, max(reach, 0.0), error, status, k, side))
+    return min(found, key=lambda f: f.reach, default=None)
 
 
-def at_corner(shooter: Shooter, guess: Root, k: int, side: int) -> Root | None:
-    """The root with impact k exactly at the end (side 1) or start (-1) of its stretch."""
-    row = [0.0] * len(guess.x)
-    row[2 * k] = 1.0
-    x = list(guess.x)
-    x[2 * k] = shooter.cam.rows[guess.whole[2 * k] * ROW + (END if side > 0 else START)]
-    return shooter.correct(x, guess.whole, guess.turns, row, x)
-
-
-def smooth_events(shooter: Shooter, step: Step, turned: bool) -> list[Found]:
+def smooth_events(shooter: Shooter, step: Step, turned: bool) -> list[Located]:
     """Period doublings and folds on a step, in order; `turned`: the parameter turns round on it."""
     found = []
     before, after = flip_test(step.before), flip_test(step.after)
@@ -89,7 +124,14 @@ def smooth_events(shooter: Shooter, step: Step, turned: bool) -> list[Found]:
     return sorted((f for f in found if f is not None), key=lambda f: f.reach)
 
 
-def _root_of(shooter, step: Step, kind: str, test: Callable[[Root], float], before, after):
+def _root_of(
+    shooter: Shooter,
+    step: Step,
+    kind: str,
+    test: Callable[[Root], float],
+    before: float,
+    after: float,
+) -> Located | None:
     """The place on a step where `test` changes sign."""
     sign = 1.0 if before < 0.0 else -1.0
 
@@ -97,41 +139,37 @@ def _root_of(shooter, step: Step, kind: str, test: Callable[[Root], float], befo
         root = step.at(shooter, length)
         return sign * test(root) if root is not None else float("nan")
 
-    ends = bracket(value, 0.0, step.length, sign * before, sign * after)
-    root = step.at(shooter, 0.5 * (ends[0] + ends[1]))
+    low, high, _, _ = bracket(value, 0.0, step.length, sign * before, sign * after)
+    root = step.at(shooter, 0.5 * (low + high))
     if root is None:
         return None
     if kind == FOLD:
-        sides = [step.at(shooter, end) for end in ends[:2]]
+        sides = [step.at(shooter, end) for end in (low, high)]
         width = max((abs(r.value - root.value) for r in sides if r is not None), default=0.0)
         error, status = max(width, 8.0 * ulp(root.value)), OK
     else:
         error, status = _bracket(shooter, root, test)
-    return Found(kind, root, 0.5 * (ends[0] + ends[1]), error, status)
+    return Located(kind, root, 0.5 * (low + high), error, status)
 
 
 def _bracket(shooter: Shooter, root: Root, test: Callable[[Root], float]) -> tuple[float, str]:
     """Smallest half width of the parameter around the root at whose ends `test` differs in sign."""
     for relative in ERRORS:
         width = relative * abs(root.value)
-        ends = [
-            shooter.at_value(root.x, root.whole, root.turns, root.value + side * width)
-            for side in (-1.0, 1.0)
-        ]
-        if None not in ends and (test(ends[0]) < 0.0) != (test(ends[1]) < 0.0):
+        low, high = (shooter.moved(root, root.value + side * width) for side in (-1.0, 1.0))
+        if low is not None and high is not None and (test(low) < 0.0) != (test(high) < 0.0):
             return width, OK
     return ERRORS[-1] * abs(root.value), UNRESOLVED
 
 
-def doubling_at(shooter: Shooter, root: Root) -> Found | None:
+def doubling_at(shooter: Shooter, root: Root) -> Located | None:
     """The period doubling a branch is begun at, if it is begun at one."""
     if abs(flip_test(root)) > AT_ONCE:
         return None
-    error, status = _bracket(shooter, root, flip_test)
-    return Found(PERIOD_DOUBLING, root, 0.0, error, status)
+    return Located(PERIOD_DOUBLING, root, 0.0, *_bracket(shooter, root, flip_test))
 
 
-def parent_of(shooter: Shooter, found: Found, within: float = 0.0) -> Found | None:
+def parent_of(shooter: Shooter, found: Located, within: float = 0.0) -> Located | None:
     """The period doubling from which a branch was born, where it turns round at a fold there.
 
     On the doubled branch it looks like a fold, at which both halves of the orbit are the same.
@@ -154,19 +192,17 @@ def parent_of(shooter: Shooter, found: Found, within: float = 0.0) -> Found | No
     parent = secant(at, root.value, 1e-7 * size, size)
     if parent is None or abs(parent.value - root.value) > max(SAME_VALUE * size, within):
         return None
-    error, status = _bracket(shooter, parent, flip_test)
-    return Found(PERIOD_DOUBLING, parent, found.reach, error, status)
+    return Located(PERIOD_DOUBLING, parent, found.reach, *_bracket(shooter, parent, flip_test))
 
 
-def graze_on(shooter: Shooter, step: Step) -> Found | None:
+def graze_on(shooter: Shooter, step: Step) -> Located | None:
     """Where on the step the orbit ceases to be a motion; its end must be none."""
-    if shooter.verdict(step.after)[0] == ADMISSIBLE:
+    if shooter.admits(step.after):
         return None
 
     def value(length: float) -> float:
         root = step.at(shooter, length)
-        good = root is not None and shooter.verdict(root)[0] == ADMISSIBLE
-        return -1.0 if good else 1.0
+        return -1.0 if root is not None and shooter.admits(root) else 1.0
 
     low, high, _, _ = bracket(value, 0.0, step.length, -1.0, 1.0)
     last, first = step.at(shooter, low), step.at(shooter, high)
@@ -174,10 +210,14 @@ def graze_on(shooter: Shooter, step: Step) -> Found | None:
     first = first if first is not None else step.after
     _, impact, phase = shooter.verdict(first)
     error = max(abs(first.value - last.value), 8.0 * ulp(last.value))
-    return Found(GRAZING, last, low, error, OK, impact=impact, phase=phase)
+    slowest = min(range(last.count), key=lambda k: abs(last.rates[k]))
+    fading = slowest if abs(last.rates[slowest]) < shooter.rate else None
+    return Located(GRAZING, last, low, error, OK, impact, phase=phase, fading=fading)
 
 
-def secant(at: Callable[[float], tuple], start: float, width: float, size: float) -> Root | None:
+def secant(
+    at: Callable[[float], tuple[float, Root | None]], start: float, width: float, size: float
+) -> Root | None:
     """Secant method for the zero of at(x)[0]; the root of the last evaluation."""
     x0, x1 = start, start + width
     (y0, root), (y1, other) = at(x0), at(x1)
@@ -188,8 +228,94 @@ def secant(at: Callable[[float], tuple], start: float, width: float, size: float
             return other
         x0, x1, y0 = x1, x1 - y1 * (x1 - x0) / (y1 - y0), y1
         y1, other = at(x1)
-        if other is None:
-            return None
-        if abs(x1 - x0) <= SETTLED * size:
+        if other is None or abs(x1 - x0) <= SETTLED * size:
             return other
     return None
+
+
+def cross(shooter: Shooter, found: Located) -> Crossing | None:
+    """The other side of a corner impact, or None where no orbit is found there."""
+    before, k, side, stretches = found.root, found.impact, found.side, shooter.cam.stretches
+    i = before.whole[2 * k]
+    j = (i + side) % stretches
+    whole = list(before.whole)
+    whole[2 * k] = j
+    whole[2 * k + 1] += (i + side) // stretches  # -1 or 1 past the end of a turn
+    far = shooter.at_corner(replace(before, whole=tuple(whole)), k, -side)
+    if far is None:
+        return None
+    boundary = j if side > 0 else i
+    names = {corner.stretch: corner.name for corner in corner_list(shooter.system.cam)}
+    left, right = (before, far) if side > 0 else (far, before)
+    return Crossing(
+        left=left,
+        right=right,
+        impact=k,
+        upward=side > 0,
+        corner=names.get(boundary, ""),
+        kink=shooter.cam.rows[boundary * ROW + KICK] != 0.0,
+        ahead=[side * d for d in far.tangent],
+    )
+
+
+def doubled(shooter: Shooter, found: Located) -> tuple[Root, list[float]] | None:
+    """An orbit of twice the period beside a period doubling, and the direction away from it.
+
+    It leaves along the eigenvector d of -1: (x + e d, x - e d) to first order in e.
+    """
+    root = found.root
+    direction = _flip_vector(shooter, root)
+    if direction is None:
+        return None
+    twice = [*direction, *[-d for d in direction], 0.0]
+    whole = list(root.whole)
+    for k in range(root.count):
+        whole += [root.whole[2 * k], root.whole[2 * k + 1] + root.turns]
+    origin = [*root.x[:-1], *root.x]
+    square = 0.0
+    for d in twice:
+        square += d * d
+    for amplitude in AMPLITUDES:
+        guess = [x + amplitude * d for x, d in zip(origin, twice, strict=True)]
+        orbit = shooter.correct(guess, whole, 2 * root.turns, twice, origin, amplitude * square)
+        orbit = None if orbit is None else settled(shooter, orbit)
+        if orbit is not None and shooter.admits(orbit) and not collapses(shooter, orbit):
+            return orbit, twice
+    return None
+
+
+def _flip_vector(shooter: Shooter, root: Root) -> list[float] | None:
+    """(dtheta_k, dv_k) of all impacts in the direction of the multiplier -1, largest phase 1."""
+    steps = [_impact_map(shooter, root, k) for k in range(root.count)]
+    m = [[1.0, 0.0], [0.0, 1.0]]
+    for s in steps:
+        m = [[s[i][0] * m[0][j] + s[i][1] * m[1][j] for j in range(2)] for i in range(2)]
+    rows = [[m[0][0] + 1.0, m[0][1]], [m[1][0], m[1][1] + 1.0]]
+    a, b = max(rows, key=lambda row: abs(row[0]) + abs(row[1]))
+    size = sqrt(a * a + b * b)
+    if size == 0.0:
+        return None
+    d = [-b / size, a / size]
+    vector = []
+    for s in steps:
+        vector += d
+        d = [s[i][0] * d[0] + s[i][1] * d[1] for i in range(2)]
+    largest = max(abs(x) for x in vector[::2])
+    return [x / largest for x in vector] if largest > 0.0 else None
+
+
+def _impact_map(shooter: Shooter, root: Root, k: int) -> list[list[float]]:
+    """Derivative of (theta, v) at impact k + 1 by those at impact k; equations in the kernel."""
+    cam, lane, n = shooter.system.cam, lane_of(root.machine, 0.0, 0), root.count
+    j = (k + 1) % n
+    turns = root.whole[2 * j + 1] - root.whole[2 * k + 1] + (root.turns if k == n - 1 else 0)
+    v, u, r = root.x[2 * k + 1], root.rates[j], lane.r
+    c, c1, c2 = lift(cam, root.whole[2 * k], root.theta[k])
+    start = relative_accel(lane, c, c1 + v, c2)
+    c, c1, c2 = lift(cam, root.whole[2 * j], root.theta[j])
+    stop = relative_accel(lane, c, c1 + u, c2)
+    b, b1, p = flow(lane, root.theta[j] - root.theta[k] + TURN * turns)
+    gap = (-(v * (1.0 - lane.W2 * p) + b * start), b)
+    rate = (lane.W2 * b * v - b1 * start, b1)
+    theta = [-g / u for g in gap]
+    return [theta, [-r * (rate[i] + stop * theta[i]) for i in range(2)]]

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from camcli.analysis.labels import name
-from camcli.analysis.orbits.shooter import VERDICTS, Root, multipliers
 from camcli.cams.regions import regions
+from camcli.analysis.labels import Label, rotation
+from camcli.analysis.orbits.same_orbit import shortest_period
+from camcli.analysis.orbits.shooter import VERDICTS, Root, multipliers
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.certify import ADMISSIBLE
 from camcli.kernel.flow import RPM, lane_of, move
 from camcli.system import System
 
-REPEATS = 1e-7  # relative distance of section states that counts as none
 DIGITS = 12  # significant digits that decide between rotations of one label
 
 
@@ -46,7 +46,7 @@ class PeriodicOrbit:
     def label(self) -> str:
         """P(m;s1:...:sm), or `contact` where the follower never leaves the cam."""
         still = self.resting and not self.theta and not any(self.symbols)
-        return "contact" if still else name(self.symbols)
+        return "contact" if still else Label(self.symbols)
 
     @cached_property
     def multipliers(self) -> tuple[complex, complex]:
@@ -68,25 +68,26 @@ class PeriodicOrbit:
         """Impacts in one period that are solved for."""
         return len(self.rates)
 
+    @property
+    def primitive(self) -> bool:
+        """False for an orbit that is another one gone through several times."""
+        return shortest_period(self.states) == self.turns
+
 
 def from_root(system: System, root: Root, verdict: int = ADMISSIBLE) -> PeriodicOrbit:
     """The orbit of a solved root."""
     states, symbols = section_states(system, root)
-    order = _impact_order(system, root)
-    first = rotation(symbols, states)
-    turns = root.turns
-    behind = sum(int(count) for count in symbols[:first])
-    order = order[behind:] + order[:behind]
+    first = _first_turn(symbols, states)
+    order = _rotated([k for _, k in _since_strobe(system, root)], int(sum(symbols[:first])))
     names = region_names(system)
-    rotated = [(first + j) % turns for j in range(turns)]
     return PeriodicOrbit(
         rpm=root.machine[RPM],
         value=root.value,
-        turns=turns,
-        symbols=tuple(symbols[j] for j in rotated),
+        turns=root.turns,
+        symbols=_rotated(symbols, first),
         theta=tuple(root.theta[k] for k in order),
         rates=tuple(root.rates[k] for k in order),
-        states=tuple(states[j] for j in rotated),
+        states=_rotated(states, first),
         regions=tuple(names[root.whole[2 * k]] for k in order),
         trace=root.trace,
         det=root.det,
@@ -95,30 +96,38 @@ def from_root(system: System, root: Root, verdict: int = ADMISSIBLE) -> Periodic
     )
 
 
+def resting_orbit(system: System, rpm: float, states, symbols, leaves) -> PeriodicOrbit:
+    """An orbit through rests: states at the strobes, symbols of the turns, leaves (turn, rad)."""
+    first, names = _first_turn(symbols, states), region_names(system)
+    turns = _rotated(range(len(states)), first)
+    thetas = tuple(theta for j in turns for turn, theta in leaves if turn == j)
+    return PeriodicOrbit(
+        rpm=rpm,
+        value=rpm,
+        turns=len(states),
+        symbols=_rotated(symbols, first),
+        theta=thetas,
+        rates=(),
+        states=_rotated(states, first),
+        regions=tuple(names[stretch_at(system.cam, theta)] for theta in thetas),
+        trace=0.0,
+        det=0.0,
+        verdict=VERDICTS[ADMISSIBLE],
+        resting=True,
+    )
+
+
 def region_names(system: System) -> dict[int, str]:
     """Name of the smooth region of every stretch."""
     return {i: region.name for region in regions(system.cam) for i in region.stretches}
 
 
-def _strobes_from(system: System, root: Root) -> list[tuple[float, int]]:
-    """(rad since the first strobe, impact) of every impact in one period, ascending."""
-    strobe, period = system.strobe, TURN * root.turns
-    since = []
-    for k, theta in enumerate(root.theta):
-        place = TURN * root.whole[2 * k + 1] + (theta - strobe)
-        turns = root.whole[2 * k + 1] + (-1 if theta < strobe else 0)
-        since.append((place - period * (turns // root.turns), k))
-    return sorted(since)
-
-
-def _impact_order(system: System, root: Root) -> list[int]:
-    return [k for _, k in _strobes_from(system, root)]
-
-
-def section_states(system: System, root: Root):
+def section_states(
+    system: System, root: Root
+) -> tuple[list[tuple[float, float]], list[float]]:
     """(states, symbols): (q, dq/dtheta) at every strobe, and the impacts in the turn after it."""
     lane = lane_of(root.machine, 0.0, 0)
-    since = _strobes_from(system, root)
+    since = _since_strobe(system, root)
     states, symbols = [], []
     for j in range(root.turns):
         at = TURN * j
@@ -131,41 +140,26 @@ def section_states(system: System, root: Root):
     return states, symbols
 
 
-def rotation(symbols: Sequence[float], states: Sequence[tuple[float, float]]) -> int:
-    """First turn of the largest rotation of the symbols; ties go to the lowest state."""
-    turns = len(symbols)
-
-    def key(first: int):
-        word = tuple(symbols[(first + j) % turns] for j in range(turns))
-        low = tuple(
-            -float(f"{x:.{DIGITS}g}") for j in range(turns) for x in states[(first + j) % turns]
-        )
-        return word, low
-
-    return max(range(turns), key=key)
+def _since_strobe(system: System, root: Root) -> list[tuple[float, int]]:
+    """(rad since the first strobe, impact) of every impact in one period, ascending."""
+    strobe, period = system.strobe, TURN * root.turns
+    since = []
+    for k, theta in enumerate(root.theta):
+        place = TURN * root.whole[2 * k + 1] + (theta - strobe)
+        turns = root.whole[2 * k + 1] + (-1 if theta < strobe else 0)
+        since.append((place - period * (turns // root.turns), k))
+    return sorted(since)
 
 
-def whole_of(system: System, thetas: Sequence[float], turns: Sequence[int]) -> tuple[int, ...]:
-    """Stretch and turn of every impact, flat."""
-    pairs = [
-        (stretch_at(system.cam, theta), turn) for theta, turn in zip(thetas, turns, strict=True)
-    ]
-    return tuple(value for pair in pairs for value in pair)
+def _first_turn(symbols: Sequence[float], states: Sequence[tuple[float, float]]) -> int:
+    """The turn at which the label begins; among equal ones that of the lowest state."""
+
+    def low(first: int) -> tuple:
+        return tuple(-float(f"{x:.{DIGITS}g}") for s in _rotated(states, first) for x in s)
+
+    return rotation(symbols, low)
 
 
-def primitive(orbit: PeriodicOrbit) -> bool:
-    """False for an orbit that is another one gone through several times."""
-    return shortest_period(orbit.states) == orbit.turns
-
-
-def shortest_period(states: Sequence[tuple[float, float]]) -> int:
-    """The least number of turns after which the section states repeat."""
-    turns, size = len(states), [max(abs(s[j]) for s in states) or 1.0 for j in range(2)]
-    for m in range(1, turns // 2 + 1):
-        if turns % m == 0 and all(
-            abs(states[k][j] - states[k - m][j]) <= REPEATS * size[j]
-            for k in range(turns)
-            for j in range(2)
-        ):
-            return m
-    return turns
+def _rotated(items: Sequence, first: int) -> tuple:
+    """The items from `first` on, then those before."""
+    return (*items[first:], *items[:first])

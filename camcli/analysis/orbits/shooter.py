@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 
 from camcli.analysis.integrate import Cost, compile_for
@@ -12,7 +12,7 @@ from camcli.errors import OK
 from camcli.kernel import backend, entry_points
 from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
-from camcli.kernel.cam_table import TURN
+from camcli.kernel.cam_table import END, ROW, START, TURN
 from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS, certify
 from camcli.kernel.flow import (
     DAMPING,
@@ -87,6 +87,14 @@ class Root:
         return self.x[:-1:2]
 
 
+def with_machine(system: System, machine: Sequence[float]) -> tuple[System, float]:
+    """The system with the constants of a kernel's table, and its speed in rpm."""
+    rpm, *constants = machine
+    names = [name for name in PARAMETERS if name != "rpm"]
+    follower = replace(system.follower, **dict(zip(names, constants, strict=True)))
+    return replace(system, follower=follower), rpm
+
+
 def determinant(machine: Sequence[float], impacts: int, turns: int) -> float:
     """Determinant of the monodromy matrix: r^2 from an impact, exp(-2 Z s) from s rad of flight."""
     lane = lane_of(machine, 0.0, 0)
@@ -134,6 +142,11 @@ class Shooter:
         return tuple(machine)
 
     @property
+    def value(self) -> float:
+        """The parameter in the machine itself."""
+        return self.machine[self.parameter]
+
+    @property
     def cost(self) -> Cost:
         """Work of the certifying flights so far."""
         return Cost(0, int(self.work[0]), int(self.work[1]))
@@ -151,7 +164,7 @@ class Shooter:
         return self._rooms[n]
 
     def _table(self, values, kind=float):
-        return backend.numbers(list(values), kind) if self.compiled else list(values)
+        return backend.numbers(_plain(values), kind) if self.compiled else _plain(values)
 
     def correct(
         self,
@@ -168,10 +181,8 @@ class Shooter:
         """
         n = len(whole) // 2
         tables, (rates, out, *_) = self._room(n)
-        x, ends = (
-            self._table(guess),
-            Border(self._table(row), self._table(origin), right, self.scale, self.rate),
-        )
+        x = self._table(guess)
+        ends = Border(self._table(row), self._table(origin), right, self.scale, self.rate)
         machine, places = self._table(self.machine), self._table(whole, int)
         solve = entry_points.correct_orbit if self.compiled else correct
         status = solve(
@@ -185,10 +196,38 @@ class Shooter:
             trace=float(out[TRACE]), step=float(out[STEP]), steps=int(out[STEPS_TAKEN]),
         )  # fmt: skip
 
-    def at_value(self, guess: Sequence[float], whole: Sequence[int], turns: int, value: float):
+    def at_value(
+        self, guess: Sequence[float], whole: Sequence[int], turns: int, value: float
+    ) -> Root | None:
         """The root near `guess` at a fixed value of the parameter, or None."""
-        x = [*guess[:-1], value]
+        x = [*_plain(guess)[:-1], value]
         return self.correct(x, whole, turns, [0.0] * (len(x) - 1) + [1.0], x)
+
+    def moved(self, root: Root, value: float) -> Root | None:
+        """The root followed to another value of the parameter in one step, or None."""
+        return self.at_value(root.x, root.whole, root.turns, value)
+
+    def at_corner(self, guess: Root, k: int, side: int) -> Root | None:
+        """The root with impact k exactly at the end (side 1) or start (-1) of its stretch."""
+        x, row = list(guess.x), [0.0] * len(guess.x)
+        x[2 * k] = self.cam.rows[guess.whole[2 * k] * ROW + (END if side > 0 else START)]
+        row[2 * k] = 1.0
+        return self.correct(x, guess.whole, guess.turns, row, x)
+
+    def beyond(self, root: Root) -> list[tuple[float, int, int]]:
+        """(rad beyond, impact, +1 at the end or -1 at the start) of impacts outside their region."""
+        rows, out = self.cam.rows, []
+        for k, theta in enumerate(root.theta):
+            o = root.whole[2 * k] * ROW
+            if theta < rows[o + START]:
+                out.append((rows[o + START] - theta, k, -1))
+            elif theta > rows[o + END]:
+                out.append((theta - rows[o + END], k, 1))
+        return out
+
+    def admits(self, root: Root) -> bool:
+        """True for a motion, False for a root that is none."""
+        return self.verdict(root)[0] == ADMISSIBLE
 
     def verdict(self, root: Root) -> tuple[int, int, float]:
         """(verdict, impact, phase): `certify`'s code, and where the root fails (0-based, rad)."""

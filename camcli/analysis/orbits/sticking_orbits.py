@@ -8,18 +8,17 @@ appears, fades, or moves to another turn.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from math import inf, ulp
 
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.collide import with_machine
 from camcli.analysis.orbits.identify import solve_from
 from camcli.analysis.orbits.locate import COMPLETION, LOST, RANGE
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.cams.compile import column
 from camcli.system import System, omega_of
 
@@ -28,6 +27,8 @@ LONGEST = 8  # periods longer than the orbit's own are not looked for
 RUN = SETTLE + 2 * LONGEST + 2  # turns simulated for one point, at least
 BRACKETS = 80  # runs in which the changes of a branch are bracketed, about
 DETACHMENT, DEPARTURE, ITINERARY = "detachment", "departure", "itinerary"
+
+Same = Callable[[PeriodicOrbit, PeriodicOrbit | None], bool]
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class Change:
 
 
 @dataclass
-class RestingLeg:
+class StickingSegment:
     """Points in order, changes in order; `end`: what ends the branch."""
 
     points: list[PeriodicOrbit] = field(default_factory=list)
@@ -50,13 +51,43 @@ class RestingLeg:
     end: str = LOST
 
 
-def resting_at(
+def follow_sticking(
+    shooter: Shooter, settings: Settings, orbit: PeriodicOrbit, span: Span, up: bool
+) -> StickingSegment:
+    """Follow an orbit that rests on the cam towards one end of the range."""
+    segment = StickingSegment(points=[orbit])
+    for value in _grid(orbit.value, span, up):
+        last = segment.points[-1]
+        after = _orbit_at(shooter, settings, last, value)
+        if after is None or not _same_motion(last, after):
+            change = _change(shooter, settings, last, value, _same_motion)
+            segment.changes.append(change)
+            segment.points.append(change.orbit)
+            segment.end = change.kind
+            return segment
+        if not _same_departures(last, after):
+            change = _change(shooter, settings, last, value, _same_departures)
+            change = replace(change, kind=DEPARTURE, beyond=change.beyond or after)
+            segment.changes.append(change)
+            segment.points.append(change.orbit)
+        segment.points.append(after)
+    segment.end = RANGE
+    return segment
+
+
+def _grid(start: float, span: Span, up: bool) -> Iterator[float]:
+    end = span.high if up else span.low
+    count = max(1, round(abs(end - start) / span.spacing)) if end != start else 0
+    for k in range(1, count + 1):
+        yield end if k == count else start + (end - start) * (k / count)
+
+
+def _orbit_at(
     shooter: Shooter, settings: Settings, orbit: PeriodicOrbit, value: float
 ) -> PeriodicOrbit | None:
     """What a run from the orbit settles on at another value of the parameter."""
     system, rpm = with_machine(shooter.system, shooter.at(value))
-    start = _start(system, orbit, rpm)
-    run = replace(settings, transient=SETTLE, start=start)
+    run = replace(settings, transient=SETTLE, start=_start(system, orbit, rpm))
     found = solve_from(system, rpm, run, longest=max(LONGEST, orbit.turns))
     return None if found is None else replace(found, rpm=rpm, value=value)
 
@@ -69,47 +100,23 @@ def _start(system: System, orbit: PeriodicOrbit, rpm: float) -> Start:
     return Start(q, w * omega_of(rpm), system.strobe_deg)
 
 
-def same_motion(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
+def _same_motion(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
     """True where the other rests too and has the same impacts in the same turns."""
     return other is not None and other.resting and other.symbols == orbit.symbols
 
 
-def same_departures(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
-    """`same_motion`, and the same number of departures from rest."""
-    return same_motion(orbit, other) and len(other.theta) == len(orbit.theta)
+def _same_departures(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
+    """`_same_motion`, and the same number of departures from rest."""
+    return (
+        other is not None
+        and _same_motion(orbit, other)
+        and len(other.theta) == len(orbit.theta)
+    )
 
 
-def follow_resting(
-    shooter: Shooter, settings: Settings, orbit: PeriodicOrbit, span: Span, up: bool
-) -> RestingLeg:
-    """Follow a resting orbit towards one end of the range."""
-    leg = RestingLeg(points=[orbit])
-    for value in _grid(orbit.value, span, up):
-        last = leg.points[-1]
-        after = resting_at(shooter, settings, last, value)
-        if not same_motion(orbit, after):
-            change = _change(shooter, settings, last, value, same_motion)
-            leg.changes.append(change)
-            leg.points.append(change.orbit)
-            leg.end = change.kind
-            return leg
-        if not same_departures(last, after):
-            change = _change(shooter, settings, last, value, same_departures)
-            leg.changes.append(replace(change, kind=DEPARTURE, beyond=change.beyond or after))
-            leg.points.append(change.orbit)
-        leg.points.append(after)
-    leg.end = RANGE
-    return leg
-
-
-def _grid(start: float, span: Span, up: bool) -> Iterator[float]:
-    end = span.high if up else span.low
-    count = max(1, round(abs(end - start) / span.spacing)) if end != start else 0
-    for k in range(1, count + 1):
-        yield end if k == count else start + (end - start) * (k / count)
-
-
-def _change(shooter: Shooter, settings: Settings, last: PeriodicOrbit, beyond: float, same):
+def _change(
+    shooter: Shooter, settings: Settings, last: PeriodicOrbit, beyond: float, same: Same
+) -> Change:
     """Bracket the value at which the motion is no longer the `same`, and name the change."""
     up, size = beyond > last.value, abs(beyond - last.value) + shooter.scale
     kept: dict[float, PeriodicOrbit | None] = {last.value: last}
@@ -119,18 +126,18 @@ def _change(shooter: Shooter, settings: Settings, last: PeriodicOrbit, beyond: f
         return last.value + way if up else last.value - way
 
     def lost(x: float) -> float:
-        kept[at(x)] = resting_at(shooter, settings, last, at(x))
+        kept[at(x)] = _orbit_at(shooter, settings, last, at(x))
         return -1.0 if same(last, kept[at(x)]) else 1.0
 
     low, high, _, _ = bracket(lost, size, size + abs(beyond - last.value), -1.0, 1.0)
-    before, after = kept[at(low)], kept.get(at(high))
+    before, after = kept[at(low)] or last, kept.get(at(high))
     if after is None:
-        after = resting_at(shooter, settings, last, at(high))
+        after = _orbit_at(shooter, settings, last, at(high))
     error = max(abs(high - low), 4.0 * ulp(abs(at(low)) + size))
-    return Change(_name(before, after), at(low), error, before, after)
+    return Change(_kind(before, after), at(low), error, before, after)
 
 
-def _name(last: PeriodicOrbit, after: PeriodicOrbit | None) -> str:
+def _kind(last: PeriodicOrbit, after: PeriodicOrbit | None) -> str:
     if "contact" in (last.label, "" if after is None else after.label):
         return DETACHMENT
     complete = last.symbols.count(inf) / last.turns

@@ -2,25 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
+from camcli.analysis.border_collision import Inequality, Side
 from camcli.analysis.integrate import Cost, Settings, compile_for
-from camcli.analysis.orbits.absence import Absence, look_around
+from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.branch import Bifurcation, Branch, Writer
-from camcli.analysis.orbits.branch_segment import Leg, both_ways, follow
-from camcli.analysis.orbits.crossing import Crossing, doubled
-from camcli.analysis.orbits.find import MOST_STARTS, RECORD, Found, find
+from camcli.analysis.orbits.branch_segment import Segment, both_ways, follow
+from camcli.analysis.orbits.corner_impacts import CornerImpact, corner_impact
+from camcli.analysis.orbits.curves import Curve, Plane, curve
+from camcli.analysis.orbits.locate import GRAZING, PERIOD_DOUBLING, Crossing, Located, doubled
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
+from camcli.analysis.orbits.same_orbit import same_orbit
+from camcli.analysis.orbits.search import MOST_STARTS, RECORD, OrbitsFound, find
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.analysis.orbits.sticking_orbits import BRACKETS, RUN, follow_resting
+from camcli.analysis.orbits.sticking_orbits import (
+    BRACKETS,
+    RUN,
+    Change,
+    StickingSegment,
+    follow_sticking,
+)
 from camcli.analysis.sweep import LITTLE_WORK
+from camcli.cams.regions import corner_list
 from camcli.kernel import backend
 from camcli.system import System
 
-SAME_PHASE = 1e-8  # rad
+SAME_CORNER = 1e-6  # rad: a departure so close to a corner is at it
 LEAST_WORK = 500  # turns in all that plain Python does where a compiled kernel only has to be read
+SPEEDS = 24  # tried, spread over the range, where a label is not found at its own speed
+FEW_STARTS = 8  # motions simulated at each
+AROUND = 0.2  # relative range where none is given
 
 
 @dataclass(frozen=True)
@@ -29,71 +43,171 @@ class Question:
 
     rpm: where orbits are looked for; parameter and span: what is varied (None: nothing); label:
     only this one; branches: how many that leave from events to follow; starts: motions simulated;
-    stable: only those that are (True) or are not (False).
+    stable: only those that are (True) or are not (False); curve: kind of bifurcation to continue
+    in `plane`, whose first parameter is `parameter`.
     """
 
     rpm: float
     parameter: str = "rpm"
     span: Span | None = None
-    label: str | None = None
+    label: Label | None = None
     branches: int = 3
     starts: int = 24
-    curve: str | None = None  # kind of bifurcation that is to be continued in two parameters
     stable: bool | None = None
+    curve: str | None = None
+    plane: Plane | None = None
 
 
 @dataclass(frozen=True)
-class Study:
-    """The orbits at question.rpm, and the branches through them."""
+class Bifurcation:
+    """One event on a branch, of a kind named in `locate` or `sticking_orbits`.
+
+    branch: its number; value: of the parameter, +- error; orbit: at the event; corner: name or
+    empty; located: how it was found on a branch of bouncing orbits; corner_impact: both linear
+    parts and the check by simulation; beyond: label behind a change of a resting orbit, empty where
+    nothing was solved there; continues: number of the branch that leaves here, 0 for none.
+    """
+
+    branch: int
+    kind: str
+    value: float
+    error: float
+    status: str
+    orbit: PeriodicOrbit
+    corner: str = ""
+    located: Located | None = None
+    corner_impact: CornerImpact | None = None
+    beyond: str = ""
+    continues: int = 0
+
+    @property
+    def label(self) -> str:
+        """Label of the orbit at the event."""
+        return self.orbit.label
+
+    @property
+    def left(self) -> Side | None:
+        """Trace and determinant on the side before a corner."""
+        return None if self.corner_impact is None else self.corner_impact.left
+
+    @property
+    def right(self) -> Side | None:
+        """Trace and determinant on the side behind a corner."""
+        return None if self.corner_impact is None else self.corner_impact.right
+
+    @property
+    def classification(self) -> str:
+        """The border collision's kind; empty of other events."""
+        return "" if self.corner_impact is None else self.corner_impact.collision.kind
+
+    @property
+    def inequalities(self) -> tuple[Inequality, ...]:
+        """What the classification rests on."""
+        return () if self.corner_impact is None else self.corner_impact.collision.inequalities
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether the simulations on both sides are as predicted; None where one cannot tell."""
+        if self.corner_impact is None:
+            return None
+        agree = [side.agrees for side in (self.corner_impact.below, self.corner_impact.above)]
+        return None if None in agree else all(agree)
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Orbits in order along the branch; ends: what ends it at the first and at the last point."""
+
+    number: int
+    origin: str
+    points: tuple[PeriodicOrbit, ...]
+    ends: tuple[str, str]
+
+    @property
+    def labels(self) -> list[str]:
+        """The labels on the way, in order, without repetition."""
+        return list(dict.fromkeys(orbit.label for orbit in self.points))
+
+
+@dataclass(frozen=True)
+class Absence:
+    """A label that was not found at `rpm`, nor anywhere from `low` to `high` without an `orbit`.
+
+    orbit: one with that label at the nearest speed that was tried; nearest: the speed closest to
+    `rpm` that its branch reaches, and what ends it there.
+    """
+
+    rpm: float
+    low: float
+    high: float
+    orbit: PeriodicOrbit | None = None
+    nearest: tuple[float, str] | None = None
+
+
+@dataclass(frozen=True)
+class OrbitsResult:
+    """The orbits at question.rpm, the branches through them, and curves in two parameters.
+
+    virtual: roots that penetrate the cam or would pull; absent: the label asked for does not exist
+    at the speed asked for.
+    """
 
     question: Question
-    value: float
     orbits: list[PeriodicOrbit]
     virtual: list[PeriodicOrbit]
     branches: list[Branch]
     bifurcations: list[Bifurcation]
+    curves: list[Curve]
     cost: Cost
-    absent: Absence | None = None  # the label asked for does not exist at the speed asked for
+    absent: Absence | None = None
 
 
-def study(
+def orbits(
     system: System,
     settings: Settings,
     question: Question,
     on_branch: Callable[[], None] = lambda: None,
-) -> Study:
-    """Find, follow and classify; `on_branch` is called after each branch."""
+) -> OrbitsResult:
+    """Find, follow and classify; `on_branch` is called after each branch.
+
+    Raises ValueError where the range is empty or does not hold the parameter's value.
+    """
     starts = question.starts if question.label is None else max(question.starts, MOST_STARTS)
     turns = (starts + 1) * (settings.transient + RECORD)
     if backend.must_compile() or (backend.may_compile() and turns > 2 * LITTLE_WORK):
         compile_for(system)
-    found = find(system, question.rpm, settings, question.starts, question.label)
-    absent = None
+    found, span, absent = find(
+        system, question.rpm, settings, question.starts, question.label
+    ), question.span, None
     if question.stable is not None:
         found.orbits = [orbit for orbit in found.orbits if orbit.stable == question.stable]
     elif question.label is not None and not found.orbits:
-        span = question.span if question.parameter == "rpm" else None
-        ends = None if span is None else (span.low, span.high)
-        absent = look_around(system, settings, question.rpm, question.label, ends)
-        if span is not None and absent.orbit is not None:
+        ends = None if span is None or question.parameter != "rpm" else (span.low, span.high)
+        absent = _look_around(system, settings, question.rpm, question.label, ends)
+        if ends is not None and absent.orbit is not None:
             found.orbits, question = [absent.orbit], replace(question, rpm=absent.orbit.rpm)
     shooter = Shooter(system, question.rpm, question.parameter)
-    if question.span is not None and not question.span.width > 0.0:
-        raise ValueError("a range needs two different ends; leave the span out for one value")
-    if question.span is not None and not question.span.holds(shooter.machine[shooter.parameter]):
-        raise ValueError(f"{question.parameter} where orbits are found lies outside the range")
-    value = shooter.machine[shooter.parameter]
-    writer = Writer(shooter, settings)
-    if question.span is not None:
-        _prepare(system, found, question.span)
-        _follow_all(shooter, settings, question, found, writer, on_branch)
-    return Study(
-        question, value, found.orbits, found.virtual, writer.branches, writer.bifurcations,
-        found.cost + shooter.cost, absent,
-    )  # fmt: skip
+    diagram = Diagram(shooter, settings)
+    if span is not None:
+        if not span.width > 0.0:
+            raise ValueError("a range needs two different ends; leave the span out for one value")
+        if not span.holds(shooter.value):
+            raise ValueError(f"{question.parameter} where orbits are found lies outside the range")
+        _prepare(system, found, span)
+        _follow_all(diagram, found, span, question.branches, on_branch)
+    return OrbitsResult(
+        question,
+        found.orbits,
+        found.virtual,
+        diagram.branches,
+        diagram.bifurcations,
+        _curves(system, diagram.bifurcations, question),
+        found.cost + shooter.cost,
+        absent,
+    )
 
 
-def _prepare(system: System, found: Found, span: Span) -> None:
+def _prepare(system: System, found: OrbitsFound, span: Span) -> None:
     """Compile for branches of resting orbits: each of their points is a simulation."""
     resting = sum(orbit.resting for orbit in found.orbits)
     turns = resting * RUN * (span.width / span.spacing + BRACKETS)
@@ -101,83 +215,195 @@ def _prepare(system: System, found: Found, span: Span) -> None:
         compile_for(system)
 
 
-def _follow_all(shooter, settings, question: Question, found: Found, writer: Writer, tick) -> None:
-    """Branches through the orbits found, then those that leave from events on them."""
-    span = question.span
+def _follow_all(
+    diagram: Diagram, found: OrbitsFound, span: Span, most: int, on_branch: Callable[[], None]
+) -> None:
+    """Branches through the orbits found, then up to `most` that leave from events on them."""
+    shooter = diagram.shooter
     for orbit in found.orbits:
         if orbit.root is None:
-            start = replace(orbit, value=shooter.machine[shooter.parameter])
-            legs = [follow_resting(shooter, settings, start, span, up) for up in (False, True)]
-            writer.resting(*legs, "found")
+            start = replace(orbit, value=shooter.value)
+            down, up = (
+                follow_sticking(shooter, diagram.settings, start, span, way)
+                for way in (False, True)
+            )
+            diagram.add_sticking(down, up, "found")
         else:
-            root = in_parameter(shooter, orbit.root)
-            if root is None or on_branches(shooter, writer.branches, root):
+            root = shooter.moved(orbit.root, shooter.value)  # its tangent is in another parameter
+            if root is None or diagram.holds(root):
                 continue
-            writer.bouncing(list(both_ways(shooter, root, span)), "found")
-        tick()
-    for index, event in _first(writer, question.branches):
-        continue_from(shooter, writer, index, event, span)
-        tick()
-
-
-def _first(writer: Writer, most: int):
-    """Events from which a branch leaves, in the order of discovery, until `most` have been used."""
-    known, done = len(writer.branches), 0
-    while done < len(writer.shoots) and len(writer.branches) < known + most:
-        yield writer.shoots[done]
+            diagram.add_bouncing(both_ways(shooter, root, span), "found")
+        on_branch()
+    known, done = len(diagram.branches), 0
+    while done < len(diagram.branch_points) and len(diagram.branches) < known + most:
+        diagram.switch(*diagram.branch_points[done], span)
         done += 1
+        on_branch()
 
 
-def in_parameter(shooter: Shooter, root: Root) -> Root | None:
-    """The same root with its tangent in the shooter's parameter."""
-    value = shooter.machine[shooter.parameter]
-    return shooter.at_value([*root.x[:-1], value], root.whole, root.turns, value)
+def _curves(
+    system: System, bifurcations: Sequence[Bifurcation], question: Question
+) -> list[Curve]:
+    """Every located bifurcation of the kind asked for, continued; the same curve only once."""
+    found: dict[tuple, Curve] = {}
+    for b in bifurcations:
+        key = (b.label, b.corner, f"{b.value:.9g}")
+        wanted = question.plane is not None and b.kind == question.curve and key not in found
+        if wanted and question.plane is not None and b.located is not None:
+            found[key] = curve(system, b.located, question.plane, b.label, b.corner)
+    return list(found.values())
 
 
-def continue_from(shooter: Shooter, writer: Writer, index: int, event, span: Span) -> None:
-    """Follow the branch that leaves from an event, unless it is one already followed."""
-    leg = _leaving(shooter, event, span)
-    if leg is None or len(leg.points) < 2:
-        return
-    if on_branches(shooter, writer.branches, leg.points[len(leg.points) // 2]):
-        return
-    source = writer.bifurcations[index]
-    writer.bouncing([leg], source.kind)
-    writer.bifurcations[index] = replace(source, continues=len(writer.branches))
+class Diagram:
+    """The branches and bifurcations found so far, numbered in the order of discovery.
 
+    branch_points: (index of the bifurcation, its event) where another branch leaves.
+    """
 
-def _leaving(shooter: Shooter, event, span: Span) -> Leg | None:
-    """The branch that leaves from a nonsmooth fold or a period doubling, if there is one."""
-    if isinstance(event, Crossing):
-        root, along = event.far, event.ahead
-    else:
-        start = doubled(shooter, event)
+    def __init__(self, shooter: Shooter, settings: Settings):
+        self.shooter, self.settings = shooter, settings
+        self.branches: list[Branch] = []
+        self.bifurcations: list[Bifurcation] = []
+        self.branch_points: list[tuple[int, Located | Crossing]] = []
+        self._corner_impacts: dict[tuple, CornerImpact] = {}
+
+    def holds(self, root: Root) -> bool:
+        """True where some branch passes through the root."""
+        orbit = from_root(self.shooter.system, root)
+        return any(self._passes(branch, orbit, root.value) for branch in self.branches)
+
+    def _passes(self, branch: Branch, orbit: PeriodicOrbit, value: float) -> bool:
+        for a, b in pairwise(branch.points):
+            if not min(a.value, b.value) <= value <= max(a.value, b.value):
+                continue
+            for point in (a, b):
+                if point.root is None or point.root.count != orbit.impacts:
+                    continue
+                there = self.shooter.moved(point.root, value)
+                if there is not None and same_orbit(from_root(self.shooter.system, there), orbit):
+                    return True
+        return False
+
+    def switch(self, index: int, event: Located | Crossing, span: Span) -> None:
+        """Follow the branch that leaves from an event, unless it is one already followed."""
+        start: tuple[Root, list[float]] | None
+        if isinstance(event, Crossing):  # a nonsmooth fold
+            start = event.far, event.ahead
+        else:
+            start = doubled(self.shooter, event)
         if start is None:
-            return None
-        root, along = start
-    return follow(shooter, root, along, span)
+            return
+        segment = follow(self.shooter, *start, span)
+        if len(segment.points) < 2 or self.holds(segment.points[len(segment.points) // 2]):
+            return
+        source = self.bifurcations[index]
+        self.add_bouncing([segment], source.kind)
+        self.bifurcations[index] = replace(source, continues=len(self.branches))
+
+    def add_bouncing(self, segments: Sequence[Segment], origin: str) -> None:
+        """A branch from one segment, or from two that begin at the same root."""
+        number = len(self.branches) + 1
+        roots, ends = segments[0].points, (origin, segments[0].end)
+        if len(segments) == 2:
+            down, up = segments
+            roots, ends = down.points[:0:-1] + up.points, (down.end, up.end)
+        points = tuple(from_root(self.shooter.system, root) for root in roots)
+        self.branches.append(Branch(number, origin, points, ends))
+        for segment in segments:
+            for found, crossing in segment.events:
+                self._add_event(number, found, crossing)
+                index = len(self.bifurcations) - 1
+                if found.kind == PERIOD_DOUBLING:
+                    self.branch_points.append((index, found))
+                elif crossing is not None and crossing is segment.turned:
+                    self.branch_points.append((index, crossing))
+
+    def _add_event(self, number: int, found: Located, crossing: Crossing | None) -> None:
+        self.bifurcations.append(
+            Bifurcation(
+                number,
+                found.kind,
+                found.root.value,
+                found.error,
+                found.status,
+                from_root(self.shooter.system, found.root),
+                corner="" if crossing is None else crossing.corner,
+                located=found,
+                corner_impact=None if crossing is None else self._corner_impact(crossing),
+            )
+        )
+
+    def _corner_impact(self, crossing: Crossing) -> CornerImpact:
+        """The study of a corner impact, made once for both branches that end in it."""
+        key = (crossing.corner, crossing.left.count, f"{crossing.left.value:.11g}")
+        if key not in self._corner_impacts:
+            self._corner_impacts[key] = corner_impact(self.shooter, crossing, self.settings)
+        return self._corner_impacts[key]
+
+    def add_sticking(self, down: StickingSegment, up: StickingSegment, origin: str) -> None:
+        """A branch of orbits that rest on the cam."""
+        number = len(self.branches) + 1
+        points = (*down.points[:0:-1], *up.points)
+        self.branches.append(Branch(number, origin, points, (down.end, up.end)))
+        self.bifurcations += [
+            Bifurcation(
+                number,
+                change.kind,
+                change.value,
+                change.error,
+                "ok",
+                change.orbit,
+                corner=_corner_of(self.shooter.system, change),
+                beyond="" if change.beyond is None else change.beyond.label,
+            )
+            for change in (*down.changes, *up.changes)
+        ]
 
 
-def on_branches(shooter: Shooter, branches: list[Branch], root: Root) -> bool:
-    """True where some branch passes through the root."""
-    orbit = from_root(shooter.system, root)
-    return any(_passes(shooter, branch, orbit, root.value) for branch in branches)
+def _corner_of(system: System, change: Change) -> str:
+    """The corner at which the follower leaves the cam on one side of the change only."""
+    here = change.orbit.theta
+    there = () if change.beyond is None else change.beyond.theta
+    moved = [x for x in here if not any(abs(x - y) < SAME_CORNER for y in there)]
+    moved += [y for y in there if not any(abs(x - y) < SAME_CORNER for x in here)]
+    for corner in corner_list(system.cam):
+        if any(abs(theta - corner.theta) < SAME_CORNER for theta in moved or here):
+            return corner.name
+    return ""
 
 
-def _passes(shooter: Shooter, branch: Branch, orbit: PeriodicOrbit, value: float) -> bool:
-    for a, b in zip(branch.points, branch.points[1:], strict=False):
-        if not min(a.value, b.value) <= value <= max(a.value, b.value):
-            continue
-        for point in (a, b):
-            if point.root is None or point.root.count != orbit.impacts:
-                continue
-            r = point.root
-            near = shooter.at_value(r.x, r.whole, r.turns, value)
-            if near is None:
-                continue
-            other = from_root(shooter.system, near)
-            if other.symbols == orbit.symbols and all(
-                abs(s - t) <= SAME_PHASE for s, t in zip(other.theta, orbit.theta, strict=True)
-            ):
-                return True
-    return False
+def _look_around(
+    system: System,
+    settings: Settings,
+    rpm: float,
+    label: Label,
+    ends: tuple[float, float] | None,
+) -> Absence:
+    """Look for the label at other speeds, nearest first, and follow its branch towards `rpm`."""
+    low, high = ends or (rpm * (1.0 - AROUND), rpm * (1.0 + AROUND))
+    speeds = [low + (high - low) * (k / (SPEEDS - 1)) for k in range(SPEEDS)]
+    for speed in sorted(speeds, key=lambda x: abs(x - rpm)):
+        found = find(system, speed, settings, FEW_STARTS, label, FEW_STARTS)
+        if found.orbits:
+            orbit = found.orbits[0]
+            return Absence(rpm, low, high, orbit, _reach(system, settings, orbit, rpm, label))
+    return Absence(rpm, low, high)
+
+
+def _reach(
+    system: System, settings: Settings, orbit: PeriodicOrbit, rpm: float, label: Label
+) -> tuple[float, str]:
+    """The speed nearest to `rpm` on the orbit's branch with this label, and what ends it."""
+    shooter, up = Shooter(system, orbit.rpm), rpm > orbit.rpm
+    low, high = sorted((rpm, orbit.rpm))
+    span = Span(low, high, (high - low) / SPEEDS)
+    if orbit.root is None:
+        sticking = follow_sticking(shooter, settings, orbit, span, up)
+        points, end = sticking.points, sticking.end
+    else:
+        tangent = orbit.root.tangent
+        ahead = tangent if (tangent[-1] > 0.0) == up else [-x for x in tangent]
+        segment = follow(shooter, orbit.root, ahead, span)
+        points, end = [from_root(system, root) for root in segment.points], segment.end
+    same = [point for point in points if point.label == label]
+    return min(same, key=lambda point: abs(point.value - rpm)).value, end

@@ -1,0 +1,235 @@
+"""A located bifurcation continued in two parameters: the curve on which it happens.
+
+At every point one of the two parameters is given and the event is solved for the other: a corner
+impact directly, a period doubling as a root of 1 + trace + det, a fold as the extremum of the
+parameter along the branch, grazing as the edge of the certificate. The parameter that changes more
+is the one given, so that the curve may turn round in either.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import sqrt
+
+from camcli.analysis.bracketing import bracket
+from camcli.analysis.orbits.locate import (
+    CORNER,
+    FOLD,
+    GRAZING,
+    LOST,
+    MOST_SECANTS,
+    PERIOD_DOUBLING,
+    RANGE,
+    Located,
+    cross,
+    flip_test,
+    secant,
+)
+from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
+from camcli.analysis.orbits.shooter import PARAMETERS, Root, Shooter, with_machine
+from camcli.system import System
+
+SMALLEST = 1e-4  # of the spacing: a step below it ends the curve
+LONGEST = 40  # times the steps across the range: a curve longer than that is given up
+FARTHEST = 10.0  # steps by which the free parameter may change in one
+MOST_TURNED = 0.5  # rad by which an impact may move in one step
+ANOTHER_CORNER, NO_MOTION = "an impact reaches a corner", "the orbit is no motion any more"
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """One point: both parameters, the orbit, and at a corner impact (trace, det) of both sides."""
+
+    first: float
+    second: float
+    orbit: PeriodicOrbit
+    left: tuple[float, float] | None = None
+    right: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A curve of one kind of bifurcation; ends: why it stops on either side."""
+
+    kind: str
+    label: str
+    corner: str
+    first: str
+    second: str
+    points: tuple[CurvePoint, ...]
+    ends: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Names and ranges of both parameters, and the number of steps across them."""
+
+    names: tuple[str, str]
+    ranges: tuple[tuple[float, float], tuple[float, float]]
+    steps: int
+
+
+def curve(system: System, located: Located, plane: Plane, label: str, corner: str) -> Curve:
+    """Continue a bifurcation of a branch in plane.names[0] through the plane."""
+    tracer = _Tracer(system, located, plane)
+    start = tracer.solve(located.root, located.root.x, 0, tracer.values(located.root)[1])
+    down, end_down = tracer.trace(start, -1.0)
+    up, end_up = tracer.trace(start, 1.0)
+    roots = [*reversed(down), *([start] if start else []), *up]
+    points = tuple(tracer.point(root) for root in roots)
+    return Curve(located.kind, label, corner, *plane.names, points, (end_down, end_up))
+
+
+class _Tracer:
+    """One curve: the event solved for one parameter, the other being given."""
+
+    def __init__(self, system: System, located: Located, plane: Plane):
+        self.system, self.located, self.plane = system, located, plane
+        self.spans = [high - low for low, high in plane.ranges]
+
+    def values(self, root: Root) -> tuple[float, float]:
+        """Both parameters of a root."""
+        first, second = (root.machine[PARAMETERS[name]] for name in self.plane.names)
+        return first, second
+
+    def shooter(self, root: Root, free: int, value: float) -> Shooter:
+        """A shooter that solves for parameter `free`, the other one being `value`."""
+        machine = list(root.machine)
+        machine[PARAMETERS[self.plane.names[1 - free]]] = value
+        system, rpm = with_machine(self.system, machine)
+        return Shooter(system, rpm, self.plane.names[free])
+
+    def solve(self, root: Root, guess: list[float], free: int, value: float) -> Root | None:
+        """The event near `guess` with the other parameter at `value`."""
+        shooter = self.shooter(root, free, value)
+        beside = replace(root, x=guess, parameter=shooter.parameter)
+        if self.located.kind == CORNER:
+            return shooter.at_corner(beside, self.located.impact, self.located.side)
+        solver = {PERIOD_DOUBLING: _flip, FOLD: _fold, GRAZING: _graze}[self.located.kind]
+        return solver(shooter, beside)
+
+    def trace(self, start: Root | None, sign: float) -> tuple[list[Root], str]:
+        """Roots from the start on, towards smaller (-1) or larger second parameters first."""
+        if start is None:
+            return [], LOST
+        step = 1.0 / self.plane.steps
+        roots, slope, share = [start], [0.0, sign], 1.0
+        while len(roots) < LONGEST * self.plane.steps:
+            given = 1 if abs(slope[1]) >= abs(slope[0]) else 0
+            here = self.values(roots[-1])
+            value, last = self._next(here[given], given, slope[given], share * step)
+            after = self._advance(roots, 1 - given, value, step)
+            if isinstance(after, str):
+                share *= 0.5
+                if share < SMALLEST:
+                    return roots[1:], after
+                continue
+            share = min(1.0, 1.5 * share)
+            roots.append(after)
+            there = self.values(after)
+            slope = [(b - a) / s for a, b, s in zip(here, there, self.spans, strict=True)]
+            low, high = self.plane.ranges[1 - given]
+            if last or not low <= there[1 - given] <= high:
+                return roots[1:], RANGE
+        return roots[1:], LOST
+
+    def _next(self, here: float, given: int, slope: float, length: float) -> tuple[float, bool]:
+        """The next value of the given parameter, and whether it is the end of its range."""
+        low, high = self.plane.ranges[given]
+        value = here + (length if slope >= 0.0 else -length) * self.spans[given]
+        if value >= high or value <= low:
+            return (high if slope >= 0.0 else low), True
+        return value, False
+
+    def _advance(self, roots: list[Root], free: int, value: float, step: float) -> Root | str:
+        """The next root, or the reason why there is none."""
+        last = roots[-1]
+        here = self.values(last)
+        guess = [*last.x[:-1], here[free]]
+        if len(roots) > 1:
+            before = self.values(roots[-2])
+            moved = here[1 - free] - before[1 - free]
+            share = (value - here[1 - free]) / moved if moved else 0.0
+            if abs(share) <= 2.0:
+                old = [*roots[-2].x[:-1], before[free]]
+                guess = [a + share * (a - b) for a, b in zip(guess, old, strict=True)]
+        after = self.solve(last, guess, free, value)
+        if after is None:
+            return LOST
+        change = abs(self.values(after)[free] - here[free]) / self.spans[free]
+        turned = max(abs(a - b) for a, b in zip(after.theta, last.theta, strict=True))
+        if change > FARTHEST * step or turned > MOST_TURNED:
+            return LOST
+        shooter = self.shooter(after, free, value)
+        if any(k != self.located.impact for _, k, _ in shooter.beyond(after)):
+            return ANOTHER_CORNER
+        if self.located.kind != GRAZING and not shooter.admits(after):
+            return NO_MOTION
+        return after
+
+    def point(self, root: Root) -> CurvePoint:
+        """The root as a point of the curve, with both sides of a corner."""
+        values = self.values(root)
+        orbit = from_root(self.system, root)
+        if self.located.kind != CORNER:
+            return CurvePoint(*values, orbit)
+        free = 0 if PARAMETERS[self.plane.names[0]] == root.parameter else 1
+        crossing = cross(self.shooter(root, free, values[1 - free]), replace(self.located, root=root))
+        if crossing is None:
+            return CurvePoint(*values, orbit)
+        left, right = crossing.left, crossing.right
+        return CurvePoint(*values, orbit, (left.trace, left.det), (right.trace, right.det))
+
+
+def _flip(shooter: Shooter, beside: Root) -> Root | None:
+    """Where a multiplier is -1."""
+
+    def at(value: float) -> tuple[float, Root | None]:
+        root = shooter.moved(beside, value)
+        return (0.0, None) if root is None else (flip_test(root), root)
+
+    size = abs(beside.value) + shooter.scale
+    return secant(at, beside.value, 1e-6 * size, size)
+
+
+def _fold(shooter: Shooter, beside: Root) -> Root | None:
+    """Along the branch the parameter has an extremum: its part of the tangent is zero."""
+    row = [*beside.tangent[:-1], 0.0]
+    square = 0.0
+    for t in row:
+        square += t * t
+    if square == 0.0:
+        return None
+    row = [t / sqrt(square) for t in row]
+
+    def at(place: float) -> tuple[float, Root | None]:
+        root = shooter.correct(beside.x, beside.whole, beside.turns, row, beside.x, place)
+        return (0.0, None) if root is None else (root.tangent[-1], root)
+
+    return secant(at, 0.0, 1e-5, 1.0)
+
+
+def _graze(shooter: Shooter, beside: Root) -> Root | None:
+    """The last motion before the certificate is lost, looked for on both sides."""
+    best: dict[float, Root] = {}
+
+    def bad(value: float) -> float:
+        root = shooter.moved(beside, value)
+        if root is None or not shooter.admits(root):
+            return 1.0
+        best[value] = root
+        return -1.0
+
+    value, width = beside.value, 1e-6 * (abs(beside.value) + shooter.scale)
+    for _ in range(MOST_SECANTS):
+        low, high = bad(value - width), bad(value + width)
+        if low != high:
+            break
+        width *= 2.0
+    else:
+        return None
+    sign = 1.0 if low < 0.0 else -1.0
+    low, _, _, _ = bracket(
+        lambda x: bad(sign * x), sign * value - width, sign * value + width, -1.0, 1.0
+    )
+    return best.get(sign * low)

@@ -1,0 +1,59 @@
+"""When two states on the stroboscopic section are one, and two orbits the same.
+
+A state is (q m, dq/dtheta m/rad). Distances are relative: each coordinate's to its largest value
+among the states of the orbit, and the larger of the two counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from camcli.analysis.orbits.orbit import PeriodicOrbit
+
+SAME = 1e-7  # distance that counts as none: solved orbits differ by rounding, neighbours by more
+CLOSE = 1e-2  # distance of two passages of the section that suggests a period
+
+State = Sequence[float]
+
+
+def size_of(states: Sequence[State]) -> tuple[float, float]:
+    """Largest |q| and |dq/dtheta| among the states; 1 where that is zero."""
+    q, w = (max(abs(state[j]) for state in states) or 1.0 for j in range(2))
+    return q, w
+
+
+def distance(a: State, b: State, size: tuple[float, float]) -> float:
+    """The relative distance of two states."""
+    return max(abs(a[0] - b[0]) / size[0], abs(a[1] - b[1]) / size[1])
+
+
+def distance_to(state: State, states: Sequence[State]) -> float:
+    """The relative distance of a state from the nearest state of an orbit."""
+    size = size_of(states)
+    return min(distance(state, other, size) for other in states)
+
+
+def shortest_period(states: Sequence[State]) -> int:
+    """The least number of turns after which the states of an orbit repeat."""
+    turns, size = len(states), size_of(states)
+    for m in range(1, turns // 2 + 1):
+        repeats = (distance(states[k], states[k - m], size) <= SAME for k in range(turns))
+        if turns % m == 0 and all(repeats):
+            return m
+    return turns
+
+
+def same_states(a: Sequence[State], b: Sequence[State]) -> bool:
+    """True where two orbits pass the section at the same states in the same order."""
+    size = size_of(a)
+    return len(a) == len(b) and all(
+        distance(p, q, size) <= SAME for p, q in zip(a, b, strict=True)
+    )
+
+
+def same_orbit(a: PeriodicOrbit, b: PeriodicOrbit) -> bool:
+    """True for the same impacts in the same turns, and the same states on the section."""
+    alike = a.symbols == b.symbols and len(a.theta) == len(b.theta)
+    return alike and same_states(a.states, b.states)
