@@ -11,6 +11,7 @@ from camcli.cli.exit_codes import DONE
 from camcli.cli.options import Request
 from camcli.cli.report import table
 from camcli.errors import Fault, SceneError
+from camcli.plots.event_words import collision_words
 
 
 def run(request: Request) -> int:
@@ -58,7 +59,7 @@ def _show(left: Side, right: Side, result: Collision) -> None:
         ["word", "exists for", "stable", "multipliers"],
         [_cycle(cycle) for cycle in result.cycles],
     )
-    for line in result.words:
+    for line in collision_words(result):
         print(f"- {line}")
 
 
@@ -89,7 +90,7 @@ def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:
              "points": [list(point) for point in c.points]}
             for c in result.cycles
         ],
-        "below": vars(result.below), "above": vars(result.above), "words": list(result.words),
+        "below": vars(result.below), "above": vars(result.above), "words": collision_words(result),
     }  # fmt: skip
 
 

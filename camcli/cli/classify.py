@@ -7,10 +7,10 @@ from functools import partial
 from time import perf_counter
 from typing import Any
 
-from camcli.analysis.classify import Motion, attractors, with_transient
+from camcli.analysis.classify import Motion, classify
 from camcli.analysis.explain.changes import Explanation, explain
-from camcli.analysis.integrate import Cost, Orbit, compile_for
-from camcli.analysis.sweep import LITTLE_WORK, rpm_grid
+from camcli.analysis.integrate import Cost
+from camcli.analysis.sweep import rpm_grid
 from camcli.cli.classify_words import show, summary
 from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
@@ -22,7 +22,6 @@ from camcli.errors import OK, STATUSES, Fault, SceneError
 from camcli.kernel import backend
 from camcli.output.classify import classify_csv, corners_csv
 from camcli.output.run_folder import RunFolder, run_folder
-from camcli.parallel import in_threads
 
 NAME = "classify"
 
@@ -68,22 +67,11 @@ def _options(request: Request) -> dict[str, tuple[Any, str]]:
 def _classify(request: Request, setup: Setup, rpms: list[float]) -> list[Motion]:
     """Motions of all speeds, in the order of the speeds."""
     section, settings = setup.scene.classify, setup.settings
-    Orbit(setup.system, rpms[0], settings)  # a start below the cam is said before any work
-    turns = len(rpms) * (section.starts + 1) * (settings.transient + settings.record)
-    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
-        compile_for(setup.system)
-
-    def piece(rpm: float) -> list[Motion]:
-        found = attractors(setup.system, rpm, settings, section.starts, section.seed)
-        return [with_transient(setup.system, settings, motion) for motion in found]
-
-    motions: list[Motion] = []
     with nullcontext() if request.quiet else bar("speeds", len(rpms)) as tick:
-        for found in in_threads(piece, rpms, request.threads):
-            motions += found
-            if tick:
-                tick()
-    return motions
+        return classify(
+            setup.system, settings, rpms, section.starts, section.seed, request.threads,
+            tick or (lambda: None),
+        )  # fmt: skip
 
 
 def _explain(request: Request, setup: Setup, motions: list[Motion]) -> Explanation:

@@ -8,11 +8,12 @@ from functools import partial
 from time import perf_counter
 from typing import Any
 
+from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.curve import Bounds, Curve, curve
-from camcli.analysis.orbits.find import RECORD, canonical
+from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.locate import LOST, UNRESOLVED
-from camcli.analysis.orbits.study import Question, Study, study
+from camcli.analysis.orbits.search import RECORD
+from camcli.analysis.orbits.study import OrbitsResult, Question, orbits
 from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
 from camcli.cli.orbits_words import show, summary
@@ -36,7 +37,6 @@ def run(request: Request) -> int:
     """Find, follow and classify periodic orbits; returns the exit code."""
     setup = set_up(request, _options(request))
     question = _question(request, setup)
-    bounds = _bounds(setup, question)
     run = replace(setup.settings, record=RECORD)
     rpms = [question.rpm] * (setup.scene.orbits.starts + 1)
     if starts_planned(NAME, request, setup, rpms, run, "orbits.starts"):
@@ -44,14 +44,13 @@ def run(request: Request) -> int:
     with run_folder(request.folder(NAME)) as store:
         began = perf_counter()
         with nullcontext() if request.quiet else bar("branches", question.branches + 2) as tick:
-            result = study(setup.system, setup.settings, question, tick or (lambda: None))
-        curves = _curves(setup, result, bounds)
+            result = orbits(setup.system, setup.settings, question, tick or (lambda: None))
         seconds = perf_counter() - began - backend.compile_seconds
-        _write(request, setup, store, result, curves)
+        _write(request, setup, store, result)
         if not request.json:
-            show(result, curves)
-        finish(NAME, request, setup, store, result.cost, seconds, summary(result, curves))
-        return _verdict(result, curves)
+            show(result)
+        finish(NAME, request, setup, store, result.cost, seconds, summary(result))
+        return _verdict(result)
 
 
 def _options(request: Request) -> dict[str, tuple[Any, str]]:
@@ -135,7 +134,7 @@ def _question(request: Request, setup: Setup) -> Question:
     return Question(
         rpm=at, parameter=parameter if section.curve is None else "rpm", span=span,
         label=_label(section.label), branches=section.branches, starts=section.starts,
-        curve=section.curve,
+        curve=section.curve, plane=_plane(setup, span),
         stable={"any": None, "stable": True, "unstable": False}[section.stability],
     )  # fmt: skip
 
@@ -151,11 +150,11 @@ def _check_inside(setup: Setup, parameter: str, rpm: float, span: Span) -> None:
     raise SceneError(Fault("", path, found, expected, "choose another range, or --at"))
 
 
-def _label(text: str | None) -> str | None:
+def _label(text: str | None) -> Label | None:
     if text is None:
         return None
     try:
-        return canonical(text)
+        return Label.parse(text)
     except ValueError as error:
         expected = "expected P(m;s1:...:sm) with one count or inf for each of the m turns"
         cure = "quote it for the shell: 'P(3;3:3:2)'"
@@ -195,8 +194,8 @@ def _check_range(name: str, given: tuple[float, float]) -> None:
         raise SceneError(Fault("", "orbits.range", found, expected, "correct the range"))
 
 
-def _bounds(setup: Setup, question: Question) -> Bounds | None:
-    """Ranges of a two-parameter curve, if one is asked for."""
+def _plane(setup: Setup, span: Span | None) -> Plane | None:
+    """The plane of a two-parameter curve, if one is asked for."""
     section = setup.scene.orbits
     if section.curve is None:
         return None
@@ -205,7 +204,7 @@ def _bounds(setup: Setup, question: Question) -> Bounds | None:
         cure = "the first one is rpm already"
         expected = "expected another constant of the follower"
         raise SceneError(Fault("", "orbits.curve_in", found, expected, cure))
-    if question.span is None:
+    if span is None:
         found = "found one speed"
         cure = "give --rpm LO:HI"
         raise SceneError(Fault("", "orbits.rpm", found, "expected a range for a curve", cure))
@@ -215,29 +214,15 @@ def _bounds(setup: Setup, question: Question) -> Bounds | None:
         found = f"found {section.curve_in} = {value!r} in the scene"
         expected = f"expected a value within the curve's range, {second[0]!r} to {second[1]!r}"
         raise SceneError(Fault("", "orbits.range", found, expected, "choose another range"))
-    return Bounds((question.span.low, question.span.high), second, max(2, section.rpm.num // 4))
+    ranges = (span.low, span.high), second
+    return Plane(("rpm", section.curve_in), ranges, max(2, section.rpm.num // 4))
 
 
-def _curves(setup: Setup, result: Study, bounds: Bounds | None) -> list[Curve]:
-    """Every located bifurcation of the kind asked for, continued; the same curve only once."""
-    section, found = setup.scene.orbits, []
-    if bounds is None:
-        return []
-    seen = set()
-    for b in result.bifurcations:
-        key = (b.label, b.corner, f"{b.value:.9g}")
-        if b.kind != section.curve or b.orbit.root is None or key in seen:
-            continue
-        seen.add(key)
-        found.append(curve(setup.system, b, "rpm", section.curve_in, bounds))
-    return found
-
-
-def _write(request: Request, setup: Setup, store: RunFolder, result: Study, curves) -> None:
+def _write(request: Request, setup: Setup, store: RunFolder, result: OrbitsResult) -> None:
     store.write_text("branch.csv", branch_csv(result))
     store.write_text("bifurcations.csv", bifurcations_csv(result))
     if setup.scene.orbits.curve is not None:
-        store.write_text("curve.csv", curve_csv(curves, setup.scene.orbits.curve_in))
+        store.write_text("curve.csv", curve_csv(result.curves, setup.scene.orbits.curve_in))
     if request.no_plot:
         return
     from camcli.output.pictures import write_png
@@ -247,11 +232,11 @@ def _write(request: Request, setup: Setup, store: RunFolder, result: Study, curv
     figure = draw_orbits(result, setup.system, setup.scene.orbits.panels)
     store.write("orbits.png", partial(write_png, figure))
     if setup.scene.orbits.curve is not None:
-        figure = draw_curves(curves, setup.scene.orbits.curve_in)
+        figure = draw_curves(result.curves, setup.scene.orbits.curve_in)
         store.write("curve.png", partial(write_png, figure))
 
 
-def _verdict(result: Study, curves: list[Curve]) -> int:
+def _verdict(result: OrbitsResult) -> int:
     """Exit code 3 and a note for what has no safe bracket, or could not be followed."""
     open_ = [b for b in result.bifurcations if b.status == UNRESOLVED]
     for b in open_:

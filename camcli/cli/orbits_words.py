@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from camcli.analysis.orbits.branch import DEG, Bifurcation, Branch
-from camcli.analysis.orbits.curve import Curve
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.study import Study
+from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.cli.report import table
+from camcli.output.orbits import DEG
+from camcli.plots.event_words import event_words
 
 SHOWN_PHASES = 6
 
 
-def show(result: Study, curves: list[Curve]) -> None:
+def show(result: OrbitsResult) -> None:
     """Print orbits, branches, bifurcations and curves, then sentences."""
     if result.orbits:
         rows = [_orbit_row(orbit) for orbit in result.orbits]
@@ -26,7 +26,7 @@ def show(result: Study, curves: list[Curve]) -> None:
         columns = ["branch", "orbit", "event", result.question.parameter, "error", "class"]
         rows = [_event_row(b) for b in result.bifurcations]
         table("Bifurcations", columns, rows)
-    for number, c in enumerate(curves, 1):
+    for number, c in enumerate(result.curves, 1):
         table(
             f"Curve {number}: {c.kind} of {c.label}{c.corner and f' at {c.corner}'}",
             [c.first, c.second, "impacts at (deg)"],
@@ -35,11 +35,11 @@ def show(result: Study, curves: list[Curve]) -> None:
                 for p in c.points[:: max(1, len(c.points) // 12)]
             ],
         )
-    for line in remarks(result, curves):
+    for line in remarks(result):
         print(f"- {line}")
 
 
-def remarks(result: Study, curves: list[Curve]) -> list[str]:
+def remarks(result: OrbitsResult) -> list[str]:
     """Sentences: absent labels, virtual orbits, corner impacts, what is impossible."""
     said = _absence(result)
     if result.virtual:
@@ -50,16 +50,15 @@ def remarks(result: Study, curves: list[Curve]) -> list[str]:
     told = set()
     for b in result.bifurcations:
         key = (b.kind, b.label, f"{b.value:.10g}")
-        if b.words and key not in told:
+        words = event_words(b)
+        if words and key not in told:
             told.add(key)
-            said.append(
-                f"{b.kind} of {b.label} at {b.value:.10g}: {' '.join(b.words)}{_rests_on(b)}"
-            )
+            said.append(f"{b.kind} of {b.label} at {b.value:.10g}: {' '.join(words)}{_rests_on(b)}")
     if result.branches:
         said.append(_no_torus(result))
-    if result.question.curve and not curves:
+    if result.question.curve and not result.curves:
         said.append(f"no {result.question.curve} was located, so there is no curve to continue")
-    said += [f"curve {n} ends: {c.ends[0]}; {c.ends[1]}" for n, c in enumerate(curves, 1)]
+    said += [f"curve {n} ends: {c.ends[0]}; {c.ends[1]}" for n, c in enumerate(result.curves, 1)]
     return said
 
 
@@ -73,7 +72,7 @@ def _rests_on(b: Bifurcation) -> str:
     return f" Rests on: {'; '.join(told)}."
 
 
-def _no_torus(result: Study) -> str:
+def _no_torus(result: OrbitsResult) -> str:
     largest = max(orbit.det for branch in result.branches for orbit in branch.points)
     if largest < 1.0:
         return (
@@ -85,7 +84,7 @@ def _no_torus(result: Study) -> str:
     )
 
 
-def _absence(result: Study) -> list[str]:
+def _absence(result: OrbitsResult) -> list[str]:
     absent = result.absent
     if absent is None:
         at = result.question.rpm
@@ -93,7 +92,7 @@ def _absence(result: Study) -> list[str]:
     text = f"{result.question.label} was not found at {absent.rpm:.10g} rpm"
     if absent.nearest is None:
         return [f"{text}, nor at 24 speeds from {absent.low:.10g} to {absent.high:.10g} rpm"]
-    value, cause = absent.nearest
+    value, cause = absent.nearest[0], absent.nearest[1].replace("-", " ")
     return [f"{text}; the nearest speed at which it was found is {value:.13g} rpm ({cause})"]
 
 
@@ -117,7 +116,7 @@ def _phases(orbit: PeriodicOrbit) -> str:
     return ", ".join(words) + (f" and {more} more" if more > 0 else "")
 
 
-def _branch_rows(result: Study) -> list[list[str]]:
+def _branch_rows(result: OrbitsResult) -> list[list[str]]:
     return [
         [
             str(branch.number), ", ".join(branch.labels[:3]), f"{branch.points[0].value:.10g}",
@@ -132,10 +131,10 @@ def _event_row(b: Bifurcation) -> list[str]:
     return [str(b.branch), b.label, kind, f"{b.value:.13g}", f"{b.error:.1e}", b.classification]
 
 
-def summary(result: Study, curves: list[Curve]) -> dict[str, Any]:
+def summary(result: OrbitsResult) -> dict[str, Any]:
     """The result of run.json."""
     return {
-        "words": remarks(result, curves),
+        "words": remarks(result),
         "orbits": [_orbit(orbit) for orbit in result.orbits],
         "virtual": [_orbit(orbit) for orbit in result.virtual],
         "branches": [_branch(branch) for branch in result.branches],
@@ -143,7 +142,7 @@ def summary(result: Study, curves: list[Curve]) -> dict[str, Any]:
         "curves": [
             {"kind": c.kind, "label": c.label, "corner": c.corner, "points": len(c.points),
              "ends": list(c.ends)}
-            for c in curves
+            for c in result.curves
         ],
     }  # fmt: skip
 
@@ -169,7 +168,7 @@ def _event(b: Bifurcation) -> dict[str, Any]:
     return {
         "branch": b.branch, "label": b.label, "kind": b.kind, "value": b.value, "error": b.error,
         "status": b.status, "corner": b.corner, "classification": b.classification,
-        "continues_as_branch": b.continues, "prediction_agrees": b.agrees, "words": list(b.words),
+        "continues_as_branch": b.continues, "prediction_agrees": b.agrees, "words": event_words(b),
         "inequalities": [
             {"text": i.text, "left": i.left, "right": i.right, "holds": i.holds}
             for i in b.inequalities

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from decimal import Decimal, localcontext
 
 from camcli.analysis.integrate import Settings, Start, Tape
-from camcli.analysis.orbits.error_growth import FORGOTTEN
+from camcli.analysis.orbits.error_growth import TOO_LARGE
 from camcli.analysis.orbits.identify import departures
 from camcli.exact.drive import DIGITS
 from camcli.exact.error import NOISE
@@ -82,7 +82,7 @@ def follow(system: System, rpm: float, settings: Settings, theta: float) -> Afte
     with localcontext() as context:
         context.prec = DIGITS
         found = _one(system, rpm, settings, theta)
-        if found.kind != CYCLE or found.growth <= FORGOTTEN:
+        if found.kind != CYCLE or found.growth <= TOO_LARGE:
             return found
         return _of_neighbours(system, rpm, settings, theta, found)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from camcli.analysis.classify import Motion
-from camcli.analysis.orbits.branch import Bifurcation
 from camcli.analysis.orbits.locate import CORNER
+from camcli.analysis.orbits.study import Bifurcation
 from camcli.analysis.sweep import status_name
 from camcli.output.orbits import BIFURCATIONS, bifurcation_row
 from camcli.output.tables import header, mixed_rows

@@ -13,8 +13,9 @@ from camcli.analysis.explain.crisis import Crisis, CrisisKind
 from camcli.analysis.explain.crisis.approach import REACHED, Approach
 from camcli.analysis.explain.crisis.search import Saddles
 from camcli.analysis.explain.events import Event
-from camcli.analysis.orbits.branch import Bifurcation
 from camcli.analysis.orbits.locate import CORNER, FOLD, GRAZING, PERIOD_DOUBLING
+from camcli.analysis.orbits.study import Bifurcation
+from camcli.plots.event_words import event_words
 
 MOST_DECIMALS = 9  # of a speed in rpm
 
@@ -68,7 +69,7 @@ def _bifurcation(b: Bifurcation) -> str:
         CORNER: f"an impact of {b.label} reaches corner {b.corner}",
         GRAZING: f"{b.label} ceases to be a motion",
     }.get(b.kind, b.kind)
-    return ": ".join(filter(None, (what, " ".join(b.words))))
+    return ": ".join(filter(None, (what, " ".join(event_words(b)))))
 
 
 def change_sentence(change: Change, events: Sequence[Event]) -> str:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import pi
 
-from camcli.analysis.orbits.branch import DEG, Bifurcation
-from camcli.analysis.orbits.curve import Curve
+from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.locate import CORNER, GRAZING
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.study import Study
+from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.output.tables import header, mixed_rows
 from camcli.system import omega_of
 
+DEG = 180.0 / pi
 MULTIPLIERS = ("multiplier_1_re", "multiplier_1_im", "multiplier_2_re", "multiplier_2_im")
 UNITS = {
     "mass": "mass_kg",
@@ -27,7 +28,7 @@ BIFURCATIONS = (
 )  # fmt: skip
 
 
-def branch_csv(study: Study) -> Iterator[str]:
+def branch_csv(study: OrbitsResult) -> Iterator[str]:
     """branch.csv: a row per point; of one speed only, a row per orbit found, branch 0."""
     other = study.question.parameter
     rows = [(0, orbit) for orbit in study.orbits] if study.question.span is None else []
@@ -53,7 +54,7 @@ def _point(number: int, orbit: PeriodicOrbit, most: int, parameter: str) -> list
     ]  # fmt: skip
 
 
-def bifurcations_csv(study: Study) -> Iterator[str]:
+def bifurcations_csv(study: OrbitsResult) -> Iterator[str]:
     """bifurcations.csv; another parameter than rpm appends its value and error."""
     other = study.question.parameter
     more = [UNITS[other], f"{UNITS[other]}_error"] if other != "rpm" else []

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camcli.analysis.orbits.curve import Curve
+from camcli.analysis.orbits.curves import Curve
 from camcli.plots import style
 from camcli.plots.orbits import axis_name
 

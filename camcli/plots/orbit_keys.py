@@ -11,8 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camcli.analysis.orbits.branch import Branch
 from camcli.analysis.orbits.locate import LOST, OK
+from camcli.analysis.orbits.study import Branch
 from camcli.plots import style
 from camcli.plots.orbit_lines import DASHES, Event, Strand, mark
 

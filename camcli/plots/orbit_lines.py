@@ -10,11 +10,11 @@ from math import degrees, inf
 import numpy as np
 from matplotlib.axes import Axes
 
-from camcli.analysis.orbits.arclength import Metric, oriented
-from camcli.analysis.orbits.branch import Bifurcation, Branch
+from camcli.analysis.orbits.arclength import Metric
 from camcli.analysis.orbits.locate import LOST
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import multipliers
+from camcli.analysis.orbits.study import Bifurcation, Branch
 from camcli.plots import style
 
 NEAR_DEG = 20.0  # phases further apart do not continue one another
@@ -127,7 +127,7 @@ def _between(before: PeriodicOrbit, after: PeriodicOrbit, s: float) -> PeriodicO
         [
             p + s * s * (3.0 - 2.0 * s) * d + length * s * (1.0 - s) * ((1.0 - s) * t - s * u)
             for p, d, t, u in zip(
-                a.x, way, oriented(metric, a, way), oriented(metric, b, way), strict=True
+                a.x, way, metric.oriented(a, way), metric.oriented(b, way), strict=True
             )
         ]
         if length

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.study import Study
+from camcli.analysis.orbits.study import OrbitsResult
 from camcli.plots import style
 from camcli.plots.density import lift_curves, padded
 from camcli.plots.multipliers import draw_plane
@@ -27,7 +27,7 @@ COLUMNS = (20, 60, 340, 480, 760)  # px: mark, label, stability, multipliers, ph
 
 
 @style.look()
-def draw_single(study: Study, system: System, heading) -> Figure:
+def draw_single(study: OrbitsResult, system: System, heading) -> Figure:
     """Picture of a study without branches."""
     listed = min(len(study.orbits), MOST + 1)
     top = HEAD + style.LINE * (listed + 1 if listed else 0) + 50
@@ -52,7 +52,7 @@ def draw_single(study: Study, system: System, heading) -> Figure:
     return figure
 
 
-def _nothing(study: Study) -> str:
+def _nothing(study: OrbitsResult) -> str:
     absent = study.absent
     if absent is None:
         return "no periodic orbit was found"

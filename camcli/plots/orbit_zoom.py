@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from matplotlib.figure import Figure
 
 from camcli.analysis.border_collision import Side
-from camcli.analysis.orbits.branch import Branch
 from camcli.analysis.orbits.locate import CORNER
 from camcli.analysis.orbits.shooter import multipliers
+from camcli.analysis.orbits.study import Branch
 from camcli.plots import style
+from camcli.plots.event_words import event_words
 from camcli.plots.orbit_keys import number_branches, number_events
 from camcli.plots.orbit_lines import Event, Strand, curved, draw, mark, phases, strands
 
@@ -108,7 +109,7 @@ def _words(figure: Figure, top: int, event: Event) -> None:
         f"impact after the corner (right): {side(source.right)}",
         *(
             re.sub(r"(?<= )-(?=\d)", "−", words.replace("+-", "±"))
-            for words in source.words
+            for words in event_words(source)
             if not words.startswith(UNSAID)
         ),
     ]

@@ -12,9 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from camcli.analysis.orbits.branch import Branch
 from camcli.analysis.orbits.locate import LOST
-from camcli.analysis.orbits.study import Study
+from camcli.analysis.orbits.study import Branch, OrbitsResult
 from camcli.plots import style
 from camcli.plots.density import Cloud, padded, phase_range
 from camcli.plots.multipliers import draw_paths, draw_plane, draw_real
@@ -64,7 +63,7 @@ NAMES = {
 class _Scene:
     """A study with what its panels share."""
 
-    study: Study
+    study: OrbitsResult
     colours: list[str]
     events: list[Event]
     corners: dict[str, float]
@@ -80,7 +79,7 @@ class _Scene:
 
 
 @style.look()
-def draw_orbits(study: Study, system: System, panels: Sequence[str] = PANELS) -> Figure:
+def draw_orbits(study: OrbitsResult, system: System, panels: Sequence[str] = PANELS) -> Figure:
     """Picture of a study, or of some of its panels."""
     if not study.branches:
         return draw_single(study, system, heading(study))
@@ -120,7 +119,7 @@ def draw_orbits(study: Study, system: System, panels: Sequence[str] = PANELS) ->
     return figure
 
 
-def heading(study: Study) -> list[tuple[str, dict]]:
+def heading(study: OrbitsResult) -> list[tuple[str, dict]]:
     """Title and subtitle with their looks."""
     ask = study.question
     at = quantity(ask.rpm, "rpm")

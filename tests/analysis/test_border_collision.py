@@ -7,8 +7,16 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from camcli.analysis.border_collision import KINDS, classify, growth_at_zero
-from camcli.analysis.border_cycles import NormalForm, Side, attractor, cycle, repeating
+from camcli.analysis.border_collision import (
+    NormalForm,
+    Side,
+    attractor,
+    classify,
+    cycle,
+    growth_at_zero,
+    repeating,
+)
+from camcli.plots.event_words import KINDS, collision_words
 
 SWAP = str.maketrans("LR", "RL")
 
@@ -104,7 +112,7 @@ def test_verdict(parameters, kind, below, above):
     assert found.kind == kind
     assert below in (None, found.below.kind)
     assert above in (None, found.above.kind)
-    assert found.words[0].startswith(f"{kind}: {dict(KINDS)[kind]}")
+    assert collision_words(found)[0].startswith(f"{kind}: {KINDS[kind]}")
 
 
 def test_unstable_two_cycle_of_a_period_doubling():
@@ -123,18 +131,18 @@ def test_inequalities_carry_their_numbers():
     assert (last.text, last.left) == ("tau_R < -(1 + delta_R)", 1.3714214)
     assert last.right == pytest.approx(-1.64, rel=1e-15)
     assert not last.holds
-    assert "tau_R < -(1 + delta_R) fails, 1.37142 against -1.64" in found.words[-1]
+    assert "tau_R < -(1 + delta_R) fails, 1.37142 against -1.64" in collision_words(found)[-1]
 
 
 def test_equality_is_named():
-    words = classify(*sides(0.5, 0.2, -1.3, 0.3)).words
+    words = collision_words(classify(*sides(0.5, 0.2, -1.3, 0.3)))
     assert "Equal within rounding: on R, a multiplier is -1." in words
     trace = -(1.0 + 0.06 - 0.5) / 0.5  # along LR: 1 + tau_L tau_R - delta_L - delta_R + 0.06 = 0
     assert 1.0 + trace + 0.3 > 0.0
     assert classify(*sides(0.5, 0.2, trace, 0.3)).kind == "persistence"
     trace = -(1.0 + 0.02 + -0.3) / 0.5
     along = classify(*sides(0.5, 0.1, trace, 0.2))
-    assert along.words[1] == "Equal within rounding: along LR, a multiplier is -1."
+    assert collision_words(along)[1] == "Equal within rounding: along LR, a multiplier is -1."
 
 
 def test_chaos_exponent_of_the_lozi_map():
@@ -153,7 +161,7 @@ def test_chaos_exponent_of_the_lozi_map():
 
 def test_huge_numbers_do_not_raise():
     for big in (1e150, 1e308, -1e308):
-        assert classify(Side(big, 0.5), Side(0.5, big)).kind in dict(KINDS)
+        assert classify(Side(big, 0.5), Side(0.5, big)).kind in KINDS
     assert cycle("L" * 20 + "R" * 20, Side(1e300, 1e300), Side(-1e300, 1e300)).exists_for == 0
 
 

@@ -5,14 +5,14 @@ from math import cos, exp, inf
 import pytest
 from conftest import settings
 
-from camcli.analysis.labels import find_period, name
+from camcli.analysis.labels import Label, find_period
 from camcli.analysis.sweep import sweep
 
 
 def test_name_is_the_largest_rotation():
-    assert name([3, 2, 3]) == "P(3;3:3:2)"
-    assert name([2, inf, 1]) == "P(3;inf:1:2)"
-    assert name([0]) == "P(1;0)"
+    assert Label([3, 2, 3]) == "P(3;3:3:2)"
+    assert Label([2, inf, 1]) == "P(3;inf:1:2)"
+    assert Label([0]) == "P(1;0)"
 
 
 def test_fixed_point_and_period_three():

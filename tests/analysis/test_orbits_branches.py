@@ -7,11 +7,10 @@ import pytest
 from mpmath import mpf
 
 from camcli.analysis.integrate import Orbit
+from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.collide import with_machine
-from camcli.analysis.orbits.find import primitive
-from camcli.analysis.orbits.shooter import Shooter
-from camcli.analysis.orbits.study import Question, study
+from camcli.analysis.orbits.shooter import Shooter, with_machine
+from camcli.analysis.orbits.study import Question, orbits
 from camcli.kernel.certify import ADMISSIBLE
 from tests import oracle, orbit_oracle
 from tests.conftest import chapter_system, settings
@@ -24,8 +23,9 @@ CHAPTER = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
 
 @cache
 def _studied(rpm, parameter, span, label, transient, changes):
-    question = Question(rpm, parameter, Span(*span), label, starts=1)
-    return study(chapter_system(**dict(changes)), settings(transient=transient), question)
+    wanted = None if label is None else Label.parse(label)
+    question = Question(rpm, parameter, Span(*span), wanted, starts=1)
+    return orbits(chapter_system(**dict(changes)), settings(transient=transient), question)
 
 
 def studied(rpm, low, high, parameter="rpm", label=None, transient=60, points=60, **changes):
@@ -86,7 +86,8 @@ def test_grazing_of_the_unstable_orbit_agrees_with_the_oracle():
     (found,) = events(result, "grazing")
     exact = gap_graze_rpm(CAM, Machine(**CHAPTER), UNSTABLE, 1, 0, 780)
     relative(found.value, exact.rpm, 1e-10)
-    assert "after impact 1 meets the cam" in found.words[0]
+    assert found.located.impact == 0
+    assert found.located.fading is None
 
 
 def test_the_orbit_of_three_turns():
@@ -143,7 +144,7 @@ def test_the_resting_branch_begins_at_detachment():
     (found,) = events(result, "detachment")
     exact = oracle.first_detachment_rpm(CAM, CHAPTER["mass"], CHAPTER["stiffness"])
     relative(found.value, exact)
-    assert "contact" in found.words[0]
+    assert found.beyond == "contact"
 
 
 BRANCHES = {
@@ -189,7 +190,7 @@ def test_every_point_of_a_branch_is_an_orbit(name):
             at_event = any(abs(point.value - b.value) < 1e-9 for b in result.bifurcations)
             if not at_event:
                 assert shooter.verdict(root)[0] == ADMISSIBLE
-                assert primitive(point)
+                assert point.primitive
             if point.stable and n % 3 == 0:
                 _returns(shooter, point)
 
@@ -263,7 +264,7 @@ def test_the_doubled_branch_ends_where_it_was_born():
     """Downwards from 739.35 P(2;1:1) ends at the period doubling of P(1;1), and is no P(1;1)."""
     result = studied(739.35, 738.0, 745.0, label="P(2;1:1)", transient=300)
     assert not events(result, "fold")
-    assert all(primitive(p) for branch in result.branches for p in branch.points)
+    assert all(p.primitive for branch in result.branches for p in branch.points)
     assert min(p.value for p in result.branches[0].points) > 739.31978
     assert len(events(result, "corner-impact")) == 1
 
@@ -274,7 +275,7 @@ def test_a_doubled_orbit_that_is_born_beside_a_corner_is_none_twice():
         729.2, 0.44, 0.55, "restitution", transient=120, restitution=0.45 + 0.06, damping=4.84
     )
     for branch in result.branches:
-        assert all(primitive(p) for p in branch.points), branch.origin
+        assert all(p.primitive for p in branch.points), branch.origin
 
 
 def test_an_impact_that_fades_ends_a_branch_by_grazing():
@@ -301,7 +302,7 @@ def test_a_single_impact_that_fades():
     (found,) = events(result, "grazing")
     assert found.error < 1e-6 * found.value
     relative(found.value, zero, 1e-8)
-    assert "fades" in found.words[0]
+    assert found.located.fading == 0
 
 
 ODD = {

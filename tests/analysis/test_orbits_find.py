@@ -5,15 +5,17 @@ from math import inf
 
 import pytest
 
-from camcli.analysis.labels import label
-from camcli.analysis.orbits.find import canonical, find, primitive, same_orbit, symbols_of
+from camcli.analysis.labels import Label, label
 from camcli.analysis.orbits.identify import identify, solve_from
+from camcli.analysis.orbits.same_orbit import same_orbit
+from camcli.analysis.orbits.search import find
 from tests.conftest import chapter_system, settings
 
 
 @cache
 def found(rpm, name=None, transient=300, starts=2, strobe=0.0):
-    return find(chapter_system(strobe), rpm, settings(transient=transient), starts, name)
+    wanted = None if name is None else Label.parse(name)
+    return find(chapter_system(strobe), rpm, settings(transient=transient), starts, wanted)
 
 
 def labels(result):
@@ -37,7 +39,7 @@ def test_what_the_machine_settles_on(rpm, expected):
     assert orbit.label == expected
     assert orbit.stable
     assert orbit.admissible
-    assert primitive(orbit)
+    assert orbit.primitive
     assert labels(found(rpm))[0] == expected
     if orbit.resting:
         assert orbit.multipliers == (0, 0)
@@ -67,9 +69,9 @@ def test_an_orbit_is_found_by_its_label(rpm, name):
     assert set(labels(result)) == {name}
     for orbit in result.orbits:
         assert orbit.admissible
-        assert primitive(orbit)
+        assert orbit.primitive
         assert orbit.stable == (rpm == 358.5)
-        assert orbit.impacts == sum(symbols_of(name))
+        assert orbit.impacts == sum(Label.parse(name).symbols)
 
 
 def test_unstable_orbits_at_745_are_their_own():
@@ -83,7 +85,7 @@ def test_unstable_orbits_at_745_are_their_own():
 
 @pytest.mark.parametrize("name", ["P(2;2:0)", "P(1;3)", "P(4;2:1:2:1)"])
 def test_a_label_nothing_has_is_not_found(name):
-    result = find(chapter_system(), 700.0, settings(transient=30), 2, name, most=4)
+    result = find(chapter_system(), 700.0, settings(transient=30), 2, Label.parse(name), most=4)
     assert not result.orbits
 
 
@@ -134,8 +136,8 @@ def test_orbits_are_listed_once_and_stable_ones_first():
     ],
 )
 def test_labels_are_read(text, symbols, name):
-    assert symbols_of(text) == symbols
-    assert canonical(text) == name
+    assert Label.parse(text) == Label(symbols) == name
+    assert str(Label.parse(text)) == name
 
 
 @pytest.mark.parametrize(
@@ -164,6 +166,4 @@ def test_labels_are_read(text, symbols, name):
 )
 def test_bad_labels_are_refused(text):
     with pytest.raises(ValueError):  # noqa: PT011
-        symbols_of(text)
-    with pytest.raises(ValueError):  # noqa: PT011
-        canonical(text)
+        Label.parse(text)

@@ -13,7 +13,7 @@ from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits.identify import newton_from, solve_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter, multipliers
-from camcli.analysis.orbits.singles import single_impact_roots
+from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import ADMISSIBLE
 from tests import oracle, orbit_oracle
@@ -127,7 +127,7 @@ def test_an_elastic_undamped_follower_has_an_answer(stiffness, gravity):
     """r = 1 without damping: every resting phase of a dwell solves the closure equation."""
     code = (
         "from camcli.analysis.orbits.shooter import Shooter\n"
-        "from camcli.analysis.orbits.singles import single_impact_roots\n"
+        "from camcli.analysis.orbits.single_impact import single_impact_roots\n"
         "from tests.conftest import chapter_system\n"
         f"s = chapter_system(restitution=1.0, stiffness={stiffness}, gravity={gravity})\n"
         f"single_impact_roots(Shooter(s, 360.0), 360.0, 2)\n"
@@ -164,7 +164,7 @@ def solved(system, rpm, orbit):
         turn, phase = divmod(float(theta), 2 * pi)
         events.append((int(turn), round(phase, 4), float(u) / (rpm * pi / 30)))
     events.sort()
-    return newton_from(system, Shooter(system, rpm), events, orbit.turns)
+    return newton_from(Shooter(system, rpm), events, orbit.turns)
 
 
 def close(value, exact, relative=1e-11):

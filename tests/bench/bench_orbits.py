@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import both_ways
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.analysis.orbits.singles import single_impact_roots
+from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.analysis.sweep import rpm_grid, sweep
 from camcli.parallel import Work
 from tests.conftest import chapter_system, settings

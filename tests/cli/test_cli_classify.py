@@ -54,10 +54,10 @@ def test_another_restitution_shifts_the_answers(cam, tmp_path):
     from conftest import chapter_system, settings
 
     from camcli.analysis.orbits.arclength import Span
-    from camcli.analysis.orbits.study import Question, study
+    from camcli.analysis.orbits.study import Question, orbits
 
     result = explained(cam, tmp_path, "--points", "51", "--set", "follower.restitution=0.75")
-    solved = study(
+    solved = orbits(
         chapter_system(restitution=0.75), settings(600),
         Question(700.0, span=Span(660.0, 760.0, 1.0), starts=0),
     )  # fmt: skip

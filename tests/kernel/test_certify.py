@@ -7,7 +7,7 @@ import pytest
 
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.analysis.orbits.singles import single_impact_roots
+from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.kernel.cam_table import END, ROW, START, TURN, lift, stretch_at
 from camcli.kernel.certify import ADMISSIBLE, EARLY, LATE, PULLS
 from camcli.kernel.flow import lane_of, move

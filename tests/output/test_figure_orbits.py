@@ -11,10 +11,9 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from camcli.analysis.integrate import Cost
-from camcli.analysis.orbits.absence import Absence
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.shooter import PARAMETERS
-from camcli.analysis.orbits.study import Question, Study, study
+from camcli.analysis.orbits.study import Absence, OrbitsResult, Question, orbits
 from camcli.plots import style
 from camcli.plots.multipliers import FURTHEST, draw_paths, draw_plane, draw_real
 from camcli.plots.orbit_keys import LONGEST, UNITS, draw_lists
@@ -49,7 +48,7 @@ QUESTIONS = {
 
 @pytest.fixture(scope="module")
 def found(chapter):
-    return {name: study(chapter, settings(600), ask) for name, ask in QUESTIONS.items()}
+    return {name: orbits(chapter, settings(600), ask) for name, ask in QUESTIONS.items()}
 
 
 @pytest.fixture(scope="module")
@@ -93,13 +92,13 @@ def test_every_kind_of_study_shows_its_colours(chapter, found, name):
 
 @pytest.mark.parametrize("span", [None, Span(600.0, 700.0, 1.0)])
 def test_a_study_without_orbits_says_so(chapter, span):
-    nothing = Study(Question(700.0, span=span), 700.0, [], [], [], [], Cost())
+    nothing = OrbitsResult(Question(700.0, span=span), 700.0, [], [], [], [], Cost())
     assert pixels(nothing, chapter).shape[0] < 500
 
 
 def test_where_an_absent_label_exists_is_said(chapter, found):
     ask = Question(700.0, label="P(4;1)")
-    nothing = Study(ask, 700.0, [], [], [], [], Cost(), Absence(700.0, 650.0, 750.0))
+    nothing = OrbitsResult(ask, 700.0, [], [], [], [], Cost(), Absence(700.0, 650.0, 750.0))
     near = Absence(700.0, 650.0, 750.0, None, (712.3, "corner-impact"))
     assert png(nothing, chapter) != png(replace(nothing, absent=near), chapter)
     assert "none at 700 rpm" in heading(replace(found["doubling"], absent=near))[1][0]

@@ -29,8 +29,8 @@ from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.analysis.orbits.singles import single_impact_roots
-from camcli.analysis.orbits.study import Question, study
+from camcli.analysis.orbits.single_impact import single_impact_roots
+from camcli.analysis.orbits.study import Question, orbits
 from camcli.cams.eccentric import EccentricCam
 from camcli.kernel.certify import ADMISSIBLE, PULLS
 from camcli.system import Follower, System
@@ -152,7 +152,7 @@ def test_the_balls_fold_and_period_doubling(r, n):
     label = f"P({n};{':'.join(['1'] + ['0'] * (n - 1))})"
     span = Span(low, high, (high - low) / 20)
     question = Question(start, span=span, label=label, branches=0, starts=0)
-    found = study(ball(r), Settings(20, 1, 1e-9, 10**6, Start()), question)
+    found = orbits(ball(r), Settings(20, 1, 1e-9, 10**6, Start()), question)
     at = {event.kind: event.value for event in found.bifurcations}
     assert at["fold"] == pytest.approx(rpm_of(fold), rel=TIGHT)
     assert at["period-doubling"] == pytest.approx(rpm_of(doubling), rel=TIGHT)

@@ -7,8 +7,8 @@ import pytest
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter, multipliers
-from camcli.analysis.orbits.singles import single_impact_roots
-from camcli.analysis.orbits.study import Question, study
+from camcli.analysis.orbits.single_impact import single_impact_roots
+from camcli.analysis.orbits.study import Question, orbits
 from camcli.kernel.certify import ADMISSIBLE
 from tests.conftest import chapter_system, settings
 
@@ -16,7 +16,7 @@ from tests.conftest import chapter_system, settings
 @cache
 def chapter_study():
     question = Question(700.0, span=Span(660.0, 756.0, 2.0), starts=1)
-    return study(chapter_system(), settings(transient=60), question)
+    return orbits(chapter_system(), settings(transient=60), question)
 
 
 def event(kind, label):

@@ -8,7 +8,7 @@ from camcli.analysis.basins import recurrence
 from camcli.analysis.basins.attractor import Attractor, begin_where_label_does, is_one
 from camcli.analysis.basins.cell_batches import Crew, Ends
 from camcli.analysis.basins.rests import SAME, departure, excursions
-from camcli.analysis.labels import name
+from camcli.analysis.labels import Label
 from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST
 from camcli.kernel.flight import BOUNCED, FREE
 
@@ -72,7 +72,7 @@ def _end_of(census, found) -> int:
         return FORGOTTEN
     if found.kind == "cycle":
         states, symbols = begin_where_label_does(found.states, found.symbols)
-        cycle = Attractor(name(symbols), found.turns, states, symbols, (0j, 0j))
+        cycle = Attractor(Label(symbols), found.turns, states, symbols, (0j, 0j))
         census._admit(cycle)
         return next((k for k, a in enumerate(census.attractors) if is_one(a, cycle)), FORGOTTEN)
     start = found.start(census.crew.system, census.crew.rpm)

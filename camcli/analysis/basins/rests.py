@@ -15,7 +15,7 @@ import numpy as np
 
 from camcli.analysis.basins.cell_batches import Crew
 from camcli.analysis.integrate import Orbit, Tape, with_turns
-from camcli.analysis.orbits.error_growth import FORGOTTEN as DIGITS_GONE
+from camcli.analysis.orbits.error_growth import TOO_LARGE as DIGITS_GONE
 from camcli.analysis.orbits.error_growth import largest_growth
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.cells import FORGOTTEN, NEW_REST, Targets

@@ -5,21 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import inf
+from math import inf, pi
 
 from camcli.analysis.classify import APERIODIC, COMPLETE, Motion
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, find_crisis
 from camcli.analysis.explain.events import Event, Events, find_events
 from camcli.analysis.integrate import IMPACT, Cost, Settings
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.branch import DEG, Bifurcation
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.analysis.orbits.sticking_orbits import follow_resting
+from camcli.analysis.orbits.sticking_orbits import follow_sticking
+from camcli.analysis.orbits.study import Bifurcation
 from camcli.system import System
 
 ENLARGED = 1.25  # ratio of the widths of the impact phases that counts as another attractor
 LEAST_WIDTH = 2.0  # deg, and the least difference of widths
 MOST_CRISES = 3  # searches of some seconds each
+DEG = 180.0 / pi
 UNEXPLAINED, BASIN = "unexplained", "basin"
 
 
@@ -136,7 +137,7 @@ def _rest_ends(system: System, settings: Settings, a: Motion, b: Motion) -> Even
             continue
         shooter = Shooter(system, motion.rpm)
         span = Span(a.rpm, b.rpm, b.rpm - a.rpm)
-        leg = follow_resting(shooter, settings, orbit, span, other.rpm > motion.rpm)
+        leg = follow_sticking(shooter, settings, orbit, span, other.rpm > motion.rpm)
         for change in leg.changes[-1:]:
             return Event(change.value, change.error, change.kind, orbit.label, source=change)
     return None

@@ -12,13 +12,11 @@ from camcli.analysis.contact_loss.study import detach
 from camcli.analysis.explain.crisis import Crisis
 from camcli.analysis.integrate import Cost, Settings
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.branch import Bifurcation, Branch, Writer
 from camcli.analysis.orbits.branch_segment import both_ways
-from camcli.analysis.orbits.crossing import Crossing
-from camcli.analysis.orbits.locate import CORNER, FOLD, PERIOD_DOUBLING
+from camcli.analysis.orbits.locate import CORNER, FOLD, PERIOD_DOUBLING, Crossing
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.sticking_orbits import Change as RestChange
-from camcli.analysis.orbits.study import continue_from, on_branches
+from camcli.analysis.orbits.study import Bifurcation, Branch, Diagram
 from camcli.analysis.sweep import rpm_grid
 from camcli.system import System
 
@@ -70,11 +68,11 @@ def find_events(system: System, settings: Settings, motions: Sequence[Motion]) -
     low, high = min(m.rpm for m in motions), max(m.rpm for m in motions)
     spacing = (high - low) / max(1, len(motions) - 1)
     shooter = Shooter(system, 0.5 * (low + high))
-    writer = Writer(shooter, settings)
-    _follow(shooter, writer, motions, Span(low, high, max(spacing, (high - low) / POINTS[0])))
+    diagram = Diagram(shooter, settings)
+    _follow(diagram, motions, Span(low, high, max(spacing, (high - low) / POINTS[0])))
     events = [
         Event(b.value, b.error, b.kind, b.label, b.corner, b.classification, b.status, b)
-        for b in writer.bifurcations
+        for b in diagram.bifurcations
         if of_attractor(b)
     ]
     cost = shooter.cost
@@ -91,21 +89,21 @@ def find_events(system: System, settings: Settings, motions: Sequence[Motion]) -
     for event in events:
         once.setdefault((event.kind, event.label, event.corner, f"{event.rpm:.10g}"), event)
     found = sorted(once.values(), key=lambda e: e.rpm)
-    return Events(found, writer.bifurcations, writer.branches, cost)
+    return Events(found, diagram.bifurcations, diagram.branches, cost)
 
 
 def _critical(c: CriticalSpeed | CornerHit, kind: str, label: str, corner: str) -> Event:
     return Event(c.rpm, 0.5 * (c.high - c.low), kind, label, corner, status=c.status, source=c)
 
 
-def _follow(shooter: Shooter, writer: Writer, motions: Sequence[Motion], span: Span) -> None:
+def _follow(diagram: Diagram, motions: Sequence[Motion], span: Span) -> None:
     """The branches of the attracting orbits, and those that leave them at events."""
     seeds = 0
     for motion in sorted(motions, key=lambda m: (m.impacts, m.rpm)):
         orbit = motion.orbit
         if orbit is None or orbit.root is None or seeds >= MOST_SEEDS:
             continue
-        if on_branches(shooter, writer.branches, orbit.root):
+        if diagram.holds(orbit.root):
             continue
         seeds += 1
         own = span
@@ -113,14 +111,14 @@ def _follow(shooter: Shooter, writer: Writer, motions: Sequence[Motion], span: S
             reach = REACH * span.spacing
             low, high = max(span.low, orbit.rpm - reach), min(span.high, orbit.rpm + reach)
             own = Span(low, high, (high - low) / POINTS[1])
-        writer.bouncing(list(both_ways(shooter, orbit.root, own)), "found")
+        diagram.add_bouncing(both_ways(diagram.shooter, orbit.root, own), "found")
     done, left = 0, MOST_LEAVING
-    while done < len(writer.shoots) and left > 0:
-        index, event = writer.shoots[done]
+    while done < len(diagram.branch_points) and left > 0:
+        index, event = diagram.branch_points[done]
         done += 1
-        if not isinstance(event, Crossing) and of_attractor(writer.bifurcations[index]):
+        if not isinstance(event, Crossing) and of_attractor(diagram.bifurcations[index]):
             left -= 1
-            continue_from(shooter, writer, index, event, span)
+            diagram.switch(index, event, span)
 
 
 def of_attractor(b: Bifurcation) -> bool:

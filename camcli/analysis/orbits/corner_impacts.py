@@ -10,7 +10,7 @@ either direction of the parameter.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import hypot
 
 from camcli.analysis.border_collision import Collision, Prediction, Side, classify

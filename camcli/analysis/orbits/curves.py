@@ -174,7 +174,8 @@ class _Tracer:
         if self.located.kind != CORNER:
             return CurvePoint(*values, orbit)
         free = 0 if PARAMETERS[self.plane.names[0]] == root.parameter else 1
-        crossing = cross(self.shooter(root, free, values[1 - free]), replace(self.located, root=root))
+        shooter = self.shooter(root, free, values[1 - free])
+        crossing = cross(shooter, replace(self.located, root=root))
         if crossing is None:
             return CurvePoint(*values, orbit)
         left, right = crossing.left, crossing.right

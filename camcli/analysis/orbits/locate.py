@@ -16,13 +16,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import sqrt, ulp
 
-from camcli.cams.regions import corner_list
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.orbits.arclength import Step
 from camcli.analysis.orbits.identify import settled
 from camcli.analysis.orbits.orbit import section_states
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import KICK, ROW, TURN, lift
 from camcli.kernel.flow import flow, lane_of
 from camcli.kernel.variational import relative_accel

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from camcli.cams.regions import regions
 from camcli.analysis.labels import Label, rotation
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import VERDICTS, Root, multipliers
+from camcli.cams.regions import regions
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.certify import ADMISSIBLE
 from camcli.kernel.flow import RPM, lane_of, move
@@ -122,9 +122,7 @@ def region_names(system: System) -> dict[int, str]:
     return {i: region.name for region in regions(system.cam) for i in region.stretches}
 
 
-def section_states(
-    system: System, root: Root
-) -> tuple[list[tuple[float, float]], list[float]]:
+def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]], list[float]]:
     """(states, symbols): (q, dq/dtheta) at every strobe, and the impacts in the turn after it."""
     lane = lane_of(root.machine, 0.0, 0)
     since = _since_strobe(system, root)

@@ -48,9 +48,7 @@ def shortest_period(states: Sequence[State]) -> int:
 def same_states(a: Sequence[State], b: Sequence[State]) -> bool:
     """True where two orbits pass the section at the same states in the same order."""
     size = size_of(a)
-    return len(a) == len(b) and all(
-        distance(p, q, size) <= SAME for p, q in zip(a, b, strict=True)
-    )
+    return len(a) == len(b) and all(distance(p, q, size) <= SAME for p, q in zip(a, b, strict=True))
 
 
 def same_orbit(a: PeriodicOrbit, b: PeriodicOrbit) -> bool:

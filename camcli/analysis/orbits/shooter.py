@@ -215,7 +215,7 @@ class Shooter:
         return self.correct(x, guess.whole, guess.turns, row, x)
 
     def beyond(self, root: Root) -> list[tuple[float, int, int]]:
-        """(rad beyond, impact, +1 at the end or -1 at the start) of impacts outside their region."""
+        """(rad beyond, impact, +1 at the end or -1 at the start) of impacts off their stretch."""
         rows, out = self.cam.rows, []
         for k, theta in enumerate(root.theta):
             o = root.whole[2 * k] * ROW

@@ -107,11 +107,7 @@ def _same_motion(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
 
 def _same_departures(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
     """`_same_motion`, and the same number of departures from rest."""
-    return (
-        other is not None
-        and _same_motion(orbit, other)
-        and len(other.theta) == len(orbit.theta)
-    )
+    return other is not None and _same_motion(orbit, other) and len(other.theta) == len(orbit.theta)
 
 
 def _change(

@@ -13,7 +13,7 @@ from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import Segment, both_ways, follow
 from camcli.analysis.orbits.corner_impacts import CornerImpact, corner_impact
 from camcli.analysis.orbits.curves import Curve, Plane, curve
-from camcli.analysis.orbits.locate import GRAZING, PERIOD_DOUBLING, Crossing, Located, doubled
+from camcli.analysis.orbits.locate import PERIOD_DOUBLING, Crossing, Located, doubled
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.search import MOST_STARTS, RECORD, OrbitsFound, find
@@ -148,11 +148,12 @@ class Absence:
 class OrbitsResult:
     """The orbits at question.rpm, the branches through them, and curves in two parameters.
 
-    virtual: roots that penetrate the cam or would pull; absent: the label asked for does not exist
-    at the speed asked for.
+    value: of the parameter where they were found; virtual: roots that penetrate the cam or would
+    pull; absent: the label asked for does not exist at the speed asked for.
     """
 
     question: Question
+    value: float
     orbits: list[PeriodicOrbit]
     virtual: list[PeriodicOrbit]
     branches: list[Branch]
@@ -176,9 +177,8 @@ def orbits(
     turns = (starts + 1) * (settings.transient + RECORD)
     if backend.must_compile() or (backend.may_compile() and turns > 2 * LITTLE_WORK):
         compile_for(system)
-    found, span, absent = find(
-        system, question.rpm, settings, question.starts, question.label
-    ), question.span, None
+    found = find(system, question.rpm, settings, question.starts, question.label)
+    span, absent = question.span, None
     if question.stable is not None:
         found.orbits = [orbit for orbit in found.orbits if orbit.stable == question.stable]
     elif question.label is not None and not found.orbits:
@@ -197,6 +197,7 @@ def orbits(
         _follow_all(diagram, found, span, question.branches, on_branch)
     return OrbitsResult(
         question,
+        shooter.value,
         found.orbits,
         found.virtual,
         diagram.branches,
@@ -241,9 +242,7 @@ def _follow_all(
         on_branch()
 
 
-def _curves(
-    system: System, bifurcations: Sequence[Bifurcation], question: Question
-) -> list[Curve]:
+def _curves(system: System, bifurcations: Sequence[Bifurcation], question: Question) -> list[Curve]:
     """Every located bifurcation of the kind asked for, continued; the same curve only once."""
     found: dict[tuple, Curve] = {}
     for b in bifurcations:

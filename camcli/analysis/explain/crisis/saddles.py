@@ -13,9 +13,9 @@ import numpy as np
 
 from camcli.analysis.explain.crisis.attractor import LEAST, Carried, impacts_of, states_of
 from camcli.analysis.integrate import StartError, Tape
-from camcli.analysis.orbits.find import primitive, same_orbit
 from camcli.analysis.orbits.identify import newton_from
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
+from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.shooter import Shooter
 
 LONGEST = 8  # turns of the saddles looked for
@@ -101,12 +101,12 @@ def find_saddles(carried: Carried, rpm: float, tape: Tape) -> list[PeriodicOrbit
         for k in _close_returns(at, turns):
             window = slice(*np.searchsorted(period, (k, k + turns)))
             rows = zip(*(column[window].tolist() for column in (period, theta, u)), strict=True)
-            root = newton_from(carried.system, shooter, list(rows), turns)
+            root = newton_from(shooter, list(rows), turns)
             if root is None:
                 continue
             orbit = from_root(carried.system, root, shooter.verdict(root)[0])
             known = any(same_orbit(orbit, other) for other in found)
-            if orbit.admissible and not orbit.stable and primitive(orbit) and not known:
+            if orbit.admissible and not orbit.stable and orbit.primitive and not known:
                 found.append(orbit)
     return sorted(found, key=lambda orbit: (orbit.turns, abs(orbit.multipliers[0])))
 

@@ -23,8 +23,8 @@ from camcli.analysis.explain.crisis.saddles import LostError, find_saddles, inne
 from camcli.analysis.explain.crisis.tangency import Folds, Tangency, first_touch
 from camcli.analysis.integrate import Cost, Settings, StartError
 from camcli.analysis.labels import label
-from camcli.analysis.orbits.find import same_orbit
 from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.cams.regions import Corner
 from camcli.system import System
 
