@@ -1,9 +1,9 @@
-"""Picture of basins: the window of starts coloured by attractor, the attractors drawn on it."""
+"""Pictures of basins: the window of starts coloured by attractor; their fractions over speed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,42 +12,41 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from camcli.analysis.basins.attractor import CONTACT, Attractor
 from camcli.analysis.basins.mapping import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question
 from camcli.analysis.basins.study import Speed, Study
 from camcli.analysis.sweep import status_name
 from camcli.kernel.cam_table import ROW, START0
 from camcli.plots import style
+from camcli.plots.axes import legend
 from camcli.system import System, omega_of
 
 LEFT, RIGHT, BOTTOM = 125, 45, 95  # px, margins
+WIDE = style.WIDTH - LEFT - RIGHT
 HIGH = 900  # px, of the window
-HEAD = 130  # px, above the legend
+STACK, STATES, GAP = 560, 420, 40  # px, of the panels over speed
+HEAD, RANGE_HEAD = 130, 100  # px, above the legend
 MOST_NAMED = 12  # attractors in the legend
-
+CHARS, RANGE_CHARS = 60, 24  # of a label in the legend
+LABELS = 3  # of a branch of attractors in the legend
 UNDECIDED, TROUBLE, BELOW = style.UNDECIDED, style.TROUBLE, style.CAM_BODY
 SHAPES = ("o", "s", "^", "D", "v", "P", "X")
-DOTS = 3000  # states of an aperiodic attractor drawn
-CHARS = 60  # of a label in the legend
-
-
-def area_colours(labels: Sequence[str]) -> list[str]:
-    """Colours of the basins of attractors by their labels, apart where two want the same."""
-    return style.apart([_wanted(label) for label in labels])
-
-
-def _wanted(label: str) -> str:
-    colour = style.label_colour(label)
-    return style.APERIODIC_AREA if colour == style.APERIODIC else colour
+DOTS, RANGE_DOTS = 3000, 150  # states of an aperiodic attractor drawn
 
 
 def draw_basins(study: Study, question: Question, system: System) -> Figure:
     """Picture of the basins of one speed, or of fractions and attractors over a range of them."""
     if study.grid is None:
-        from camcli.plots.basins_range import draw_range
-
-        return draw_range(study, question)
+        return _draw_range(study, question)
     return _draw_window(study.speeds[0], study.grid, system)
+
+
+def area_colours(labels: Sequence[str]) -> list[str]:
+    """Colours of the basins of attractors by their labels, apart where two want the same."""
+    wanted = [style.label_colour(label) for label in labels]
+    return style.apart([style.APERIODIC_AREA if c == style.APERIODIC else c for c in wanted])
+
+
+# --- one speed
 
 
 @style.look()
@@ -55,61 +54,69 @@ def _draw_window(speed: Speed, grid: Basins, system: System) -> Figure:
     """The basins of one speed."""
     entries = _entries(speed)
     top = HEAD + style.LINE * (len(entries) + 1)
-    wide = style.WIDTH - LEFT - RIGHT
-    figure = style.page(top + HIGH + BOTTOM)
-    _heading(figure, speed, grid, system)
-    axes = style.place(figure, LEFT, top, wide, HIGH)
+    title = f"Basins of attraction, {style.number(speed.rpm)} rpm"
+    figure = style.page(top + HIGH + BOTTOM, title, _below_title(speed, grid, system))
     window = grid.window
+    axes = style.place(figure, LEFT, top, WIDE, HIGH)
     axes.imshow(
-        _pixels(grid, speed, wide, HIGH),
+        _pixels(grid, speed, WIDE, HIGH),
         extent=(*window.q, *window.v),
         origin="lower",
         aspect="auto",
         interpolation="none",
     )
     outside = _draw_attractors(axes, speed, grid)
-    cam = _draw_cam(axes, grid, system)
+    cam_shown = _draw_cam(axes, grid, system)
     axes.set(xlim=window.q, ylim=window.v)
     axes.set_xlabel("position $q$ of the start (m)")
     axes.set_ylabel("velocity $v$ of the start (m/s)")
-    _legend(figure, entries, _colours(speed), outside, cam, bool((grid.codes == BELOW_CODE).any()))
+    handles: list[Any] = []
+    names, colours = [], _colours(speed)
+    for code, words in entries:
+        area = Patch(facecolor=colours.get(code, TROUBLE), edgecolor="black", linewidth=0.5)
+        marked = 0 < code <= MOST_NAMED and speed.attractors[code - 1].periodic
+        shape = (Line2D([], [], **_marker(code)),) if marked and code not in outside else ()
+        handles.append((area, *shape))
+        names.append(words + (", attractor outside the window" if code in outside else ""))
+    if cam_shown:
+        handles.append(Line2D([], [], color="black", linewidth=1.6))
+        below = bool((grid.codes == BELOW_CODE).any())
+        names.append("cam, $q = c$" + ("; grey: below it" if below else ""))
+    legend(figure, HEAD - 8, handles, names)
     return figure
 
 
-def _heading(figure: Figure, speed: Speed, grid: Basins, system: System) -> None:
-    title = f"Basins of attraction, {style.number(speed.rpm)} rpm"
-    style.write(figure, 20, 14, title, size=9, weight="bold")
-    phase = style.number(round(degrees(system.strobe), 9))
-    window = grid.window
+def _below_title(speed: Speed, grid: Basins, system: System) -> str:
+    window, phase = grid.window, style.number(round(system.strobe_deg, 9))
     how = "simple cell mapping" if grid.method == SIMPLE else "orbit mapping"
     text = f"{window.nq} × {window.nv} starts at θ = {phase} deg, {how}"
     if grid.level is not None:
         share = 100.0 * speed.computed / speed.cells
         text += f", {share:.3g} % of the cells computed (boundaries refined)"
     entropies = speed.entropies
-    lines = [text, f"basin entropy {entropies['basin_entropy']:.3g}"]
+    text += f"\nbasin entropy {entropies['basin_entropy']:.3g}"
     if entropies["boundary_boxes"]:
-        lines[1] += f", boundary entropy {entropies['boundary_entropy']:.3g}"
+        text += f", boundary entropy {entropies['boundary_entropy']:.3g}"
     if speed.uncertainty is not None:
         doubt = speed.uncertainty
-        lines[1] += f", boundary dimension {doubt.dimension:.3f} ± {doubt.error:.3f}"
-    style.write(figure, 20, 54, "\n".join(lines), linespacing=1.25)
+        text += f", boundary dimension {doubt.dimension:.3f} ± {doubt.error:.3f}"
+    return text
 
 
 def _entries(speed: Speed) -> list[tuple[int, str]]:
     """(code, words) of the legend: attractors, then what belongs to none."""
     found = []
-    for k, attractor in enumerate(speed.attractors[:MOST_NAMED]):
+    for k, attractor in enumerate(speed.attractors[:MOST_NAMED], 1):
         name = style.motion(attractor.label, CHARS)
-        found.append((k + 1, f"{name}   {percent(speed.fractions[k + 1])}"))
-    rest = len(speed.attractors) - MOST_NAMED
-    if rest > 0:
-        share = sum(speed.fractions[k + 1][0] for k in range(MOST_NAMED, len(speed.attractors)))
-        found.append((MOST_NAMED + 1, f"and {rest} more, together {100.0 * share:.3g} %"))
-    for code, share in speed.fractions.items():
+        found.append((k, f"{name}   {percent(speed.fractions[k])}"))
+    rest = range(MOST_NAMED + 1, len(speed.attractors) + 1)
+    if rest:
+        share = sum(speed.fractions[k][0] for k in rest)
+        found.append((rest[0], f"and {len(rest)} more, together {100.0 * share:.3g} %"))
+    for code, fraction in speed.fractions.items():
         if code <= 0:
             name = "undecided" if code == UNDECIDED_CODE else status_name(-code)
-            found.append((code, f"{name}   {percent(share)}"))
+            found.append((code, f"{name}   {percent(fraction)}"))
     return found
 
 
@@ -122,29 +129,28 @@ def percent(share: tuple[float, float]) -> str:
     return f"({value:.{digits}f} ± {error:.{digits}f}) %"
 
 
-def _colours(speed: Speed) -> dict[int, tuple[float, float, float]]:
-    colours = {UNDECIDED_CODE: to_rgb(UNDECIDED), BELOW_CODE: to_rgb(BELOW)}
+def _colours(speed: Speed) -> dict[int, str]:
     areas = area_colours([attractor.label for attractor in speed.attractors])
-    return colours | {k: to_rgb(area) for k, area in enumerate(areas, 1)}
+    return {UNDECIDED_CODE: UNDECIDED, BELOW_CODE: BELOW, **dict(enumerate(areas, 1))}
 
 
 def _pixels(grid: Basins, speed: Speed, wide: int, high: int) -> np.ndarray:
     """(rows, columns, 3) colours; cells smaller than a pixel are averaged."""
     colours = _colours(speed)
-    columns = _bins(grid.codes.shape[1], wide)
-    rows = _bins(grid.codes.shape[0], high)
-    size = np.diff(np.append(rows, grid.codes.shape[0]))[:, None] * np.diff(
-        np.append(columns, grid.codes.shape[1])
-    )
-    picture = np.zeros((len(rows), len(columns), 3))
+    first = [_first_cells(*pair) for pair in zip(grid.codes.shape, (high, wide), strict=True)]
+    sizes = [
+        np.diff(cells, append=count) for cells, count in zip(first, grid.codes.shape, strict=True)
+    ]
+    area = np.outer(*sizes)
+    picture = np.zeros((*area.shape, 3))
     for code in np.unique(grid.codes).tolist():
         mask = (grid.codes == code).astype(np.uint16)
-        share = np.add.reduceat(np.add.reduceat(mask, rows, axis=0), columns, axis=1) / size
-        picture += share[:, :, None] * np.array(colours.get(code, to_rgb(TROUBLE)))
+        share = np.add.reduceat(np.add.reduceat(mask, first[0], axis=0), first[1], axis=1) / area
+        picture += share[:, :, None] * np.array(to_rgb(colours.get(code, TROUBLE)))
     return np.rint(255.0 * picture).astype(np.uint8)
 
 
-def _bins(cells: int, pixels: int) -> np.ndarray:
+def _first_cells(cells: int, pixels: int) -> np.ndarray:
     """First cell of every pixel; a pixel per cell where there are fewer cells."""
     count = min(cells, pixels)
     return np.arange(count) * cells // count
@@ -152,34 +158,32 @@ def _bins(cells: int, pixels: int) -> np.ndarray:
 
 def _draw_attractors(axes: Axes, speed: Speed, grid: Basins) -> set[int]:
     """Section points of every attractor; returns the numbers of those outside the window."""
-    omega, window = omega_of(speed.rpm), grid.window
-    outside = set()
-    for k, attractor in enumerate(speed.attractors):
+    window, outside = grid.window, set()
+    for number, attractor in enumerate(speed.attractors, 1):
         q, w = attractor.shown().T
-        v = w * omega
+        v = w * omega_of(speed.rpm)
         inside = (window.q[0] <= q) & (q <= window.q[1])
         inside &= (window.v[0] <= v) & (v <= window.v[1])
         if not inside.any():
-            outside.add(k + 1)
-        _draw_points(axes, attractor, k + 1, q, v)
+            outside.add(number)
+        if attractor.periodic:
+            axes.plot(q, v, **_marker(number), zorder=5)
+            continue
+        step = max(1, len(q) // DOTS)
+        look: dict[str, Any] = {"color": style.APERIODIC, "linestyle": "", "zorder": 4}
+        axes.plot(q[::step], v[::step], marker=".", markersize=1.2, markeredgewidth=0.0, **look)
     return outside
 
 
-def _draw_points(axes: Axes, attractor: Attractor, number: int, q, v) -> None:
-    if attractor.periodic:
-        axes.plot(q, v, **_marker(number), zorder=5, clip_on=True)
-        return
-    step = max(1, len(q) // DOTS)
-    dots = {"marker": ".", "markersize": 1.2, "markeredgewidth": 0.0, "linestyle": ""}
-    axes.plot(q[::step], v[::step], color="black", zorder=4, **dots)
-
-
-def _marker(number: int) -> dict:
-    shape = SHAPES[(number - 1) % len(SHAPES)]
+def _marker(number: int) -> dict[str, Any]:
     return {
-        "marker": shape, "markersize": 6.0, "markerfacecolor": "white",
-        "markeredgecolor": "black", "markeredgewidth": 1.1, "linestyle": "",
-    }  # fmt: skip
+        "marker": SHAPES[(number - 1) % len(SHAPES)],
+        "markersize": 6.0,
+        "markerfacecolor": "white",
+        "markeredgecolor": "black",
+        "markeredgewidth": 1.1,
+        "linestyle": "",
+    }
 
 
 def _draw_cam(axes: Axes, grid: Basins, system: System) -> bool:
@@ -193,20 +197,116 @@ def _draw_cam(axes: Axes, grid: Basins, system: System) -> bool:
     return True
 
 
-def _legend(figure: Figure, entries, colours, outside: set[int], cam: bool, below: bool) -> None:
-    """Areas with the markers of their attractors and their fractions; the cam's line."""
-    handles, names = [], []
-    for code, words in entries:
-        area = Patch(facecolor=colours.get(code, TROUBLE), edgecolor="black", linewidth=0.5)
-        periodic = code > 0 and words.startswith(("P", CONTACT))
-        marker = (Line2D([], [], **_marker(code)),) if periodic and code not in outside else ()
-        handles.append((area, *marker))
-        names.append(words + (", attractor outside the window" if code in outside else ""))
-    if cam:
-        handles.append(Line2D([], [], color="black", linewidth=1.6))
-        names.append("cam, $q = c$" + ("; grey: below it" if below else ""))
-    top = 1.0 - (HEAD - 8) / round(figure.get_figheight() * style.DPI)
-    figure.legend(
-        handles, names, loc="upper left", bbox_to_anchor=(20 / style.WIDTH, top),
-        borderaxespad=0.0, borderpad=0.0, handletextpad=0.6, labelspacing=0.45, handleheight=1.0,
-    )  # fmt: skip
+# --- a range of speeds
+
+
+@style.look()
+def _draw_range(study: Study, question: Question) -> Figure:
+    """Fractions stacked over speed, and where the attractors are."""
+    entries = _range_entries(study)
+    top = RANGE_HEAD + style.LINE * len(entries)
+    rpms = [style.number(study.speeds[k].rpm) for k in (0, -1)]
+    title = f"Basin fractions, {rpms[0]} to {rpms[1]} rpm"
+    height = top + STACK + GAP + STATES + BOTTOM
+    figure = style.page(height, title, _below_range_title(study, question))
+    upper = style.place(figure, LEFT, top, WIDE, STACK)
+    lower = style.place(figure, LEFT, top + STACK + GAP, WIDE, STATES)
+    colours = branch_colours(study)
+    edges = _edges(np.array([speed.rpm for speed in study.speeds]))
+    _draw_stack(upper, study, edges, colours)
+    _draw_states(lower, study, colours)
+    for axes in (upper, lower):
+        axes.set_xlim(edges.min(), edges.max())
+    upper.tick_params(labelbottom=False)
+    lower.set_xlabel("cam speed (rpm)")
+    lower.set_ylabel("attractors' stroboscopic $q$ (m)")
+    areas = {**colours, UNDECIDED_CODE: UNDECIDED, -1: "white"}
+    look: dict[str, Any] = {"edgecolor": "black", "linewidth": 0.5}
+    handles = [Patch(facecolor=areas[code], **look) for code, _ in entries]
+    legend(figure, RANGE_HEAD - 8, handles, [words for _, words in entries])
+    return figure
+
+
+def _below_range_title(study: Study, question: Question) -> str:
+    window = question.window
+    return (
+        f"{len(study.speeds)} speeds, {window.nq} × {window.nv} starts each, "
+        f"q from {window.q[0]:g} to {window.q[1]:g} m, "
+        f"v from {window.v[0]:g} to {window.v[1]:g} m/s, {question.method} mapping"
+    ).replace("-", "−")
+
+
+def _range_entries(study: Study) -> list[tuple[int, str]]:
+    """(branch, words) of the legend: the largest branches by number, then what is undecided."""
+    labels: dict[int, list[str]] = {}
+    weight: dict[int, float] = {}
+    for speed in study.speeds:
+        pairs = zip(speed.branches, speed.attractors, strict=True)
+        for number, (branch, attractor) in enumerate(pairs, 1):
+            labels.setdefault(branch, []).append(attractor.label)
+            weight[branch] = weight.get(branch, 0.0) + speed.fractions[number][0]
+    named = sorted(sorted(weight, key=lambda b: (-weight[b], b))[:MOST_NAMED])
+    found = [(branch, f"{branch}: {_branch_labels(labels[branch])}") for branch in named]
+    if len(weight) > len(named):
+        found.append((-1, f"{len(weight) - len(named)} further attractors, in repeated colours"))
+    if any(speed.undecided or speed.troubled for speed in study.speeds):
+        found.append((UNDECIDED_CODE, "undecided, or numerical trouble"))
+    return found
+
+
+def _branch_labels(labels: Sequence[str]) -> str:
+    """The first label, and the others where it changes along the branch."""
+    kinds = list(dict.fromkeys(labels))
+    shown = ", ".join(style.motion(kind, RANGE_CHARS) for kind in kinds[:LABELS])
+    return shown if len(kinds) <= LABELS else f"{shown} and {len(kinds) - LABELS} more labels"
+
+
+def branch_colours(study: Study) -> dict[int, str]:
+    """Colour of every branch of attractors: that of its first label."""
+    first: dict[int, str] = {}
+    for speed in study.speeds:
+        for branch, attractor in zip(speed.branches, speed.attractors, strict=True):
+            first.setdefault(branch, attractor.label)
+    numbers = sorted(first)
+    areas = area_colours([first[number] for number in numbers])
+    return dict(zip(numbers, areas, strict=True))
+
+
+def _edges(rpms: np.ndarray) -> np.ndarray:
+    """Limits of the bar of each speed, halfway to its neighbours."""
+    middle = 0.5 * (rpms[1:] + rpms[:-1])
+    first, last = 2.0 * rpms[0] - middle[0], 2.0 * rpms[-1] - middle[-1]
+    return np.concatenate(([first], middle, [last]))
+
+
+def _draw_stack(axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, str]) -> None:
+    """The fractions of the branches on one another, then what is undecided."""
+    height = np.zeros(len(study.speeds))
+    bars: dict[str, Any] = {"width": np.abs(np.diff(edges)), "align": "edge", "linewidth": 0.0}
+    left = np.minimum(edges[:-1], edges[1:])
+    for branch in sorted(colours):
+        share = np.array([_fraction(speed, branch) for speed in study.speeds])
+        axes.bar(left, share, bottom=height, color=colours[branch], **bars)
+        height = height + share
+    rest = np.where(1.0 - height > 1e-12, 1.0 - height, 0.0)
+    axes.bar(left, rest, bottom=height, color=UNDECIDED, **bars)
+    axes.set_ylim(0.0, 1.0)
+    axes.set_ylabel("fraction of the window")
+
+
+def _fraction(speed: Speed, branch: int) -> float:
+    numbers = (k for k, own in enumerate(speed.branches, 1) if own == branch)
+    return sum(speed.fractions[number][0] for number in numbers)
+
+
+def _draw_states(axes: Axes, study: Study, colours: dict[int, str]) -> None:
+    """The attractors' stroboscopic positions."""
+    for speed in study.speeds:
+        for branch, attractor in zip(speed.branches, speed.attractors, strict=True):
+            q = attractor.shown()[:, 0]
+            look: dict[str, Any] = {"markersize": 3.0, "markeredgewidth": 0.25}
+            if not attractor.periodic:
+                q = q[:: max(1, len(q) // RANGE_DOTS)]
+                look = {"markersize": 1.6, "markeredgewidth": 0.0}
+            look |= {"color": colours[branch], "markeredgecolor": "black", "linestyle": ""}
+            axes.plot(np.full(len(q), speed.rpm), q, marker="o", zorder=3, **look)

@@ -5,47 +5,48 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf, isfinite
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, LogNorm, to_rgb
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
 
-from camcli.analysis.classify import APERIODIC, Motion
+from camcli.analysis.classify import APERIODIC, UNDECIDED, Motion
 from camcli.analysis.explain.events import Event
+from camcli.analysis.exponents import Exponents
 from camcli.analysis.integrate import IMPACT
 from camcli.analysis.sweep import status_name
 from camcli.errors import OK
 from camcli.plots import style
-from camcli.plots.density import Cloud, Columns, one_point, phase_range, shares
-from camcli.plots.event_keys import (
-    Numbered,
-    draw_lines,
-    draw_list,
-    draw_numbers,
-    list_height,
-    numbered,
+from camcli.plots.axes import (
+    TURN_DEG,
+    corners_upwards,
     numbers_height,
+    padded,
+    phase_axis,
+    phase_range,
+    trouble_ticks,
 )
-from camcli.plots.growth_panel import Growth, draw_growth, remark
-from camcli.plots.label_strip import KEY, ROW, draw_key, draw_strip, rests, swatches
+from camcli.plots.density import Cloud, Columns, Pixels, draw_shares, shading, take_all
+from camcli.plots.event_list import Numbered, draw_events, draw_list, list_height, numbered
+from camcli.plots.label_strip import KEY, ROW, draw_strip, draw_strip_key, draw_swatches, rests
 from camcli.system import System
 
 LEFT, RIGHT, BOTTOM = 140, 60, 95  # px, margins
 HEAD, GAP = 110, 62  # px: title and key of the kinds, between panels
 PHASES, GROWTH = 560, 340  # px, heights of the panels
 WIDE = style.WIDTH - LEFT - RIGHT
-FULLEST = 0.1  # share of a column's impacts per pixel from which it is darkest
 WIDEST, SINGLE = 16, 100  # px at most, column of a speed, of a motion where all have one speed
-PERIODIC, RESTING, CHAOS, UNKNOWN, CONTACT = (
-    "periodic", "periodic with rest on the cam", "aperiodic", "undecided", "always in contact",
-)  # fmt: skip
+BELOW = 0.16  # of the panel of exponents, for -inf
+FORGETS = "−∞: the follower rests on the cam, which forgets every difference"
+PERIODIC, RESTING, CONTACT = "periodic", "periodic with rest on the cam", "always in contact"
 COLOURS = {
     PERIODIC: style.FLIGHT,
     RESTING: style.STICKING,
-    CHAOS: style.APERIODIC,
-    UNKNOWN: style.UNDECIDED,
+    APERIODIC: style.APERIODIC,
+    UNDECIDED: style.UNDECIDED,
     CONTACT: style.CONTACT,
 }
 
@@ -60,17 +61,32 @@ class _Scene:
     events: list[Numbered]
     single: bool
 
+    @classmethod
+    def of(cls, motions: Sequence[Motion], events: Sequence[Event]) -> _Scene:
+        """Motions over speed; those of one and the same speed side by side."""
+        rising = sorted(motions, key=lambda motion: motion.rpm)
+        x = [motion.rpm for motion in rising]
+        if len(set(x)) > 1:
+            return cls(rising, x, Columns.of(sorted(set(x)), WIDE, WIDEST), numbered(events), False)
+        x = [float(k) for k in range(1, len(rising) + 1)]
+        widest = min(SINGLE, 0.6 * WIDE / max(1, len(x)))
+        return cls(rising, x, Columns.of(x, WIDE, widest, (0.5, len(x) + 0.5)), [], True)
+
     def pairs(self) -> list[tuple[float, Motion]]:
         """Every motion with its place."""
         return list(zip(self.x, self.motions, strict=True))
 
-    def frame(self, axes: Axes, lines: bool = True) -> None:
-        """The range of the speeds, a line at every event; motions counted where there is one."""
+    def frame(self, axes: Axes) -> None:
+        """The range of the speeds; motions counted where there is one."""
         axes.set_xlim(self.columns.low, self.columns.high)
         if self.single:
             axes.set_xticks([] if len(self.x) == 1 else self.x)
-        if lines:
-            draw_lines(axes, self.events)
+
+    @property
+    def speeds(self) -> str:
+        """Their range."""
+        ends = dict.fromkeys(style.number(self.motions[k].rpm) for k in (0, -1))
+        return f"{' to '.join(ends)} rpm"
 
 
 def kind(motion: Motion) -> str:
@@ -79,83 +95,47 @@ def kind(motion: Motion) -> str:
         return CONTACT
     if motion.orbit is not None:
         return RESTING if rests(motion) else PERIODIC
-    return CHAOS if motion.label == APERIODIC else UNKNOWN
+    return APERIODIC if motion.label == APERIODIC else UNDECIDED
 
 
 @style.look()
 def draw_classify(
-    motions: Sequence[Motion],
-    system: System | None = None,
-    events: Sequence[Event] = (),
+    motions: Sequence[Motion], system: System | None = None, events: Sequence[Event] = ()
 ) -> Figure:
     """Picture of classified motions, with the corners of the system.
 
     Motions of one and the same speed stand side by side. `events` are listed and numbered.
     """
-    scene = _scene(motions, events)
-    top = HEAD + list_height(scene.events) + numbers_height(scene.events) + 10
+    scene = _Scene.of(motions, events)
+    top = HEAD + list_height(scene.events) + numbers_height(len(scene.events)) + 10
     height = top + PHASES + GAP + GROWTH + KEY + 20 + ROW + BOTTOM
     height -= 30 * (len(scene.x) == 1)  # no numbers below the strip
-    figure = style.page(height)
-    style.write(figure, 20, 14, _title(scene), size=9, weight="bold")
-    _key(figure, scene)
+    many = f"{len(set(scene.x))} speeds, " if not scene.single else ""
+    figure = style.page(height, f"Motions at {many}{scene.speeds}")
+    _draw_key(figure, scene)
     draw_list(figure, HEAD, scene.events)
-    axes = style.place(figure, LEFT, top, WIDE, PHASES)
-    _draw_phases(axes, scene, system)
-    draw_numbers(axes, scene.events, WIDE, PHASES)
+    _draw_phases(style.place(figure, LEFT, top, WIDE, PHASES), scene, system)
     top += PHASES + GAP
     axes = style.place(figure, LEFT, top, WIDE, GROWTH)
     scene.frame(axes)
+    draw_events(axes, scene.events, numbers=False)
     known = [Growth(x, m.exponents, COLOURS[kind(m)]) for x, m in scene.pairs() if m.exponents]
     draw_growth(axes, known)
     words = remark(known, len(scene.motions))
     style.write(figure, LEFT, top - 32, words, size=7, color=style.CAM)
     top += GROWTH + 20
-    draw_key(figure, LEFT, top, scene.motions)
+    draw_strip_key(figure, LEFT, top, scene.motions)
     axes = style.place(figure, LEFT, top + KEY, WIDE, ROW)
-    scene.frame(axes, False)
+    scene.frame(axes)
     draw_strip(axes, scene.motions, scene.x)
-    axes.set_xlabel(_abscissa(scene))
+    axes.set_xlabel("cam speed (rpm)")
+    if scene.single:
+        count = "motion" if len(scene.motions) == 1 else "motions, numbered,"
+        axes.set_xlabel(f"{count} at {scene.speeds}")
     return figure
 
 
-def _scene(motions: Sequence[Motion], events: Sequence[Event]) -> _Scene:
-    motions = sorted(motions, key=lambda motion: motion.rpm)
-    rpms = sorted({motion.rpm for motion in motions})
-    if len(rpms) > 1:
-        columns = Columns.of(rpms, WIDE)
-        if len(rpms) < WIDE:
-            columns = _bars(rpms, columns.low, columns.high, WIDEST)
-        return _Scene(motions, [motion.rpm for motion in motions], columns, numbered(events), False)
-    x = [float(k) for k in range(1, len(motions) + 1)]
-    columns = _bars(x, 0.5, len(x) + 0.5, min(SINGLE, 0.6 * WIDE / max(1, len(x))))
-    return _Scene(motions, x, columns, [], True)
-
-
-def _bars(x: Sequence[float], low: float, high: float, widest: float) -> Columns:
-    """Columns of at most so many pixels around ascending values."""
-    places = (np.asarray(x) - low) / (high - low) * WIDE
-    middle = np.arange(WIDE) + 0.5
-    nearest = np.searchsorted((places[1:] + places[:-1]) / 2.0, middle)
-    near = abs(middle - places[nearest]) <= widest / 2.0
-    return Columns(low, high, len(places), np.arange(len(places)), np.where(near, nearest, -1))
-
-
-def _title(scene: _Scene) -> str:
-    ends = [style.number(scene.motions[k].rpm) for k in (0, -1)]
-    if scene.single:
-        return f"Motions at {ends[0]} rpm"
-    return f"Motions at {len(set(scene.x))} speeds, {' to '.join(ends)} rpm"
-
-
-def _abscissa(scene: _Scene) -> str:
-    if not scene.single:
-        return "cam speed (rpm)"
-    many = "motion" if len(scene.motions) == 1 else "motions, numbered,"
-    return f"{many} at {style.number(scene.motions[0].rpm)} rpm"
-
-
-def _key(figure: Figure, scene: _Scene) -> None:
+def _draw_key(figure: Figure, scene: _Scene) -> None:
     """A colour for every kind, with the number of its motions; then what is not ok."""
     count = Counter(map(kind, scene.motions))
     troubles = Counter(status_name(m.status) for m in scene.motions if m.status != OK)
@@ -163,63 +143,122 @@ def _key(figure: Figure, scene: _Scene) -> None:
     if troubles:
         said = ", ".join(f"{name} {many}" for name, many in sorted(troubles.items()))
         entries.append((style.TROUBLE, False, f"not ok: {said}"))
-    swatches(figure, 20.0, 54, entries)
+    draw_swatches(figure, 20.0, 54, entries)
 
 
-def _phases_of(motion: Motion) -> np.ndarray:
-    """Impact phases of the record, deg."""
+def _impact_phases(motion: Motion) -> np.ndarray:
+    """Of the record, deg."""
     tape = motion.tape
     keep = (np.asarray(tape.kind) == IMPACT) & (np.asarray(tape.period) >= 0)
-    return np.degrees(np.asarray(tape.theta, dtype=float)[keep]) % 360.0
+    return np.degrees(np.asarray(tape.theta, dtype=float)[keep]) % TURN_DEG
 
 
 def _draw_phases(axes: Axes, scene: _Scene, system: System | None) -> None:
-    every = [_phases_of(motion) for motion in scene.motions]
-    low, high = phase_range(Cloud.of(every))
-    axes.set_ylim(low, high)
+    """Impacts as a cloud for each kind of motion, in its colour."""
+    every = [_impact_phases(motion) for motion in scene.motions]
+    low, high = phase_range(Cloud.of(every).extremes())
+    phase_axis(axes, low, high)
     scene.frame(axes)
+    draw_events(axes, scene.events, numbers=True)
     if not any(map(len, every)):
         style.note(axes, "no impact at any of these speeds")
     places = {x: k for k, x in enumerate(dict.fromkeys(scene.x))}
-    values, clouds = {}, {}
-    for name in COLOURS:
-        columns: list[list[np.ndarray]] = [[] for _ in places]
-        for (x, motion), phases in zip(scene.pairs(), every, strict=True):
-            if kind(motion) == name:
-                columns[places[x]].append(phases)
-        values[name] = [np.concatenate([*parts, np.empty(0)]) for parts in columns]
-        clouds[name] = Cloud.of(values[name])
-    least = one_point(list(clouds.values()), scene.columns)
-    norm = LogNorm(min(least, 0.1 * FULLEST), FULLEST, clip=True)
-    extent = (scene.columns.low, scene.columns.high, low, high)
-    for name in (UNKNOWN, CHAOS, RESTING, PERIODIC):
-        picture = shares(values[name], clouds[name], scene.columns, low, high, PHASES)
-        look = {"interpolation": "none", "cmap": _shades(COLOURS[name]), "norm": norm}
-        axes.imshow(picture, extent=extent, origin="lower", aspect="auto", zorder=2, **look)
-    rpms = [x for x, motion in scene.pairs() if motion.status != OK]
-    ticks = {"marker": "|", "markersize": 7, "markeredgewidth": 0.9, "linestyle": ""}
-    bottom = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
-    axes.plot(rpms, [0.0] * len(rpms), color=style.TROUBLE, **ticks, **bottom)
-    _corners(axes, system)
-    if (low, high) == (0.0, 360.0):
-        axes.yaxis.set_major_locator(MultipleLocator(60))
+    values: dict[str, list[np.ndarray]] = {name: [np.empty(0)] * len(places) for name in COLOURS}
+    for (x, motion), phases in zip(scene.pairs(), every, strict=True):
+        mine = values[kind(motion)]
+        mine[places[x]] = np.concatenate([mine[places[x]], phases])
+    clouds = {name: Cloud.of(columns) for name, columns in values.items()}
+    norm = shading(list(clouds.values()), scene.columns)
+    for name in (UNDECIDED, APERIODIC, RESTING, PERIODIC):
+        pixels = Pixels(scene.columns, low, high, PHASES)
+        take_all(values[name], pixels.take)
+        draw_shares(axes, pixels, clouds[name], _shades(COLOURS[name]), norm)
+    trouble_ticks(axes, [x for x, motion in scene.pairs() if motion.status != OK])
+    if system is not None:
+        corners_upwards(axes, style.corner_names(system.corners_deg).items())
     axes.set_ylabel(r"impact phase $\theta$ (deg)")
     axes.tick_params(labelbottom=False)
 
 
 def _shades(colour: str) -> LinearSegmentedColormap:
     """From a tint of a colour to a shade of it."""
-    light, dark = (tuple(a + s * (b - a) for a in to_rgb(colour)) for s, b in ((0.6, 1), (0.45, 0)))
-    return LinearSegmentedColormap.from_list(colour, [(0.0, light), (0.6, colour), (1.0, dark)])
+    red, green, blue = to_rgb(colour)
+    light = 0.4 * red + 0.6, 0.4 * green + 0.6, 0.4 * blue + 0.6
+    dark = 0.55 * red, 0.55 * green, 0.55 * blue
+    stops: list[Any] = [(0.0, light), (0.6, colour), (1.0, dark)]
+    return LinearSegmentedColormap.from_list(colour, stops)
 
 
-def _corners(axes: Axes, system: System | None) -> None:
-    """The cam's corners as lines named at the right edge."""
-    low, high = axes.get_ylim()
-    names = {} if system is None else style.corner_names(system.corners_deg)
-    seen = {name: phase for name, phase in names.items() if low <= phase <= high}
-    places = style.spread(list(seen.values()), 24.0 * (high - low) / PHASES, low, high)
-    for (name, phase), place in zip(seen.items(), places, strict=True):
-        axes.axhline(phase, color=style.GUIDE, linewidth=0.5, zorder=1)
-        at = {"transform": axes.get_yaxis_transform(), "va": "center_baseline", "ha": "left"}
-        axes.text(1.012, place, name, color=style.CAM, **at)
+# --- largest exponents
+
+
+@dataclass(frozen=True)
+class Growth:
+    """The exponents of a motion, where they are drawn, and in which colour."""
+
+    x: float
+    exponents: Exponents
+    colour: str
+
+    @property
+    def largest(self) -> float:
+        """Exponent in 1/turn."""
+        return self.exponents.largest
+
+    @property
+    def spread(self) -> float:
+        """Its standard error, 0 where none is known."""
+        return self.exponents.spread if isfinite(self.exponents.spread) else 0.0
+
+
+def draw_growth(axes: Axes, known: Sequence[Growth]) -> None:
+    """Exponents with their error bars; those that are -inf on a band at the bottom."""
+    finite = [one for one in known if isfinite(one.largest)]
+    minus = [one for one in known if one.largest == -inf]
+    ends = [one.largest + sign * one.spread for one in finite for sign in (-1.0, 1.0)]
+    low, high = padded(np.array([0.0, *ends]), 0.5)
+    floor = low - BELOW * (high - low) / (1.0 - BELOW) if minus else low
+    axes.set_ylim(floor, high)
+    axes.axhline(0.0, color=style.CAM, linewidth=0.8, zorder=1)
+    for one in finite:
+        dot: dict[str, Any] = {"color": one.colour, "markersize": 2.6, "markeredgewidth": 0.0}
+        axes.plot([one.x], [one.largest], "o", zorder=4, **dot)
+        bar = [one.largest - one.spread, one.largest + one.spread]
+        axes.plot([one.x, one.x], bar, color=one.colour, linewidth=0.8, zorder=4)
+    ticks = [tick for tick in axes.get_yticks() if low <= tick <= high] if finite else [0.0]
+    names = [f"{tick:.6g}".replace("-", "−") for tick in ticks]
+    if minus:
+        _draw_forgetting(axes, minus, floor, low)
+        ticks, names = [0.5 * (floor + low), *ticks], ["−∞", *names]
+    axes.set_yticks(ticks, names)
+    axes.set_ylabel("largest exponent (1/turn)")
+    axes.tick_params(labelbottom=False)
+
+
+def _draw_forgetting(axes: Axes, minus: Sequence[Growth], floor: float, low: float) -> None:
+    """The band of those that are -inf, with the reason."""
+    axes.axhspan(floor, low, color=style.CAM_BODY, linewidth=0, zorder=0)
+    for colour in dict.fromkeys(one.colour for one in minus):
+        at = [one.x for one in minus if one.colour == colour]
+        look: dict[str, Any] = {"color": colour, "markersize": 3.2, "markeredgewidth": 0.0}
+        axes.plot(at, [floor + 0.25 * (low - floor)] * len(at), "v", zorder=4, **look)
+    axes.text(
+        0.5,
+        floor + 0.72 * (low - floor),
+        FORGETS,
+        transform=axes.get_yaxis_transform(),
+        ha="center",
+        va="center",
+        size=7,
+        color=style.CAM,
+        zorder=5,
+        bbox={"facecolor": style.CAM_BODY, "edgecolor": "none", "pad": 0.5},
+    )
+
+
+def remark(known: Sequence[Growth], motions: int) -> str:
+    """What the bars are, and for how many motions nothing is known."""
+    said = ["bars: ± one standard error"] if any(one.spread > 0.0 for one in known) else []
+    if len(known) < motions:
+        said.append(f"not known for {motions - len(known)} of {motions} motions")
+    return "; ".join(said)

@@ -1,4 +1,4 @@
-"""What the picture of a sweep shows: points counted per pixel, ranges, the cam's curves.
+"""Clouds of points over speed as images: which share of a column's points each pixel holds.
 
 A sweep may hold more points than memory: they are seen in batches, and only what each speed's
 points come to, and the pixels, is kept.
@@ -6,20 +6,63 @@ points come to, and the pixels, is kept.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Colormap, LogNorm
+from matplotlib.image import AxesImage
 
-from camcli.cams.compile import column
-from camcli.kernel.cam_table import PIECE, TERMS, Cam
-from camcli.plots.batches import add_all
-
-TURN_DEG = 360.0
+BATCH = 1 << 18  # values held at a time
 WIDEST = 8  # px, column of one speed where there are few
 THICKNESS = 2  # px, of a branch
-NARROW_DEG = 120.0  # impact phases within less are shown enlarged
-ENLARGED_SHARE = 0.4  # of the speeds, for a panel of their own
+FULLEST = 0.1  # share of a column's points per pixel from which it is darkest
+
+Take = Callable[[np.ndarray, np.ndarray], None]  # owners (indices of speeds) and their values
+
+
+class Batches:
+    """Columns of values, one or more per speed, handed on some at a time.
+
+    `take(owner, values)` gets finite values, those of a speed together, and the index of the
+    speed of each; no Python runs per value.
+    """
+
+    def __init__(self, take: Take) -> None:
+        self._take = take
+        self._owners: list[int] = []
+        self._parts: list[np.ndarray] = []
+        self._held = 0
+
+    def add(self, owner: int, values: Sequence[float] | np.ndarray) -> None:
+        """A column of the speed `owner`; it is copied, since it may be a buffer used again."""
+        for begin in range(0, len(values), BATCH):
+            part = np.array(values[begin : begin + BATCH], dtype=float)
+            self._owners.append(owner)
+            self._parts.append(part)
+            self._held += len(part)
+            if self._held >= BATCH:
+                self.flush()
+
+    def flush(self) -> None:
+        """Hand on what is held; call it at the end."""
+        if not self._parts:
+            return
+        values = np.concatenate(self._parts)
+        owner = np.repeat(self._owners, [len(part) for part in self._parts])
+        self._owners, self._parts, self._held = [], [], 0
+        finite = np.isfinite(values)
+        if finite.any():
+            self._take(owner[finite], values[finite])
+
+
+def take_all(columns: Iterable[Sequence[float] | np.ndarray], take: Take) -> None:
+    """Hand on one column of values per speed."""
+    batches = Batches(take)
+    for owner, values in enumerate(columns):
+        batches.add(owner, values)
+    batches.flush()
 
 
 @dataclass(frozen=True)
@@ -39,7 +82,7 @@ class Cloud:
     def of(cls, columns: Sequence) -> Cloud:
         """From one column of values per speed (lists or arrays)."""
         cloud = cls.empty(len(columns))
-        add_all(columns, cloud.take)
+        take_all(columns, cloud.take)
         return cloud
 
     def take(self, owner: np.ndarray, values: np.ndarray) -> None:
@@ -63,10 +106,10 @@ class Cloud:
 
 @dataclass(frozen=True)
 class Columns:
-    """Which pixel column shows which speed, over the range low..high of rpm.
+    """Which pixel column shows which speed, over the range low..high of the axis.
 
-    Up to one speed per pixel, a speed fills its columns (WIDEST at most); beyond, the speeds of a
-    pixel are counted together. `bin_of_speed` and `bin_of_column` meet in the bins; -1 is blank.
+    Up to one speed per pixel, a speed fills its columns (`widest` at most); beyond, the speeds of
+    a pixel are counted together. `bin_of_speed` and `bin_of_column` meet in the bins; -1 is blank.
     """
 
     low: float
@@ -75,42 +118,43 @@ class Columns:
     bin_of_speed: np.ndarray
     bin_of_column: np.ndarray
 
-    @property
-    def width(self) -> int:
-        """Of the picture, in pixels."""
-        return len(self.bin_of_column)
-
     @classmethod
-    def of(cls, rpms: Sequence[float], width: int) -> Columns:
-        """From speeds in any order and the width of the picture in pixels."""
-        every = np.asarray(rpms, dtype=float)
+    def of(
+        cls,
+        speeds: Sequence[float] | np.ndarray,
+        width: int,
+        widest: float = WIDEST,
+        ends: tuple[float, float] | None = None,
+    ) -> Columns:
+        """From speeds in any order, the width of the picture in pixels, the ends of its axis."""
+        every = np.asarray(speeds, dtype=float)
         order = np.argsort(every, kind="stable")
-        speeds = every[order]
-        low, high = _outer(speeds)
-        place = (speeds - low) / (high - low) * width
+        rising = every[order]
+        low, high = ends or _ends(rising)
+        place = (rising - low) / (high - low) * width
         pixels = np.arange(width)
-        bins = np.empty(len(speeds), dtype=int)
-        if len(speeds) > width:
+        bins = np.empty(len(rising), dtype=int)
+        if len(rising) > width:
             bins[order] = np.minimum(place.astype(int), width - 1)
             return cls(low, high, width, bins, pixels)
-        bins[order] = np.arange(len(speeds))
+        bins[order] = np.arange(len(rising))
         nearest = np.searchsorted((place[1:] + place[:-1]) / 2.0, pixels + 0.5)
-        far = np.abs(pixels + 0.5 - place[nearest]) > WIDEST / 2.0
-        return cls(low, high, len(speeds), bins, np.where(far, -1, nearest))
+        far = np.abs(pixels + 0.5 - place[nearest]) > widest / 2.0
+        return cls(low, high, len(rising), bins, np.where(far, -1, nearest))
 
     def totals(self, cloud: Cloud) -> np.ndarray:
         """Values in every bin."""
         return np.bincount(self.bin_of_speed, weights=cloud.count, minlength=self.bins)
 
 
-def _outer(speeds: np.ndarray) -> tuple[float, float]:
-    """Ends of the rpm axis: half a step beyond the speeds, less where they are few."""
-    low, high = float(speeds[0]), float(speeds[-1])
+def _ends(rising: np.ndarray) -> tuple[float, float]:
+    """Ends of the axis: half a step beyond the speeds, less where they are few."""
+    low, high = float(rising[0]), float(rising[-1])
     if high <= low:
-        pad = max(abs(low) * 0.01, 1e-6)
+        room = max(abs(low) * 0.01, 1e-6)
     else:
-        pad = (high - low) * min(0.5 / (len(speeds) - 1), 0.02)
-    return low - pad, high + pad
+        room = (high - low) * min(0.5 / (len(rising) - 1), 0.02)
+    return low - room, high + room
 
 
 class Pixels:
@@ -125,10 +169,8 @@ class Pixels:
         scale = self.height / (self.high - self.low)
         row = np.floor((values - self.low) * scale).astype(np.int64)
         row[values == self.high] = self.height - 1
-        cell = self.columns.bin_of_speed[owner] * self.height + row
         seen = (row >= 0) & (row < self.height)
-        if not seen.all():
-            cell = cell[seen]
+        cell = (self.columns.bin_of_speed[owner] * self.height + row)[seen]
         if len(cell):
             first = cell.min()  # a batch is of few bins where the speeds are in order
             counts = np.bincount(cell - first)
@@ -145,69 +187,27 @@ class Pixels:
         for k in range(1, THICKNESS):
             thick[:, :-k] = np.maximum(thick[:, :-k], cells[:, k:])
         wide = self.columns.bin_of_column
-        picture = np.where(wide < 0, 0.0, thick[wide].T)
-        return np.ma.masked_equal(picture, 0.0)
+        return np.ma.masked_equal(np.where(wide < 0, 0.0, thick[wide].T), 0.0)
 
 
-def shares(
-    values: Sequence, cloud: Cloud, columns: Columns, low: float, high: float, height: int
-) -> np.ndarray:
-    """Picture of one column of values per speed, whose `cloud` is known; see Pixels.shares."""
-    pixels = Pixels(columns, low, high, height)
-    add_all(values, pixels.take)
-    return pixels.shares(cloud)
+def shading(clouds: Sequence[Cloud], columns: Columns) -> LogNorm:
+    """From the share that a single point has in the fullest column to FULLEST."""
+    most = max([1, *(int(columns.totals(cloud).max(initial=0)) for cloud in clouds)])
+    return LogNorm(min(1.0 / most, 0.1 * FULLEST), FULLEST, clip=True)
 
 
-def one_point(clouds: Sequence[Cloud], columns: Columns) -> float:
-    """The share that a single point has in the column with most of them."""
-    return 1.0 / max([1, *(int(columns.totals(cloud).max(initial=0)) for cloud in clouds)])
-
-
-def padded(values: np.ndarray, constant: float) -> tuple[float, float]:
-    """Range of the values with a margin; `constant` on either side where they do not vary."""
-    if not len(values):
-        return 0.0, 1.0
-    low, high = float(values.min()), float(values.max())
-    if high - low <= 1e-6 * max(abs(low), abs(high)):
-        return low - constant, high + constant
-    return low - 0.04 * (high - low), high + 0.04 * (high - low)
-
-
-def phase_range(cloud: Cloud) -> tuple[float, float]:
-    """Phases to show, degrees: those of the impacts where they are close, else the whole turn."""
-    values = cloud.extremes()
-    if not len(values):
-        return 0.0, TURN_DEG
-    low, high = padded(values, 5.0)
-    if high - low > NARROW_DEG:
-        return 0.0, TURN_DEG
-    return max(low, 0.0), min(high, TURN_DEG)
-
-
-def enlarged_range(cloud: Cloud) -> tuple[float, float] | None:
-    """Phases that deserve an enlarged panel: many speeds impact there and nowhere else."""
-    if phase_range(cloud) != (0.0, TURN_DEG):
-        return None
-    low, high = cloud.ends()
-    narrow = high - low <= NARROW_DEG / 2.0
-    if not len(low) or narrow.mean() < ENLARGED_SHARE:
-        return None
-    low, high = padded(np.concatenate([low[narrow], high[narrow]]), 5.0)
-    return (max(low, 0.0), min(high, TURN_DEG)) if high - low <= NARROW_DEG else None
-
-
-def lift_curves(cam: Cam, count: int) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Phases in degrees, and there c and its first derivatives by theta; nan between stretches."""
-    pieces = np.asarray(cam.pieces, dtype=float).reshape(-1, PIECE)
-    theta, orders = [], [[] for _ in range(count)]
-    columns = [column(cam, name) for name in ("START", "END", "FIRST", "COUNT")]
-    for start, end, first, number in zip(*columns, strict=True):
-        x = np.linspace(start, end, 2 + int((end - start) * 200))
-        k = ((x - start) / (end - start) * number).astype(int)
-        piece = pieces[int(first) + np.minimum(k, int(number) - 1)]
-        powers = (x - piece[:, 0])[:, None] ** np.arange(TERMS)
-        theta += [np.degrees(x), [np.nan]]
-        for order, rows in enumerate(orders):
-            terms = piece[:, 1 + order * TERMS : 1 + (order + 1) * TERMS]
-            rows += [(terms * powers).sum(axis=1), [np.nan]]
-    return np.concatenate(theta), [np.concatenate(rows) for rows in orders]
+def draw_shares(
+    axes: Axes, pixels: Pixels, cloud: Cloud, shades: Colormap, norm: LogNorm
+) -> AxesImage:
+    """The points as one image on the pixels of the panel, which has the size of the picture."""
+    extent = (pixels.columns.low, pixels.columns.high, pixels.low, pixels.high)
+    return axes.imshow(
+        pixels.shares(cloud),
+        extent=extent,
+        origin="lower",
+        aspect="auto",
+        interpolation="none",
+        cmap=shades,
+        norm=norm,
+        zorder=2,
+    )

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from camcli.analysis.orbits.locate import LOST, OK
 from camcli.analysis.orbits.study import Branch
 from camcli.plots import style
+from camcli.plots.axes import spread
 from camcli.plots.orbit_lines import DASHES, Event, Strand, mark
 
 LONGEST, WORDS = 24, 33  # rows of a list, characters of a branch in it
@@ -107,7 +108,7 @@ def number_events(axes: Axes, events: Sequence[Event], wide: int, tall: int) -> 
     low, high = axes.get_xlim()
     seen = [event for event in events if low <= event.value <= high and event.number <= LONGEST]
     gap = (40.0 if len(events) > 9 else 30.0) * (high - low) / wide
-    places = style.spread([event.value for event in seen], gap, low, high)
+    places = spread([event.value for event in seen], gap, low, high)
     at = {"transform": axes.get_xaxis_transform(), "clip_on": False}
     for event, place in zip(seen, places, strict=True):
         ends = [1.0, 1.0 + 8.0 / tall, 1.0 + 24.0 / tall]

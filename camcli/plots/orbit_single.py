@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import OrbitsResult
 from camcli.plots import style
-from camcli.plots.density import lift_curves, padded
+from camcli.plots.axes import lift_curves, padded, spread
 from camcli.plots.multipliers import draw_plane
 from camcli.plots.orbit_lines import colours, phases, radius
 from camcli.plots.orbit_zoom import pair
@@ -132,7 +132,7 @@ def _height(theta: np.ndarray, values: np.ndarray, phase: float) -> float:
 
 def _corner_lines(axes: Axes, system: System, named: bool) -> None:
     corners = style.corner_names(system.corners_deg)
-    places = style.spread(list(corners.values()), 0.018 * 360.0, 0.0, 360.0)
+    places = spread(list(corners.values()), 0.018 * 360.0, 0.0, 360.0)
     for (name, phase), place in zip(corners.items(), places, strict=True):
         dots = {"linewidth": 0.6, "linestyle": (0, (1, 2)), "zorder": 0.5}
         axes.axvline(phase, color=style.GUIDE, **dots)

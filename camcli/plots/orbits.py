@@ -15,7 +15,7 @@ from matplotlib.ticker import MultipleLocator
 from camcli.analysis.orbits.locate import LOST
 from camcli.analysis.orbits.study import Branch, OrbitsResult
 from camcli.plots import style
-from camcli.plots.density import Cloud, padded, phase_range
+from camcli.plots.axes import padded, phase_range, spread
 from camcli.plots.multipliers import draw_paths, draw_plane, draw_real
 from camcli.plots.orbit_keys import (
     UNITS,
@@ -163,7 +163,7 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
     """Phases of the impacts, or of the departures of an orbit that rests."""
     lines = scene.lines(partial(strands, of=phases, turn=360.0))
     every = [x for branch in scene.branches for orbit in branch.points for x in phases(orbit)]
-    low, high = phase_range(Cloud.of([every]))
+    low, high = phase_range(np.array(every))
     axes.set_ylim(low, high)
     if not every:
         style.note(axes, "the follower never leaves the cam")
@@ -205,7 +205,7 @@ def _corner_lines(axes: Axes, corners: dict[str, float]) -> None:
     """The cam's corners as lines named at the right edge."""
     low, high = axes.get_ylim()
     seen = {name: phase for name, phase in corners.items() if low <= phase <= high}
-    places = style.spread(list(seen.values()), 24.0 * (high - low) / PHASE, low, high)
+    places = spread(list(seen.values()), 24.0 * (high - low) / PHASE, low, high)
     for (name, phase), place in zip(seen.items(), places, strict=True):
         axes.axhline(phase, color=style.GUIDE, linewidth=0.5, zorder=1)
         at = {"transform": axes.get_yaxis_transform(), "va": "center_baseline", "ha": "left"}

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from math import ceil, floor
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,72 +13,162 @@ from matplotlib.figure import Figure
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
 from camcli.errors import OK, STATUSES
 from camcli.plots import style
-from camcli.plots.trace import Trace
+from camcli.plots.axes import TURN_DEG, corners_across, legend, mark
 
 LEFT, RIGHT = 125, 25  # px, margins of the panels
 HALF = 570  # px, width of the lower left panel
 HEIGHT = 1245
 STEPS = (30, 60, 90, 180)  # degrees between ticks; beyond, whole turns
-MARKS = {  # event: colour, marker, size, name
-    "impact": (style.IMPACT, "o", 2.0, "impact"),
-    "chatter": (style.CHATTER, "^", 5.5, "chatter accumulates"),
-    "detachment": (style.DETACHMENT, "D", 4.5, "detachment"),
-}
+TICK = 62  # px, from one tick to the next at least
+NAMED_TURNS = 4.5  # turns up to which corners are drawn
+NAMES = {"chatter": "chatter accumulates"}  # of events, where it is another than their kind
+
+BLINK = 1e-9  # turns: closer is the same time
+FINER = 8  # points from one row to the next
+MOST_POINTS = 400_000
+
+
+@dataclass(frozen=True)
+class Trace:
+    """The last turns over the cam angle (deg, from turn to turn), smooth between the samples.
+
+    `cam`, `gap` (m) and `u` (m/s) are by point; `sticks` holds from a point to the next. `events`
+    has (angle, q) of every kind, `jumps` (u_minus, u_plus) of the impacts; `origin` is the angle
+    at time 0.
+    """
+
+    low: float
+    high: float
+    origin: float
+    angle: np.ndarray
+    cam: np.ndarray
+    gap: np.ndarray
+    u: np.ndarray
+    sticks: np.ndarray
+    events: dict[str, np.ndarray]
+    jumps: np.ndarray
+
+    @classmethod
+    def of(cls, simulation: Simulation, turns: int) -> Trace | None:
+        """The last turns of a simulation; None where it has no trajectory."""
+        rows = simulation.trajectory
+        if not rows:
+            return None
+        per_second = simulation.rpm / 60.0
+        first = floor(rows[0][0] * per_second + BLINK)
+        last = max(ceil(rows[-1][0] * per_second - BLINK), first + 1)
+        first = max(last - turns, first)
+        begin = (first - BLINK) / per_second
+        degrees = TURN_DEG * per_second
+        origin = round(rows[0][1] - degrees * rows[0][0], 9) % TURN_DEG
+        kept = [row for row in rows if row[0] >= begin]
+        t, _, q, v, c, c_dot = np.array([row[:6] for row in kept], dtype=float).T
+        parts = max(2, min(FINER, MOST_POINTS // len(kept)))
+        gap, u = _finer(t, q - c, v - c_dot, parts)
+        sticks = [row[6] == STICKING for row in kept]
+        events: dict[str, list[tuple[float, float]]] = {}
+        for row in simulation.events:
+            if row[0] >= begin:
+                events.setdefault(row[3], []).append((row[0] * degrees + origin, row[4]))
+        jumps = [row[5:7] for row in simulation.events if row[0] >= begin and row[3] == "impact"]
+        return cls(
+            low=TURN_DEG * first + origin,
+            high=TURN_DEG * last + origin,
+            origin=origin,
+            angle=degrees * _finer(t, t, np.ones_like(t), parts)[0] + origin,
+            cam=_finer(t, c, c_dot, parts)[0],
+            gap=np.maximum(gap, min(0.0, float((q - c).min()))),
+            u=u,
+            sticks=np.append(np.repeat(sticks[:-1], parts), sticks[-1]).astype(bool),
+            events={kind: np.array(points) for kind, points in events.items()},
+            jumps=np.array(jumps).reshape(-1, 2),
+        )
+
+    def during(self, values: np.ndarray, sticking: bool) -> np.ndarray:
+        """Values on the segments of one state of the contact, nan elsewhere."""
+        begins = self.sticks == sticking
+        ends = np.append(False, begins[:-1])
+        return np.where(begins | ends, values, np.nan)
+
+
+def _finer(
+    t: np.ndarray, y: np.ndarray, slope: np.ndarray, parts: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Values and slopes of the cubic through both at the rows, `parts` points per segment.
+
+    Where time stands still (a jump of the slope), the slopes within are nan: a gap in the curve.
+    """
+    x = np.arange(parts) / parts
+    h = np.diff(t)[:, None]
+    rise = np.diff(y)[:, None]
+    start, end = h * slope[:-1, None], h * slope[1:, None]
+    square, cube = 3.0 * rise - 2.0 * start - end, start + end - 2.0 * rise
+    values = y[:-1, None] + x * (start + x * (square + x * cube))
+    slopes = start + x * (2.0 * square + 3.0 * x * cube)
+    slopes = np.divide(slopes, h, out=np.full_like(slopes, np.nan), where=h > 0.0)
+    slopes[:, 0] = slope[:-1]
+    return np.append(values.ravel(), y[-1]), np.append(slopes.ravel(), slope[-1])
 
 
 @style.look()
 def draw_simulation(simulation: Simulation, turns: int) -> Figure:
     """Picture of the last `turns` turns of a simulation."""
-    trace = Trace.of(simulation, turns)
-    figure = style.page(HEIGHT)
-    _heading(figure, simulation)
+    title = f"Time response at {style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
+    status = STATUSES[simulation.status]
+    stopped = f"stopped ({status.name}): {status.cause}" if simulation.status != OK else ""
+    figure = style.page(HEIGHT, title, stopped, style.TROUBLE)
     wide = style.WIDTH - LEFT - RIGHT
-    motion = style.place(figure, LEFT, 205, wide, 440)
-    gap = style.place(figure, LEFT, 755, HALF, 395)
+    motion = style.place(figure, LEFT, 205, wide, 440, ylabel="position (m)")
+    gap = style.place(figure, LEFT, 755, HALF, 395, ylabel="relative position $q - c$ (m)")
     phase = style.place(figure, LEFT + 720, 755, wide - 720, 395)
-    motion.set_ylabel("position (m)")
-    gap.set_ylabel("relative position $q - c$ (m)")
     phase.set_xlabel("relative position $q - c$ (m)")
     phase.set_ylabel(r"relative velocity $v - \dot c$ (m/s)")
+    trace = Trace.of(simulation, turns)
     if trace is None:
         for axes in (motion, gap, phase):
             axes.set(xticks=[], yticks=[])
             style.note(axes, "no trajectory was sampled")
         return figure
+    _angle_axis(motion, trace, wide)
+    _angle_axis(gap, trace, HALF)
     _draw_motion(motion, trace, simulation)
     _draw_gap(gap, trace)
     _draw_phase(phase, trace)
-    _angle_axis(motion, trace, wide)
-    _angle_axis(gap, trace, HALF)
-    _clock(motion, trace, simulation.rpm)
-    _legend(figure, motion)
+    handles, names = motion.get_legend_handles_labels()
+    legend(figure, 84, handles, names, len(names))
     return figure
 
 
-def _heading(figure: Figure, simulation: Simulation) -> None:
-    title = f"Time response at {style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
-    if simulation.status != OK:
-        status = STATUSES[simulation.status]
-        text = f"stopped ({status.name}): {status.cause}"
-        style.write(figure, 20, 50, text, color=style.TROUBLE)
-    style.write(figure, 20, 14, title, size=9, weight="bold")
-
-
 def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
-    """Positions of cam and follower, coloured by the contact, with all events."""
+    """Positions of cam and follower, coloured by the contact, with all events; time above."""
     q = trace.cam + trace.gap
     low, high = float(trace.cam.min()), float(q.max())
     room = 0.06 * (high - low) or 0.06 * abs(high) or 1.0
     axes.set_ylim(low - room, high + 2.0 * room)
     axes.fill_between(trace.angle, low - room, trace.cam, color=style.CAM_BODY, linewidth=0)
     axes.plot(trace.angle, trace.cam, color=style.CAM, linewidth=0.8, label="cam")
-    _contact(axes, trace, q)
+    _draw_contact(axes, trace, q)
     for kind, points in trace.events.items():
-        _mark(axes, kind, points[:, 0], points[:, 1])
-    _corners(axes, trace, simulation.corners_deg)
+        mark(axes, kind, *points.T, label=NAMES.get(kind, kind), zorder=4)
+    if trace.high - trace.low <= NAMED_TURNS * TURN_DEG:
+        corners = []
+        for name, phase in style.corner_names(simulation.corners_deg).items():
+            first = trace.low + (phase - trace.low) % TURN_DEG
+            places = np.arange(first, trace.high, TURN_DEG)
+            corners += [(name if place == first else "", place) for place in places]
+        corners_across(axes, corners, inside=True)
+    degrees_per_second = 6.0 * simulation.rpm
+
+    def seconds(angle: Any) -> Any:
+        return (angle - trace.origin) / degrees_per_second
+
+    def degrees(time: Any) -> Any:
+        return time * degrees_per_second + trace.origin
+
+    axes.secondary_xaxis("top", functions=(seconds, degrees)).set_xlabel("time (s)")
 
 
-def _contact(axes: Axes, trace: Trace, values: np.ndarray) -> None:
+def _draw_contact(axes: Axes, trace: Trace, values: np.ndarray) -> None:
     """Values over the cam angle: flight as a line, sticking as a thick one."""
     if not trace.sticks.all():
         flight = trace.during(values, sticking=False)
@@ -87,42 +178,18 @@ def _contact(axes: Axes, trace: Trace, values: np.ndarray) -> None:
         axes.plot(trace.angle, rest, color=style.STICKING, linewidth=3.0, label=STICKING)
 
 
-def _mark(axes: Axes, kind: str, x: np.ndarray, y: np.ndarray) -> None:
-    colour, marker, size, name = MARKS[kind]
-    edge = {"markeredgewidth": 0.0 if kind == "impact" else 0.5, "markeredgecolor": "white"}
-    look = {"marker": marker, "markersize": size, "color": colour, "linestyle": "", "zorder": 4}
-    axes.plot(x, y, label=name, **look, **edge)
-
-
-def _corners(axes: Axes, trace: Trace, corners_deg: Sequence[float]) -> None:
-    """Corners of the cam as dotted lines, named in the first turn shown."""
-    names = style.corner_names(corners_deg)
-    if trace.high - trace.low > 4.5 * 360.0:
-        return
-    first = {name: trace.low + (phase - trace.low) % 360.0 for name, phase in names.items()}
-    names = sorted(first, key=first.__getitem__)
-    gap = 0.014 * (trace.high - trace.low)
-    places = style.spread([first[name] for name in names], gap, trace.low, trace.high)
-    dots = {"color": style.GUIDE, "linewidth": 0.6, "linestyle": (0, (1, 2)), "zorder": 0.5}
-    for name, place in zip(names, places, strict=True):
-        for angle in np.arange(first[name], trace.high, 360.0):
-            axes.axvline(angle, **dots)
-        text = {"ha": "center", "va": "top", "color": style.CAM}
-        axes.text(place, 0.985, name, transform=axes.get_xaxis_transform(), **text)
-
-
 def _draw_gap(axes: Axes, trace: Trace) -> None:
     """Relative position over the cam angle."""
     axes.axhline(0.0, color=style.CAM, linewidth=0.6)
-    _contact(axes, trace, trace.gap)
+    _draw_contact(axes, trace, trace.gap)
     for kind, points in trace.events.items():
-        _mark(axes, kind, points[:, 0], np.zeros(len(points)))
+        mark(axes, kind, points[:, 0], np.zeros(len(points)), zorder=4)
 
 
 def _draw_phase(axes: Axes, trace: Trace) -> None:
     """Relative phase plane: flights as curves, impacts as jumps at q = c, sticking as a point."""
-    for line in (axes.axvline, axes.axhline):
-        line(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
+    axes.axvline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
+    axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
     flight = trace.during(trace.gap, sticking=False), trace.during(trace.u, sticking=False)
     axes.plot(*flight, color=style.FLIGHT)
     ends = np.column_stack([trace.jumps, np.full(len(trace.jumps), np.nan)]).ravel()
@@ -135,9 +202,8 @@ def _angle_axis(axes: Axes, trace: Trace, width: int) -> None:
     """Ticks in degrees within the turn, or in turns where there are many; a line per turn."""
     axes.set_xlim(trace.low, trace.high)
     span = trace.high - trace.low
-    step = next((step for step in STEPS if span / step * 62 <= width), None)
-    if step is None:
-        step = 360 * ceil(span / 360.0 * 62 / width)
+    step = next((step for step in STEPS if span / step * TICK <= width), None)
+    step = step or 360 * ceil(span / TURN_DEG * TICK / width)
     ticks = step * np.arange(ceil(trace.low / step - 1e-9), floor(trace.high / step + 1e-9) + 1)
     if step < 360:
         axes.set_xticks(ticks, [f"{tick % 360:d}" for tick in ticks])
@@ -147,30 +213,3 @@ def _angle_axis(axes: Axes, trace: Trace, width: int) -> None:
         axes.set_xlabel("cam angle (turns)")
     for tick in ticks[ticks % 360 == 0]:
         axes.axvline(tick, color=style.GUIDE, linewidth=0.5, zorder=0.5)
-
-
-def _clock(axes: Axes, trace: Trace, rpm: float) -> None:
-    """A second axis above: time."""
-    clock = axes.secondary_xaxis(
-        "top",
-        functions=(
-            lambda angle: (angle - trace.origin) / (6.0 * rpm),
-            lambda time: time * (6.0 * rpm) + trace.origin,
-        ),
-    )
-    clock.set_xlabel("time (s)")
-
-
-def _legend(figure: Figure, motion: Axes) -> None:
-    handles, names = motion.get_legend_handles_labels()
-    above = (20 / style.WIDTH, 1.0 - 84 / HEIGHT)
-    tight = {"borderaxespad": 0.0, "columnspacing": 1.5, "handletextpad": 0.5, "handlelength": 1.6}
-    figure.legend(
-        handles,
-        names,
-        loc="upper left",
-        bbox_to_anchor=above,
-        ncol=len(names),
-        borderpad=0.0,
-        **tight,
-    )

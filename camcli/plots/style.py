@@ -1,6 +1,7 @@
-"""One look for every picture: colours by meaning, sizes for print, bytes without a date.
+"""One look for every picture: colours by meaning, sizes for print, places on the page.
 
-Positions are pixels from the top left corner, so images land on the pixel grid of the PNG.
+Places are pixels of the PNG from the top left corner, not left to a layout engine: the images of
+densities must land on the pixel grid, and lists are laid out by the width of their words.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from string import ascii_lowercase
 from threading import RLock
+from typing import Any
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -20,6 +22,7 @@ from matplotlib.figure import Figure
 DPI = 200
 WIDTH = 1340  # px: 170 mm, the text width of an A4 page
 LINE = 30  # px from one line of text to the next
+MOST_CORNERS = len(ascii_lowercase)  # a cam with more is drawn without them
 
 # Okabe and Ito's colours, told apart by colour-blind readers, one meaning each in every picture.
 FLIGHT = "#0072B2"  # the follower, free
@@ -103,24 +106,34 @@ class Page(Figure):
             super().draw(renderer)
 
 
-def page(height: int) -> Figure:
-    """An empty figure of our width; its canvas measures texts in pixels of the PNG."""
+def page(height: int, title: str = "", below: str = "", colour: str = "black") -> Figure:
+    """An empty figure of our width and its heading; its canvas measures texts in PNG pixels."""
     figure = Page(figsize=(WIDTH / DPI, height / DPI), dpi=DPI)
     FigureCanvasAgg(figure)
+    if title:
+        write(figure, 20, 14, title, size=9, weight="bold")
+    if below:
+        write(figure, 20, 52, below, linespacing=1.25 if "\n" in below else 1.2, color=colour)
     return figure
 
 
-def place(figure: Figure, left: float, top: float, width: float, height: float, **more) -> Axes:
+def share(figure: Figure, left: float, top: float) -> tuple[float, float]:
+    """A place in pixels from the top left corner as shares from the lower left one."""
+    wide, high = figure.get_size_inches() * DPI
+    return left / wide, 1.0 - top / high
+
+
+def place(
+    figure: Figure, left: float, top: float, width: float, height: float, **more: Any
+) -> Axes:
     """Axes in pixels from the top left corner of the figure."""
-    whole = round(figure.get_figheight() * DPI)
-    box = (left / WIDTH, (whole - top - height) / whole, width / WIDTH, height / whole)
-    return figure.add_axes(box, **more)
+    (x, y), (right, above) = share(figure, left, top + height), share(figure, left + width, top)
+    return figure.add_axes((x, y, right - x, above - y), **more)
 
 
-def write(figure: Figure, left: float, top: float, text: str, **more) -> None:
+def write(figure: Figure, left: float, top: float, text: str, **more: Any) -> None:
     """Text whose top left corner is at a pixel."""
-    whole = round(figure.get_figheight() * DPI)
-    figure.text(left / WIDTH, 1.0 - top / whole, text, va="top", **more)
+    figure.text(*share(figure, left, top), text, va="top", **more)
 
 
 def note(axes: Axes, text: str) -> None:
@@ -164,25 +177,6 @@ def motion(label: str, longest: int = 32) -> str:
 
 def corner_names(corners_deg: Sequence[float]) -> dict[str, float]:
     """Corners as a, b, c, ... by phase; none where a cam has more than there are letters."""
-    if len(corners_deg) > len(ascii_lowercase):
+    if len(corners_deg) > MOST_CORNERS:
         return {}
     return dict(zip(ascii_lowercase, sorted(corners_deg), strict=False))
-
-
-def spread(values: Sequence[float], gap: float, low: float, high: float) -> list[float]:
-    """Ascending positions moved apart to at least `gap`, each group centred, within the range."""
-    groups: list[list[float]] = []
-    for value in values:
-        groups.append([value])
-        while len(groups) > 1 and _first(groups[-1], gap) - _last(groups[-2], gap) < gap:
-            groups[-2:] = [groups[-2] + groups[-1]]
-    places = [_first(group, gap) + k * gap for group in groups for k in range(len(group))]
-    return [min(max(place, low), high) for place in places]
-
-
-def _first(group: list[float], gap: float) -> float:
-    return sum(group) / len(group) - gap * (len(group) - 1) / 2.0
-
-
-def _last(group: list[float], gap: float) -> float:
-    return sum(group) / len(group) + gap * (len(group) - 1) / 2.0

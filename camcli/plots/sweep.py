@@ -3,40 +3,34 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import degrees
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.integrate import Settings
-from camcli.analysis.sweep import FIXED, Sweep
+from camcli.analysis.sweep import FIXED, Speed, Sweep, status_name
+from camcli.errors import OK
 from camcli.plots import style
-from camcli.plots.density import (
+from camcli.plots.axes import (
+    NARROW_DEG,
     TURN_DEG,
-    Cloud,
-    Columns,
-    Pixels,
-    enlarged_range,
+    at_strobe,
+    corners_upwards,
     lift_curves,
-    one_point,
-    padded,
-    phase_range,
-)
-from camcli.plots.event_keys import (
-    draw_lines,
-    draw_list,
-    draw_numbers,
-    list_height,
-    numbered,
     numbers_height,
+    padded,
+    phase_axis,
+    phase_range,
+    trouble_ticks,
 )
-from camcli.plots.survey import Survey, count
+from camcli.plots.density import Batches, Cloud, Columns, Pixels, Take, draw_shares, shading
+from camcli.plots.event_list import Numbered, draw_events, draw_list, list_height, numbered
 from camcli.system import System
 
 if TYPE_CHECKING:
@@ -47,11 +41,59 @@ CAM, CAM_GAP = 72, 18  # px, width of the three curves of the cam beside them
 GAP, BOTTOM = 36, 90  # px, between panels and below the last
 LIST_GAP = 14  # px above a list of events
 SMALL = 0.02  # m: a cam that is smaller throughout is drawn in mm
-SPACED = {"linespacing": 1.0, "fontsize": 7}
 KEY = 140  # px, height of the scales above the panels; half is enough without the cam
 CHARS = 108  # in a line of the subtitle
-FULLEST = 0.1  # share of a column's points per pixel from which it is darkest
+ENLARGED_SHARE = 0.4  # of the speeds, for a panel of their own
 CURVES = (("$c$", "m"), (r"$c_\theta$", "m/rad"), (r"$c_{\theta\theta}$", "m/rad²"))
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Speeds in their own order, what their points come to; None for what was not recorded."""
+
+    rpm: np.ndarray
+    status: np.ndarray
+    impacts: Cloud | None
+    strobe: Cloud | None
+
+    @classmethod
+    def of(cls, speeds: Sequence[Speed]) -> Survey:
+        """Pass over all speeds once."""
+        clouds = Cloud.empty(len(speeds)), Cloud.empty(len(speeds))
+        kinds = [("rpm", "f8"), ("status", "i8"), ("impacts", "?"), ("strobe", "?")]
+        rows = np.fromiter(_read(speeds, clouds[0].take, clouds[1].take), kinds)
+        impacts, strobe = (
+            cloud if rows[name].any() else None
+            for cloud, name in zip(clouds, ("impacts", "strobe"), strict=True)
+        )
+        return cls(rows["rpm"], rows["status"], impacts, strobe)
+
+    @property
+    def troubled(self) -> np.ndarray:
+        """Speeds (rpm) whose status is not ok, ascending."""
+        return np.sort(self.rpm[self.status != OK])
+
+    def troubles(self) -> Counter[str]:
+        """How many speeds have each status that is not ok."""
+        return Counter(status_name(code) for code in self.status[self.status != OK].tolist())
+
+
+def _read(
+    speeds: Sequence[Speed], impacts: Take, strobe: Take
+) -> Iterator[tuple[float, int, bool, bool]]:
+    """One pass over speeds that may come from a disk: rpm, status and what was recorded of each.
+
+    `impacts` gets the phases of all in batches, and `strobe` the positions.
+    """
+    phases, positions = Batches(impacts), Batches(strobe)
+    for owner, speed in enumerate(speeds):
+        if speed.impacts is not None:
+            phases.add(owner, speed.impacts[1])
+        if speed.strobe is not None:
+            positions.add(owner, speed.strobe[1])
+        yield speed.rpm, speed.status, speed.impacts is not None, speed.strobe is not None
+    phases.flush()
+    positions.flush()
 
 
 @dataclass(frozen=True)
@@ -72,29 +114,27 @@ def draw_sweep(
 ) -> Figure:
     """Picture of a sweep; `settings` tell how its orbits were started.
 
-    `events` are listed below the title and numbered above the panels.
+    `events` are listed below the title and numbered above the panels. The speeds are read twice,
+    and no more than a batch of their points is held.
     """
     found = numbered(events)
     survey = Survey.of(sweep.speeds)
     panels = _panels(survey)
-    lines = textwrap.wrap(
-        _subtitle(survey, _started(sweep, settings)), CHARS, break_on_hyphens=False
-    )
+    subtitle = _subtitle(survey, _started(sweep, settings))
+    lines = textwrap.wrap(subtitle, CHARS, break_on_hyphens=False)
     head = 54 + style.LINE * len(lines) + (LIST_GAP if found else 0)
-    top = head + list_height(found) + numbers_height(found)
+    top = head + list_height(found) + numbers_height(len(found))
     top += KEY if panels and panels[0].phases else KEY // 2
     heights = [panel.height for panel in panels] or [200]
     height = top + sum(heights) + GAP * (len(heights) - 1) + BOTTOM
-    figure = style.page(height)
-    style.write(figure, 20, 14, _title(survey), size=9, weight="bold")
-    style.write(figure, 20, 54, "\n".join(lines), linespacing=1.25)
+    figure = style.page(height, _title(survey), "\n".join(lines))
     draw_list(figure, head, found)
-    if not panels:
+    if panels:
+        _draw_panels(figure, panels, sweep, survey, system, top, found)
+    else:
         wide = style.WIDTH - LEFT - RIGHT
         empty = style.place(figure, LEFT, top, wide, heights[0], xticks=[], yticks=[])
         style.note(empty, "nothing was recorded")
-        return figure
-    _draw_panels(figure, panels, sweep, survey, system, top, found)
     return figure
 
 
@@ -129,7 +169,7 @@ def _subtitle(survey: Survey, started: str) -> str:
     if troubles:
         kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
         parts.append(f"{troubles.total()} not ok, marked at the bottom edge ({kinds})")
-    return "; ".join(part for part in parts if part)
+    return "; ".join(parts)
 
 
 def _panels(survey: Survey) -> list[_Panel]:
@@ -138,7 +178,7 @@ def _panels(survey: Survey) -> list[_Panel]:
     if (cloud := survey.impacts) is not None:
         enlarged = enlarged_range(cloud)
         height = 640 if enlarged is None else 430
-        panels.append(_Panel(cloud, *phase_range(cloud), height, True, enlarged))
+        panels.append(_Panel(cloud, *phase_range(cloud.extremes()), height, True, enlarged))
         if enlarged is not None:
             panels.append(_Panel(cloud, *enlarged, 520, True))
     if (cloud := survey.strobe) is not None:
@@ -147,91 +187,86 @@ def _panels(survey: Survey) -> list[_Panel]:
     return panels
 
 
-def _count(panels: Sequence[_Panel], columns: Columns, sweep: Sweep) -> list[np.ndarray]:
-    """The picture of every panel, by one pass over the speeds."""
+def enlarged_range(cloud: Cloud) -> tuple[float, float] | None:
+    """Phases that deserve an enlarged panel: many speeds impact there and nowhere else."""
+    if phase_range(cloud.extremes()) != (0.0, TURN_DEG):
+        return None
+    low, high = cloud.ends()
+    narrow = high - low <= NARROW_DEG / 2.0
+    if not len(low) or narrow.mean() < ENLARGED_SHARE:
+        return None
+    first, last = padded(np.concatenate([low[narrow], high[narrow]]), 5.0)
+    return (max(first, 0.0), min(last, TURN_DEG)) if last - first <= NARROW_DEG else None
+
+
+def _count(panels: Sequence[_Panel], columns: Columns, sweep: Sweep) -> list[Pixels]:
+    """The points of every panel, by one pass over the speeds."""
     pixels = [Pixels(columns, panel.low, panel.high, panel.height) for panel in panels]
-    count(sweep.speeds, [(one, panel.phases) for one, panel in zip(pixels, panels, strict=True)])
-    return [one.shares(panel.cloud) for one, panel in zip(pixels, panels, strict=True)]
+
+    def take(phases: bool) -> Take:
+        mine = [one for one, panel in zip(pixels, panels, strict=True) if panel.phases == phases]
+
+        def count(owner: np.ndarray, values: np.ndarray) -> None:
+            for one in mine:
+                one.take(owner, values)
+
+        return count
+
+    for _ in _read(sweep.speeds, take(True), take(False)):
+        pass
+    return pixels
 
 
 def _draw_panels(
-    figure: Figure, panels, sweep: Sweep, survey: Survey, system: System, top: int, events
+    figure: Figure,
+    panels: Sequence[_Panel],
+    sweep: Sweep,
+    survey: Survey,
+    system: System,
+    top: int,
+    events: Sequence[Numbered],
 ) -> None:
     left = LEFT + (len(CURVES) * (CAM + CAM_GAP) + CAM_GAP if panels[0].phases else 0)
-    columns = Columns.of(survey.rpm, style.WIDTH - left - RIGHT)
-    faintest = one_point([panel.cloud for panel in panels], columns)
-    norm = LogNorm(min(faintest, 0.1 * FULLEST), FULLEST, clip=True)
-    image, above = None, top
-    pictures = _count(panels, columns, sweep)
-    for n, (panel, picture) in enumerate(zip(panels, pictures, strict=True)):
-        axes = style.place(figure, left, top, columns.width, panel.height)
-        image = _draw_cloud(axes, panel, picture, columns, norm) or image
+    wide = style.WIDTH - left - RIGHT
+    columns = Columns.of(survey.rpm, wide)
+    norm = shading([panel.cloud for panel in panels], columns)
+    corners = list(style.corner_names(system.corners_deg).items())
+    image, key = None, top - 60 - numbers_height(len(events))
+    for panel, pixels in zip(panels, _count(panels, columns, sweep), strict=True):
+        first = panel is panels[0]
+        axes = style.place(figure, left, top, wide, panel.height)
         axes.set(xlim=(columns.low, columns.high), ylim=(panel.low, panel.high))
         axes.tick_params(labelbottom=panel is panels[-1])
-        draw_lines(axes, events)
-        if n == 0:
-            draw_numbers(axes, events, columns.width, panel.height)
-        _draw_troubles(axes, survey.troubled)
+        if panel.cloud.count.any():
+            image = draw_shares(axes, pixels, panel.cloud, style.DENSITY, norm)
+        else:
+            what = "no impact" if panel.phases else "no whole turn recorded"
+            style.note(axes, f"{what} at any of these speeds")
+        if panel.enlarged is not None:
+            axes.axhspan(*panel.enlarged, color=style.BAND, linewidth=0, zorder=0)
+        draw_events(axes, events, numbers=first)
+        trouble_ticks(axes, survey.troubled)
         if panel.phases:
             axes.tick_params(left=False, labelleft=False)
-            _draw_corners(axes, panel, system)
-            _draw_cam(figure, panel, system, top, n == 0)
+            corners_upwards(axes, corners)
+            _draw_cam(figure, panel, system, corners, top, first)
         else:
-            phase = style.number(round(degrees(system.strobe), 9))
-            axes.set_ylabel(rf"stroboscopic $q$ (m), $\theta$ = {phase} deg")
+            axes.set_ylabel(f"stroboscopic $q$ (m), {at_strobe(system)}")
+        if panel is panels[-1]:
+            axes.set_xlabel("cam speed (rpm)")
         top += panel.height + GAP
-    axes.set_xlabel("cam speed (rpm)")
     if image is not None:
-        _draw_key(figure, image, above - 60 - numbers_height(events))
+        _draw_key(figure, image, key)
 
 
-def _draw_cloud(axes: Axes, panel: _Panel, picture, columns: Columns, norm: LogNorm):
-    """The points as one image on the pixels of the panel; words where there are none."""
-    if not panel.cloud.count.any():
-        what = "no impact" if panel.phases else "no whole turn recorded"
-        style.note(axes, f"{what} at any of these speeds")
-        return None
-    if panel.enlarged is not None:
-        axes.axhspan(*panel.enlarged, color=style.BAND, linewidth=0, zorder=0)
-    return axes.imshow(
-        picture,
-        extent=(columns.low, columns.high, panel.low, panel.high),
-        origin="lower",
-        aspect="auto",
-        interpolation="none",
-        cmap=style.DENSITY,
-        norm=norm,
-        zorder=2,
-    )
-
-
-def _draw_troubles(axes: Axes, rpms: np.ndarray) -> None:
-    """A red tick below every speed whose status is not ok."""
-    ticks = {"marker": "|", "markersize": 7, "markeredgewidth": 0.9, "linestyle": ""}
-    bottom = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
-    axes.plot(rpms, np.zeros(len(rpms)), color=style.TROUBLE, **ticks, **bottom)
-
-
-def _corner_lines(axes: Axes, panel: _Panel, system: System) -> dict[str, float]:
-    """A thin line at every corner of the cam in the panel; returns those by name."""
-    names = style.corner_names(system.corners_deg)
-    seen = {name: phase for name, phase in names.items() if panel.low <= phase <= panel.high}
-    for phase in seen.values():
-        axes.axhline(phase, color=style.GUIDE, linewidth=0.5, zorder=1)
-    return seen
-
-
-def _draw_corners(axes: Axes, panel: _Panel, system: System) -> None:
-    """The corners' lines, named at the right edge."""
-    seen = _corner_lines(axes, panel, system)
-    gap = 24.0 * (panel.high - panel.low) / panel.height
-    places = style.spread(list(seen.values()), gap, panel.low, panel.high)
-    for name, place in zip(seen, places, strict=True):
-        at = {"transform": axes.get_yaxis_transform(), "va": "center_baseline", "ha": "left"}
-        axes.text(1.012, place, name, color=style.CAM, **at)
-
-
-def _draw_cam(figure: Figure, panel: _Panel, system: System, top: int, first: bool) -> None:
+def _draw_cam(
+    figure: Figure,
+    panel: _Panel,
+    system: System,
+    corners: Sequence[tuple[str, float]],
+    top: int,
+    first: bool,
+) -> None:
     """The cam's lift and its derivatives beside a panel, over the same phases."""
     theta, orders = lift_curves(system.cam, len(CURVES))
     milli = bool(np.nanmax(np.abs(orders)) < SMALL)
@@ -239,23 +274,19 @@ def _draw_cam(figure: Figure, panel: _Panel, system: System, top: int, first: bo
         left = LEFT + k * (CAM + CAM_GAP)
         axes = style.place(figure, left, top, CAM, panel.height)
         axes.plot(orders[k] * (1e3 if milli else 1.0), theta, color=style.CAM, linewidth=0.9)
-        _corner_lines(axes, panel, system)
-        axes.set_ylim(panel.low, panel.high)
-        if (panel.low, panel.high) == (0.0, TURN_DEG):
-            axes.set_yticks(range(0, 361, 60))
+        phase_axis(axes, panel.low, panel.high)
+        corners_upwards(axes, corners, named=False)
         axes.tick_params(left=k == 0, labelleft=k == 0, bottom=False, labelbottom=False)
         if k == 0:
             axes.set_ylabel(r"impact phase $\theta$ (deg)" + ("" if first else ", enlarged"))
         if first:
             axes.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 5, 10], min_n_ticks=2))
             axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90)
-            middle = left + CAM / 2
-            style.write(
-                figure, middle, top - 124, f"{name}\n{'m' * milli}{unit}", ha="center", **SPACED
-            )
+            words, spaced = f"{name}\n{'m' * milli}{unit}", {"linespacing": 1.0, "fontsize": 7}
+            style.write(figure, left + CAM / 2, top - 124, words, ha="center", **spaced)
 
 
-def _draw_key(figure: Figure, image, top: int) -> None:
+def _draw_key(figure: Figure, image: AxesImage, top: int) -> None:
     """What the shades mean, above the right end of the first panel."""
     left = style.WIDTH - RIGHT - 260
     key = style.place(figure, left, top, 260, 14)

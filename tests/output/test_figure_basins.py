@@ -13,8 +13,7 @@ from camcli.analysis.basins.study import study
 from camcli.analysis.basins.window import Window
 from camcli.plots import basins as figure
 from camcli.plots import style
-from camcli.plots.basins import area_colours, draw_basins, percent
-from camcli.plots.basins_range import branch_colours
+from camcli.plots.basins import area_colours, branch_colours, draw_basins, percent
 from tests.conftest import settings
 from tests.output.pictures import png
 

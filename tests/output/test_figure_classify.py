@@ -16,18 +16,18 @@ from camcli.analysis.explain.events import Event
 from camcli.analysis.exponents import Exponents
 from camcli.errors import IMPACT_BUDGET
 from camcli.plots import style
-from camcli.plots.classify import COLOURS, CONTACT, draw_classify, kind
-from camcli.plots.event_keys import (
-    CROWDED,
-    MOST,
-    SINGLE,
-    Numbered,
-    draw_list,
-    draw_numbers,
-    list_height,
-    numbered,
+from camcli.plots.axes import CROWDED, event_numbers
+from camcli.plots.classify import (
+    COLOURS,
+    CONTACT,
+    FORGETS,
+    Growth,
+    draw_classify,
+    draw_growth,
+    kind,
+    remark,
 )
-from camcli.plots.growth_panel import FORGETS, Growth, draw_growth, remark
+from camcli.plots.event_list import MOST, SINGLE, Numbered, draw_list, list_height, numbered
 from camcli.plots.label_strip import OTHERS, draw_strip, strip_colour
 from camcli.plots.sweep import draw_sweep
 from tests.conftest import settings
@@ -238,7 +238,7 @@ def test_the_list_does_not_run_into_itself(many, verdict):
 def test_numbers_stay_apart_and_within_the_panel(rpms):
     axes = panel(0.0, 1.0, 900)
     with matplotlib.rc_context(style.RC):
-        draw_numbers(axes, numbered([event(rpm) for rpm in rpms]), 900, 300)
+        event_numbers(axes, list(enumerate(rpms, 1)))
         boxes = [text.get_window_extent() for text in axes.texts]
     assert len(boxes) == len(rpms)
     assert not [a for k, a in enumerate(boxes) for b in boxes[:k] if a.overlaps(b)]

@@ -11,8 +11,8 @@ from matplotlib.colors import to_rgb
 
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.plots import style
+from camcli.plots.axes import draw_forces, newtons
 from camcli.plots.basins import area_colours
-from camcli.plots.force import draw_forces, newtons
 from camcli.plots.orbit_lines import colours
 
 FOLDER = Path(style.__file__).parent

@@ -10,9 +10,8 @@ from camcli.analysis.integrate import Cost
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.cams.arcs import ArcsCam
 from camcli.errors import IMPACT_BUDGET, OK
-from camcli.plots import batches, density
-from camcli.plots.survey import Survey
-from camcli.plots.sweep import draw_sweep
+from camcli.plots import density
+from camcli.plots.sweep import Survey, draw_sweep
 from camcli.system import Follower, System
 from tests.conftest import settings
 from tests.output import pictures
@@ -89,12 +88,14 @@ def test_the_points_are_never_all_in_memory(system):
 
 @pytest.mark.parametrize("size", [1, 2, 3, 1000])
 def test_the_size_of_a_batch_changes_nothing(size, monkeypatch):
-    monkeypatch.setattr(batches, "BATCH", size)
+    monkeypatch.setattr(density, "BATCH", size)
     cloud = density.Cloud.of(COLUMNS)
     assert cloud.count.tolist() == [3, 0, 0, 4, 1, 1]
     assert [end.tolist() for end in cloud.ends()] == [[149, 1, 150, 7], [151, 359, 150, 7]]
     columns = density.Columns.of([4.0, 5.0, 1.0, 2.0, 3.0, 6.0], 4)  # two speeds meet twice
-    shares = density.shares(COLUMNS, cloud, columns, 0.0, 360.0, 12)
+    pixels = density.Pixels(columns, 0.0, 360.0, 12)
+    density.take_all(COLUMNS, pixels.take)
+    shares = pixels.shares(cloud)
     assert columns.totals(cloud).tolist() == [4, 1, 3, 1]
     assert shares[:, 0].compressed().tolist() == [0.5, 0.25, 0.25, 0.25]
     assert shares[:, 2].compressed().tolist() == pytest.approx([1 / 3, 2 / 3, 2 / 3])
@@ -102,7 +103,7 @@ def test_the_size_of_a_batch_changes_nothing(size, monkeypatch):
 
 def test_nothing_holds_a_column_beyond_its_turn():
     seen = []
-    batch = batches.Batches(lambda owner, values: seen.append((owner.tolist(), values.tolist())))
+    batch = density.Batches(lambda owner, values: seen.append((owner.tolist(), values.tolist())))
     values = np.array([1.0, 2.0])
     batch.add(3, values)
     values[:] = 0.0  # as a buffer that the next speed is decoded into

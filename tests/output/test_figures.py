@@ -14,10 +14,9 @@ from camcli.analysis.simulate import Simulation
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.cams.arcs import ArcsCam
 from camcli.errors import IMPACT_BUDGET, NO_RETURN, OK
-from camcli.plots import density, style
-from camcli.plots.simulate import draw_simulation
-from camcli.plots.sweep import draw_sweep
-from camcli.plots.trace import Trace
+from camcli.plots import axes, density, style
+from camcli.plots.simulate import Trace, draw_simulation
+from camcli.plots.sweep import draw_sweep, enlarged_range
 from camcli.system import Follower, System
 from tests.conftest import settings
 from tests.output import pictures
@@ -158,7 +157,9 @@ def test_a_long_text_is_wrapped(system):
 
 
 def shares_of(values, columns):
-    return density.shares(values, density.Cloud.of(values), columns, 0.0, 1.0, 8)
+    pixels = density.Pixels(columns, 0.0, 1.0, 8)
+    density.take_all(values, pixels.take)
+    return pixels.shares(density.Cloud.of(values))
 
 
 def test_shares_count_every_point_of_a_column_even_out_of_range():
@@ -186,18 +187,18 @@ def test_columns_are_even_for_even_speeds_and_hold_several_beyond_one_per_pixel(
 
 def test_phases_are_zoomed_or_enlarged_where_they_are_close():
     near = density.Cloud.of([[140.0, 190.0]] * 8)
-    assert density.phase_range(near) == (138.0, 192.0)
-    assert density.enlarged_range(near) is None
+    assert axes.phase_range(near.extremes()) == (138.0, 192.0)
+    assert enlarged_range(near) is None
     mixed = density.Cloud.of([[140.0, 190.0]] * 8 + [[1.0, 359.0]] * 2)
-    assert density.phase_range(mixed) == (0.0, 360.0)
-    assert density.enlarged_range(mixed) == (138.0, 192.0)
+    assert axes.phase_range(mixed.extremes()) == (0.0, 360.0)
+    assert enlarged_range(mixed) == (138.0, 192.0)
     chaos = density.Cloud.of([[140.0, 190.0]] * 2 + [[1.0, 359.0]] * 8)
-    assert density.enlarged_range(chaos) is None
-    assert density.phase_range(density.Cloud.of([[], []])) == (0.0, 360.0)
+    assert enlarged_range(chaos) is None
+    assert axes.phase_range(density.Cloud.of([[], []]).extremes()) == (0.0, 360.0)
 
 
 def test_the_cam_beside_the_diagram_is_the_cam(system):
-    theta, (c, c_theta, c_thetatheta) = density.lift_curves(system.cam, 3)
+    theta, (c, c_theta, c_thetatheta) = axes.lift_curves(system.cam, 3)
     assert c[np.nanargmin(abs(theta - 0.0))] == pytest.approx(0.1, abs=1e-12)
     assert np.nanmax(c) == pytest.approx(0.25393320723821, abs=1e-12)
     assert np.nanmax(c_theta) == pytest.approx(0.2747021271326710, abs=1e-12)
@@ -205,9 +206,9 @@ def test_the_cam_beside_the_diagram_is_the_cam(system):
 
 
 def test_names_are_spread_apart_and_stay_inside():
-    assert style.spread([1.0, 1.5, 9.0], 1.0, 0.0, 10.0) == [0.75, 1.75, 9.0]
-    assert style.spread([0.0, 0.1], 1.0, 0.0, 10.0) == [0.0, 0.55]
-    assert style.spread([], 1.0, 0.0, 10.0) == []
+    assert axes.spread([1.0, 1.5, 9.0], 1.0, 0.0, 10.0) == [0.75, 1.75, 9.0]
+    assert axes.spread([0.0, 0.1], 1.0, 0.0, 10.0) == [0.0, 1.0]
+    assert axes.spread([], 1.0, 0.0, 10.0) == []
     assert style.corner_names([float(k) for k in range(27)]) == {}
 
 
