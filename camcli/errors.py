@@ -1,4 +1,4 @@
-"""Faults a user can meet, and what each kernel status means: one table, nothing else.
+"""Faults a user can meet, and what each status of the kernel means.
 
 This module is the bottom of the package: it imports nothing of it.
 """
@@ -6,44 +6,51 @@ This module is the bottom of the package: it imports nothing of it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-# Status codes returned by the kernel. They are data, not exceptions: the row is kept.
-OK = 0
-LOG_FULL = 1  # internal: the caller provides more room and resumes
-IMPACT_BUDGET = 2
-NO_RETURN = 3
-UNRESOLVED = 4
-PAUSED = 5  # internal: the caller's slice of work is used up; resume
+from enum import IntEnum
 
 
-@dataclass(frozen=True)
-class Status:
-    """Name of a kernel status in a `status` column, with its cause and cure in words."""
+class Status(IntEnum):
+    """How the kernel ended: data, not an exception, so the row is kept."""
 
-    name: str
-    cause: str
-    cure: str
+    OK = 0
+    LOG_FULL = 1  # internal: the caller provides more room and resumes
+    IMPACT_BUDGET = 2
+    NO_RETURN = 3
+    UNRESOLVED = 4
+    PAUSED = 5  # internal: the caller's slice of work is used up; resume
+
+    @property
+    def text(self) -> str:
+        """The status as it stands in a `status` column."""
+        return self.name.lower().replace("_", "-")
+
+    @property
+    def cause(self) -> str:
+        """What happened, in words."""
+        return STATUS_WORDS[self][0]
+
+    @property
+    def cure(self) -> str:
+        """What to do about it, in words."""
+        return STATUS_WORDS[self][1]
 
 
-STATUSES = {
-    OK: Status("ok", "", ""),
-    LOG_FULL: Status("log-full", "the event log was too small", "this is a fault of the program"),
-    IMPACT_BUDGET: Status(
-        "impact-budget",
+STATUS_WORDS = {
+    Status.OK: ("", ""),
+    Status.LOG_FULL: ("the event log was too small", "this is a fault of the program"),
+    Status.IMPACT_BUDGET: (
         "more impacts in one turn than run.impact_budget allows",
         "raise run.impact_budget, raise run.chatter_tolerance, or lower restitution",
     ),
-    NO_RETURN: Status(
-        "no-return",
+    Status.NO_RETURN: (
         "the follower left the cam and nothing brings it back",
         "give it a spring, gravity or a preload",
     ),
-    UNRESOLVED: Status(
-        "unresolved",
+    Status.UNRESOLVED: (
         "a contact is closer to grazing than double precision can tell",
         "move the speed by a relative 1e-12, or treat both outcomes as possible",
     ),
-    PAUSED: Status("paused", "the work was interrupted", "run the same command again"),
+    Status.PAUSED: ("the work was interrupted", "run the same command again"),
 }
 
 

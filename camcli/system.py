@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite, pi
 
-from camcli.cams.compile import build, column, corners, native
+from camcli.cams.compile import build, column, corners
 from camcli.cams.pieces import Part
 from camcli.errors import Fault, SceneError
-from camcli.kernel.backend import is_compiled
+from camcli.kernel.backend import Kernel
 from camcli.kernel.cam_table import Cam
 from camcli.kernel.flow import RAD_PER_S, Lane, lane_of
 
@@ -51,15 +51,15 @@ class System:
     def __getstate__(self) -> dict:
         return {"follower": self.follower, "cam": self.cam, "parts": None}
 
-    def native_cam(self) -> Cam:
-        """The table for the kernel as it runs now (plain Python or compiled)."""
-        if not is_compiled():
-            return self.cam
-        return self._array_cam
+    def cam_for(self, kernel: Kernel) -> Cam:
+        """The table as this kernel takes it; made once."""
+        if kernel not in self._cams:
+            self._cams[kernel] = kernel.cam(self.cam)
+        return self._cams[kernel]
 
     @cached_property
-    def _array_cam(self) -> Cam:
-        return native(self.cam)
+    def _cams(self) -> dict[Kernel, Cam]:
+        return {}
 
     @property
     def strobe(self) -> float:

@@ -8,24 +8,16 @@ from itertools import islice
 from math import inf
 
 from camcli.analysis.exponents import Exponents, of_orbit, of_tape
-from camcli.analysis.integrate import (
-    IMPACT,
-    Cost,
-    Orbit,
-    Settings,
-    Start,
-    Tape,
-    compile_for,
-    with_turns,
-)
+from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape, compile_for, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.identify import identify, passages
 from camcli.analysis.orbits.orbit import PeriodicOrbit, resting_orbit
 from camcli.analysis.orbits.same_orbit import SAME, distance_to, same_orbit
 from camcli.analysis.orbits.search import cloud
 from camcli.analysis.sweep import LITTLE_WORK
-from camcli.errors import OK
+from camcli.errors import Status
 from camcli.kernel import backend
+from camcli.kernel.orbit_loop import EventKind
 from camcli.parallel import in_threads
 from camcli.system import System
 
@@ -117,14 +109,14 @@ def classify_at(
     cost = tape.cost
     orbit = identify(system, rpm, tape)
     exponents = None if orbit is not None else _measured(system, rpm, tape)
-    if tape.status == OK and orbit is None and not _certain(exponents):
+    if tape.status == Status.OK and orbit is None and not _certain(exponents):
         longer = with_turns(settings, 0, LONGER * record)
         more = Orbit(system, rpm, longer, orbit_run.here()).run()
         cost = cost + more.cost
         orbit = identify(system, rpm, more)
         exponents = None if orbit is not None else _measured(system, rpm, more)
-        tape = more if more.status == OK else tape
-    if tape.status == OK and orbit is None and any(tape.chatter[: tape.periods]):
+        tape = more if more.status == Status.OK else tape
+    if tape.status == Status.OK and orbit is None and any(tape.chatter[: tape.periods]):
         orbit, tape = _after_rest(system, rpm, settings, tape)
         exponents = None if orbit is not None else _measured(system, rpm, tape)
     if orbit is not None:
@@ -181,7 +173,7 @@ def _order(motion: Motion):
 
 
 def _measured(system: System, rpm: float, tape: Tape) -> Exponents | None:
-    return of_tape(system, rpm, tape) if tape.status == OK else None
+    return of_tape(system, rpm, tape) if tape.status == Status.OK else None
 
 
 def _certain(exponents: Exponents | None) -> bool:
@@ -191,7 +183,7 @@ def _certain(exponents: Exponents | None) -> bool:
 def _label(orbit: PeriodicOrbit | None, exponents: Exponents | None, tape: Tape) -> str:
     if orbit is not None:
         return orbit.label
-    return APERIODIC if _certain(exponents) and tape.status == OK else UNDECIDED
+    return APERIODIC if _certain(exponents) and tape.status == Status.OK else UNDECIDED
 
 
 def _impacts(orbit: PeriodicOrbit | None, tape: Tape) -> float:
@@ -207,7 +199,7 @@ def _chatter(tape: Tape) -> str:
         return COMPLETE
     before, row = inf, 0
     for kind, u in zip(tape.kind, tape.u, strict=True):
-        if kind != IMPACT:
+        if kind != EventKind.IMPACT:
             continue
         row = row + 1 if -u < before else 0
         before = -u

@@ -7,7 +7,8 @@ from math import inf, sqrt
 
 from camcli.analysis.integrate import Tape
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.kernel import backend, entry_points
+from camcli.kernel import backend
+from camcli.kernel.backend import Kernel
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.growth import (
     AREA,
@@ -17,7 +18,6 @@ from camcli.kernel.growth import (
     ZEROS,
     log_growth,
     natural_log,
-    stretch_log,
 )
 from camcli.system import System
 
@@ -77,24 +77,21 @@ def sum_rule(lane, impacts_per_turn: float) -> float:
 def of_tape(system: System, rpm: float, tape: Tape) -> Exponents | None:
     """From the logged impacts of a record; None where there are too few to say anything."""
     lane = system.lane(rpm, 1.0, 1)
-    compiled = backend.is_compiled()
-    backend.announce("stretch_events")
-    cam = system.native_cam()
-    whole, real = _interleaved(tape, compiled)
+    kernel = backend.current()
+    cam = system.cam_for(kernel)
+    whole, real = _interleaved(tape, kernel)
     rows = len(tape.kind)
     size = rows // BATCHES
     if size < FEWEST or lane.r == 0.0:
         return None
-    stretch = entry_points.stretch_events if compiled else stretch_log
-    pair, total, logs = backend.zeros(7), backend.zeros(7), []
-    total[FIRST] = total[AREA] = 1.0
+    pair, logs = kernel.zeros(7), []
     zeros = 0.0
     sums = [0.0] * 4  # first, area, impacts, length
     for k in range(BATCHES):
         begin, end = k * size, rows if k == BATCHES - 1 else (k + 1) * size
-        growth = backend.zeros(7)
+        growth = kernel.zeros(7)
         growth[FIRST] = growth[AREA] = 1.0
-        stretch(
+        kernel.stretch_events(
             cam, lane, whole[2 * begin : 2 * end], real[3 * begin : 3 * end], end - begin, pair,
             growth,
         )  # fmt: skip
@@ -127,13 +124,10 @@ def _standard_error(rates: list[float], weights: list[float]) -> float:
     return sqrt(square * n / (n - 1.0)) / total
 
 
-def _interleaved(tape: Tape, compiled: bool):
+def _interleaved(tape: Tape, kernel: Kernel):
     """The log's own two tables back from the columns of a tape."""
-    if not compiled or isinstance(tape.kind, list):
-        whole = [x for pair in zip(tape.kind, tape.period, strict=True) for x in pair]
-        real = [x for row in zip(tape.theta, tape.q, tape.u, strict=True) for x in row]
-        return backend.numbers(whole, int), backend.numbers(real)
-    import numpy as np
-
-    whole = np.column_stack((tape.kind, tape.period)).ravel()
-    return whole, np.column_stack((tape.theta, tape.q, tape.u)).ravel()
+    whole = kernel.zeros(2 * len(tape.kind), int)
+    real = kernel.zeros(3 * len(tape.kind))
+    whole[::2], whole[1::2] = tape.kind, tape.period
+    real[::3], real[1::3], real[2::3] = tape.theta, tape.q, tape.u
+    return whole, real

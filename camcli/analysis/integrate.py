@@ -9,16 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import pi
-from threading import RLock
-from time import perf_counter
 
-from camcli.errors import LOG_FULL, PAUSED, Fault, SceneError
-from camcli.kernel import backend, entry_points
+from camcli.errors import Fault, SceneError, Status
+from camcli.kernel import backend
+from camcli.kernel.backend import Kernel
 from camcli.kernel.cam_table import ROW, START, Cam, lift_at, stretch_at
 from camcli.kernel.flight import BOUNCED, FREE
 from camcli.kernel.orbit_loop import (
-    DETACHMENT,
-    IMPACT,
     LEAVES,
     LOGGED,
     MODE,
@@ -32,11 +29,8 @@ from camcli.kernel.orbit_loop import (
 )
 from camcli.system import System, omega_of
 
-__all__ = ["DETACHMENT", "IMPACT", "Cost", "Orbit", "Settings", "Start", "StartError", "Tape"]
-
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
 EVERYTHING = 1 << 62
-_compiling = RLock()
 FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
 
 
@@ -100,7 +94,7 @@ class Tape:
     periods: int
     detachments: int
     resting: bool
-    status: int
+    status: Status
     cost: Cost
 
     @property
@@ -123,8 +117,8 @@ class Orbit:
 
     def run(self, events: bool = True, strobes: bool = True) -> Tape:
         """Run transient and record; `events` and `strobes` say what is logged at all."""
-        rows = self.settings.record if strobes else 0
-        strobe = Strobe(backend.zeros(2 * rows), backend.zeros(2 * rows, int), rows)
+        rows, kernel = self.settings.record if strobes else 0, backend.current()
+        strobe = Strobe(kernel.zeros(2 * rows), kernel.zeros(2 * rows, int), rows)
         if rows and self.count[PERIOD] == 0:
             strobe.state[0], strobe.state[1] = self.position()
         logs: list[Log] = []
@@ -132,12 +126,12 @@ class Orbit:
             min(max(FIRST_CAPACITY, 2 * self.settings.record), MOST_CAPACITY) if events else 0
         )
         while True:
-            status, log, strobe = self._slice(capacity, strobe)
+            status, log, strobe = self._slice(kernel, capacity, strobe)
             logs.append(log)
-            if status == LOG_FULL:
+            if status == Status.LOG_FULL:
                 capacity = min(2 * capacity, MOST_CAPACITY)
-            elif status == PAUSED:
-                compile_for(self.system)
+            elif status == Status.PAUSED:
+                kernel = backend.compiled()
             else:
                 return self._tape(logs, strobe, status)
 
@@ -154,29 +148,31 @@ class Orbit:
         q, w = self.position()
         return Start(q, w * self.omega, theta_deg)
 
-    def _slice(self, capacity: int, strobe: Strobe):
-        plain = not backend.is_compiled() and backend.may_compile()
-        cam, turns = self.system.native_cam(), _turns(self.system, self.lane)
+    def _slice(self, kernel: Kernel, capacity: int, strobe: Strobe):
+        """One call of the kernel: (status, the rows it logged, the strobe)."""
+        cam = self.system.cam_for(kernel)
         first = 0 if self.settings.transient else -1
-        plan = Plan(first, self.settings.record, PLAIN_STEPS if plain else EVERYTHING)
+        limited = not kernel.compiled and backend.may_compile()
+        plan = Plan(first, self.settings.record, PLAIN_STEPS if limited else EVERYTHING)
         self.count[LOGGED] = 0
         state, count, work = (
-            backend.numbers(self.state),
-            backend.numbers(self.count, int),
-            backend.numbers(self.work, int),
+            kernel.numbers(self.state),
+            kernel.numbers(self.count, int),
+            kernel.numbers(self.work, int),
         )
         strobe = strobe._replace(
-            state=backend.numbers(strobe.state), events=backend.numbers(strobe.events, int)
+            state=kernel.numbers(strobe.state), events=kernel.numbers(strobe.events, int)
         )
-        log = Log(backend.zeros(2 * capacity, int), backend.zeros(3 * capacity), capacity)
-        status = entry_points.advance(cam, self.lane, turns, state, count, plan, log, strobe, work)
+        log = Log(kernel.zeros(2 * capacity, int), kernel.zeros(3 * capacity), capacity)
+        flows = kernel.stretch_flows(cam, self.lane)
+        status = kernel.advance(cam, self.lane, flows, state, count, plan, log, strobe, work)
         self.state = [float(value) for value in state]
         self.count = [int(value) for value in count]
         self.work = [int(value) for value in work]
         used = self.count[LOGGED]
-        return int(status), Log(log.whole[: 2 * used], log.real[: 3 * used], used), strobe
+        return Status(status), Log(log.whole[: 2 * used], log.real[: 3 * used], used), strobe
 
-    def _tape(self, logs: list[Log], strobe: Strobe, status: int) -> Tape:
+    def _tape(self, logs: list[Log], strobe: Strobe, status: Status) -> Tape:
         whole = _joined([log.whole for log in logs])
         real = _joined([log.real for log in logs])
         periods = max(0, min(self.count[PERIOD], self.settings.record))
@@ -199,20 +195,6 @@ class Orbit:
         )
 
 
-def compile_for(system: System) -> None:
-    """Compile the kernel, and have numba do it now by a first orbit of one turn."""
-    if backend.is_compiled():
-        return
-    with _compiling:
-        if backend.is_compiled():
-            return
-        began = perf_counter()
-        with backend.without_blas():
-            backend.compile_kernel()
-            Orbit(system, 600.0, Settings(0, 1, 1e-3, 100)).run()
-        backend.compile_seconds = perf_counter() - began
-
-
 def _joined(parts: list):
     """Concatenate lists or arrays; a mixture (compiled in mid-run) becomes a list."""
     if len(parts) == 1:
@@ -225,14 +207,6 @@ def _joined(parts: list):
     for part in parts:
         joined.extend(part if isinstance(part, list) else part.tolist())
     return joined
-
-
-def _turns(system: System, lane):
-    """The lane's flows over whole stretches (`entry_points.prepare`)."""
-    cam = system.native_cam()
-    turns = backend.zeros(3 * cam.stretches * cam.stretches)
-    entry_points.prepare(cam, lane, turns)
-    return turns
 
 
 def _initial(cam: Cam, omega: float, settings: Settings, start: Start):

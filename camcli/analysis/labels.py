@@ -12,7 +12,7 @@ from math import inf
 
 from camcli.analysis.integrate import Tape
 from camcli.analysis.orbits.same_orbit import CLOSE, SAME
-from camcli.errors import OK
+from camcli.errors import Status
 
 LONGEST_PERIOD = 64
 WINDOW = 16  # periods compared at least
@@ -67,7 +67,7 @@ def label(tape: Tape) -> str:
     n = tape.periods
     if n == 0:
         return "undecided"
-    if tape.status == OK and not tape.touches:
+    if tape.status == Status.OK and not tape.touches:
         return "contact"
     q, w = _plain(tape.strobe_q)[:n], _plain(tape.strobe_w)[:n]
     symbols = [

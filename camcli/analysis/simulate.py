@@ -6,18 +6,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import pi
 
-from camcli.analysis.integrate import Cost, Orbit, Settings, Tape, compile_for
+from camcli.analysis.integrate import Cost, Orbit, Settings, Tape
 from camcli.analysis.labels import label
-from camcli.errors import OK
+from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.flow import move
-from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
+from camcli.kernel.orbit_loop import EventKind
 from camcli.kernel.sticking import contact_accel
 from camcli.system import System
 
 FLIGHT, STICKING = "flight", "sticking"
-EVENT_NAMES = {IMPACT: "impact", CHATTER: "chatter", DETACHMENT: "detachment"}
 
 
 @dataclass(frozen=True)
@@ -52,8 +51,7 @@ class _Node:
 def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Simulation:
     """Run one orbit; `samples` per turn in the trajectory, besides the events (0: none)."""
     orbit = Orbit(system, rpm, settings)
-    if backend.must_compile():
-        compile_for(system)
+    backend.for_work(0)
     first = orbit.position(), orbit.state[0]
     tape = orbit.run()
     sampler = _Sampler(system, orbit, tape, samples)
@@ -74,12 +72,12 @@ def _events(tape: Tape, orbit: Orbit, strobe: float) -> Iterator[tuple]:
     for kind, period, theta, q, u in zip(
         tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True
     ):
-        after = -r * u if kind == IMPACT and u != 0.0 else 0.0
+        after = -r * u if kind == EventKind.IMPACT and u != 0.0 else 0.0
         yield (
             (TURN * int(period) + _since(theta, strobe)) / omega,
             int(period),
             float(theta) * (180.0 / pi),
-            EVENT_NAMES[int(kind)],
+            EventKind(int(kind)).text,
             float(q),
             float(u) * omega,
             after * omega,
@@ -140,7 +138,7 @@ class _Sampler:
         for p in range(len(self.tape.strobe_q)):
             whole = p < self.tape.periods
             events = self.by_period.get(p, [])
-            if not whole and (self.tape.status == OK or not events):
+            if not whole and (self.tape.status == Status.OK or not events):
                 break
             node = _Node(0.0, float(self.tape.strobe_q[p]), float(self.tape.strobe_w[p]), False)
             node = (
@@ -163,14 +161,18 @@ class _Sampler:
             _, _c, c1 = self._lift(s)
             at = (TURN * p + s) / self.omega, float(theta) * (180.0 / pi), float(q)
             cam_now = float(q), c1 * self.omega
-            if kind == IMPACT:
+            if kind == EventKind.IMPACT:
                 yield (*at, (c1 + float(u)) * self.omega, *cam_now, FLIGHT)
-            w = c1 - self.lane.r * float(u) if kind == IMPACT else c1
-            node = _Node(s, float(q), w, kind == CHATTER)
-            if kind == IMPACT and n + 1 < len(events) and events[n + 1][0] == CHATTER:
+            w = c1 - self.lane.r * float(u) if kind == EventKind.IMPACT else c1
+            node = _Node(s, float(q), w, kind == EventKind.CHATTER)
+            if (
+                kind == EventKind.IMPACT
+                and n + 1 < len(events)
+                and events[n + 1][0] == EventKind.CHATTER
+            ):
                 length = _since(events[n + 1][2], self.strobe) - s
                 node = replace(node, chatter=(-self.lane.r * float(u), length))
-            elif kind == IMPACT and self.lane.r * u == 0.0:
+            elif kind == EventKind.IMPACT and self.lane.r * u == 0.0:
                 node = self._rested(node)
             yield (*at, w * self.omega, *cam_now, STICKING if node.sticking else FLIGHT)
         while j < len(self.grid) and self.grid[j] < stop:

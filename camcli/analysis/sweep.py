@@ -6,16 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 
-from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape, compile_for
+from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape
 from camcli.analysis.labels import label
-from camcli.errors import OK, STATUSES
+from camcli.errors import Status
 from camcli.kernel import backend
-from camcli.kernel.orbit_loop import IMPACT
+from camcli.kernel.orbit_loop import EventKind
 from camcli.parallel import Codec, Work
 from camcli.system import System
 
 FIXED, UP, DOWN = "fixed", "up", "down"
-LITTLE_WORK = 10_000  # turns in all that plain Python does before a compiler would be loaded
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class Sweep:
     @property
     def troubled(self) -> list[Speed]:
         """Speeds whose status is not ok, without their sections."""
-        return [bare(speed) for speed in self.speeds if speed.status != OK]
+        return [bare(speed) for speed in self.speeds if speed.status != Status.OK]
 
 
 def bare(speed: Speed) -> Speed:
@@ -86,9 +85,7 @@ def sweep(
     if rpms:
         Orbit(system, rpms[0], settings)
     turns = len(rpms) * (settings.transient + settings.record)
-    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
-        compile_for(system)  # before the threads start
-    task = _Task(system, settings, impacts, strobe, lyapunov, backend.is_compiled())
+    task = _Task(system, settings, impacts, strobe, lyapunov, turns)
     work, cost = work or Work(), Cost()
 
     def count(speed: Speed) -> None:
@@ -113,7 +110,7 @@ class _Task:
     impacts: bool
     strobe: bool
     lyapunov: bool
-    compiled: bool
+    turns: int  # of all speeds
 
     def __call__(self, rpm: float) -> Speed:
         """The speed, from the start of the scene."""
@@ -123,11 +120,10 @@ class _Task:
         """The speed, from where the one before ended."""
         start = self.settings.start
         speed, orbit = self._at(rpm, start if before is None else before.end)
-        return replace(speed, end=orbit.here() if speed.status == OK else start)
+        return replace(speed, end=orbit.here() if speed.status == Status.OK else start)
 
     def _at(self, rpm: float, start: Start | None) -> tuple[Speed, Orbit]:
-        if self.compiled:
-            compile_for(self.system)
+        backend.for_work(self.turns)
         orbit = Orbit(self.system, rpm, self.settings, start)
         tape = orbit.run(events=self.impacts or self.lyapunov)
         n, to_mps = tape.periods, orbit.omega
@@ -180,7 +176,7 @@ def _exponent(system: System, rpm: float, tape: Tape) -> float | None:
     from camcli.analysis.exponents import of_orbit, of_tape
     from camcli.analysis.orbits.identify import identify
 
-    if tape.status != OK:
+    if tape.status != Status.OK:
         return None
     orbit = identify(system, rpm, tape)
     found = of_tape(system, rpm, tape) if orbit is None else of_orbit(system, orbit)
@@ -193,7 +189,7 @@ def _impact_rows(tape, omega: float) -> tuple:
         keep = [
             k
             for k, (kind, period) in enumerate(zip(tape.kind, tape.period, strict=True))
-            if kind == IMPACT and period >= 0
+            if kind == EventKind.IMPACT and period >= 0
         ]
         return (
             [tape.period[k] for k in keep],
@@ -201,7 +197,7 @@ def _impact_rows(tape, omega: float) -> tuple:
             [tape.q[k] for k in keep],
             [tape.u[k] * omega for k in keep],
         )
-    keep = (tape.kind == IMPACT) & (tape.period >= 0)
+    keep = (tape.kind == EventKind.IMPACT) & (tape.period >= 0)
     return (
         tape.period[keep],
         tape.theta[keep] * (180.0 / pi),
@@ -218,4 +214,4 @@ def _scaled(values, factor: float):
 
 def status_name(status: int) -> str:
     """The status as it stands in a CSV."""
-    return STATUSES[status].name
+    return Status(status).text

@@ -9,7 +9,6 @@ from decimal import Decimal
 
 from camcli.cams.decimals import radians
 from camcli.cams.pieces import CUTS, Part, Piece, compile_part
-from camcli.kernel.backend import numbers
 from camcli.kernel.cam_table import COLUMNS, ROW, TURN, Cam, polynomial
 
 Cut = tuple[Part, float, float]  # a part, from an angle to another, rad
@@ -143,8 +142,3 @@ def corners(cam: Cam) -> list[int]:
         for n in range(cam.stretches)
         if kicks[n] != 0.0 or abs(starts[n] - ends[n - 1]) > 1e-9 * size
     ]
-
-
-def native(cam: Cam) -> Cam:
-    """The table in the form the running kernel wants (lists, or arrays once it is compiled)."""
-    return cam._replace(rows=numbers(cam.rows), pieces=numbers(cam.pieces))

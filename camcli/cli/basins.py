@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contextlib import contextmanager, nullcontext
 from functools import partial
-from time import perf_counter
 from typing import Any
 
 from camcli.analysis.basins.mapping import SIMPLE, Question
@@ -18,9 +17,8 @@ from camcli.cli.options import Request
 from camcli.cli.plan_basins import basins_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
-from camcli.cli.setup import Setup, set_up, speed_range
-from camcli.errors import STATUSES, Fault, SceneError, shown
-from camcli.kernel import backend
+from camcli.cli.setup import Setup, set_up, speed_range, timed
+from camcli.errors import Fault, SceneError, Status, shown
 from camcli.output.basins import attractors_csv, basins_csv
 from camcli.output.run_folder import RunFolder
 from camcli.parallel import Work
@@ -41,9 +39,9 @@ def run(request: Request) -> int:
     speeds = section.rpm
     rpms = rpm_grid(speeds.start, speeds.stop, 1 if speeds.start == speeds.stop else speeds.num)
     with long_run(NAME, request, setup) as store:
-        began = perf_counter()
-        result = _compute(request, setup, question, rpms, store.work)
-        seconds = perf_counter() - began - backend.compile_seconds
+        with timed(request) as watch:
+            result = _compute(request, setup, question, rpms, store.work)
+        seconds = watch.seconds
         _write(request, setup, store, question, result)
         if not request.json:
             show(result, question)
@@ -155,6 +153,6 @@ def _verdict(result: Study, quiet: bool, question: Question) -> int:
         note(words)
     for code in sorted({code for speed in result.speeds for code in speed.troubled}):
         cells = sum(speed.troubled.get(code, 0) for speed in result.speeds)
-        status = STATUSES[code]
-        note(f"{status.name} in {cells} cells: {status.cause}; {status.cure}")
+        status = Status(code)
+        note(f"{status.text} in {cells} cells: {status.cause}; {status.cure}")
     return NUMERICS if result.troubled else DONE

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from functools import partial
-from time import perf_counter
 from typing import Any
 
 from camcli.analysis.classify import Motion, classify
@@ -17,9 +16,8 @@ from camcli.cli.options import Request
 from camcli.cli.plan_classify import classify_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
-from camcli.cli.setup import Setup, set_up, speed_range
-from camcli.errors import OK, STATUSES, Fault, SceneError
-from camcli.kernel import backend
+from camcli.cli.setup import Setup, set_up, speed_range, timed
+from camcli.errors import Fault, SceneError, Status
 from camcli.output.classify import classify_csv, corners_csv
 from camcli.output.run_folder import RunFolder, run_folder
 
@@ -42,10 +40,10 @@ def run(request: Request) -> int:
         return DONE
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
     with run_folder(request.folder(NAME)) as store:
-        began = perf_counter()
-        motions = _classify(request, setup, rpms)
-        explanation = _explain(request, setup, motions) if section.explain else None
-        seconds = perf_counter() - began - backend.compile_seconds
+        with timed(request) as watch:
+            motions = _classify(request, setup, rpms)
+            explanation = _explain(request, setup, motions) if section.explain else None
+        seconds = watch.seconds
         _write(request, setup, store, motions, explanation)
         if not request.json:
             show(motions, explanation)
@@ -97,10 +95,10 @@ def _write(request, setup: Setup, store: RunFolder, motions, explanation) -> Non
 
 def _verdict(motions: list[Motion]) -> int:
     """Exit code 3 and a note where a record ended early."""
-    troubled = [m for m in motions if m.status != OK]
+    troubled = [m for m in motions if m.status != Status.OK]
     for code in sorted({m.status for m in troubled}):
         rpms = [f"{m.rpm:.10g}" for m in troubled if m.status == code]
         shown = ", ".join(rpms[:5]) + (", ..." if len(rpms) > 5 else "")
-        status = STATUSES[code]
-        note(f"{status.name} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
+        status = Status(code)
+        note(f"{status.text} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
     return NUMERICS if troubled else DONE

@@ -5,7 +5,6 @@ from __future__ import annotations
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
-from time import perf_counter
 from typing import Any
 
 from camcli.analysis.contact_loss.bursts import RECORD
@@ -19,9 +18,8 @@ from camcli.cli.options import Request
 from camcli.cli.plan_starts import starts_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
-from camcli.cli.setup import Setup, set_up, speed_range
-from camcli.errors import STATUSES, Fault, SceneError
-from camcli.kernel import backend
+from camcli.cli.setup import Setup, set_up, speed_range, timed
+from camcli.errors import Fault, SceneError, Status
 from camcli.output.detach import summary
 from camcli.output.run_folder import RunFolder, run_folder
 from camcli.output.tables import accumulation_csv, corner_hits_csv, detach_csv, force_csv
@@ -42,9 +40,9 @@ def run(request: Request) -> int:
     if starts_planned(NAME, request, setup, rpms, settings, "detach.rpm.num"):
         return DONE
     with run_folder(request.folder(NAME)) as store:
-        began = perf_counter()
-        result = _compute(request, setup, rpms)
-        seconds = perf_counter() - began - backend.compile_seconds
+        with timed(request) as watch:
+            result = _compute(request, setup, rpms)
+        seconds = watch.seconds
         _write(request, setup, store, result)
         if not request.json:
             show(result)
@@ -109,8 +107,8 @@ def _verdict(result: ContactLoss) -> int:
     for code in sorted({status for _, status in result.troubled}):
         rpms = [f"{rpm:.10g}" for rpm, status in result.troubled if status == code]
         shown = ", ".join(rpms[:5]) + (", ..." if len(rpms) > 5 else "")
-        status = STATUSES[code]
-        note(f"{status.name} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
+        status = Status(code)
+        note(f"{status.text} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
     unsafe = [c for c in result.critical_speeds if c.status is SpeedStatus.UNRESOLVED]
     for c in unsafe:
         note(f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket")

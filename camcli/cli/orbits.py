@@ -5,7 +5,6 @@ from __future__ import annotations
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
-from time import perf_counter
 from typing import Any
 
 from camcli.analysis.labels import Label
@@ -20,9 +19,8 @@ from camcli.cli.orbits_words import show, summary
 from camcli.cli.plan_starts import starts_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
-from camcli.cli.setup import Setup, set_up
+from camcli.cli.setup import Setup, set_up, timed
 from camcli.errors import Fault, SceneError
-from camcli.kernel import backend
 from camcli.output.orbits import bifurcations_csv, branch_csv, curve_csv
 from camcli.output.run_folder import RunFolder, run_folder
 from camcli.scene import parse_rpm
@@ -42,10 +40,10 @@ def run(request: Request) -> int:
     if starts_planned(NAME, request, setup, rpms, run, "orbits.starts"):
         return DONE
     with run_folder(request.folder(NAME)) as store:
-        began = perf_counter()
-        with nullcontext() if request.quiet else bar("branches", question.branches + 2) as tick:
+        progress = nullcontext() if request.quiet else bar("branches", question.branches + 2)
+        with timed(request) as watch, progress as tick:
             result = orbits(setup.system, setup.settings, question, tick or (lambda: None))
-        seconds = perf_counter() - began - backend.compile_seconds
+        seconds = watch.seconds
         _write(request, setup, store, result)
         if not request.json:
             show(result)

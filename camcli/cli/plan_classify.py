@@ -6,12 +6,12 @@ from math import ceil
 
 from camcli.analysis.classify import LONGER
 from camcli.analysis.labels import LONGEST_PERIOD
-from camcli.analysis.sweep import LITTLE_WORK
 from camcli.cli import plan_costs as costs
 from camcli.cli.options import Request
 from camcli.cli.plan import Need, Plan, planned
 from camcli.cli.plan_probe import STEPS, Glance, glance, grid_picks
 from camcli.cli.setup import Setup
+from camcli.kernel.backend import LITTLE_WORK
 
 NAMING, NAMING_PLAIN = 4e-3, 0.05  # s per start: Newton's method, multipliers and exponents
 KEPT = 45  # bytes of memory per event of a record, all of which are kept until the end

@@ -11,12 +11,22 @@ from dataclasses import dataclass
 from math import pi
 from time import perf_counter
 
-from camcli.analysis.integrate import IMPACT, Orbit, Settings, Start, _turns, with_turns
-from camcli.errors import OK, PAUSED
-from camcli.kernel import backend, entry_points
+from camcli.analysis.integrate import Orbit, Settings, Start, with_turns
+from camcli.errors import Status
+from camcli.kernel.backend import PLAIN
 from camcli.kernel.cam_table import ROW, START
 from camcli.kernel.flight import BOUNCED, FREE
-from camcli.kernel.orbit_loop import LOGGED, MODE, PERIOD, STRETCH, TOTAL, Log, Plan, Strobe
+from camcli.kernel.orbit_loop import (
+    LOGGED,
+    MODE,
+    PERIOD,
+    STRETCH,
+    TOTAL,
+    EventKind,
+    Log,
+    Plan,
+    Strobe,
+)
 from camcli.system import System
 
 STEPS = 24_000  # kernel steps of all looks together: some tenths of a second
@@ -67,8 +77,7 @@ class Glance:
     @property
     def turn(self) -> float:
         """Seconds of a turn in plain Python, on the machine of all constants."""
-        scale = COMPILED if backend.is_compiled() else 1.0
-        return self.nominal * scale / max(1, self.turns)
+        return self.nominal / max(1, self.turns)
 
 
 def glance(
@@ -88,16 +97,16 @@ def glance(
     orbit = Orbit(system, rpm, with_turns(settings, 0, turns), None if begin is None else Start())
     if begin is not None:
         _place(orbit, *begin)
-    flows = _turns(system, orbit.lane)
-    state, count = backend.numbers(orbit.state), backend.numbers(orbit.count, int)
+    flows = PLAIN.stretch_flows(system.cam, orbit.lane)
+    state, count = list(orbit.state), list(orbit.count)
     turns, rows = min(turns, steps), steps if begin is None else 0
-    strobe = Strobe(backend.zeros(2 * turns + 2), backend.zeros(2 * turns + 2, int), turns + 1)
+    strobe = Strobe(PLAIN.zeros(2 * turns + 2), PLAIN.zeros(2 * turns + 2, int), turns + 1)
     if count[PERIOD] == 0:
         strobe.state[0], strobe.state[1] = orbit.position()
-    written = Log(backend.zeros(2 * rows, int), backend.zeros(3 * rows), rows)
-    work = backend.zeros(3, int)
-    status = entry_points.advance(
-        system.native_cam(), orbit.lane, flows, state, count, Plan(-1, turns, steps), written,
+    written = Log(PLAIN.zeros(2 * rows, int), PLAIN.zeros(3 * rows), rows)
+    work = PLAIN.zeros(3, int)
+    status = PLAIN.advance(
+        system.cam, orbit.lane, flows, state, count, Plan(-1, turns, steps), written,
         strobe, work,
     )  # fmt: skip
     whole = max(0, min(int(count[PERIOD]), turns))
@@ -110,7 +119,7 @@ def glance(
         states=list(zip(flat[::2], flat[1::2], strict=True)),
         rows=_sample(written, int(count[LOGGED]), orbit.omega),
         chatter=any(strobe.events[1 : 2 * whole : 2]),
-        ended=status not in (OK, PAUSED),
+        ended=status not in (Status.OK, Status.PAUSED),
         plain=perf_counter() - began,
         nominal=_nominal(work),
     )
@@ -139,14 +148,13 @@ def grid_picks(rpm, most: int = PICKS) -> list[float]:
 
 
 def _nominal(work) -> float:
-    """Seconds of this work on the machine of all constants, as the kernel runs now."""
-    plain = EVALUATION * float(work[0]) + CROSSING * float(work[1])
-    return max(plain, 1e-9) / (COMPILED if backend.is_compiled() else 1.0)
+    """Seconds of this work on the machine of all constants."""
+    return max(EVALUATION * float(work[0]) + CROSSING * float(work[1]), 1e-9)
 
 
 def _sample(log: Log, used: int, omega: float) -> list[tuple[float, float, float]]:
     """Some of the impacts of the second half of a log, as the tables have them."""
-    late = [k for k in range(used // 2, used) if log.whole[2 * k] == IMPACT]
+    late = [k for k in range(used // 2, used) if log.whole[2 * k] == EventKind.IMPACT]
     return [
         (
             float(log.real[3 * k]) * (180.0 / pi),

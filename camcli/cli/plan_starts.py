@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from camcli.analysis.integrate import Settings
-from camcli.analysis.sweep import LITTLE_WORK
 from camcli.cli import plan_costs as costs
 from camcli.cli.options import Request
 from camcli.cli.plan import Need, Plan, planned
 from camcli.cli.plan_probe import STEPS, glance, picked
 from camcli.cli.setup import Setup
 from camcli.kernel import backend
+from camcli.kernel.backend import LITTLE_WORK
 
 OWN = {"detach": (0.5, 50_000), "orbits": (0.7, 0)}  # s and impacts of solving, chapter's machine
 ROW = 300  # bytes of artefacts for each run, and of memory

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from math import ceil
 
 from camcli.analysis.integrate import Settings
-from camcli.analysis.sweep import FIXED, LITTLE_WORK
+from camcli.analysis.sweep import FIXED
 from camcli.cli import plan_costs as costs
 from camcli.cli.long_run import shard_of
 from camcli.cli.options import Request
 from camcli.cli.plan import Need, Plan, planned
 from camcli.cli.plan_probe import STEPS, Glance, glance, grid_picks
 from camcli.cli.setup import Setup
+from camcli.kernel.backend import LITTLE_WORK
 from camcli.parallel.threads import AHEAD
 
 PER_SPEED = 500  # bytes of memory: what is known of each, and where its piece is

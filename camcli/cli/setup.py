@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ from camcli.cli.exit_codes import note
 from camcli.cli.lift_words import cautions, fit_line
 from camcli.cli.options import Request
 from camcli.errors import Fault, SceneError, shown
-from camcli.kernel import backend
+from camcli.kernel.backend import Stopwatch, stopwatch
 from camcli.scene import Scene, load_scene, parse_rpm
 from camcli.system import Follower, System
 
@@ -22,6 +23,12 @@ class Setup:
     scene: Scene
     system: System
     settings: Settings
+
+
+def timed(request: Request) -> AbstractContextManager[Stopwatch]:
+    """Time a run without compiling, which is said on stderr."""
+    text = "compiling the kernel for this machine: some 20 to 60 s, once ..."
+    return stopwatch(None if request.quiet else lambda: note(text))
 
 
 def one_speed(request: Request) -> dict[str, tuple[Any, str]]:
@@ -69,10 +76,8 @@ def set_up(request: Request, options: dict[str, tuple[Any, str]]) -> Setup:
         impact_budget=run.impact_budget,
         start=Start(run.start.q, run.start.v, run.start.theta_deg),
     )
-    backend.skip_blas = True
     if not request.quiet:
         _notes(follower, scene)
-        backend.on_compile = note
     return Setup(scene, system, settings)
 
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
-from time import perf_counter
 
 from camcli.analysis.simulate import Simulation, simulate
 from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
 from camcli.cli.plan_simulate import simulate_planned
 from camcli.cli.report import finish, table, warn_of_height
-from camcli.cli.setup import Setup, one_speed, set_up
-from camcli.errors import OK, STATUSES
-from camcli.kernel import backend
+from camcli.cli.setup import Setup, one_speed, set_up, timed
+from camcli.errors import Status
 from camcli.output.run_folder import RunFolder, run_folder
 from camcli.output.tables import events_csv, trajectory_csv
 
@@ -31,9 +29,9 @@ def run(request: Request) -> int:
     if simulate_planned(request, setup):
         return DONE
     with run_folder(request.folder(NAME)) as store:
-        began = perf_counter()
-        result = simulate(setup.system, rpm, setup.settings, samples)
-        seconds = perf_counter() - began - backend.compile_seconds
+        with timed(request) as watch:
+            result = simulate(setup.system, rpm, setup.settings, samples)
+        seconds = watch.seconds
         store.write_text("trajectory.csv", trajectory_csv(result))
         store.write_text("events.csv", events_csv(result))
         _draw(request, setup, store, result)
@@ -43,9 +41,9 @@ def run(request: Request) -> int:
         if not request.quiet:
             highest = max((row[2] for row in result.trajectory), default=0.0)
             warn_of_height([(rpm, highest)], setup.system.cam.top)
-        if result.status != OK:
-            status = STATUSES[result.status]
-            note(f"{status.name}: {status.cause}; {status.cure}")
+        if result.status != Status.OK:
+            status = Status(result.status)
+            note(f"{status.text}: {status.cause}; {status.cure}")
             return NUMERICS
         return DONE
 
@@ -64,7 +62,7 @@ def _summary(result: Simulation) -> dict:
     return {
         "rpm": result.rpm,
         "label": result.label,
-        "status": STATUSES[result.status].name,
+        "status": Status(result.status).text,
         "periods": result.periods,
         "events": len(result.events),
         "corners_deg": result.corners_deg,

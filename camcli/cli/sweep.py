@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import nullcontext
 from functools import partial
-from time import perf_counter
 from typing import Any
 
 from camcli.analysis.sweep import FIXED, Speed, Sweep, bare, rpm_grid, status_name, sweep
@@ -15,9 +14,8 @@ from camcli.cli.options import Request
 from camcli.cli.plan_sweep import sweep_planned
 from camcli.cli.progress import bar
 from camcli.cli.report import finish, table, warn_of_height
-from camcli.cli.setup import Setup, set_up, speed_range
-from camcli.errors import STATUSES, Fault, SceneError
-from camcli.kernel import backend
+from camcli.cli.setup import Setup, set_up, speed_range, timed
+from camcli.errors import Fault, SceneError, Status
 from camcli.output.run_folder import RunFolder
 from camcli.output.tables import (
     IMPACTS,
@@ -92,8 +90,8 @@ def _refuse_to_explain(setup: Setup) -> None:
 def _compute(request: Request, setup: Setup, rpms: list[float], work: Work):
     """(sweep, seconds)."""
     sections = setup.scene.sweep.sections
-    began = perf_counter()
-    with nullcontext() if request.quiet else bar("speeds", len(rpms)) as tick:
+    progress = nullcontext() if request.quiet else bar("speeds", len(rpms))
+    with timed(request) as watch, progress as tick:
         result = sweep(
             setup.system,
             rpms,
@@ -105,7 +103,7 @@ def _compute(request: Request, setup: Setup, rpms: list[float], work: Work):
             work=work,
             on_speed=(lambda speed: None) if tick is None else (lambda speed: tick()),
         )
-    return result, perf_counter() - began - backend.compile_seconds
+    return result, watch.seconds
 
 
 def write(request: Request, setup: Setup, store: RunFolder, result: Sweep, events=None) -> None:
@@ -185,6 +183,6 @@ def _verdict(result: Sweep) -> int:
     for code in sorted({speed.status for speed in troubled}):
         rpms = [f"{speed.rpm:.10g}" for speed in troubled if speed.status == code]
         shown = ", ".join(rpms[:5]) + (", ..." if len(rpms) > 5 else "")
-        status = STATUSES[code]
-        note(f"{status.name} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
+        status = Status(code)
+        note(f"{status.text} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
     return NUMERICS if troubled else DONE

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
-from time import perf_counter
 
 from camcli.analysis.classify import Motion, classify_at
 from camcli.analysis.explain.changes import explain
-from camcli.analysis.integrate import compile_for
 from camcli.analysis.labels import LONGEST_PERIOD
-from camcli.analysis.sweep import LITTLE_WORK, Sweep
+from camcli.analysis.sweep import Sweep
 from camcli.cli.classify_words import show_explanation
 from camcli.cli.options import Request
 from camcli.cli.progress import bar
 from camcli.cli.report import finish
-from camcli.cli.setup import Setup
+from camcli.cli.setup import Setup, timed
 from camcli.cli.sweep import NAME, show, summary, write
 from camcli.kernel import backend
 from camcli.output.classify import corners_csv
@@ -27,11 +25,11 @@ def finish_explained(
     request: Request, setup: Setup, store: RunFolder, result: Sweep, seconds: float
 ) -> None:
     """Explain a sweep, write all its artefacts and print its tables."""
-    began, compiled = perf_counter(), backend.compile_seconds
-    motions = _motions(request, setup, [speed.rpm for speed in result.speeds])
-    with nullcontext() if request.quiet else bar("changes", len(motions) - 1) as tick:
-        explanation = explain(setup.system, setup.settings, motions, tick or (lambda: None))
-    seconds += perf_counter() - began - (backend.compile_seconds - compiled)
+    with timed(request) as watch:
+        motions = _motions(request, setup, [speed.rpm for speed in result.speeds])
+        with nullcontext() if request.quiet else bar("changes", len(motions) - 1) as tick:
+            explanation = explain(setup.system, setup.settings, motions, tick or (lambda: None))
+    seconds += watch.seconds
     store.write_text("corners.csv", corners_csv(explanation.bifurcations))
     write(request, setup, store, result, explanation.events)
     if not request.json:
@@ -47,8 +45,7 @@ def _motions(request: Request, setup: Setup, rpms: list[float]) -> list[Motion]:
     """The motion from the scene's start at every speed, in order."""
     settings = setup.settings
     turns = len(rpms) * (settings.transient + max(settings.record, 2 * LONGEST_PERIOD))
-    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
-        compile_for(setup.system)  # before the threads start
+    backend.for_work(turns)
 
     def piece(rpm: float) -> Motion:
         return classify_at(setup.system, rpm, settings)

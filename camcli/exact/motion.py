@@ -19,7 +19,7 @@ from camcli.exact.error import Doubt
 from camcli.exact.lifts import Lifts
 from camcli.exact.scout import Found, Scout
 from camcli.kernel.cam_table import lift
-from camcli.kernel.orbit_loop import CHATTER, IMPACT
+from camcli.kernel.orbit_loop import EventKind
 from camcli.system import System
 
 EDGE = Decimal("1e-12")  # rad: an impact nearer to the edge of a part may be on either side
@@ -82,7 +82,7 @@ class TrueMotion:
         if found is None:
             self.reason = UNCLEAR
             return False
-        return self._impact(found) if found.kind == IMPACT else self._rest(found)
+        return self._impact(found) if found.kind == EventKind.IMPACT else self._rest(found)
 
     def _impact(self, found: Found) -> bool:
         s, theta = self._landing(found)
@@ -130,14 +130,14 @@ class TrueMotion:
     def _rest(self, found: Found) -> bool:
         """A complete chatter (or an impact without rebound): on to where the follower leaves."""
         after = found
-        if found.kind == CHATTER:
+        if found.kind == EventKind.CHATTER:
             after = self.scout.leaves(self.i, float(self.theta), float(self.rate))
             if after is None:
                 self.reason = RESTS
                 return False
         begins = self.place + Decimal(found.s)
         self._strobes(begins)
-        self.chattered |= found.kind == CHATTER
+        self.chattered |= found.kind == EventKind.CHATTER
         ends = begins + (Decimal(after.s) if after is not found else 0)
         self._strobes(ends, resting=True)
         self.place = ends

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camcli.analysis.integrate import Settings, _turns
-from camcli.errors import LOG_FULL
-from camcli.kernel import backend, entry_points
+from camcli.analysis.integrate import Settings
+from camcli.errors import Status
+from camcli.kernel import backend
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.flight import BOUNCED, RELEASED
 from camcli.kernel.flow import flow
-from camcli.kernel.orbit_loop import IMPACT, MODE, STRETCH, Log, Plan, Strobe
+from camcli.kernel.orbit_loop import MODE, STRETCH, EventKind, Log, Plan, Strobe
 from camcli.system import System
 
 DOUBT = 1e-9  # relative change of the outgoing rate; of `size` after a rest
@@ -39,21 +39,22 @@ class Scout:
     """The kernel at one speed, one event at a time."""
 
     def __init__(self, system: System, rpm: float, settings: Settings):
-        self.cam, self.strobe = system.native_cam(), system.strobe
+        self.kernel, self.strobe = backend.current(), system.strobe
+        self.cam = system.cam_for(self.kernel)
         self.lane = system.lane(rpm, settings.chatter_tolerance, settings.impact_budget)
-        self.turns = _turns(system, self.lane)
+        self.flows = self.kernel.stretch_flows(self.cam, self.lane)
         self.size = max(abs(float(x)) for x in (self.cam.top, 1e-3))
 
     def after(self, i: int, theta: float, rate: float) -> Found | None:
         """The event after leaving the cam with a rate (m/rad), 0 after a rest; None if unclear."""
         found, _ = self._next(i, theta, rate, BOUNCED if rate > 0.0 else RELEASED)
-        if found is None or found.kind != IMPACT:
+        if found is None or found.kind != EventKind.IMPACT:
             return found
         du = DOUBT * (rate if rate > 0.0 else self.size)
         moved = du * abs(flow(self.lane, found.s)[0] / found.u)
         for sign in (1.0, -1.0) if rate > 0.0 else (1.0,):
             other, _ = self._next(i, theta, rate + sign * du, BOUNCED)
-            if other is None or other.kind != IMPACT:
+            if other is None or other.kind != EventKind.IMPACT:
                 return None
             if abs(abs(other.s - found.s) - moved) > BENT * moved + ROUNDING * (1.0 + found.s):
                 return None
@@ -71,14 +72,15 @@ class Scout:
 
     def _go(self, theta: float, state, count):
         """(the next event, the state there) from a state; (None, _) without one."""
-        log = Log(backend.zeros(2, int), backend.zeros(3), 1)
-        strobe = Strobe(backend.zeros(0), backend.zeros(0, int), 0)
-        state, count = backend.numbers(list(state)), backend.numbers([*count[:2], *[0] * 7], int)
-        plan, work = Plan(0, IDLE, 1 << 62), backend.zeros(3, int)
-        status = entry_points.advance(
-            self.cam, self.lane, self.turns, state, count, plan, log, strobe, work
+        kernel = self.kernel
+        log = Log(kernel.zeros(2, int), kernel.zeros(3), 1)
+        strobe = Strobe(kernel.zeros(0), kernel.zeros(0, int), 0)
+        state, count = kernel.numbers(list(state)), kernel.numbers([*count[:2], *[0] * 7], int)
+        plan, work = Plan(0, IDLE, 1 << 62), kernel.zeros(3, int)
+        status = kernel.advance(
+            self.cam, self.lane, self.flows, state, count, plan, log, strobe, work
         )
-        if status != LOG_FULL:
+        if status != Status.LOG_FULL:
             return None, None
         at, u = float(log.real[0]), float(log.real[2])
         s = self._since(at) - self._since(theta) + TURN * int(log.whole[1])

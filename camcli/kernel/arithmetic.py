@@ -6,7 +6,7 @@ differs with them; these give the same bits everywhere.
 
 from math import factorial
 
-from camcli.kernel.backend import kernel, outlined
+from camcli.kernel.marks import inlined, outlined
 
 # pi/2 in three parts of 33 bits, ln 2 in two parts: products with small integers are exact.
 PIO2_1 = 1.57079632673412561417e00
@@ -24,7 +24,7 @@ V0, V1, V2, V3, V4, V5, V6, V7, V8, V9, V10 = (1.0 / factorial(2 * n + 2) for n 
 _, S1, S2, S3, S4, S5, S6, S7, S8, S9, S10 = (1.0 / factorial(2 * n + 1) for n in range(11))
 
 
-@kernel
+@inlined
 def cos_sin_series(t):
     """V(t) = (C(t) - 1)/t and S(t) for |t| <= 2.5, both to about 1 ulp.
 

@@ -1,72 +1,100 @@
-"""Run the kernel in plain Python, or compile it with numba when there is work enough.
+"""The seam between plain Python and the compiled kernel: everybody above calls a `Kernel`.
 
-Importing numba costs about 0.4 s and compiling a few seconds; plain Python does some ten
-thousand impacts a second. So every kernel function is plain Python, and `compile_kernel` replaces
-the entry points in `entry_points` by compiled copies. Both give the same bits.
+Importing numba costs about 0.4 s and compiling some seconds; plain Python does some ten thousand
+impacts a second. So little work runs in plain Python, and `for_work` and `compiled` give a `Kernel`
+of numba's where there is more. Both give the same bits; a kernel that is in hand stays what it is,
+so nothing changes under a thread that uses it.
 """
 
 from __future__ import annotations
 
 import hashlib
-import importlib
 import os
-import sys
-import threading
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from contextvars import ContextVar
+from dataclasses import dataclass
 from pathlib import Path
-from types import FunctionType
+from threading import Lock
+from time import perf_counter
+from typing import Any
 
-MODULES = (
-    "arithmetic",
-    "cam_table",
-    "flow",
-    "chatter",
-    "gap_series",
-    "contact_search",
-    "flight",
-    "leap",
-    "sticking",
-    "orbit_loop",
-    "variational",
-    "growth",
-    "bordered",
-    "shooting",
-    "certify",
-    "cells",
-    "entry_points",
-)
+from camcli import errors
+from camcli.kernel.cam_table import Cam
+from camcli.kernel.marks import ENTRIES
 
-_functions: list = []
-_entries: set = set()
-_outlined: set = set()
-_announced: set[str] = set()
-_compiled = False
-skip_blas = False  # set by the command line, see `without_blas`
-compile_seconds = 0.0  # spent loading numba and compiling, or reading the cache
-on_compile = None  # called with a line for the user when the kernel must be compiled anew
-_lock = threading.Lock()
+from camcli.kernel import entry_points  # noqa: F401  isort: skip  (fills ENTRIES)
+
+LITTLE_WORK = 10_000  # turns in all that plain Python does before a compiler would be loaded
 
 
-def kernel(function):
-    """Mark a function as part of the kernel; it stays plain Python until compiled."""
-    _functions.append(function)
-    return function
+@dataclass(frozen=True)
+class Kernel:
+    """The kernel's entries in one of their two forms, and tables in the form they take.
+
+    A table is a list in plain Python (numpy's scalars are slow there), else an array.
+    """
+
+    compiled: bool
+    prepare: Callable
+    advance: Callable
+    correct_orbit: Callable
+    certify_orbit: Callable
+    settle_cells: Callable
+    stretch_events: Callable
+
+    def numbers(self, values: Any, kind: type = float) -> Any:
+        """A table of floats or ints; it may be `values` itself."""
+        if not self.compiled:
+            return values if isinstance(values, list) else [kind(value) for value in values]
+        import numpy as np
+
+        return np.require(values, np.float64 if kind is float else np.int64, ["C", "W"])
+
+    def zeros(self, count: int, kind: type = float) -> Any:
+        """A table of zeros."""
+        return self.numbers([kind(0)] * count, kind)
+
+    def cam(self, cam: Cam) -> Cam:
+        """The tables of a cam."""
+        return cam._replace(rows=self.numbers(cam.rows), pieces=self.numbers(cam.pieces))
+
+    def stretch_flows(self, cam: Cam, constants: Any) -> Any:
+        """The table of `entry_points.prepare`, for a cam in this kernel's form."""
+        flows = self.zeros(3 * cam.stretches * cam.stretches)
+        self.prepare(cam, constants, flows)
+        return flows
 
 
-def outlined(function):
-    """`kernel`, for rarely taken paths: compiled as a call instead of in line."""
-    _outlined.add(function)
-    return kernel(function)
+PLAIN = Kernel(compiled=False, **ENTRIES)
+_compiled: Kernel | None = None
+_loading = Lock()
 
 
-def entry(function):
-    """Mark a kernel function that Python calls; only these are cached on disk."""
-    _entries.add(function)
-    return kernel(function)
+def current() -> Kernel:
+    """The compiled kernel if a run of this process has loaded it, else plain Python."""
+    return _compiled or PLAIN
 
 
-def is_compiled() -> bool:
-    """True once `compile_kernel` has replaced the plain functions."""
+def for_work(turns: float, enough: float = LITTLE_WORK) -> Kernel:
+    """The kernel for so many turns: compiled where there are more than `enough`, else `current`."""
+    if must_compile() or (may_compile() and turns > enough):
+        return compiled()
+    return current()
+
+
+def compiled() -> Kernel:
+    """The compiled kernel; plain Python where the user forbids it. Thread-safe."""
+    global _compiled
+    if not may_compile():
+        return PLAIN
+    if _compiled is None:
+        with _waiting(), _loading:
+            if _compiled is None:
+                from camcli.kernel.compiled import compile_entries
+
+                entries = compile_entries(cache_dir(), source_hash(), _waiting)
+                _compiled = Kernel(compiled=True, **entries)
     return _compiled
 
 
@@ -82,9 +110,12 @@ def must_compile() -> bool:
 
 
 def source_hash() -> str:
-    """Hash of the kernel's sources: it names the cache, since numba misses edits in callees."""
+    """Hash of every source that decides about the compiled code: it names the cache.
+
+    numba itself sees only edits in the file of an entry, not in what it calls.
+    """
     digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    for path in (Path(errors.__file__), *sorted(Path(__file__).parent.glob("*.py"))):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -96,105 +127,59 @@ def cache_dir() -> Path:
 
 
 def is_cached(entry: str = "advance") -> bool:
-    """True if an earlier process left this entry point compiled for these sources."""
-    return any(cache_dir().glob(f"**/entry_points.{entry}-*.nbc"))
+    """True if an earlier process left this entry compiled for these sources."""
+    return any(cache_dir().glob(f"{entry}.*.nbc"))
 
 
-def announce(entry: str) -> None:
-    """Say once, before the first call of a compiled entry, that it will take some seconds."""
-    if entry in _announced or not _compiled:
-        return
-    _announced.add(entry)
-    if on_compile is not None and not is_cached(entry):
-        on_compile("compiling a further part of the kernel: some seconds, once ...")
+class Stopwatch:
+    """The seconds of a run, without those in which it waited for the kernel to be compiled."""
+
+    def __init__(self, notice: Callable[[], None] | None):
+        self.seconds = 0.0
+        self.compile_seconds = 0.0
+        self._notice, self._lock = notice, Lock()
+        self._waiting, self._since = 0, 0.0
+
+    @contextmanager
+    def waiting(self, entry: str | None) -> Iterator[None]:
+        """Count the time in which at least one thread of the run waits."""
+        with self._lock:
+            if self._notice is not None and entry is not None and not is_cached(entry):
+                self._notice()
+                self._notice = None
+            if self._waiting == 0:
+                self._since = perf_counter()
+            self._waiting += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._waiting -= 1
+                if self._waiting == 0:
+                    self.compile_seconds += perf_counter() - self._since
 
 
-def _usable_cache() -> Path | None:
-    folder = cache_dir()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return None
-    return folder if os.access(folder, os.W_OK) or is_cached() else None
-
-
-def compile_kernel() -> None:
-    """Make the entry points in `entry_points` numba dispatchers, once; all else stays plain Python.
-
-    A cache folder that cannot be written only costs the compile time again.
-    """
-    global _compiled
-    with _lock:
-        if _compiled:
-            return
-        import numba
-
-        folder = _usable_cache()
-        if on_compile is not None and not is_cached():
-            on_compile("compiling the kernel for this machine: some seconds, once ...")
-        if folder is not None:
-            numba.config.CACHE_DIR = str(folder)
-        _replace_entries(numba.njit, folder is not None)
-        _compiled = True
-
-
-def _replace_entries(njit, cached: bool) -> None:
-    """Compile copies of all kernel functions that see each other, and publish the entries.
-
-    The copies live in namespaces of their own, so that a plain function still calls plain ones.
-    """
-    modules = {name: importlib.import_module(f"{__package__}.{name}") for name in MODULES}
-    spaces = {module.__name__: dict(vars(module)) for module in modules.values()}
-    compiled = {}
-    for function in _functions:
-        copy = FunctionType(function.__code__, spaces[function.__module__], function.__name__)
-        copy.__module__, copy.__doc__ = function.__module__, function.__doc__
-        # Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
-        compiled[function] = njit(
-            nogil=True,
-            error_model="numpy",
-            cache=cached and function in _entries,
-            forceinline=function not in _entries and function not in _outlined,
-            _nrt=False,
-        )(copy)
-    for space in spaces.values():
-        for name, value in space.items():
-            if isinstance(value, FunctionType) and value in compiled:
-                space[name] = compiled[value]
-    for function in _entries:
-        setattr(modules["entry_points"], function.__name__, compiled[function])
+_stopwatch: ContextVar[Stopwatch | None] = ContextVar("stopwatch", default=None)
 
 
 @contextmanager
-def without_blas():
-    """Keep numba from importing scipy.linalg (0.2 s) for matrix products no kernel has.
+def stopwatch(notice: Callable[[], None] | None = None) -> Iterator[Stopwatch]:
+    """Time a run; `notice` is called once before something is compiled that is not on disk.
 
-    Only where `skip_blas` is set: in another program's process numba may be wanted whole.
+    It belongs to this context and the threads that are started in it (`parallel.in_threads`).
     """
-    if not skip_blas or "scipy" in sys.modules:
-        yield
-        return
-    sys.modules["scipy"] = None  # type: ignore[assignment]
+    watch, outer = Stopwatch(notice), _stopwatch.get()
+    token, began = _stopwatch.set(watch), perf_counter()
     try:
-        yield
+        yield watch
     finally:
-        del sys.modules["scipy"]
+        watch.seconds = perf_counter() - began - watch.compile_seconds
+        if outer is not None:
+            outer.compile_seconds += watch.compile_seconds
+        _stopwatch.reset(token)
 
 
-def numbers(values, kind=float):
-    """A table in the form the current kernel wants: a list in plain Python, else an array.
-
-    kind is float or int. Lists keep plain Python free of numpy scalars, which are slow.
-    """
-    if not _compiled:
-        return values if isinstance(values, list) else [kind(value) for value in values]
-    np = sys.modules.get("numpy") or importlib.import_module("numpy")
-    return np.asarray(values, dtype=np.float64 if kind is float else np.int64)
-
-
-def zeros(count: int, kind=float):
-    """`count` zeros in the form of `numbers`."""
-    if not _compiled:
-        return [kind(0)] * count
-    np = sys.modules.get("numpy") or importlib.import_module("numpy")
-    return np.zeros(count, dtype=np.float64 if kind is float else np.int64)
+def _waiting(entry: str | None = None):
+    """The context of whoever waits for the compiler."""
+    watch = _stopwatch.get()
+    return nullcontext() if watch is None else watch.waiting(entry)

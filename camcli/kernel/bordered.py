@@ -8,7 +8,7 @@ keeps the border row, so folds are regular. The work is proportional to n.
 
 from typing import Any, NamedTuple
 
-from camcli.kernel.backend import outlined
+from camcli.kernel.marks import outlined
 
 BLOCK = 10  # numbers an impact takes in `Tables.blocks`: L (4), R (4), E (2)
 WIDE = 8  # columns of a row in hand: d_1 (2), d_k (2), d_k+1 (2), parameter, right side

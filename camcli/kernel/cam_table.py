@@ -8,7 +8,7 @@ At a corner the stretch decides the side: its start is right-sided, its end left
 
 from typing import Any, NamedTuple
 
-from camcli.kernel.backend import kernel
+from camcli.kernel.marks import inlined
 
 TURN = 6.283185307179586  # rad, 2 pi as a double
 TERMS = 14  # coefficients of a piece
@@ -53,7 +53,7 @@ class Cam(NamedTuple):
     top: float  # largest c of the turn, m
 
 
-@kernel
+@inlined
 def polynomial(table, o, x):
     """Sum of table[o + j] x^j for j < TERMS, as two Horner chains at half the latency."""
     y = x * x
@@ -76,7 +76,7 @@ def polynomial(table, o, x):
     return even + x * odd
 
 
-@kernel
+@inlined
 def piece_at(cam, i, theta):
     """Offset in cam.pieces of the piece of stretch i that holds theta (clamped to the stretch)."""
     row = i * ROW
@@ -87,7 +87,7 @@ def piece_at(cam, i, theta):
     return (int(cam.rows[row + FIRST]) + k) * PIECE
 
 
-@kernel
+@inlined
 def lift(cam, i, theta):
     """(c, c_theta, c_thetatheta) at theta within stretch i."""
     o = piece_at(cam, i, theta)
@@ -99,7 +99,7 @@ def lift(cam, i, theta):
     )
 
 
-@kernel
+@inlined
 def lift_at(cam, i, theta):
     """`lift`, reading the stored values at the two ends of the stretch."""
     row = i * ROW
@@ -110,14 +110,14 @@ def lift_at(cam, i, theta):
     return lift(cam, i, theta)
 
 
-@kernel
+@inlined
 def third(cam, i, theta):
     """Third derivative of c at theta within stretch i."""
     o = piece_at(cam, i, theta)
     return polynomial(cam.pieces, o + 1 + 3 * TERMS, theta - cam.pieces[o])
 
 
-@kernel
+@inlined
 def higher(cam, i, theta):
     """Third to sixth derivative of c at theta within stretch i."""
     o = piece_at(cam, i, theta)
@@ -130,7 +130,7 @@ def higher(cam, i, theta):
     )
 
 
-@kernel
+@inlined
 def stretch_at(cam, theta):
     """Index of the stretch that holds theta in [0, 2 pi); a boundary belongs to the right."""
     i = cam.stretches - 1

@@ -11,10 +11,9 @@ they lead to, or that the motion is to be followed on; at another one a start st
 
 from typing import Any, NamedTuple
 
-from camcli.errors import OK
-from camcli.kernel.backend import kernel
 from camcli.kernel.cam_table import ROW, START
-from camcli.kernel.orbit_loop import GAP, MODE, PERIOD, RATE, STRETCH, THETA, TOTAL, Plan, run
+from camcli.kernel.marks import inlined
+from camcli.kernel.orbit_loop import GAP, MODE, OK, PERIOD, RATE, STRETCH, THETA, TOTAL, Plan, run
 
 UNDECIDED = -1  # outcome: the budget of turns was used up; below it, see `trouble`
 FORGOTTEN = -2  # outcome of a state after a rest: nothing is known of what it leads to
@@ -68,7 +67,7 @@ class Room(NamedTuple):
     tally: Any  # (2,) int: impacts, turns
 
 
-@kernel
+@inlined
 def follow(cam, lane, turns, targets, cells, budget, room):
     """Follow every cell of the block for at most `budget` turns; nothing is returned."""
     for n in range(cells.count):
@@ -92,13 +91,13 @@ def follow(cam, lane, turns, targets, cells, budget, room):
         room.tally[1] += used
 
 
-@kernel
+@inlined
 def trouble(status):
     """Outcome of a cell whose run ends with a status that is not OK."""
     return -10 - status
 
 
-@kernel
+@inlined
 def settle_cell(cam, lane, turns, targets, budget, room):
     """(outcome, turns used, longest stay in boxes, symbol of the last turn) of one cell."""
     plan, log, strobe, work = Plan(0, 1, ENDLESS), room.log, room.strobe, room.work
@@ -142,7 +141,7 @@ def settle_cell(cam, lane, turns, targets, budget, room):
     return UNDECIDED, budget, longest, symbol
 
 
-@kernel
+@inlined
 def form(targets, j, gap, rate):
     """A x^2 + B x y + C y^2 of a state about point j; at most 1 inside its ellipse."""
     o = POINT * j
@@ -151,7 +150,7 @@ def form(targets, j, gap, rate):
     return (targets.real[o + 2] * x + targets.real[o + 3] * y) * x + targets.real[o + 4] * y * y
 
 
-@kernel
+@inlined
 def enter(targets, gap, rate):
     """The first point whose ellipse holds the state, or -1."""
     for j in range(targets.points):
@@ -160,7 +159,7 @@ def enter(targets, gap, rate):
     return -1
 
 
-@kernel
+@inlined
 def rested(targets, gap, rate):
     """Outcome of a state at the strobe after a complete chatter; NEW_REST where it is unknown."""
     for j in range(targets.rests):
@@ -171,7 +170,7 @@ def rested(targets, gap, rate):
     return NEW_REST
 
 
-@kernel
+@inlined
 def visited(targets, gap, rate):
     """1 + the aperiodic attractor whose boxes hold the state, or 0."""
     if targets.columns == 0:

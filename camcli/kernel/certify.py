@@ -1,10 +1,10 @@
 """Is a root of the shooting equations a motion? The same contact search as everywhere tells."""
 
-from camcli.kernel.backend import kernel
 from camcli.kernel.cam_table import END, KICK, ROW, START, TURN
 from camcli.kernel.contact_search import LANDED, LOST, STUCK
 from camcli.kernel.flight import BOUNCED, FREE, fly
 from camcli.kernel.flow import flow, lane_of
+from camcli.kernel.marks import inlined
 
 ADMISSIBLE, EARLY, LATE, PULLS, DOUBTFUL = range(5)  # verdicts
 NO_CHATTER_MAP = -1.0  # a tolerance below every error
@@ -13,7 +13,7 @@ IMPACT_AT, PHASE = 0, 1  # entries of `found`
 MOST_STEPS = 100_000
 
 
-@kernel
+@inlined
 def across_only(cam, lane, turns):
     """Fill the part of `turns` that crossing one stretch needs (see `entry_points.prepare`)."""
     n = cam.stretches
@@ -23,7 +23,7 @@ def across_only(cam, lane, turns):
         turns[o], turns[o + 1], turns[o + 2] = flow(lane, length)
 
 
-@kernel
+@inlined
 def next_contact(cam, lane, turns, i, theta, v, most, work):
     """(code, theta, turn) of the first contact after an impact at theta with outgoing rate v.
 
@@ -50,7 +50,7 @@ def next_contact(cam, lane, turns, i, theta, v, most, work):
     return LOST, theta, turn
 
 
-@kernel
+@inlined
 def certify(cam, machine, n, turns, whole, x, rates, table, found, work):
     """Verdict on the root x of the shooting equations; `found`: impact and phase it rests on.
 

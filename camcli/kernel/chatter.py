@@ -1,14 +1,14 @@
 """At the contact: the chatter map with its error, and the local Taylor series of the gap."""
 
-from camcli.kernel.backend import kernel
 from camcli.kernel.cam_table import RADIUS, ROW, higher
+from camcli.kernel.marks import inlined
 
 REFUSED = 1e300
 LARGEST_CHANGE = 0.25  # relative change of the acceleration the error estimate covers
 TAYLOR_PHASE = 0.02  # largest (W + 2 Z) s of the follower's own series of order 6
 
 
-@kernel
+@inlined
 def chatter_map(lane, u, accel, jerk, jerk_bound, snap_bound):
     """Phase left until impacts accumulate, after an impact with u > 0 and accel < 0: (tau, error).
 
@@ -35,7 +35,7 @@ def chatter_map(lane, u, accel, jerk, jerk_bound, snap_bound):
     return length + second * p * p, error
 
 
-@kernel
+@inlined
 def taylor(cam, lane, i, theta, q2, q3, c2):
     """Second to sixth derivative of the gap over their factorials, at theta of stretch i.
 
@@ -54,13 +54,13 @@ def taylor(cam, lane, i, theta, q2, q3, c2):
     )
 
 
-@kernel
+@inlined
 def taylor_holds(cam, lane, i, s):
     """True where the series of order 6 is more exact over s than q - c computed in doubles."""
     return s <= cam.rows[i * ROW + RADIUS] and (lane.W + 2.0 * lane.Z) * s <= TAYLOR_PHASE
 
 
-@kernel
+@inlined
 def series_gap(gap, rate, t, s):
     """(gap, gap_rate) at s from the coefficients of `taylor`."""
     t2, t3, t4, t5, t6 = t

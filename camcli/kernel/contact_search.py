@@ -18,7 +18,6 @@ Contacts closer than the rounding of q - c (about 1e-16 of the lift) to a graze 
 from math import sqrt
 from typing import NamedTuple
 
-from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.cam_table import (
     ACCEL_MAX,
     ACCEL_MIN,
@@ -32,6 +31,7 @@ from camcli.kernel.cam_table import (
 )
 from camcli.kernel.flow import flow
 from camcli.kernel.gap_series import LONGEST_PHASE, NEAR, gap_near
+from camcli.kernel.marks import inlined, outlined
 
 CLEAR, LANDED, ACCUMULATED, STUCK, LOST = 0, 1, 2, 3, 4  # how a step ends
 EVALUATIONS, CROSSINGS, STEPS = 0, 1, 2  # counters in `work`
@@ -59,7 +59,7 @@ class Flight(NamedTuple):
     end: float  # rad to the end of the stretch
 
 
-@kernel
+@inlined
 def flight_at(cam, lane, i, theta, gap, rate):
     """The flight that begins with (gap, rate) at theta of stretch i."""
     c, c1, c2 = lift_at(cam, i, theta)
@@ -73,7 +73,7 @@ def flight_at(cam, lane, i, theta, gap, rate):
     return Flight(theta, gap, rate, q, w, force, q2, q3, c2, energy, end)
 
 
-@kernel
+@inlined
 def search(cam, lane, turns, i, f, work):
     """One certified step of a flight (see the module): CLEAR, LANDED or LOST."""
     row = i * ROW
@@ -116,7 +116,7 @@ def search(cam, lane, turns, i, f, work):
     return LOST, f.theta, f.gap, f.rate
 
 
-@kernel
+@inlined
 def _across(cam, lane, turns, i, f, work):
     """(gap, gap_rate, q'') at the end of stretch i of a flight from its start, by the table."""
     work[CROSSINGS] += 1
@@ -128,7 +128,7 @@ def _across(cam, lane, turns, i, f, work):
     return x - cam.rows[i * ROW + END0], v - cam.rows[i * ROW + END1], y
 
 
-@kernel
+@inlined
 def gap_at(cam, lane, i, f, s, work):
     """(gap, gap_rate, gap_accel) after s rad of the flight, within stretch i.
 
@@ -148,7 +148,7 @@ def gap_at(cam, lane, i, f, s, work):
     return x - c, v - c1, -lane.G - lane.W2 * x - 2.0 * lane.Z * v - c2
 
 
-@kernel
+@inlined
 def land(cam, lane, i, f, high, first, work):
     """Root of the gap between 0 and `high` (gap <= 0) where it is the only one; first: a guess.
 
@@ -186,7 +186,7 @@ def land(cam, lane, i, f, high, first, work):
     return LANDED, min(f.theta + s, cam.rows[i * ROW + END]), 0.0, u
 
 
-@kernel
+@inlined
 def guess(gap, rate, accel, s, g1, u1):
     """Landing predicted by the parabola at the start, else by the tangent at the end."""
     square = rate * rate - 2.0 * accel * gap

@@ -1,11 +1,11 @@
 """Entry points from Python: one lane is one orbit, lanes do not know of each other."""
 
-from camcli.kernel.backend import entry
 from camcli.kernel.cam_table import END, ROW, START, TURN
 from camcli.kernel.cells import follow
 from camcli.kernel.certify import certify
 from camcli.kernel.flow import flow
 from camcli.kernel.growth import stretch_log
+from camcli.kernel.marks import entry
 from camcli.kernel.orbit_loop import run
 from camcli.kernel.shooting import correct
 

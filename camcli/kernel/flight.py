@@ -6,7 +6,6 @@ inequality that makes the landing the only one; everything else is left to `sear
 
 from math import sqrt
 
-from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.cam_table import END, JERK_MAX, RADIUS, ROW, SNAP_MAX, third
 from camcli.kernel.chatter import (
     chatter_map,
@@ -28,11 +27,12 @@ from camcli.kernel.contact_search import (
     search,
 )
 from camcli.kernel.gap_series import LONGEST_PHASE, NEAR, gap_near
+from camcli.kernel.marks import inlined, outlined
 
 FREE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins: gap > 0, after an impact, from sticking
 
 
-@kernel
+@inlined
 def fly(cam, lane, turns, i, theta, gap, rate, begin, work):
     """Advance a flight within stretch i from theta: (code, theta, gap, rate).
 
@@ -98,7 +98,7 @@ def _leave(cam, lane, turns, i, f, work):
     return search(cam, lane, turns, i, f, work)
 
 
-@kernel
+@inlined
 def _accumulation(cam, lane, i, f, accel, jerk_bound):
     """Phase until chatter accumulates; -1 where the map is too inexact or passes a corner."""
     if 2.0 * f.rate * jerk_bound > 0.25 * (1.0 - lane.r) * accel * accel:
@@ -111,7 +111,7 @@ def _accumulation(cam, lane, i, f, accel, jerk_bound):
     return tau
 
 
-@kernel
+@inlined
 def _hop(cam, lane, i, f, hop, work):
     """A flight that is concave up to its landing: gap'' <= accel/2 < 0 over 1.5 predicted hops.
 
@@ -129,7 +129,7 @@ def _hop(cam, lane, i, f, hop, work):
     return land(cam, lane, i, f, reach, hop, work)
 
 
-@kernel
+@inlined
 def _series(cam, i, f, t, hop, reach, work):
     """Landing of a flight given by its Taylor series, known to be the only one within `reach`."""
     if reach == f.end:

@@ -13,7 +13,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from camcli.kernel.arithmetic import cos_sin_series, exp_decay, one_minus_exp_ratio, sincos
-from camcli.kernel.backend import kernel, outlined
+from camcli.kernel.marks import inlined, outlined
 
 SERIES_LIMIT = 2.5  # largest |D s^2| that one series covers
 
@@ -36,7 +36,7 @@ RPM, MASS, STIFFNESS, DAMPING, GRAVITY, PRELOAD, RESTITUTION = range(7)
 RAD_PER_S = 0.10471975511965977  # pi/30, rad/s per rpm
 
 
-@kernel
+@inlined
 def lane_of(machine, tolerance, impact_budget):
     """The constants of one orbit; `machine` is indexed by RPM to RESTITUTION, tolerance in rad."""
     omega = machine[RPM] * RAD_PER_S
@@ -47,7 +47,7 @@ def lane_of(machine, tolerance, impact_budget):
     return Lane(W, W * W, Z, (Z - W) * (Z + W), G, machine[RESTITUTION], tolerance, impact_budget)
 
 
-@kernel
+@inlined
 def flow(lane, s):
     """(B, B', P) after s >= 0 rad of flight; see the module's equations."""
     if lane.Z == 0.0:
@@ -55,7 +55,7 @@ def flow(lane, s):
     return _flow_damped(lane, s)
 
 
-@kernel
+@inlined
 def _flow_undamped(W, W2, s):
     t = -W2 * s * s
     if t >= -SERIES_LIMIT:
@@ -120,7 +120,7 @@ def _flow_overdamped(lane, s):
     return b, b1, p
 
 
-@kernel
+@inlined
 def move(lane, q, w, s):
     """Position and velocity (q, dq/dtheta) after s rad of flight from (q, w)."""
     b, b1, p = flow(lane, s)

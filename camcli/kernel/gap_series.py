@@ -8,8 +8,8 @@ slope gained before. The follower's part is Q = sum T_n/((n + 1)(n + 2)) with
 from q'''' = -2 Z q''' - W^2 q''; the slope has sum T_n/(n + 1), the acceleration sum T_n.
 """
 
-from camcli.kernel.backend import outlined
 from camcli.kernel.cam_table import END, PER_ANGLE, PIECE, ROW, TERMS, lift_at, piece_at
+from camcli.kernel.marks import outlined
 
 NEAR = 0.03125  # rad, longest flight for which this is worth its cost
 LONGEST_PHASE = 0.125  # (W + 2 Z) s that MOST_TERMS terms cover to rounding

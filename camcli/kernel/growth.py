@@ -8,8 +8,8 @@ no library's rounding, is needed on the way. A complete chatter maps every diffe
 
 from math import sqrt
 
-from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.cam_table import ROW, START, TURN, lift_at, stretch_at
+from camcli.kernel.marks import inlined, outlined
 from camcli.kernel.orbit_loop import CHATTER, IMPACT
 from camcli.kernel.variational import after_flight, after_impact
 
@@ -19,7 +19,7 @@ LARGE, SMALL = 1.8446744073709552e19, 5.421010862427522e-20  # 2^64 and its inve
 LN2 = 0.6931471805599453
 
 
-@kernel
+@inlined
 def stretch_log(cam, lane, whole, real, rows, pair, growth):
     """Carry the pair through `rows` logged events; lengths and area multiply into `growth`.
 
@@ -41,7 +41,7 @@ def stretch_log(cam, lane, whole, real, rows, pair, growth):
             pair[SEEN], pair[THETA], pair[PERIOD] = 1.0, theta, float(whole[2 * n + 1])
 
 
-@kernel
+@inlined
 def _carry(cam, lane, theta, period, u, pair, growth):
     """The flight to the impact at theta, the impact, and a new orthogonal pair.
 
@@ -66,7 +66,7 @@ def _carry(cam, lane, theta, period, u, pair, growth):
     pair[QW], pair[WW] = -wq / length, qq / length
 
 
-@kernel
+@inlined
 def _multiply(growth, k, factor):
     """growth[k] times factor, with powers of 2^64 counted in growth[k + 1]."""
     value = growth[k] * factor
@@ -97,7 +97,7 @@ def natural_log(x):
     return 2.0 * z * total + twos * LN2
 
 
-@kernel
+@inlined
 def log_growth(growth, k):
     """Logarithm of a factor of `growth` with its powers."""
     return natural_log(growth[k]) + growth[k + 1] * (64.0 * LN2)

@@ -1,13 +1,13 @@
 """Leap over the quiet part of a high flight."""
 
-from camcli.kernel.backend import kernel
 from camcli.kernel.cam_table import END, ROW, START, START0, START1, TURN
 from camcli.kernel.contact_search import CROSSINGS
+from camcli.kernel.marks import inlined
 
 HALF_PERIOD = 9.8  # just below pi squared
 
 
-@kernel
+@inlined
 def leap(cam, lane, turns, i, gap, rate, work):
     """Skip whole stretches while the follower is above the cam's top: (stretches, gap, gap_rate).
 

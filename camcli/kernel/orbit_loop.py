@@ -1,17 +1,35 @@
 """One orbit: find the next event, move there, reset; count and log what was asked for."""
 
+from enum import IntEnum
 from typing import Any, NamedTuple
 
-from camcli.errors import IMPACT_BUDGET, LOG_FULL, NO_RETURN, OK, PAUSED, UNRESOLVED
-from camcli.kernel.backend import kernel, outlined
+from camcli.errors import Status
 from camcli.kernel.cam_table import END, KICK, ROW, START, START0, START1, lift_at
 from camcli.kernel.contact_search import ACCUMULATED, LANDED, LOST, STEPS, STUCK
 from camcli.kernel.flight import BOUNCED, FREE, RELEASED, fly
 from camcli.kernel.leap import leap
+from camcli.kernel.marks import inlined, outlined
 from camcli.kernel.sticking import SKIP, slide
 
+
+class EventKind(IntEnum):
+    """What a row of the log is."""
+
+    IMPACT = 1
+    CHATTER = 2  # a complete chatter accumulates
+    DETACHMENT = 3
+
+    @property
+    def text(self) -> str:
+        """The kind as it stands in a CSV."""
+        return self.name.lower()
+
+
+# numba compiles ints, not members of an enum.
+IMPACT, CHATTER, DETACHMENT = (int(kind) for kind in EventKind)
+OK, LOG_FULL, IMPACT_BUDGET, NO_RETURN, UNRESOLVED, PAUSED = (int(status) for status in Status)
+
 RESTING = 3  # further `mode` beside FREE, BOUNCED, RELEASED
-IMPACT, CHATTER, DETACHMENT = 1, 2, 3  # event kinds in the log
 MOST_STEPS_BETWEEN = 100_000  # without an impact or a corner
 
 THETA, GAP, RATE = 0, 1, 2  # entries of `state`
@@ -42,7 +60,7 @@ class Plan(NamedTuple):
     steps: int  # return PAUSED after so many steps
 
 
-@kernel
+@inlined
 def run(cam, lane, turns, state, count, plan, log, strobe, work):
     """Advance one orbit to the start of period plan.stop; returns a status (camcli.errors).
 
@@ -101,7 +119,7 @@ def run(cam, lane, turns, state, count, plan, log, strobe, work):
     return status
 
 
-@kernel
+@inlined
 def settle(cam, lane, count, plan, log, i, theta, rate, mode, code):
     """What follows the end of `fly`: (mode, theta, rate) after the reset map u+ = -r u-.
 
@@ -126,7 +144,7 @@ def settle(cam, lane, count, plan, log, i, theta, rate, mode, code):
     return FREE, theta, rate
 
 
-@kernel
+@inlined
 def write(cam, count, plan, log, kind, i, theta, u):
     """Log one event if a log was asked for and this period is in it."""
     n = count[LOGGED]
@@ -139,7 +157,7 @@ def write(cam, count, plan, log, kind, i, theta, u):
         count[LOGGED] = n + 1
 
 
-@kernel
+@inlined
 def detach(cam, count, plan, log, i, theta):
     """Count (outside the transient) and log a detachment."""
     if count[PERIOD] >= 0:
@@ -147,7 +165,7 @@ def detach(cam, count, plan, log, i, theta):
     write(cam, count, plan, log, DETACHMENT, i, theta, 0.0)
 
 
-@kernel
+@inlined
 def cross(cam, count, plan, log, i, gap, rate, mode):
     """Enter the next stretch: (i, theta, rate, mode); a jump of c_theta is a blow or a launch."""
     count[IDLE] = 0
@@ -167,7 +185,7 @@ def cross(cam, count, plan, log, i, gap, rate, mode):
     return i, theta, rate, mode
 
 
-@kernel
+@inlined
 def begin_period(cam, count, plan, strobe, i, gap, rate):
     """Count the period that ends in this strobe, and record the state that begins the next."""
     period = count[PERIOD]

@@ -13,15 +13,16 @@ central difference: it only steers.
 
 from typing import Any, NamedTuple
 
-from camcli.errors import OK, UNRESOLVED
-from camcli.kernel.backend import kernel, outlined
+from camcli.errors import Status
 from camcli.kernel.bordered import BLOCK, solve_bordered
 from camcli.kernel.cam_table import END, PER_ANGLE, ROW, START, TURN, lift
 from camcli.kernel.contact_search import flight_at
 from camcli.kernel.flow import DAMPING, MASS, RPM, STIFFNESS, flow, lane_of
 from camcli.kernel.gap_series import LONGEST_PHASE, NEAR, gap_near
+from camcli.kernel.marks import inlined, outlined
 from camcli.kernel.variational import after_flight, after_impact, relative_accel
 
+OK, UNRESOLVED = int(Status.OK), int(Status.UNRESOLVED)
 MOST_STEPS = 25
 CONVERGED = 4e-15  # a Newton step relative to the unknowns' sizes that rounding alone can make
 STALLED = 1e-8  # a step that no longer shrinks, but small enough to be rounding
@@ -41,7 +42,7 @@ class Border(NamedTuple):
     rate: float  # the same for the rates, m/rad
 
 
-@kernel
+@inlined
 def _length(x, whole, turns, k, n):
     """rad of flight k."""
     j = k + 1
@@ -93,7 +94,7 @@ def _block(cam, lane, x, whole, turns, k, n, blocks):
     blocks[o + 9] = r * u + x[2 * j + 1]
 
 
-@kernel
+@inlined
 def _by_parameter(cam, low, high, width, x, whole, turns, k, n):
     """(dE1, dE2) of flight k by the parameter: a difference between two lanes."""
     j = (k + 1) % n
@@ -103,7 +104,7 @@ def _by_parameter(cam, low, high, width, x, whole, turns, k, n):
     return (gap - other) / width, ((high.r * u + after) - (low.r * rate + after)) / width
 
 
-@kernel
+@inlined
 def _lanes(machine, parameter, value, scale):
     """(lane, low, high, width): the machine at `value` and at both ends of a difference."""
     width = DIFFERENCE * max(abs(value), scale)
@@ -118,7 +119,7 @@ def _lanes(machine, parameter, value, scale):
     return lane_of(machine, 0.0, 0), low_lane, high_lane, (value + width) - low
 
 
-@kernel
+@inlined
 def _meaningful(parameter, value):
     """False for constants no machine has: the iteration has left the range of the parameter."""
     if parameter in (RPM, MASS):
@@ -126,7 +127,7 @@ def _meaningful(parameter, value):
     return value >= 0.0 or parameter not in (STIFFNESS, DAMPING)
 
 
-@kernel
+@inlined
 def correct(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
     """Newton's method on the bordered equations from x, in place; OK or UNRESOLVED.
 
@@ -163,7 +164,7 @@ def correct(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
     return UNRESOLVED
 
 
-@kernel
+@inlined
 def _within_reach(cam, n, whole, x):
     """False where an impact lies farther beyond its stretch than the cam's pieces reach."""
     for k in range(n):
@@ -174,7 +175,7 @@ def _within_reach(cam, n, whole, x):
     return True
 
 
-@kernel
+@inlined
 def _take(n, x, t, border):
     """Add the step to x; its size relative to 1 rad, the largest rate and the parameter."""
     step, rate, scale = t.step, border.rate, border.scale
@@ -188,7 +189,7 @@ def _take(n, x, t, border):
     return size
 
 
-@kernel
+@inlined
 def _finish(cam, machine, n, turns, whole, x, rates):
     """Incoming rates of all impacts, and the trace of the monodromy matrix, if no rate is zero."""
     lane = lane_of(machine, 0.0, 0)

@@ -6,7 +6,6 @@ minus the contact force over the mass and omega^2. Contact lasts while a < 0.
 
 from math import sqrt
 
-from camcli.kernel.backend import kernel, outlined
 from camcli.kernel.cam_table import (
     ACCEL_MAX,
     ACCEL_MIN,
@@ -19,13 +18,14 @@ from camcli.kernel.cam_table import (
     lift_at,
     third,
 )
+from camcli.kernel.marks import inlined, outlined
 
 MOST_STEPS = 500
 SKIP = 1e-8  # rad, past a phase where the contact force touches zero without lift-off
 ROUNDING = 4.0 * 2.220446049250313e-16
 
 
-@kernel
+@inlined
 def contact_accel(cam, lane, i, theta):
     """(a, da/dtheta, size of its terms) in contact at theta within stretch i."""
     c, c1, c2 = lift_at(cam, i, theta)

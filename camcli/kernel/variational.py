@@ -10,24 +10,24 @@ rests on the cam its state is the cam's: a sticking phase, and with it a complet
 every difference to zero.
 """
 
-from camcli.kernel.backend import kernel
 from camcli.kernel.flow import flow
+from camcli.kernel.marks import inlined
 
 
-@kernel
+@inlined
 def flight_tangent(lane, s):
     """(qq, qw, wq, ww), the matrix of a flight of s rad."""
     b, b1, p = flow(lane, s)
     return 1.0 - lane.W2 * p, b, -lane.W2 * b, b1
 
 
-@kernel
+@inlined
 def relative_accel(lane, c, w, c2):
     """q'' - c_thetatheta on the cam at height c with velocity w (m/rad)."""
     return -(lane.G + lane.W2 * c) - 2.0 * lane.Z * w - c2
 
 
-@kernel
+@inlined
 def saltation(lane, lifts, u):
     """Lower left entry of the saltation matrix of an impact with relative rate u < 0.
 
@@ -39,14 +39,14 @@ def saltation(lane, lifts, u):
     return (lane.r * before + after) / u
 
 
-@kernel
+@inlined
 def after_flight(lane, s, qq, qw, wq, ww):
     """The flight's matrix times [[qq, qw], [wq, ww]]."""
     a, b, c, d = flight_tangent(lane, s)
     return a * qq + b * wq, a * qw + b * ww, c * qq + d * wq, c * qw + d * ww
 
 
-@kernel
+@inlined
 def after_impact(lane, lifts, u, qq, qw, wq, ww):
     """The impact's saltation matrix times [[qq, qw], [wq, ww]]."""
     s = saltation(lane, lifts, u)

@@ -1,4 +1,7 @@
-"""Threads over a kernel that holds no lock; results in the order of the pieces."""
+"""Threads over a kernel that holds no lock; results in the order of the pieces.
+
+A thread sees the context variables of who asked for the pieces.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import copy_context
 from typing import TypeVar
 
 Piece = TypeVar("Piece")
@@ -34,7 +38,7 @@ def in_threads(
     running: deque[Future] = deque()
     try:
         for piece in pieces:
-            running.append(pool.submit(function, piece))
+            running.append(pool.submit(copy_context().run, function, piece))
             if len(running) >= AHEAD * count:
                 yield running.popleft().result()
         while running:

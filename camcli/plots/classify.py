@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from camcli.analysis.classify import APERIODIC, UNDECIDED, Motion
 from camcli.analysis.explain.events import Event
 from camcli.analysis.exponents import Exponents
-from camcli.analysis.integrate import IMPACT
 from camcli.analysis.sweep import status_name
-from camcli.errors import OK
+from camcli.errors import Status
+from camcli.kernel.orbit_loop import EventKind
 from camcli.plots import style
 from camcli.plots.axes import (
     TURN_DEG,
@@ -138,7 +138,7 @@ def draw_classify(
 def _draw_key(figure: Figure, scene: _Scene) -> None:
     """A colour for every kind, with the number of its motions; then what is not ok."""
     count = Counter(map(kind, scene.motions))
-    troubles = Counter(status_name(m.status) for m in scene.motions if m.status != OK)
+    troubles = Counter(status_name(m.status) for m in scene.motions if m.status != Status.OK)
     entries = [(COLOURS[name], False, f"{name} ({count[name]})") for name in COLOURS if count[name]]
     if troubles:
         said = ", ".join(f"{name} {many}" for name, many in sorted(troubles.items()))
@@ -149,7 +149,7 @@ def _draw_key(figure: Figure, scene: _Scene) -> None:
 def _impact_phases(motion: Motion) -> np.ndarray:
     """Of the record, deg."""
     tape = motion.tape
-    keep = (np.asarray(tape.kind) == IMPACT) & (np.asarray(tape.period) >= 0)
+    keep = (np.asarray(tape.kind) == EventKind.IMPACT) & (np.asarray(tape.period) >= 0)
     return np.degrees(np.asarray(tape.theta, dtype=float)[keep]) % TURN_DEG
 
 
@@ -173,7 +173,7 @@ def _draw_phases(axes: Axes, scene: _Scene, system: System | None) -> None:
         pixels = Pixels(scene.columns, low, high, PHASES)
         take_all(values[name], pixels.take)
         draw_shares(axes, pixels, clouds[name], _shades(COLOURS[name]), norm)
-    trouble_ticks(axes, [x for x, motion in scene.pairs() if motion.status != OK])
+    trouble_ticks(axes, [x for x, motion in scene.pairs() if motion.status != Status.OK])
     if system is not None:
         corners_upwards(axes, style.corner_names(system.corners_deg).items())
     axes.set_ylabel(r"impact phase $\theta$ (deg)")

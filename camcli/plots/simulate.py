@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
-from camcli.errors import OK, STATUSES
+from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import TURN_DEG, corners_across, legend, mark
 
@@ -114,8 +114,8 @@ def _finer(
 def draw_simulation(simulation: Simulation, turns: int) -> Figure:
     """Picture of the last `turns` turns of a simulation."""
     title = f"Time response at {style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
-    status = STATUSES[simulation.status]
-    stopped = f"stopped ({status.name}): {status.cause}" if simulation.status != OK else ""
+    status = Status(simulation.status)
+    stopped = f"stopped ({status.name}): {status.cause}" if simulation.status != Status.OK else ""
     figure = style.page(HEIGHT, title, stopped, style.TROUBLE)
     wide = style.WIDTH - LEFT - RIGHT
     motion = style.place(figure, LEFT, 205, wide, 440, ylabel="position (m)")

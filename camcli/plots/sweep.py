@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.integrate import Settings
 from camcli.analysis.sweep import FIXED, Speed, Sweep, status_name
-from camcli.errors import OK
+from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import (
     NARROW_DEG,
@@ -71,11 +71,11 @@ class Survey:
     @property
     def troubled(self) -> np.ndarray:
         """Speeds (rpm) whose status is not ok, ascending."""
-        return np.sort(self.rpm[self.status != OK])
+        return np.sort(self.rpm[self.status != Status.OK])
 
     def troubles(self) -> Counter[str]:
         """How many speeds have each status that is not ok."""
-        return Counter(status_name(code) for code in self.status[self.status != OK].tolist())
+        return Counter(status_name(code) for code in self.status[self.status != Status.OK].tolist())
 
 
 def _read(

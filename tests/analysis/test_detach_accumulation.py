@@ -11,7 +11,7 @@ from camcli.analysis.contact_loss.force import DEG
 from camcli.analysis.contact_loss.study import detach
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.sweep import rpm_grid
-from camcli.kernel.orbit_loop import CHATTER, IMPACT
+from camcli.kernel.orbit_loop import EventKind
 from camcli.output.detach import bursts_text
 from tests.conftest import chapter_system, settings
 
@@ -42,7 +42,9 @@ def test_the_end_of_the_chatter_comes_up_to_the_corner(chapter, result):
     for corner, phase in (("c", 160.0), ("d", 200.0)):
         (found,) = of_corner(result, corner)
         tape = Orbit(chapter, found.low - 1e-7, settings(0, 1, 1e-13)).run()
-        ends = [x * DEG for k, x in zip(tape.kind, tape.theta, strict=True) if k == CHATTER]
+        ends = [
+            x * DEG for k, x in zip(tape.kind, tape.theta, strict=True) if k == EventKind.CHATTER
+        ]
         assert phase - 1e-3 < ends[0] < phase
 
 
@@ -79,7 +81,7 @@ def test_every_hit_is_a_landing_by_simulation(chapter, result):
             times = [
                 360.0 * p + x * DEG
                 for k, p, x in zip(tape.kind, tape.period, tape.theta, strict=True)
-                if k == IMPACT
+                if k == EventKind.IMPACT
             ]
             place = corners[hit.corner]
             place += 0.0 if place > corners["b"] else 360.0
@@ -127,7 +129,11 @@ def test_the_curve_has_a_row_per_complete_burst(chapter, result):
         assert len(speed.ends) == complete
         if speed.rpm in (120.0, 150.0):
             tape = Orbit(chapter, speed.rpm, settings(20, 1, 1e-13)).run()
-            ends = [x * DEG for k, x in zip(tape.kind, tape.theta, strict=True) if k == CHATTER]
+            ends = [
+                x * DEG
+                for k, x in zip(tape.kind, tape.theta, strict=True)
+                if k == EventKind.CHATTER
+            ]
             assert speed.ends == pytest.approx(ends, abs=1e-6)
 
 

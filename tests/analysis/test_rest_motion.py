@@ -20,7 +20,7 @@ from camcli.exact.motion import FORGOT, ON_EDGE, UNCLEAR, TrueMotion
 from camcli.exact.scout import Found, Scout
 from camcli.kernel.cam_table import stretch_at
 from camcli.kernel.flow import flow
-from camcli.kernel.orbit_loop import IMPACT
+from camcli.kernel.orbit_loop import EventKind
 from camcli.system import Follower, System
 from tests.oracle import Arc, ArcsCam, Oracle
 from tests.oracle import Follower as OracleFollower
@@ -167,7 +167,7 @@ def test_an_impact_at_an_edge_is_not_decided(monkeypatch):
     motion = from_rest(chapter_system(), 358.0)
     edge = motion.lifts.edges(2)[1]
     monkeypatch.setattr(motion, "_landing", lambda found: (Decimal(1), edge - Decimal("1e-13")))
-    assert not motion._impact(Found(IMPACT, 1.0, 2, float(edge), -1.0))
+    assert not motion._impact(Found(EventKind.IMPACT, 1.0, 2, float(edge), -1.0))
     assert motion.reason == ON_EDGE
 
 
@@ -232,7 +232,7 @@ def test_a_law_cam_agrees_with_the_kernel_impact_by_impact():
     tape = Orbit(system, 700.0, settings(0, 4)).run()
     hits = [
         (theta, u) for kind, theta, u in zip(tape.kind, tape.theta, tape.u, strict=True)
-        if kind == IMPACT
+        if kind == EventKind.IMPACT
     ]  # fmt: skip
     assert len(motion.trail.impacts) >= 5
     for (place, u), (theta, v) in zip(motion.trail.impacts, hits, strict=False):

@@ -21,8 +21,10 @@ import numpy as np
 
 from camcli.analysis.bench.peers import Heyoka, SolveIvp
 from camcli.analysis.bench.precision import Case, case, heyoka_available, run_peer
-from camcli.analysis.integrate import IMPACT, Orbit, Settings, Start, compile_for
+from camcli.analysis.integrate import Orbit, Settings, Start
 from camcli.cli.bench import machines
+from camcli.kernel import backend
+from camcli.kernel.orbit_loop import EventKind
 from camcli.system import System
 
 CHATTER = 1e-9  # turns, everybody's tolerance
@@ -42,12 +44,14 @@ def runner(method: str, some: Case) -> Callable[[int], int]:
     """Impacts as a function of the number of turns; every impact is logged."""
     if method == "core":
         system = System(some.follower, machines().cam(some.cam))
-        compile_for(system)
+        backend.compiled()
         begin = Start(*some.start)
 
         def logged(turns: int) -> int:
             orbit = Orbit(system, some.rpm, Settings(0, turns, CHATTER, 10**6, begin))
-            return int(np.count_nonzero(np.asarray(orbit.run(strobes=False).kind) == IMPACT))
+            return int(
+                np.count_nonzero(np.asarray(orbit.run(strobes=False).kind) == EventKind.IMPACT)
+            )
 
         return logged
 

@@ -11,8 +11,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
-from camcli.analysis.integrate import Settings, compile_for
+from camcli.analysis.integrate import Settings
 from camcli.analysis.sweep import rpm_grid, sweep
+from camcli.kernel import backend
 from camcli.parallel import Work
 from camcli.parallel.checkpoint import Checkpoint
 from camcli.parallel.dask_cluster import LOCAL, DaskCluster
@@ -28,7 +29,7 @@ SPEEDS, PIECES = 200, 4_000
 def main() -> None:
     scene = load_scene(None)
     system = System.build(Follower(**scene.follower.model_dump()), scene.cam.parts(), 0.0)
-    compile_for(system)
+    backend.compiled()
     with ExitStack() as stack:
         folder = Path(stack.enter_context(TemporaryDirectory()))
         ways = {"1 thread": Work(threads=1), "2 threads": Work(threads=2)}

@@ -9,7 +9,7 @@ from camcli.analysis.integrate import Orbit, Settings, StartError
 from camcli.analysis.labels import label
 from camcli.analysis.simulate import simulate
 from camcli.analysis.sweep import sweep
-from camcli.errors import NO_RETURN, OK
+from camcli.errors import Status
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 from tests.kernel.helpers import ORACLE_CAM, events, run, settings, system
@@ -27,7 +27,7 @@ def test_rows_9_and_24_no_force_holds_the_follower(rpm, damping):
     """k = g = preload = 0 from rest on the dwell: the lobe throws it off, once and for good."""
     tape = run(rpm, system(stiffness=0.0, damping=damping), record=50)
     assert len(events(tape)) < 100
-    assert tape.status in ((NO_RETURN,) if damping == 0.0 else (OK, NO_RETURN))
+    assert tape.status in ((Status.NO_RETURN,) if damping == 0.0 else (Status.OK, Status.NO_RETURN))
 
 
 @pytest.mark.slow
@@ -38,7 +38,7 @@ def test_row_12_phases_are_local_to_the_turn_after_a_million_turns():
 
 def test_row_14_stiff_and_fast():
     tape = run(50000.0, system(stiffness=1e8), record=30)
-    assert tape.status == OK
+    assert tape.status == Status.OK
     assert label(tape).startswith("P(1;")
 
 
@@ -56,7 +56,7 @@ def test_a_spring_without_force_on_the_dwell_is_no_trouble():
     scene = load_scene(None, ["cam.offset=0.4"])
     machine = System.build(Follower(**scene.follower.model_dump()), scene.cam.parts())
     tape = Orbit(machine, 300.0, Settings(5, 50, 1e-9, 10**6)).run()
-    assert tape.status == OK
+    assert tape.status == Status.OK
     assert tape.cost.evaluations < 10 * tape.cost.impacts
 
 
@@ -65,7 +65,7 @@ def test_a_spring_without_force_on_the_dwell_is_no_trouble():
 def test_rows_6_and_7_heavy_damping(b, rpm):
     """The follower hangs above the cam and creeps; nothing overflows, the cost is bounded."""
     tape = run(rpm, system(damping=b), record=3)
-    assert tape.status == OK
+    assert tape.status == Status.OK
     assert all(0.0999 < q < 0.26 for q in tape.strobe_q)
     assert all(abs(u) < 1.0 for u in tape.u)
     assert tape.cost.evaluations < 20_000 * max(1, tape.cost.impacts)

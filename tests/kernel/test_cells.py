@@ -6,9 +6,8 @@ import pytest
 from camcli.analysis import integrate as engine
 from camcli.analysis.basins.cell_batches import NOTHING, Crew
 from camcli.analysis.basins.region import targets_of
-from camcli.errors import IMPACT_BUDGET, NO_RETURN
-from camcli.kernel import cells as kernel_cells
-from camcli.kernel import entry_points
+from camcli.errors import Status
+from camcli.kernel import backend
 from camcli.kernel.cells import (
     CHATTERED_TURN,
     FORGOTTEN,
@@ -57,9 +56,9 @@ def test_a_cell_goes_on_where_it_was_left():
 
 def test_trouble_is_an_outcome():
     budget = ends(crew(250.0, budget=2), 5)
-    assert (budget.outcome == trouble(IMPACT_BUDGET)).any()
+    assert (budget.outcome == trouble(Status.IMPACT_BUDGET)).any()
     lost = ends(crew(700.0, system(stiffness=0.0)), 5, starts=[(3.0, 20.0), (0.5, 10.0)])
-    assert lost.outcome.tolist() == [trouble(NO_RETURN)] * 2
+    assert lost.outcome.tolist() == [trouble(Status.NO_RETURN)] * 2
 
 
 def test_work_is_counted():
@@ -162,9 +161,9 @@ def test_no_targets_no_table():
 @pytest.mark.parametrize("rpm", [358.5, 190.0])
 def test_plain_python_and_compiled_give_the_same_bits(rpm, monkeypatch):
     targets = known_orbit() if rpm == 358.5 else NOTHING
-    engine.compile_for(system())
+    assert backend.compiled().compiled
     compiled = ends(crew(rpm), 30, targets)
-    monkeypatch.setattr(entry_points, "settle_cells", kernel_cells.follow)  # stays plain Python
+    monkeypatch.setattr(backend, "for_work", lambda *_: backend.PLAIN)
     plain = ends(crew(rpm), 30, targets)
     for name in ("gap", "rate", "mode", "outcome", "turns", "stay", "symbol"):
         assert getattr(plain, name).tolist() == getattr(compiled, name).tolist(), name

@@ -228,7 +228,7 @@ from tests.conftest import chapter_system
 from tests.kernel.test_shooting import BITS, feed
 state = hashlib.sha256()
 feed(state.update)
-print(backend.is_compiled(), state.hexdigest())
+print(backend.current().compiled, state.hexdigest())
 """
 BITS = [
     ({}, 700.0, [2.7105, 0.85], (1,)),

@@ -6,10 +6,11 @@ from math import exp, pi
 import pytest
 from mpmath import mp
 
-from camcli.analysis.integrate import IMPACT, Orbit
+from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.flow import lane_of, move
+from camcli.kernel.orbit_loop import EventKind
 from camcli.kernel.variational import after_flight, after_impact, flight_tangent, saltation
 from tests.conftest import chapter_system, settings
 from tests.oracle import ArcsCam
@@ -113,7 +114,7 @@ def product(system, rpm, tape, turns):
     """The same matrix from the kernel, along the impacts of a tape from the strobe at 0."""
     lane, m, now = lane_of(system.machine(rpm), 0.0, 0), (1.0, 0.0, 0.0, 1.0), 0.0
     for kind, period, theta, u in zip(tape.kind, tape.period, tape.theta, tape.u, strict=True):
-        if kind != IMPACT or period >= turns:
+        if kind != EventKind.IMPACT or period >= turns:
             continue
         place = TURN * period + float(theta)
         lifts = lift(system.cam, stretch_at(system.cam, float(theta)), float(theta))
@@ -133,7 +134,7 @@ def test_one_impact_of_a_simulated_orbit(name):
         q, w = draw.uniform(0.12, 0.6), draw.uniform(-0.4, 0.4)
         _, tape = strobed(system, rpm, 1, q, w)
         first = [u for k, p, u in zip(tape.kind, tape.period, tape.u, strict=True) if p == 0]
-        if len(first) != 1 or tape.kind[0] != IMPACT or first[0] > -0.1:
+        if len(first) != 1 or tape.kind[0] != EventKind.IMPACT or first[0] > -0.1:
             continue
         phase = float(tape.theta[0])
         corners = [x * pi / 180 for x in system.corners_deg]

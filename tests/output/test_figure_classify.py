@@ -14,7 +14,7 @@ from camcli.analysis.classify import attractors, classify_at
 from camcli.analysis.explain.changes import explain
 from camcli.analysis.explain.events import Event
 from camcli.analysis.exponents import Exponents
-from camcli.errors import IMPACT_BUDGET
+from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import CROWDED, event_numbers
 from camcli.plots.classify import (
@@ -125,7 +125,10 @@ def test_several_motions_at_one_speed_and_at_every_speed(chapter):
 def test_a_record_that_ended_early_is_marked(motions):
     red = colour(style.TROUBLE)
     assert count(pixels(motions), red) == 0
-    assert count(pixels([*motions, replace(motions[0], rpm=400.0, status=IMPACT_BUDGET)]), red) > 10
+    assert (
+        count(pixels([*motions, replace(motions[0], rpm=400.0, status=Status.IMPACT_BUDGET)]), red)
+        > 10
+    )
 
 
 # --- exponents

@@ -9,7 +9,7 @@ import pytest
 from camcli.analysis.integrate import Cost
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.cams.arcs import ArcsCam
-from camcli.errors import IMPACT_BUDGET, OK
+from camcli.errors import Status
 from camcli.plots import density
 from camcli.plots.sweep import Survey, draw_sweep
 from camcli.system import Follower, System
@@ -50,14 +50,19 @@ class Lazy(Sequence):
         return self.make(k)
 
 
-def speed(rpm, phases, q, status=OK):
+def speed(rpm, phases, q, status=Status.OK):
     phases = None if phases is None else (range(len(phases)), phases, phases, phases)
     return Speed(rpm, "aperiodic", 0, status, phases, (range(len(q)), q, q, q, q), Cost())
 
 
 def some(k):
     phases = np.array([140.0, 150.0 + k % 30, 190.0]) if k % 5 else np.array([1.0, 200.0, 359.0])
-    return speed(700.0 + (7 * k) % 50, phases, [1.0, 2.0 + k % 3], OK if k % 9 else IMPACT_BUDGET)
+    return speed(
+        700.0 + (7 * k) % 50,
+        phases,
+        [1.0, 2.0 + k % 3],
+        Status.OK if k % 9 else Status.IMPACT_BUDGET,
+    )
 
 
 def png(speeds, system):
@@ -112,7 +117,7 @@ def test_nothing_holds_a_column_beyond_its_turn():
 
 
 def test_a_survey_counts_statuses_and_leaves_out_what_was_not_recorded():
-    survey = Survey.of([speed(3.0, None, []), speed(1.0, None, [2.0], IMPACT_BUDGET)])
+    survey = Survey.of([speed(3.0, None, []), speed(1.0, None, [2.0], Status.IMPACT_BUDGET)])
     assert survey.impacts is None
     assert survey.strobe.count.tolist() == [0, 1]
     assert survey.troubles() == {"impact-budget": 1}

@@ -13,7 +13,7 @@ from camcli.analysis.integrate import Cost, Start
 from camcli.analysis.simulate import Simulation
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.cams.arcs import ArcsCam
-from camcli.errors import IMPACT_BUDGET, NO_RETURN, OK
+from camcli.errors import Status
 from camcli.plots import axes, density, style
 from camcli.plots.simulate import Trace, draw_simulation
 from camcli.plots.sweep import draw_sweep, enlarged_range
@@ -40,7 +40,7 @@ def system():
     return System.build(Follower(1.221, 1430.8), cam.parts())
 
 
-def speed(rpm, phases=(), q=(), status=OK):
+def speed(rpm, phases=(), q=(), status=Status.OK):
     phases = None if phases is None else (range(len(phases)), phases, phases, phases)
     strobe = None if q is None else (range(len(q)), q, q, q, q)
     return Speed(rpm, "aperiodic", 0, status, phases, strobe, Cost())
@@ -64,7 +64,7 @@ def count(pixels, colour):
     return int((pixels == colour).all(axis=2).sum())
 
 
-def bounce(turns=2, label="P(1;inf)", status=OK, rows=None):
+def bounce(turns=2, label="P(1;inf)", status=Status.OK, rows=None):
     """A follower that rests for half a turn, then makes one hop: made up."""
     trajectory, events = [], []
     for k in range(turns):
@@ -137,7 +137,7 @@ def test_a_branch_lands_on_the_pixel_grid_dark_and_two_pixels_thick(system):
 def test_troubled_speeds_get_red_ticks(system):
     good = [speed(700.0 + k, [150.0], [2.0]) for k in range(5)]
     assert count(drawn(system, *good), RED) == 0
-    bad = [*good, speed(703.5, [], [], IMPACT_BUDGET)]
+    bad = [*good, speed(703.5, [], [], Status.IMPACT_BUDGET)]
     assert count(drawn(system, *bad), RED) > 10
 
 
@@ -147,7 +147,7 @@ def test_values_that_are_not_finite_are_left_out(system):
 
 def test_a_long_text_is_wrapped(system):
     good = [speed(700.0, [150.0], [1.0]), speed(701.0, [150.0], [1.0])]
-    bad = [replace(good[0], status=IMPACT_BUDGET), replace(good[1], status=NO_RETURN)]
+    bad = [replace(good[0], status=Status.IMPACT_BUDGET), replace(good[1], status=Status.NO_RETURN)]
     short = drawn(system, *good)
     long = drawn(system, *bad, start=Start(q=1.0 / 3.0, v=-1.0 / 3.0))
     assert long.shape[0] > short.shape[0]
@@ -230,7 +230,7 @@ def test_simulation_is_the_same_bytes_twice():
 
 @pytest.mark.parametrize("rows", [0, 1, 2, 9, 17])
 def test_short_trajectories(rows):
-    stopped = bounce(label="undecided", status=IMPACT_BUDGET, rows=rows)
+    stopped = bounce(label="undecided", status=Status.IMPACT_BUDGET, rows=rows)
     assert count(picture(draw_simulation, stopped, turns=3), RED) > 10
 
 
@@ -274,7 +274,7 @@ def test_an_impact_breaks_the_phase_curve():
         (0.1, 36.0, 0.1, 0.8, 0.1, 0.0, "flight"),
         (0.2, 72.0, 0.18, 0.8, 0.1, 0.0, "flight"),
     ]
-    trace = Trace.of(Simulation(RPM, rows, [], "undecided", OK, 1, [], Cost()), 1)
+    trace = Trace.of(Simulation(RPM, rows, [], "undecided", Status.OK, 1, [], Cost()), 1)
     assert np.isnan(trace.u[trace.angle == 36.0]).any()
     assert np.nanmin(abs(trace.u)) > 0.7
     assert not np.isnan(trace.gap).any()
@@ -282,7 +282,7 @@ def test_an_impact_breaks_the_phase_curve():
 
 def test_the_angle_is_the_cams_whatever_the_strobe():
     shifted = [(row[0], (row[1] + 90.0) % 360.0, *row[2:]) for row in bounce().trajectory]
-    trace = Trace.of(Simulation(RPM, shifted, [], "contact", OK, 2, [], Cost()), 1)
+    trace = Trace.of(Simulation(RPM, shifted, [], "contact", Status.OK, 2, [], Cost()), 1)
     assert (trace.low, trace.high) == (450.0, 810.0)
 
 

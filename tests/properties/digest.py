@@ -34,8 +34,7 @@ def digest(sink):
 if __name__ == "__main__":
     from camcli.kernel import backend
 
-    if backend.must_compile():
-        backend.compile_kernel()
+    backend.for_work(0)
     state = hashlib.sha256()
     digest(state.update)
-    print(backend.is_compiled(), state.hexdigest())
+    print(backend.current().compiled, state.hexdigest())

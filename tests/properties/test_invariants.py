@@ -7,7 +7,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from camcli.analysis.simulate import simulate
-from camcli.errors import IMPACT_BUDGET, NO_RETURN, OK
+from camcli.errors import Status
 from tests.kernel import helpers
 from tests.kernel.helpers import ORACLE_CAM, events, run, system
 
@@ -64,7 +64,7 @@ def test_events_are_sound(rpm, data, start):
     """In order, on the cam, approaching it; every number finite, every status one of three."""
     tape = run(rpm, system(**data), record=10, budget=3000, **start)
     rows = events(tape)
-    assert tape.status in (OK, IMPACT_BUDGET, NO_RETURN)
+    assert tape.status in (Status.OK, Status.IMPACT_BUDGET, Status.NO_RETURN)
     assert all(a[1:3] <= b[1:3] for a, b in itertools.pairwise(rows))
     for kind, _, theta, q, u in rows:
         assert 0.0 <= theta <= 2 * pi
@@ -95,7 +95,7 @@ def test_a_turn_later_is_the_same_orbit(rpm, data, start):
     """A run begun from the state at a strobe goes on as the run it came from."""
     machine = system(**data)
     whole = run(rpm, machine, record=6, budget=3000, **start)
-    if whole.status != OK or whole.periods < 4 or whole.strobe_q[2] < 0.11:
+    if whole.status != Status.OK or whole.periods < 4 or whole.strobe_q[2] < 0.11:
         return
     omega = rpm * (pi / 30)
     again = {"q": float(whole.strobe_q[2]), "v": float(whole.strobe_w[2]) * omega}

@@ -67,9 +67,9 @@ def parts_of(tape):
 def always_plain(monkeypatch, steps):
     """Slices of `steps` steps each, in whichever kernel runs, without ever compiling."""
     monkeypatch.setattr(engine, "PLAIN_STEPS", steps)
-    monkeypatch.setattr(backend, "is_compiled", lambda: False)
+    monkeypatch.setattr(backend, "current", lambda: backend.PLAIN)
+    monkeypatch.setattr(backend, "compiled", lambda: backend.PLAIN)
     monkeypatch.setattr(backend, "may_compile", lambda: True)
-    monkeypatch.setattr(engine, "compile_for", lambda machine: None)
 
 
 @pytest.mark.parametrize(("rpm", "damping"), [(745.0, 0.0), (190.0, 0.0), (520.0, 3.0)])

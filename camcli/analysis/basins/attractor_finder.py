@@ -29,7 +29,7 @@ from camcli.analysis.basins.rests import Rests
 from camcli.analysis.basins.window import Window
 from camcli.analysis.integrate import Orbit, with_turns
 from camcli.analysis.orbits.identify import solve_from
-from camcli.errors import OK
+from camcli.errors import Status
 from camcli.kernel.cells import FORGOTTEN, UNDECIDED, Targets
 from camcli.parallel import ShardDone
 
@@ -185,7 +185,7 @@ class Census:
         n = tape.periods
         points = np.column_stack((tape.strobe_q[:n], tape.strobe_w[:n]))
         points = points - np.array(crew.lift)
-        if tape.status != OK or not recurrence.is_recurrent(points):
+        if tape.status != Status.OK or not recurrence.is_recurrent(points):
             return False
         return self._take_up(points)
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from threading import RLock
-from time import perf_counter
 
 import numpy as np
 
-from camcli.analysis.integrate import Cost, Settings, Start, _turns, compile_for
-from camcli.kernel import backend, entry_points
+from camcli.analysis.integrate import Cost, Settings, Start
+from camcli.kernel import backend
+from camcli.kernel.backend import Kernel
 from camcli.kernel.cam_table import ROW, START0, START1
 from camcli.kernel.cells import CELL, MODE_OF, OUTCOME, STAY, SYMBOL, TURNS, Cells, Room, Targets
 from camcli.kernel.flight import BOUNCED, FREE
@@ -20,8 +19,6 @@ from camcli.system import System, omega_of
 
 BLOCK = 1024  # cells of one call; its arrays stay in the cache
 FEW = 50  # cells below which plain Python is quicker than a compiler
-_warm = False  # True once numba has compiled the entry, or read it from its cache
-_warming = RLock()
 
 
 @dataclass(frozen=True)
@@ -88,12 +85,9 @@ class Crew:
         gap, rate = np.asarray(gap, dtype=float), np.asarray(rate, dtype=float)
         if mode is None:
             mode = np.where((gap > 0.0) | (rate < 0.0), FREE, BOUNCED)
-        compiled = backend.is_compiled() or (len(gap) > FEW and backend.may_compile())
-        task = _Task(self.system, self.rpm, self.settings, targets, budget, compiled)
+        task = _Task(self.system, self.rpm, self.settings, targets, budget, len(gap))
         slices = [slice(begin, begin + BLOCK) for begin in range(0, len(gap), BLOCK)]
         blocks = [(gap[some], rate[some], mode[some]) for some in slices]
-        if compiled:
-            _compile(self.system)
         done = list(self.work.run(task, blocks, PLAIN, share))
         tally = [sum(part[2][k] for part in done) for k in range(4)]
         self.cost += Cost(tally[0], tally[2], tally[3])
@@ -116,24 +110,21 @@ class _Task:
     settings: Settings
     targets: Targets
     budget: int
-    compiled: bool
+    count: int  # cells in all
 
     @cached_property
     def _tables(self):
-        """(lane, flows over stretches, targets) as the kernel runs now."""
-        settings = self.settings
+        """(kernel, cam, lane, flows over stretches, targets in the kernel's form)."""
+        settings, kernel = self.settings, backend.for_work(self.count, FEW)
         lane = self.system.lane(self.rpm, settings.chatter_tolerance, settings.impact_budget)
-        return lane, _turns(self.system, lane), _native(self.targets)
+        cam = self.system.cam_for(kernel)
+        return kernel, cam, lane, kernel.stretch_flows(cam, lane), _native(self.targets, kernel)
 
     def __call__(self, block) -> tuple[np.ndarray, np.ndarray, list[int]]:
         """(gap and rate, `Cells.whole`, (impacts, turns, evaluations, crossings)) of a block."""
-        if self.compiled:
-            _compile(self.system)
-        lane, turns, known = self._tables
-        cells, room = _cells(*block), _room()
-        entry_points.settle_cells(
-            self.system.native_cam(), lane, turns, known, cells, self.budget, room
-        )
+        kernel, cam, lane, flows, known = self._tables
+        cells, room = _cells(*block, kernel), _room(kernel)
+        kernel.settle_cells(cam, lane, flows, known, cells, self.budget, room)
         return (
             np.asarray(cells.real, dtype=float).reshape(-1, 2),
             np.asarray(cells.whole, dtype=np.int64).reshape(-1, CELL).astype(np.int32),
@@ -141,50 +132,34 @@ class _Task:
         )
 
 
-def _compile(system: System) -> None:
-    """Compile the kernel, and have numba do this entry now, so that its time is known."""
-    global _warm
-    if backend.is_compiled() and _warm:
-        return
-    with _warming:
-        compile_for(system)
-        backend.announce("settle_cells")
-        if _warm:
-            return
-        began, _warm = perf_counter(), True
-        Crew(system, 600.0, Settings(0, 1, 1e-3, 100)).run([1.0], [0.0], NOTHING, 1)
-        backend.compile_seconds += perf_counter() - began
-
-
-def _native(targets: Targets) -> Targets:
-    """The targets in the form of the kernel as it runs now."""
+def _native(targets: Targets, kernel: Kernel) -> Targets:
+    """The targets in the form of this kernel."""
     return targets._replace(
-        real=backend.numbers(list(targets.real)),
-        whole=backend.numbers(list(targets.whole), int),
-        boxes=backend.numbers(targets.boxes, int),
-        stay=backend.numbers(list(targets.stay), int),
-        rest=backend.numbers(list(targets.rest)),
-        ends=backend.numbers(list(targets.ends), int),
-        near=backend.numbers(list(targets.near)),
+        real=kernel.numbers(list(targets.real)),
+        whole=kernel.numbers(list(targets.whole), int),
+        boxes=kernel.numbers(targets.boxes, int),
+        stay=kernel.numbers(list(targets.stay), int),
+        rest=kernel.numbers(list(targets.rest)),
+        ends=kernel.numbers(list(targets.ends), int),
+        near=kernel.numbers(list(targets.near)),
     )
 
 
-def _cells(gap, rate, mode) -> Cells:
+def _cells(gap, rate, mode, kernel: Kernel) -> Cells:
     real = np.column_stack((gap, rate)).ravel()
     whole = np.zeros((len(gap), CELL), dtype=np.int64)
     whole[:, MODE_OF] = mode
-    whole = whole.ravel()
-    if not backend.is_compiled():
-        return Cells(real.tolist(), whole.tolist(), len(gap))
-    return Cells(real, whole, len(gap))
+    return Cells(
+        kernel.numbers(real.tolist()), kernel.numbers(whole.ravel().tolist(), int), len(gap)
+    )
 
 
-def _room() -> Room:
-    log = Log(backend.zeros(0, int), backend.zeros(0), 0)
-    strobe = Strobe(backend.zeros(2), backend.zeros(2, int), 1)
+def _room(kernel: Kernel) -> Room:
+    log = Log(kernel.zeros(0, int), kernel.zeros(0), 0)
+    strobe = Strobe(kernel.zeros(2), kernel.zeros(2, int), 1)
     return Room(
-        backend.zeros(3), backend.zeros(9, int), log, strobe, backend.zeros(3, int),
-        backend.zeros(2, int),
+        kernel.zeros(3), kernel.zeros(9, int), log, strobe, kernel.zeros(3, int),
+        kernel.zeros(2, int),
     )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from math import inf, sqrt
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.exponents import of_tape
 from camcli.analysis.integrate import Orbit, Settings, Start, with_turns
-from camcli.errors import OK
+from camcli.errors import Status
 from camcli.kernel.growth import natural_log
 from camcli.system import System, omega_of
 
@@ -30,5 +30,5 @@ def largest_exponent(
     q, w = attractor.states[0]
     start = Start(q, w * omega_of(rpm), system.strobe_deg)
     tape = Orbit(system, rpm, with_turns(settings, 0, RECORD), start).run()
-    found = of_tape(system, rpm, tape) if tape.status == OK else None
+    found = of_tape(system, rpm, tape) if tape.status == Status.OK else None
     return None if found is None else found.largest

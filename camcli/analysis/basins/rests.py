@@ -20,7 +20,7 @@ from camcli.analysis.orbits.error_growth import largest_growth
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.cells import FORGOTTEN, NEW_REST, Targets
 from camcli.kernel.flight import FREE
-from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, MODE, PERIOD
+from camcli.kernel.orbit_loop import MODE, PERIOD, EventKind
 
 SAME = 1e-9  # of the cam's top (m, m/rad): two states after one departure differ less
 AFTER = 3  # turns after a chatter in which a departure is looked for
@@ -80,11 +80,11 @@ def departure(crew: Crew, gap, rate, mode, turns: int) -> float | None:
     """Phase (rad) at which a start leaves its rest, whose chatter ends in turn `turns`."""
     tape = exact(crew, gap, rate, mode, turns - 1, 1 + AFTER)
     events = list(zip(tape.kind, tape.period, tape.theta, strict=True))
-    chatters = [k for k, event in enumerate(events) if event[:2] == (CHATTER, 0)]
+    chatters = [k for k, event in enumerate(events) if event[:2] == (EventKind.CHATTER, 0)]
     if not chatters or chatters[-1] + 1 == len(events):
         return None
     kind, _, theta = events[chatters[-1] + 1]
-    return float(theta) if kind in (DETACHMENT, IMPACT) else None
+    return float(theta) if kind in (EventKind.DETACHMENT, EventKind.IMPACT) else None
 
 
 def exact(crew: Crew, gap: float, rate: float, mode: int, transient: int, record: int) -> Tape:

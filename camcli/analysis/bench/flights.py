@@ -20,7 +20,7 @@ import numpy as np
 from camcli.analysis.bench.lifts import TWO_PI, Lift, lift_of
 from camcli.analysis.bench.machine import Machines, events, reference
 from camcli.analysis.bench.pieces import NOT_REACHED, OK
-from camcli.analysis.integrate import Orbit, Settings, Start, compile_for
+from camcli.analysis.integrate import Orbit, Settings, Start
 from camcli.kernel import backend
 from camcli.kernel.cam_table import Cam
 from camcli.system import Follower, System
@@ -218,8 +218,8 @@ def fly_block(block: Block, machines: Machines, seconds: float = inf) -> list[Fl
         if perf_counter() >= until:
             break
         f = random_flight(rng, cam, lift)
-        if k == 0 and block.compiled and backend.may_compile():
-            compile_for(f.system)
+        if k == 0 and block.compiled:
+            backend.compiled()
         began = perf_counter()
         found = first_impact(f)
         spent = perf_counter() - began

@@ -28,9 +28,9 @@ from camcli.analysis.bench.peers import (
     follow,
 )
 from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK
-from camcli.analysis.integrate import IMPACT, Orbit, Settings, Start, compile_for
+from camcli.analysis.integrate import Orbit, Settings, Start
 from camcli.kernel import backend
-from camcli.kernel.orbit_loop import CHATTER
+from camcli.kernel.orbit_loop import EventKind
 from camcli.system import Follower, System, omega_of
 
 CORE, RK4, HEYOKA = "core", "rk4", "heyoka"
@@ -259,8 +259,12 @@ def run_core(system: System, case: Case, tolerance: float) -> Trace:
     q, w = orbit.position()
     rows = list(zip(tape.kind, tape.period, tape.theta, tape.u, strict=True))
     return Trace(
-        hits=[(int(p), float(x), float(u) * orbit.omega) for k, p, x, u in rows if k == IMPACT],
-        rests=[(int(p), float(x)) for k, p, x, _ in rows if k == CHATTER],
+        hits=[
+            (int(p), float(x), float(u) * orbit.omega)
+            for k, p, x, u in rows
+            if k == EventKind.IMPACT
+        ],
+        rests=[(int(p), float(x)) for k, p, x, _ in rows if k == EventKind.CHATTER],
         final=(q, w * orbit.omega),
         evaluations=tape.cost.evaluations,
     )
@@ -366,8 +370,7 @@ class Bench:
         if name not in self.systems:
             self.systems[name] = System(some.follower, self.machines.cam(some.cam))
         system = self.systems[name]
-        if backend.may_compile():
-            compile_for(system)
+        backend.compiled()
         return lambda _: run_core(system, some, point.chatter)
 
 

@@ -28,8 +28,7 @@ from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK
 from camcli.analysis.bench.precision import case, compare, run_core
 from camcli.analysis.integrate import Orbit, StartError, Tape
 from camcli.analysis.labels import label
-from camcli.errors import IMPACT_BUDGET, NO_RETURN, STATUSES
-from camcli.errors import OK as RAN
+from camcli.errors import Status
 from camcli.system import System
 
 Check = Callable[[Machines], str]
@@ -99,7 +98,7 @@ def kinds(tape: Tape) -> list[str]:
 
 def name_of(tape: Tape) -> str:
     """Name of the status of a run."""
-    return STATUSES[tape.status].name
+    return Status(tape.status).text
 
 
 def said(words: str, *texts: str, code: int = 0) -> str:
@@ -124,7 +123,7 @@ def plastic(machines: Machines) -> str:
     need(not any(tape.chatter), "a chatter was recorded")
     pushed = run(machine, 700.0, record=20)
     order = [event[1:3] for event in events(pushed)]
-    need(pushed.status == RAN and order == sorted(order), f"{name_of(pushed)} at 700 rpm")
+    need(pushed.status == Status.OK and order == sorted(order), f"{name_of(pushed)} at 700 rpm")
     return f"{label(tape)}; {len(order)} events in order at 700 rpm; no chatter"
 
 
@@ -137,7 +136,7 @@ def elastic(machines: Machines) -> str:
     drift = max(abs(u / speeds[0] - 1.0) for u in speeds)
     need(len(speeds) > 1000 and drift < 1e-11, f"{len(speeds)} bounces; drift {drift:.1e}")
     tape = run(machines.example(restitution=1.0), 130.0, record=1)
-    need(tape.status == RAN and "chatter" not in kinds(tape), f"{name_of(tape)} at 130 rpm")
+    need(tape.status == Status.OK and "chatter" not in kinds(tape), f"{name_of(tape)} at 130 rpm")
     said(
         "simulate --no-plot --rpm 190 --set follower.restitution=1 --set run.transient=0"
         " --set run.record=1",
@@ -152,8 +151,8 @@ def nearly_elastic(machines: Machines) -> str:
     system = machines.example(restitution=0.999999, gravity=9.81)
     tape = run(system, 2.0, record=2, budget=5000, q=0.1001, v=0.0)
     seen = f"{name_of(tape)} after {tape.cost.impacts} impacts"
-    ended = tape.status == IMPACT_BUDGET and tape.cost.impacts == 5000
-    need(ended or (tape.status == RAN and any(tape.chatter)), seen)
+    ended = tape.status == Status.IMPACT_BUDGET and tape.cost.impacts == 5000
+    need(ended or (tape.status == Status.OK and any(tape.chatter)), seen)
     return seen
 
 
@@ -181,9 +180,9 @@ def flown_off(machines: Machines) -> str:
     for system in (free, damped):
         tape = run(system, 500.0, record=50, q=0.5, v=30.0)
         seen = f"{name_of(tape)}; {len(kinds(tape))} events"
-        need(tape.status == NO_RETURN and not kinds(tape), seen)
+        need(tape.status == Status.NO_RETURN and not kinds(tape), seen)
     thrown = run(free, 500.0, record=50)
-    need(thrown.status == NO_RETURN, f"from rest: {name_of(thrown)}")
+    need(thrown.status == Status.NO_RETURN, f"from rest: {name_of(thrown)}")
     return "no-return; no event invented"
 
 
@@ -215,7 +214,10 @@ def tiny_restitution(machines: Machines) -> str:
     zero = phases(run(machines.example(restitution=0.0), 190.0))
     for r in (1e-200, 1e-300, 5e-324):
         tape = run(machines.example(restitution=r), 190.0)
-        need(tape.status == RAN and phases(tape) == zero, f"r = {r}: {len(phases(tape))} impacts")
+        need(
+            tape.status == Status.OK and phases(tape) == zero,
+            f"r = {r}: {len(phases(tape))} impacts",
+        )
     rows = events(run(machines.example(), 130.0, record=1, tolerance=0.0))
     slow = [e.u for e in rows if e.kind == "impact" and abs(e.u) < 1e-100]
     need(bool(slow) and max(slow) < 0.0, f"{len(slow)} impacts below 1e-100 m/rad")
@@ -295,7 +297,7 @@ def against_oracle(machines: Machines, name: str) -> tuple[float, float, int]:
     system = machines.example(damping=stored["damping"])
     orbit = Orbit(system, stored["rpm"], settings(stored["turns"], tolerance=1e-13))
     tape = orbit.run()
-    need(tape.status == RAN, f"{name_of(tape)} with b = {stored['damping']:g}")
+    need(tape.status == Status.OK, f"{name_of(tape)} with b = {stored['damping']:g}")
     rows = events(tape)
     found = [  # departures, and the landing that follows each
         e
@@ -350,7 +352,7 @@ def slow(machines: Machines) -> str:
     """1e-3 rpm sticks; at 150 rpm a late turn has the bits of an early one."""
     machine = machines.example()
     tape = run(machine, 1e-3, record=2000)
-    need(tape.status == RAN and label(tape) == "contact", f"{label(tape)}; {name_of(tape)}")
+    need(tape.status == Status.OK and label(tape) == "contact", f"{label(tape)}; {name_of(tape)}")
     early, late = (run(machine, 150.0, record=1, transient=n) for n in (10, 2000))
     need(phases(early) == phases(late), "phases drift with the turns")
     return f"contact for {tape.periods} turns; phases of turn 2000 those of turn 10"
@@ -362,7 +364,7 @@ def fast(machines: Machines) -> str:
     tape = run(machines.example(), 1e6, record=20_000)
     cost = tape.cost
     seen = f"{cost.impacts} impacts; {cost.evaluations} evaluations; {cost.crossings} crossings"
-    need(tape.status == RAN and 5 < cost.impacts < 100, seen)
+    need(tape.status == Status.OK and 5 < cost.impacts < 100, seen)
     need(cost.evaluations < 20 * cost.impacts and cost.crossings < 40_000, seen)
     said(
         "simulate --no-plot --rpm 1e6 --set simulate.samples=1 --set run.transient=0"
@@ -450,7 +452,7 @@ def on_the_strobe(machines: Machines) -> str:
     for strobe in (around := neighbours(phase, 8)):
         tape = run(machines.example(strobe), 700.0, record=50, transient=2000)
         total, logged = int(sum(tape.impacts)), len(phases(tape))
-        fits = tape.status == RAN and total == logged and 49 <= total <= 51
+        fits = tape.status == Status.OK and total == logged and 49 <= total <= 51
         need(fits, f"{total} counted; {logged} logged")
     first = events(run(example, 190.0, record=1, theta_deg=0.0, v=-3.0))[0][:3]
     need(first == ("impact", 0, 0.0), f"first event {first}")
@@ -480,7 +482,10 @@ def graze(machines: Machines) -> str:
         tape = run(machine, flight["rpm"], record=1, tolerance=1e-16, budget=4, **start)
         hits = [e for e in events(tape, 1) if e.kind == "impact"]
         near = [abs(e.u) for e in hits if abs(e.theta - flight["at"]) < 1e-4]  # rad
-        need(len(near) <= 1 and tape.status in (RAN, IMPACT_BUDGET), f"{len(near)} contacts")
+        need(
+            len(near) <= 1 and tape.status in (Status.OK, Status.IMPACT_BUDGET),
+            f"{len(near)} contacts",
+        )
         found += near
     fastest = max(found, default=0.0)
     need(fastest < 1e-6, f"a contact with {fastest:.1e} m/rad")
@@ -532,7 +537,7 @@ def below_the_cam(machines: Machines) -> str:
     else:
         need(False, "one ulp below the cam is accepted")
     above = run(machine, 190.0, record=1, q=nextafter(c, 1.0), v=0.0)
-    need(above.status == RAN, "one ulp above is refused")
+    need(above.status == Status.OK, "one ulp above is refused")
     said("simulate --no-plot --rpm 190 --set run.start.q=0.05", "0.05 m below", code=2)
     return "exit 2; 'found q = 0.05 m; 0.05 m below the cam'; one ulp below is below"
 

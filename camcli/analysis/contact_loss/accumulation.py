@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from itertools import groupby, pairwise
 from math import inf
 
-from camcli import errors
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.contact_loss.bursts import JUST_ABOVE, Bursts, Settled
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity, SpeedStatus
 from camcli.analysis.contact_loss.force import DEG
 from camcli.cams.regions import SAME_PHASE, corner_list
+from camcli.errors import Status
 from camcli.kernel.cam_table import TURN
 
 # rad: a phase this close to its goal has come up to it. The bracket of the speed is NARROW, 1e-12,
@@ -130,7 +130,7 @@ def _changes(
             low, high, e_low, e_high = bracket(lambda x: excess(-x), -b, -a, e_b, e_a)
             low, high, last = -high, -low, -low
         status = SpeedStatus.OK if min(-e_low, e_high) < AT else SpeedStatus.JUMP
-        if any(bursts.at(rpm).status != errors.OK for rpm in (low, high)):
+        if any(bursts.at(rpm).status != Status.OK for rpm in (low, high)):
             status = SpeedStatus.UNRESOLVED
         yield last, (0.5 * (low + high), low, high, status)
 

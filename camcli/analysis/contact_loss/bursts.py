@@ -16,9 +16,9 @@ from camcli.analysis.contact_loss.detachment import Loss
 from camcli.analysis.contact_loss.force import DEG, Force
 from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape
 from camcli.cams.regions import SAME_PHASE
-from camcli.errors import OK
+from camcli.errors import Status
 from camcli.kernel.cam_table import TURN, stretch_at
-from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
+from camcli.kernel.orbit_loop import EventKind
 from camcli.kernel.sticking import contact_accel
 from camcli.system import System, omega_of
 
@@ -41,7 +41,7 @@ class Burst:
     begin: float
     impacts: list[float] = field(default_factory=list)
     end: float = inf
-    status: int = OK
+    status: int = Status.OK
 
     def from_release(self) -> Burst:
         """The same with all phases counted on from `release` within its turn."""
@@ -58,9 +58,11 @@ def timeline(system: System, orbit: Orbit, tape: Tape) -> list[tuple[int, float,
         kind, theta = int(kind), float(theta)
         since = theta - strobe if theta >= strobe else theta - strobe + TURN
         rows.append((kind, theta, TURN * int(period) + since))
-        dead = kind == IMPACT and lane.r * u == 0.0  # restitution 0: it rests, if it is pressed on
+        dead = (
+            kind == EventKind.IMPACT and lane.r * u == 0.0
+        )  # restitution 0: it rests, if it is pressed on
         if dead and contact_accel(cam, lane, stretch_at(cam, theta), theta)[0] < 0.0:
-            rows.append((CHATTER, *rows[-1][1:]))
+            rows.append((EventKind.CHATTER, *rows[-1][1:]))
     return rows
 
 
@@ -69,15 +71,15 @@ def bursts_of(events: Sequence[tuple[int, float, float]]) -> list[Burst]:
     found: list[Burst] = []
     for kind, theta, phase in events:
         open_ = bool(found) and found[-1].end == inf
-        if kind == DETACHMENT:
+        if kind == EventKind.DETACHMENT:
             if open_:  # it rested unseen, below the kernel's resolution
                 found[-1].end = found[-1].impacts[-1] if found[-1].impacts else found[-1].begin
             found.append(Burst(theta, phase))
-        elif kind == IMPACT:
+        elif kind == EventKind.IMPACT:
             if not found:
                 found.append(Burst(inf, phase))
             found[-1].impacts.append(phase)
-        elif kind == CHATTER and open_:
+        elif kind == EventKind.CHATTER and open_:
             found[-1].end = phase
     return found
 
@@ -118,7 +120,7 @@ class Bursts:
             begun = [b for b in bursts_of(timeline(self.system, orbit, tape)) if b.release < inf]
             found = begun[0].from_release() if begun else Burst(inf, inf)
             found.status = tape.status
-            if found.end < inf or found.status != OK:
+            if found.end < inf or found.status != Status.OK:
                 break
         return found
 
@@ -218,9 +220,13 @@ def settled(
         tape = orbit.run(strobes=False)
         events = timeline(system, orbit, tape)
         bursts = bursts_of(events)
-        if tape.status == OK:  # those of the first turn; one from before it only if none begins
+        if (
+            tape.status == Status.OK
+        ):  # those of the first turn; one from before it only if none begins
             bursts = [b for b in bursts if b.release < inf and b.begin < TURN] or bursts[:1]
-        impacts = [theta * DEG for kind, theta, at in events if kind == IMPACT and at < TURN]
+        impacts = [
+            theta * DEG for kind, theta, at in events if kind == EventKind.IMPACT and at < TURN
+        ]
         rows = tuple(_settled_burst(force, system.strobe, burst) for burst in bursts)
         result.append(Settled(rpm, rows, tuple(impacts), tape.status, tape.cost))
         on_speed()

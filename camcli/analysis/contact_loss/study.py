@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from camcli import errors
 from camcli.analysis.contact_loss.accumulation import (
     CornerHit,
     completion_loss,
@@ -23,8 +22,9 @@ from camcli.analysis.contact_loss.detachment import (
 )
 from camcli.analysis.contact_loss.force import Force, ForceCurve
 from camcli.analysis.contact_loss.hold import Hold, hold_to, replaced
-from camcli.analysis.integrate import Cost, Settings, compile_for
+from camcli.analysis.integrate import Cost, Settings
 from camcli.analysis.sweep import rpm_grid
+from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.system import System
 
@@ -85,7 +85,7 @@ class ContactLoss:
     @property
     def troubled(self) -> list[tuple[float, int]]:
         """(rpm, status) of the speeds whose simulation could not be finished."""
-        return [(speed.rpm, speed.status) for speed in self.speeds if speed.status != errors.OK]
+        return [(speed.rpm, speed.status) for speed in self.speeds if speed.status != Status.OK]
 
 
 def detach(
@@ -110,9 +110,7 @@ def detach(
     with so much precompression (m).
     """
     turns = len(rpms) * (settle + RECORD)
-    worth = turns > LITTLE_WORK or (turns > LEAST_WORK and backend.is_cached())
-    if backend.must_compile() or (backend.may_compile() and worth):
-        compile_for(system)
+    backend.for_work(turns, LEAST_WORK if backend.is_cached() else LITTLE_WORK)
     found, force = detachment(system), Force(system)
     speeds = settled(system, rpms, settings, settle, on_speed)
     scan = speeds

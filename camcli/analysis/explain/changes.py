@@ -10,11 +10,12 @@ from math import inf, pi
 from camcli.analysis.classify import APERIODIC, COMPLETE, Motion
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, find_crisis
 from camcli.analysis.explain.events import Event, Events, find_events
-from camcli.analysis.integrate import IMPACT, Cost, Settings
+from camcli.analysis.integrate import Cost, Settings
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.sticking_orbits import follow_sticking
 from camcli.analysis.orbits.study import Bifurcation
+from camcli.kernel.orbit_loop import EventKind
 from camcli.system import System
 
 ENLARGED = 1.25  # ratio of the widths of the impact phases that counts as another attractor
@@ -94,7 +95,7 @@ def extent(motion: Motion) -> tuple[float, float]:
     thetas = [
         float(theta) * DEG
         for kind, theta in zip(motion.tape.kind, motion.tape.theta, strict=True)
-        if kind == IMPACT
+        if kind == EventKind.IMPACT
     ]
     return (min(thetas), max(thetas)) if thetas else (inf, -inf)
 

@@ -22,7 +22,7 @@ from camcli.analysis.orbits.locate import Crossing
 from camcli.analysis.orbits.orbit import section_states
 from camcli.analysis.orbits.same_orbit import distance_to
 from camcli.analysis.orbits.shooter import Shooter, with_machine
-from camcli.errors import OK
+from camcli.errors import Status
 from camcli.kernel.flow import RPM
 from camcli.system import omega_of
 
@@ -125,7 +125,7 @@ def _simulated(
     name = _unsolved(system, rpm, tape) if orbit is None else orbit.label
     states = section_states(shooter.system, crossing.left)[0]
     far = max((distance_to(state, states) for state in passages(tape)[0]), default=1.0)
-    return _Simulated(value, name, far, tape.status == OK and far <= REACH, tape.cost)
+    return _Simulated(value, name, far, tape.status == Status.OK and far <= REACH, tape.cost)
 
 
 def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
@@ -150,7 +150,7 @@ def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
 
 def _unsolved(system, rpm: float, tape) -> str:
     """The label of a record without a solved orbit; chaos may be very small beside a corner."""
-    exponents = of_tape(system, rpm, tape) if tape.status == OK else None
+    exponents = of_tape(system, rpm, tape) if tape.status == Status.OK else None
     if exponents is not None and exponents.chaotic:
         return "aperiodic"
     return "undecided" if any(tape.chatter) else label(tape)

@@ -10,8 +10,9 @@ Non-Smooth Mechanical Systems, 2004, ch. 7), and at an impact it is a phase erro
 
 from __future__ import annotations
 
-from camcli.analysis.integrate import DETACHMENT, IMPACT, Tape
+from camcli.analysis.integrate import Tape
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
+from camcli.kernel.orbit_loop import EventKind
 from camcli.kernel.variational import after_flight, after_impact
 from camcli.system import System
 
@@ -29,8 +30,8 @@ def largest_growth(system: System, rpm: float, tape: Tape, window: range) -> flo
             continue
         theta, u = float(phase), float(rate)
         place = theta - strobe + (TURN if theta < strobe else 0.0) + TURN * int(period)
-        if kind != IMPACT or last is None:
-            last, pair = place if kind == DETACHMENT else None, None
+        if kind != EventKind.IMPACT or last is None:
+            last, pair = place if kind == EventKind.DETACHMENT else None, None
             continue
         s = place - last
         if pair is None:

@@ -6,15 +6,15 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import inf
 
-from camcli.analysis.integrate import DETACHMENT, IMPACT, Orbit, Settings, Start, Tape, with_turns
+from camcli.analysis.integrate import Orbit, Settings, Start, Tape, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.error_growth import TOO_LARGE, largest_growth
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root, resting_orbit, section_states
 from camcli.analysis.orbits.same_orbit import CLOSE, distance, distance_to, shortest_period, size_of
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.errors import OK
+from camcli.errors import Status
 from camcli.kernel.cam_table import END, ROW, START, TURN, stretch_at
-from camcli.kernel.orbit_loop import CHATTER
+from camcli.kernel.orbit_loop import EventKind
 from camcli.system import System
 
 CLOSED = 1e-12  # relative distance of two passages of an orbit that rests on the way
@@ -45,7 +45,7 @@ def identify(
     system: System, rpm: float, tape: Tape, longest: int = LONGEST_PERIOD
 ) -> PeriodicOrbit | None:
     """The attracting orbit at the end of a record with events and strobes, or None."""
-    if tape.status != OK or tape.periods < 2:
+    if tape.status != Status.OK or tape.periods < 2:
         return None
     if not tape.touches:
         return _resting(system, rpm, tape, 1)
@@ -75,7 +75,7 @@ def impacts_of(tape: Tape, window: range) -> list[Impact]:
     return [
         (int(period), float(theta), float(u))
         for kind, period, theta, u in zip(tape.kind, tape.period, tape.theta, tape.u, strict=True)
-        if kind == IMPACT and period in window
+        if kind == EventKind.IMPACT and period in window
     ]
 
 
@@ -86,9 +86,9 @@ def departures(tape: Tape) -> list[tuple[int, float]]:
     """
     leaves, rests = [], False
     for kind, period, theta in zip(tape.kind, tape.period, tape.theta, strict=True):
-        if kind == DETACHMENT or (kind == IMPACT and rests):
+        if kind == EventKind.DETACHMENT or (kind == EventKind.IMPACT and rests):
             leaves.append((int(period), float(theta)))
-        rests = kind == CHATTER
+        rests = kind == EventKind.CHATTER
     return leaves
 
 
@@ -106,7 +106,7 @@ def _candidates(tape: Tape, longest: int) -> Iterator[tuple[int, float]]:
 def _rests(tape: Tape, window: range) -> bool:
     """True where the follower chatters to rest, or leaves from rest, in one of these turns."""
     return any(tape.chatter[k] for k in window) or any(
-        kind == DETACHMENT and period in window
+        kind == EventKind.DETACHMENT and period in window
         for kind, period in zip(tape.kind, tape.period, strict=True)
     )
 

@@ -14,7 +14,7 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import distance, same_orbit, size_of
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import single_impact_roots
-from camcli.errors import OK
+from camcli.errors import Status
 from camcli.kernel.cam_table import ROW, START0, START1
 from camcli.system import System, omega_of
 
@@ -141,7 +141,7 @@ def _try_returns(
     for start in starts_of(system, rpm, settings, starts):
         tape = Orbit(system, rpm, run, start).run()
         found.cost = found.cost + tape.cost
-        if tape.status == OK:
+        if tape.status == Status.OK:
             tries += _close_returns(tape, label)
     for _, events in sorted(tries, key=lambda pair: pair[0])[:MOST_RETURNS]:
         root = newton_from(shooter, events, m)

@@ -8,7 +8,7 @@ from math import sqrt
 
 from camcli.analysis.integrate import Cost, compile_for
 from camcli.cams.compile import column
-from camcli.errors import OK
+from camcli.errors import Status
 from camcli.kernel import backend, entry_points
 from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
@@ -188,7 +188,7 @@ class Shooter:
         status = solve(
             self.cam, machine, self.parameter, n, turns, places, x, ends, rates, tables, out
         )
-        if status != OK:
+        if status != Status.OK:
             return None
         return Root(
             x=_plain(x), whole=tuple(whole), turns=turns, machine=tuple(_plain(machine)),

@@ -10,7 +10,8 @@ from math import degrees
 
 import numpy as np
 
-from camcli.analysis.integrate import IMPACT, Cost, Orbit, Settings, Start, Tape, with_turns
+from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape, with_turns
+from camcli.kernel.orbit_loop import EventKind
 from camcli.system import System, omega_of
 
 MARGIN = 0.05  # of the box, in widths of all states seen at both ends
@@ -27,7 +28,7 @@ def states_of(tape: Tape) -> np.ndarray:
 
 def impacts_of(tape: Tape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(phase rad, incoming m/rad, turn) of every impact of a record with events, as arrays."""
-    kept = (np.asarray(tape.kind) == IMPACT) & (np.asarray(tape.period) >= 0)
+    kept = (np.asarray(tape.kind) == EventKind.IMPACT) & (np.asarray(tape.period) >= 0)
     theta, u, period = (np.asarray(column)[kept] for column in (tape.theta, tape.u, tape.period))
     return theta, u, period
 
