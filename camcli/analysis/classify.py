@@ -8,13 +8,12 @@ from itertools import islice
 from math import inf
 
 from camcli.analysis.exponents import Exponents, of_orbit, of_tape
-from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape, compile_for, with_turns
+from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.identify import identify, passages
 from camcli.analysis.orbits.orbit import PeriodicOrbit, resting_orbit
 from camcli.analysis.orbits.same_orbit import SAME, distance_to, same_orbit
 from camcli.analysis.orbits.search import cloud
-from camcli.analysis.sweep import LITTLE_WORK
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import EventKind
@@ -75,8 +74,7 @@ def classify(
     """
     Orbit(system, rpms[0], settings)
     turns = len(rpms) * (starts + 1) * (settings.transient + settings.record)
-    if backend.must_compile() or (backend.may_compile() and turns > LITTLE_WORK):
-        compile_for(system)  # before the threads start
+    backend.for_work(turns)
 
     def motions_at(rpm: float) -> list[Motion]:
         found = attractors(system, rpm, settings, starts, seed)

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
-from camcli.analysis.integrate import Cost, compile_for
+from camcli.analysis.integrate import Cost
 from camcli.cams.compile import column
 from camcli.errors import Status
-from camcli.kernel import backend, entry_points
+from camcli.kernel import backend
 from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
 from camcli.kernel.cam_table import END, ROW, START, TURN
-from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS, certify
+from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS
 from camcli.kernel.flow import (
     DAMPING,
     GRAVITY,
@@ -24,7 +24,7 @@ from camcli.kernel.flow import (
     STIFFNESS,
     lane_of,
 )
-from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border, correct
+from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
 from camcli.system import System, omega_of
 
 PARAMETERS = {
@@ -128,11 +128,8 @@ class Shooter:
         self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
         self.rate = SMALL * _lift(system)
         self.work = [0, 0, 0]
-        self.compiled = backend.must_compile()
-        if self.compiled:
-            compile_for(system)
-            backend.announce("correct_orbit")
-        self.cam = system.native_cam() if self.compiled else system.cam
+        self.kernel = backend.compiled() if backend.must_compile() else backend.PLAIN
+        self.cam = system.cam_for(self.kernel)
         self._rooms: dict[int, tuple] = {}
 
     def at(self, value: float) -> tuple[float, ...]:
@@ -153,7 +150,7 @@ class Shooter:
 
     def _room(self, n: int):
         if n not in self._rooms:
-            z = backend.zeros if self.compiled else _zeros
+            z = self.kernel.zeros
             tables = Tables(
                 z(n * BLOCK), z(2 * n), z(2 * n + 1), z(2 * n + 1), z(ROWS * WIDE),
                 z(2 * n * WIDE), z(35),
@@ -164,7 +161,7 @@ class Shooter:
         return self._rooms[n]
 
     def _table(self, values, kind=float):
-        return backend.numbers(_plain(values), kind) if self.compiled else _plain(values)
+        return self.kernel.numbers(_plain(values), kind)
 
     def correct(
         self,
@@ -184,8 +181,7 @@ class Shooter:
         x = self._table(guess)
         ends = Border(self._table(row), self._table(origin), right, self.scale, self.rate)
         machine, places = self._table(self.machine), self._table(whole, int)
-        solve = entry_points.correct_orbit if self.compiled else correct
-        status = solve(
+        status = self.kernel.correct_orbit(
             self.cam, machine, self.parameter, n, turns, places, x, ends, rates, tables, out
         )
         if status != Status.OK:
@@ -233,18 +229,15 @@ class Shooter:
         """(verdict, impact, phase): `certify`'s code, and where the root fails (0-based, rad)."""
         n = root.count
         _, (_, _, table, found, work) = self._room(n)
-        check = entry_points.certify_orbit if self.compiled else certify
         machine, places = self._table(root.machine), self._table(root.whole, int)
         x, rates = self._table(root.x), self._table(root.rates)
-        code = check(self.cam, machine, n, root.turns, places, x, rates, table, found, work)
+        code = self.kernel.certify_orbit(
+            self.cam, machine, n, root.turns, places, x, rates, table, found, work
+        )
         for k in range(3):
             self.work[k] += int(work[k])
             work[k] = 0
         return int(code), int(found[0]), float(found[1])
-
-
-def _zeros(count: int, kind=float) -> list:
-    return [kind(0)] * count
 
 
 def _lift(system: System) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from camcli.analysis.border_collision import Inequality, Side
-from camcli.analysis.integrate import Cost, Settings, compile_for
+from camcli.analysis.integrate import Cost, Settings
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import Segment, both_ways, follow
@@ -25,9 +25,9 @@ from camcli.analysis.orbits.sticking_orbits import (
     StickingSegment,
     follow_sticking,
 )
-from camcli.analysis.sweep import LITTLE_WORK
 from camcli.cams.regions import corner_list
 from camcli.kernel import backend
+from camcli.kernel.backend import LITTLE_WORK
 from camcli.system import System
 
 SAME_CORNER = 1e-6  # rad: a departure so close to a corner is at it
@@ -175,8 +175,7 @@ def orbits(
     """
     starts = question.starts if question.label is None else max(question.starts, MOST_STARTS)
     turns = (starts + 1) * (settings.transient + RECORD)
-    if backend.must_compile() or (backend.may_compile() and turns > 2 * LITTLE_WORK):
-        compile_for(system)
+    backend.for_work(turns, 2 * LITTLE_WORK)
     found = find(system, question.rpm, settings, question.starts, question.label)
     span, absent = question.span, None
     if question.stable is not None:
@@ -212,8 +211,7 @@ def _prepare(system: System, found: OrbitsFound, span: Span) -> None:
     """Compile for branches of resting orbits: each of their points is a simulation."""
     resting = sum(orbit.resting for orbit in found.orbits)
     turns = resting * RUN * (span.width / span.spacing + BRACKETS)
-    if backend.may_compile() and turns > (LEAST_WORK if backend.is_cached() else LITTLE_WORK):
-        compile_for(system)
+    backend.for_work(turns, LEAST_WORK if backend.is_cached() else LITTLE_WORK)
 
 
 def _follow_all(
