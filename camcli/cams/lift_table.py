@@ -3,8 +3,8 @@
     c(theta) = base + rocker_ratio * lift(angle),    theta = zero_deg +- angle
 
 Everything about the file stands in the scene; nothing about it is guessed. The lift is smoothed
-only as far as the rounding of its digits demands (`lift_fit`), and what is left of the error of
-c_thetatheta is estimated (`lift_error`).
+only as far as the rounding of its digits demands, and what is left of the error of c_thetatheta is
+estimated (`lift_fit`).
 """
 
 from __future__ import annotations
@@ -18,16 +18,11 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, model_validator
 
-from camcli.cams.bspline import piece
 from camcli.cams.decimals import pi
 from camcli.cams.files import read_bytes, refused
-from camcli.cams.lift_data import Reading, Turn, one_turn
-from camcli.cams.lift_error import Accuracy, Errors
-from camcli.cams.lift_fit import Fit, Smoother
-from camcli.cams.lift_noise import noise, refuse_spikes
-from camcli.cams.lift_text import parse
+from camcli.cams.lift_fit import Accuracy, Errors, Fit, Smoother, noise, piece
+from camcli.cams.lift_reading import Reading, Turn, read_turn
 from camcli.cams.pieces import Part
-from camcli.errors import Fault, SceneError
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Column = Annotated[int, Field(strict=True, ge=1)] | Annotated[str, Field(min_length=1)]
@@ -100,10 +95,7 @@ class TableCam(BaseModel):
             cure = "this is not the file the scene was made for; remove sha256 to use it"
             raise refused(name, "sha256", found, f"expected {self.sha256}", cure)
         object.__setattr__(self, "sha256", digest)  # the scene's hash depends on the file's bytes
-        rows = parse(data, name, self.angle_column, self.lift_column, self.header)
-        turn = one_turn(rows, self._reading())
-        refuse_spikes(turn, name)
-        self._turn = turn
+        self._turn = read_turn(data, name, self._reading())
         return self
 
     def _inside(self, folder: Path, name: str) -> None:
@@ -116,13 +108,20 @@ class TableCam(BaseModel):
         if not inside and not self.allow_outside:
             found = "found a file outside the scene's folder"
             cure = "copy it beside the scene, or write allow_outside: true"
-            raise SceneError(Fault(name, "file", found, "expected a file beside the scene", cure))
+            raise refused(name, "file", found, "expected a file beside the scene", cure)
         self._outside = "" if inside else place
 
     def _reading(self) -> Reading:
         unit = self.max_lift if self.max_lift is not None else UNITS[self.lift]
-        half = Decimal("0.5") if self.angle == "crank" else Decimal(1)
-        return Reading(unit * self.rocker_ratio, half, self.zero_deg, self.direction == "reversed")
+        return Reading(
+            angle_column=self.angle_column,
+            lift_column=self.lift_column,
+            header=self.header,
+            lift_unit=unit * self.rocker_ratio,
+            angle_unit=Decimal("0.5") if self.angle == "crank" else Decimal(1),
+            zero_deg=self.zero_deg,
+            reversed=self.direction == "reversed",
+        )
 
     @cached_property
     def _fitted(self) -> tuple[Smoother, Fit, float]:
@@ -154,7 +153,7 @@ class TableCam(BaseModel):
     def parts(self) -> list[Part]:
         """Dwells, and between them the spline in chunks of equal pieces."""
         smoother, fit, _ = self._fitted
-        moving = set(smoother.moving())
+        moving = set(smoother.moving)
         parts, i = [], 0
         while i < smoother.count:
             j = i

@@ -7,7 +7,7 @@ from math import isfinite, sqrt
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from camcli.cams.lift_error import Accuracy
+    from camcli.cams.lift_fit import Accuracy
     from camcli.cli.setup import Setup
 
 MEANING = (

@@ -6,8 +6,8 @@ from math import pi
 import pytest
 
 from camcli.analysis.contact_loss.detachment import detachment, first_loss_range
-from camcli.cams.bspline import at, basis
 from camcli.cams.compile import build, column, corners
+from camcli.cams.lift_fit import at, basis
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.system import Follower, System
 from tests.cams.lift_tables import (
