@@ -1,5 +1,6 @@
-"""First detachment, opening and filling, words, and what the follower does at b and at e."""
+"""Where contact is lost: published speeds, simulations beside them, and the spring that holds."""
 
+from dataclasses import replace
 from decimal import Decimal
 from math import inf, pi, sqrt
 
@@ -8,12 +9,13 @@ import pytest
 from camcli.analysis.contact_loss.bursts import Bursts, LiftOffKind, lift_off
 from camcli.analysis.contact_loss.detachment import Reason, detachment
 from camcli.analysis.contact_loss.force import Force
+from camcli.analysis.contact_loss.hold import Need, Obstacle, hold_to, replaced
 from camcli.analysis.integrate import Orbit
 from camcli.cams.decimals import pi as decimal_pi
 from camcli.cams.decimals import sincos
 from camcli.cams.pieces import Part
-from camcli.cams.regions import regions
-from camcli.system import Follower, System
+from camcli.kernel.cam_table import stretch_at
+from camcli.system import Follower, System, omega_of
 from tests.conftest import chapter_system, settings
 
 OMEGA0 = 34.2319495767677805
@@ -29,17 +31,17 @@ def by_region(found):
     return {loss.region.name: loss for loss in found.losses}
 
 
-def touches(system, rpm, theta_deg=0.0):
-    return Orbit(system, rpm, settings(0, 3, theta_deg=theta_deg)).run().touches
+def touches(system, rpm):
+    return Orbit(system, rpm, settings(0, 1)).run().touches
 
 
-def brute_force(system, low, high, theta_deg=0.0):
-    """The lowest speed with lift-off, by simulations alone; within 1e-8 rpm."""
-    assert not touches(system, low, theta_deg)
-    assert touches(system, high, theta_deg)
-    while high - low > 1e-8:
+def lifts_off_at(system, low, high):
+    """The lowest speed with lift-off, by simulations alone; within 1e-7 rpm."""
+    assert not touches(system, low)
+    assert touches(system, high)
+    while high - low > 1e-7:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if touches(system, middle, theta_deg) else (middle, high)
+        low, high = (low, middle) if touches(system, middle) else (middle, high)
     return 0.5 * (low + high)
 
 
@@ -66,111 +68,79 @@ def roof(**follower):
     return made([rise, fall], **follower)
 
 
-def test_first_detachment_of_the_chapter(chapter):
-    first = detachment(chapter).first
-    assert first.rpm == pytest.approx(114.979326744, abs=1e-9)
-    assert first.rpm == pytest.approx(rpm_of(0.2312555620189976, -1.869212582774405), abs=1e-9)
+def test_the_example_loses_contact_first_at_b(chapter):
+    found = detachment(chapter)
+    first, regions = found.first, by_region(found)
+    opens = rpm_of(0.2312555620189976, -1.869212582774405)
+    fills = rpm_of(0.25393320723821, -1.491680113303188)
+    assert (opens, fills) == pytest.approx((114.979326744, 134.872968058), abs=1e-9)
+    assert first.rpm == pytest.approx(opens, abs=1e-9)
     assert (first.region, first.status) == ("A2", "ok")
-    assert first.theta_deg == pytest.approx(B, abs=1e-10)
-
-
-def test_bracket_holds_below_and_loses_above(chapter):
-    first = detachment(chapter).first
-    assert 0.0 < first.high - first.low < 1e-9
-    assert first.low < first.rpm < first.high
+    for name, begins, ends in (("A2", B, 160.0), ("A4", E, 200.0)):
+        loss = regions[name]
+        assert (loss.opens.rpm, loss.fills.rpm) == pytest.approx((opens, fills), abs=1e-9)
+        phases = (loss.opens.theta_deg, loss.fills.theta_deg)
+        assert phases == pytest.approx((begins, ends), abs=1e-9)
+    for name in ("A1", "A3", "A5", "A6"):
+        assert regions[name].opens.rpm == regions[name].fills.rpm == inf
+        assert regions[name].opens.status == regions[name].fills.status == "never"
+    assert first.low < first.rpm < first.high < first.low + 1e-9
     assert not touches(chapter, first.low)
     force = Force(chapter)
     assert force.weakest(first.low)[0] > 0.0 > force.weakest(first.high)[0]
 
 
-def test_regions_open_and_fill(chapter):
-    found = by_region(detachment(chapter))
-    fill = rpm_of(0.25393320723821, -1.491680113303188)
-    assert fill == pytest.approx(134.872968058, abs=1e-9)
-    for name, opens_at, fills_at in (("A2", B, 160.0), ("A4", E, 200.0)):
-        loss = found[name]
-        assert loss.opens.rpm == pytest.approx(114.979326744, abs=1e-9)
-        assert loss.fills.rpm == pytest.approx(fill, abs=1e-9)
-        assert loss.opens.theta_deg == pytest.approx(opens_at, abs=1e-9)
-        assert loss.fills.theta_deg == pytest.approx(fills_at, abs=1e-9)
-    for name in ("A1", "A3", "A5", "A6"):
-        assert found[name].opens.rpm == found[name].fills.rpm == inf
-        assert found[name].opens.status == found[name].fills.status == "never"
-
-
-def test_regions_run_through_zero_and_the_strobe():
-    plain, cut = chapter_system(), chapter_system(strobe_deg=155.0)
-    names = [(r.name, r.begins, r.ends) for r in regions(plain.cam)]
-    assert names[0] == ("A1", "a", "b")
-    assert names[-1] == ("A6", "f", "a")
-    assert [(r.name, r.begins, r.ends) for r in regions(cut.cam)] == names
-    assert len(regions(cut.cam)[1].stretches) == 2
-    one, two = detachment(plain), detachment(cut)
-    assert one.first.rpm == pytest.approx(two.first.rpm, rel=1e-14)
-    fills = [by_region(found)["A2"].fills.rpm for found in (one, two)]
-    assert fills[0] == pytest.approx(fills[1], rel=1e-14)
+def test_a_strobe_inside_a_region_changes_nothing(chapter):
+    cut = chapter_system(strobe_deg=155.0)
+    assert len(by_region(detachment(cut))["A2"].region.stretches) == 2
+    for quantity in ("opens", "fills"):
+        one, two = (
+            {n: getattr(x, quantity).rpm for n, x in by_region(detachment(s)).items()}
+            for s in (chapter, cut)
+        )
+        assert one == pytest.approx(two, rel=1e-14)
 
 
 @pytest.mark.parametrize(
-    ("follower", "region"),
+    ("system", "region"),
     [
-        ({"damping": 5.0, "preload": 20.0}, "A4"),
-        ({"damping": 60.0, "preload": 30.0, "gravity": 9.81}, "A4"),
-        ({"damping": 500.0, "gravity": 9.81}, "A4"),
+        (chapter_system(damping=5.0, preload=20.0), "A4"),
+        (chapter_system(damping=500.0, gravity=9.81), "A4"),
+        (eccentric(0.1, 0.05, damping=150.0, preload=3.0, gravity=9.81), "A1"),
     ],
 )
-def test_damped_and_preloaded_follower_agrees_with_simulations(follower, region):
-    system = chapter_system(**follower)
+def test_damped_and_preloaded_followers_agree_with_simulations(system, region):
     first = detachment(system).first
-    assert first.region == region
-    assert first.status == "ok"
-    found = brute_force(system, first.rpm * 0.9, first.rpm * 1.1)
-    assert first.rpm == pytest.approx(found, abs=1e-7)
+    assert (first.region, first.status) == (region, "ok")
+    assert first.rpm == pytest.approx(
+        lifts_off_at(system, first.rpm * 0.99, first.rpm * 1.01), abs=1e-7
+    )
 
 
 def test_a_smooth_cam_loses_contact_inside_its_one_region():
     for strobe in (0.0, 180.0):
         system = eccentric(0.1, 0.05, strobe)
-        first = detachment(system).first
-        expected = sqrt(1000.0 * 0.15 / 0.025) * 30.0 / pi
-        assert first.rpm == pytest.approx(expected, rel=1e-13)
-        assert first.theta_deg == pytest.approx(180.0, abs=1e-5)
-        assert first.status == "ok"
-        loss = detachment(system).losses[0]
+        (loss,) = detachment(system).losses
+        assert loss.opens.rpm == pytest.approx(sqrt(1000.0 * 0.15 / 0.025) * 30 / pi, rel=1e-13)
+        assert loss.opens.theta_deg == pytest.approx(180.0, abs=1e-5)
         assert (loss.region.name, loss.region.begins, loss.fills.rpm) == ("A1", "", inf)
     seen = lift_off(Bursts(system, "A1", loss.opens.theta, 10**6), loss)
     assert seen.kind is LiftOffKind.WITHIN
     assert seen.release_deg < 180.0 < seen.landing_deg
 
 
-@pytest.mark.parametrize("damping", [0.0, 20.0, 150.0])
-def test_a_damped_smooth_cam_agrees_with_simulations(damping):
-    system = eccentric(0.1, 0.05, damping=damping, preload=3.0, gravity=9.81)
-    first = detachment(system).first
-    assert first.rpm == pytest.approx(
-        brute_force(system, 0.9 * first.rpm, 1.1 * first.rpm), abs=1e-7
-    )
-    assert (first.theta_deg > 185.0) == (damping > 0.0)
-
-
 def test_flight_at_b_is_told_from_the_release_at_e(chapter):
-    found = by_region(detachment(chapter))
-    seen = {
-        name: lift_off(Bursts(chapter, name, found[name].opens.theta, 10**6), found[name])
+    losses = by_region(detachment(chapter))
+    two, four = (
+        lift_off(Bursts(chapter, name, losses[name].opens.theta, 10**6), losses[name])
         for name in ("A2", "A4")
-    }
-    assert (seen["A2"].kind, seen["A2"].corner) == (LiftOffKind.FLIES_OFF, "b")
-    assert seen["A2"].release_deg == pytest.approx(B, abs=1e-12)
-    assert B < seen["A2"].landing_deg < seen["A2"].rest_deg < B + 0.01
-    assert (seen["A4"].kind, seen["A4"].corner) == (LiftOffKind.CAUGHT, "e")
-    assert E - 1e-3 < seen["A4"].release_deg < E - 1e-6
-    assert E < seen["A4"].landing_deg < E + 1e-6
-
-
-def test_never():
-    found = detachment(dwell(0.1))
-    assert found.first is None
-    assert found.never
+    )
+    assert (two.kind, two.corner) == (LiftOffKind.FLIES_OFF, "b")
+    assert two.release_deg == pytest.approx(B, abs=1e-12)
+    assert B < two.landing_deg < two.rest_deg < B + 0.01
+    assert (four.kind, four.corner) == (LiftOffKind.CAUGHT, "e")
+    assert E - 1e-3 < four.release_deg < E - 1e-6
+    assert E < four.landing_deg < E + 1e-6
 
 
 @pytest.mark.parametrize(
@@ -185,33 +155,91 @@ def test_never():
 )
 def test_contact_lost_at_any_speed_has_a_reason_and_no_speed(system, reason, theta_deg, value):
     found = detachment(system)
-    assert found.first is None
-    assert not found.never
+    assert (found.first, found.never) == (None, False)
     place = found.always[0]
     assert (place.reason, place.theta_deg) == (reason, pytest.approx(theta_deg, abs=1e-9))
     assert place.value == pytest.approx(value, abs=1e-9)
+    never = detachment(dwell(0.1))
+    assert (never.first, never.never) == (None, True)
 
 
 def test_damping_can_press_the_follower_again_at_speed():
     force = Force(eccentric(0.1, 0.05, damping=300.0))
-    lost = [force.lost(0, x / 100.0) for x in range(480, 620)]
-    finite = [(low, high) for low, high in lost if high < inf]
-    assert finite
-    for k, (low, high) in enumerate(lost):
+    lost = {x / 100.0: force.lost(0, x / 100.0) for x in range(480, 620)}
+    assert any(high < inf for _, high in lost.values())
+    for x, (low, high) in lost.items():
         if high < inf:
-            x = (480 + k) / 100.0
-            assert force.newton(0, x, 0.5 * (low + high)) < 0.0
-            assert force.newton(0, x, 1.01 * high) > 0.0
-            assert force.newton(0, x, 0.99 * low) > 0.0
+            speeds = (0.99 * low, 0.5 * (low + high), 1.01 * high)
+            assert [force.newton(0, x, omega) > 0.0 for omega in speeds] == [True, False, True]
 
 
-def test_force_curve_has_both_sides_of_a_corner_and_its_minimum(chapter):
+def test_the_force_curve_has_both_sides_of_a_corner_and_its_minimum(chapter):
     curve = Force(chapter).curve(110.0)
     assert curve.lowest_n == pytest.approx(min(curve.force_n), rel=1e-13)
     assert curve.lowest_n == pytest.approx(28.0379, abs=1e-4)
-    at_b = [n for x, n in zip(curve.theta_deg, curve.force_n, strict=True) if abs(x - B) < 1e-9]
-    assert len(at_b) == 2
-    assert at_b[0] - at_b[1] == pytest.approx(
-        1.221 * (110 * pi / 30) ** 2 * (0.3415971000285428 + 1.869212582774405), rel=1e-9
+    left, right = (
+        n for x, n in zip(curve.theta_deg, curve.force_n, strict=True) if abs(x - B) < 1e-9
     )
+    jump = 1.221 * (110 * pi / 30) ** 2 * (0.3415971000285428 + 1.869212582774405)
+    assert left - right == pytest.approx(jump, rel=1e-9)
     assert (curve.theta_deg[0], curve.theta_deg[-1]) == (0.0, pytest.approx(360.0))
+
+
+@pytest.mark.parametrize(
+    ("follower", "rpm"),
+    [({}, 400.0), ({"damping": 8.0, "preload": 10.0}, 130.0), ({"damping": 40.0}, 400.0)],
+)
+def test_every_spring_holds_just_below_and_loses_just_above(follower, rpm):
+    system = chapter_system(gravity=9.81, **follower)
+    answers = hold_to(system, rpm, 0.0, 0.05)
+    assert [hold.quantity for hold in answers] == ["hold_stiffness", "hold_preload", "hold_both"]
+    for hold in answers:
+        assert hold.status == "ok"
+        assert hold.detaches_rpm == pytest.approx(rpm, rel=1e-12)
+        assert hold.least_n == pytest.approx(0.0, abs=1e-9)
+        other = replaced(system, hold.stiffness, hold.preload)
+        assert not touches(other, rpm * (1.0 - 1e-9))
+        assert touches(other, rpm * (1.0 + 1e-6))
+    stiffness, preload, both = answers
+    assert (stiffness.preload, preload.stiffness) == (
+        system.follower.preload, system.follower.stiffness
+    )  # fmt: skip
+    assert both.preload == pytest.approx(0.05 * both.stiffness, rel=1e-15)
+    other = replace(system, follower=replace(system.follower, stiffness=9.0))
+    assert hold_to(other, rpm, 0.0, 0.05)[0].stiffness == stiffness.stiffness
+
+
+def test_the_margin_is_kept_up_to_the_speed_and_not_more_than_needed(chapter):
+    for hold in hold_to(chapter, 180.0, 25.0, 0.05):
+        force = Force(replaced(chapter, hold.stiffness, hold.preload))
+        least = min(force.weakest(180.0 * k / 20)[0] for k in range(1, 21))
+        assert (least, hold.least_n) == pytest.approx((25.0, 25.0), abs=1e-9)
+        assert hold.detaches_rpm > 180.0
+
+
+def test_a_spring_is_measured_by_the_worst_speed_of_each_phase():
+    """With damping, on a convex fall, that speed lies inside the range."""
+    worst = []
+    for theta, damping in ((1.7, 30.0), (2.7, 30.0), (3.0, 30.0), (3.9, 30.0), (3.9, 70.0)):
+        system = chapter_system(damping=damping, gravity=9.81)
+        need, force = Need(system, 300.0, 2.0), Force(system)
+        i = stretch_at(system.cam, theta)
+        wanted, c = need.at(i, theta)
+        forces = [force.newton(i, theta, omega_of(0.1 * k)) for k in range(3001)]
+        assert 2.0 - wanted == pytest.approx(min(forces) - 1430.8 * c, abs=1e-4)
+        worst.append(forces.index(min(forces)) / 3000)
+    assert any(0.0 < share < 0.5 for share in worst)
+    assert any(0.5 < share < 1.0 for share in worst)
+
+
+def test_a_spring_that_is_not_needed_and_one_that_cannot_hold():
+    for hold in hold_to(chapter_system(stiffness=0.0, gravity=9.81), 20.0, 0.0, 0.05):
+        assert (hold.status, hold.stiffness, hold.preload) == ("not-needed", 0.0, 0.0)
+        assert hold.detaches_rpm > 20.0
+    stiffness, preload, both = hold_to(dwell(-0.1), 100.0, 5.0, 0.05)
+    assert stiffness.status == both.status == "impossible"
+    assert stiffness.obstacle is both.obstacle is Obstacle.LIFT
+    assert (stiffness.missing_n, both.missing_n, both.detaches_rpm) == (5.0, 5.0, None)
+    assert (preload.preload, preload.least_n) == pytest.approx((105.0, 5.0))
+    assert hold_to(dwell(-0.1), 100.0, 5.0, 0.2)[2].stiffness == pytest.approx(50.0)
+    assert {hold.obstacle for hold in hold_to(roof(), 10.0, 0.0, 0.05)} == {Obstacle.KINK}

@@ -58,9 +58,8 @@ def timeline(system: System, orbit: Orbit, tape: Tape) -> list[tuple[int, float,
         kind, theta = int(kind), float(theta)
         since = theta - strobe if theta >= strobe else theta - strobe + TURN
         rows.append((kind, theta, TURN * int(period) + since))
-        dead = (
-            kind == EventKind.IMPACT and lane.r * u == 0.0
-        )  # restitution 0: it rests, if it is pressed on
+        # with restitution 0 the follower rests where it lands, if it is pressed on
+        dead = kind == EventKind.IMPACT and lane.r * u == 0.0
         if dead and contact_accel(cam, lane, stretch_at(cam, theta), theta)[0] < 0.0:
             rows.append((EventKind.CHATTER, *rows[-1][1:]))
     return rows
@@ -220,9 +219,7 @@ def settled(
         tape = orbit.run(strobes=False)
         events = timeline(system, orbit, tape)
         bursts = bursts_of(events)
-        if (
-            tape.status == Status.OK
-        ):  # those of the first turn; one from before it only if none begins
+        if tape.status == Status.OK:  # of the first turn; one from before it if none begins
             bursts = [b for b in bursts if b.release < inf and b.begin < TURN] or bursts[:1]
         impacts = [
             theta * DEG for kind, theta, at in events if kind == EventKind.IMPACT and at < TURN

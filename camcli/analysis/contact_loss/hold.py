@@ -70,7 +70,7 @@ def hold_to(system: System, rpm: float, margin: float, precompression: float) ->
     kinds = (Quantity.HOLD_STIFFNESS, Quantity.HOLD_PRELOAD, Quantity.HOLD_BOTH)
     if any(place.reason is Reason.KINK for place in detachment(system).always):
         return [Hold(kind, HoldStatus.IMPOSSIBLE, obstacle=Obstacle.KINK) for kind in kinds]
-    need, follower = _Need(system, rpm, margin), system.follower
+    need, follower = Need(system, rpm, margin), system.follower
     k, present = follower.stiffness, follower.preload
     stiff = need.least_stiffness(Quantity.HOLD_STIFFNESS, present, 0.0)
     least, i, theta = need.most(lambda p, c: p - k * c)
@@ -84,7 +84,7 @@ def replaced(system: System, stiffness: float, preload: float) -> System:
     return System(replace(system.follower, stiffness=stiffness, preload=preload), system.cam)
 
 
-class _Need:
+class Need:
     """The force a spring must give at every phase, P = margin - m g - D."""
 
     def __init__(self, system: System, rpm: float, margin: float):
