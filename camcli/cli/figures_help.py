@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-FIGURES_HELP = """Every figure of the chapter, from one scene each; what changed is computed again.
+FIGURES_HELP = """The figures of the cam-follower example: what changed is computed again.
 
 \b
 NAME/           artefacts, run.json and figure.json of one figure

@@ -3,15 +3,16 @@
 Three groups, each a flat map from a name to a number or a short text:
 regular  tables straight from the kernel, of motions that repeat: exact
 chaotic  the same of motions that do not: exact, and the most sensitive to a single bit
-solved   everything else, where equations were solved: to SOLVED of a value
+solved   everything else, where equations were solved: to TOLERANCE of a value
 """
 
 from __future__ import annotations
 
 import csv
 import json
-import re
 from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,9 @@ from typing import Any
 import numpy as np
 
 REGULAR, CHAOTIC, SOLVED = "regular", "chaotic", "solved"
+TOLERANCE = 1e-8  # of a solved number
+SLIGHT = 1e-9  # of a simulated number: a difference of rounding, not of the machine
+ABSOLUTE = 1e-12
 KERNEL = ("impacts.csv", "strobe.csv", "trajectory.csv", "events.csv", "speeds.csv")
 CHAOS = ("aperiodic", "undecided")
 WORDS = ("attractor", "branch", "stable", "chatter", "impact", "period")  # numbers that name
@@ -26,85 +30,62 @@ SKIPPED = ("rpm_error", "standard_error", "period")
 LEVELS = {"least": 0.0, "q05": 0.05, "q25": 0.25, "median": 0.5, "q75": 0.75, "q95": 0.95,
           "largest": 1.0}  # fmt: skip
 MOST_ROWS = 40  # of a table that is kept whole
-PIECE = 1 << 24  # bytes of a large table read at a time
 MOST_WORDS = 24  # different texts of a column that are counted one by one
 
 Group = dict[str, Any]
+Columns = dict[str, np.ndarray]  # doubles, or texts where a cell is none
 
 
 def digest(folder: Path) -> dict[str, Group]:
     """The digest of the artefacts in a folder."""
     groups: dict[str, Group] = {REGULAR: {}, CHAOTIC: {}, SOLVED: {}}
-    record = json.loads((folder / "run.json").read_text())
-    label = record["result"].get("label", "") if isinstance(record["result"], dict) else ""
-    chaotic = _chaotic_speeds(folder / "speeds.csv")
-    for path in sorted(folder.glob("*.csv")):
-        columns = _columns(path)
-        if path.name == "speeds.csv":
+    result = json.loads((folder / "run.json").read_text())["result"]
+    label = result.get("label", "") if isinstance(result, dict) else ""
+    tables = {path.name: _columns(path) for path in sorted(folder.glob("*.csv"))}
+    speeds = tables.get("speeds.csv", {"rpm": np.empty(0), "label": np.empty(0)})
+    chaotic = speeds["rpm"][np.isin(speeds["label"], CHAOS)]
+    for name, columns in tables.items():
+        if name == "speeds.csv":
             _speeds(groups[REGULAR], columns)
-        elif path.name not in KERNEL:
-            _solved(groups[SOLVED], path.name, columns)
+        elif name not in KERNEL:
+            _solved(groups[SOLVED], name, columns)
         elif "rpm" in columns:
             rows = np.isin(columns["rpm"], chaotic)
-            _exact(groups[CHAOTIC], path.name, columns, rows)
-            _exact(groups[REGULAR], path.name, columns, ~rows)
+            _exact(groups[CHAOTIC], name, columns, rows)
+            _exact(groups[REGULAR], name, columns, ~rows)
         else:
             every = np.ones(len(next(iter(columns.values()))), bool)
-            group = groups[CHAOTIC if label in CHAOS else REGULAR]
-            _exact(group, path.name, columns, every)
+            _exact(groups[CHAOTIC if label in CHAOS else REGULAR], name, columns, every)
     if label:
         groups[REGULAR]["label"] = label
     return groups
 
 
-def _columns(path: Path) -> dict[str, np.ndarray]:
-    """Columns by name: doubles, or texts where a cell is none."""
+def _columns(path: Path) -> Columns:
+    """The columns of a table by name."""
     with open(path, encoding="utf-8", newline="") as file:
         names = file.readline().strip().split(",")
-        first = file.readline()
-        if not first:
+        body = file.tell()
+        if not file.readline():
             return {name: np.empty(0) for name in names}
-    if re.fullmatch(r"[-+0-9.e,]+", first.strip()) and ",," not in first:
-        found = _numbers(path, len(names))
-        if found is not None:
+        file.seek(body)
+        try:
+            found = np.loadtxt(file, delimiter=",", comments=None, ndmin=2)
             return dict(zip(names, found.T, strict=True))
-    with open(path, encoding="utf-8", newline="") as file:
-        rows = list(csv.reader(file))[1:]
-    return {name: _column([row[k] for row in rows]) for k, name in enumerate(names)}
+        except ValueError:  # a cell that is empty or text
+            file.seek(body)
+            cells = zip(*csv.reader(file), strict=True)
+            return {name: _column(column) for name, column in zip(names, cells, strict=True)}
 
 
-def _numbers(path: Path, count: int) -> np.ndarray | None:
-    """A table of numbers only, piece by piece; None where it is not one."""
-    pieces = []
-    with open(path, "rb") as file:
-        file.readline()
-        while lines := file.readlines(PIECE):
-            text = b",".join(lines).replace(b"\n", b"")
-            try:
-                values = np.fromstring(text, sep=",")
-            except ValueError:
-                return None
-            if len(values) != count * len(lines):
-                return None
-            pieces.append(values.reshape(-1, count))
-    return np.concatenate(pieces)
-
-
-def _column(cells: list[str]) -> np.ndarray:
+def _column(cells: Sequence[str]) -> np.ndarray:
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:
         return np.array(cells)
 
 
-def _chaotic_speeds(path: Path) -> np.ndarray:
-    if not path.is_file():
-        return np.empty(0)
-    columns = _columns(path)
-    return columns["rpm"][np.isin(columns["label"], CHAOS)]
-
-
-def _speeds(group: Group, columns: dict[str, np.ndarray]) -> None:
+def _speeds(group: Group, columns: Columns) -> None:
     """How often each label occurs, and between which speeds."""
     labels, rpm = columns["label"], columns["rpm"]
     _counts(group, "speeds.csv status", columns["status"])
@@ -117,7 +98,7 @@ def _speeds(group: Group, columns: dict[str, np.ndarray]) -> None:
         group[f"{name} from rpm"], group[f"{name} to rpm"] = float(mine.min()), float(mine.max())
 
 
-def _exact(group: Group, name: str, columns: dict[str, np.ndarray], rows: np.ndarray) -> None:
+def _exact(group: Group, name: str, columns: Columns, rows: np.ndarray) -> None:
     """Count, bits and quantiles of some rows of a table of the kernel."""
     group[f"{name} rows"] = int(rows.sum())
     if not rows.any():
@@ -125,16 +106,13 @@ def _exact(group: Group, name: str, columns: dict[str, np.ndarray], rows: np.nda
     bits = sha256()
     for column in columns.values():
         mine = column[rows]
-        bits.update(np.ascontiguousarray(mine, "<f8") if mine.dtype.kind == "f" else _join(mine))
+        text = mine.dtype.kind != "f"
+        bits.update("\n".join(mine.tolist()).encode() if text else mine.astype("<f8").tobytes())
     _quantiles(group, name, {k: v[rows] for k, v in columns.items() if k != "rpm"})
     group[f"{name} bits"] = bits.hexdigest()[:16]
 
 
-def _join(texts: np.ndarray) -> bytes:
-    return "\n".join(texts.tolist()).encode()
-
-
-def _solved(group: Group, name: str, columns: dict[str, np.ndarray]) -> None:
+def _solved(group: Group, name: str, columns: Columns) -> None:
     """A small table cell by cell, a large one by quantiles."""
     count = len(next(iter(columns.values())))
     group[f"{name} rows"] = count
@@ -148,12 +126,11 @@ def _solved(group: Group, name: str, columns: dict[str, np.ndarray]) -> None:
         seen[key] += 1
         key = f"{name} {key}" + (f" #{seen[key]}" if seen[key] > 1 else "")
         for column, values in columns.items():
-            value = values[row]
-            if column not in texts and column not in SKIPPED and not np.isnan(value):
-                group[f"{key} {column}"] = float(value) if np.isfinite(value) else str(value)
+            if column not in texts and column not in SKIPPED and not np.isnan(values[row]):
+                group[f"{key} {column}"] = _number(values[row])
 
 
-def _quantiles(group: Group, name: str, columns: dict[str, np.ndarray]) -> None:
+def _quantiles(group: Group, name: str, columns: Columns) -> None:
     for column, values in columns.items():
         if column in SKIPPED:
             continue
@@ -161,10 +138,8 @@ def _quantiles(group: Group, name: str, columns: dict[str, np.ndarray]) -> None:
             _counts(group, f"{name} {column}", values)
             continue
         known = np.sort(values[~np.isnan(values)])
-        for level, share in LEVELS.items():
-            if len(known):
-                value = float(known[round(share * (len(known) - 1))])
-                group[f"{name} {column} {level}"] = value if np.isfinite(value) else str(value)
+        for level, share in LEVELS.items() if len(known) else ():
+            group[f"{name} {column} {level}"] = _number(known[round(share * (len(known) - 1))])
 
 
 def _counts(group: Group, name: str, values: np.ndarray) -> None:
@@ -175,12 +150,47 @@ def _counts(group: Group, name: str, values: np.ndarray) -> None:
         group[f"{name} different"] = len(counts)
 
 
+def _number(value: np.floating) -> float | str:
+    """As JSON knows it: infinities are texts."""
+    return float(value) if np.isfinite(value) else str(value)
+
+
 def _text(value: Any) -> str:
-    if isinstance(value, float | np.floating):
-        return f"{value:g}"
-    return _short(str(value))
+    return f"{value:g}" if isinstance(value, float | np.floating) else _short(str(value))
 
 
 def _short(text: str) -> str:
     """The text; a long one by its beginning and a hash."""
     return text if len(text) <= 40 else f"{text[:28]}~{sha256(text.encode()).hexdigest()[:8]}"
+
+
+@dataclass(frozen=True)
+class Drift:
+    """A number that is not the reference's; `by` is None where they cannot be subtracted."""
+
+    figure: str
+    group: str
+    name: str
+    reference: Any
+    found: Any
+    by: float | None = None
+    portability: bool = False  # the bits of another machine would explain it, and nothing else
+
+
+def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> list[Drift]:
+    """All numbers of a digest that are not the reference's."""
+    found = []
+    for group in (REGULAR, CHAOTIC, SOLVED):
+        for name in dict.fromkeys([*old[group], *new[group]]):
+            was, now = old[group].get(name), new[group].get(name)
+            if was == now:
+                continue
+            by, slight = None, False
+            if all(isinstance(x, int | float) and not isinstance(x, bool) for x in (was, now)):
+                by, size = now - was, max(abs(was), abs(now))
+                if group == SOLVED and abs(by) <= ABSOLUTE + TOLERANCE * size:
+                    continue
+                slight = abs(by) <= SLIGHT * size
+            bits = group == REGULAR and (slight or name.endswith(" bits"))
+            found.append(Drift(figure, group, name, was, now, by, group == CHAOTIC or bits))
+    return found
