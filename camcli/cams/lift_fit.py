@@ -75,7 +75,7 @@ def noise(turn: Turn) -> float:
         for k in moving[:: 1 + len(moving) // SAMPLE]:
             d, weights = turn.deviation(k, reach)
             square = 1.0
-            for weight in weights.values():
+            for weight in weights:
                 square += weight * weight
             found.append(abs(d) / sqrt(square))
         estimates.append(median_low(found) / NORMAL if found else 0.0)

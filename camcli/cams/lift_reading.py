@@ -18,7 +18,7 @@ from statistics import median_low
 from camcli.cams.files import decoded, refused
 from camcli.errors import Fault, SceneError
 
-MAX_ROWS = 50_000
+MAX_ROWS = 40_000  # every 0.01 deg of the cam, and some; read within a second
 MAX_LINES = 2 * MAX_ROWS  # with comments
 LONGEST_LINE = 10_000  # characters
 MAX_FAULTS = 20
@@ -76,21 +76,19 @@ class Turn:
         """Standard deviation of rounding to the quantum, m."""
         return self.quantum / sqrt(12.0)
 
-    def deviation(self, k: int, reach: int) -> tuple[float, dict[int, float]]:
+    def deviation(self, k: int, reach: int) -> tuple[float, list[float]]:
         """Lift of row k minus the polynomial through `reach` rows on either side; their weights."""
-        n = len(self.lift)
-        places = {}
-        for j in (*range(-reach, 0), *range(1, reach + 1)):
-            turns, index = divmod(k + j, n)
-            places[j] = self.theta[index] + 360.0 * turns - self.theta[k]
-        weights, value = {}, self.lift[k]
-        for j, place in places.items():
+        n, here = len(self.lift), self.theta[k]
+        rows = [*range(k - reach, k), *range(k + 1, k + reach + 1)]
+        places = [self.theta[j % n] + 360.0 * (j // n) - here for j in rows]
+        weights, value = [], self.lift[k]
+        for j, place in zip(rows, places, strict=True):
             weight = 1.0
-            for other, there in places.items():
-                if other != j:
+            for there in places:
+                if there != place:
                     weight *= there / (there - place)
-            weights[j] = weight
-            value -= weight * self.lift[(k + j) % n]
+            weights.append(weight)
+            value -= weight * self.lift[j % n]
         return value, weights
 
 
@@ -462,9 +460,9 @@ def _refuse_spikes(turn: Turn, name: str) -> None:
     for k, (d, _) in enumerate(rows):
         if abs(d) <= floor or not turn.line[k]:
             continue
-        near = [(rows[(k + j) % n][0], rows[(k + j) % n][1][-j]) for j in (-2, -1, 1, 2)]
         slack = PATTERN * abs(d) + turn.quantum
-        if all(abs(found + weight * d) <= slack for found, weight in near):
+        near = [rows[(k + j) % n] for j in (2, 1, -1, -2)]  # by the weight that they give row k
+        if all(abs(e + weights[w] * d) <= slack for w, (e, weights) in enumerate(near)):
             found = f"found a spike: the row is {d:.6g} m off its neighbours"
             expected = f"expected at most {floor:.6g} m, {floor / turn.quantum:.3g} last digits"
             cure = "correct the row, or remove it"
