@@ -5,11 +5,8 @@ The fuzz tries CAMCLI_FUZZ examples (default 300), 10 000 before a release:
 """
 
 import os
-from datetime import timedelta
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from camcli.errors import SceneError
 from camcli.scene import Scene, load_scene
@@ -202,95 +199,3 @@ def test_the_scene_s_hash_depends_on_the_file(tmp_path):
     assert scene_hash(one) != scene_hash(two)
     assert resolved(one)["cam"]["sha256"] == one.cam.sha256
     assert scene_hash(scene(tmp_path, TEXT, sha256=one.cam.sha256)) == scene_hash(one)
-
-
-# -- fuzz -----------------------------------------------------------------------------------------
-
-EXAMPLES = int(os.environ.get("CAMCLI_FUZZ", "300"))
-FUZZ = settings(
-    max_examples=EXAMPLES,
-    deadline=timedelta(seconds=5),
-    database=None,
-    suppress_health_check=list(HealthCheck),
-)
-BITS = st.sampled_from(
-    ["nan", "inf", "-", ",", ";", "\t", " ", "\n", "\r\n", "\r", "#", '"', ".", "e", "E9", "1e9",
-     "1e-40", "0", "-0", "-1", "360", "720", "\x00", "\ufeff", "\x85", "\u2028", "٣", "é", "😀",
-     "1,5", "0.0000000000000000001", "9" * 40, "0,0\n", "359.9,0\n"]
-)  # fmt: skip
-TABLES = [
-    TEXT,
-    table(Lobe(polynomial, 60, 40), 5, decimals=2),
-    table(Lobe(cycloidal), 4, low=100, high=264),
-    TEXT.replace(",", ";"),
-    TEXT.replace(",", " "),
-]
-CHANGES = st.dictionaries(
-    st.sampled_from(["zero_deg", "base", "rocker_ratio", "smoothing", "angle", "direction", "lift",
-                     "angle_column", "lift_column", "header"]),
-    st.sampled_from(["0", "1e-9", "0.5", "-3", "7.5", "1e6", "crank", "reversed", "inch", "m", "1",
-                     "2", "lift", "false", "true", "null", "''"]),
-    max_size=2,
-)  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("tables")
-
-
-def accepted_or_refused(folder, data: bytes, changes: dict[str, str]) -> None:
-    """A scene whose cam compiles and is judged, or faults that can be printed anywhere."""
-    from camcli.cams.compile import build
-
-    faults = ()
-    try:
-        cam = scene(folder, data, **changes).cam
-    except SceneError as error:
-        faults = error.faults
-        assert faults
-        assert all(str(fault).isprintable() and fault.where for fault in faults)
-        return
-    compiled = build(cam.parts(), 77.7)
-    values = [*compiled.rows, *compiled.pieces, cam.accuracy.bound, *cam.errors.bounds]
-    assert all(abs(value) < float("inf") for value in values)
-
-
-@FUZZ
-@given(st.data())
-def test_mutated_tables(folder, data):
-    text = data.draw(st.sampled_from(TABLES))
-    for _ in range(data.draw(st.integers(0, 3))):
-        start = data.draw(st.integers(0, len(text)))
-        stop = data.draw(st.integers(start, min(len(text), start + 12)))
-        new = data.draw(st.one_of(BITS, st.just(""), st.floats().map(repr), st.text(max_size=5)))
-        text = text[:start] + new + text[stop:]
-    if data.draw(st.integers(0, 4)) == 0:
-        lines = text.splitlines(keepends=True)
-        a, b = (data.draw(st.integers(0, len(lines))) for _ in range(2))
-        text = "".join(lines[: min(a, b)] + lines[max(a, b) :])
-    accepted_or_refused(folder, text.encode("utf-8", "surrogatepass"), data.draw(CHANGES))
-
-
-@FUZZ
-@given(st.data())
-def test_random_curves(folder, data):
-    """Well-formed tables of lifts that no cam has: noise, steps, spikes, few digits."""
-    count = data.draw(st.integers(16, 120))
-    height = data.draw(st.sampled_from([1, 9, 300]))
-    row = st.integers(0, height)
-    shape = data.draw(st.lists(row, min_size=4, max_size=40))
-    gap = data.draw(st.sampled_from([1.0, 0.999, 0.4, 1.002]))
-    decimals = data.draw(st.integers(0, 9))
-    lines = ["deg,lift"]
-    for k in range(count):
-        lift = shape[k * len(shape) // count]
-        angle = 360 * gap * k / count
-        lines.append(f"{angle:.5f},{lift / max(1, height):.{decimals}f}")
-    accepted_or_refused(folder, "\n".join(lines).encode(), data.draw(CHANGES))
-
-
-@FUZZ
-@given(st.one_of(st.binary(max_size=300), st.lists(BITS, max_size=60).map("".join).map(str.encode)))
-def test_random_bytes(folder, data):
-    accepted_or_refused(folder, data, {})

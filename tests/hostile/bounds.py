@@ -32,6 +32,7 @@ def fuzz(examples: int) -> settings:
     """Settings of a fuzz with so many examples, or as many as CAMCLI_FUZZ asks for."""
     return settings(
         max_examples=int(os.environ.get("CAMCLI_FUZZ", examples)),
+        derandomize="CAMCLI_FUZZ" not in os.environ,
         deadline=None,  # `limited` measures the processor's time instead
         database=None,
         suppress_health_check=list(HealthCheck),
