@@ -47,7 +47,8 @@ def machines() -> Machines:
 
     from camcli.scene import Cam
 
-    return Machines(lambda section: TypeAdapter(Cam).validate_python(dict(section)).parts())
+    cams: TypeAdapter[Any] = TypeAdapter(Cam)
+    return Machines(lambda section: cams.validate_python(dict(section)).parts())
 
 
 @dataclass
@@ -56,7 +57,7 @@ class Run:
 
     request: Request
     section: Bench
-    folder: RunFolder | None = None  # None: only the plan is wanted
+    folder: RunFolder = field(init=False)  # once it is open
     result: dict[str, Any] = field(default_factory=dict)
     trouble: list[str] = field(default_factory=list)  # a line per failure
     done: list[str] = field(default_factory=list)  # what was measured, in words

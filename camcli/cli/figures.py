@@ -156,8 +156,8 @@ def figures(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
     """All figures of a folder, 3.9 before 3.10; raises SceneError with the faults of all scenes."""
     paths = sorted(folder.glob("*.yaml"), key=lambda path: _natural(path.stem))
     if not paths:
-        found = "found no scenes" if folder.is_dir() else "found no such folder"
-        raise SceneError(Fault("--folder", str(folder), found, "expected *.yaml", "name another"))
+        none = "found no scenes" if folder.is_dir() else "found no such folder"
+        raise SceneError(Fault("--folder", str(folder), none, "expected *.yaml", "name another"))
     found, faults = [], []
     for path in paths:
         try:
@@ -393,8 +393,8 @@ def check(figure: Figure, folder: Path) -> list[Drift]:
     reference = _read(Reference, path)
     if reference is None:
         cure = "cannot be read: restore it, or cam figures --update-reference"
-        found = cure if path.exists() else "no such file"
-        return [Drift(figure.name, SOLVED, str(path), None, found)]
+        why = cure if path.exists() else "no such file"
+        return [Drift(figure.name, SOLVED, str(path), None, why)]
     old = {group: getattr(reference, group) for group in (REGULAR, CHAOTIC, SOLVED)}
     found = drifts(figure.name, old, digest(folder))
     other = [

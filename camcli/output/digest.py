@@ -186,7 +186,7 @@ def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> l
             if was == now:
                 continue
             by, slight = None, False
-            if all(isinstance(x, int | float) and not isinstance(x, bool) for x in (was, now)):
+            if isinstance(was, int | float) and isinstance(now, int | float):
                 by, size = now - was, max(abs(was), abs(now))
                 if group == SOLVED and abs(by) <= ABSOLUTE + TOLERANCE * size:
                     continue

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import ceil, isfinite, isnan
 from textwrap import shorten
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -32,6 +33,7 @@ METHODS = {  # name, colour and mark
 }
 MARKS = (((MISSED, INVENTED), "x", 7.0), ((GIVEN_UP,), "|", 9.0), ((OVER,), "*", 9.0))
 LIMITED = "max_step"  # in a setting: drawn hollow
+Look = dict[str, Any]
 
 
 @style.look()
@@ -89,13 +91,13 @@ def _points(axes: Axes, method: str, some: Sequence[Measured], limited: bool) ->
     _, colour, shape = METHODS[method]
     order = 6 if method == "core" else 3
     x, y = [m.seconds for m in some], [max(m.error, FLOOR) for m in some]
-    look = {"marker": shape, "markersize": 4.0, "markeredgewidth": 0.7, "linewidth": 0.7}
+    look: Look = {"marker": shape, "markersize": 4.0, "markeredgewidth": 0.7, "linewidth": 0.7}
     face = "white" if limited else colour
     dashes = (0, (3, 2)) if limited else "-"
     axes.plot(x, y, color=colour, markerfacecolor=face, linestyle=dashes, zorder=order, **look)
     for statuses, shape, size in MARKS:
         bad = [k for k, m in enumerate(some) if m.status in statuses]
-        mark = {"color": style.TROUBLE, "linestyle": "", "marker": shape, "markersize": size}
+        mark: Look = {"color": style.TROUBLE, "linestyle": "", "marker": shape, "markersize": size}
         axes.plot([x[k] for k in bad], [y[k] for k in bad], markeredgewidth=0.9, zorder=8, **mark)
 
 
@@ -103,9 +105,14 @@ def _legend(figure: Figure, drawn: Sequence[Measured], height: int) -> None:
     handles = []
     for method, (name, colour, shape) in METHODS.items():
         if any(m.method == method for m in drawn):
-            look = {"color": colour, "marker": shape, "markersize": 4.0}
+            look: Look = {"color": colour, "marker": shape, "markersize": 4.0}
             handles.append(Line2D([], [], linewidth=0.7, label=name, **look))
-    hollow = {"color": style.CAM, "marker": "s", "markersize": 4.0, "markerfacecolor": "white"}
+    hollow: Look = {
+        "color": style.CAM,
+        "marker": "s",
+        "markersize": 4.0,
+        "markerfacecolor": "white",
+    }
     dashed = Line2D([], [], linewidth=0.7, linestyle=(0, (3, 2)), **hollow)
     dashed.set_label("steps of at most 1/16 turn")
     handles.append(dashed)
@@ -169,5 +176,5 @@ def _bars(figure: Figure, outcomes: Sequence[Outcome]) -> None:
         axes.spines[side].set_visible(False)
     for k, value in enumerate(times):
         at = (max(value, SHORTEST), k)
-        look = {"textcoords": "offset points", "xytext": (3, 0), "va": "center", "size": 6}
+        look: Look = {"textcoords": "offset points", "xytext": (3, 0), "va": "center", "size": 6}
         axes.annotate(f"{value:.2g}", at, **look)

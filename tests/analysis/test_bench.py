@@ -249,18 +249,18 @@ def test_ours_misses_nothing_and_invents_nothing():
 def test_blocks_are_whole_but_for_the_last():
     assert flights.blocks(0) == []
     blocks = flights.blocks(2 * flights.BLOCK + 5)
-    assert [(b.number, b.count) for b in blocks] == [(0, 1000), (1, 1000), (2, 5)]
+    assert [(b.seed, b.flights) for b in blocks] == [(0, 1000), (1, 1000), (2, 5)]
     total = flights.total([flights.Flights("core", 10, 9, 8), flights.Flights("core", 5, 5, 4)])
     assert (total.asked, total.flights, total.compared, total.status) == (15, 14, 12, NOT_REACHED)
 
 
 def test_a_flight_is_the_same_however_many_are_asked_for(monkeypatch):
-    def drawn(number, count):
+    def drawn(seed, count):
         seen = []
         decide = flights.verdict
         with monkeypatch.context() as patch:
             patch.setattr(flights, "verdict", lambda *a: seen.append(a[1]) or decide(*a))
-            flights.fly_block(flights.Block(number, count), machines())
+            flights.fly_block(flights.Block(seed, count), machines())
         return [f[1:] for f in seen]
 
     assert drawn(3, 9)[:4] == drawn(3, 4)

@@ -74,8 +74,8 @@ def main() -> None:
     lift, cam = lift_of(section), machines().cam(section)
     found: dict[str, Counter] = {name: Counter() for name in ("ours", "plain", "careful")}
     for block in blocks(parser.parse_args().flights):
-        rng = np.random.default_rng([block.number])
-        for _ in range(block.count):
+        rng = np.random.default_rng([block.seed])
+        for _ in range(block.flights):
             f = random_flight(rng, cam, lift)
             outcome, expected = verdict(lift, f, first_impact(f))
             found["ours"][outcome] += 1

@@ -69,14 +69,6 @@ class Flights:
         """Whether the clock has cut the block short."""
         return NOT_REACHED if self.flights < self.asked else OK
 
-    def count(self, outcome: str, seconds: float) -> None:
-        """One flight more."""
-        self.flights += 1
-        self.seconds += seconds
-        self.compared += outcome != UNDECIDED
-        self.missed += outcome == MISSED
-        self.invented += outcome == INVENTED
-
 
 def random_flight(rng: np.random.Generator, cam: Cam, lift: Lift) -> Flight:
     """Any damping and frequency, a fifth of the starts on a corner, three tenths on the cam."""
@@ -193,28 +185,28 @@ def verdict(lift: Lift, f: Flight, found: float | None) -> tuple[str, float | No
 
 
 class Block(NamedTuple):
-    """Flights to fly: the first `count` of block `number`; whether they are worth compiling for."""
+    """So many flights of the random numbers with a seed; whether they are worth compiling for."""
 
-    number: int
-    count: int
+    seed: int
+    flights: int
     compiled: bool = False
 
 
-def blocks(count: int) -> list[Block]:
+def blocks(flights: int) -> list[Block]:
     """The blocks of so many flights; only the last one may be cut short."""
-    firsts = range(0, count, BLOCK)
-    compiled = count >= COMPILE_FROM
-    return [Block(k, min(BLOCK, count - first), compiled) for k, first in enumerate(firsts)]
+    firsts = range(0, flights, BLOCK)
+    compiled = flights >= COMPILE_FROM
+    return [Block(k, min(BLOCK, flights - first), compiled) for k, first in enumerate(firsts)]
 
 
 def fly_block(block: Block, machines: Machines, seconds: float = inf) -> list[Flights]:
     """Fly the flights of a block; what the seconds do not suffice for is left out."""
     section = reference("stability")["cam"]
     lift, cam = lift_of(section), machines.cam(section)
-    flown = Flights(CORE, block.count)
-    rng = np.random.default_rng([block.number])
+    flown = Flights(CORE, block.flights)
+    rng = np.random.default_rng([block.seed])
     until = perf_counter() + seconds
-    for k in range(block.count):
+    for k in range(block.flights):
         if perf_counter() >= until:
             break
         f = random_flight(rng, cam, lift)
@@ -222,8 +214,12 @@ def fly_block(block: Block, machines: Machines, seconds: float = inf) -> list[Fl
             backend.compiled()
         began = perf_counter()
         found = first_impact(f)
-        spent = perf_counter() - began
-        flown.count(verdict(lift, f, found)[0], spent)
+        flown.seconds += perf_counter() - began
+        outcome, _ = verdict(lift, f, found)
+        flown.flights += 1
+        flown.compared += outcome != UNDECIDED
+        flown.missed += outcome == MISSED
+        flown.invented += outcome == INVENTED
     return [flown]
 
 

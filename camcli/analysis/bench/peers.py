@@ -138,15 +138,16 @@ class Machine:
         """The next integration; `by_region`: the method knows the cam by its regions only."""
         turn, theta, y, u = at
         lift, omega, k, b, load = self.lift, self.omega, self.k, self.b, self.load
-        region: int | None = lift.region(theta)
+        region = lift.region(theta)
         fall = self.fall_time(theta, y, u)
         in_gap = fall < GAP_BELOW * self.period
         c, slope, _ = lift.law(region, theta)
-        if not in_gap and (not by_region or c + y > lift.top + 2.0 * CLEAR):
-            region = None
-        ends = theta + TWO_PI if region is None else lift.regions[region].end
-        stop = min(ends, theta + TWO_PI, self.end(turn))
-        common = (theta, u, y <= 0.0, in_gap, region, fall, (stop - theta) / omega, stop)
+        anywhere = not in_gap and (not by_region or c + y > lift.top + 2.0 * CLEAR)
+        stop = min(theta + TWO_PI, self.end(turn))
+        if not anywhere:
+            stop = min(stop, lift.regions[region].end)
+        within = None if anywhere else region
+        common = (theta, u, y <= 0.0, in_gap, within, fall, (stop - theta) / omega, stop)
 
         def relative_accel(t: float, z: float, w: float) -> float:
             return self.pushed(region, theta + omega * t) - k * z - b * w

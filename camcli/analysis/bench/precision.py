@@ -438,10 +438,10 @@ def verdicts(found: Sequence[Measured]) -> list[Verdict]:
                     ours[-1].seconds,
                     ours[-1].error,
                     ours[-1].of_bound,
-                    fastest and f"{fastest.method} {fastest.setting}",
-                    fastest and fastest.seconds / ours[-1].seconds,
-                    best and f"{best.method} {best.setting}",
-                    best and best.error,
+                    None if fastest is None else f"{fastest.method} {fastest.setting}",
+                    None if fastest is None else fastest.seconds / ours[-1].seconds,
+                    None if best is None else f"{best.method} {best.setting}",
+                    None if best is None else best.error,
                 )
             )
     return told
