@@ -7,11 +7,9 @@ import os
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
-from camcli.cli.long_run import MOST_SHARDS
 from camcli.cli.options import Request
-from camcli.cli.rerun import call_of
+from camcli.cli.rerun import Record, call_of, record_of
 from camcli.errors import Fault, SceneError
 from camcli.output.program import program_hash
 from camcli.output.run_folder import PIECES
@@ -24,11 +22,10 @@ SHOWN = 10  # missing shards named
 def run(request: Request) -> int:
     """Join the parts, compute what needs all of them, and write the artefacts; the exit code."""
     paths = _paths(request.extra["parts"] or [Path("out")])
-    what = _common_key(paths)
+    record = _record(paths)
     out = request.out or paths[0].parent
-    home = request.extra["folder"] or Path()
-    request, call = call_of(what, request, out, home, tuple(paths))
-    return call(request)
+    again, call = call_of(record, request, out, request.extra["folder"] or Path(), tuple(paths))
+    return call(again)
 
 
 def _paths(given: Sequence[Path]) -> list[Path]:
@@ -43,60 +40,43 @@ def _paths(given: Sequence[Path]) -> list[Path]:
     return found
 
 
-def _common_key(paths: Sequence[Path]) -> dict[str, Any]:
-    """What all parts belong to; raises SceneError unless each is there once, complete and ours."""
-    first: dict[str, Any] = {}
-    numbers: dict[int, dict[int, Path]] = {}  # by the number of parts
+def _record(paths: Sequence[Path]) -> Record:
+    """What the parts belong to; raises SceneError unless they are all parts of one run, complete.
+
+    A part that is there twice, or one of another division of the same run, does no harm.
+    """
+    numbers: dict[int, set[int]] = {}  # parts that are there, by their total
+    first: dict = {}
     for path in paths:
         try:
             text, end = key_of(path)
         except OSError as error:
             found = f"cannot be read ({error.strerror})"
             raise _refusal(path, found, "leave it out", "expected a file of --shard I/N") from None
-        key = _values(text)
-        if not {"command", "scene", "options", "program"} <= key.keys():
-            raise _refusal(path, "found no description of a run", "leave it out")
-        first = first or key
-        if key != first:
+        record, key = record_of(text, path), json.loads(text)
+        if key != (first := first or key):
             other = ", ".join(f"another {name}" for name in first if key.get(name) != first[name])
             found = f"found pieces of other work than in {paths[0]} ({other})"
             cure = "merge each on its own; every shard needs the same scene, options and version"
             raise _refusal(path, found, cure)
         match end:
-            case [int(number), int(count)] if 1 <= number <= count <= MOST_SHARDS:
-                twin = numbers.setdefault(count, {}).setdefault(number, path)
+            case [int(number), int(total)]:
+                numbers.setdefault(total, set()).add(number)
             case _:
                 cure = "run the same command again, it goes on"
                 raise _refusal(path, "found a part not complete", cure)
-        if twin is not path:
-            raise _refusal(path, f"found part {number} of {count} in {twin} too", "leave one out")
-    if first["program"] != program_hash():
+    if record.program_sha256 != program_hash():
         cure = "merge with the version that computed the parts"
         raise _refusal(paths[0], "found pieces of another version of this program", cure)
-    _refuse_missing(numbers)
-    return first
-
-
-def _values(text: str) -> dict[str, Any]:
-    try:
-        values = json.loads(text)
-    except (ValueError, RecursionError):
-        return {}
-    return values if isinstance(values, dict) else {}
-
-
-def _refuse_missing(numbers: dict[int, dict[int, Path]]) -> None:
-    """Raise SceneError unless these are all parts of one division."""
-    if len(numbers) != 1:
-        found = f"found parts of {' and of '.join(map(str, sorted(numbers)))}"
-        cure = "merge parts of one division"
-        raise _refusal("", found, cure, "expected one number of parts")
-    ((count, present),) = numbers.items()
-    if len(present) < count:
-        missing = list(islice((n for n in range(1, count + 1) if n not in present), SHOWN + 1))
-        names = ", ".join(map(str, missing[:SHOWN])) + (", ..." if len(missing) > SHOWN else "")
-        found = f"found {len(present)} of {count} parts, {names} missing"
+    lacking = {total: total - len(present) for total, present in numbers.items()}
+    total = min(lacking, key=lambda total: lacking[total])
+    if lacking[total] > 0:
+        absent = (n for n in range(1, total + 1) if n not in numbers[total])
+        names = ", ".join(map(str, islice(absent, SHOWN)))
+        more = ", ..." if lacking[total] > SHOWN else ""
+        found = f"found {len(numbers[total])} of {total} parts, {names}{more} missing"
         raise _refusal("", found, "run --shard of those too", "expected all")
+    return record
 
 
 def _refusal(path: Path | str, found: str, cure: str, expected: str = "") -> SceneError:

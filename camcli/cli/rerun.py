@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from dataclasses import replace
 from importlib import import_module
 from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, get_args, get_origin
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, StringConstraints, TypeAdapter, ValidationError
 
 from camcli.cli.exit_codes import NUMERICS, note
 from camcli.cli.options import HOW, Request
@@ -21,43 +22,53 @@ from camcli.output.program import program_hash
 from camcli.output.run_folder import RECORD
 
 NAME = "rerun"
-COMMANDS = ("simulate", "sweep", "detach", "orbits", "basins", "classify")
-DEEPEST = 32  # levels of a scene
 MOST_BYTES = 64 << 20  # of a run.json
-NAMES = re.compile(r"[a-zA-Z0-9_-]{1,64}\.[a-z]{1,8}")  # of artefacts
+ARTEFACT = StringConstraints(pattern=r"^[a-zA-Z0-9_-]{1,64}\.[a-z]{1,8}$")
 SAME, OTHER, MISSING = "same bytes", "other bytes", "not made"
+
+
+class Record(BaseModel):
+    """What a run.json says of a run, and the key of its pieces too; the rest of it is not read."""
+
+    command: Literal["simulate", "sweep", "detach", "orbits", "basins", "classify"]
+    scene: dict[str, Any]
+    options: dict[str, Any]
+    artefacts: dict[Annotated[str, ARTEFACT], str] = {}
+    program_sha256: str = ""
 
 
 def run(request: Request) -> int:
     """Run it again and compare; exit code 3 where bytes differ that should not."""
     path = request.extra["record"]
-    record = _read(path)
+    record = record_of(_text(path), path)
+    if not record.artefacts:
+        raise _refusal(path, "found no artefacts in it")
     if request.out is not None:
         return _compare(request, path, record, request.out)
     with TemporaryDirectory(prefix="cam-rerun-") as folder:
         return _compare(request, path, record, Path(folder))
 
 
-def _compare(request: Request, path: Path, record: Mapping[str, Any], out: Path) -> int:
+def _compare(request: Request, path: Path, record: Record, out: Path) -> int:
     home = request.extra["folder"] or path.parent
     again, call = call_of(record, request, out, home)
-    again = replace(again, no_plot=not record["options"].get("plot", True), json=False)
+    again = replace(again, no_plot=not record.options.get("plot", True), json=False)
     with redirect_stdout(StringIO()):
         code = call(again)
-    before, now = record["artefacts"], json.loads((out / RECORD).read_text())["artefacts"]
+    now = json.loads((out / RECORD).read_text())["artefacts"]
     verdicts = {
-        name: MISSING if name not in now else SAME if now[name] == before[name] else OTHER
-        for name in before
+        name: MISSING if name not in now else SAME if now[name] == digest else OTHER
+        for name, digest in record.artefacts.items()
     }
     differ = [name for name, verdict in verdicts.items() if verdict != SAME]
     if request.json:
         same = not differ
-        said = {"command": record["command"], "same": same, "artefacts": verdicts}
+        said = {"command": record.command, "same": same, "artefacts": verdicts}
         print(json.dumps(said, indent=2))
     else:
-        title = f"cam {record['command']} again: {'bytes differ' if differ else 'the same bytes'}"
+        title = f"cam {record.command} again: {'bytes differ' if differ else 'the same bytes'}"
         table(title, ["artefact", "verdict"], [list(row) for row in verdicts.items()])
-    if differ and record.get("program_sha256") != program_hash():
+    if differ and record.program_sha256 != program_hash():
         note("the record is of another version of this program")
     if any(not name.endswith(".png") for name in differ):
         return NUMERICS
@@ -67,95 +78,73 @@ def _compare(request: Request, path: Path, record: Mapping[str, Any], out: Path)
 
 
 def call_of(
-    what: Mapping[str, Any], request: Request, out: Path, home: Path, parts: tuple[Path, ...] = ()
+    record: Record, request: Request, out: Path, home: Path, parts: tuple[Path, ...] = ()
 ) -> tuple[Request, Callable[[Request], int]]:
     """(request, function) that run the command of a record again, with artefacts into `out`.
 
-    what: its `command`, `scene` and `options`; home: the folder that holds the files the scene
-    names; of the request at hand --no-plot, --json, --quiet and --threads are kept. Raises
-    SceneError for a record of another kind.
+    home: the folder that holds the files the scene names; of the request at hand --no-plot, --json,
+    --quiet and --threads are kept. Raises SceneError for options of another kind.
     """
-    command, scene, options = (what.get(key) for key in ("command", "scene", "options"))
-    if command not in COMMANDS or not isinstance(scene, dict) or not isinstance(options, dict):
-        found = f"found the command {shown(str(command))}"
-        expected = f"expected a record of {', '.join(COMMANDS)}"
-        raise SceneError(Fault("FILE", "", found, expected, "name the run.json of such a run"))
-    if _is_deeper(scene, DEEPEST):
-        expected = f"expected at most {DEEPEST} levels"
-        raise SceneError(Fault("FILE", "scene", "found too many levels", expected, ""))
-    from camcli.cli.app import COMMANDS as KNOWN
+    from camcli.cli.app import COMMANDS
 
-    own = {key: option for key, option in KNOWN[command][1].items() if key not in HOW}
-    extra = dict.fromkeys(HOW) | {
-        key: _option(key, options.get(key, default), kind) for key, (kind, default) in own.items()
-    }
+    extra: dict[str, Any] = dict.fromkeys(HOW)
+    for key, (annotated, default) in COMMANDS[record.command][1].items():
+        if key not in HOW:
+            given = record.options.get(key, default)
+            try:
+                kind = TypeAdapter(get_args(annotated)[0])
+                extra[key] = kind.validate_python(given, strict=True)
+            except ValidationError as error:
+                found = f"found {shown(str(given))} for the option {key}"
+                raise SceneError(Fault("FILE", "", found, _said(error), "name another")) from None
     again = replace(
-        request, config=None, sets=[], rpm=None, points=None, out=out, extra=extra, scene=scene,
-        home=home, parts=parts, dry_run=False,
+        request, config=None, sets=[], rpm=None, points=None, out=out, extra=extra,
+        scene=record.scene, home=home, parts=parts, dry_run=False,
     )  # fmt: skip
-    run = import_module(f"camcli.cli.{command}").run
-    return again, lambda asked: _with_its_files(run, asked)
+    run = import_module(f"camcli.cli.{record.command}").run
+
+    def call(asked: Request) -> int:
+        try:
+            return run(asked)
+        except SceneError as error:
+            raise SceneError(*map(_say_where, error.faults)) from None
+
+    return again, call
 
 
-def _with_its_files(run: Callable[[Request], int], request: Request) -> int:
-    """Run it; where a file that the scene names is missing, --folder is the cure."""
+def _say_where(fault: Fault) -> Fault:
+    """Where a file that the scene names is missing, --folder is the cure."""
+    lost = fault.path == "cam.file" and "no such file" in fault.found
+    return replace(fault, cure="say with --folder where it is") if lost else fault
+
+
+def record_of(text: str | bytes, path: Path) -> Record:
+    """The record; raises SceneError where the text is none."""
     try:
-        return run(request)
-    except SceneError as error:
-        cure = "say with --folder where it is"
-        raise SceneError(
-            *(
-                replace(f, cure=cure) if f.path == "cam.file" and "no such file" in f.found else f
-                for f in error.faults
-            )
-        ) from None
+        return Record.model_validate_json(text)
+    except ValidationError as error:
+        raise _refusal(path, f"cannot be read ({_said(error)})") from None
 
 
-def _is_deeper(value: Any, most: int) -> bool:
-    if not isinstance(value, dict | list):
-        return False
-    items = value.values() if isinstance(value, dict) else value
-    return most == 0 or any(_is_deeper(item, most - 1) for item in items)
+def _said(error: ValidationError) -> str:
+    first = error.errors(include_url=False)[0]
+    return ": ".join([*(shown(str(key)) for key in first["loc"]), first["msg"]])
 
 
-def _option(key: str, value: Any, annotated: Any) -> Any:
-    """The value of an option; raises SceneError where the record has one of another type."""
-    kind = get_args(annotated)[0]
-    allowed = {get_origin(each) or each for each in get_args(kind) or (kind,)}
-    if type(value) in allowed or (type(value) is int and float in allowed):
-        return value
-    names = " or ".join(sorted(each.__name__ for each in allowed))
-    found = f"found a {type(value).__name__} for the option {key}"
-    raise SceneError(Fault("FILE", "", found, f"expected {names}", "name the record of a run"))
-
-
-def _read(path: Path) -> dict[str, Any]:
-    """The record; raises SceneError where the file is none."""
+def _text(path: Path) -> bytes:
+    """The bytes of a file; raises SceneError where it is none, or a giant."""
     try:
         if not path.is_file():
             path.stat()  # says what is wrong where there is nothing
-            raise ValueError("no file")
+            raise _refusal(path, "cannot be read (no file)")
         with open(path, "rb") as file:
             data = file.read(MOST_BYTES + 1)
-        if len(data) > MOST_BYTES:
-            raise ValueError("too large")
-        record = json.loads(data)
-        if not _is_whole(record):
-            raise ValueError("no scene, options and artefacts in it")
-    except (OSError, ValueError, RecursionError) as error:
-        reason = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
-        expected = "expected the run.json of a run"
-        fault = Fault("FILE", str(path), f"cannot be read ({reason})", expected, "name another")
-        raise SceneError(fault) from None
-    return record
+    except OSError as error:
+        raise _refusal(path, f"cannot be read ({error.strerror})") from None
+    if len(data) > MOST_BYTES:
+        raise _refusal(path, "cannot be read (too large)")
+    return data
 
 
-def _is_whole(record: Any) -> bool:
-    if not isinstance(record, dict):
-        return False
-    if not all(isinstance(record.get(key), dict) for key in ("scene", "options", "artefacts")):
-        return False
-    hashes = record["artefacts"]
-    return bool(hashes) and all(
-        NAMES.fullmatch(k) and isinstance(v, str) for k, v in hashes.items()
-    )
+def _refusal(path: Path, found: str) -> SceneError:
+    return SceneError(Fault("FILE", str(path), found, "expected the run.json of a run", ""))

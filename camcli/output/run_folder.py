@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -67,19 +67,16 @@ class RunFolder:
 
         With a new run.json the artefacts go that only the run before had; see `_outdated`.
         """
-        last = [RECORD] if RECORD in self._waiting else []
-        name = RECORD
+        outdated = self._outdated() if RECORD in self._waiting else []
         try:
-            outdated = self._outdated() if last else []
-            for name in [name for name in self._waiting if name != RECORD]:
+            for name in sorted(self._waiting, key=lambda name: name == RECORD):
+                if name == RECORD:
+                    for other in outdated:
+                        _remove(self.folder / other)
                 os.replace(self._part(name), self.folder / name)
-            for name in outdated:
-                (self.folder / name).unlink(missing_ok=True)
-            for name in last:
-                os.replace(self._part(name), self.folder / name)
-            _sync(self.folder)
         except OSError as error:
             raise _unwritable(self.folder, name, error) from None
+        _sync(self.folder)
         self._waiting, self.committed = [], True
 
     def _outdated(self) -> list[str]:
@@ -88,13 +85,17 @@ class RunFolder:
         Any other file in the folder is somebody's, or has been changed by somebody since.
         """
         try:
-            listed = json.loads((self.folder / RECORD).read_bytes())["artefacts"]
-            others = [(name, digest) for name, digest in listed.items() if name not in self.hashes]
-            plain = [(n, digest) for n, digest in others if n == Path(n).name and n[0] != "."]
+            listed = json.loads((self.folder / RECORD).read_bytes())["artefacts"].items()
+            return [
+                name
+                for name, digest in listed
+                if name not in self.hashes
+                and name == (path := self.folder / name).name  # no path to elsewhere
+                and path.is_file()
+                and _hash(path) == digest
+            ]
         except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError):
             return []
-        here = [(self.folder / name, digest) for name, digest in plain]
-        return [path.name for path, digest in here if path.is_file() and _hash(path) == digest]
 
     def close(self) -> None:
         """Forget what was not committed."""
@@ -127,11 +128,12 @@ def run_folder(
     """
     run = RunFolder(folder, Work(threads, shard=shard))
     with ExitStack() as stack:
-        _create(folder)
+        _prepare(folder)
         if shard is None:
-            stack.callback(_unlock, _lock(folder))
-            _remove_leftovers(folder)
+            stack.enter_context(_locked(folder))
             stack.callback(run.close)
+            for part in folder.glob(f".*{PART}"):  # of a run that was killed
+                _remove(part)
         if key is not None:
             checkpoint = _checkpoint(stack, folder, key, shard, parts)
             run.work.checkpoint = checkpoint
@@ -149,7 +151,8 @@ def run_folder(
             checkpoint.discard()
 
 
-def _create(folder: Path) -> None:
+def _prepare(folder: Path) -> None:
+    """Create the folder, or raise SceneError where nothing could be written into it."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
@@ -160,16 +163,6 @@ def _create(folder: Path) -> None:
         raise _refused(folder, "found a folder that may not be written")
 
 
-def _remove_leftovers(folder: Path) -> None:
-    """Remove what a run that was killed had written and not put in its place."""
-    path = folder
-    try:
-        for path in folder.glob(f".*{PART}"):
-            path.unlink(missing_ok=True)
-    except OSError as error:
-        raise _refused(folder, f"{path.name} could not be removed ({error.strerror})") from None
-
-
 def _checkpoint(
     stack: ExitStack,
     folder: Path,
@@ -177,7 +170,7 @@ def _checkpoint(
     shard: Shard | None,
     parts: tuple[Path, ...],
 ) -> Checkpoint:
-    text = json.dumps({**key, "program": program_hash()}, sort_keys=True, default=str)
+    text = json.dumps({**key, "program_sha256": program_hash()}, sort_keys=True, default=str)
     command = key.get("command", "run")
     if shard is None:
         path = folder / f".{command}-{sha256(text.encode()).hexdigest()[:12]}{PIECES}"
@@ -186,7 +179,7 @@ def _checkpoint(
     try:
         if shard is not None:  # other shards may be at work in the same folder
             path.touch()
-            stack.callback(_unlock, _lock(path))
+            stack.enter_context(_locked(path))
         checkpoint = Checkpoint(path, text, parts)
     except OSError as error:
         raise _unwritable(folder, path.name, error) from None
@@ -194,8 +187,9 @@ def _checkpoint(
     return checkpoint
 
 
-def _lock(path: Path) -> int | None:
-    """A lock on a folder or file until `_unlock` or the end of the process; None without locks.
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Hold a lock on a folder or file, where the system has locks.
 
     It belongs to the open file, not to the process: of two runs in one process one is refused.
     Raises SceneError where another run has it.
@@ -205,36 +199,38 @@ def _lock(path: Path) -> int | None:
 
         handle = os.open(path, os.O_RDONLY)
     except (ImportError, OSError):
-        return None
+        yield
+        return
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(handle)
         found, cure = "found another run at work here", "wait for it, or choose another"
         raise SceneError(Fault("-o", str(path), found, "expected it free", cure)) from None
-    except OSError:  # a file system without locks
+    except OSError:
+        pass  # a file system without locks
+    try:
+        yield
+    finally:
         os.close(handle)
-        return None
-    return handle
 
 
-def _unlock(handle: int | None) -> None:
-    if handle is not None:
-        os.close(handle)
+def _remove(path: Path) -> None:
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        found = f"{path.name} could not be removed ({error.strerror})"
+        raise _refused(path.parent, found) from None
 
 
 def _sync(folder: Path) -> None:
     """Wait until the renames are on disk, before the pieces are forgotten."""
-    try:
+    with suppress(OSError):  # not every system opens folders, not every file system syncs them
         handle = os.open(folder, os.O_RDONLY)
-    except OSError:  # no system that opens folders
-        return
-    try:
-        os.fsync(handle)
-    except OSError:  # a file system that does not know it
-        pass
-    finally:
-        os.close(handle)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def _hash(path: Path) -> str:

@@ -1,0 +1,205 @@
+"""The folder of a run: whole artefacts, locks that end, pieces that stay until the commit."""
+
+import errno
+import json
+import os
+import subprocess
+import sys
+import threading
+from hashlib import sha256
+
+import pytest
+
+from camcli.errors import SceneError
+from camcli.output.program import PICTURES, RESULTS, program_hash
+from camcli.output.run_folder import run_folder
+from camcli.parallel import Codec, Shard
+
+KEY = {"command": "sweep", "scene": {"rpm": 700.0}}
+PLAIN = Codec(lambda result: result, lambda stored: stored)
+
+
+def content(folder) -> dict[str, str]:
+    return {path.name: path.read_text() for path in folder.iterdir()}
+
+
+def finished_run(folder, **files: str) -> None:
+    """A run with a record, as every command writes it."""
+    with run_folder(folder) as run:
+        for name, text in files.items():
+            run.write_text(name.replace("_", "."), [text])
+        run.write_text("run.json", [json.dumps({"artefacts": run.hashes})])
+        run.commit()
+
+
+def test_nothing_is_in_its_place_before_the_commit(tmp_path):
+    (tmp_path / "b.csv").write_text("old")
+    with run_folder(tmp_path) as run:
+        run.write_text("run.json", ["{}"])
+        run.write_text("a.csv", ["new"])
+        run.write_text("b.csv", ["first"])
+        run.write_text("b.csv", ["new"])
+        assert [path.name for path in tmp_path.glob("[a-z]*")] == ["b.csv"]
+        assert (tmp_path / "b.csv").read_text() == "old"
+        run.commit()
+    assert content(tmp_path) == {"a.csv": "new", "b.csv": "new", "run.json": "{}"}
+    assert run.hashes["b.csv"] == sha256(b"new").hexdigest()
+
+
+def test_run_json_comes_last_and_what_it_lists_is_there(tmp_path, monkeypatch):
+    finished_run(tmp_path, a_csv="old", gone_csv="old")
+    replaced, real = [], os.replace
+
+    def watched(source, target):
+        replaced.append(target.name)
+        assert (target.name == "run.json") == (not (tmp_path / "gone.csv").exists())
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", watched)
+    with run_folder(tmp_path) as run:
+        for name in ("run.json", "a.csv", "b.csv"):
+            run.write_text(name, ["new"])
+        run.commit()
+    assert replaced == ["a.csv", "b.csv", "run.json"]
+
+
+def test_a_failed_write_or_no_commit_leaves_all_as_before(tmp_path):
+    (tmp_path / "a.csv").write_text("old")
+
+    def broken():
+        yield "new\n"
+        raise RuntimeError("stopped in the middle")
+
+    def full(file):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with run_folder(tmp_path) as run:
+        run.write_text("a.csv", ["new"])
+        with pytest.raises(RuntimeError, match="stopped"):
+            run.write_text("a.csv", broken())
+        with pytest.raises(SceneError, match="No space left"):
+            run.write("b.csv", full)
+        run.write_text("c.csv", ["new"])
+    assert content(tmp_path) == {"a.csv": "old"}
+
+
+def test_only_unchanged_artefacts_of_the_run_before_go(tmp_path):
+    finished_run(tmp_path, a_csv="1", b_png="1", c_csv="1", d_csv="1")
+    (tmp_path / "d.csv").write_text("changed by somebody")
+    (tmp_path / "e.png").write_text("somebody's own")
+    finished_run(tmp_path, a_csv="2", c_csv="1")
+    assert set(content(tmp_path)) == {"a.csv", "c.csv", "d.csv", "e.png", "run.json"}
+    with run_folder(tmp_path) as run:  # without a record of its own it replaces no run
+        run.write_text("note.txt", ["x"])
+        run.commit()
+    assert set(content(tmp_path)) == {"a.csv", "c.csv", "d.csv", "e.png", "run.json", "note.txt"}
+
+
+def test_a_record_that_lies_removes_nothing(tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    (tmp_path / "precious").write_text("x")
+    digest = sha256(b"x").hexdigest()
+    (out / "deeper").mkdir()
+    paths = {"../precious": digest, str(tmp_path / "precious"): digest, "deeper": digest, "..": ""}
+    for text in (json.dumps({"artefacts": paths}), "[]", "[" * 100_000, '{"artefacts": 3}', ""):
+        (out / "run.json").write_text(text)
+        finished_run(out, a_csv="1")
+    assert (tmp_path / "precious").exists()
+    assert (out / "deeper").exists()
+
+
+def test_a_commit_that_cannot_be_is_said_in_words(tmp_path):
+    (tmp_path / "folder").mkdir()
+    with run_folder(tmp_path) as run:
+        run.write_text("folder", ["new"])
+        with pytest.raises(SceneError, match="folder could not be written"):
+            run.commit()
+    assert [path.name for path in tmp_path.iterdir()] == ["folder"]
+
+
+def test_one_run_at_a_time_has_the_folder_in_one_process(tmp_path):
+    refused = []
+
+    def second() -> None:
+        with pytest.raises(SceneError, match="another run"), run_folder(tmp_path, KEY):
+            pass
+        refused.append(True)
+
+    with run_folder(tmp_path, KEY):
+        thread = threading.Thread(target=second)
+        thread.start()
+        thread.join()
+        second()
+    assert refused == [True, True]
+    for _ in range(2):  # a run that has finished, or failed, has left no lock
+        with pytest.raises(RuntimeError), run_folder(tmp_path, KEY):
+            raise RuntimeError
+
+
+OTHER = """
+import os
+from pathlib import Path
+from camcli.output.run_folder import run_folder
+with run_folder(Path({!r})) as run:
+    run.write_text("a.csv", ["x"])
+    os.kill(os.getpid(), {})
+"""
+
+
+def test_other_processes_are_refused_and_those_killed_leave_nothing(tmp_path):
+    def other(signal: int) -> subprocess.CompletedProcess:
+        code = OTHER.format(str(tmp_path), signal)
+        return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+
+    with run_folder(tmp_path):
+        done = other(0)
+        assert (done.returncode, "another run at work here" in done.stderr) == (1, True)
+    assert other(9).returncode == -9
+    assert [path.name for path in tmp_path.iterdir()] == [".a.csv.part"]
+    with run_folder(tmp_path):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_pieces_stay_until_the_commit_and_belong_to_their_key(tmp_path):
+    def attempt(key: dict, commit: bool) -> int:
+        with run_folder(tmp_path, key) as run:
+            assert list(run.work.run(lambda k: 2 * k, [1, 2, 3], PLAIN)) == [2, 4, 6]
+            if commit:
+                run.commit()
+        return run.resumed
+
+    other = {**KEY, "scene": {"rpm": 701.0}}
+    assert [attempt(KEY, False), attempt(KEY, False), attempt(other, False)] == [0, 3, 0]
+    assert len(list(tmp_path.glob(".sweep-*.pieces"))) == 2
+    assert [attempt(KEY, True), attempt(KEY, True), attempt(other, True)] == [3, 0, 3]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_shard_ends_early_and_shards_share_a_folder(tmp_path):
+    with run_folder(tmp_path, KEY, shard=Shard(1, 2)) as one:
+        with run_folder(tmp_path, KEY, shard=Shard(2, 2)) as two:
+            two.work.collect(abs, [1, 2, 3], PLAIN)
+        again = run_folder(tmp_path, KEY, shard=Shard(1, 2))
+        with pytest.raises(SceneError, match="another run"), again:
+            pass
+        one.work.collect(abs, [1, 2, 3], PLAIN)
+        raise AssertionError("not reached")
+    assert one.shard_done
+    assert two.shard_done
+    parts = tuple(sorted(tmp_path.iterdir()))
+    assert [path.name for path in parts] == ["sweep-1-of-2.pieces", "sweep-2-of-2.pieces"]
+    with run_folder(tmp_path / "all", KEY, parts=parts) as run:
+        assert run.resumed == 3
+
+
+def test_the_program_is_what_can_change_a_number():
+    import camcli
+
+    folders = {name for name in RESULTS if not name.endswith(".py")}
+    package = os.path.dirname(camcli.__file__)
+    assert all(os.path.exists(os.path.join(package, name)) for name in (*RESULTS, *PICTURES))
+    assert {"kernel", "cams", "analysis", "exact", "parallel"} <= folders
+    assert not {"cli", "plots", "output"} & folders
+    assert program_hash() != program_hash(pictures=True)

@@ -1,0 +1,348 @@
+"""The file of finished pieces: values to the last bit, torn, damaged, foreign, on a full disk."""
+
+import errno
+import json
+import struct
+import threading
+import tracemalloc
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays_of
+
+from camcli.errors import SceneError
+from camcli.parallel.checkpoint import (
+    DTYPES,
+    END,
+    HEAD,
+    MAGIC,
+    MOST_PIECES,
+    Checkpoint,
+    key_of,
+    pack,
+    records,
+    unpack,
+)
+
+SHAPES = arrays_of.array_shapes(min_dims=1, max_dims=3, min_side=0, max_side=4)
+ARRAYS = st.sampled_from(DTYPES).flatmap(
+    lambda kind: arrays_of.arrays(np.dtype(kind), SHAPES, fill=st.nothing())
+)
+SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | st.text()
+VALUES = st.recursive(SCALARS | ARRAYS, lambda inner: st.lists(inner, max_size=4), max_leaves=12)
+
+
+def same(a, b) -> bool:
+    """Equal in type and to the last bit."""
+    if isinstance(a, np.ndarray):
+        return (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes())
+    if isinstance(a, float):
+        return isinstance(b, float) and (a != a != b or struct.pack("d", a) == struct.pack("d", b))
+    if isinstance(a, list | tuple | range):
+        return len(a) == len(b) and all(map(same, a, b))
+    return type(a) is type(b) and a == b
+
+
+@settings(max_examples=60, deadline=None)
+@given(VALUES)
+def test_every_value_comes_back(value):
+    assert same(value, unpack(pack(value)))
+
+
+def test_what_is_a_list_or_a_number_afterwards():
+    assert unpack(pack((1, range(3), [True]))) == [1, [0, 1, 2], [True]]
+    number = unpack(pack([np.float64(0.1), np.int32(7), np.bool_(True), np.array(2.0)]))
+    assert [type(n) for n in number] == [float, int, bool, float]
+    assert same(np.array([1.0, 2.0]), unpack(pack(np.array([1.0, 2.0], dtype=">f8"))))
+    assert same(np.arange(6.0).reshape(2, 3).T, unpack(pack(np.arange(6.0).reshape(2, 3).T)))
+    nans = np.array([0x7FF8000000000001, 0xFFF8000000000000, 0x7FF0000000000001], dtype="<u8")
+    assert unpack(pack(nans.view("<f8"))).tobytes() == nans.tobytes()
+
+
+@pytest.mark.parametrize("value", [{1}, object(), b"x", np.array(["x"]), np.array([1j]), 1j])
+def test_what_is_not_kept(value):
+    with pytest.raises(TypeError):
+        pack([value])
+
+
+LIES = st.one_of(
+    st.integers(), st.floats(), st.text(max_size=3), st.none(), st.booleans(),
+    st.sampled_from([*DTYPES, "O", "<f4", "V8", "|S9", "object", []]),
+    st.lists(st.one_of(st.integers(), st.integers(0, 3), st.booleans(), st.none()), max_size=12),
+)  # fmt: skip
+SHAPED = [
+    [-1], [-1, -8], [1 << 62], [1 << 32, 1 << 32], [10**30], [0, 10**30], [2.0], ["2"], "2", None,
+    2, [[2]], {}, [0, 1 << 63], [1] * 70,
+]  # fmt: skip
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.dictionaries(st.sampled_from(["dtype", "shape", "x"]), LIES), st.binary())
+def test_bytes_that_lie_are_refused_or_are_a_value(outline, rest):
+    for data in (json.dumps([outline]).encode() + b"\n" + rest, rest):
+        with suppress(ValueError):
+            unpack(data)
+
+
+@pytest.mark.parametrize("shape", SHAPED, ids=str)
+def test_shapes_that_lie_allocate_nothing(shape):
+    data = json.dumps({"dtype": "<f8", "shape": shape}).encode() + b"\n12345678901"
+    tracemalloc.start()
+    with pytest.raises(ValueError, match=r"."):
+        unpack(data)
+    assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [b"", b"\n", b"1", b"\xff\n", b"1\n2", b"[" * 100_000 + b"\n", b"9" * 5000 + b"\n",
+     b'{"dtype":"|u1","shape":[2]}\n1'],
+    ids=range(8),
+)  # fmt: skip
+def test_broken_bytes_are_refused(data):
+    with pytest.raises(ValueError, match=r"."):
+        unpack(data)
+
+
+PIECES = {("0", 0): [1, 0.1, None], ("0", 1): "text", ("range/0", 2): [], (END, 0): [3, 4]}
+
+
+def written(path, key="work", pieces=PIECES) -> bytes:
+    checkpoint = Checkpoint(path, key)
+    for name, value in pieces.items():
+        checkpoint.put(*name, value)
+    checkpoint.close()
+    return path.read_bytes()
+
+
+def ends(path) -> list[int]:
+    with open(path, "rb") as file:
+        return [end for *_, end in records(file)]
+
+
+def found(checkpoint) -> dict:
+    return {name: checkpoint.get(*name) for name in PIECES if name in checkpoint}
+
+
+def test_what_was_put_is_there_again(tmp_path):
+    written(tmp_path / "c")
+    checkpoint = Checkpoint(tmp_path / "c", "work")
+    assert found(checkpoint) == PIECES
+    assert (checkpoint.resumed, checkpoint.torn) == (3, 0)  # the end of a shard is no piece
+    assert ("0", 7) not in checkpoint
+    assert ("x", 0) not in checkpoint
+    checkpoint.put("0", 0, 2)
+    assert (checkpoint.get("0", 0), checkpoint.pieces) == (2, 3)
+    checkpoint.discard()
+    assert not (tmp_path / "c").exists()
+    Checkpoint(tmp_path / "c", "work").close()  # nothing was put
+    assert not (tmp_path / "c").exists()
+
+
+def test_torn_at_every_byte_all_whole_pieces_stay(tmp_path):
+    whole, path = written(tmp_path / "whole"), tmp_path / "torn"
+    marks = ends(tmp_path / "whole")
+    for size in range(len(whole) + 1):
+        path.write_bytes(whole[:size])
+        checkpoint = Checkpoint(path, "work")
+        count = max(0, sum(mark <= size for mark in marks) - 1)
+        assert found(checkpoint) == dict(list(PIECES.items())[:count])
+        assert checkpoint.torn == size - max((m for m in marks if m <= size), default=0)
+        for name in list(PIECES)[count:]:
+            checkpoint.put(*name, PIECES[name])
+        checkpoint.close()
+        assert path.read_bytes() == whole
+
+
+def test_a_flipped_bit_costs_its_piece_and_those_behind_it(tmp_path):
+    whole, path = written(tmp_path / "whole"), tmp_path / "flipped"
+    marks = ends(tmp_path / "whole")
+    for at in range(0, len(whole) * 8, 3):  # 3 and 8 have no divisor: each bit of a byte is met
+        damaged = bytearray(whole)
+        damaged[at // 8] ^= 1 << at % 8
+        path.write_bytes(damaged)
+        before = sum(mark * 8 <= at for mark in marks)
+        if before == 0:  # not known to be ours: left as it is
+            with pytest.raises(SceneError, match="no pieces of this run"):
+                Checkpoint(path, "work")
+            assert path.read_bytes() == damaged
+            continue
+        checkpoint = Checkpoint(path, "work")
+        assert found(checkpoint) == dict(list(PIECES.items())[: before - 1])
+        checkpoint.close()
+
+
+def test_a_bit_that_flips_after_the_start_is_seen(tmp_path):
+    checkpoint = Checkpoint(tmp_path / "c", "work")
+    checkpoint.put("0", 5, np.arange(9.0))
+    data = bytearray((tmp_path / "c").read_bytes())
+    data[-5] ^= 1
+    (tmp_path / "c").write_bytes(data)
+    with pytest.raises(SceneError, match="0/5 was damaged"):
+        checkpoint.get("0", 5)
+
+
+NAMED = [["0", -1, 1], ["0", MOST_PIECES, 1], [0, 0, 1], ["0", 0], "x", ["0", 1.0, 1]]
+
+
+@pytest.mark.parametrize("named", NAMED, ids=str)
+def test_a_record_with_a_name_that_is_none_ends_the_file(tmp_path, named):
+    whole = written(tmp_path / "c")
+    (tmp_path / "c").write_bytes(whole + framed(pack(named)))
+    checkpoint = Checkpoint(tmp_path / "c", "work")
+    assert found(checkpoint) == PIECES
+    assert checkpoint.torn == len(framed(pack(named)))
+
+
+def framed(payload: bytes) -> bytes:
+    """A record with a right sum around any bytes."""
+    from zlib import crc32
+
+    return HEAD.pack(MAGIC, crc32(payload), len(payload)) + payload
+
+
+@pytest.mark.parametrize(
+    "data",
+    [b"rpm,label\n700,P(1;1)\n", b"\0" * 100, HEAD.pack(MAGIC, 0, 1 << 60), framed(pack("x"))],
+    ids=["table", "zeros", "giant", "unnamed"],
+)
+def test_a_file_of_other_content_is_refused_and_left(tmp_path, data):
+    (tmp_path / "c").write_bytes(data)
+    for attempt in (lambda: Checkpoint(tmp_path / "c", "work"), lambda: key_of(tmp_path / "c")):
+        with pytest.raises(SceneError):
+            attempt()
+    assert (tmp_path / "c").read_bytes() == data
+
+
+def test_pieces_of_another_key_are_refused_and_left(tmp_path):
+    before = written(tmp_path / "c")
+    for key in ("other", "", "work "):
+        with pytest.raises(SceneError):
+            Checkpoint(tmp_path / "c", key)
+    assert (tmp_path / "c").read_bytes() == before
+    assert key_of(tmp_path / "c") == ("work", [3, 4])
+
+
+def test_a_giant_key_is_not_read(tmp_path):
+    with open(tmp_path / "giant", "wb") as file:
+        file.write(HEAD.pack(MAGIC, 0, 1 << 40))
+        file.truncate((1 << 40) + HEAD.size)  # a file of holes
+    with pytest.raises(SceneError):
+        key_of(tmp_path / "giant")
+
+
+class Full:
+    """A file on a disk that is full after so many bytes; a write is cut there, the next fails."""
+
+    def __init__(self, file, room: int):
+        self.file, self.room = file, room
+
+    def __getattr__(self, name):
+        return getattr(self.file, name)
+
+    def write(self, data) -> int:
+        if self.room == 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        some = data[: self.room]
+        self.room -= len(some)
+        return self.file.write(some)
+
+
+def test_full_disk_at_every_byte_leaves_whole_pieces_and_goes_on(tmp_path):
+    written(tmp_path / "whole", pieces={("0", 0): "x" * 20})
+    key, size = ends(tmp_path / "whole")
+    for room in range(size - key):
+        path = tmp_path / f"full{room}"
+        checkpoint = Checkpoint(path, "work")
+        checkpoint._file = Full(checkpoint._file, room)
+        with pytest.raises(SceneError, match="No space"):
+            checkpoint.put("0", 0, "x" * 20)
+        assert path.stat().st_size == key
+        assert ("0", 0) not in checkpoint
+        checkpoint._file.room = 1000
+        checkpoint.put("0", 0, "x" * 20)
+        checkpoint.close()
+        assert path.read_bytes() == (tmp_path / "whole").read_bytes()
+
+
+def test_parts_are_read_and_left_more_than_files_may_be_open(tmp_path):
+    import resource
+
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    parts = tuple(tmp_path / str(k) for k in range(120))
+    before = [written(path, pieces={("0", k): k}) for k, path in enumerate(parts)]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(100, most[0]), most[1]))
+    try:
+        checkpoint = Checkpoint(tmp_path / "all", "work", parts)
+        checkpoint.put("0", 120, 120)
+        assert [checkpoint.get("0", k) for k in range(121)] == list(range(121))
+        assert checkpoint.resumed == 120
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, most)
+    checkpoint.discard()
+    assert [path.read_bytes() for path in parts] == before
+    with pytest.raises(SceneError):
+        Checkpoint(tmp_path / "all", "other", parts[:1])
+    assert not (tmp_path / "all").exists()
+
+
+def test_many_threads_one_file(tmp_path):
+    checkpoint = Checkpoint(tmp_path / "c", "work")
+
+    def puts(who: int) -> None:
+        for k in range(100):
+            checkpoint.put(f"{who}", k, [who, k] * (k % 7))
+            assert checkpoint.get(f"{who}", k) == [who, k] * (k % 7)
+
+    threads = [threading.Thread(target=puts, args=(who,)) for who in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    checkpoint.close()
+    resumed = Checkpoint(tmp_path / "c", "work")
+    assert (resumed.resumed, resumed.torn) == (800, 0)
+    assert resumed.get("3", 6) == [3, 6] * 6
+
+
+def test_close_waits_for_a_writer_and_nothing_is_put_afterwards(tmp_path):
+    checkpoint = Checkpoint(tmp_path / "c", "work")
+    real, at_work, go_on = checkpoint._file, threading.Event(), threading.Event()
+
+    class Slow:
+        def __getattr__(self, name):
+            return getattr(real, name)
+
+        def write(self, data):
+            at_work.set()
+            go_on.wait(10)
+            return real.write(data)
+
+    checkpoint._file = Slow()
+    writer = threading.Thread(target=checkpoint.put, args=("0", 0, "whole"))
+    writer.start()
+    at_work.wait(10)
+    closer = threading.Thread(target=checkpoint.close)
+    closer.start()
+    closer.join(0.05)
+    assert closer.is_alive()
+    go_on.set()
+    closer.join(10)
+    writer.join(10)
+    with pytest.raises(ValueError, match="closed"):
+        checkpoint.put("0", 1, 1)
+    assert Checkpoint(tmp_path / "c", "work").get("0", 0) == "whole"
+
+
+def test_a_piece_takes_eight_bytes_of_memory(tmp_path):
+    checkpoint = Checkpoint(tmp_path / "c", "work")
+    tracemalloc.start()
+    for k in range(40_000):
+        checkpoint._take_note("0", k, 0, 3000 * k)
+    assert tracemalloc.get_traced_memory()[0] < 400_000
+    tracemalloc.stop()
+    assert checkpoint.pieces == 40_000
