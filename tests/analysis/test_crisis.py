@@ -9,6 +9,7 @@ import pytest
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
 from camcli.analysis.explain.crisis.approach import Approach
 from camcli.analysis.explain.crisis.attractor import Carried
+from camcli.analysis.explain.crisis.saddles import find_saddles, monodromy
 from camcli.analysis.explain.crisis.search import Crisis, Saddles
 from camcli.analysis.explain.crisis.tangency import Tangency, width
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
@@ -51,6 +52,19 @@ def test_the_crises_of_the_example(chapter, kind, ends, label, multiplier, corne
     assert large.real == pytest.approx(multiplier, rel=2e-3)
     assert abs(small) < 1.0
     reads_well(found)
+
+
+@pytest.mark.parametrize(("damping", "strobe_deg"), [(0.0, 0.0), (1.0, 155.0)])
+def test_trace_and_determinant_of_the_map_are_those_of_the_orbit(damping, strobe_deg):
+    """The product of saltation matrices at the strobe, beside the solved orbit's own."""
+    system = chapter_system(strobe_deg, damping=damping)
+    carried = Carried(system, RUN, 750.0, 750.3, 500)
+    saddles = find_saddles(carried, 750.0, carried.run(750.0, True))
+    assert len(saddles) >= 10
+    for orbit in saddles:
+        matrix = monodromy(carried, 750.0, np.array(orbit.states[0]), orbit.turns)
+        assert np.trace(matrix) == pytest.approx(orbit.trace, rel=1e-9)
+        assert np.linalg.det(matrix) == pytest.approx(orbit.det, rel=1e-7)
 
 
 @pytest.mark.slow

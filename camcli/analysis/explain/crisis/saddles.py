@@ -17,6 +17,8 @@ from camcli.analysis.orbits.identify import newton_from
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.shooter import Shooter
+from camcli.kernel.cam_table import TURN, lift_at, stretch_at
+from camcli.kernel.variational import flight_tangent, saltation
 
 LONGEST = 8  # turns of the saddles looked for
 TRIES = 40  # close returns tried for each number of turns
@@ -24,7 +26,6 @@ RETURN = 0.05  # sizes of the attractor: ends of a close return lie nearer
 SAME_STATE = 1e-9  # sizes of the attractor: nearer ends are an orbit at rest
 CELLS = 64  # of the attractor's size: one close return is tried in each cell
 PARALLEL = 1e-9  # relative area between the two axes below which they are one
-NUDGE = 1e-7  # relative: differences that give the linear map
 ON_MANIFOLD = 1e-4  # relative: distance from the orbit at which a start lies on W^u
 SMALL = 1e-6  # relative: the same for starts that are only to leave on their own side
 STARTS = 60  # on each side, over one turn of the multiplier
@@ -53,7 +54,7 @@ class Saddle:
             raise LostError
         self.x = np.array(self.orbit.states[0])
         size = np.abs(self.orbit.states).max(0)
-        values, axes = np.linalg.eig(_linear_map(carried, rpm, self.x, size, root.turns))
+        values, axes = np.linalg.eig(monodromy(carried, rpm, self.x, root.turns))
         order = np.argsort(-np.abs(values))
         self.mu = float(values.real[order[0]])
         axes = axes.real[:, order]
@@ -67,25 +68,34 @@ class Saddle:
         return self.x + first * exp(t) * self.axes[:, 0]
 
 
-def _linear_map(carried: Carried, rpm: float, x, size, turns: int) -> np.ndarray:
-    """Derivative of the map over the period at x; one-sided where a nudge goes below the cam."""
-    columns = []
-    for axis, nudge in enumerate(np.diag(NUDGE * size)):
-        ends, width = [], 0.0
-        for jump in (nudge, -nudge):
-            try:
-                states = carried.states(rpm, x + jump, turns)
-            except StartError:
-                ends.append(x)
-                continue
-            if len(states) <= turns:  # the motion ends early
-                raise LostError
-            ends.append(states[turns])
-            width += NUDGE
-        if width == 0.0:
-            raise LostError
-        columns.append((ends[0] - ends[1]) / (width * size[axis]))
-    return np.array(columns).T
+def monodromy(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> np.ndarray:
+    """Derivative of the map over so many turns at x: flights and saltation matrices in turn.
+
+    Its determinant is r^2 for each impact times exp(-2 Z) for each rad. Raises LostError where the
+    motion from x ends early or lies below the cam.
+    """
+    system = carried.system
+    cam, lane = system.cam, system.lane(rpm, 1e-9, 1)
+    try:
+        tape = carried.motion(rpm, x, turns, True)
+    except StartError:
+        raise LostError from None
+    if tape.periods < turns:
+        raise LostError
+    theta, u, period = impacts_of(tape)
+    at = (theta - system.strobe) % TURN + TURN * period
+    matrix, last = np.eye(2), 0.0
+    for place, phase, rate in zip(at.tolist(), theta.tolist(), u.tolist(), strict=True):
+        if place < TURN * turns:
+            lifts = lift_at(cam, stretch_at(cam, phase), phase)
+            bounce = [[-lane.r, 0.0], [saltation(lane, lifts, rate), -lane.r]]
+            matrix = bounce @ _flight(lane, place - last) @ matrix
+            last = place
+    return _flight(lane, TURN * turns - last) @ matrix
+
+
+def _flight(lane, span: float) -> np.ndarray:
+    return np.reshape(flight_tangent(lane, span), (2, 2))
 
 
 def find_saddles(carried: Carried, rpm: float, tape: Tape) -> list[PeriodicOrbit]:

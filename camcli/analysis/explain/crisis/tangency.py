@@ -209,14 +209,13 @@ def _secants(folds: Folds, start: _Root, n: int, half: float) -> _Root | None:
 def width(carried: Carried, best: Tangency, solved: list[float]) -> float:
     """Error of the earliest tangency (rpm): how much earlier a fold not sampled may touch.
 
-    The scatter, that is the distance to the next fold solved and UNSAMPLED at least, or LIFETIMES
-    times the distance to the runs where that is less: when they first leave is known to a factor.
-    Never less than the change by the last period of p, nor than the delay behind a run that has
+    The distance to the next fold solved, or LIFETIMES times that to the runs where it is less: when
+    they first leave is known to a factor. Never less than UNSAMPLED (a fold that is late lies close
+    to runs that leave), the change by the last period of p, and the delay behind a run that has
     left before. An estimate, not a bound: folds that let almost nothing through may touch earlier.
     """
     off = [abs(rpm - best.rpm) for rpm in solved]
     scatter = min((x for x in off if x > CLOSE * best.rpm), default=inf)
-    scatter = max(scatter, UNSAMPLED * best.rpm)
     runs = max(abs(best.rpm - end) for end in carried.bracket)
     late = carried.way(best.rpm) - carried.way(carried.leaves)
-    return max(best.change, min(scatter, LIFETIMES * runs), late)
+    return max(min(scatter, LIFETIMES * runs), UNSAMPLED * best.rpm, best.change, late)
