@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite, pi
 
 from camcli.cams.compile import build, column, corners
-from camcli.cams.pieces import Part
+from camcli.cams.pieces import Part, Shape
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import Kernel
 from camcli.kernel.cam_table import Cam
@@ -35,21 +36,28 @@ def omega_of(rpm: float) -> float:
 class System:
     """A follower on a cam, seen through a strobe phase (rad boundaries are in the table).
 
-    `parts` are the functions the table was made of, for who needs more digits than it holds; a
-    System without them is equal, and so is what comes out of a pickle, which cannot hold functions.
+    `shape` makes the cam's functions in other numbers, for who needs more digits than the table
+    holds; a System without it is equal.
     """
 
     follower: Follower
     cam: Cam
-    parts: tuple[Part, ...] | None = field(default=None, compare=False, repr=False)
+    shape: Shape | None = field(default=None, compare=False, repr=False)
 
     @classmethod
-    def build(cls, follower: Follower, parts: list[Part], strobe_deg: float = 0.0) -> System:
+    def build(
+        cls,
+        follower: Follower,
+        parts: Sequence[Part],
+        strobe_deg: float = 0.0,
+        shape: Shape | None = None,
+    ) -> System:
         """Compile the cam's parts; strobe_deg becomes a boundary of the table."""
-        return cls(follower, build(parts, strobe_deg), tuple(parts))
+        return cls(follower, build(parts, strobe_deg), shape)
 
     def __getstate__(self) -> dict:
-        return {"follower": self.follower, "cam": self.cam, "parts": None}
+        """Without the tables in a kernel's form, which `cam_for` makes again."""
+        return {"follower": self.follower, "cam": self.cam, "shape": self.shape}
 
     def cam_for(self, kernel: Kernel) -> Cam:
         """The table as this kernel takes it; made once."""

@@ -130,9 +130,9 @@ def _after_rest(
     system: System, rpm: float, settings: Settings, tape: Tape
 ) -> tuple[PeriodicOrbit | None, Tape]:
     """(orbit, record) of the true motion after the rest in a record; that record if unknown."""
-    from camcli.exact.after_rest import CYCLE, ends
+    from camcli.analysis.after_rest import CYCLE, after_first_rest
 
-    found = ends(system, rpm, settings, tape)
+    found = after_first_rest(system, rpm, tape)
     if found.kind == CYCLE:
         orbit = resting_orbit(system, rpm, found.states, found.symbols, found.leaves)
         return orbit, tape

@@ -11,11 +11,12 @@ The lobe is symmetric about 180 deg.
 from __future__ import annotations
 
 from decimal import Decimal, localcontext
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from camcli.cams.decimals import DIGITS, acos, pi, radians, sincos
+from camcli.cams import decimals
+from camcli.cams.decimals import DIGITS, Numbers, pi
 from camcli.cams.pieces import Part
 
 Length = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
@@ -73,7 +74,7 @@ class ArcsCam(BaseModel):
             )
         return self
 
-    def _angles(self) -> tuple[Decimal, Decimal]:
+    def _angles(self, numbers: Numbers = decimals) -> tuple[Any, Any]:
         """(angle a-O-c, angle a-O-b) in rad, from the triangle O1 O O2.
 
         |O1 O2| = flank_radius - nose_radius (internal tangency), |O O1| = flank_center on the far
@@ -81,46 +82,48 @@ class ArcsCam(BaseModel):
         """
         with localcontext() as context:
             context.prec = DIGITS
-            k1, k2 = Decimal(self.flank_center), Decimal(self.nose_center)
-            rho1 = self._flank_radius()
-            side = rho1 - Decimal(self.nose_radius)
-            rise = pi() - acos((k1 * k1 + k2 * k2 - side * side) / (2 * k1 * k2))
-            sine, cosine = sincos(rise)
+            k1, k2 = numbers.number(self.flank_center), numbers.number(self.nose_center)
+            rho1 = self._flank_radius(numbers)
+            side = rho1 - numbers.number(self.nose_radius)
+            cosine = (k1 * k1 + k2 * k2 - side * side) / (2 * k1 * k2)
+            rise = numbers.pi() - numbers.acos(cosine)
+            sine, cosine = numbers.sincos(rise)
             # O at 0, a along x: O1 = (-k1, 0), O2 = k2 (cos rise, sin rise), b = O1 + rho1 unit
             across = rho1 * k2 * sine / side
             along = rho1 * (k2 * cosine + k1) / side - k1
             radius = (across * across + along * along).sqrt()
-            return rise, acos(along / radius)
+            return rise, numbers.acos(along / radius)
 
-    def _flank_radius(self) -> Decimal:
+    def _flank_radius(self, numbers: Numbers) -> Any:
         """rho1 closed exactly on the base circle (the scene's value agrees to 1e-9)."""
-        return Decimal(self.flank_center) + Decimal(self.base_radius)
+        return numbers.number(self.flank_center) + numbers.number(self.base_radius)
 
-    def parts(self) -> list[Part]:
+    def parts(self, numbers: Numbers = decimals) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
-        rise, flank = self._angles()
+        number = numbers.number
+        rise, flank = self._angles(numbers)
         with localcontext() as context:
             context.prec = DIGITS
-            half = radians(Decimal(self.top_dwell_deg)) / 2
-            turn = 2 * pi()
-            a, b, c = pi() - half - rise, pi() - half - rise + flank, pi() - half
+            half = numbers.radians(Decimal(self.top_dwell_deg)) / 2
+            c = numbers.pi() - half
+            turn, a, b = 2 * numbers.pi(), c - rise, c - rise + flank
             d, e, f = turn - c, turn - b, turn - a
-            offset = Decimal(self.offset)
-            base = Decimal(self.base_radius) - offset
-            top = Decimal(self.nose_center) + Decimal(self.nose_radius) - offset
-        k1, k2 = Decimal(self.flank_center), Decimal(self.nose_center)
-        rho1, rho2 = self._flank_radius(), Decimal(self.nose_radius)
+            offset = number(self.offset)
+            base = number(self.base_radius) - offset
+            top = number(self.nose_center) + number(self.nose_radius) - offset
+        k1, k2 = number(self.flank_center), number(self.nose_center)
+        rho1, rho2 = self._flank_radius(numbers), number(self.nose_radius)
 
-        def circle(sign: int, kappa: Decimal, rho: Decimal, zero: Decimal):
-            def radius(theta: Decimal) -> Decimal:
-                sine, cosine = sincos(theta - zero)
+        def circle(sign: int, kappa: Any, rho: Any, zero: Any):
+            def radius(theta: Any) -> Any:
+                sine, cosine = numbers.sincos(theta - zero)
                 inside = rho * rho - kappa * kappa * sine * sine
                 return sign * kappa * cosine + inside.sqrt() - offset
 
             return radius
 
         parts = [
-            Part(Decimal(0), a, None, base),
+            Part(number(0), a, None, base),
             Part(a, b, circle(-1, k1, rho1, a)),
             Part(b, c, circle(1, k2, rho2, c)),
             Part(c, d, None, top),

@@ -1,27 +1,52 @@
 """sin, cos, acos and pi in 40-digit decimals: cam tables with the same bits on every machine.
 
-Python's `decimal` rounds correctly on every platform, a C library or LAPACK does not. Where the
-caller's context holds more digits than the tables need, sin and cos give as many.
+Python's `decimal` rounds correctly on every platform, a C library or LAPACK does not. The module is
+the `Numbers` that a cam's `parts` are made of by default; `exact.balls` is another.
 """
 
 from __future__ import annotations
 
 from decimal import Decimal, localcontext
 from functools import cache
+from typing import Any, Protocol
 
 DIGITS = 40
 
 
+class Numbers(Protocol):
+    """Real numbers to make a cam of: they add, multiply, divide and have a method `sqrt`."""
+
+    def number(self, value: float | Decimal, /) -> Any:
+        """A number of the data, exactly."""
+
+    def pi(self) -> Any:
+        """pi."""
+
+    def sincos(self, x: Any, /) -> tuple[Any, Any]:
+        """(sin x, cos x)."""
+
+    def acos(self, y: Any, /) -> Any:
+        """acos y, rad."""
+
+    def radians(self, degrees: Decimal, /) -> Any:
+        """Degrees to rad."""
+
+
+def number(value: float | Decimal) -> Decimal:
+    """A double, or a decimal as written, in all its digits."""
+    return Decimal(value)
+
+
 @cache
-def pi(digits: int = DIGITS) -> Decimal:
+def pi() -> Decimal:
     """pi by Machin's formula, 16 atan(1/5) - 4 atan(1/239)."""
     with localcontext() as context:
-        context.prec = digits + 5
+        context.prec = DIGITS + 5
 
         def atan_inverse(n: int) -> Decimal:
             power = total = Decimal(1) / n
             k = 1
-            while abs(power) > Decimal(10) ** -(digits + 5):
+            while abs(power) > Decimal(10) ** -(DIGITS + 5):
                 power /= -n * n
                 k += 2
                 total += power / k
@@ -33,7 +58,7 @@ def pi(digits: int = DIGITS) -> Decimal:
 def sincos(x: Decimal) -> tuple[Decimal, Decimal]:
     """(sin x, cos x) for moderate x: Taylor series after halving to |x| < 0.1, then doubling."""
     with localcontext() as context:
-        context.prec = digits = max(DIGITS + 8, context.prec)
+        context.prec = DIGITS + 8
         halvings = 0
         while abs(x) > Decimal("0.1"):
             x /= 2
@@ -42,7 +67,7 @@ def sincos(x: Decimal) -> tuple[Decimal, Decimal]:
         sine = term = x
         versine = other = -square / 2
         k = 2
-        while abs(term) > Decimal(10) ** -digits:
+        while abs(term) > Decimal(10) ** -(DIGITS + 8):
             term *= square / (k * (k + 1))
             sine += term
             other *= square / ((k + 1) * (k + 2))

@@ -8,12 +8,12 @@ with base = -sigma - lift/2 the moving stop of the impact oscillator.
 
 from __future__ import annotations
 
-from decimal import Decimal
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from camcli.cams.decimals import pi, sincos
+from camcli.cams import decimals
+from camcli.cams.decimals import Numbers
 from camcli.cams.pieces import Part
 
 Height = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
@@ -29,11 +29,11 @@ class EccentricCam(BaseModel):
     base: Height = Field(description="lowest c, at theta = 0, any sign, m")
     lift: Lift = Field(description="highest minus lowest c, twice the eccentricity, m")
 
-    def parts(self) -> list[Part]:
+    def parts(self, numbers: Numbers = decimals) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi: one."""
-        base, half = Decimal(self.base), Decimal(self.lift) / 2
+        base, half = numbers.number(self.base), numbers.number(self.lift) / 2
 
-        def height(theta: Decimal) -> Decimal:
-            return base + half * (1 - sincos(theta)[1])
+        def height(theta: Any) -> Any:
+            return base + half * (1 - numbers.sincos(theta)[1])
 
-        return [Part(Decimal(0), 2 * pi(), height)]
+        return [Part(numbers.number(0), 2 * numbers.pi(), height)]

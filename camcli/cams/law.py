@@ -10,12 +10,15 @@ is 360; the rise may begin anywhere, also so that the lobe passes through theta 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from decimal import Decimal, localcontext
+from functools import partial
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-from camcli.cams.decimals import DIGITS, radians
+from camcli.cams import decimals
+from camcli.cams.decimals import DIGITS, Numbers
 from camcli.cams.motion_laws import LawName, Segment, named, scca
 from camcli.cams.pieces import Part
 
@@ -112,7 +115,7 @@ class LawCam(BaseModel):
             )
         return self
 
-    def parts(self) -> list[Part]:
+    def parts(self, numbers: Numbers = decimals) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
         with localcontext() as context:
             context.prec = DIGITS
@@ -121,14 +124,16 @@ class LawCam(BaseModel):
             rise, dwell = written(self.rise.length_deg), written(self.top_dwell_deg)
             top = start + rise
             fall = min(written(self.fall.length_deg), TURN - rise - dwell)
-            low, lift = Decimal(self.base), Decimal(self.lift)
+            low, lift = numbers.number(self.base), numbers.number(self.lift)
             parts = [
-                *_motion(self.rise.law, start, rise, low, lift),
-                *_folded(top, top + dwell, None, low + lift),
-                *_motion(self.fall.law, top + dwell, fall, low + lift, -lift),
-                *_folded(top + dwell + fall, start + TURN, None, low),
+                *_motion(self.rise.law, start, rise, low, lift, numbers),
+                *_folded(top, top + dwell, low + lift),
+                *_motion(self.fall.law, top + dwell, fall, low + lift, -lift, numbers),
+                *_folded(top + dwell + fall, start + TURN, low),
             ]
-            return sorted(parts, key=lambda part: part.start)
+            parts.sort(key=lambda part: part.start)
+            angle = numbers.radians
+            return [replace(p, start=angle(p.start), end=angle(p.end)) for p in parts]
 
 
 def written(value: float) -> Decimal:
@@ -136,39 +141,30 @@ def written(value: float) -> Decimal:
     return Decimal(repr(float(value)))
 
 
-def _segments(law: str | SccaLaw) -> list[Segment]:
+def _segments(law: str | SccaLaw, numbers: Numbers) -> list[Segment]:
     """The smooth parts of a law on 0 <= x <= 1."""
     if isinstance(law, SccaLaw):
         b = written(law.scca.b)
-        return scca(b, min(written(law.scca.d), 1 - b))
-    return named(law)
+        return scca(b, min(written(law.scca.d), 1 - b), numbers)
+    return named(law, numbers)
 
 
-def _motion(law, start: Decimal, length: Decimal, low: Decimal, step: Decimal) -> Iterator[Part]:
-    """Parts of a motion from c = low to low + step over `length` deg."""
-    for segment in _segments(law):
+def _motion(law, start: Decimal, length: Decimal, low, step, numbers: Numbers) -> Iterator[Part]:
+    """Parts of a motion from c = low to low + step over `length` deg: its ends are in deg still."""
+
+    def later(segment: Segment, turn: Decimal) -> Callable[[Any], Any]:
+        """c = low + step s((theta - start)/beta) on the turn that begins at `turn` deg."""
+        origin, beta = numbers.radians(start - turn), numbers.radians(length)
+        return lambda theta: low + step * segment.height((theta - origin) / beta)
+
+    for segment in _segments(law, numbers):
         ends = start + length * segment.start, start + length * segment.end
-        yield from _folded(*ends, _scaled(segment, start, length, low, step))
+        yield from _folded(*ends, numbers.number(0), partial(later, segment))
 
 
-def _scaled(segment: Segment, start: Decimal, length: Decimal, low: Decimal, step: Decimal):
-    """The maker of c(theta), whole turns later: c = low + step s((theta - start)/beta)."""
-
-    def later(turn: Decimal) -> Callable[[Decimal], Decimal]:
-        origin, beta = radians(start - turn), radians(length)
-
-        def height(theta: Decimal) -> Decimal:
-            return low + step * segment.height((theta - origin) / beta)
-
-        return height
-
-    return later
-
-
-def _folded(low: Decimal, high: Decimal, later, level: Decimal = Decimal(0)) -> Iterator[Part]:
-    """Parts of the turn [0, 360) from an interval in [0, 720] deg; later None is a dwell."""
+def _folded(low: Decimal, high: Decimal, level, later=None) -> Iterator[Part]:
+    """Parts in [0, 360) deg from an interval in [0, 720]; `later` gives c on either turn."""
     for turn in (Decimal(0), TURN):
         start, end = max(low - turn, Decimal(0)), min(high - turn, TURN)
         if end > start:
-            lift = None if later is None else later(turn)
-            yield Part(radians(start), radians(end), lift, level)
+            yield Part(start, end, None if later is None else later(turn), level)

@@ -14,11 +14,12 @@ import os
 from decimal import Decimal
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, model_validator
 
-from camcli.cams.decimals import pi
+from camcli.cams import decimals
+from camcli.cams.decimals import Numbers
 from camcli.cams.files import read_bytes, refused
 from camcli.cams.lift_fit import Accuracy, Errors, Fit, Smoother, noise, piece
 from camcli.cams.lift_reading import Reading, Turn, read_turn
@@ -150,7 +151,7 @@ class TableCam(BaseModel):
         """The table laid on one turn of the cam; lift above the base."""
         return self._turn
 
-    def parts(self) -> list[Part]:
+    def parts(self, numbers: Numbers = decimals) -> list[Part]:
         """Dwells, and between them the spline in chunks of equal pieces."""
         smoother, fit, _ = self._fitted
         moving = set(smoother.moving)
@@ -159,18 +160,18 @@ class TableCam(BaseModel):
             j = i
             while j < smoother.count and (j in moving) == (i in moving):
                 j += 1
-            parts += self._chunks(fit.coefficients, i, j, i in moving)
+            parts += self._chunks(fit.coefficients, i, j, i in moving, numbers)
             i = j
         return parts
 
-    def _chunks(self, coefficients: list[float], low: int, high: int, moves: bool) -> list[Part]:
+    def _chunks(self, coefficients, low: int, high: int, moves: bool, numbers) -> list[Part]:
         count = len(coefficients)
 
-        def phase(i: int) -> Decimal:
-            return 2 * pi() * i / count
+        def phase(i: int) -> Any:
+            return 2 * numbers.pi() * i / count
 
         if not moves:
-            level = Decimal(self.base) + Decimal(coefficients[low])
+            level = numbers.number(self.base) + numbers.number(coefficients[low])
             return [Part(phase(low), phase(high), None, level)]
         chunks = []
         for a in range(low, high, CHUNK):

@@ -14,10 +14,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
-from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
-from camcli.cams.decimals import DIGITS, pi, sincos
+from camcli.cams import decimals
+from camcli.cams.decimals import DIGITS, Numbers
 
 LawName = Literal[
     "harmonic",
@@ -49,45 +49,51 @@ class Segment:
 
     start: Decimal
     end: Decimal
-    height: Callable[[Decimal], Decimal]
+    height: Callable[[Any], Any]
 
 
-def named(name: str) -> list[Segment]:
+def named(name: str, numbers: Numbers = decimals) -> list[Segment]:
     """The segments of a law by its name."""
     if name in POLYNOMIALS:
         return [Segment(Decimal(0), Decimal(1), _polynomial(POLYNOMIALS[name]))]
-    return scca(*map(Decimal, SCCA[name]))
+    b, d = SCCA[name]
+    return scca(Decimal(b), Decimal(d), numbers)
 
 
-def _polynomial(terms: dict[int, int]) -> Callable[[Decimal], Decimal]:
+def _polynomial(terms: dict[int, int]) -> Callable[[Any], Any]:
     """s = sum terms[n] x^n."""
 
-    def height(x: Decimal) -> Decimal:
-        return sum((factor * x**n for n, factor in terms.items()), Decimal(0))
+    def height(x: Any) -> Any:
+        total = 0 * x
+        for n in range(max(terms), -1, -1):
+            total = total * x + terms.get(n, 0)
+        return total
 
     return height
 
 
-@cache
-def peak(b: Decimal, d: Decimal) -> Decimal:
+def peak(b: Any, d: Any, numbers: Numbers = decimals) -> Any:
     """C_a, the largest s'' of an SCCA law.
 
     C_a = 4 pi^2 / ((pi^2 - 8)(b^2 - d^2) - 2 pi (pi - 2) b + pi^2)
     """
     with localcontext() as context:
         context.prec = DIGITS + 5
-        p = pi()
+        p = numbers.pi()
         return 4 * p * p / ((p * p - 8) * (b * b - d * d) - 2 * p * (p - 2) * b + p * p)
 
 
-def scca(b: Decimal, d: Decimal) -> list[Segment]:
+def scca(b: Decimal, d: Decimal, numbers: Numbers = decimals) -> list[Segment]:
     """The sine-constant-cosine acceleration law of widths b, c = 1 - b - d, d.
 
     s'' = C_a times: sin(pi x/b) up to b/2; 1 up to (1 - d)/2; cos(pi (x - (1 - d)/2)/d) up to
     (1 + d)/2; then the mirror image, s(x) = 1 - s(1 - x). Zones of no width are left out.
     """
-    ca, rise, flat, turn = peak(b, d), b / 2, (1 - d) / 2, (1 + d) / 2
-    sine, constant, cosine = _sine(b, ca), _constant(b, ca), _cosine(b, d, ca)
+    rise, flat, turn = b / 2, (1 - d) / 2, (1 + d) / 2
+    wide = numbers.number(b), numbers.number(d)
+    ca = peak(*wide, numbers)
+    sine, constant = _sine(wide[0], ca, numbers), _constant(wide[0], ca, numbers)
+    cosine = _cosine(*wide, ca, numbers)
     if b == d and b + d == 1:  # cycloidal: one sine throughout
         return [Segment(Decimal(0), Decimal(1), sine)]
     edges = (Decimal(0), rise, flat, turn, 1 - rise, Decimal(1))
@@ -96,43 +102,43 @@ def scca(b: Decimal, d: Decimal) -> list[Segment]:
     return [Segment(start, end, height) for start, end, height in zones if end > start]
 
 
-def _sine(b: Decimal, ca: Decimal) -> Callable[[Decimal], Decimal]:
+def _sine(b: Any, ca: Any, numbers: Numbers) -> Callable[[Any], Any]:
     """s = C_a (b/pi x - (b/pi)^2 sin(pi x/b)), zone 1."""
 
-    def height(x: Decimal) -> Decimal:
-        width = b / pi()
-        return ca * width * (x - width * sincos(x / width)[0])
+    def height(x: Any) -> Any:
+        width = b / numbers.pi()
+        return ca * width * (x - width * numbers.sincos(x / width)[0])
 
     return height
 
 
-def _constant(b: Decimal, ca: Decimal) -> Callable[[Decimal], Decimal]:
+def _constant(b: Any, ca: Any, numbers: Numbers) -> Callable[[Any], Any]:
     """s = C_a (x^2/2 + b (1/pi - 1/2) x + b^2 (1/8 - 1/pi^2)), zone 2."""
 
-    def height(x: Decimal) -> Decimal:
-        width = b / pi()
+    def height(x: Any) -> Any:
+        width = b / numbers.pi()
         return ca * (x * x / 2 + (width - b / 2) * x + b * b / 8 - width * width)
 
     return height
 
 
-def _cosine(b: Decimal, d: Decimal, ca: Decimal) -> Callable[[Decimal], Decimal]:
+def _cosine(b: Any, d: Any, ca: Any, numbers: Numbers) -> Callable[[Any], Any]:
     """Zone 3, with y = x - (1 - d)/2:
 
     s = C_a ((b/pi + c/2) x + (d/pi)^2 (1 - cos(pi y/d)) + b^2 (1/8 - 1/pi^2) - (1 - d)^2/8)
     """
 
-    def height(x: Decimal) -> Decimal:
-        wide, width = d / pi(), b / pi()
-        wave = wide * wide * (1 - sincos((x - (1 - d) / 2) / wide)[1])
+    def height(x: Any) -> Any:
+        wide, width = d / numbers.pi(), b / numbers.pi()
+        wave = wide * wide * (1 - numbers.sincos((x - (1 - d) / 2) / wide)[1])
         level = b * b / 8 - width * width - (1 - d) * (1 - d) / 8
         return ca * ((width + (1 - b - d) / 2) * x + wave + level)
 
     return height
 
 
-def _mirrored(height: Callable[[Decimal], Decimal]) -> Callable[[Decimal], Decimal]:
-    def mirrored(x: Decimal) -> Decimal:
+def _mirrored(height: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    def mirrored(x: Any) -> Any:
         return 1 - height(1 - x)
 
     return mirrored

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from functools import cache
 from math import factorial
+from typing import Any, Protocol
 
-from camcli.cams.decimals import DIGITS, pi, sincos
+from camcli.cams.decimals import DIGITS, Numbers, pi, sincos
 from camcli.kernel.cam_table import ORDERS, TERMS
 
 MOST_PIECES = 64
@@ -31,10 +32,10 @@ class Part:
     A part may bring `pieces` instead: equal polynomials with six continuous derivatives.
     """
 
-    start: Decimal
-    end: Decimal
-    lift: Callable[[Decimal], Decimal] | None
-    level: Decimal = Decimal(0)  # m, c of a dwell
+    start: Any  # numbers of one kind, `Decimal` unless the maker was asked for others
+    end: Any
+    lift: Callable[[Any], Any] | None
+    level: Any = Decimal(0)  # m, c of a dwell
     pieces: tuple[Piece, ...] = ()
 
     def edges(self) -> list[float]:
@@ -44,6 +45,13 @@ class Part:
             context.prec = DIGITS
             width = (self.end - self.start) / max(1, count)
             return [float(self.start + width * k) for k in range(count)] + [float(self.end)]
+
+
+class Shape(Protocol):
+    """A kind of cam: it gives its smooth parts in the numbers asked for."""
+
+    def parts(self, numbers: Numbers = ...) -> list[Part]:
+        """The smooth parts of one turn from 0 to 2 pi."""
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,7 @@ def set_up(request: Request, options: dict[str, tuple[Any, str]]) -> Setup:
     else:
         scene = load_scene(request.config, request.sets, options)
     follower = Follower(**scene.follower.model_dump())
-    system = System.build(follower, scene.cam.parts(), scene.run.strobe_deg)
+    system = System.build(follower, scene.cam.parts(), scene.run.strobe_deg, scene.cam)
     run = scene.run
     settings = Settings(
         transient=run.transient,

@@ -1,1 +1,1 @@
-"""The one true motion after a rest, with many digits, where doubles lose it."""
+"""The motion in ball arithmetic: what doubles cannot decide. Nothing here imports an analysis."""

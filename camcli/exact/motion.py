@@ -1,164 +1,260 @@
-"""A motion in decimals from a departure on: doubles find each event, Newton's method polishes it.
+"""The motion from a rest on, in balls: lift-off, flight, impact, complete chatter, rest, and so on.
 
-The phase of an impact solves q(s) - c(theta + s) = 0 with the rate u of the double search as slope.
-Where doubles do not see clearly (`scout`), an impact comes too near to an edge of a smooth part, or
-the error has grown beyond what the digits hold, the motion ends with the reason.
+Angles phi are those of the cam, counted on from turn to turn: phi = theta + 2 pi n. Every decision
+is certain; UndecidedError says that the balls in use are too wide for it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from decimal import Decimal
 from math import inf
 
-from camcli.analysis.integrate import Settings
-from camcli.cams.decimals import pi
-from camcli.exact.departure import Departure, departure
-from camcli.exact.drive import DIGITS, Drive
-from camcli.exact.error import Doubt
-from camcli.exact.lifts import Lifts
-from camcli.exact.scout import Found, Scout
-from camcli.kernel.cam_table import lift
-from camcli.kernel.orbit_loop import EventKind
-from camcli.system import System
+from flint import arb, arb_mat
 
-EDGE = Decimal("1e-12")  # rad: an impact nearer to the edge of a part may be on either side
-APART = 1e-8  # rad: a polished phase farther from the double one is another root
-ENOUGH = Decimal("1e-85")  # last step of Newton's method, of the flight
-STEPS = 20
-LARGEST_ERROR = 1e-10  # of the lift
-UNCLEAR = "closer to a graze than doubles can tell"
-ON_EDGE = "an impact at an edge of a smooth part"
-FORGOT = "no digit is left"
-RESTS = "no departure from the rest is certain"
+from camcli.cams.compile import SMALLEST_KICK
+from camcli.exact.balls import UndecidedError, below
+from camcli.exact.first_root import Function, first_root, refined
+from camcli.exact.machine import Machine
+from camcli.exact.parallelogram import Parallelogram
+
+BEFORE = 1e-6  # rad: so long before a departure, as doubles know it, the follower rests
+MOST_STRETCHES = 10_000  # of one flight
+MOST_HALVINGS = 60  # of the first interval of a flight
+LIFT_OFF, CORNER, BLOW = 3, 2, 1  # order of the first derivative of the gap that is above zero
+
+
+class EndlessError(Exception):
+    """The follower rests for good, or never comes back."""
 
 
 @dataclass
 class Trail:
-    """What is kept: impacts (place rad, relative rate m/rad), states at strobes, turns between.
+    """What happened: impacts (phi, incoming rate m/rad), chatters, departures, turns.
 
-    states[k] = (q m, dq/dtheta m/rad) at strobe k + 1, after turn k with symbols[k]; `leaves`:
-    places of the departures. Places count from the strobe before the first departure.
+    states[k] = (q m, dq/dtheta m/rad) at strobe k + 1, after turn k with symbols[k], its number of
+    impacts or inf where a chatter ends in it; chatters are intervals of phi that hold the
+    accumulation; leaves are the phi of the departures from rest.
     """
 
-    impacts: list[tuple[Decimal, Decimal]] = field(default_factory=list)
-    states: list[tuple[Decimal, Decimal]] = field(default_factory=list)
+    impacts: list[tuple[arb, arb]] = field(default_factory=list)
+    chatters: list[arb] = field(default_factory=list)
+    states: list[tuple[arb, arb]] = field(default_factory=list)
     symbols: list[float] = field(default_factory=list)
-    leaves: list[tuple[Decimal, Departure]] = field(default_factory=list)
+    leaves: list[arb] = field(default_factory=list)
 
 
-class TrueMotion:
-    """The motion after a departure; every call belongs into a context of DIGITS digits."""
+class Motion:
+    """A follower that rests on the cam before its first departure, then moves on by `step`."""
 
-    def __init__(self, system: System, rpm: float, settings: Settings, share=Decimal(0)):
-        self.drive, self.lifts = Drive.of(system.follower, rpm, share), Lifts(system)
-        self.scout = Scout(system, rpm, settings)
-        self.cam, self.turn = system.cam, 2 * pi(DIGITS)
-        self.strobe = Decimal(system.strobe)
-        self.rows = system.cam.strobe
-        self.doubt = Doubt(self.scout.lane, self.scout.size)
-        self.trail, self.reason, self.worst = Trail(), "", 0.0
+    def __init__(self, machine: Machine, strobe: float, theta: float):
+        """Up to the departure near theta, seen through the strobe phase; both in rad, [0, 2 pi)."""
+        self.machine, self.turn, self.trail = machine, machine.turn, Trail()
+        self.section = arb(strobe)
+        self.strobe = self.section - (0 if strobe <= theta else self.turn)  # the last one
+        self.phi, self.n = arb(theta) - BEFORE, 0
+        self.i = next(k for k, at in enumerate(machine.stretches) if at.end > self.phi)
+        self.impacts, self.chattered, self.resting = 0, False, True
+        self._leave()
 
-    def leave(self, i: int, theta: float) -> bool:
-        """Begin, or go on, with the departure near theta (rad) on stretch i; False ends it."""
-        at = departure(self.drive, self.scout.lane, self.cam, self.lifts, i, theta)
-        if at is None:
-            self.reason = RESTS
-            return False
-        self.i, self.theta, self.rate = at.i, at.theta, at.rate
-        self.q = self.lifts.c(at.i, at.theta)
-        self.w = self.lifts.c1(at.i, at.theta) + at.rate
-        self.doubt.reset()
-        if not self.trail.leaves:
-            since = at.theta - self.strobe
-            self.place = since if since >= 0 else since + self.turn
-            self.impacts, self.chattered = 0, False
-        self.trail.leaves.append((self.place, at))
-        return True
+    def step(self) -> None:
+        """One impact further, or from it through a rest to the next departure."""
+        s, i, n = self._contact()
+        self._strobes(self.phi + s)
+        at, u = self._landing(s, i, n)
+        self.i, self.n = i, n
+        self._off(at, BLOW)
+        self._struck(u)
+        if self.machine.r == 0:
+            self.order, self.resting = CORNER, below(0, self.fall)
+        elif self.fall > 0:
+            self.resting = self._accumulates()
+        if self.resting:
+            self._leave()
 
-    def step(self) -> bool:
-        """One event further; False where the motion cannot be followed."""
-        found = self.scout.after(self.i, float(self.theta), float(self.rate))
-        if found is None:
-            self.reason = UNCLEAR
-            return False
-        return self._impact(found) if found.kind == EventKind.IMPACT else self._rest(found)
+    def symbol_of_turn(self, phi: arb) -> float:
+        """Symbol of the turn that holds phi, if it went on from here as it did from phi on."""
+        turn = self.turn_of(phi)
+        later = [x for x, _ in self.trail.impacts if x >= phi and self.turn_of(x) == turn]
+        return inf if self.chattered else float(self.impacts + len(later))
 
-    def _impact(self, found: Found) -> bool:
-        s, theta = self._landing(found)
-        if s is None:
-            return False
-        low, high = self.lifts.edges(found.i)
-        if not low + EDGE < theta < high - EDGE:
-            self.reason = ON_EDGE
-            return False
-        q, w = self.drive.move(self.q, self.w, s)
-        c1 = self.lifts.c1(found.i, theta)
-        u = w - c1
-        self.doubt.flight(float(s))
-        self.doubt.impact(lift(self.cam, found.i, float(theta)), float(u))
-        self.worst = max(self.worst, self.doubt.error)
-        if not self.doubt.error <= LARGEST_ERROR or u >= 0:
-            self.reason = FORGOT
-            return False
-        self._strobes(self.place + s)
-        self.place, self.theta, self.i = self.place + s, theta, found.i
-        self.rate = -self.drive.r * u
-        self.q, self.w = q, c1 + self.rate
+    def turn_of(self, phi: arb) -> int:
+        """Number of strobes passed up to phi."""
+        turns = ((phi - self.strobe) / self.turn).floor().unique_fmpz()
+        if turns is None:
+            raise UndecidedError
+        return int(turns)
+
+    def phase(self, phi: arb) -> float:
+        """phi as an angle of the turn, rad."""
+        return float(phi - (phi / self.turn).mid().floor() * self.turn)
+
+    def _cam(self, phi: arb, i: int, n: int, order: int = 2) -> list[arb]:
+        """c and derivatives up to an order on stretch i of turn n."""
+        return self.machine.stretches[i].derivatives(phi - n * self.turn, order)
+
+    def _end(self, i: int, n: int) -> arb:
+        return self.machine.stretches[i].end + n * self.turn
+
+    def _next(self, i: int, n: int) -> tuple[int, int]:
+        return (i + 1, n) if i + 1 < len(self.machine.stretches) else (0, n + 1)
+
+    def _off(self, at: Parallelogram, order: int) -> None:
+        """Begin a flight; `at` holds phi and the rate relative to the cam."""
+        self.at, self.order = at, order
+        self.phi, self.rate = at.hull()
+        self.fall = -self._gap(self.i, self.n)(arb(0))[2]  # gap'' = -fall as the flight begins
+
+    def _struck(self, u: arb) -> None:
         self.impacts += 1
-        self.trail.impacts.append((self.place, u))
+        self.trail.impacts.append((self.phi, u))
+
+    def _gap(self, i: int, n: int, order: int = 2, middle: bool = False) -> Function:
+        """s -> gap to stretch i of turn n after s rad of flight, and derivatives up to order <= 3.
+
+        From all states of the parallelogram, or from the one in the middle.
+        """
+        phi, rate = self.at.middle.entries() if middle else (self.phi, self.rate)
+        c = self._cam(phi, self.i, self.n)
+        q, w = c[0], c[1] + rate
+
+        def gap(s: arb) -> list[arb]:
+            flight, cam = self.machine.move(q, w, s), self._cam(phi + s, i, n, order)
+            return [x - y for x, y in zip(flight, cam, strict=False)]
+
+        return gap
+
+    def _contact(self) -> tuple[arb, int, int]:
+        """(angle of flight to the next contact, stretch, turn)."""
+        i, n, low = self.i, self.n, arb(0)
+        for count in range(MOST_STRETCHES):
+            gap, high = self._gap(i, n), self._end(i, n) - self.phi
+            if count == 0:
+                low = self._opening(high)
+            elif not gap(low)[0] > 0:
+                raise UndecidedError
+            s = first_root(gap, low, high.upper()) if low < high else None
+            if s is not None and below(s, high):
+                return s, i, n
+            if not gap(high)[0] > 0:
+                raise UndecidedError
+            (i, n), low = self._next(i, n), high
+        raise EndlessError
+
+    def _opening(self, high: arb) -> arb:
+        """An angle up to which the gap is above zero: its derivative of order self.order is."""
+        gap, s = self._gap(self.i, self.n, order=LIFT_OFF), high.upper()
+        if self.order == BLOW and self.fall > 0:
+            s = min(s, (self.rate / self.fall).mid())
+        for _ in range(MOST_HALVINGS):
+            if gap(arb(0).union(s))[self.order] > 0:
+                return s
+            s = (s / 2).mid()
+        raise UndecidedError
+
+    def _landing(self, s: arb, i: int, n: int) -> tuple[Parallelogram, arb]:
+        """(phi and rate after the impact, incoming rate u) of a flight of s rad.
+
+        A start (dphi, drate) beside is at equal phi a difference (dq, dw) = (-rate dphi,
+        drate - gap'' dphi). It lands at dphi = -dq/u later, its u different by dw + gap'' dphi.
+        """
+        machine, lands = self.machine, self._gap(i, n)(s)
+        b, b1, _ = machine.flow(s)
+        u = lands[1]
+        if not u < 0:
+            raise UndecidedError
+        equal = arb_mat([[-self.rate, 0], [self.fall, 1]])
+        flight = arb_mat([[b1 + 2 * machine.Z * b, b], [-machine.W2 * b, b1]])
+        later = arb_mat([[-1 / u, 0], [machine.r * lands[2] / u, -machine.r]])
+        middle = self._gap(i, n, middle=True)
+        at = refined(middle, s)
+        reset = arb_mat([[self.at.middle[0, 0] + at], [-machine.r * middle(at)[1]]])
+        unit = arb_mat([[1, 0], [lands[2], u]]).mid()
+        return self.at.image(reset, later * flight * equal, unit), u
+
+    def _accumulates(self) -> bool:
+        """After an impact: does the follower come to rest before its stretch and turn end?
+
+        While -A <= gap'' <= -a, a hop that begins with the rate v lasts 2 v/A to 2 v/a and lands
+        with a rate of at most k v, k = sqrt(A/a): gap <= v^2/(2 a) all along. With r k < 1 the hops
+        shrink, and the infinitely many take between (2 v/A)/(1 - r/k) and (2 v/a)/(1 - r k).
+        The bounds are taken over all gaps, rates and angles that this allows with k <= 2.
+        """
+        machine, v, r = self.machine, self.rate.upper(), self.machine.r
+        if not r < 1:
+            return False
+        reach = (3 * v / (self.fall * (1 - r))).upper()
+        last = self.phi + reach
+        if not (last < self._end(self.i, self.n) and last < self._next_strobe()):
+            return False
+        c = self._cam(self.phi + arb(0).union(reach), self.i, self.n)
+        height, rates = v * reach, (-2 * v).union(2 * v)
+        q, w = c[0] + arb(0).union(height), c[1] + rates
+        falls = machine.G + machine.W2 * q + 2 * machine.Z * w + c[2]
+        least, most = falls.lower(), falls.upper()
+        if not least > 0:
+            return False
+        k = (most / least).sqrt()
+        if not (k < 2 and r * k < 1 and v * v / (2 * least) < height):
+            return False
+        longest = (2 * v / least / (1 - r * k)).upper()
+        if not longest < reach:
+            return False
+        shortest = (2 * self.rate.lower() / most / (1 - r / k)).lower()
+        self.trail.chatters.append(self.phi + shortest.union(longest))
+        self.phi += longest  # it rests from here on at the latest
+        self.chattered = True
         return True
 
-    def _landing(self, found: Found) -> tuple[Decimal | None, Decimal | None]:
-        """(rad of flight, phase) of the impact, polished."""
-        s = guess = Decimal(found.s)
-        whole = round((self.theta + s - Decimal(found.theta)) / self.turn) * self.turn
-        for _ in range(STEPS):
-            q, _ = self.drive.move(self.q, self.w, s)
-            theta = self.theta + s - whole
-            step = (q - self.lifts.c(found.i, theta)) / Decimal(found.u)
-            s -= step
-            if not guess / 2 < s < 2 * guess:
-                break
-            if abs(step) <= ENOUGH * s:
-                if abs(s - guess) > APART:
-                    break
-                return s, theta - step
-        self.reason = UNCLEAR
-        return None, None
+    def _leave(self) -> None:
+        """From a rest on to where the follower leaves the cam."""
+        machine, begun = self.machine, self.phi
+        while self.phi < begun + self.turn + 1:
+            i, n = self.i, self.n
 
-    def _rest(self, found: Found) -> bool:
-        """A complete chatter (or an impact without rebound): on to where the follower leaves."""
-        after = found
-        if found.kind == EventKind.CHATTER:
-            after = self.scout.leaves(self.i, float(self.theta), float(self.rate))
-            if after is None:
-                self.reason = RESTS
-                return False
-        begins = self.place + Decimal(found.s)
-        self._strobes(begins)
-        self.chattered |= found.kind == EventKind.CHATTER
-        ends = begins + (Decimal(after.s) if after is not found else 0)
-        self._strobes(ends, resting=True)
-        self.place = ends
-        return self.leave(after.i, after.theta)
+            def force(phi: arb, i: int = i, n: int = n) -> list[arb]:
+                return machine.force(self._cam(phi, i, n, 4))
 
-    def symbol_of_turn(self, begins: Decimal) -> float:
-        """Symbol of the turn begun here and ended as that of a departure in the place `begins`."""
-        turn = int(begins / self.turn)
-        after = sum(1 for p, _ in self.trail.impacts if begins <= p < (turn + 1) * self.turn)
-        return inf if self.chattered else float(self.impacts + after)
+            end = self._end(i, n)
+            if not below(0, force(self.phi)[0]):  # at a corner, pressed no more from there on
+                return self._depart(self.phi, arb(0), CORNER)
+            root = first_root(force, self.phi, end.upper())
+            if root is not None and below(root, end):
+                return self._depart(root, arb(0), LIFT_OFF)
+            self.phi, (self.i, self.n) = end, self._next(i, n)
+            kick = self._cam(end, self.i, self.n)[1] - self._cam(end, i, n)[1]
+            if below(abs(kick), arb(SMALLEST_KICK)):
+                continue
+            if kick < 0:  # the cam falls away
+                return self._depart(end, -kick, BLOW)
+            if machine.r > 0:
+                self._depart(end, machine.r * kick, BLOW)
+                return self._struck(-kick)
+            self._strobes(end)
+            self._struck(-kick)
+        raise EndlessError
 
-    def _strobes(self, place: Decimal, resting: bool = False) -> None:
-        """Note the strobes up to a place, in flight from here or at rest on the cam."""
-        while (len(self.trail.states) + 1) * self.turn <= place:
-            state = self._at_strobe(resting)
-            self.trail.states.append(state)
+    def _depart(self, phi: arb, rate: arb, order: int) -> None:
+        self._strobes(phi)
+        self.resting = False
+        self._off(Parallelogram.around(phi, rate), order)
+        self.trail.leaves.append(phi)
+
+    def _next_strobe(self) -> arb:
+        return self.strobe + (len(self.trail.states) + 1) * self.turn
+
+    def _strobes(self, phi: arb) -> None:
+        """Note the states at the strobes up to phi, in flight from here or at rest on the cam."""
+        while below(strobe := self._next_strobe(), phi):
+            if self.resting:
+                state = self._on_cam()
+            else:
+                c = self._cam(self.phi, self.i, self.n)
+                state = self.machine.move(c[0], c[1] + self.rate, strobe - self.phi)
+            self.trail.states.append((state[0], state[1]))
             self.trail.symbols.append(inf if self.chattered else float(self.impacts))
             self.impacts, self.chattered = 0, False
 
-    def _at_strobe(self, resting: bool) -> tuple[Decimal, Decimal]:
-        if resting:
-            return self.lifts.c(self.rows, self.strobe), self.lifts.c1(self.rows, self.strobe)
-        s = (len(self.trail.states) + 1) * self.turn - self.place
-        return self.drive.move(self.q, self.w, s)
+    def _on_cam(self) -> list[arb]:
+        """The cam's own state at the strobe; at a corner that of the stretch that begins there."""
+        at = [one for one in self.machine.stretches if not one.start > self.section]
+        return at[-1].derivatives(self.section, 1)

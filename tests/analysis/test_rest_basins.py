@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest import chapter_system, settings
 
+from camcli.analysis import after_rest as after
 from camcli.analysis.basins import rests as rests_module
 from camcli.analysis.basins.attractor_finder import Census
 from camcli.analysis.basins.cell_batches import Crew
@@ -13,7 +14,6 @@ from camcli.analysis.basins.decided_rests import chaos
 from camcli.analysis.basins.mapping import Question, basins
 from camcli.analysis.basins.rests import departure
 from camcli.analysis.basins.window import Window
-from camcli.exact import after_rest as after
 from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST, UNDECIDED
 
 WINDOW = Window((0.1, 0.9), (-50.0, 50.0), 20, 20)
@@ -26,16 +26,16 @@ def labels(result):
 
 def test_a_departure_is_followed_once(chapter, monkeypatch):
     asked = []
-    real = after.follow
-    monkeypatch.setattr(after, "follow", lambda *words: asked.append(words[3]) or real(*words))
+    real = after.after_rest
+    monkeypatch.setattr(after, "after_rest", lambda *words: asked.append(words[2]) or real(*words))
     result, census = basins(chapter, 358.0, settings(), Question(WINDOW))
     assert result.undecided == 0
     assert len(asked) == len(set(asked)) >= 1
     assert len(census.rests.states) <= 8
 
 
-def test_without_the_decimals_of_the_cam_such_cells_are_undecided_and_soon_left(chapter):
-    bare = replace(chapter, parts=None)
+def test_without_the_functions_of_the_cam_such_cells_are_undecided_and_soon_left(chapter):
+    bare = replace(chapter, shape=None)
     whole, _ = basins(chapter, 358.0, settings(), Question(WINDOW))
     result, census = basins(bare, 358.0, settings(), Question(WINDOW))
     assert labels(result) == ["P(1;2)", "P(3;3:3:2)"]

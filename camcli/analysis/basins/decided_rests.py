@@ -55,14 +55,14 @@ def truth(crew: Crew, known: dict, start, turns: int):
 
     The rest's chatter ends in turn `turns`; `known`: what was found, by departure.
     """
-    from camcli.exact.after_rest import follow
+    from camcli.analysis.after_rest import after_rest
 
     theta = departure(crew, *start, turns)
     if theta is None:
         return None
     place = round(theta / SAME)
     if place not in known:
-        known[place] = follow(crew.system, crew.rpm, crew.settings, theta)
+        known[place] = after_rest(crew.system, crew.rpm, theta)
     return known[place]
 
 

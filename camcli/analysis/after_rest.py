@@ -1,0 +1,168 @@
+"""What the motion after a rest leads to, where doubles cannot tell.
+
+A rest erases all memory, so the motion after it is one motion of the machine. Two questions are
+asked about it, in ball arithmetic (`camcli.exact`). What do these data do, exactly? The motion is
+followed until it repeats (SETTLED), has run LONGEST turns without (WANDERS), or comes back to a
+departure it has had (CYCLE). And what do all machines do whose data read the same? A cycle may hang
+on digits that no scene has, so machines are followed whose speeds differ by SHARES, within half its
+last digit: the first ENOUGH that go through the same cycle, or else settle, must all end alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import TYPE_CHECKING
+
+from camcli.analysis.integrate import Start, Tape
+from camcli.analysis.labels import LONGEST_PERIOD
+from camcli.analysis.orbits.identify import departures
+from camcli.analysis.orbits.same_orbit import distance, size_of
+from camcli.system import System, omega_of
+
+if TYPE_CHECKING:
+    from camcli.exact.motion import Motion
+
+SETTLED, WANDERS, CYCLE, UNKNOWN = "settled", "wanders", "cycle", "unknown"
+LONGEST = 400  # turns followed
+MOST_IMPACTS = 4_000
+SAME = 1e-5  # of the states: motions of neighbours that settled are nearer than this
+SHARES = tuple(Decimal(k * sign).scaleb(-17) for k in (1, 2, 3, 4) for sign in (1, -1))
+ENOUGH = 3  # neighbours that end alike
+CLOSE = 1e-8  # relative distance of a state to the one a period before
+SHRINKS = 0.95  # what a period leaves of that distance
+NOTHING_LEFT = 1e-13  # a distance that need not shrink
+
+State = tuple[float, float]  # q (m), dq/dtheta (m/rad) at a strobe
+
+
+@dataclass(frozen=True)
+class After:
+    """Where the motion after a rest ends.
+
+    states: of the strobes of one period, the last one `turns` turns after the departure; symbols:
+    of the turns that end there; leaves: (turn, rad) of the departures of a cycle.
+    """
+
+    kind: str
+    turns: int = 0
+    states: tuple[State, ...] = ()
+    symbols: tuple[float, ...] = ()
+    leaves: tuple[tuple[int, float], ...] = ()
+
+    def start(self, system: System, rpm: float) -> Start | None:
+        """The last state, to go on from in doubles; None where nothing is known."""
+        if self.kind not in (SETTLED, WANDERS):
+            return None
+        q, w = self.states[-1]
+        return Start(q, w * omega_of(rpm), system.strobe_deg)
+
+
+def after_first_rest(system: System, rpm: float, tape: Tape) -> After:
+    """`after_rest` from the first departure in a record, UNKNOWN where there is none."""
+    leaves = departures(tape)
+    return after_rest(system, rpm, leaves[0][1]) if leaves else After(UNKNOWN)
+
+
+def after_rest(system: System, rpm: float, theta: float) -> After:
+    """Where the motion ends that leaves the cam from rest near the phase theta (rad)."""
+    found = _of_machine(system, rpm, theta)
+    return found if found.kind != CYCLE else _of_neighbours(system, rpm, theta, found)
+
+
+def _of_neighbours(system: System, rpm: float, theta: float, cycle: After) -> After:
+    """What ENOUGH machines agree on whose speed differs by less than its rounding."""
+    agreed: list[After] = []
+    for asked, share in enumerate(SHARES):
+        if len(SHARES) - asked < ENOUGH - len(agreed):
+            break
+        found = _of_machine(system, rpm, theta, share)
+        if found.kind == SETTLED or (found.kind == CYCLE and found.symbols == cycle.symbols):
+            agreed.append(found)
+            if not _same(agreed[0], found):
+                break
+            if len(agreed) == ENOUGH:
+                return cycle if found.kind == CYCLE else agreed[0]
+    return After(UNKNOWN, cycle.turns)
+
+
+def _same(a: After, b: After) -> bool:
+    """True where two motions have settled on one orbit, or both on the cycle."""
+    if CYCLE in (a.kind, b.kind):
+        return a.kind == b.kind
+    size = size_of(a.states)
+    return len(a.states) == len(b.states) and any(
+        distance(a.states[-1], state, size) <= SAME for state in b.states
+    )
+
+
+def _of_machine(system: System, rpm: float, theta: float, share: Decimal = Decimal(0)) -> After:
+    """One machine's motion, its speed larger by a share."""
+    shape = system.shape
+    if shape is None:
+        return After(UNKNOWN)
+    from camcli.exact.balls import UndecidedError, decided
+    from camcli.exact.machine import Machine
+    from camcli.exact.motion import EndlessError, Motion
+
+    def followed() -> After:
+        machine = Machine(shape, system.follower, rpm, share)
+        return _followed(Motion(machine, system.strobe, theta))
+
+    try:
+        return decided(followed)
+    except (UndecidedError, EndlessError):
+        return After(UNKNOWN)
+
+
+def _followed(motion: Motion) -> After:
+    trail, states = motion.trail, list[State]()
+    while len(states) < LONGEST and len(trail.impacts) < MOST_IMPACTS:
+        for q, w in trail.states[len(states) :]:
+            states.append((float(q), float(w)))
+            if m := repeats(states, trail.symbols[: len(states)]):
+                symbols = tuple(trail.symbols[len(states) - m : len(states)])
+                return After(SETTLED, len(states), tuple(states[-m:]), symbols)
+        before = len(trail.leaves)
+        motion.step()
+        if len(trail.leaves) > before and (cycle := _cycle(motion)):
+            return cycle
+    kind = WANDERS if len(states) >= LONGEST else UNKNOWN
+    return After(kind, len(states), (states[-1],), (trail.symbols[len(states) - 1],))
+
+
+def _cycle(motion: Motion) -> After | None:
+    """The motion since an earlier departure at the phase of the last one, if there was one."""
+    trail, last = motion.trail, motion.trail.leaves[-1]
+    turns = [(last - other) / motion.turn for other in trail.leaves[:-1]]
+    since = next((k for k, n in enumerate(turns) if n.contains_integer()), None)
+    if since is None:
+        return None
+    m, count = round(float(turns[since])), len(trail.states)  # the last turn is not over
+    states = tuple((float(q), float(w)) for q, w in trail.states[count - m :])
+    first, later = count - m + 1, trail.leaves[since + 1 :]
+    leaves = tuple((motion.turn_of(phi) - first, motion.phase(phi)) for phi in later)
+    symbols = (*trail.symbols[first:], motion.symbol_of_turn(trail.leaves[since]))
+    return After(CYCLE, m, states, symbols, leaves)
+
+
+def repeats(states: Sequence[State], symbols: Sequence[float]) -> int:
+    """Turns m <= LONGEST_PERIOD after which the end of a record repeats, or 0.
+
+    The last three periods have the same symbols, and each is nearer to the one before than that one
+    was, at last within CLOSE of the largest state.
+    """
+    n, size = len(states), size_of(states)
+
+    def apart(k: int, m: int) -> float:
+        return distance(states[k], states[k - m], size)
+
+    for m in range(1, min(LONGEST_PERIOD, (n - 1) // 3) + 1):
+        last = apart(n - 1, m)
+        if last > CLOSE or list(symbols[n - 2 * m :]) != list(symbols[n - 3 * m : n - m]):
+            continue
+        first, second = apart(n - 1 - 2 * m, m), apart(n - 1 - m, m)
+        if last <= NOTHING_LEFT or (second <= SHRINKS * first and last <= SHRINKS * second):
+            return m
+    return 0

@@ -1,0 +1,91 @@
+"""Real numbers as balls: midpoint and radius, the true number certainly inside (Arb, python-flint).
+
+F. Johansson, Arb: efficient arbitrary-precision midpoint-radius interval arithmetic, IEEE
+Transactions on Computers 66 (2017) 1281-1292. A comparison of balls is True only where it holds for
+all numbers in them. Where neither it nor its opposite does, more digits may help: `decided` asks
+again with twice as many. The module is the `Numbers` that a cam's `parts` can be made of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from decimal import Decimal
+from threading import RLock
+from typing import Any, TypeVar
+
+from flint import arb, arb_series, ctx
+
+DIGITS = (100, 200, 400, 800)  # tried one after the other
+_alone = RLock()  # python-flint has one precision for all threads
+Answer = TypeVar("Answer")
+
+
+class UndecidedError(Exception):
+    """The digits in use do not tell which way it goes."""
+
+
+@contextmanager
+def precision(digits: int) -> Iterator[None]:
+    """Calculate with so many digits, one thread at a time."""
+    with _alone:
+        before, ctx.dps = ctx.dps, digits
+        try:
+            yield
+        finally:
+            ctx.dps = before
+
+
+def decided(question: Callable[[], Answer]) -> Answer:
+    """The answer with as few of DIGITS as it takes; raises UndecidedError after the last."""
+    for digits in DIGITS:
+        try:
+            with precision(digits):
+                return question()
+        except UndecidedError:
+            if digits == DIGITS[-1]:
+                raise
+    raise AssertionError
+
+
+def below(a: Any, b: Any) -> bool:
+    """Is a < b? Raises UndecidedError where the balls overlap."""
+    if a < b:
+        return True
+    if a > b:
+        return False
+    raise UndecidedError
+
+
+def number(value: float | Decimal) -> arb:
+    """A double exactly, or a decimal as written."""
+    return arb(str(value)) if isinstance(value, Decimal) else arb(value)
+
+
+def pi() -> arb:
+    """pi."""
+    return arb.pi()
+
+
+def sincos(x: Any) -> tuple[Any, Any]:
+    """(sin x, cos x) of a ball, or of a power series of balls."""
+    return x.sin_cos()
+
+
+def acos(y: arb) -> arb:
+    """acos y, rad."""
+    return y.acos()
+
+
+def radians(degrees: Decimal) -> arb:
+    """Degrees to rad."""
+    return number(degrees) * arb.pi() / 180
+
+
+def derivatives(function: Callable[[Any], Any], x: arb, order: int) -> list[arb]:
+    """The value of a function and its derivatives up to an order, by power series."""
+    series, factor, found = function(arb_series([x, 1], order + 1)), 1, []
+    for k in range(order + 1):
+        factor *= max(1, k)
+        found.append(series[k] * factor)
+    return found

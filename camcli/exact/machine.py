@@ -1,0 +1,113 @@
+"""A machine at one speed in balls: its cam, its flight, the force of contact.
+
+The numbers of a scene are taken as the doubles they are, and what follows from them exactly: the
+angles of tangency of three circles, omega = rpm pi/30. Equations and units are those of
+`kernel.flow`: the angle s of the cam is the variable, lengths are in m.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any
+
+from flint import arb
+
+from camcli.cams.pieces import Part, Piece, Shape
+from camcli.exact import balls
+from camcli.exact.balls import below, derivatives
+from camcli.system import Follower
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A smooth part of the cam between two angles (rad) of the turn."""
+
+    start: arb
+    end: arb
+    lift: Callable[[Any], Any] | None
+    level: arb
+
+    def derivatives(self, theta: arb, order: int) -> list[arb]:
+        """c and its derivatives by theta up to an order, m."""
+        if self.lift is None:
+            return [self.level, *[arb(0)] * order]
+        return derivatives(self.lift, theta, order)
+
+
+class Machine:
+    """The follower's constants per rad of cam angle, W^2, Z, G and r, and the cam's stretches."""
+
+    def __init__(self, shape: Shape, follower: Follower, rpm: float, share: Decimal = Decimal(0)):
+        """At the speed rpm (1 + share)."""
+        m, k, b = (arb(x) for x in (follower.mass, follower.stiffness, follower.damping))
+        omega = arb(rpm) * balls.number(1 + share) * arb.pi() / 30
+        self.W2 = k / m / (omega * omega)
+        self.Z = b / (2 * m) / omega
+        self.G = (arb(follower.gravity) + arb(follower.preload) / m) / (omega * omega)
+        self.r = arb(follower.restitution)
+        damped = b * b - 4 * k * m
+        self.over = damped != 0 and below(0, damped)
+        self.frequency = abs(damped).sqrt() / (2 * m * omega)
+        self.turn = 2 * arb.pi()
+        self.stretches = [s for part in shape.parts(balls) for s in _stretches(part)]
+
+    def flow(self, s: arb) -> tuple[arb, arb, arb]:
+        """(B, B', P) after s rad of flight.
+
+        With e = exp(-Z s) and f^2 = |Z^2 - W^2|: B = e sin(f s)/f, C = e cos(f s) below critical
+        damping, B = e s, C = e at it, B = (e1 - e2)/(2 f), C = (e1 + e2)/2 above, where e1,2 =
+        exp((+-f - Z) s). B' = C - Z B, P = (1 - C - Z B)/W^2; without a spring P = (s - B)/(2 Z),
+        or s^2/2.
+        """
+        f, zs = self.frequency, self.Z * s
+        if self.over:
+            e1, e2 = (f * s - zs).exp(), (-f * s - zs).exp()
+            b, c = (e1 - e2) / (2 * f), (e1 + e2) / 2
+        else:
+            decay = (-zs).exp()
+            sine, cosine = (s, arb(1)) if f == 0 else (f * s).sin_cos()
+            b, c = decay * (sine if f == 0 else sine / f), decay * cosine
+        if self.W2 != 0:
+            p = (1 - c - self.Z * b) / self.W2
+        else:
+            p = s * s / 2 if self.Z == 0 else (s - b) / (2 * self.Z)
+        return b, c - self.Z * b, p
+
+    def move(self, q: arb, w: arb, s: arb) -> list[arb]:
+        """q (m) and its first three derivatives by the angle after s rad of flight from (q, w)."""
+        b, b1, p = self.flow(s)
+        pull = self.G + self.W2 * q
+        q, w = q + w * b - pull * p, w * b1 - pull * b
+        accel = -(self.G + self.W2 * q + 2 * self.Z * w)
+        return [q, w, accel, -(self.W2 * w + 2 * self.Z * accel)]
+
+    def force(self, c: list[arb]) -> list[arb]:
+        """Force of contact at rest over m omega^2, with two derivatives; c with four of the cam."""
+        n = [self.W2 * c[k] + 2 * self.Z * c[k + 1] + c[k + 2] for k in range(3)]
+        return [self.G + n[0], n[1], n[2]]
+
+
+def _stretches(part: Part) -> list[Stretch]:
+    """A part as it is, or each of its equal polynomials."""
+    if not part.pieces:
+        return [Stretch(part.start, part.end, part.lift, part.level)]
+    count, width = len(part.pieces), (part.end - part.start) / len(part.pieces)
+    edges = [part.start + k * width for k in range(count + 1)]
+    return [
+        Stretch(edges[k], edges[k + 1], _polynomial(piece), part.level)
+        for k, piece in enumerate(part.pieces)
+    ]
+
+
+def _polynomial(piece: Piece) -> Callable[[Any], Any]:
+    """sum a_j x^j, x = theta - center, with the doubles of the piece taken as they are."""
+
+    def lift(theta: Any) -> Any:
+        x, total = theta - arb(piece.center), arb(0)
+        for coefficient in reversed(piece.coefficients):
+            total = total * x + arb(coefficient)
+        return total
+
+    return lift

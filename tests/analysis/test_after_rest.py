@@ -1,0 +1,134 @@
+"""Where the motion after a rest ends: cycles, orbits, wandering, and what cannot be said."""
+
+import json
+import pickle
+import subprocess
+import sys
+from dataclasses import replace
+from decimal import Decimal
+from math import inf
+from pathlib import Path
+
+import pytest
+
+from camcli.analysis import after_rest as module
+from camcli.analysis.after_rest import (
+    CYCLE,
+    ENOUGH,
+    LONGEST,
+    SETTLED,
+    SHARES,
+    UNKNOWN,
+    WANDERS,
+    After,
+    after_first_rest,
+    after_rest,
+    repeats,
+)
+from camcli.analysis.classify import classify_at
+from camcli.analysis.integrate import Orbit
+from camcli.cams.arcs import ArcsCam
+from camcli.system import Follower, System
+from tests.conftest import settings
+from tests.exact.make_flights import CHAPTER
+from tests.kernel.helpers import GEOMETRY
+
+RUN = settings(600, 400)
+FLIGHTS = json.loads((Path(__file__).parents[1] / "exact/flights.json").read_text())
+
+
+def ends(system, rpm):
+    return after_first_rest(system, rpm, Orbit(system, rpm, settings(0, 3)).run())
+
+
+@pytest.mark.parametrize("rpm", [357.9, 358.0, 358.5, 359.0])
+def test_chaotic_transients_settle(chapter, rpm):
+    """At 358.0 errors grow by 1e46 on the way: 40 digits of the cam's corners would not do."""
+    found = ends(chapter, rpm)
+    assert found.kind == SETTLED
+    assert sorted(found.symbols) == [2.0, 3.0, 3.0]
+    tape = Orbit(chapter, rpm, settings(60, 30), found.start(chapter, rpm)).run()
+    assert not any(tape.chatter[:30])
+    assert sorted(int(x) for x in tape.impacts[:3]) == [2, 3, 3]
+    assert classify_at(chapter, rpm, RUN).label == "P(3;3:3:2)"
+
+
+def test_a_long_cycle_is_the_oracles():
+    """Impacts in each of 28 turns, on the cam of `flights.json`."""
+    shape = ArcsCam(kind="arcs", **GEOMETRY)
+    system = System.build(Follower(**CHAPTER), shape.parts(), shape=shape)
+    found = module._of_machine(system, 358.0, 2.621124501166232)
+    assert (found.kind, found.turns) == (CYCLE, 28)
+    events = FLIGHTS["long transient"]["events"]
+    turns = [int(float(phi) / 6.283185307179586) for kind, phi, _ in events if kind == "impact"]
+    counts = [float(turns.count(k)) for k in range(1, 28)]
+    assert list(found.symbols[:27]) == counts
+    assert found.symbols[27] == inf
+    assert found.leaves == ((27, pytest.approx(2.621124501166232, abs=1e-15)),)
+
+
+def test_cycles_that_neighbours_share_are_orbits(chapter):
+    assert (ends(chapter, 190.0).kind, ends(chapter, 190.0).symbols) == (CYCLE, (inf,))
+    assert ends(chapter, 190.0).start(chapter, 190.0) is None
+    motion = classify_at(chapter, 358.3, RUN)  # errors grow by 4e13 in its 28 turns
+    assert motion.period == 28
+    assert motion.orbit.resting
+    assert motion.label.startswith("P(28;inf:")
+
+
+def test_neighbours_that_disagree_say_nothing(chapter, monkeypatch):
+    cycle = After(CYCLE, 9, symbols=(1.0,))
+    one, two = (After(SETTLED, 50, ((q, 1.0),), (2.0,)) for q in (0.3, 0.4))
+    for row, kind in (((one, one, one), SETTLED), ((one, two, one), UNKNOWN),
+                      ((one, cycle, one), UNKNOWN), ((cycle, cycle, cycle), CYCLE),
+                      ((one, one), UNKNOWN), ((), UNKNOWN)):  # fmt: skip
+        answers = iter([cycle, *row, *[replace(cycle, symbols=(7.0,))] * 9])
+        monkeypatch.setattr(module, "_of_machine", lambda *words, a=answers: next(a))
+        assert after_rest(chapter, 358.0, 2.6).kind == kind, row
+    assert all(0 < abs(share) < Decimal("5.5e-17") for share in SHARES)  # within half a digit
+    assert len(set(SHARES)) == len(SHARES) >= 2 * ENOUGH
+
+
+def test_what_is_not_known_is_not_said(chapter):
+    bare = replace(chapter, shape=None)
+    assert ends(bare, 358.8).kind == UNKNOWN
+    assert classify_at(bare, 358.8, RUN).label == "undecided"
+    free = Orbit(chapter, 700.0, settings(600, 20)).run()
+    assert after_first_rest(chapter, 700.0, free).kind == UNKNOWN  # no rest in it
+
+
+def test_chaos_wanders_and_gives_its_last_state(chapter):
+    found = ends(chapter, 745.0)
+    assert (found.kind, found.turns) == (WANDERS, LONGEST)
+    assert found.start(chapter, 745.0) is not None
+
+
+def test_a_record_repeats_once_it_shrinks():
+    def states(ratio, n=40):
+        return [(1.0 + (k % 3) + 1e-3 * ratio**k, 2.0) for k in range(n)]
+
+    symbols = [3.0, 3.0, 2.0] * 14
+    assert repeats(states(0.6), symbols[:40]) == 3
+    assert repeats(states(0.999), symbols[:40]) == 0
+    assert repeats(states(0.6, 12), symbols[:12]) == 0
+    assert repeats(states(0.6), [*symbols[:39], 9.0]) == 0
+
+
+def test_a_system_is_pickled_with_its_cam(chapter):
+    """So that a worker in another process decides as this one does."""
+    again = pickle.loads(pickle.dumps(chapter))
+    assert again == chapter
+    assert again.shape == chapter.shape
+    assert "shape" not in repr(chapter)
+
+
+def test_nothing_is_imported_where_doubles_do():
+    code = (
+        "import sys; sys.path[:0] = ['.', 'tests']\n"
+        "from tests.conftest import chapter_system, settings\n"
+        "from camcli.analysis.classify import classify_at\n"
+        "assert classify_at(chapter_system(), 190.0, settings(60, 100)).label == 'P(1;inf)'\n"
+        "assert not any(name == 'flint' or 'camcli.exact' in name for name in sys.modules)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
