@@ -224,8 +224,7 @@ def _write(request: Request, setup: Setup, store: RunFolder, result: OrbitsResul
     if request.no_plot:
         return
     from camcli.output.pictures import write_png
-    from camcli.plots.curves import draw_curves
-    from camcli.plots.orbits import draw_orbits
+    from camcli.plots.orbits import draw_curves, draw_orbits
 
     figure = draw_orbits(result, setup.system, setup.scene.orbits.panels)
     store.write("orbits.png", partial(write_png, figure))

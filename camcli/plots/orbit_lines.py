@@ -1,4 +1,4 @@
-"""What the pictures of orbits show: lines along a branch, its events, and the look of both."""
+"""What the pictures of orbits show: lines along a branch, their look, and the events on them."""
 
 from __future__ import annotations
 
@@ -6,32 +6,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import degrees, inf
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from camcli.analysis.orbits.arclength import Metric
-from camcli.analysis.orbits.locate import LOST
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.shooter import multipliers
-from camcli.analysis.orbits.study import Bifurcation, Branch
+from camcli.analysis.orbits.shooter import Root, multipliers
+from camcli.analysis.orbits.study import Bifurcation
 from camcli.plots import style
+from camcli.plots.axes import DASHED, TURN_DEG
 
 NEAR_DEG = 20.0  # phases further apart do not continue one another
 SAME = 1e-11  # relative distance of parameters at which two points are the two sides of a corner
 JUMP = 1e-6  # relative change of the trace there that breaks the lines of the multipliers
 PARTS = 12  # of a step, for the curved paths of the multipliers
-DASHES = (0, (3.2, 1.6))
-MARKS = {  # event: marker, face, edge, size
-    "period-doubling": ("s", "white", style.IMPACT, 4.0),
-    "fold": ("<", "white", style.IMPACT, 5.0),
-    "corner-impact": ("o", "white", style.IMPACT, 4.4),
-    "grazing": ("v", "white", style.IMPACT, 5.0),
-    "chatter-completion": ("^", style.CHATTER, "white", 6.5),
-    "detachment": ("D", style.DETACHMENT, "white", 5.5),
-    "departure": ("d", "white", style.DETACHMENT, 5.5),
-    LOST: ("X", style.TROUBLE, "white", 6.0),
-}
 
 
 @dataclass
@@ -40,7 +30,7 @@ class Strand:
 
     stable: bool
     x: list[float] = field(default_factory=list)
-    y: list = field(default_factory=list)
+    y: list[Any] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -66,134 +56,7 @@ class Event:
         return f"{words} at {self.source.corner}" if self.source.corner else words
 
 
-def phases(orbit: PeriodicOrbit) -> tuple[float, ...]:
-    """Impact phases in degrees, in an order that does not change along a branch."""
-    theta = orbit.theta if orbit.root is None else orbit.root.theta
-    return tuple(degrees(x) % 360.0 for x in theta)
-
-
-def positions(orbit: PeriodicOrbit) -> tuple[float, ...]:
-    """Stroboscopic positions."""
-    return tuple(q for q, _ in orbit.states)
-
-
-def radius(orbit: PeriodicOrbit) -> float:
-    """The larger |multiplier|."""
-    return max(abs(mu) for mu in orbit.multipliers)
-
-
-def steady(before: PeriodicOrbit, after: PeriodicOrbit) -> bool:
-    """Stability between neighbours: that of the one further from the border."""
-    return max(before, after, key=lambda orbit: abs(radius(orbit) - 1.0)).stable
-
-
-def strands(points: Sequence[PeriodicOrbit], of: Callable, turn: float = 0.0) -> list[Strand]:
-    """Lines through the values `of` neighbouring points; `turn`: values wrap round there."""
-    out: list[Strand] = []
-    ends: dict[int, Strand] = {}
-    for before, after in pairwise(points):
-        stable, reached = steady(before, after), {}
-        a, b = of(before), of(after)
-        for i, j in _links(a, b, turn):
-            strand = ends.get(i)
-            if strand is None or strand.stable != stable:
-                strand = Strand(stable, [before.value], [a[i]])
-                out.append(strand)
-            strand.x.append(after.value)
-            strand.y.append(b[j])
-            reached[j] = strand
-        ends = reached
-    return out
-
-
-def curved(points: Sequence[PeriodicOrbit], low: float, high: float) -> list[PeriodicOrbit]:
-    """The points with more between them, by their tangents, where the parameter is in a range."""
-    out = list(points[:1])
-    for before, after in pairwise(points):
-        seen = min(before.value, after.value) <= high and max(before.value, after.value) >= low
-        if seen and before.root is not None and before.root.whole == after.root.whole:
-            out += [_between(before, after, part / PARTS) for part in range(1, PARTS)]
-        out.append(after)
-    return out
-
-
-def _between(before: PeriodicOrbit, after: PeriodicOrbit, s: float) -> PeriodicOrbit:
-    """A point of the cubic through both with their tangents; the trace on a line."""
-    a, b = before.root, after.root
-    way = [y - x for x, y in zip(a.x, b.x, strict=True)]
-    metric = Metric.of(a, max(abs(before.value), abs(after.value)) or 1.0)
-    length = metric.dot(way, way) ** 0.5
-    x = (
-        [
-            p + s * s * (3.0 - 2.0 * s) * d + length * s * (1.0 - s) * ((1.0 - s) * t - s * u)
-            for p, d, t, u in zip(
-                a.x, way, metric.oriented(a, way), metric.oriented(b, way), strict=True
-            )
-        ]
-        if length
-        else list(a.x)
-    )
-    trace, det = (
-        p + s * (q - p) for p, q in ((before.trace, after.trace), (before.det, after.det))
-    )
-    return replace(before, value=x[-1], theta=tuple(x[:-1:2]), trace=trace, det=det, root=None)
-
-
-def _links(a: Sequence[float], b: Sequence[float], turn: float) -> list[tuple[int, int]]:
-    """Which value continues which: phases in their order unless they jump, else the nearest."""
-    far = [NEAR_DEG < abs(x - y) < turn - NEAR_DEG for x, y in zip(a, b, strict=False)]
-    if turn and len(a) == len(b) and not any(far):
-        pairs = [(k, k) for k in range(len(a))]
-        return [(i, j) for i, j in pairs if abs(a[i] - b[j]) <= NEAR_DEG]
-    limit = NEAR_DEG if turn else inf
-    near = sorted((abs(x - y), i, j) for i, x in enumerate(a) for j, y in enumerate(b))
-    links: list[tuple[int, int]] = []
-    for away, i, j in near:
-        if away <= limit and all(i != k and j != n for k, n in links):
-            links.append((i, j))
-    return links
-
-
-def paths(points: Sequence[PeriodicOrbit]) -> list[Strand]:
-    """Both multipliers along a branch, finely; broken where they jump at a corner."""
-    out: list[Strand] = []
-    going: list[Strand] = []
-    for before, after in pairwise(points):
-        if _jumps(before, after):
-            going = []
-            continue
-        stable = steady(before, after)
-        if not going or going[0].stable != stable:
-            going = [Strand(stable, [before.value], [mu]) for mu in before.multipliers]
-            out += going
-        for share in _shares(before, after):
-            mix = [
-                getattr(before, name) + share * (getattr(after, name) - getattr(before, name))
-                for name in ("value", "trace", "det")
-            ]
-            for strand, mu in zip(going, multipliers(*mix[1:]), strict=True):
-                strand.x.append(mix[0])
-                strand.y.append(mu)
-    return out
-
-
-def _shares(before: PeriodicOrbit, after: PeriodicOrbit) -> list[float]:
-    """Parts of a step, and where two real multipliers meet on it."""
-    t, dt, d, dd = before.trace, after.trace - before.trace, before.det, after.det - before.det
-    shares = [part / PARTS for part in range(1, PARTS + 1)]
-    a, b, c = 0.25 * dt * dt, 0.5 * t * dt - dd, 0.25 * t * t - d
-    disc = b * b - 4.0 * a * c
-    if a > 0.0 and disc > 0.0:
-        shares += [(-b + sign * disc**0.5) / (2.0 * a) for sign in (-1.0, 1.0)]
-    return sorted(share for share in shares if 0.0 < share <= 1.0)
-
-
-def _jumps(before: PeriodicOrbit, after: PeriodicOrbit) -> bool:
-    aside = abs(after.value - before.value) <= SAME * abs(before.value)
-    return aside and abs(after.trace - before.trace) > JUMP * (1.0 + abs(before.trace))
-
-
-def events(bifurcations: Sequence[Bifurcation], corners: dict[str, float]) -> list[Event]:
+def events_of(bifurcations: Sequence[Bifurcation], corners: dict[str, float]) -> list[Event]:
     """In ascending order, what several branches share but once."""
     groups: dict[tuple, list[Bifurcation]] = {}
     for one in sorted(bifurcations, key=lambda one: (one.value, one.branch)):
@@ -208,9 +71,25 @@ def events(bifurcations: Sequence[Bifurcation], corners: dict[str, float]) -> li
     return out
 
 
+def phases(orbit: PeriodicOrbit) -> tuple[float, ...]:
+    """Impact phases in degrees, in an order that does not change along a branch."""
+    theta = orbit.theta if orbit.root is None else orbit.root.theta
+    return tuple(degrees(x) % TURN_DEG for x in theta)
+
+
+def positions(orbit: PeriodicOrbit) -> tuple[float, ...]:
+    """Stroboscopic positions."""
+    return tuple(q for q, _ in orbit.states)
+
+
+def radius(orbit: PeriodicOrbit) -> float:
+    """The larger |multiplier|."""
+    return max(abs(mu) for mu in orbit.multipliers)
+
+
 def colours(every: Sequence[Sequence[PeriodicOrbit]]) -> list[str]:
     """One per branch, given its orbits: by period and stability, apart where two share those."""
-    wanted = {}
+    wanted: dict[int, str] = {}
     for rests in (False, True):
         mine = [k for k, orbits in enumerate(every) if any(o.resting for o in orbits) == rests]
         some = [style.STICKING if rests else _bouncing(every[k]) for k in mine]
@@ -220,30 +99,139 @@ def colours(every: Sequence[Sequence[PeriodicOrbit]]) -> list[str]:
 
 
 def _bouncing(orbits: Sequence[PeriodicOrbit]) -> str:
-    if not any(orbit.stable for orbit in orbits):
-        return style.SADDLE
-    return style.period_colour(next(orbit.turns for orbit in orbits if orbit.stable))
+    stable = [orbit for orbit in orbits if orbit.stable]
+    return style.period_colour(stable[0].turns) if stable else style.SADDLE
 
 
-def branch_colours(branches: Sequence[Branch]) -> list[str]:
-    """One per branch."""
-    return colours([branch.points for branch in branches])
+# --- lines over the parameter
 
 
-def draw(axes: Axes, lines: Sequence[Strand], colour: str, view: Callable = np.asarray) -> None:
-    """Stable lines solid, unstable ones dashed; `view` makes the y of what a strand holds."""
+def strands(
+    points: Sequence[PeriodicOrbit],
+    of: Callable[[PeriodicOrbit], Sequence[float]],
+    turn: float = 0.0,
+) -> list[Strand]:
+    """Lines through the values `of` neighbouring points; `turn`: values wrap round there."""
+    out: list[Strand] = []
+    ends: dict[int, Strand] = {}
+    for before, after in pairwise(points):
+        stable = _steady(before, after)
+        reached: dict[int, Strand] = {}
+        a, b = of(before), of(after)
+        for i, j in _links(a, b, turn):
+            strand = ends.get(i)
+            if strand is None or strand.stable != stable:
+                strand = Strand(stable, [before.value], [a[i]])
+                out.append(strand)
+            strand.x.append(after.value)
+            strand.y.append(b[j])
+            reached[j] = strand
+        ends = reached
+    return out
+
+
+def _steady(before: PeriodicOrbit, after: PeriodicOrbit) -> bool:
+    """Stability between neighbours: that of the one further from the border."""
+    return max(before, after, key=lambda orbit: abs(radius(orbit) - 1.0)).stable
+
+
+def _links(a: Sequence[float], b: Sequence[float], turn: float) -> list[tuple[int, int]]:
+    """Which value continues which: phases in their order unless they jump, else the nearest."""
+    far = [NEAR_DEG < abs(x - y) < turn - NEAR_DEG for x, y in zip(a, b, strict=False)]
+    if turn and len(a) == len(b) and not any(far):
+        return [(k, k) for k in range(len(a)) if abs(a[k] - b[k]) <= NEAR_DEG]
+    limit = NEAR_DEG if turn else inf
+    near = sorted((abs(x - y), i, j) for i, x in enumerate(a) for j, y in enumerate(b))
+    links: list[tuple[int, int]] = []
+    for away, i, j in near:
+        if away <= limit and all(i != k and j != n for k, n in links):
+            links.append((i, j))
+    return links
+
+
+def curved(points: Sequence[PeriodicOrbit], low: float, high: float) -> list[PeriodicOrbit]:
+    """The points with more between them, by their tangents, where the parameter is in a range."""
+    out = list(points[:1])
+    for before, after in pairwise(points):
+        seen = min(before.value, after.value) <= high and max(before.value, after.value) >= low
+        a, b = before.root, after.root
+        if seen and a is not None and b is not None and a.whole == b.whole:
+            out += [_between(before, a, after, b, part / PARTS) for part in range(1, PARTS)]
+        out.append(after)
+    return out
+
+
+def _between(
+    before: PeriodicOrbit, a: Root, after: PeriodicOrbit, b: Root, s: float
+) -> PeriodicOrbit:
+    """A point of the cubic through two roots with their tangents; the trace on a line."""
+    way = np.subtract(b.x, a.x)
+    metric = Metric.of(a, max(abs(before.value), abs(after.value)) or 1.0)
+    length = metric.dot(way, way) ** 0.5
+    x = np.array(a.x)
+    if length:
+        start, end = metric.oriented(a, way), metric.oriented(b, way)
+        x += s * s * (3.0 - 2.0 * s) * way
+        x += length * s * (1.0 - s) * ((1.0 - s) * start - s * end)
+    return replace(
+        before,
+        value=float(x[-1]),
+        theta=tuple(x[:-1:2].tolist()),
+        trace=before.trace + s * (after.trace - before.trace),
+        det=before.det + s * (after.det - before.det),
+        root=None,
+    )
+
+
+# --- paths of the multipliers
+
+
+def paths(points: Sequence[PeriodicOrbit]) -> list[Strand]:
+    """Both multipliers along a branch, finely; broken where they jump at a corner."""
+    out: list[Strand] = []
+    going: list[Strand] = []
+    for before, after in pairwise(points):
+        aside = abs(after.value - before.value) <= SAME * abs(before.value)
+        if aside and abs(after.trace - before.trace) > JUMP * (1.0 + abs(before.trace)):
+            going = []
+            continue
+        stable = _steady(before, after)
+        if not going or going[0].stable != stable:
+            going = [Strand(stable, [before.value], [mu]) for mu in before.multipliers]
+            out += going
+        first = np.array([before.value, before.trace, before.det])
+        last = np.array([after.value, after.trace, after.det])
+        for share in _shares(before, after):
+            value, trace, det = (first + share * (last - first)).tolist()
+            for strand, mu in zip(going, multipliers(trace, det), strict=True):
+                strand.x.append(value)
+                strand.y.append(mu)
+    return out
+
+
+def _shares(before: PeriodicOrbit, after: PeriodicOrbit) -> list[float]:
+    """Parts of a step, and where two real multipliers meet on it: (trace/2)^2 = det."""
+    t, dt, d, dd = before.trace, after.trace - before.trace, before.det, after.det - before.det
+    shares = [part / PARTS for part in range(1, PARTS + 1)]
+    a, b, c = 0.25 * dt * dt, 0.5 * t * dt - dd, 0.25 * t * t - d
+    disc = b * b - 4.0 * a * c
+    if a > 0.0 and disc > 0.0:
+        shares += [(-b + sign * disc**0.5) / (2.0 * a) for sign in (-1.0, 1.0)]
+    return sorted(share for share in shares if 0.0 < share <= 1.0)
+
+
+def line_look(stable: bool) -> dict[str, Any]:
+    """Stable orbits have solid lines, unstable ones dashed and thinner."""
+    return {"linewidth": 1.4} if stable else {"linewidth": 1.1, "linestyle": DASHED}
+
+
+def draw_strands(
+    axes: Axes, lines: Sequence[Strand], colour: str, view: Callable = np.asarray
+) -> None:
+    """All lines of a branch; `view` makes the y of what a strand holds."""
     for stable in (True, False):
-        look = {"linewidth": 1.4} if stable else {"linewidth": 1.1, "linestyle": DASHES}
         mine = [line for line in lines if line.stable == stable]
         if mine:
             x = [value for line in mine for value in (*line.x, np.nan)]
             y = [value for line in mine for value in (*view(line.y), np.nan)]
-            axes.plot(x, y, color=colour, zorder=3, **look)
-
-
-def mark(axes: Axes, kind: str, x, y, **more) -> None:
-    """The mark of an event."""
-    marker, face, edge, size = MARKS.get(kind, MARKS[LOST])
-    look = {"markerfacecolor": face, "markeredgecolor": edge, "markeredgewidth": 0.8}
-    more = {"linestyle": "", "zorder": 6, **more}
-    axes.plot(x, y, marker=marker, markersize=size, **look, **more)
+            axes.plot(x, y, color=colour, zorder=3, **line_look(stable))

@@ -115,7 +115,7 @@ def draw_simulation(simulation: Simulation, turns: int) -> Figure:
     """Picture of the last `turns` turns of a simulation."""
     title = f"Time response at {style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
     status = Status(simulation.status)
-    stopped = f"stopped ({status.name}): {status.cause}" if simulation.status != Status.OK else ""
+    stopped = f"stopped ({status.text}): {status.cause}" if simulation.status != Status.OK else ""
     figure = style.page(HEIGHT, title, stopped, style.TROUBLE)
     wide = style.WIDTH - LEFT - RIGHT
     motion = style.place(figure, LEFT, 205, wide, 440, ylabel="position (m)")

@@ -91,10 +91,11 @@ def look() -> Iterator[None]:
 
     As a decorator: of a function that makes artists, since they take most settings when made.
     """
-    with _ONE_AT_A_TIME:
-        defaults = {k: v for k, v in matplotlib.rcParamsDefault.items() if k not in KEPT}
-        with matplotlib.rc_context({**defaults, **RC}):
-            yield
+    settings: dict[Any, Any] = {**matplotlib.rcParamsDefault, **RC}
+    for name in KEPT:
+        del settings[name]
+    with _ONE_AT_A_TIME, matplotlib.rc_context(settings):
+        yield
 
 
 class Page(Figure):

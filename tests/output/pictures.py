@@ -1,13 +1,20 @@
-"""Figures as bytes and as pixels."""
+"""Figures as bytes and as pixels; results made by hand."""
 
 from io import BytesIO
+from math import cos, pi, sin
 
 import numpy as np
 from matplotlib.colors import to_rgb
 from PIL import Image
 
+from camcli.analysis.integrate import Cost
+from camcli.analysis.simulate import Simulation
+from camcli.analysis.sweep import Speed, Sweep
+from camcli.errors import Status
 from camcli.output.pictures import write_png
 from camcli.plots import style
+
+RPM = 60.0  # a turn per second
 
 
 def png(figure):
@@ -24,7 +31,62 @@ def pixels(figure):
 
 
 def count(image, colour):
-    """How many pixels have a colour, given by name or as three numbers to 255."""
-    if isinstance(colour, str):
-        colour = tuple(round(255 * part) for part in to_rgb(colour))
-    return int((image == colour).all(axis=2).sum())
+    """How many pixels have a colour."""
+    rgb = [round(255 * part) for part in to_rgb(colour)]
+    return int((image == rgb).all(axis=2).sum())
+
+
+def words(figure):
+    """Every text of a figure that is not a number of an axis."""
+    texts = [*figure.texts, *(text for axes in figure.axes for text in axes.texts)]
+    for legend in figure.legends:
+        texts += legend.get_texts()
+    return [text.get_text() for text in texts]
+
+
+def tall(figure):
+    """Height in pixels."""
+    return round(figure.get_figheight() * style.DPI)
+
+
+def overlaps(texts):
+    """Texts that run into one another."""
+    boxes = [text.get_window_extent() for text in texts if text.get_text()]
+    return [a for k, a in enumerate(boxes) for b in boxes[:k] if a.overlaps(b)]
+
+
+def panel(low=0.0, high=1.0, wide=1140, tall=300):
+    """Axes of a size in pixels over a range."""
+    axes = style.place(style.page(600), 140, 100, wide, tall)
+    axes.set_xlim(low, high)
+    return axes
+
+
+def speed(rpm, phases=(), q=(), status=Status.OK):
+    phases = None if phases is None else (range(len(phases)), phases, phases, phases)
+    strobe = None if q is None else (range(len(q)), q, q, q, q)
+    return Speed(rpm, "aperiodic", 0, status, phases, strobe, Cost())
+
+
+def sweep_of(*speeds):
+    return Sweep(list(speeds), "fixed", Cost())
+
+
+def bounce(turns=2, label="P(1;inf)", status=Status.OK, rows=None):
+    """A follower that rests for half a turn, then makes one hop: made up."""
+    trajectory, events = [], []
+    for k in range(turns):
+        for j in range(16):
+            x = j / 16 - 0.5
+            gap, u, state = (
+                (x * (0.5 - x), 0.5 - 2.0 * x, "flight") if j >= 8 else (0, 0, "sticking")
+            )
+            c, c_dot = 0.1 - 0.01 * cos(pi * j / 8), 0.02 * pi * sin(pi * j / 8)
+            trajectory.append((k + j / 16, 22.5 * j, c + gap, c_dot + u, c, c_dot, state))
+        events += [
+            (k + 0.0, k, 0.0, "impact", 0.09, -0.5, 0.4),
+            (k + 0.1, k, 36.0, "chatter", 0.09, 0.0, 0.0),
+            (k + 0.5, k, 180.0, "detachment", 0.11, 0.0, 0.0),
+        ]
+    trajectory = trajectory if rows is None else trajectory[:rows]
+    return Simulation(RPM, trajectory, events, label, status, turns, [90.0, 180.0], Cost())

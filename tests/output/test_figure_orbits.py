@@ -1,38 +1,38 @@
-"""The picture of periodic orbits: same bytes, every kind of study, and the lines that matter."""
+"""The picture of periodic orbits: every kind of study, and the lines that matter."""
 
 from dataclasses import replace
-from io import BytesIO
 
-import matplotlib
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
-from PIL import Image
 
 from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.shooter import PARAMETERS
+from camcli.analysis.orbits.curves import Curve, CurvePoint
+from camcli.analysis.orbits.shooter import PARAMETERS as VARIED
 from camcli.analysis.orbits.study import Absence, OrbitsResult, Question, orbits
 from camcli.plots import style
 from camcli.plots.multipliers import FURTHEST, draw_paths, draw_plane, draw_real
-from camcli.plots.orbit_keys import LONGEST, UNITS, draw_lists
 from camcli.plots.orbit_lines import (
-    MARKS,
-    branch_colours,
+    colours,
     curved,
-    draw,
-    events,
+    draw_strands,
+    events_of,
     paths,
     phases,
     positions,
     strands,
 )
-from camcli.plots.orbit_zoom import zooms
-from camcli.plots.orbits import NAMES, axis_name, draw_orbits, heading
+from camcli.plots.orbits import (
+    LONGEST,
+    PARAMETERS,
+    axis_name,
+    draw_curves,
+    draw_lists,
+    draw_orbits,
+    hidden,
+)
 from tests.conftest import settings
-from tests.output import pictures
-from tests.output.pictures import count
+from tests.output.pictures import count, overlaps, panel, pixels, tall, words
 
 QUESTIONS = {
     "doubling": Question(700.0, span=Span(672.0, 756.0, 0.84)),
@@ -40,8 +40,7 @@ QUESTIONS = {
     "resting": Question(190.0, span=Span(110.0, 205.0, 2.0)),
     "restitution": Question(700.0, parameter="restitution", span=Span(0.5, 1.0, 0.02)),
     "contact": Question(100.0, span=Span(90.0, 110.0, 2.0)),
-    "one speed": Question(700.0),
-    "eight impacts": Question(358.5),
+    "one speed": Question(358.5),
     "at rest": Question(190.0),
 }
 
@@ -56,71 +55,53 @@ def corners(chapter):
     return style.corner_names(chapter.corners_deg)
 
 
-def png(result, system):
-    return pictures.png(draw_orbits(result, system))
-
-
-def pixels(result, system):
-    image = np.asarray(Image.open(BytesIO(png(result, system))).convert("RGB"))
-    assert image.shape[1] == style.WIDTH
-    return image
-
-
-def colour(name):
-    return tuple(round(255 * part) for part in to_rgb(name))
-
-
-def panel():
-    return Figure(figsize=(6, 6)).add_subplot()
-
-
-def test_same_bytes_twice_whatever_the_user_set(chapter, found):
-    first = png(found["doubling"], chapter)
-    with matplotlib.rc_context({"font.size": 20, "savefig.dpi": 50, "axes.grid": True}):
-        assert png(found["doubling"], chapter) == first
-    assert b"Software" not in first
-
-
 @pytest.mark.parametrize("name", QUESTIONS)
 def test_every_kind_of_study_shows_its_colours(chapter, found, name):
-    result = found[name]
-    image = pixels(result, chapter)
-    rests = any(orbit.resting for orbit in result.orbits)
-    assert count(image, colour(style.STICKING if rests else style.FLIGHT)) > 100
-    assert count(image, colour(style.FLIGHT if rests else style.STICKING)) == 0
+    image = pixels(draw_orbits(found[name], chapter))
+    rests = any(orbit.resting for orbit in found[name].orbits)
+    assert count(image, style.STICKING if rests else style.FLIGHT) > 100
+    assert count(image, style.FLIGHT if rests else style.STICKING) == 0
 
 
-@pytest.mark.parametrize("span", [None, Span(600.0, 700.0, 1.0)])
-def test_a_study_without_orbits_says_so(chapter, span):
-    nothing = OrbitsResult(Question(700.0, span=span), 700.0, [], [], [], [], Cost())
-    assert pixels(nothing, chapter).shape[0] < 500
+@pytest.mark.parametrize("panels", [["branches"], ["multipliers"], ["events"]])
+def test_panels_can_be_left_out(chapter, found, panels):
+    some = draw_orbits(found["doubling"], chapter, panels)
+    assert 400 < tall(some) < tall(draw_orbits(found["doubling"], chapter)) - 400
+    pixels(some)
 
 
 def test_where_an_absent_label_exists_is_said(chapter, found):
-    ask = Question(700.0, label="P(4;1)")
-    nothing = OrbitsResult(ask, 700.0, [], [], [], [], Cost(), Absence(700.0, 650.0, 750.0))
+    for span in (None, Span(600.0, 700.0, 1.0)):
+        nothing = OrbitsResult(Question(700.0, span=span), 700.0, [], [], [], [], [], Cost())
+        assert "no periodic orbit was found" in words(draw_orbits(nothing, chapter))
     near = Absence(700.0, 650.0, 750.0, None, (712.3, "corner-impact"))
-    assert png(nothing, chapter) != png(replace(nothing, absent=near), chapter)
-    assert "none at 700 rpm" in heading(replace(found["doubling"], absent=near))[1][0]
+    absent = replace(nothing, question=Question(700.0, label="P(4;1)"), absent=near)
+    said = "no P(4;1) here; it exists up to 712.3 rpm: corner impact"
+    assert said in words(draw_orbits(absent, chapter))
+    figure = draw_orbits(replace(found["doubling"], absent=near), chapter)
+    assert any("none at 700 rpm" in text for text in words(figure))
 
 
-@pytest.mark.parametrize("parameter", PARAMETERS)
-def test_every_parameter_has_a_name_and_a_unit(found, parameter):
+@pytest.mark.parametrize("parameter", VARIED)
+def test_every_parameter_has_a_name_and_a_unit(chapter, found, parameter):
     ask = replace(QUESTIONS["doubling"], parameter=parameter)
-    changed = replace(found["doubling"], question=ask)
-    assert axis_name(parameter) == f"{NAMES[parameter]} ({UNITS[parameter] or '-'})"
-    assert NAMES[parameter] in heading(changed)[0][0] or parameter == "rpm"
+    title, *_ = words(draw_orbits(replace(found["doubling"], question=ask), chapter, ["branches"]))
+    name, unit = PARAMETERS[parameter]
+    assert axis_name(parameter) == f"{name} ({unit or '-'})"
+    assert name in title or parameter == "rpm"
+
+
+# --- lines along a branch
 
 
 def test_stable_parts_are_solid_and_unstable_ones_dashed(found):
-    first = found["doubling"].branches[0]
+    first, second = found["doubling"].branches[:2]
     lines = strands(first.points, phases, 360.0)
     assert [line.stable for line in lines] == [True, False]
     assert lines[0].x[-1] == lines[1].x[0] == pytest.approx(739.31978, abs=1e-5)
     axes = panel()
-    draw(axes, lines, style.FLIGHT)
+    draw_strands(axes, lines, style.FLIGHT)
     assert [line.get_linestyle() for line in axes.lines] == ["-", "--"]
-    second = found["doubling"].branches[1]
     assert [line.stable for line in strands(second.points, positions)] == [False]
 
 
@@ -162,44 +143,41 @@ def test_arrows_point_to_the_rising_parameter(found):
         assert larger.xy[0] > larger.xyann[0]
 
 
-def test_huge_multipliers_are_cut_in_the_plane_and_squeezed_beside_it(chapter, found):
-    result = found["doubling"]
-    points = [replace(p, trace=p.trace * 1e5, root=None) for p in result.branches[1].points]
+def test_huge_multipliers_are_cut_in_the_plane_and_squeezed_beside_it(found):
+    points = [replace(p, trace=p.trace * 1e5) for p in found["doubling"].branches[1].points]
     axes = panel()
     draw_plane(axes, 1e5)
     assert axes.get_xlim() == (-FURTHEST, FURTHEST)
     assert f"{FURTHEST:g}" in axes.get_xlabel()
-    axes = panel()
     draw_real(axes, [paths(points)], [style.FLIGHT])
     assert axes.get_yscale() == "asinh"
     assert "asinh" in axes.get_ylabel()
-    huge = [replace(result.branches[1], points=tuple(points))]
-    pixels(replace(result, branches=huge, bifurcations=[]), chapter)
+    axes.figure.canvas.draw()
+
+
+# --- events
 
 
 def test_events_are_listed_once_in_order_with_all_branches(found, corners):
-    listed = events(found["doubling"].bifurcations, corners)
-    assert [event.name for event in listed] == [
-        "corner impact at b", "period doubling", "corner impact at c",
-    ]  # fmt: skip
+    listed = events_of(found["doubling"].bifurcations, corners)
+    names = ["corner impact at b", "period doubling", "corner impact at c"]
+    assert [event.name for event in listed] == names
     assert [event.branches for event in listed] == [(1, 2), (1,), (3,)]
     assert listed[1].leaves == (3,)
     assert listed[2].phases == (corners["c"],)
-    for result in found.values():
-        assert {event.kind for event in result.bifurcations} <= set(MARKS)
 
 
-def test_only_a_hidden_corner_impact_is_enlarged(chapter, found, corners):
-    def close(name):
+def test_only_a_hidden_corner_impact_is_enlarged(found, corners):
+    def zooms(name):
         result = found[name]
-        return zooms(result.branches, events(result.bifurcations, corners), corners)
+        return hidden(result.branches, events_of(result.bifurcations, corners), corners)
 
-    (zoom,) = close("doubling")
+    (zoom,) = zooms("doubling")
     assert zoom.event.source.corner == "c"
-    assert zoom.x[0] < 739.3198 < 739.3779 < zoom.x[1]
-    assert [zoom.event.source.label for zoom in close("fold")] == ["P(2;2:2)"]
-    assert not close("restitution")
-    assert not close("resting")
+    assert zoom.range[0] < 739.3198 < 739.3779 < zoom.range[1]
+    assert [zoom.event.source.label for zoom in zooms("fold")] == ["P(2;2:2)"]
+    assert not zooms("restitution")
+    assert not zooms("resting")
 
 
 def test_the_enlarged_fork_is_round(found):
@@ -214,27 +192,37 @@ def test_the_enlarged_fork_is_round(found):
 
 def test_many_branches_and_events_keep_to_the_page(chapter, found):
     result, last = found["fold"], found["fold"].branches[-1]
-    branches = [replace(last, number=n, ends=("lost", "lost")) for n in range(1, 41)]
+    last = replace(last, points=last.points[::20], ends=("lost", "lost"))
+    branches = [replace(last, number=n) for n in range(1, 41)]
     more = [replace(b, value=b.value + 1e-3 * k) for k in range(4) for b in result.bifurcations]
-    few = [replace(branch, points=branch.points[::20]) for branch in branches]
-    image = pixels(replace(result, branches=few, bifurcations=more), chapter)
-    assert image.shape[0] < 4000
-    assert len(set(branch_colours(branches))) == 6
-    figure = Figure(figsize=(style.WIDTH / style.DPI, 10), dpi=style.DPI)
-    draw_lists(figure, 0, branches, branch_colours(branches), events(more, {}), "rpm")
-    words = [text.get_text() for text in figure.axes[0].texts]
-    assert f"and {40 - LONGEST} more, in the tables" in words
+    figure = draw_orbits(replace(result, branches=branches, bifurcations=more), chapter)
+    assert tall(figure) < 4000
+    assert f"and {40 - LONGEST} more, in the tables" in words(figure)
+    assert len(set(colours([branch.points for branch in branches]))) == 6
+    pixels(figure)
 
 
-def test_lists_do_not_run_into_one_another(found, corners):
-    for name in ("fold", "resting", "restitution"):
-        result = found[name]
-        figure = Figure(figsize=(style.WIDTH / style.DPI, 10), dpi=style.DPI)
-        listed = events(result.bifurcations, corners)
-        looks = branch_colours(result.branches)
-        with matplotlib.rc_context(style.RC):
-            draw_lists(figure, 0, result.branches, looks, listed, result.question.parameter)
-            boxes = [text.get_window_extent() for text in figure.axes[0].texts if text.get_text()]
-        clashes = [a for k, a in enumerate(boxes) for b in boxes[:k] if a.overlaps(b)]
-        assert not [a for a in clashes if a.height]
-        assert max(box.x1 for box in boxes) <= style.WIDTH
+@pytest.mark.parametrize("name", ["fold", "resting", "restitution"])
+def test_lists_do_not_run_into_one_another(found, corners, name):
+    result = found[name]
+    listed = events_of(result.bifurcations, corners)
+    shades = colours([branch.points for branch in result.branches])
+    with style.look():
+        figure = style.page(2000)
+        draw_lists(figure, 0, result.branches, shades, listed, result.question.parameter)
+        texts = [text for text in figure.axes[0].texts if text.get_text()]
+        assert not overlaps(texts)
+        assert max(text.get_window_extent().x1 for text in texts) <= style.WIDTH
+
+
+def test_curves_of_one_colour_differ_in_their_dashes(found):
+    orbit = found["one speed"].orbits[0]
+    points = tuple(CurvePoint(700.0 + k, 0.1 * k, orbit) for k in range(3))
+    ends = "end-of-range", "end-of-range"
+    curve = Curve("fold", "P(1;1)", "", "rpm", "restitution", points, ends)
+    assert "no bifurcation of this kind was located" in words(draw_curves([], "restitution"))
+    early = replace(curve, ends=("end-of-range", "an impact reaches a corner"))
+    figure = draw_curves([curve] * 7 + [early], "restitution")
+    looks = {(line.get_color(), line.get_linestyle()) for line in figure.axes[0].lines[:8]}
+    assert len(looks) == 8
+    assert "the curve ends within range" in words(figure)

@@ -1,19 +1,29 @@
-"""Colours mean one thing in every picture, and are named in one place."""
+"""What all pictures share: colours of one meaning, figures that leave matplotlib as it was."""
 
 import re
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from io import BytesIO
 from itertools import combinations
 from pathlib import Path
 from types import SimpleNamespace
 
+import matplotlib
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.plots import style
-from camcli.plots.axes import draw_forces, newtons
+from camcli.plots.axes import draw_forces, newtons, spread
 from camcli.plots.basins import area_colours
 from camcli.plots.orbit_lines import colours
+from camcli.plots.simulate import draw_simulation
+from camcli.plots.sweep import draw_sweep
+from tests.conftest import settings
+from tests.output.pictures import bounce, panel, png, speed, sweep_of
 
 FOLDER = Path(style.__file__).parent
 ROLES = ("FLIGHT", "STICKING", "IMPACT", "CHATTER", "DETACHMENT", "TROUBLE", "MEASURED", "FORCE")
@@ -89,24 +99,79 @@ def test_a_basin_has_the_colour_of_its_motion():
     assert area_colours(labels[::-1]) == area_colours(labels)[::-1]
 
 
-def curve(force):
-    return ForceCurve(100.0, [0.0, 180.0, 360.0], force, min(force), 180.0)
-
-
 @pytest.mark.parametrize(("force", "shaded"), [([1.0, -2.0, 1.0], True), ([1.0, 0.0, 1.0], False)])
 def test_negative_force_is_shaded(force, shaded):
-    with style.look():
-        figure = style.page(400)
-        axes = style.place(figure, 100, 100, 400, 200)
-        draw_forces(axes, [curve(force)])
-        found = [patch for patch in axes.patches if patch.get_facecolor()[:3] == to_rgb(style.PULL)]
-        assert len(found) == shaded
-        assert all(patch.get_y() < -1.0 for patch in found)
-        assert all(patch.get_y() + patch.get_height() == 0.0 for patch in found)
-        assert axes.lines[0].get_color() == style.FORCE
-        assert axes.get_ylabel() == "contact force (N)"
-
-
-def test_forces_for_print():
+    axes = panel()
+    draw_forces(axes, [ForceCurve(100.0, [0.0, 180.0, 360.0], force, min(force), 180.0)])
+    found = [patch for patch in axes.patches if patch.get_facecolor()[:3] == to_rgb(style.PULL)]
+    assert len(found) == shaded
+    assert all(patch.get_y() < -1.0 for patch in found)
+    assert all(patch.get_y() + patch.get_height() == 0.0 for patch in found)
     assert newtons(-66.4691, 6) == "−66.4691 N"
     assert newtons(-1e-12, 6) == "0 N"
+
+
+def test_names_are_spread_apart_and_stay_inside():
+    assert spread([1.0, 1.5, 9.0], 1.0, 0.0, 10.0) == [0.75, 1.75, 9.0]
+    assert spread([0.0, 0.1], 1.0, 0.0, 10.0) == [0.0, 1.0]
+    assert spread([9.9, 10.0], 1.0, 0.0, 10.0) == [9.0, 10.0]
+    assert spread([5.0] * 5, 4.0, 0.0, 10.0) == [0.0, 2.5, 5.0, 7.5, 10.0]
+    assert spread([], 1.0, 0.0, 10.0) == []
+    assert style.corner_names([float(k) for k in range(27)]) == {}
+
+
+def test_labels_for_print():
+    assert style.motion("P(1;inf)") == "P(1;∞)"
+    long = style.motion("P(47;" + ":".join(["3"] * 47) + ")")
+    assert len(long) <= 32
+    assert long.endswith("…)")
+
+
+# --- figures
+
+
+DRAWN = {
+    "simulation": lambda system: draw_simulation(bounce(), 2),
+    "sweep": lambda system: draw_sweep(
+        sweep_of(speed(700.0, [150.0], [2.0]), speed(701.0, [151.0, 155.0], [2.1])),
+        system,
+        settings(),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_same_bytes_whatever_the_user_set_and_his_settings_stay(chapter, name):
+    first = png(DRAWN[name](chapter))
+    own = {"font.size": 20, "savefig.dpi": 50, "axes.grid": True, "savefig.bbox": "tight"}
+    with matplotlib.rc_context(own):
+        before = dict(matplotlib.rcParams)
+        figure = DRAWN[name](chapter)
+        assert isinstance(figure, Figure)
+        assert png(figure) == png(figure) == first
+        assert dict(matplotlib.rcParams) == before
+    assert b"Software" not in first
+    assert b"tIME" not in first
+
+
+def test_threads_draw_the_same_and_leave_the_settings_alone(chapter):
+    before = dict(matplotlib.rcParams)
+    with ThreadPoolExecutor(3) as pool:
+        drawn = list(pool.map(lambda _: png(DRAWN["simulation"](chapter)), range(6)))
+    assert len(set(drawn)) == 1
+    assert dict(matplotlib.rcParams) == before
+
+
+@pytest.mark.parametrize("kind", ["pdf", "svg", "png"])
+def test_a_figure_is_written_by_matplotlib_too_and_in_any_size(chapter, kind):
+    figure = DRAWN["sweep"](chapter)
+    figure.set_size_inches(12.0, 9.0)
+    buffer = BytesIO()
+    figure.savefig(buffer, format=kind)
+    assert len(buffer.getvalue()) > 10_000
+
+
+def test_pyplot_stays_out():
+    code = "import sys, camcli.plots.sweep; print('matplotlib.pyplot' in sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "False"

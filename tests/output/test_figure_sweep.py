@@ -1,37 +1,134 @@
-"""The picture of a sweep that is larger than memory: batches, passes, bytes held."""
+"""The picture of a sweep: the pixels that matter, and sweeps that are larger than memory."""
 
 import tracemalloc
 from collections.abc import Sequence
+from dataclasses import replace
+from math import inf, nan
 
 import numpy as np
 import pytest
 
-from camcli.analysis.integrate import Cost
-from camcli.analysis.sweep import Speed, Sweep
-from camcli.cams.arcs import ArcsCam
+from camcli.analysis.explain.events import Event
+from camcli.analysis.integrate import Cost, Start
+from camcli.analysis.sweep import Sweep
 from camcli.errors import Status
-from camcli.plots import density
-from camcli.plots.sweep import Survey, draw_sweep
-from camcli.system import Follower, System
+from camcli.plots import density, style
+from camcli.plots.axes import lift_curves, phase_range
+from camcli.plots.sweep import Survey, draw_sweep, enlarged_range
 from tests.conftest import settings
-from tests.output import pictures
+from tests.output.pictures import count, pixels, png, speed, sweep_of, tall, words
 
 COLUMNS = [[150.0, 151.0, 149.0], [], [np.nan], [1.0, np.inf, 359.0, 20.0, 30.0], [150.0], [7.0]]
 
 
-@pytest.fixture(scope="module")
-def system():
-    cam = ArcsCam(
-        kind="arcs",
-        base_radius=0.4,
-        flank_center=0.45,
-        flank_radius=0.85,
-        nose_center=0.40393320723821,
-        nose_radius=0.15,
-        top_dwell_deg=40,
-        offset=0.3,
+@pytest.fixture
+def drawn(chapter):
+    return lambda *speeds, **more: draw_sweep(sweep_of(*speeds), chapter, settings(), **more)
+
+
+def some(k):
+    phases = np.array([140.0, 150.0 + k % 30, 190.0]) if k % 5 else np.array([1.0, 200.0, 359.0])
+    status = Status.OK if k % 9 else Status.IMPACT_BUDGET
+    return speed(700.0 + (7 * k) % 50, phases, [1.0, 2.0 + k % 3], status)
+
+
+@pytest.mark.parametrize("many", [0, 1, 4001])
+def test_any_number_of_speeds(drawn, many):
+    rpms = np.linspace(660.0, 760.0, many)
+    figure = drawn(*(speed(rpm, [150.0 + k % 7], [1.0, nan, inf]) for k, rpm in enumerate(rpms)))
+    assert (count(pixels(figure), "black") > 8_000) == (many > 0)
+
+
+def test_a_panel_is_left_out_where_nothing_was_recorded(drawn):
+    both, impacts, strobe, neither = (
+        tall(drawn(speed(700.0, phases, q)))
+        for phases, q in (([150.0], [2.0]), ([150.0], None), (None, [2.0]), (None, None))
     )
-    return System.build(Follower(1.221, 1430.8), cam.parts())
+    assert neither < strobe < impacts < both
+
+
+def test_no_impacts_at_all_is_said_in_the_panel(drawn):
+    said = "no impact at any of these speeds"
+    assert said in words(drawn(speed(100.0, [], [0.1]), speed(101.0, [], [0.1])))
+    assert said not in words(drawn(speed(100.0, [], [0.1]), speed(101.0, [7.0], [0.1])))
+
+
+def test_a_branch_lands_on_the_pixel_grid_dark_and_two_pixels_thick(drawn):
+    without = count(pixels(drawn(speed(700.0, None, [1.0, 3.0]))), "black")
+    with_ = count(pixels(drawn(speed(700.0, None, [1.0, 2.0, 3.0]))), "black")
+    assert with_ - without == density.WIDEST * density.THICKNESS
+
+
+def test_troubled_speeds_get_red_ticks_and_are_counted(drawn):
+    good = [speed(700.0 + k, [150.0], [2.0]) for k in range(5)]
+    assert count(pixels(drawn(*good)), style.TROUBLE) == 0
+    figure = drawn(*good, speed(703.5, [], [], Status.IMPACT_BUDGET))
+    assert count(pixels(figure), style.TROUBLE) > 10
+    assert any("1 not ok" in text and "impact-budget 1" in text for text in words(figure))
+
+
+def test_how_the_orbits_were_started_is_said(chapter):
+    carried = Sweep([speed(735.0, [150.0]), speed(700.0, [150.0])], "down", Cost())
+    run = replace(settings(600), start=Start(q=0.3))
+    (said,) = (text for text in words(draw_sweep(carried, chapter, run)) if "transient" in text)
+    start = "carried down from 735 rpm, started there at q = 0.3 m, the cam's v;"
+    assert said.startswith(start)
+
+
+def test_events_are_listed_and_make_the_picture_taller(drawn):
+    speeds = speed(700.0, [150.0], [2.0]), speed(760.0, [151.0], [2.1])
+    figure = drawn(*speeds, events=[Event(739.3, 1e-10, "fold", "P(1;1)")])
+    assert tall(figure) > tall(drawn(*speeds)) + 100
+    assert {"fold", "739.300000"} <= set(words(figure))
+
+
+# --- what the picture is made of
+
+
+def shares_of(values, columns, low=0.0, high=1.0, height=8):
+    pixels = density.Pixels(columns, low, high, height)
+    density.take_all(values, pixels.take)
+    return pixels.shares(density.Cloud.of(values))
+
+
+def test_shares_count_every_point_of_a_column_even_out_of_range():
+    shares = shares_of([[0.25, 0.25, 9.0, 0.75]], density.Columns.of([700.0], 20))
+    assert shares.shape == (8, 20)
+    assert shares[:, 10].compressed().tolist() == [0.5, 0.5, 0.25, 0.25]
+    assert shares[:, 0].mask.all()
+    ends = shares_of([[0.0, 1.0]], density.Columns.of([1.0], 9))
+    assert ends[:, 4].compressed().tolist() == [0.5, 0.5, 0.5]
+    assert ends.mask[1:6, 4].all()
+
+
+def test_columns_are_even_for_even_speeds_and_hold_several_beyond_one_per_pixel():
+    columns = density.Columns.of(np.linspace(660.0, 760.0, 101), 303)
+    assert np.bincount(columns.bin_of_column).tolist() == [3] * 101
+    assert (columns.low, columns.high) == (659.5, 760.5)
+    columns = density.Columns.of(np.linspace(660.0, 760.0, 401), 100)
+    assert np.bincount(columns.bin_of_speed).tolist() == [4] * 50 + [5] + [4] * 49
+
+
+def test_phases_are_zoomed_or_enlarged_where_they_are_close():
+    near = density.Cloud.of([[140.0, 190.0]] * 8)
+    assert phase_range(near.extremes()) == (138.0, 192.0)
+    assert enlarged_range(near) is None
+    mixed = density.Cloud.of([[140.0, 190.0]] * 8 + [[1.0, 359.0]] * 2)
+    assert phase_range(mixed.extremes()) == (0.0, 360.0)
+    assert enlarged_range(mixed) == (138.0, 192.0)
+    chaos = density.Cloud.of([[140.0, 190.0]] * 2 + [[1.0, 359.0]] * 8)
+    assert enlarged_range(chaos) is None
+
+
+def test_the_cam_beside_the_diagram_is_the_cam(chapter):
+    theta, (c, c_theta, c_thetatheta) = lift_curves(chapter.cam, 3)
+    assert c[np.nanargmin(abs(theta - 0.0))] == pytest.approx(0.1, abs=1e-12)
+    assert np.nanmax(c) == pytest.approx(0.25393320723821, abs=1e-12)
+    assert np.nanmax(c_theta) == pytest.approx(0.2747021271326710, abs=1e-12)
+    assert np.nanmin(c_thetatheta) == pytest.approx(-1.869212582774405, abs=1e-9)
+
+
+# --- sweeps that are larger than memory
 
 
 class Lazy(Sequence):
@@ -50,45 +147,27 @@ class Lazy(Sequence):
         return self.make(k)
 
 
-def speed(rpm, phases, q, status=Status.OK):
-    phases = None if phases is None else (range(len(phases)), phases, phases, phases)
-    return Speed(rpm, "aperiodic", 0, status, phases, (range(len(q)), q, q, q, q), Cost())
+def of(speeds, system):
+    return draw_sweep(Sweep(speeds, "fixed", Cost()), system, settings())
 
 
-def some(k):
-    phases = np.array([140.0, 150.0 + k % 30, 190.0]) if k % 5 else np.array([1.0, 200.0, 359.0])
-    return speed(
-        700.0 + (7 * k) % 50,
-        phases,
-        [1.0, 2.0 + k % 3],
-        Status.OK if k % 9 else Status.IMPACT_BUDGET,
-    )
-
-
-def png(speeds, system):
-    return pictures.png(draw_sweep(Sweep(speeds, "fixed", Cost()), system, settings()))
-
-
-def test_a_lazy_sweep_is_the_same_picture_and_read_twice(system):
+def test_a_lazy_sweep_is_read_twice_and_order_does_not_matter(chapter):
     lazy = Lazy(some, 50)
-    assert png(lazy, system) == png([some(k) for k in range(50)], system)
-    assert lazy.made == 100
-
-
-def test_speeds_out_of_order_are_the_ordered_picture(system):
     speeds = [some(k) for k in range(50)]
-    assert png(speeds, system) == png(sorted(speeds, key=lambda one: one.rpm), system)
+    first = png(of(lazy, chapter))
+    assert lazy.made == 100
+    assert png(of(sorted(speeds, key=lambda one: one.rpm), chapter)) == first
 
 
-def test_the_points_are_never_all_in_memory(system):
+def test_the_points_are_never_all_in_memory(chapter):
     points = np.linspace(100.0, 300.0, 10_000)
     lazy = Lazy(lambda k: speed(700.0 + k / 10.0, points, points), 2000)
-    png(Lazy(some, 5), system)
+    of(Lazy(some, 5), chapter)
     tracemalloc.start()
-    png(lazy, system)
+    of(lazy, chapter)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert peak < 120e6  # a column of all points is 160 MB
+    assert peak < 100e6  # a column of all points is 160 MB
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 1000])
@@ -98,10 +177,8 @@ def test_the_size_of_a_batch_changes_nothing(size, monkeypatch):
     assert cloud.count.tolist() == [3, 0, 0, 4, 1, 1]
     assert [end.tolist() for end in cloud.ends()] == [[149, 1, 150, 7], [151, 359, 150, 7]]
     columns = density.Columns.of([4.0, 5.0, 1.0, 2.0, 3.0, 6.0], 4)  # two speeds meet twice
-    pixels = density.Pixels(columns, 0.0, 360.0, 12)
-    density.take_all(COLUMNS, pixels.take)
-    shares = pixels.shares(cloud)
     assert columns.totals(cloud).tolist() == [4, 1, 3, 1]
+    shares = shares_of(COLUMNS, columns, 0.0, 360.0, 12)
     assert shares[:, 0].compressed().tolist() == [0.5, 0.25, 0.25, 0.25]
     assert shares[:, 2].compressed().tolist() == pytest.approx([1 / 3, 2 / 3, 2 / 3])
 
@@ -117,7 +194,8 @@ def test_nothing_holds_a_column_beyond_its_turn():
 
 
 def test_a_survey_counts_statuses_and_leaves_out_what_was_not_recorded():
-    survey = Survey.of([speed(3.0, None, []), speed(1.0, None, [2.0], Status.IMPACT_BUDGET)])
+    bad = speed(1.0, None, [2.0], Status.IMPACT_BUDGET)
+    survey = Survey.of([speed(3.0, None, []), bad])
     assert survey.impacts is None
     assert survey.strobe.count.tolist() == [0, 1]
     assert survey.troubles() == {"impact-budget": 1}
