@@ -1,0 +1,63 @@
+"""Motion of a follower on a rotating cam that can lift off, bounce, chatter and come back.
+
+    import camcli
+
+    scene = camcli.load_scene("scene.yaml", {"run.rpm": 700.0})
+    result = camcli.sweep(scene)
+    result.tables["impacts"]["theta_deg"]     # NumPy arrays, named as in the CSV files
+    figure = camcli.plot(result)              # a matplotlib Figure
+    result.save("out/sweep")                  # the files that the command `cam sweep` writes
+
+Nothing is imported before it is used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from camcli.api.basins import basins
+    from camcli.api.classify import classify
+    from camcli.api.detach import detach
+    from camcli.api.orbits import orbits
+    from camcli.api.result import Result, plot
+    from camcli.api.simulate import simulate
+    from camcli.api.sweep import sweep
+    from camcli.errors import Fault, SceneError
+    from camcli.scene import Scene, load_scene
+    from camcli.system import Follower, System
+
+_PLACES = {
+    "Fault": "camcli.errors",
+    "Follower": "camcli.system",
+    "Result": "camcli.api.result",
+    "Scene": "camcli.scene",
+    "SceneError": "camcli.errors",
+    "System": "camcli.system",
+    "basins": "camcli.api.basins",
+    "classify": "camcli.api.classify",
+    "detach": "camcli.api.detach",
+    "load_scene": "camcli.scene",
+    "orbits": "camcli.api.orbits",
+    "plot": "camcli.api.result",
+    "simulate": "camcli.api.simulate",
+    "sweep": "camcli.api.sweep",
+}
+
+__all__ = [
+    "Fault", "Follower", "Result", "Scene", "SceneError", "System", "__version__", "basins",
+    "classify", "detach", "load_scene", "orbits", "plot", "simulate", "sweep",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("camcli")
+    if name not in _PLACES:
+        raise AttributeError(f"module 'camcli' has no attribute {name!r}")
+    return getattr(import_module(_PLACES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import subprocess
 import sys
@@ -32,8 +34,25 @@ def chapter() -> System:
 
 
 @pytest.fixture
-def cam(tmp_path: Path):
-    """Run `cam` in an empty folder; returns the finished process with text output."""
+def cam(tmp_path: Path, monkeypatch):
+    """Run `cam` in an empty folder, in this process; returns exit code, stdout and stderr."""
+
+    def call(*words: str) -> subprocess.CompletedProcess:
+        from camcli.cli.app import app
+        from camcli.cli.exit_codes import guarded
+
+        monkeypatch.chdir(tmp_path)
+        out, said = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(said):
+            code = guarded(lambda: app(list(words), standalone_mode=False))
+        return subprocess.CompletedProcess(words, code, out.getvalue(), said.getvalue())
+
+    return call
+
+
+@pytest.fixture
+def cam_process(tmp_path: Path):
+    """The same in a process of its own, for what only a process has: its environment, signals."""
 
     def call(*words: str, env: dict[str, str] | None = None) -> subprocess.CompletedProcess:
         return subprocess.run(

@@ -64,7 +64,7 @@ def classify(
     rpms: Sequence[float],
     starts: int = 0,
     seed: int = 0,
-    threads: int = 1,
+    threads: int | None = 1,
     on_speed: Callable[[], None] = lambda: None,
 ) -> list[Motion]:
     """The motions from settings.start and `starts` of a cloud, speed by speed in order.

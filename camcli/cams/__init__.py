@@ -4,9 +4,12 @@ A kind is a pydantic model with a literal `kind`, geometry checks that raise Val
 `parts()`: the smooth parts of one turn. Everything else is done from those parts.
 """
 
+from typing import get_args
+
 from camcli.cams.arcs import ArcsCam
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
 from camcli.cams.lift_table import TableCam
 
-CAMS = (ArcsCam, LawCam, EccentricCam, TableCam)
+AnyCam = ArcsCam | LawCam | EccentricCam | TableCam
+CAMS = get_args(AnyCam)

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import os
 import sys
-from importlib import import_module
 
 import typer
 
-from camcli.cli.basins_help import BASINS_HELP, BASINS_OPTIONS
-from camcli.cli.bench_help import BENCH_HELP, BENCH_OPTIONS
-from camcli.cli.cam_profile_help import PROFILE_HELP, PROFILE_OPTIONS
-from camcli.cli.classify_help import CLASSIFY_HELP, CLASSIFY_OPTIONS
-from camcli.cli.detach_help import DETACH_HELP, DETACH_OPTIONS
-from camcli.cli.figures_help import FIGURES_HELP, FIGURES_OPTIONS, WITHOUT
-from camcli.cli.options import Request, command
-from camcli.cli.orbits_help import ORBITS_HELP, ORBITS_OPTIONS
-from camcli.cli.rerun_help import AGAIN, MERGE_HELP, MERGE_OPTIONS, RERUN_HELP, RERUN_OPTIONS
-from camcli.cli.sweep_help import MANY, SIMULATE_HELP, SWEEP_HELP, SWEEP_OPTIONS
+from camcli.cli.basins import basins
+from camcli.cli.bench import bench
+from camcli.cli.classify import classify
+from camcli.cli.detach import detach
+from camcli.cli.figures import figures
+from camcli.cli.merge import merge
+from camcli.cli.options import register
+from camcli.cli.orbits import orbits
+from camcli.cli.rerun import REPEATED, rerun
+from camcli.cli.simulate import simulate
+from camcli.cli.sweep import sweep
 
 app = typer.Typer(
     name="cam",
@@ -27,33 +27,11 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-
-# name: (help, options of its own, shared options that mean nothing to it); run() is in cli/NAME.py
-COMMANDS = {
-    "simulate": (SIMULATE_HELP + PROFILE_HELP, PROFILE_OPTIONS, ()),
-    "sweep": (SWEEP_HELP, SWEEP_OPTIONS, ()),
-    "detach": (DETACH_HELP, DETACH_OPTIONS, ()),
-    "orbits": (ORBITS_HELP, ORBITS_OPTIONS, ()),
-    "basins": (BASINS_HELP, BASINS_OPTIONS | MANY, ()),
-    "classify": (CLASSIFY_HELP, CLASSIFY_OPTIONS, ()),
-    "bench": (BENCH_HELP, BENCH_OPTIONS, ()),
-    "figures": (FIGURES_HELP, FIGURES_OPTIONS, WITHOUT),
-    "merge": (MERGE_HELP, MERGE_OPTIONS, AGAIN),
-    "rerun": (RERUN_HELP, RERUN_OPTIONS, AGAIN),
-}
-
-
-def _lazily(name: str):
-    """The command's run(), imported when it is called."""
-
-    def run(request: Request) -> int:
-        return import_module(f"camcli.cli.{name}").run(request)
-
-    return run
-
-
-for _name, (_help, _options, _without) in COMMANDS.items():
-    command(app, _name, _lazily(_name), _help, _options, _without)
+for _command in (simulate, sweep, detach, orbits, basins, classify, bench):
+    register(app, _command)
+register(app, figures, without=("config", "rpm", "points", "no_plot"))
+register(app, merge, without=REPEATED)
+register(app, rerun, without=REPEATED)
 
 
 @app.command("schema", help="Print the scene's JSON Schema, for editors.")

@@ -2,157 +2,190 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager, nullcontext
-from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Annotated
 
-from camcli.analysis.basins.mapping import SIMPLE, Question
-from camcli.analysis.basins.study import Study, study
-from camcli.analysis.basins.window import Window
-from camcli.analysis.sweep import rpm_grid
-from camcli.cli.basins_words import show, summary, undecided_words
-from camcli.cli.exit_codes import DONE, NUMERICS, note
-from camcli.cli.long_run import long_run
-from camcli.cli.options import Request
-from camcli.cli.plan_basins import basins_planned
-from camcli.cli.progress import bar
-from camcli.cli.report import finish
-from camcli.cli.setup import Setup, set_up, speed_range, timed
-from camcli.errors import Fault, SceneError, Status, shown
-from camcli.output.basins import attractors_csv, basins_csv
-from camcli.output.run_folder import RunFolder
-from camcli.parallel import Work
-from camcli.scene import scalar
-from camcli.scene.schema import MOST_CELLS
+from typer import Option
 
-NAME = "basins"
-STEPS = 100  # of the progress bar
+from camcli.cli.options import Cluster, Request, Shard
+from camcli.errors import Fault, SceneError
+
+if TYPE_CHECKING:
+    from camcli.analysis.basins.mapping import Question
+    from camcli.analysis.basins.study import Speed, Study
+    from camcli.api.result import Result
+
+SHOWN = 40  # rows of the table on stdout
 
 
-def run(request: Request) -> int:
-    """Map the basins of one speed or of a range and write them; returns the exit code."""
-    setup = set_up(request, _options(request))
-    section = setup.scene.basins
-    question = _question(setup)
-    if basins_planned(request, setup, question):
-        return DONE
-    speeds = section.rpm
-    rpms = rpm_grid(speeds.start, speeds.stop, 1 if speeds.start == speeds.stop else speeds.num)
-    with long_run(NAME, request, setup) as store:
-        with timed(request) as watch:
-            result = _compute(request, setup, question, rpms, store.work)
-        seconds = watch.seconds
-        _write(request, setup, store, question, result)
-        if not request.json:
-            show(result, question)
-        found, known = summary(result, question), store.resumed
-        finish(NAME, request, setup, store, result.cost, seconds, found, from_disk=known)
-        return _verdict(result, request.quiet, question)
-    return DONE  # of a shard
+def basins(
+    request: Request,
+    cells: Annotated[
+        str | None, Option("--cells", help="Cells along q and v.", metavar="N or NQ,NV")
+    ] = None,
+    q: Annotated[str | None, Option("--q", help="Window of positions, m.", metavar="LO:HI")] = None,
+    v: Annotated[
+        str | None, Option("--v", help="Window of velocities, m/s.", metavar="LO:HI")
+    ] = None,
+    method: Annotated[
+        str | None,
+        Option("--method", help="orbit, or simple (fast and approximate).", metavar="NAME"),
+    ] = None,
+    refine: Annotated[
+        int | None,
+        Option("--refine", help="Times that cells at boundaries are cut in four.", metavar="N"),
+    ] = None,
+    boundary: Annotated[
+        bool, Option("--boundary", help="Measure the boundary's dimension.")
+    ] = False,
+    exponents: Annotated[
+        bool, Option("--exponents", help="Multipliers and exponents of attractors.")
+    ] = False,
+    shard: Shard = None,
+    cluster: Cluster = None,
+) -> int:
+    """Which attractor a start lands on: basins over a window of starts.
+
+    \b
+    attractors.csv  attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm
+    basins.csv      q_m, v_m_per_s, attractor: a row per cell at its centre (one speed only); with
+                    refinement cells are of different sizes, those cut in four have no row
+    basins.png      basins with the attractors on them; over a range of speeds, their fractions
+
+    \b
+    The window holds starts (q, v) at the strobe phase, run.strobe_deg.
+    Codes of cells: 1, 2, ... the attractors; 0 undecided after basins.budget turns; -1 below the
+    cam (not computed); -2 impact-budget, -3 no-return, -4 unresolved: numerical trouble, exit
+    code 3. Attractors are found, not given: cells that end on no known one are looked at. A
+    periodic one counts once the orbit solver has it and it attracts; q_m, v_m_per_s is its state
+    where its label begins. An aperiodic one is told by recurrence over 32768 turns and listed with
+    its lowest state; two that visit a common box of the section are one. Slow transients are
+    followed on or stay undecided; where nothing dissipates all is undecided.
+
+    \b
+    Methods: orbit follows every cell until it meets an attractor: a whole period of it within the
+    ellipses about its points, with its impacts and shrinking (rings of starts are seen to come
+    back); simple (Hsu's simple cell mapping) maps each centre by one turn and follows the graph of
+    cells: some times faster, wrong near boundaries; what leaves the window is followed as an orbit.
+    fraction is of the cells not below the cam; standard_error counts a cell beside a boundary as a
+    sample with the shares of its 3 x 3 cells, others as exact.
+    --refine N cuts cells at boundaries in four, N times; the picture has cells x 2^N.
+    --boundary measures how the share of starts in doubt falls with their error: f ~ error^alpha,
+    the boundary's dimension is 2 - alpha. Basin and boundary entropy are of boxes of 5 x 5 cells.
+    --rpm LO:HI gives fractions against speed; an attractor keeps its number while its state goes
+    on continuously, or while each started at the other's speed ends on the other.
+    --exponents appends multiplier_1_re, ..., lyapunov_per_period to attractors.csv: multipliers
+    where the orbit is solved, the largest exponent per turn everywhere (-inf where it rests).
+    The criterion of each attractor, with radius and checks, is in run.json.
+    """
+    from camcli.cli.run import given, run, speed_range
+
+    values = speed_range(request, "basins") | given(
+        {
+            "basins.cells": (_cells(cells), "--cells"),
+            "basins.q": (_window(q, "--q"), "--q"),
+            "basins.v": (_window(v, "--v"), "--v"),
+            "basins.method": (method, "--method"),
+            "basins.refine": (refine, "--refine"),
+            "basins.boundary": (boundary, "--boundary"),
+            "basins.exponents": (exponents, "--exponents"),
+        }
+    )
+    return run("basins", request, values, show, shard=shard, cluster=cluster)
 
 
-def _options(request: Request) -> dict[str, tuple[Any, str]]:
-    """Scene values of --rpm, --points and the options of this command."""
-    values = speed_range(request, NAME)
-    extra = request.extra
-    if extra["cells"] is not None:
-        values["basins.cells"] = (_cells(extra["cells"]), "--cells")
-    for side in ("q", "v"):
-        if extra[side] is not None:
-            values[f"basins.{side}"] = (_span(extra[side], f"--{side}"), f"--{side}")
-    for key in ("method", "refine"):
-        if extra[key] is not None:
-            values[f"basins.{key}"] = (extra[key], f"--{key}")
-    for key in ("boundary", "exponents"):
-        if extra[key]:
-            values[f"basins.{key}"] = (True, f"--{key}")
-    return values
+def _cells(text: str | None) -> list[int] | None:
+    """N, or NQ,NV, or NQxNV; the scene says how many there may be."""
+    if text is None:
+        return None
+    words = text.replace("x", ",").split(",")
+    if len(words) > 2 or not all(word.strip().isdecimal() for word in words):
+        expected = "expected N or NQ,NV, whole numbers"
+        raise SceneError(Fault("--cells", "", f"found '{text}'", expected, "e.g. 400,300"))
+    return [int(words[0]), int(words[-1])]
 
 
-def _cells(text: str) -> list[int]:
-    numbers = [scalar(word.strip()) for word in text.replace("x", ",").split(",")]
-    good = all(type(n) is int and 1 <= n <= MOST_CELLS for n in numbers)
-    if not good or len(numbers) > 2:
-        expected = f"expected N or NQ,NV, whole numbers from 1 to {MOST_CELLS}"
-        path = "basins.cells" if all(type(n) is int for n in numbers) else ""
-        raise SceneError(Fault("--cells", path, f"found '{shown(text)}'", expected, "e.g. 400,300"))
-    return [numbers[0], numbers[-1]]
+def _window(text: str | None, name: str) -> list[float] | None:
+    if text is None:
+        return None
+    try:
+        low, high = map(float, text.split(":"))
+    except ValueError:
+        expected = "expected LO:HI, two numbers"
+        raise SceneError(Fault(name, "", f"found '{text}'", expected, "e.g. -20:40")) from None
+    return [low, high]
 
 
-def _span(text: str, name: str) -> list[float]:
-    values = [scalar(word.strip()) for word in text.split(":")]
-    if len(values) != 2 or any(isinstance(v, bool | str | None) for v in values):
-        found = f"found '{shown(text)}'"
-        raise SceneError(Fault(name, "", found, "expected LO:HI, two numbers", "e.g. -20:40"))
-    return [float(value) for value in values]
+def show(result: Result) -> None:
+    """The table of attractors, and for one speed what else the grid says."""
+    from camcli.cli.report import table
+    from camcli.system import omega_of
 
-
-def _question(setup: Setup) -> Question:
-    section = setup.scene.basins
-    window = Window(section.q, section.v, *section.cells)
-    if section.method == SIMPLE and section.refine:
-        found = f"found {section.refine} with the method simple"
-        expected = "expected the method orbit: a cell map has one size of cells"
-        cure = "use --method orbit, or more --cells"
-        raise SceneError(Fault("", "basins.refine", found, expected, cure))
-    return Question(window, section.method, section.budget, section.refine)
-
-
-def _compute(request: Request, setup: Setup, question: Question, rpms, work: Work) -> Study:
-    total = question.window.count * len(rpms)
-    with _progress(total, request.quiet) as on_cells:
-        return study(
-            setup.system,
-            rpms,
-            setup.settings,
-            question,
-            boundary=setup.scene.basins.boundary,
-            exponents=setup.scene.basins.exponents,
-            work=work,
-            on_cells=on_cells,
-        )
-
-
-@contextmanager
-def _progress(total: int, quiet: bool):
-    """A function to call with finished cells; it moves a bar of STEPS steps."""
-    done = shown = 0
-    with nullcontext() if quiet else bar("cells", STEPS) as tick:
-
-        def on_cells(cells: int) -> None:
-            nonlocal done, shown
-            done += cells
-            while tick is not None and shown * total < done * STEPS and shown < STEPS:
-                shown += 1
-                tick()
-
-        yield on_cells
-
-
-def _write(
-    request: Request, setup: Setup, store: RunFolder, question: Question, result: Study
-) -> None:
-    store.write_text("attractors.csv", attractors_csv(result))
-    if result.grid is not None:
-        store.write_text("basins.csv", basins_csv(result.grid, question.refine))
-    if request.no_plot:
+    found, question = result.values
+    if len(found.speeds) > 1:
+        _show_range(found)
         return
-    from camcli.output.pictures import write_png
-    from camcli.plots.basins import draw_basins
+    (speed,) = found.speeds
+    rows = []
+    for k, (attractor, branch) in enumerate(zip(speed.attractors, speed.branches, strict=True)):
+        q, w = attractor.states[0]
+        rows.append(
+            [_cut(attractor.label), str(branch), f"{q:.9g}", f"{w * omega_of(speed.rpm):.9g}"]
+        )
+        rows[-1].append(_share(speed.fractions[k + 1]))
+    for code, share in speed.fractions.items():
+        if code <= 0:
+            rows.append([_name(code), str(code), "", "", _share(share)])
+    title = f"{speed.rpm:.10g} rpm, {question.method} mapping"
+    table(title, ["attractor", "no.", "q (m)", "v (m/s)", "fraction"], rows)
+    for line in _lines(speed, question):
+        print(line)
 
-    figure = draw_basins(result, question, setup.system)
-    store.write("basins.png", partial(write_png, figure))
+
+def _lines(speed: Speed, question: Question) -> list[str]:
+    entropies, doubt = speed.entropies, speed.uncertainty
+    median, most99, most = speed.turns
+    lines = [
+        f"cells {speed.cells}, computed {speed.computed} "
+        f"({100.0 * speed.computed / speed.cells:.3g} %); turns per cell: median {median}, 99 % "
+        f"{most99}, most {most}",
+        f"basin entropy {entropies['basin_entropy']:.4g}, boundary entropy "
+        f"{entropies['boundary_entropy']:.4g} ({entropies['boundary_boxes']} of "
+        f"{entropies['boxes']} boxes of 5 x 5 cells)",
+    ]
+    if doubt is not None:
+        lines.append(
+            f"uncertainty exponent {doubt.exponent:.3f} +- {doubt.error:.3f}, "
+            f"boundary dimension {doubt.dimension:.3f}"
+        )
+    return lines
 
 
-def _verdict(result: Study, quiet: bool, question: Question) -> int:
-    """Exit code 3 and a note per kind of trouble; a note where cells stayed undecided."""
-    if not any(speed.computed for speed in result.speeds):
-        note("no start of this window lies above the cam: raise basins.q")
-    words = undecided_words(result, question)
-    if words and not quiet:
-        note(words)
-    for code in sorted({code for speed in result.speeds for code in speed.troubled}):
-        cells = sum(speed.troubled.get(code, 0) for speed in result.speeds)
-        status = Status(code)
-        note(f"{status.text} in {cells} cells: {status.cause}; {status.cure}")
-    return NUMERICS if result.troubled else DONE
+def _show_range(found: Study) -> None:
+    from camcli.cli.report import table
+
+    rows = []
+    for speed in found.speeds:
+        pairs = zip(speed.branches, speed.attractors, strict=True)
+        words = [
+            f"{branch}: {_cut(attractor.label)} {100.0 * speed.fractions[k + 1][0]:.3g} %"
+            for k, (branch, attractor) in enumerate(pairs)
+        ]
+        rows.append([f"{speed.rpm:.10g}", ", ".join(words), str(speed.undecided)])
+    title = f"{len(rows)} speeds"
+    if len(rows) > SHOWN:
+        title += f", the first {SHOWN} (all of them in attractors.csv)"
+    table(title, ["rpm", "attractors and their fractions", "undecided cells"], rows[:SHOWN])
+
+
+def _share(share: tuple[float, float]) -> str:
+    return f"{100.0 * share[0]:.4f} +- {100.0 * share[1]:.4f} %"
+
+
+def _cut(label: str, longest: int = 30) -> str:
+    return label if len(label) <= longest else label[: longest - 4] + "...)"
+
+
+def _name(code: int) -> str:
+    from camcli.analysis.sweep import status_name
+
+    return "undecided" if code == 0 else status_name(-code)

@@ -2,305 +2,67 @@
 
 from __future__ import annotations
 
-import json
-from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
-from functools import cache, partial
-from math import inf, isnan
-from time import perf_counter
-from typing import Any
+from typing import Annotated
 
-from camcli.analysis.bench import flights, precision, scenes, stability
-from camcli.analysis.bench.machine import Machines
-from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK, measured
-from camcli.analysis.integrate import Cost
-from camcli.cli.exit_codes import DONE, NUMERICS, note
-from camcli.cli.long_run import long_run
+from typer import Argument, Option
+
 from camcli.cli.options import Request
-from camcli.cli.progress import bar
-from camcli.cli.report import finish, table
-from camcli.cli.setup import set_up
-from camcli.errors import Fault, SceneError
-from camcli.output.bench import rows_csv
-from camcli.output.run_folder import RunFolder
-from camcli.scene.bench import Bench
-
-NAME = "bench"
-POINTS, FLIGHTS, ROWS, SCENES = "points", "flights", "stability", "scenes"
-# Seconds of what is measured, 570 s in all and 52 s where it is quick: what is missing to ten
-# minutes and to one is for starting, drawing, and the one piece by which each may overrun.
-FULL = {POINTS: 360.0, FLIGHTS: 30.0, ROWS: 80.0, SCENES: 100.0}
-QUICK = {POINTS: 26.0, FLIGHTS: 4.0, ROWS: 11.0, SCENES: 11.0}
-PER_FLIGHT = 3e-3  # s, with the dense search; an estimate
-QUICK_FLIGHTS = 100
-PRECISION_CSV = tuple(f.name for f in fields(precision.Measured))
-FLIGHTS_CSV = tuple(f.name for f in fields(flights.Flights))
-STABILITY_CSV = tuple(f.name for f in fields(stability.Outcome))
-SCENES_CSV = ("scene", "status", "seconds", "ratio", "compute_s", "modules", "heavy")
 
 
-@cache
-def machines() -> Machines:
-    """The machines of the bench; their cams are validated like those of scenes."""
-    from pydantic import TypeAdapter
+def bench(
+    request: Request,
+    part: Annotated[
+        str | None,
+        Argument(help="precision, stability or scenes. Default: all.", metavar="[PART]"),
+    ] = None,
+    quick: Annotated[bool, Option("--quick", help="A subset within a minute.")] = False,
+    flights: Annotated[
+        int | None,
+        Option("--flights", help="Random flights; solve_ivp: the first 2000.", metavar="N"),
+    ] = None,
+) -> int:
+    """How exact, how robust and how fast: cam bench [precision|stability|scenes].
 
-    from camcli.scene import Cam
+    \b
+    precision.csv  case, method, setting, seconds, error, impacts, evaluations, missed, extra,
+                   first_call_s, bound, of_bound, status: ours and general integrators on the
+                   same motions
+    precision.png  error against time, a panel per case
+    stability.csv  case, expected, observed, status, seconds: the table of extreme cases, run
+    stability.png  the same to look at
+    flights.csv    method, asked, flights, compared, missed, invented, seconds: random flights asked
+                   for, flown, and decided by a dense search of the gap
+    scenes.csv     scene, status, seconds, ratio, compute_s, modules, heavy: what a scene does not
+                   need costs nothing; each row is a process of its own, ratio is over the cheapest
 
-    cams: TypeAdapter[Any] = TypeAdapter(Cam)
-    return Machines(lambda section: cams.validate_python(dict(section)).parts())
+    \b
+    Every case of precision has its own machine, start and whole turns; the reference comes from a
+    multiple-precision solution stored with the program, not from this kernel. seconds: median of
+    bench.repeats calls after a first one (first_call_s: with imports and compilation), or of the
+    first where that takes more than half of the time there is. error: the largest of impact and
+    accumulation phases (turns) and of the final state (q over the cam's lift, v over omega times
+    it). missed, extra: impacts of the reference not found, and found but not there; the last 1e-3
+    turn of a complete chatter is not asked of anybody. bound: what is promised for ours where the
+    error is largest; of_bound: the largest share of any bound, beyond 1 a failure.
+    Status: ok; over-bound (exit code 3); missed or invented (impacts); given-up (time or impacts
+    used up); failed (the method stopped with an error); not-installed; not-reached (see below).
+    Methods: core (over its chatter tolerance), rk45, dop853, lsoda, radau (scipy's solve_ivp with
+    contact events over rtol = atol, without a step limit and with steps of at most 1/16 turn),
+    heyoka (Taylor series with terminal events; extra `bench`), rk4 (fixed steps and bisection).
+    All stick, and close a chatter by its map.
 
+    \b
+    --quick       a subset, within a minute
+    --flights N   random flights, 200 unless bench.flights says otherwise: impacts that ours misses
+                  or
+                  invents, against a dense search
+    A run ends within ten minutes, a quick one within one: the time a part has left is shared by
+    what it has left to do, and what there is no time for has the status not-reached. More flights
+    than usual take what they take; --dry-run says how long.
+    The machine of the scene is not used; section bench chooses cases, methods and repeats. Exit
+    code 3 if a row of stability fails, if an error of ours is beyond its bound, or where one of
+    these was not reached.
+    """
+    from camcli.cli.bench_run import run
 
-@dataclass
-class Run:
-    """One run of the bench: what was asked, and what has been found so far."""
-
-    request: Request
-    section: Bench
-    folder: RunFolder = field(init=False)  # once it is open
-    result: dict[str, Any] = field(default_factory=dict)
-    trouble: list[str] = field(default_factory=list)  # a line per failure
-    done: list[str] = field(default_factory=list)  # what was measured, in words
-    cost: Cost = field(default_factory=Cost)  # of ours, one run of each point
-
-    @property
-    def repeats(self) -> int:
-        """Timings of a point."""
-        return 1 if self.section.quick else self.section.repeats
-
-    @property
-    def flights(self) -> int:
-        """Random flights: fewer where it is quick, unless so many were asked for."""
-        wanted, named = self.section.flights, self.request.extra["flights"] is not None
-        return min(wanted, QUICK_FLIGHTS) if self.section.quick and not named else wanted
-
-    def seconds(self, name: str) -> float:
-        """Time of what is measured, at the most; inf for more flights than usual."""
-        if name == FLIGHTS and self.flights > Bench.model_fields["flights"].default:
-            return inf
-        return (QUICK if self.section.quick else FULL)[name]
-
-    def pieces(self, name: str) -> Sequence:
-        """What there is to measure, in order."""
-        if name == POINTS:
-            points = precision.points(self.section.methods, self.section.quick)
-            return [(case, point) for case in self.section.cases for point in points]
-        if name == FLIGHTS:
-            return flights.blocks(self.flights)
-        if name == ROWS:
-            return list(stability.ROWS.values())
-        return list(scenes.QUICK if self.section.quick else scenes.SCENES)
-
-    def plan(self, name: str) -> dict[str, float]:
-        """Runs, and seconds at the most; of flights asked for: about."""
-        count = self.flights if name == FLIGHTS else len(self.pieces(name))
-        most = self.seconds(name)
-        about = PER_FLIGHT * self.flights if most == inf else most
-        return {"runs": count * (self.repeats if name == SCENES else 1), "seconds": about}
-
-    def rows(self, name: str, kind: type, measure: Callable[..., list]) -> list:
-        """Measure the pieces one after the other."""
-        work = replace(self.folder.work.within(name), threads=1)
-        pieces: Sequence = self.pieces(name)
-        found: list = []
-        with bar(name, len(pieces)) as tick:
-            for rows in measured(kind, measure, pieces, work, self.seconds(name)):
-                found += rows
-                if tick is not None and not self.request.quiet:
-                    tick()
-        return found
-
-    def write(self, name: str, columns: Sequence[str], rows: Sequence) -> None:
-        """Write a table."""
-        self.folder.write_text(f"{name}.csv", rows_csv(columns, rows))
-
-    def draw(self, name: str, picture: Callable[[], Any]) -> None:
-        """Write a picture, unless --no-plot."""
-        if self.request.no_plot:
-            return
-        from camcli.output.pictures import write_png
-
-        self.folder.write(f"{name}.png", partial(write_png, picture()))
-
-    def show(self, title: str, columns: Sequence[str], rows: Iterable[Any]) -> None:
-        """Print fields of dataclasses as a table, unless --json."""
-        if not self.request.json:
-            cells = [[_text(getattr(row, column)) for column in columns] for row in rows]
-            table(title, [column.replace("_", " ") for column in columns], cells)
-
-    def unreached(self, what: str, rows: Sequence) -> list[str]:
-        """A line where the clock left no time for some."""
-        count = sum(row.status == NOT_REACHED for row in rows)
-        return [f"{what} not reached, time was up: {count} of {len(rows)}"] if count else []
-
-    def measured(self, what: str, rows: Sequence) -> None:
-        """Say how many were measured."""
-        count = sum(row.status not in (NOT_REACHED, precision.ABSENT) for row in rows)
-        of = "" if count == len(rows) else f" of {len(rows)}"
-        self.done.append(f"{count}{of} {what}")
-
-
-def run(request: Request) -> int:
-    """Run the parts asked for and write their artefacts; returns the exit code."""
-    parts = _parts(request)
-    setup = set_up(request, _options(request))
-    here = Run(request, setup.scene.bench)
-    if request.dry_run:
-        plan = {name: here.plan(name) for part in parts for name in PARTS[part][1]}
-        if request.json:
-            print(json.dumps({"command": NAME, "plan": plan}, indent=2))
-        else:
-            lines = [[name, *map(_text, p.values())] for name, p in plan.items()]
-            table("cam bench, planned", ["part", "runs", "seconds (at most)"], lines)
-        return DONE
-    began = perf_counter()
-    with long_run(NAME, request, setup) as here.folder:
-        for part in parts:
-            PARTS[part][0](here)
-        seconds, known = perf_counter() - began, here.folder.resumed
-        folder = here.folder
-        finish(NAME, request, setup, folder, here.cost, seconds, here.result, False, known)
-    if not request.json:
-        kept = f", {known} pieces of them from disk" if known else ""
-        print(f"{', '.join(here.done)} in {seconds:.3g} s{kept}")
-    for line in here.trouble:
-        note(line)
-    return NUMERICS if here.trouble else DONE
-
-
-def _options(request: Request) -> dict[str, tuple[Any, str]]:
-    """Scene values of this command's options; a speed is refused, every case has its own."""
-    for name, given in (("--rpm", request.rpm), ("--points", request.points)):
-        if given is not None:
-            found, cure = f"found {given}", "leave it out, or choose bench.cases"
-            raise SceneError(Fault(name, "", found, "expected none: every case has its own", cure))
-    values: dict[str, tuple[Any, str]] = {}
-    if request.extra["quick"]:
-        values["bench.quick"] = (True, "--quick")
-    if request.extra["flights"] is not None:
-        values["bench.flights"] = (request.extra["flights"], "--flights")
-    return values
-
-
-def _parts(request: Request) -> tuple[str, ...]:
-    part = request.extra["part"]
-    if part is not None and part not in PARTS:
-        expected = f"expected one of {', '.join(PARTS)}"
-        raise SceneError(Fault("PART", "", f"found '{part}'", expected, "leave it out for all"))
-    return tuple(PARTS) if part is None else (part,)
-
-
-def _text(value: Any) -> str:
-    if value is None or (isinstance(value, float) and isnan(value)):
-        return "-"
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
-
-
-def run_precision(here: Run) -> None:
-    """Work and precision of all methods on all cases, and the random flights."""
-    bench = precision.Bench(machines(), here.section.quick, here.repeats)
-    found = here.rows(POINTS, precision.Measured, bench.measure)
-    flown = flights.total(
-        here.rows(
-            FLIGHTS, flights.Flights, lambda b, _, left: flights.fly_block(b, machines(), left)
-        )
-    )
-    here.write("precision", PRECISION_CSV, found)
-    here.write("flights", FLIGHTS_CSV, [flown])
-
-    def picture():
-        from camcli.plots.bench import draw_precision
-
-        titles = {name: precision.case(name).title for name in here.section.cases}
-        return draw_precision(found, titles)
-
-    here.draw("precision", picture)
-    ours, others = ([m for m in found if m.ours == own] for own in (True, False))
-    here.cost = Cost(sum(m.impacts for m in ours), sum(m.evaluations for m in ours))
-    here.measured("points", found)
-    here.done.append(f"{flown.flights} random flights")
-    for m in (m for m in ours if m.status not in (OK, NOT_REACHED)):
-        said = f"error {m.error:.2g} turns, {m.of_bound:.3g} times its bound at most"
-        here.trouble.append(
-            f"precision: {m.case}, {m.setting}: {m.status}: {said}, {m.missed} impacts missed"
-        )
-    here.trouble += here.unreached("precision: points of ours", ours)
-    if flown.missed or flown.invented:
-        here.trouble.append(
-            f"precision: random flights: {flown.missed} contacts missed, {flown.invented} invented"
-        )
-    verdicts = precision.verdicts(found)
-    tally = Counter((m.method, m.status) for m in found)
-    here.result["precision"] = {
-        "cases": [asdict(v) for v in verdicts],
-        "points": [{"method": a, "status": b, "points": n} for (a, b), n in tally.items()],
-        "failed": [f"{m.case}, {m.setting}: {m.status}" for m in ours if m.status != OK],
-        "flights": [{k: v for k, v in asdict(flown).items() if k != "seconds"}],
-    }
-    here.show("Work and precision", [f.name for f in fields(precision.Verdict)], verdicts)
-    here.show("Random flights", FLIGHTS_CSV, [flown])
-    if not here.request.quiet:
-        for line in here.unreached("precision: points of others", others):
-            note(line)
-        if flown.flights < flown.asked:
-            note(f"precision: time was up after {flown.flights} of {flown.asked} random flights")
-        if any(m.status == precision.ABSENT for m in found):
-            note("heyoka is not installed, its points are left out: pip install 'camcli[bench]'")
-
-
-def run_stability(here: Run) -> None:
-    """The table of extreme cases."""
-
-    def measure(row: stability.Row, _: float, left: float) -> list[stability.Outcome]:
-        return stability.measure(row, machines(), left)
-
-    found = here.rows(ROWS, stability.Outcome, measure)
-    here.write("stability", STABILITY_CSV, found)
-
-    def picture():
-        from camcli.plots.bench import draw_stability
-
-        return draw_stability(found)
-
-    here.draw("stability", picture)
-    here.measured("extreme cases", found)
-    for o in (o for o in found if o.status == FAILED):
-        here.trouble.append(f"stability: row {o.case}: expected {o.expected}: {o.observed}")
-    here.trouble += here.unreached("stability: rows", found)
-    failed = [o.case for o in found if o.status != OK]
-    here.result["stability"] = {"rows": len(found), "failed": failed}
-    here.show("Extreme cases", ["case", "observed", "status", "seconds"], found)
-
-
-def run_scenes(here: Run) -> None:
-    """Time and modules of whole commands."""
-
-    def measure(name: str, share: float, left: float) -> list[scenes.Scene]:
-        return scenes.measure(name, here.repeats, share, left)
-
-    found = scenes.with_ratios(here.rows(SCENES, scenes.Scene, measure))
-    here.write("scenes", SCENES_CSV, found)
-    here.measured("commands", found)
-    for s in (s for s in found if s.status == FAILED):
-        here.trouble.append(f"scenes: {s.scene}: exit code {s.exit_code}")
-    here.trouble += here.unreached("scenes: commands", found)
-    here.result["scenes"] = [
-        {
-            "scene": s.scene,
-            "words": scenes.SCENES[s.scene].split(),
-            "status": s.status,
-            "exit_code": s.exit_code,
-            "ratio": None if isnan(s.ratio) else s.ratio,
-            "modules": s.modules,
-            "heavy": s.heavy.split(),
-        }
-        for s in found
-    ]
-    here.show("What a scene costs", SCENES_CSV, found)
-
-
-PARTS = {
-    "precision": (run_precision, (POINTS, FLIGHTS)),
-    "stability": (run_stability, (ROWS,)),
-    "scenes": (run_scenes, (SCENES,)),
-}
+    return run(request, part, quick, flights)

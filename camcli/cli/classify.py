@@ -1,104 +1,253 @@
-"""cam classify"""
+"""cam classify, and its calculator of border collisions, which needs no scene"""
 
 from __future__ import annotations
 
-from contextlib import nullcontext
-from functools import partial
-from typing import Any
+from itertools import groupby
+from math import isfinite
+from typing import TYPE_CHECKING, Annotated, Any
 
-from camcli.analysis.classify import Motion, classify
-from camcli.analysis.explain.changes import Explanation, explain
-from camcli.analysis.integrate import Cost
-from camcli.analysis.sweep import rpm_grid
-from camcli.cli.classify_words import show, summary
-from camcli.cli.exit_codes import DONE, NUMERICS, note
+from typer import Option
+
 from camcli.cli.options import Request
-from camcli.cli.plan_classify import classify_planned
-from camcli.cli.progress import bar
-from camcli.cli.report import finish
-from camcli.cli.setup import Setup, set_up, speed_range, timed
-from camcli.errors import Fault, SceneError, Status
-from camcli.output.classify import classify_csv, corners_csv
-from camcli.output.run_folder import RunFolder, run_folder
+from camcli.errors import Fault, SceneError
 
-NAME = "classify"
+if TYPE_CHECKING:
+    from camcli.analysis.border_collision import Collision, Cycle, Side
+    from camcli.analysis.classify import Motion
+    from camcli.analysis.explain.changes import Explanation
+    from camcli.analysis.explain.events import Event
+    from camcli.api.result import Result
 
-
-def run(request: Request) -> int:
-    """Classify every speed, explain the changes if asked, write the artefacts."""
-    if request.extra["trace"] is not None or request.extra["det"] is not None:
-        from camcli.cli.border import run as calculate
-
-        return calculate(request)
-    setup = set_up(request, _options(request))
-    section = setup.scene.classify
-    if section.explain and section.rpm.num < 2:
-        found = f"found one speed, {section.rpm.start!r}"
-        cure = "give --rpm LO:HI and --points"
-        raise SceneError(Fault("--explain", "classify.rpm", found, "expected a range", cure))
-    if classify_planned(request, setup):
-        return DONE
-    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
-    with run_folder(request.folder(NAME)) as store:
-        with timed(request) as watch:
-            motions = _classify(request, setup, rpms)
-            explanation = _explain(request, setup, motions) if section.explain else None
-        seconds = watch.seconds
-        _write(request, setup, store, motions, explanation)
-        if not request.json:
-            show(motions, explanation)
-        cost = sum((m.cost for m in motions), explanation.cost if explanation else Cost())
-        finish(NAME, request, setup, store, cost, seconds, summary(motions, explanation))
-        return _verdict(motions)
+SHOWN = 40  # rows of a table on stdout
+LONG = 60  # characters of a cell
 
 
-def _options(request: Request) -> dict[str, tuple[Any, str]]:
-    values = speed_range(request, NAME)
-    for name in ("starts", "seed"):
-        if request.extra[name] is not None:
-            values[f"classify.{name}"] = (request.extra[name], f"--{name}")
-    if request.extra["explain"]:
-        values["classify.explain"] = (True, "--explain")
+def classify(
+    request: Request,
+    starts: Annotated[
+        int | None, Option("--starts", help="Further starts at each speed.", metavar="N")
+    ] = None,
+    seed: Annotated[
+        int | None, Option("--seed", help="Another cloud of starts.", metavar="N")
+    ] = None,
+    explain: Annotated[bool, Option("--explain", help="Find the cause of every change.")] = False,
+    trace: Annotated[
+        str | None, Option("--trace", help="Traces of two linear maps.", metavar="L,R")
+    ] = None,
+    det: Annotated[str | None, Option("--det", help="Their determinants.", metavar="L,R")] = None,
+) -> int:
+    """Name the motion at each speed, measure its exponents, explain where it changes.
+
+    \b
+    classify.csv  rpm, label, period, impacts, chatter, stable, lyapunov_per_period, status
+    corners.csv   corner impacts of the solved branches (--explain), columns as bifurcations.csv
+    classify.png  labels and largest exponent against speed
+
+    \b
+    period: turns, 0 where the motion does not repeat. impacts: in one period, inf with a complete
+    chatter; of an aperiodic motion the mean per turn. chatter: complete, incomplete (8 impacts in a
+    row, each weaker, that do not accumulate) or none. stable: 1, 0, empty where no orbit is solved.
+    lyapunov_per_period: largest exponent per turn of the cam; -inf where the follower rests: both
+    are then, since every difference is forgotten. run.json has the second one, the error bar, and
+    the sum rule (sum = 2 ln r impacts per turn - b T/m) as a check.
+
+    \b
+    Labels: P(m;s1:...:sm) where Newton's iteration from the end of the record converges to an
+    admissible, attracting orbit of up to 64 turns that the record approaches; contact; aperiodic
+    where none does and the largest exponent is positive by three standard errors; undecided where
+    neither can be shown, or where a cycle through a rest is an accident of rounding.
+    --starts N classifies N more starts at each speed (Halton points, --seed): a row per attractor.
+
+    \b
+    --explain goes through the range, follows every attracting orbit found, and gives each change
+    its cause, solved: period-doubling, fold, corner-impact (with its border-collision class),
+    grazing, accumulation-at-corner, corner-hit, chatter-completion, first-detachment,
+    interior-crisis, boundary-crisis, basin (both attractors live on, the start changes basins),
+    itinerary (impacts of a resting orbit change), or unexplained with what was tried.
+    --trace L,R --det L,R needs no machine: it names the border collision of two linear maps.
+    """
+    from camcli.cli.run import given, run, speed_range
+
+    if trace is not None or det is not None:
+        return _border_collision(request, trace, det)
+    values = speed_range(request, "classify") | given(
+        {
+            "classify.starts": (starts, "--starts"),
+            "classify.seed": (seed, "--seed"),
+            "classify.explain": (explain, "--explain"),
+        }
+    )
+    return run("classify", request, values, show)
+
+
+def show(result: Result) -> None:
+    """Print ranges of one label, the explanation, and the check."""
+    from camcli.api.classify import remarks
+    from camcli.cli.report import plural, table
+
+    motions, explanation = result.values
+    groups = _ranges(motions)
+    rows = [_range_row(group) for group in groups]
+    title = f"{plural(len(motions), 'motion')}, {plural(len(groups), 'range')} of one label"
+    if len(rows) > SHOWN:
+        title += f", the first {SHOWN} (all of them in classify.csv)"
+    columns = ["label", "from (rpm)", "to (rpm)", "impacts", "chatter", "exponent", "transient"]
+    table(title, columns, rows[:SHOWN])
+    if explanation is not None:
+        show_explanation(explanation)
+    for line in remarks(motions):
+        print(f"- {line}")
+
+
+def _ranges(motions: list[Motion]) -> list[list[Motion]]:
+    key = lambda m: (m.label, m.status)  # noqa: E731 - used once
+    return [list(group) for _, group in groupby(motions, key)]
+
+
+def _range_row(group: list[Motion]) -> list[str]:
+    a, b = group[0], group[-1]
+    transients = [m.transient for m in group if m.transient is not None]
+    turns = f"{min(transients)} to {max(transients)}" if transients else ""
+    return [
+        _short(a.label), f"{a.rpm:.10g}", f"{b.rpm:.10g}", f"{a.impacts:.4g}", a.chatter,
+        _exponent(group), turns,
+    ]  # fmt: skip
+
+
+def _exponent(group: list[Motion]) -> str:
+    found = [m.exponents for m in group if m.exponents is not None]
+    if not found:
+        return ""
+    if len(found) == 1:
+        e = found[0]
+        return f"{e.largest:.6g}" + (f" +- {e.spread:.1g}" if e.spread > 0.0 else "")
+    values = [e.largest for e in found]
+    low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+    return low if low == high else f"{low} to {high}"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONG else text[: LONG - 3] + "..."
+
+
+def show_explanation(explanation: Explanation) -> None:
+    """Print the events, the changes and a sentence for each."""
+    from camcli.cli.report import table
+    from camcli.output.explanations import change_sentence
+
+    rows = [
+        [_digits(e.rpm, e.error), f"{e.error:.0e}", _kind(e), _short(e.label), e.classification]
+        for e in explanation.events
+    ]
+    table("Critical speeds of attractors", ["rpm", "error", "event", "motion", "class"], rows)
+    rows = [
+        [f"{c.low:.10g} - {c.high:.10g}", _short(c.before), _short(c.after), c.cause]
+        for c in explanation.changes
+    ]
+    table("Changes of the diagram", ["rpm", "from", "to", "cause"], rows)
+    for c in explanation.changes:
+        sentence = change_sentence(c, explanation.events)
+        print(f"- {c.low:.10g} to {c.high:.10g} rpm, {c.cause}: {sentence}")
+
+
+def _digits(rpm: float, error: float) -> str:
+    """A speed with the digits its error allows, ten at most."""
+    if not 0.0 < error < 1.0:
+        return f"{rpm:.10g}"
+    decimals = min(max(0, 1 - int(f"{error:e}".split("e")[1])), 9)
+    return f"{float(f'{rpm:.{decimals}f}'):.10g}"
+
+
+def _kind(event: Event) -> str:
+    return f"{event.kind} {event.corner}".strip()
+
+
+def _border_collision(request: Request, trace: str | None, det: str | None) -> int:
+    """Print the class, the inequalities and what attracts on each side."""
+    import json
+
+    from camcli.analysis.border_collision import Side, classify
+
+    traces, dets = _pair(trace, "--trace"), _pair(det, "--det")
+    left, right = (Side(t, d) for t, d in zip(traces, dets, strict=True))
+    result = classify(left, right)
+    if request.json:
+        print(json.dumps(_record(left, right, result), indent=2))
+    else:
+        _show_collision(left, right, result)
+    return 0
+
+
+def _pair(text: str | None, option: str) -> list[float]:
+    cure = "e.g. --trace 1.64,1.37 --det 0.64,0.64"
+    if text is None:
+        found = f"found no {option}"
+        raise SceneError(Fault(option, "", found, "expected both --trace and --det", cure))
+    try:
+        values = [float(word) for word in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != 2 or not all(isfinite(value) for value in values):
+        found = f"found '{text}'"
+        raise SceneError(Fault(option, "", found, "expected two numbers L,R", cure))
     return values
 
 
-def _classify(request: Request, setup: Setup, rpms: list[float]) -> list[Motion]:
-    """Motions of all speeds, in the order of the speeds."""
-    section, settings = setup.scene.classify, setup.settings
-    with nullcontext() if request.quiet else bar("speeds", len(rpms)) as tick:
-        return classify(
-            setup.system, settings, rpms, section.starts, section.seed, request.threads,
-            tick or (lambda: None),
-        )  # fmt: skip
+def _show_collision(left: Side, right: Side, result: Collision) -> None:
+    from camcli.cli.report import table
+    from camcli.plots.event_words import collision_words
+
+    rows = [
+        [name, f"{s.trace:.10g}", f"{s.det:.10g}", _multipliers(s.multipliers), s.kind]
+        for name, s in (("L", left), ("R", right))
+    ]
+    table(f"Border collision: {result.kind}", ["side", "trace", "det", "multipliers", "is"], rows)
+    rows = [
+        [i.text, f"{i.left:.9g}", f"{i.right:.9g}", "holds" if i.holds else "fails"]
+        for i in result.inequalities
+    ]
+    table("Inequalities", ["inequality", "left", "right", ""], rows)
+    table(
+        "Fixed points and the 2-cycle",
+        ["word", "exists for", "stable", "multipliers"],
+        [_cycle(cycle) for cycle in result.cycles],
+    )
+    for line in collision_words(result):
+        print(f"- {line}")
 
 
-def _explain(request: Request, setup: Setup, motions: list[Motion]) -> Explanation:
-    """The changes of the motion from the scene's own start."""
-    own = [m for m in motions if m.start == setup.settings.start]
-    with nullcontext() if request.quiet else bar("changes", max(1, len(own) - 1)) as tick:
-        return explain(setup.system, setup.settings, own, tick or (lambda: None))
+def _cycle(cycle: Cycle) -> list[str]:
+    where = {1: "mu > 0", -1: "mu < 0", 0: "never"}[cycle.exists_for]
+    return [cycle.word, where, "yes" if cycle.stable else "no", _multipliers(cycle.multipliers)]
 
 
-def _write(request, setup: Setup, store: RunFolder, motions, explanation) -> None:
-    store.write_text("classify.csv", classify_csv(motions))
-    found = [] if explanation is None else explanation.bifurcations
-    store.write_text("corners.csv", corners_csv(found))
-    if request.no_plot:
-        return
-    from camcli.output.pictures import write_png
-    from camcli.plots.classify import draw_classify
-
-    events = [] if explanation is None else explanation.events
-    figure = draw_classify(motions, setup.system, events)
-    store.write("classify.png", partial(write_png, figure))
+def _multipliers(pair) -> str:
+    first, second = pair
+    if isinstance(first, complex) and first.imag:
+        return f"{first.real:.9g} +- {abs(first.imag):.9g} i"
+    return f"{complex(first).real:.9g}, {complex(second).real:.9g}"
 
 
-def _verdict(motions: list[Motion]) -> int:
-    """Exit code 3 and a note where a record ended early."""
-    troubled = [m for m in motions if m.status != Status.OK]
-    for code in sorted({m.status for m in troubled}):
-        rpms = [f"{m.rpm:.10g}" for m in troubled if m.status == code]
-        shown = ", ".join(rpms[:5]) + (", ..." if len(rpms) > 5 else "")
-        status = Status(code)
-        note(f"{status.text} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
-    return NUMERICS if troubled else DONE
+def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:
+    from camcli.plots.event_words import collision_words
+
+    return {
+        "kind": result.kind,
+        "sides": {
+            name: {"trace": s.trace, "det": s.det, "kind": s.kind, "stable": s.stable,
+                   "multipliers": [_complex(z) for z in s.multipliers]}
+            for name, s in (("L", left), ("R", right))
+        },
+        "inequalities": [vars(i) for i in result.inequalities],
+        "cycles": [
+            {"word": c.word, "stable": c.stable, "exists_for_mu": c.exists_for,
+             "multipliers": [_complex(z) for z in c.multipliers],
+             "points": [list(point) for point in c.points]}
+            for c in result.cycles
+        ],
+        "below": vars(result.below), "above": vars(result.above), "words": collision_words(result),
+    }  # fmt: skip
+
+
+def _complex(z) -> list[float]:
+    return [complex(z).real, complex(z).imag]

@@ -2,66 +2,69 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from dataclasses import replace
-from functools import partial
-from typing import Any
+from math import inf
+from typing import TYPE_CHECKING, Annotated
 
-from camcli.analysis.contact_loss.bursts import RECORD
-from camcli.analysis.contact_loss.detachment import SpeedStatus
-from camcli.analysis.contact_loss.study import ContactLoss, detach
-from camcli.analysis.integrate import Start
-from camcli.analysis.sweep import rpm_grid
-from camcli.cli.detach_words import show
-from camcli.cli.exit_codes import DONE, NUMERICS, note
+from typer import Option
+
 from camcli.cli.options import Request
-from camcli.cli.plan_starts import starts_planned
-from camcli.cli.progress import bar
-from camcli.cli.report import finish
-from camcli.cli.setup import Setup, set_up, speed_range, timed
-from camcli.errors import Fault, SceneError, Status
-from camcli.output.detach import summary
-from camcli.output.run_folder import RunFolder, run_folder
-from camcli.output.tables import accumulation_csv, corner_hits_csv, detach_csv, force_csv
-from camcli.scene import parse_rpm
+from camcli.errors import Fault, SceneError
 
-NAME = "detach"
+if TYPE_CHECKING:
+    from camcli.analysis.contact_loss.detachment import CriticalSpeed
+    from camcli.api.result import Result
+
+ROUNDING = 1e-9  # N: a force that is zero up to rounding is printed as zero
 
 
-def run(request: Request) -> int:
-    """Find where contact is lost and chatter ends, write the artefacts; returns the exit code."""
-    setup = set_up(request, _options(request))
-    section = setup.scene.detach.rpm
-    settings = replace(
-        setup.settings, transient=setup.scene.detach.settle, record=RECORD, start=Start()
-    )
-    setup = replace(setup, settings=settings)
-    rpms = rpm_grid(section.start, section.stop, section.num)
-    if starts_planned(NAME, request, setup, rpms, settings, "detach.rpm.num"):
-        return DONE
-    with run_folder(request.folder(NAME)) as store:
-        with timed(request) as watch:
-            result = _compute(request, setup, rpms)
-        seconds = watch.seconds
-        _write(request, setup, store, result)
-        if not request.json:
-            show(result)
-        finish(NAME, request, setup, store, result.cost, seconds, summary(result))
-        return _verdict(result)
+def detach(
+    request: Request,
+    hold_to: Annotated[
+        str | None,
+        Option("--hold-to", help="Find the spring that holds up to this speed.", metavar="RPM"),
+    ] = None,
+) -> int:
+    """Where contact is lost, where chattering ends, and which spring would hold.
 
+    \b
+    detach.csv        quantity, region, theta_deg, rpm, omega_rad_per_s
+    accumulation.csv  rpm, theta_deg: where a complete chatter ends, a row per burst and speed
+    corner_hits.csv   impact, corner, rpm: impact n after lift-off lands on a corner
+    force.csv         rpm, theta_deg, force_n: contact force of a follower kept on the cam
+    detach.png        impacts with accumulation curve and corner hits; the contact force
 
-def _options(request: Request) -> dict[str, tuple[Any, str]]:
-    """Scene values of --rpm, --points and --hold-to."""
+    \b
+    Regions A1, A2, ... lie between the cam's corners a, b, c, ... Quantities of detach.csv:
+    first_detachment        lowest speed at which the contact force reaches zero anywhere
+    opens, fills            contact begins to be lost in a region; is lost all over it (inf: never)
+    accumulation_at_corner  a burst ends exactly on the corner `region`; looked for between the
+                            speeds of the range (--points), from rest at each lift-off
+    completion_loss         its end reaches, one turn later, the phase of the next lift-off
+    hold_stiffness, hold_preload, hold_both
+                            first detachment with the spring that --hold-to found (in run.json)
+
+    \b
+    Every critical speed has a bracket and a status in run.json: ok; never; at-standstill; jump
+    (the end of the chatter jumps over a corner); unresolved, exit code 3. A curve of corner hits
+    may end where its impact ceases to exist: run.json says where.
+    """
+    from camcli.cli.run import given, run, speed_range
+    from camcli.scene import parse_rpm
+
     values = speed_range(request, "detach")
-    if request.rpm is not None and not isinstance(parse_rpm(request.rpm), tuple):
+    if request.rpm is not None and ":" not in request.rpm:
         values["detach.force_rpm"] = ([parse_rpm(request.rpm)], "--rpm")
-    asked = request.extra["hold_to"]
-    if asked is not None:
-        values["detach.hold_to"] = (_speed(asked), "--hold-to")
-    return values
+    values |= given({"detach.hold_to": (_top(hold_to), "--hold-to")})
+    return run("detach", request, values, show)
 
 
-def _speed(text: str) -> float:
+def _top(text: str | None) -> float | None:
+    """The speed of --hold-to."""
+    from camcli.scene import parse_rpm
+
+    if text is None:
+        return None
     try:
         rpm = parse_rpm(text)
     except SceneError as error:
@@ -72,44 +75,54 @@ def _speed(text: str) -> float:
     return rpm
 
 
-def _compute(request: Request, setup: Setup, rpms: list[float]) -> ContactLoss:
-    section = setup.scene.detach
-    with nullcontext() if request.quiet else bar("speeds", len(rpms)) as tick:
-        return detach(
-            setup.system,
-            rpms,
-            setup.settings,
-            settle=section.settle,
-            impacts=section.impacts,
-            force_rpm=section.force_rpm,
-            hold_rpm=section.hold_to,
-            margin=section.margin_n,
-            precompression=section.precompression_m,
-            on_speed=tick or (lambda: None),
-        )
+def show(result: Result) -> None:
+    """Print the tables, then the sentences."""
+    from camcli.cli.report import table
+    from camcli.output.detach import burst_ranges, sentences
+
+    found = result.values
+    rows = [_row(c) for c in found.critical_speeds if c.finite]
+    if rows:
+        columns = ["speed", "region", "theta (deg)", "rpm", "bracket", "status"]
+        table("Critical speeds", columns, rows)
+    hits = [
+        [str(h.impact), h.corner, f"{h.rpm:.9f}", f"{h.high - h.low:.1e}", h.status]
+        for h in found.hits
+    ]
+    if hits:
+        table("Impacts on corners", ["impact", "corner", "rpm", "bracket (rpm)", "status"], hits)
+    force = [
+        [f"{f.rpm:.10g}", f"{f.lowest_n if abs(f.lowest_n) > ROUNDING else 0.0:.6g}",
+         f"{f.lowest_deg:.8g}"]
+        for f in found.forces
+    ]  # fmt: skip
+    table("Least contact force if kept on the cam", ["rpm", "least (N)", "theta (deg)"], force)
+    spans = [[t, f"{a:.10g}", f"{b:.10g}", str(n)] for t, a, b, n in burst_ranges(found)]
+    table("Bursts after settling", ["chattering", "from (rpm)", "to (rpm)", "speeds"], spans)
+    springs = [
+        [h.quantity.removeprefix("hold_"), f"{h.stiffness:.10g}", f"{h.preload:.10g}",
+         "" if h.theta_deg is None else f"{h.theta_deg:.6g}", _speed(h.detaches_rpm), h.status]
+        for h in found.holds
+        if h.stiffness is not None
+    ]  # fmt: skip
+    if springs:
+        columns = ["least", "k (N/m)", "preload (N)", "at (deg)", "detaches (rpm)", "status"]
+        table("Springs that hold contact", columns, springs)
+    for line in sentences(found):
+        print(f"- {line}")
 
 
-def _write(request: Request, setup: Setup, store: RunFolder, result: ContactLoss) -> None:
-    store.write_text("detach.csv", detach_csv(result))
-    store.write_text("accumulation.csv", accumulation_csv(result))
-    store.write_text("corner_hits.csv", corner_hits_csv(result))
-    store.write_text("force.csv", force_csv(result))
-    if request.no_plot:
-        return
-    from camcli.output.pictures import write_png
-    from camcli.plots.detach import draw_detach
+def _row(c: CriticalSpeed) -> list[str]:
+    from camcli.analysis.contact_loss.detachment import Quantity
 
-    store.write("detach.png", partial(write_png, draw_detach(result, setup.system)))
+    accumulates = c.quantity is Quantity.ACCUMULATION
+    name = "accumulates at" if accumulates else c.quantity.replace("_", " ")
+    return [
+        name, c.region, f"{c.theta_deg:.8f}", f"{c.rpm:.9f}", f"{c.high - c.low:.1e}", c.status
+    ]  # fmt: skip
 
 
-def _verdict(result: ContactLoss) -> int:
-    """Exit code 3 and a note where a speed or a simulation could not be settled."""
-    for code in sorted({status for _, status in result.troubled}):
-        rpms = [f"{rpm:.10g}" for rpm, status in result.troubled if status == code]
-        shown = ", ".join(rpms[:5]) + (", ..." if len(rpms) > 5 else "")
-        status = Status(code)
-        note(f"{status.text} at {len(rpms)} speeds ({shown} rpm): {status.cause}; {status.cure}")
-    unsafe = [c for c in result.critical_speeds if c.status is SpeedStatus.UNRESOLVED]
-    for c in unsafe:
-        note(f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket")
-    return NUMERICS if result.troubled or unsafe else DONE
+def _speed(rpm: float | None) -> str:
+    if rpm is None:
+        return ""
+    return "never" if rpm == inf else f"{rpm:.10g}"

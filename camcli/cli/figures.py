@@ -1,495 +1,62 @@
-"""cam figures: which figures there are, what must be computed again and why, and the comparison."""
+"""cam figures"""
 
 from __future__ import annotations
 
-import hashlib
-import json
-import os
-import re
-import subprocess
-import sys
-from collections.abc import Callable, Collection, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
-from dataclasses import asdict, dataclass
-from functools import cache
+from dataclasses import replace
 from pathlib import Path
-from time import perf_counter
-from typing import Any, TypeVar
+from typing import Annotated
 
-from pydantic import BaseModel, ValidationError
+from typer import Argument, Option
 
-from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
-from camcli.cli.parent_watch import PARENT
-from camcli.cli.progress import bar
-from camcli.cli.report import table
-from camcli.errors import Fault, SceneError
-from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, digest, drifts
-from camcli.output.gallery import Picture, page
-from camcli.output.program import program_hash
-from camcli.output.run_folder import run_folder
-from camcli.parallel import thread_count
-from camcli.scene import Scene, default_scene_path, load_scene, resolved
-
-NAME = "figures"
-STATE, REFERENCES = "figure.json", "reference"
-NEW, UNCHANGED, CHECK = "new", "unchanged", "check"
-WHOLE = (DONE, NUMERICS)  # exit codes of a run whose artefacts are whole
-OWNED = {"-c", "--set", "-o", "--no-plot", "--json", "-q", "--threads", "--dry-run"}
-CAM_ONLY = "--profile-only"  # with it a command knows no impacts, and of a run only the speed
-PORTABILITY = "portability broke"
-MOST_DRIFTS = 12  # of a figure shown to people
 
 
-Model = TypeVar("Model", bound=BaseModel)
+def figures(
+    request: Request,
+    names: Annotated[
+        list[str] | None,
+        Argument(help="Figures, e.g. 3.5 or 3.6. Default: all.", metavar="[NAME]..."),
+    ] = None,
+    folder: Annotated[
+        Path | None,
+        Option("--folder", help="Folder of scenes. Default: configs/figures (here, else shipped)."),
+    ] = None,
+    check: Annotated[
+        bool, Option("--check", help="Compute all, and compare with the reference.")
+    ] = False,
+    update_reference: Annotated[
+        bool, Option("--update-reference", help="Make this run's numbers the reference.")
+    ] = False,
+) -> int:
+    """The figures of the cam-follower example: what changed is computed again.
 
+    \b
+    NAME/           artefacts, run.json and figure.json of one figure
+    index.html      all pictures with scene, command, numbers and cost; works offline
 
-class State(BaseModel):
-    """figure.json: what a finished figure was made of, and how it went."""
+    \b
+    Figures are the scenes in --folder that have a section `figure`: its `command` is run as
+    `cam COMMAND -c NAME.yaml -o OUT/NAME`. NAME selects: 3.6 means 3.6a to 3.6f. Reasons to
+    compute:
+    new               no finished run in the folder
+    scene changed     another value of a key that the command reads (titles and comments do not
+                      count)
+    data changed      another content of a file that the scene names
+    program changed   another source of this program
+    artefact changed  a file is missing or has another size
+    check             --check computes everything
+    else unchanged: nothing is computed. Figures run side by side, each on one thread (--threads N
+    at a time); no byte of a table or a picture depends on that. An interrupted run keeps what is
+    finished.
 
-    title: str
-    command: str
-    hashes: dict[str, str]
-    exit: int
-    notes: list[str]
-    seconds: float
-    files: dict[str, int]  # bytes
-
-
-class Reference(BaseModel):
-    """A stored digest, with the hashes of what it was made of."""
-
-    scene: str
-    data: str
-    seconds: float
-    regular: dict[str, Any]
-    chaotic: dict[str, Any]
-    solved: dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A scene that is a figure; `hashes` are those of all that its files depend on."""
-
-    name: str
-    path: Path
-    title: str
-    shows: str
-    words: list[str]  # command and options
-    hashes: dict[str, str]
-
-    @property
-    def shown_command(self) -> str:
-        """What a user types for it."""
-        return " ".join(["cam", self.words[0], "-c", str(self.path), *self.words[1:]])
-
-    @property
-    def reference_path(self) -> Path:
-        """Where its reference is kept."""
-        return self.path.parent / REFERENCES / f"{self.name}.json"
-
-
-@dataclass(frozen=True)
-class Done:
-    """One computed figure: exit code of its command, what it said, and its wall time."""
-
-    name: str
-    code: int
-    notes: list[str]
-    seconds: float
-
-
-def run(request: Request) -> int:
-    """Compute the figures that changed, write the page, compare if asked; the exit code."""
-    extra = request.extra
-    _refuse_contradictions(request)
-    known = figures(extra["folder"] or default_folder(), request.sets)
-    asked = chosen(known, extra["names"] or ())
-    out = request.folder(NAME)
-    why = {f.name: CHECK if extra["check"] else reason(f, out / f.name) for f in asked}
-    if request.dry_run:
-        _show_plan(request, asked, why, out)
-        return DONE
-    began = perf_counter()
-    wanted = [f for f in asked if why[f.name] != UNCHANGED]
-    with run_folder(out) as store:
-        try:
-            done = _compute(request, wanted, why, out)
-        finally:
-            store.write_text("index.html", [page([_picture(f, out / f.name) for f in known])])
-            store.commit()
-    states = {f.name: state_of(out / f.name) for f in asked}
-    whole = [f for f in asked if states[f.name] is not None]
-    if extra["update_reference"] and len(whole) == len(asked):
-        update(asked, known, out)
-        note(f"{asked[0].reference_path.parent}/: references of {len(asked)} figures")
-    drifted = [d for f in whole for d in check(f, out / f.name)] if extra["check"] else []
-    _show(request, asked, why, done, drifted, out, perf_counter() - began)
-    codes = {state.exit for state in states.values() if state} | {d.code for d in done}
-    codes |= {NUMERICS} if drifted else set()
-    return max(codes - set(WHOLE), default=max(codes, default=DONE))
-
-
-def _refuse_contradictions(request: Request) -> None:
-    if not request.extra["update_reference"]:
-        return
-    if request.extra["check"]:
-        found = "found --check and --update-reference"
-        cure = "a reference just written always agrees"
-        raise SceneError(Fault("--check", "", found, "expected one of them", cure))
-    if request.sets:
-        where, cure = "--update-reference", "change the scenes instead"
-        raise SceneError(Fault(where, "", "found --set", "expected the scenes alone", cure))
-
-
-# --- which figures there are
-
-
-def default_folder() -> Path:
-    """configs/figures of the folder we are in, a checkout, else of the installed program."""
-    here = Path("configs", "figures")
-    return here if here.is_dir() else default_scene_path().parent / "figures"
-
-
-def figures(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
-    """All figures of a folder, 3.9 before 3.10; raises SceneError with the faults of all scenes."""
-    paths = sorted(folder.glob("*.yaml"), key=lambda path: _natural(path.stem))
-    if not paths:
-        none = "found no scenes" if folder.is_dir() else "found no such folder"
-        raise SceneError(Fault("--folder", str(folder), none, "expected *.yaml", "name another"))
-    found, faults = [], []
-    for path in paths:
-        try:
-            found.append(_figure(path, sets))
-        except SceneError as error:
-            faults += [fault for fault in error.faults if fault not in faults]
-    if faults:
-        raise SceneError(*faults)
-    return found
-
-
-def _natural(name: str) -> list:
-    parts = re.findall(r"\d+|\D+", name)
-    return [(int(part), "") if part.isdigit() else (0, part) for part in parts]
-
-
-def _figure(path: Path, sets: Sequence[str]) -> Figure:
-    if not path.stem.strip("."):  # its folder would not lie in the output folder
-        found, cure = f"found a scene named '{path.name}'", "rename it: the folder has its name"
-        raise SceneError(Fault(str(path), "", found, "expected a name with a letter", cure))
-    scene = load_scene(path, sets)
-    if scene.figure is None:
-        expected = "expected title and command"
-        raise SceneError(Fault(str(path), "figure", "found no such section", expected, "add it"))
-    words = scene.figure.words
-    _refuse_unknown(path, words)
-    data = getattr(scene.cam, "sha256", None) or ""
-    hashes = {
-        "scene": _scene_hash(scene, words),
-        "data": data,
-        "program": program_hash(pictures=True),
-    }
-    return Figure(path.stem, path, scene.figure.title, scene.figure.shows, words, hashes)
-
-
-def _refuse_unknown(path: Path, words: list[str]) -> None:
-    """Let the command's own parser read the options; raises SceneError where it cannot."""
-
-    def fault(found: str, expected: str, cure: str) -> SceneError:
-        return SceneError(Fault(str(path), "figure.command", found, expected, cure))
-
-    commands, name = _commands(), words[0]
-    if name not in commands:
-        raise fault(f"found the command '{name}'", f"expected one of {', '.join(commands)}", "")
-    try:
-        context = commands[name].make_context(name, words[1:])
-    except Exception as error:
-        said = error.format_message() if hasattr(error, "format_message") else "found --help"
-        raise fault(said, "", f"see cam {name} --help") from None
-    params = [p for p in commands[name].params if OWNED & set(p.opts) and context.params[p.name]]
-    if params:
-        found = f"found {', '.join(max(p.opts, key=len) for p in params)}"
-        cure = "write scene values into the scene; the rest is given to cam figures"
-        raise fault(found, "expected options of this figure only", cure)
-
-
-@cache
-def _commands() -> dict[str, Any]:
-    """Parsers of the commands that take a scene, by name."""
-    from typer.main import get_command
-
-    from camcli.cli.app import app
-
-    every = get_command(app).commands.items()  # type: ignore[attr-defined]
-    return {name: c for name, c in every if any("-c" in p.opts for p in c.params)}
-
-
-def _scene_hash(scene: Scene, words: list[str]) -> str:
-    """SHA-256 of the command and of what it reads: not of titles, nor of other commands' keys."""
-    values = resolved(scene)
-    values["cam"].pop("sha256", None)
-    others = {"figure", *_commands()} - {words[0]}
-    read = {key: value for key, value in values.items() if key not in others}
-    if CAM_ONLY in words:
-        read = {**read, "run": values["run"]["rpm"]}
-        read["follower"] = {k: v for k, v in values["follower"].items() if k != "restitution"}
-    text = json.dumps([words, read], sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def chosen(known: Sequence[Figure], names: Collection[str]) -> list[Figure]:
-    """The figures with these names, or with these names and a letter; all without names."""
-    found, faults = set(), []
-    for name in names:
-        hits = {f.name for f in known if re.fullmatch(re.escape(name) + "[a-z]?", f.name)}
-        found |= hits
-        if not hits:
-            expected = f"expected one of {', '.join(f.name for f in known)}"
-            faults.append(Fault("NAME", "", f"found '{name}'", expected, "or none, for all"))
-    if faults:
-        raise SceneError(*faults)
-    return [figure for figure in known if not names or figure.name in found]
-
-
-# --- what must be computed
-
-
-def state_of(folder: Path) -> State | None:
-    """figure.json of a finished figure; None where there is none, or none that can be read."""
-    return _read(State, folder / STATE)
-
-
-def _read(model: type[Model], path: Path) -> Model | None:
-    try:
-        return model.model_validate_json(path.read_bytes())
-    except (OSError, ValidationError):
-        return None
-
-
-def reason(figure: Figure, folder: Path) -> str:
-    """Why the figure must be computed, or `unchanged`."""
-    state = state_of(folder)
-    if state is None:
-        return NEW
-    for key, value in figure.hashes.items():
-        if state.hashes.get(key) != value:
-            return f"{key} changed"
-    return UNCHANGED if state.files == _sizes(folder) else "artefact changed"
-
-
-def _sizes(folder: Path) -> dict[str, int]:
-    """Bytes of every artefact of a figure."""
-    paths = sorted(folder.iterdir()) if folder.is_dir() else []
-    wanted = (p for p in paths if p.is_file() and p.name != STATE and p.name[0] != ".")
-    return {path.name: path.stat().st_size for path in wanted}
-
-
-def last_seconds(figure: Figure, out: Path) -> float | None:
-    """Seconds it took last time, here or where the reference was made."""
-    known = state_of(out / figure.name) or _read(Reference, figure.reference_path)
-    return known.seconds if known else None
-
-
-def compute(
-    wanted: Sequence[Figure], out: Path, request: Request, on_done: Callable[[Done], None]
-) -> list[Done]:
-    """Run the figures, as many at a time as there are threads, the longest first.
-
-    Each is marked as finished at once. On an interrupt no more are begun, and those at work end
-    with this process (`parent_watch`); their finished pieces stay on disk.
+    \b
+    --check compares with REFERENCE/NAME.json: labels, critical speeds, counts, quantiles. Solved
+    numbers may differ by 1e-8 of their value; simulated ones must be the same to the last bit,
+    since the kernel's arithmetic is the same everywhere. Where only chaotic motions or last bits
+    differ it says `portability broke`, else how far each number has drifted. A drift is exit code
+    3. --update-reference writes what was computed as the new reference.
     """
-    seconds = {f.name: last_seconds(f, out) for f in wanted}
-    ordered = sorted(wanted, key=lambda f: -(seconds[f.name] or 1e9))  # unknown ones come first
-    count = thread_count(request.threads)
-    options = ["--quiet", "--json", "--threads", str(max(1, count // max(1, len(wanted))))]
-    options += [word for text in request.sets for word in ("--set", text)]
+    extra = {"names": names, "folder": folder, "check": check, "update_reference": update_reference}
+    from camcli.cli.figures_run import run
 
-    def piece(figure: Figure) -> Done:
-        folder = out / figure.name
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / STATE).unlink(missing_ok=True)  # until it is whole again
-        done = _run(figure, [*options, "-o", str(folder)])
-        if done.code in WHOLE:
-            with run_folder(folder) as store:
-                store.write_text(STATE, [_state(figure, folder, done).model_dump_json(indent=2)])
-                store.commit()
-        on_done(done)
-        return done
-
-    pool = ThreadPoolExecutor(count)
-    try:
-        return list(pool.map(piece, ordered))
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _run(figure: Figure, options: list[str]) -> Done:
-    """Run the command of a figure in a process of its own, which ends with this one."""
-    began = perf_counter()
-    process = subprocess.run(
-        [sys.executable, "-m", "camcli", *figure.words, "-c", str(figure.path), *options],
-        env={**os.environ, PARENT: str(os.getpid())},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        check=False,
-    )
-    seconds = round(perf_counter() - began, 3)
-    return Done(figure.name, process.returncode, process.stderr.splitlines(), seconds)
-
-
-def _state(figure: Figure, folder: Path, done: Done) -> State:
-    return State(
-        title=figure.title,
-        command=figure.shown_command,
-        hashes=figure.hashes,
-        exit=done.code,
-        notes=done.notes,
-        seconds=done.seconds,
-        files=_sizes(folder),
-    )
-
-
-def _compute(request: Request, wanted: Sequence[Figure], why, out: Path) -> list[Done]:
-    """Compute, with one bar; where nobody watches, a line for each figure."""
-    with nullcontext() if request.quiet else bar("figures", len(wanted)) as tick:
-
-        def on_done(done: Done) -> None:
-            if tick is not None:
-                tick()
-            elif not request.quiet:
-                end = "" if done.code == DONE else f", exit code {done.code}"
-                note(f"{done.name}: {why[done.name]}, {done.seconds:.1f} s{end}")
-
-        done = compute(wanted, out, request, on_done)
-    for each in done:
-        for line in (each.notes or [f"exit code {each.code}"]) if each.code != DONE else ():
-            note(f"{each.name}: {line}")
-    return done
-
-
-# --- references
-
-
-def update(asked: Sequence[Figure], known: Sequence[Figure], out: Path) -> None:
-    """Write the references of these figures; remove those of no known one."""
-    folder = asked[0].reference_path.parent
-    with run_folder(folder) as store:
-        for figure in asked:
-            seconds = round(last_seconds(figure, out) or 0.0, 1)
-            hashes = {key: figure.hashes[key] for key in ("scene", "data")}
-            text = {**hashes, "seconds": seconds, **digest(out / figure.name)}
-            store.write_text(f"{figure.name}.json", [json.dumps(text, indent=0) + "\n"])
-        store.commit()
-    for path in folder.glob("*.json"):
-        if path.stem not in {figure.name for figure in known}:
-            path.unlink()
-
-
-def check(figure: Figure, folder: Path) -> list[Drift]:
-    """All numbers of a figure that are not the reference's; a reference that cannot be read too."""
-    path = figure.reference_path
-    reference = _read(Reference, path)
-    if reference is None:
-        cure = "cannot be read: restore it, or cam figures --update-reference"
-        why = cure if path.exists() else "no such file"
-        return [Drift(figure.name, SOLVED, str(path), None, why)]
-    old = {group: getattr(reference, group) for group in (REGULAR, CHAOTIC, SOLVED)}
-    found = drifts(figure.name, old, digest(folder))
-    other = [
-        Drift(figure.name, REGULAR, f"hash of the {key}", was[:12], figure.hashes[key][:12])
-        for key, was in (("scene", reference.scene), ("data", reference.data))
-        if was != figure.hashes[key]
-    ]
-    if other:  # another scene explains any number
-        found = [Drift(d.figure, d.group, d.name, d.reference, d.found, d.by) for d in found]
-    return other + found
-
-
-def verdict(drifted: Sequence[Drift]) -> str:
-    """One line on what the drifts mean together."""
-    if not drifted:
-        return "every number is the reference's"
-    count = len({drift.figure for drift in drifted})
-    words = f"{len(drifted)} numbers drifted in {count} figure" + ("s" if count > 1 else "")
-    broken = sum(drift.portability for drift in drifted)
-    if broken == len(drifted):
-        words += f": {PORTABILITY}: only chaotic motions and last bits differ"
-    elif broken:
-        words += f", {broken} of them where bits should agree on every machine ({PORTABILITY})"
-    return words
-
-
-# --- what is shown
-
-
-def _picture(figure: Figure, folder: Path) -> Picture:
-    scene = figure.path.read_text(encoding="utf-8-sig")
-    given = (figure.name, figure.title, figure.shows, figure.shown_command, scene, folder)
-    state = state_of(folder)
-    return Picture(*given, *((list(state.files), state.seconds, state.notes) if state else ()))
-
-
-def _print(request: Request, title: str, rows: list[dict[str, Any]], more: dict[str, Any]) -> None:
-    """Rows as one JSON object with `more`, or as a table for people."""
-    if request.json:
-        print(json.dumps({"command": NAME, **more}, indent=2))
-        return
-    cells = [["" if value is None else str(value) for value in row.values()] for row in rows]
-    table(title, list(rows[0]) if rows else [], cells)
-
-
-def _show_plan(request: Request, asked: Sequence[Figure], why, out: Path) -> None:
-    rows = [
-        {
-            "figure": f.name,
-            "reason": why[f.name],
-            "seconds": last_seconds(f, out),
-            "command": f.shown_command,
-        }
-        for f in asked
-    ]
-    _print(request, "cam figures, planned; seconds of the last time", rows, {"plan": rows})
-
-
-def _show(request, asked, why, done: list[Done], drifted: list[Drift], out, seconds) -> None:
-    spent = {each.name: each for each in done}
-    none = Done("", DONE, [], 0.0)
-    rows = [
-        {
-            "figure": f.name,
-            "title": f.title,
-            "reason": why[f.name],
-            "seconds": spent.get(f.name, none).seconds,
-            "exit": spent.get(f.name, none).code,
-        }
-        for f in asked
-    ]
-    more: dict[str, Any] = {"figures": rows, "seconds": seconds}
-    if request.extra["check"]:
-        more |= {"verdict": verdict(drifted), "drifts": [asdict(d) for d in drifted]}
-    _print(request, f"{len(asked)} figures", rows, more)
-    if request.json:
-        return
-    for name in dict.fromkeys(drift.figure for drift in drifted):
-        mine = [drift for drift in drifted if drift.figure == name]
-        for drift in mine[:MOST_DRIFTS]:
-            print(_sentence(drift))
-        if len(mine) > MOST_DRIFTS:
-            print(f"{name}: and {len(mine) - MOST_DRIFTS} more (--json has all of them)")
-    if request.extra["check"]:
-        print(verdict(drifted))
-    print(f"{out}/index.html: {len(done)} of {len(asked)} figures computed in {seconds:.3g} s")
-
-
-def _sentence(d: Drift) -> str:
-    """A drift as a line."""
-    was, now = ("nothing" if value is None else str(value) for value in (d.reference, d.found))
-    where = f"{d.figure}: {d.name}" + (" (chaotic)" if d.group == CHAOTIC else "")
-    text = f"{where}: reference {was}, found {now}"
-    if d.by is not None:
-        text += f", off by {d.by:.6g}"
-        if d.reference:
-            text += f" ({abs(d.by / d.reference):.2g} of it)"
-    return text + (f": {PORTABILITY}" if d.portability else "")
+    return run(replace(request, extra=extra))

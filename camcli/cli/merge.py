@@ -5,27 +5,46 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
+from dataclasses import replace
+from importlib import import_module
 from itertools import islice
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Argument
 
 from camcli.cli.options import Request
-from camcli.cli.rerun import Record, call_of, record_of
+from camcli.cli.rerun import HomeFolder
 from camcli.errors import Fault, SceneError
-from camcli.output.program import program_hash
-from camcli.output.run_folder import PIECES
-from camcli.parallel.checkpoint import key_of
 
-NAME = "merge"
+if TYPE_CHECKING:
+    from camcli.cli.record import Record
+
+PIECES = ".pieces"  # ending of the files of --shard
 SHOWN = 10  # missing shards named
 
 
-def run(request: Request) -> int:
-    """Join the parts, compute what needs all of them, and write the artefacts; the exit code."""
-    paths = _paths(request.extra["parts"] or [Path("out")])
+def merge(
+    request: Request,
+    parts: Annotated[
+        list[Path] | None, Argument(help="Parts, or folders of them.", metavar="[PART]...")
+    ] = None,
+    folder: HomeFolder = None,
+) -> int:
+    """Join the parts of a run that was computed in shards.
+
+    \b
+    cam sweep --shard 1/4 -o DIR ... cam sweep --shard 4/4 -o DIR, on any machines and in any
+    order, then cam merge DIR: the same artefacts, byte for byte, as of one run.
+    """
+    from camcli.cli.run import execute
+
+    paths = _paths(parts or [Path("out")])
     record = _record(paths)
-    out = request.out or paths[0].parent
-    again, call = call_of(record, request, out, request.extra["folder"] or Path(), tuple(paths))
-    return call(again)
+    scene = record.load(folder or Path())
+    request = replace(request, out=request.out or paths[0].parent)
+    show = import_module(f"camcli.cli.{record.command}").show
+    return execute(record.command, scene, request, show, parts=tuple(paths))
 
 
 def _paths(given: Sequence[Path]) -> list[Path]:
@@ -45,6 +64,10 @@ def _record(paths: Sequence[Path]) -> Record:
 
     A part that is there twice, or one of another division of the same run, does no harm.
     """
+    from camcli.cli.record import record_of
+    from camcli.output.program import program_hash
+    from camcli.parallel.checkpoint import key_of
+
     numbers: dict[int, set[int]] = {}  # parts that are there, by their total
     first: dict = {}
     for path in paths:

@@ -1,68 +1,38 @@
-"""The end of every run: artefact list, one line of cost and error, run.json."""
+"""What every run says: its tables, where its files are, what it cost and how exact it is."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
-from camcli.analysis.integrate import Cost
-from camcli.cli.exit_codes import note
-from camcli.cli.lift_words import bound_line, table_record
-from camcli.cli.options import Request
-from camcli.cli.setup import Setup
-from camcli.output.run_folder import RunFolder
-from camcli.output.run_record import cost_record, error_record, run_record, to_text
-from camcli.scene import resolved, scene_hash
+if TYPE_CHECKING:
+    from camcli.api.result import Progress
 
 FILE_WIDTH = 140  # columns of a table that no person watches
-ABSURD_HEIGHT = 1000.0  # times the cam's lift
 
 
-def finish(
-    command: str,
-    request: Request,
-    setup: Setup,
-    store: RunFolder,
-    cost: Cost,
-    seconds: float,
-    result: Mapping[str, Any],
-    moved: bool = True,
-    from_disk: int = 0,
-) -> None:
-    """Write run.json and print the closing lines, or the record itself with --json.
+def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """A table for people on stdout."""
+    from rich.console import Console
+    from rich.table import Table
 
-    `moved`: whether anything was simulated, so that impacts and their errors mean something;
-    `from_disk`: pieces that another run had computed, so that the time is not that of all impacts.
-    """
-    costs = cost_record(cost, seconds, from_disk)
-    errors = error_record(setup.settings.chatter_tolerance, setup.system.cam.top)
-    measured = table_record(setup)
-    if measured:
-        errors["lift_table"] = measured
-    record = run_record(
-        command,
-        resolved(setup.scene),
-        scene_hash(setup.scene),
-        request.as_options(),
-        costs,
-        errors,
-        result,
-        store.hashes,
-    )
-    text = to_text(record)
-    store.write_text("run.json", [text])
-    store.commit()
-    if request.json:
-        print(text, end="")
-        return
-    print(f"{store.folder}/: {', '.join([*store.hashes])}")
-    if moved:
-        print(closing_line(costs, errors))
-    if measured:
-        print(bound_line(measured))
+    grid = Table(title=title, title_justify="left")
+    for k, column in enumerate(columns):
+        grid.add_column(column, justify="left" if k == 0 else "right", overflow="fold")
+    for row in rows:
+        grid.add_row(*row)
+    person = Console().is_terminal
+    Console(width=None if person else FILE_WIDTH).print(grid)
 
 
-def closing_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
+def plural(count: int, singular: str) -> str:
+    """1 speed, 2 speeds."""
+    return f"{count} {singular}" if count == 1 else f"{count} {singular}s"
+
+
+def cost_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
     """One line of cost and error."""
     took = f" in {costs['seconds']:.3g} s ({costs['impacts_per_s'] or 0.0:.3g}/s, "
     if costs["pieces_from_disk"]:
@@ -76,26 +46,21 @@ def closing_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
     )
 
 
-def warn_of_height(heights: Iterable[tuple[float, float]], top: float) -> None:
-    """Note speeds at which the follower flies absurdly high; heights are (rpm, largest q in m)."""
-    absurd = [(rpm, q) for rpm, q in heights if q > ABSURD_HEIGHT * abs(top)]
-    if absurd:
-        rpm, q = max(absurd, key=lambda pair: pair[1])
-        note(
-            f"warning: at {rpm:.10g} rpm the follower rises to {q:.3g} m, {q / abs(top):.3g} times "
-            "the cam's lift: a model of rigid bodies means little there"
-        )
-
-
-def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """A table for people on stdout."""
+@contextmanager
+def progress_bar(quiet: bool) -> Iterator[Progress | None]:
+    """A bar on stderr for each thing that is counted, or None where no person watches."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
     from rich.console import Console
-    from rich.table import Table
+    from rich.progress import Progress as Bars
 
-    grid = Table(title=title, title_justify="left")
-    for k, column in enumerate(columns):
-        grid.add_column(column, justify="left" if k == 0 else "right", overflow="fold")
-    for row in rows:
-        grid.add_row(*row)
-    person = Console().is_terminal
-    Console(width=None if person else FILE_WIDTH).print(grid)
+    with Bars(console=Console(stderr=True), transient=True) as bars:
+        tasks: dict[str, Any] = {}
+
+        def show(what: str, done: int, total: int) -> None:
+            if what not in tasks:
+                tasks[what] = bars.add_task(what, total=total)
+            bars.update(tasks[what], completed=done, total=total)
+
+        yield show

@@ -2,79 +2,99 @@
 
 from __future__ import annotations
 
-from functools import partial
+from typing import TYPE_CHECKING, Annotated
 
-from camcli.analysis.simulate import Simulation, simulate
-from camcli.cli.exit_codes import DONE, NUMERICS, note
+from typer import Option
+
 from camcli.cli.options import Request
-from camcli.cli.plan_simulate import simulate_planned
-from camcli.cli.report import finish, table, warn_of_height
-from camcli.cli.setup import Setup, one_speed, set_up, timed
-from camcli.errors import Status
-from camcli.output.run_folder import RunFolder, run_folder
-from camcli.output.tables import events_csv, trajectory_csv
 
-NAME = "simulate"
+if TYPE_CHECKING:
+    from camcli.api.result import Result
+
 SHOWN = 12  # events in the table on stdout
+NOTHING = 1e-18  # m, rounding of a lift
 
 
-def run(request: Request) -> int:
-    """Simulate one orbit and write its artefacts; returns the exit code."""
-    setup = set_up(request, one_speed(request))
-    if request.extra.get("profile_only"):
-        from camcli.cli.cam_profile import run_profile
+def simulate(
+    request: Request,
+    profile_only: Annotated[
+        bool, Option("--profile-only", help="Write and draw the cam, simulate nothing.")
+    ] = False,
+    base_radius: Annotated[
+        float | None, Option("--base-radius", help="Radius of the base circle, m.", metavar="M")
+    ] = None,
+) -> int:
+    """Time response of one orbit: exact events and a sampled trajectory.
 
-        return run_profile(request, setup)
-    rpm, samples = setup.scene.run.rpm, setup.scene.simulate.samples
-    if simulate_planned(request, setup):
-        return DONE
-    with run_folder(request.folder(NAME)) as store:
-        with timed(request) as watch:
-            result = simulate(setup.system, rpm, setup.settings, samples)
-        seconds = watch.seconds
-        store.write_text("trajectory.csv", trajectory_csv(result))
-        store.write_text("events.csv", events_csv(result))
-        _draw(request, setup, store, result)
-        if not request.json:
-            _show(result)
-        finish(NAME, request, setup, store, result.cost, seconds, _summary(result))
-        if not request.quiet:
-            highest = max((row[2] for row in result.trajectory), default=0.0)
-            warn_of_height([(rpm, highest)], setup.system.cam.top)
-        if result.status != Status.OK:
-            status = Status(result.status)
-            note(f"{status.text}: {status.cause}; {status.cure}")
-            return NUMERICS
-        return DONE
+    \b
+    trajectory.csv  t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact (flight, sticking)
+    events.csv      t_s, period, theta_deg, event, q_m, u_minus_m_per_s, u_plus_m_per_s
+    simulate.png    position, relative position and relative phase plane of the last turns
 
+    \b
+    Events: impact; chatter (impacts have accumulated, the follower now sticks); detachment.
+    An impact has two rows in trajectory.csv, just before and just after. t_s counts from the
+    first recorded turn (run.transient), period from the strobe phase; a start off the strobe
+    phase without transient records the rest of that turn as period -1.
 
-def _draw(request: Request, setup: Setup, store: RunFolder, result: Simulation) -> None:
-    if request.no_plot:
-        return
-    from camcli.output.pictures import write_png
-    from camcli.plots.simulate import draw_simulation
+    \b
+    Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a
+    complete chatter); contact: the follower never leaves the cam; aperiodic: no period up to 64
+    turns fits; undecided: too few impacts to tell. A label is what the record shows; near
+    358 rpm a long cycle through inf may be an accident of rounding: cam classify tells.
+    Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
 
-    figure = draw_simulation(result, setup.scene.simulate.plot_turns)
-    store.write("simulate.png", partial(write_png, figure))
+    \b
+    --profile-only writes and draws the cam instead:
+    profile.csv  theta_deg, c_m, c_theta_m_per_rad, c_thetatheta_m_per_rad2, and force_n, the
+                 contact force at the speed; two rows at a corner, left side first
+    profile.png  c and its derivatives, contact force, radius of curvature, corners named
+    Curvature assumes a follower that moves along a line through the axis, base_radius + c minus
+    the lowest c away from it; the radius is the cam's, or that of --base-radius.
+    """
+    from camcli.cli.run import one_speed, run
 
-
-def _summary(result: Simulation) -> dict:
-    return {
-        "rpm": result.rpm,
-        "label": result.label,
-        "status": Status(result.status).text,
-        "periods": result.periods,
-        "events": len(result.events),
-        "corners_deg": result.corners_deg,
-    }
+    show = _show_profile if profile_only else _show
+    options = {"profile_only": True, "base_radius": base_radius} if profile_only else {}
+    return run("simulate", request, one_speed(request), show, options=options)
 
 
-def _show(result: Simulation) -> None:
+def _show(result: Result) -> None:
+    from camcli.cli.report import plural, table
+
+    found = result.values
     rows = [
         [name, str(period), f"{theta:.10f}", f"{u:.6g}", f"{after:.6g}"]
-        for _, period, theta, name, _, u, after in result.events[-SHOWN:]
+        for _, period, theta, name, _, u, after in found.events[-SHOWN:]
     ]
-    title = f"{result.rpm:.10g} rpm: {result.label}, {len(result.events)} events recorded"
-    if len(result.events) > SHOWN:
+    title = f"{found.rpm:.10g} rpm: {found.label}, {plural(len(found.events), 'event')} recorded"
+    if len(found.events) > SHOWN:
         title += f", the last {SHOWN}"
     table(title, ["event", "period", "theta (deg)", "u- (m/s)", "u+ (m/s)"], rows)
+
+
+def _show_profile(result: Result) -> None:
+    from camcli.api.simulate import UNITS
+    from camcli.cli.report import table
+
+    found = result.values
+    rows = []
+    for name, (low, high) in found.ranges.items():
+        for word, extreme in (("least", low), ("largest", high)):
+            value = extreme.value if abs(extreme.value) > NOTHING else 0.0
+            what = f"{word} {name} ({UNITS[name]})"
+            rows.append([what, f"{value:.7g}", f"{extreme.theta_deg:.6g}"])
+    force, bent, first = found.force, found.curvature, found.first
+    what = f"least contact force at {force.rpm:.10g} rpm (N)"
+    rows.append([what, f"{force.lowest_n:.7g}", f"{force.lowest_deg:.6g}"])
+    if first is not None and first.finite:
+        rows.append(["first detachment (rpm)", f"{first.rpm:.10g}", f"{first.theta_deg:.6g}"])
+    if bent.base_radius is not None:
+        least, what = bent.flat_least, "least radius of curvature, flat face (m)"
+        rows.append([what, f"{least.value:.5g}", f"{least.theta_deg:.6g}"])
+    rows.append(["base radius a flat face needs (m)", f"{bent.least_base_radius:.5g}", ""])
+    if bent.roller is not None:
+        place = f"{bent.roller.theta_deg:.6g}"
+        rows.append(["largest roller radius (m)", f"{bent.roller.value:.5g}", place])
+    corners = ", ".join(f"{name} {theta:.8g}" for name, theta in found.corners.items())
+    table(f"Cam, corners (deg): {corners or 'none'}", ["what", "value", "theta (deg)"], rows)

@@ -137,16 +137,16 @@ class Stopwatch:
     def __init__(self, notice: Callable[[], None] | None):
         self.seconds = 0.0
         self.compile_seconds = 0.0
-        self._notice, self._lock = notice, Lock()
+        self.notice, self._lock = notice, Lock()
         self._waiting, self._since = 0, 0.0
 
     @contextmanager
     def waiting(self, entry: str | None) -> Iterator[None]:
         """Count the time in which at least one thread of the run waits."""
         with self._lock:
-            if self._notice is not None and entry is not None and not is_cached(entry):
-                self._notice()
-                self._notice = None
+            if self.notice is not None and entry is not None and not is_cached(entry):
+                self.notice()
+                self.notice = None
             if self._waiting == 0:
                 self._since = perf_counter()
             self._waiting += 1
@@ -166,9 +166,11 @@ _stopwatch: ContextVar[Stopwatch | None] = ContextVar("stopwatch", default=None)
 def stopwatch(notice: Callable[[], None] | None = None) -> Iterator[Stopwatch]:
     """Time a run; `notice` is called once before something is compiled that is not on disk.
 
-    It belongs to this context and the threads that are started in it (`parallel.in_threads`).
+    Without one, that of the run around it is taken. The watch belongs to this context and the
+    threads that are started in it (`parallel.in_threads`).
     """
-    watch, outer = Stopwatch(notice), _stopwatch.get()
+    outer = _stopwatch.get()
+    watch = Stopwatch(outer.notice if notice is None and outer is not None else notice)
     token, began = _stopwatch.set(watch), perf_counter()
     try:
         yield watch

@@ -50,26 +50,11 @@ def error_record(tolerance: float, top: float) -> dict[str, Any]:
     }
 
 
-def run_record(
-    command: str,
-    scene: Mapping[str, Any],
-    scene_hash: str,
-    options: Mapping[str, Any],
-    cost: Mapping[str, Any],
-    error: Mapping[str, Any],
-    result: Mapping[str, Any],
-    artefacts: Mapping[str, str],
-) -> dict[str, Any]:
-    """The record as plain values; `artefacts` maps file names to their SHA-256."""
+def run_record(**parts: Any) -> dict[str, Any]:
+    """The record: command, scene, scene_sha256, options, cost, error, result and artefacts (the
+    SHA-256 of each file), then the program, the versions and the machine."""
     return {
-        "command": command,
-        "scene": scene,
-        "scene_sha256": scene_hash,
-        "options": options,
-        "cost": cost,
-        "error": error,
-        "result": result,
-        "artefacts": artefacts,
+        **parts,
         "program_sha256": program_hash(),
         "versions": {"python": platform.python_version(), **_versions()},
         "machine": {

@@ -1,129 +1,138 @@
-"""CSV text: numbers as the shortest text that reads back to the same double."""
+"""Tables: named columns that become a CSV, an .npz or NumPy arrays; one writer for every CSV.
+
+A number in a CSV is the shortest text that reads back to the same double. No text in a table holds
+a comma or a quote.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import repeat
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice, repeat
+from typing import TYPE_CHECKING, Any, BinaryIO
 
-from camcli.analysis.contact_loss.study import ContactLoss
-from camcli.analysis.simulate import Simulation
-from camcli.analysis.sweep import Speed, Sweep, status_name
-from camcli.system import omega_of
+if TYPE_CHECKING:
+    import numpy as np
 
-TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "contact")
-EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
-IMPACTS = ("rpm", "period", "theta_deg", "q_m", "u_minus_m_per_s")
-STROBE = ("rpm", "period", "q_m", "v_m_per_s", "impacts", "chatter")
-SPEEDS = ("rpm", "label", "impacts", "lyapunov_per_period", "status")
-
-DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s")
-ACCUMULATION = ("rpm", "theta_deg")
-CORNER_HITS = ("impact", "corner", "rpm")
-FORCE = ("rpm", "theta_deg", "force_n")
+Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
+ROWS = 1 << 12  # rows that become a block at a time
+KINDS = {float, int, str, type(None)}
 
 
-def header(columns: Sequence[str]) -> str:
-    """The first line."""
-    return ",".join(columns) + "\n"
+@dataclass(frozen=True)
+class Table:
+    """Named columns of equal length, made anew from the result each time they are read.
+
+    ``table["rpm"]`` is a column as a NumPy array: numbers as float64 or int64, with NaN where a
+    number is not known, texts as strings. ``table.columns`` are the names, as in the CSV file.
+    """
+
+    columns: tuple[str, ...]
+    blocks: Callable[[], Iterator[Block]]
+
+    @classmethod
+    def of_rows(cls, columns: Sequence[str], rows: Callable[[], Iterable[Sequence]]) -> Table:
+        """A table given row by row; None is an empty entry."""
+
+        def blocks() -> Iterator[Block]:
+            found = iter(rows())
+            while some := list(islice(found, ROWS)):
+                yield list(zip(*some, strict=True))
+
+        return cls(tuple(columns), blocks)
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        """The column as an array; raises KeyError."""
+        import numpy as np
+
+        if column not in self.columns:
+            raise KeyError(column)
+        k = self.columns.index(column)
+        parts = [np.asarray(_missing(_spread(block, k))) for block in self.blocks()]
+        return np.concatenate(parts) if parts else np.empty(0)
+
+    def __len__(self) -> int:
+        return sum(_length(block) for block in self.blocks())
+
+    def csv(self) -> Iterator[str]:
+        """The text of the CSV file, a block at a time."""
+        yield ",".join(self.columns) + "\n"
+        before: Block = [None] * len(self.columns)
+        texts: list[Any] = []
+        for block in self.blocks():
+            texts = [
+                texts[k] if _is_column(entry) and entry is before[k] else _texts(entry)
+                for k, entry in enumerate(block)
+            ]
+            before = block
+            single = not any(map(_is_column, block))
+            lines = "\n".join(
+                map(",".join, islice(zip(*texts, strict=False), 1 if single else None))
+            )
+            if lines:
+                yield lines + "\n"
+
+    def npz(self, file: BinaryIO) -> None:
+        """Write the columns as numpy.load reads them; no time stands in the archive."""
+        from zipfile import ZIP_STORED, ZipFile, ZipInfo
+
+        import numpy as np
+
+        count = len(self)
+        with ZipFile(file, "w", ZIP_STORED) as archive:
+            for k, name in enumerate(self.columns):
+                first = next((_spread(block, k) for block in self.blocks()), ())
+                kind = np.dtype("<i8" if np.asarray(first).dtype.kind == "i" else "<f8")
+                header = {"descr": kind.str, "fortran_order": False, "shape": (count,)}
+                with archive.open(ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
+                    np.lib.format.write_array_header_1_0(member, header)
+                    for block in self.blocks():
+                        member.write(np.asarray(_spread(block, k), dtype=kind).tobytes())
 
 
-def mixed_rows(rows: Iterable[Sequence]) -> Iterator[str]:
-    """Lines of rows that hold text beside numbers; no text here contains a comma or a quote."""
-    for row in rows:
-        yield ",".join([repr(v) if isinstance(v, float) else str(v) for v in row]) + "\n"
+def _is_column(entry: Any) -> bool:
+    return hasattr(entry, "__len__") and not isinstance(entry, str)
 
 
-def number_rows(first: str, columns: Sequence[Iterable]) -> str:
-    """Lines that begin with `first`, then numeric columns; equal numbers are formatted once."""
-    texts = [repeat(first), *map(_texts, columns)]
-    lines = "\n".join(map(",".join, zip(*texts, strict=False)))
-    return lines + "\n" if lines else ""
+def _length(block: Block) -> int:
+    return next((len(entry) for entry in block if _is_column(entry)), 1)
 
 
-def _texts(column: Iterable) -> list[str]:
-    """repr of every value; a periodic orbit repeats few values, so each is formatted once."""
-    values = column.tolist() if hasattr(column, "tolist") else list(column)
-    distinct = set(values)
-    if len(distinct) * 2 > len(values):
-        return repr(values)[1:-1].split(", ") if values else []
-    known = {value: repr(value) for value in distinct}
-    return [known[value] for value in values]
+def _spread(block: Block, k: int) -> Any:
+    """Column k of a block, a single value repeated."""
+    return block[k] if _is_column(block[k]) else [block[k]] * _length(block)
 
 
-def trajectory_csv(simulation: Simulation) -> Iterator[str]:
-    """trajectory.csv"""
-    yield header(TRAJECTORY)
-    yield from mixed_rows(simulation.trajectory)
+def _missing(column: Any) -> Any:
+    """None as NaN among numbers, and as an empty text among texts."""
+    if hasattr(column, "dtype") or None not in column:
+        return column
+    empty = "" if any(isinstance(value, str) for value in column) else float("nan")
+    return [empty if value is None else value for value in column]
 
 
-def events_csv(simulation: Simulation) -> Iterator[str]:
-    """events.csv"""
-    yield header(EVENTS)
-    yield from mixed_rows(simulation.events)
+def _texts(entry: Any) -> Iterable[str]:
+    """Texts of a column; a periodic orbit repeats few values, so each is formatted once.
+
+    Raises TypeError for a value of another kind than Python's own numbers and texts.
+    """
+    if not _is_column(entry):
+        return repeat(_text(entry))
+    values = entry.tolist() if hasattr(entry, "tolist") else list(entry)
+    kinds = set(map(type, values))
+    if strange := [k.__name__ for k in kinds - KINDS if not issubclass(k, str)]:
+        raise TypeError(f"a table cannot hold {', '.join(sorted(strange))}")
+    if len(kinds) == 1 and kinds <= {float, int}:
+        distinct = set(values)
+        if 2 * len(distinct) > len(values):
+            return repr(values)[1:-1].split(", ")
+        if kinds == {int} or 0.0 not in distinct:  # 0.0 and -0.0 are one key, and two texts
+            known = {value: repr(value) for value in distinct}
+            return [known[value] for value in values]
+    return list(map(_text, values))
 
 
-def impacts_csv(sweep: Sweep) -> Iterator[str]:
-    """impacts.csv, a speed at a time."""
-    yield header(IMPACTS)
-    for speed in sweep.speeds:
-        yield _of_speed(speed, speed.impacts)
-
-
-def strobe_csv(sweep: Sweep) -> Iterator[str]:
-    """strobe.csv: the state at the start of each recorded period, and what happened in it."""
-    yield header(STROBE)
-    for speed in sweep.speeds:
-        yield _of_speed(speed, speed.strobe)
-
-
-def section_rows(sweep: Sweep, section: str) -> Iterator[tuple[Sequence, ...]]:
-    """The columns of impacts.csv or strobe.csv, the speed first, a speed at a time."""
-    for speed in sweep.speeds:
-        columns = getattr(speed, section)
-        yield [speed.rpm] * len(columns[0]), *columns
-
-
-def speeds_csv(sweep: Sweep) -> Iterator[str]:
-    """speeds.csv"""
-    yield header(SPEEDS)
-    for speed in sweep.speeds:
-        exponent = "" if speed.exponent is None else speed.exponent
-        row = (speed.rpm, speed.label, speed.impact_count, exponent, status_name(speed.status))
-        yield from mixed_rows([row])
-
-
-def detach_csv(study: ContactLoss) -> Iterator[str]:
-    """detach.csv: critical speeds; a speed that does not exist is inf, without a phase."""
-    yield header(DETACH)
-    for c in study.critical_speeds:
-        theta = c.theta_deg if c.finite else ""
-        yield from mixed_rows([(c.quantity, c.region, theta, c.rpm, omega_of(c.rpm))])
-    for hold in study.holds:
-        if hold.detaches_rpm is not None:
-            theta = "" if hold.theta_deg is None else hold.theta_deg
-            omega = omega_of(hold.detaches_rpm)
-            row = (hold.quantity, hold.region, theta, hold.detaches_rpm, omega)
-            yield from mixed_rows([row])
-
-
-def accumulation_csv(study: ContactLoss) -> Iterator[str]:
-    """accumulation.csv"""
-    yield header(ACCUMULATION)
-    yield from mixed_rows((speed.rpm, end) for speed in study.speeds for end in speed.ends)
-
-
-def corner_hits_csv(study: ContactLoss) -> Iterator[str]:
-    """corner_hits.csv"""
-    yield header(CORNER_HITS)
-    yield from mixed_rows((hit.impact, hit.corner, hit.rpm) for hit in study.hits)
-
-
-def force_csv(study: ContactLoss) -> Iterator[str]:
-    """force.csv: two rows at a corner, one for each side."""
-    yield header(FORCE)
-    for curve in study.forces:
-        yield number_rows(repr(curve.rpm), (curve.theta_deg, curve.force_n))
-
-
-def _of_speed(speed: Speed, columns) -> str:
-    return number_rows(repr(speed.rpm), columns)
+def _text(value: Any) -> str:
+    if value is None:
+        return ""
+    return repr(value) if isinstance(value, float) else str(value)

@@ -8,11 +8,11 @@ constants stay finite numbers and a turn of any speed has an end.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Union, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from camcli.cams import CAMS
+from camcli.cams import AnyCam
 from camcli.scene.bench import Bench
 from camcli.scene.fields import (
     Flag,
@@ -43,10 +43,7 @@ ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "prelo
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
 PanelName = Literal["branches", "multipliers", "events"]
 ProfilePanel = Literal["lift", "velocity", "acceleration", "force", "curvature"]
-Cam = Annotated[
-    Union[CAMS],  # type: ignore[valid-type]  # noqa: UP007 - the kinds that are registered
-    Field(discriminator="kind"),
-]
+Cam = Annotated[AnyCam, Field(discriminator="kind")]
 
 
 class Follower(Section):
@@ -261,7 +258,7 @@ class Scene(Section):
     """Everything a run depends on."""
 
     follower: Follower = Field(description="the follower, its spring and its restitution")
-    cam: Cam = Field(description="the cam, by kind")  # type: ignore[valid-type]
+    cam: Cam = Field(description="the cam, by kind")
     run: Run = Field(default_factory=Run, description="one simulation")
     simulate: Simulate = Field(default_factory=Simulate, description="cam simulate")
     sweep: Sweep = Field(default_factory=Sweep, description="cam sweep")

@@ -102,7 +102,7 @@ def test_a_spike_is_named(tmp_path, line, off):
 
 
 def test_a_row_too_little_off_for_a_spike_is_warned_of(tmp_path):
-    from camcli.cli.lift_words import cautions
+    from camcli.api.lift_table import cautions
 
     deg, lift = FINE.splitlines()[149].split(",")
     cam = scene(tmp_path, changed(150, f"{deg},{float(lift) + 0.0009:.4f}", FINE)).cam

@@ -4,10 +4,9 @@ import io
 
 import numpy as np
 import pytest
+from camcli.output.bulk import write_npz
 from hypothesis import given
 from hypothesis import strategies as st
-
-from camcli.output.bulk import write_npz
 
 SETS = st.lists(st.lists(st.tuples(st.integers(-9, 9), st.floats(allow_nan=False))), max_size=4)
 

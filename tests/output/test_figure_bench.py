@@ -3,12 +3,13 @@
 from io import BytesIO
 from math import nan
 
+from camcli.output.bench import rows_csv
+
 from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK
 from camcli.analysis.bench.precision import GIVEN_UP, MISSED, OVER, Measured
 from camcli.analysis.bench.scenes import Scene
 from camcli.analysis.bench.stability import Outcome
 from camcli.cli.bench import PRECISION_CSV, SCENES_CSV, STABILITY_CSV
-from camcli.output.bench import rows_csv
 from camcli.output.pictures import write_png
 from camcli.plots.bench import draw_precision, draw_stability
 

@@ -1,4 +1,4 @@
-"""What a measured lift table is worth, in words, and for run.json."""
+"""What a measured lift table is worth, as values and in words."""
 
 from __future__ import annotations
 
@@ -6,24 +6,27 @@ from dataclasses import asdict
 from math import isfinite, sqrt
 from typing import TYPE_CHECKING, Any
 
+from camcli.errors import shown
+
 if TYPE_CHECKING:
     from camcli.cams.lift_fit import Accuracy
-    from camcli.cli.setup import Setup
+    from camcli.cams.lift_table import TableCam
+    from camcli.scene import Scene
+    from camcli.system import System
 
+LONGEST_NAME = 500  # characters of a path in a note
 MEANING = (
     "bound: 4 standard errors of rounding plus what smoothing may have changed; an estimate, "
     "since no table says what the cam does between its rows"
 )
 
 
-def table_record(setup: Setup) -> dict[str, Any] | None:
-    """The fit of a lift table for run.json, None for other kinds of cam."""
-    if setup.scene.cam.kind != "table":
-        return None
+def table_record(cam: TableCam, system: System) -> dict[str, Any]:
+    """The fit of the lift table, and the speeds between which contact is first lost."""
     from camcli.analysis.contact_loss.detachment import first_loss_range
 
-    accuracy: Accuracy = setup.scene.cam.accuracy
-    speeds = first_loss_range(setup.system, setup.scene.cam.errors.bounds)
+    accuracy = cam.accuracy
+    speeds = first_loss_range(system, cam.errors.bounds)
     return {
         **asdict(accuracy),
         "bound": accuracy.bound,
@@ -79,3 +82,14 @@ def bound_line(record: dict[str, Any]) -> str:
     if high is None:
         return text + f"first detachment from {low:.6g} rpm on, or never"
     return text + f"first detachment between {low:.6g} and {high:.6g} rpm"
+
+
+def table_notes(scene: Scene) -> list[str]:
+    """What a user should know of a measured cam before anything is computed."""
+    if scene.cam.kind != "table":
+        return []
+    file, notes = shown(scene.cam.file, LONGEST_NAME), []
+    if scene.cam.outside:
+        where = shown(scene.cam.outside, LONGEST_NAME)
+        notes.append(f"note: cam.file: reads {where}, outside the scene's folder")
+    return [*notes, fit_line(scene.cam.accuracy, file), *cautions(scene.cam.accuracy)]

@@ -1,0 +1,276 @@
+"""camcli.basins: which attractor each start lands on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from camcli.analysis.basins.mapping import SIMPLE, Basins, Question
+from camcli.analysis.basins.refine import leaves
+from camcli.analysis.basins.study import Speed, Study, study
+from camcli.analysis.basins.window import Window
+from camcli.analysis.sweep import rpm_grid, status_name
+from camcli.api.orbits import MULTIPLIERS
+from camcli.api.result import Progress, Result, machine_of
+from camcli.errors import Fault, SceneError, Status
+from camcli.kernel.backend import stopwatch
+from camcli.output.tables import Block, Table
+from camcli.parallel import Work
+from camcli.scene import Scene
+from camcli.system import omega_of
+
+ATTRACTORS = ("attractor", "label", "q_m", "v_m_per_s", "fraction", "standard_error", "rpm")
+GROWTH = (*MULTIPLIERS, "lyapunov_per_period")
+BASINS = ("q_m", "v_m_per_s", "attractor")
+ROWS = 1 << 16  # of a refined grid at a time
+CRITERION = {
+    "orbit": "a cell belongs to a periodic attractor when one whole period leads from ellipse to "
+    "ellipse about its section points, with the attractor's impacts turn by turn, and the form of "
+    "the ellipses shrinks by the factor given; to an aperiodic one when as many turns in a row as "
+    "given lie in the boxes it visits; undecided when neither happens within the budget",
+    "simple": "a cell goes to the cell that holds the image of its centre after one turn; the "
+    "centre of the first cell of each cycle, and cells whose image leaves the window, are followed "
+    "as orbits by the criterion of orbit mapping",
+}
+
+
+def basins(
+    scene: Scene | None = None, progress: Progress | None = None, *, work: Work | None = None
+) -> Result:
+    """Map a window of starts at the strobe phase onto the attractors they reach.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        The machine and the section ``basins``: a window of position and velocity, the number of
+        cells, one speed or a range of speeds; the default scene if left out.
+    progress : callable, optional
+        Called as ``progress(what, done, total)``.
+    work : Work, optional
+        How the cells are computed: threads, a cluster, pieces kept on disk. It never changes a
+        result.
+
+    Returns
+    -------
+    Result
+        Tables ``attractors`` and, of one speed, ``basins`` (a row per cell; 0 is undecided, a
+        negative number a status). In ``summary`` basin entropy, boundary entropy and, with
+        ``basins.boundary``, the uncertainty exponent.
+
+    Raises
+    ------
+    SceneError
+        If a cell map shall be refined.
+
+    References
+    ----------
+    Cell mapping: C. S. Hsu, Cell-to-Cell Mapping (1987). Basin entropy: A. Daza, A. Wagemakers,
+    B. Georgeot, D. Guery-Odelin and M. A. F. Sanjuan, Scientific Reports 6 (2016) 31416.
+    """
+    machine = machine_of(scene)
+    scene, section, system = machine.scene, machine.scene.basins, machine.system
+    question = _question(scene)
+    span = section.rpm
+    rpms = rpm_grid(span.start, span.stop, 1 if span.start == span.stop else span.num)
+    total = question.window.count * len(rpms)
+    done = 0
+
+    def on_cells(cells: int) -> None:
+        nonlocal done
+        done += cells
+        if progress is not None:
+            progress("cells", min(done, total), total)
+
+    with stopwatch() as watch:
+        found = study(
+            system,
+            rpms,
+            machine.settings,
+            question,
+            boundary=section.boundary,
+            exponents=section.exponents,
+            work=work or Work(),
+            on_cells=on_cells,
+        )
+    tables = {"attractors": _attractors_table(found)}
+    if found.grid is not None:
+        grid = found.grid
+        tables["basins"] = Table(BASINS, lambda: _cell_blocks(grid, question.refine))
+
+    def draw():
+        from camcli.plots.basins import draw_basins
+
+        return draw_basins(found, question, system)
+
+    return Result(
+        command="basins",
+        scene=scene,
+        system=system,
+        values=(found, question),
+        tables=tables,
+        summary=_summary(found, question),
+        pictures={"basins": draw},
+        cost=found.cost,
+        seconds=watch.seconds,
+        notes=tuple(_notes(found, question)),
+        complete=not found.troubled,
+    )
+
+
+def _question(scene: Scene) -> Question:
+    section = scene.basins
+    if section.method == SIMPLE and section.refine:
+        found = f"found {section.refine} with the method simple"
+        expected = "expected the method orbit: a cell map has one size of cells"
+        cure = "use --method orbit, or more --cells"
+        raise SceneError(Fault("", "basins.refine", found, expected, cure))
+    window = Window(section.q, section.v, *section.cells)
+    return Question(window, section.method, section.budget, section.refine)
+
+
+def _notes(found: Study, question: Question) -> list[str]:
+    """What stayed undecided, and a sentence for each kind of trouble."""
+    notes = []
+    if not any(speed.computed for speed in found.speeds):
+        notes.append("no start of this window lies above the cam: raise basins.q")
+    words = undecided_words(found, question)
+    if words:
+        notes.append(words)
+    for code in sorted({code for speed in found.speeds for code in speed.troubled}):
+        cells = sum(speed.troubled.get(code, 0) for speed in found.speeds)
+        status = Status(code)
+        notes.append(f"{status.text} in {cells} cells: {status.cause}; {status.cure}")
+    return notes
+
+
+def _attractors_table(found: Study) -> Table:
+    """By speed and number; what belongs to no attractor has a code of 0 or less.
+
+    With exponents asked for, multipliers of solved orbits and the largest exponent are appended.
+    """
+    asked = any(speed.exponents is not None for speed in found.speeds)
+    columns = (*ATTRACTORS, *(GROWTH if asked else ()))
+    return Table.of_rows(columns, lambda: (row for speed in found.speeds for row in _rows(speed)))
+
+
+def _rows(speed: Speed):
+    order = sorted(range(len(speed.attractors)), key=lambda k: speed.branches[k])
+    for k in order:
+        attractor = speed.attractors[k]
+        q, w = attractor.states[0]
+        v = w * omega_of(speed.rpm)
+        share = speed.fractions[k + 1]
+        row = (speed.branches[k], attractor.label, float(q), float(v), *share, speed.rpm)
+        yield (*row, *_growth(speed, k))
+    for code, share in speed.fractions.items():
+        if code <= 0:
+            name = "undecided" if code == 0 else status_name(-code)
+            yield (code, name, None, None, *share, speed.rpm, *_growth(speed, None))
+
+
+def _growth(speed: Speed, k: int | None) -> list:
+    """Multipliers and exponent of an attractor, empty where there are none."""
+    if speed.exponents is None:
+        return []
+    if k is None:
+        return [None] * len(GROWTH)
+    pair, exponent = speed.attractors[k].multipliers, speed.exponents[k]
+    if pair is None:
+        return [None] * 4 + [exponent]
+    numbers = [x for z in pair for x in (z.real + 0.0, z.imag + 0.0)]
+    return [*numbers, exponent]
+
+
+def _cell_blocks(grid: Basins, refine: int) -> Iterator[Block]:
+    """Row by row in v, then q; of a refined grid the cells that were not cut."""
+    window = grid.window
+    if grid.level is None:
+        q = tuple(window.q_of(np.arange(window.nq)).tolist())
+        for v, codes in zip(window.v_of(np.arange(window.nv)).tolist(), grid.codes, strict=True):
+            yield q, v, codes
+        return
+    sides = [1 << (refine - k) for k in range(refine + 1)]  # finest cells along a cell's side
+    sizes = [window.with_cells(window.nq // side, window.nv // side) for side in sides]
+    q_of = [size.q_of(np.arange(size.nq)) for size in sizes]
+    v_of = [size.v_of(np.arange(size.nv)) for size in sizes]
+    found = leaves(grid.level, refine)
+    for begin in range(0, len(found), ROWS):
+        some = found[begin : begin + ROWS]
+        rows, columns = some // window.nq, some % window.nq
+        level = grid.level[rows, columns]
+        q_m, v_m_per_s = np.empty(len(some)), np.empty(len(some))
+        for n in range(refine + 1):
+            own = level == n
+            q_m[own] = q_of[n][columns[own] >> (refine - n)]
+            v_m_per_s[own] = v_of[n][rows[own] >> (refine - n)]
+        yield q_m, v_m_per_s, grid.codes[rows, columns]
+
+
+def _summary(result: Study, question: Question) -> dict[str, Any]:
+    """What run.json keeps beside the tables."""
+    return {
+        "method": question.method,
+        "criterion": CRITERION[question.method],
+        "budget_turns": question.budget,
+        "speeds": [_record(speed, question) for speed in result.speeds],
+    }
+
+
+def _record(speed: Speed, question: Question) -> dict[str, Any]:
+    doubt = speed.uncertainty
+    return {
+        "rpm": speed.rpm,
+        "attractors": [_attractor(speed, k) for k in range(len(speed.attractors))],
+        "cells": speed.cells,
+        "computed": speed.computed,
+        "computed_share": speed.computed / speed.cells,
+        "undecided": speed.undecided,
+        "troubled": {status_name(code): cells for code, cells in speed.troubled.items()},
+        "turns_per_cell": dict(zip(("median", "percentile_99", "most"), speed.turns, strict=True)),
+        **speed.entropies,
+        "uncertainty": None if doubt is None else {
+            "exponent": doubt.exponent,
+            "standard_error": doubt.error,
+            "boundary_dimension": doubt.dimension,
+            "error_share_count": [list(row) for row in doubt.rows],
+        },
+    }  # fmt: skip
+
+
+def _attractor(speed: Speed, k: int) -> dict[str, Any]:
+    attractor, region = speed.attractors[k], speed.regions[k]
+    fraction, error = speed.fractions[k + 1]
+    found: dict[str, Any] = {
+        "attractor": speed.branches[k],
+        "label": attractor.label,
+        "turns": attractor.turns or None,
+        "states_q_m_v_m_per_s": [[q, w * omega_of(speed.rpm)] for q, w in attractor.states],
+        "multipliers": [[z.real, z.imag] for z in map(complex, attractor.multipliers or ())],
+        "fraction": fraction,
+        "standard_error": error,
+    }
+    if region is None:
+        return {**found, "turns_in_boxes": speed.stays[k]}
+    return {
+        **found,
+        "ellipse_radius_over_size": region.radius,
+        "form_shrinks_by": region.shrink,
+        "ring_of_starts_returns": region.returns,
+        "half_widths_q_m_v_m_per_s": [
+            [dq, dw * omega_of(speed.rpm)] for dq, dw in region.half_widths().tolist()
+        ],
+    }
+
+
+def undecided_words(result: Study, question: Question) -> str:
+    """A note on cells that stayed undecided, '' where none did."""
+    cells = sum(speed.undecided for speed in result.speeds)
+    if not cells:
+        return ""
+    total = sum(speed.cells for speed in result.speeds)
+    return (
+        f"undecided: {cells} of {total} cells met no attractor within {question.budget} turns; "
+        "raise basins.budget, or the motion is a long transient or has no attractor"
+    )

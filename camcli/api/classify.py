@@ -1,0 +1,176 @@
+"""camcli.classify: the motion at every speed by name, its exponents, and why they change."""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any
+
+from camcli.analysis.classify import Motion
+from camcli.analysis.classify import classify as run
+from camcli.analysis.integrate import Cost
+from camcli.analysis.orbits.locate import CORNER
+from camcli.analysis.sweep import rpm_grid, status_name
+from camcli.api.orbits import BIFURCATIONS, bifurcation_row
+from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
+from camcli.errors import Fault, SceneError, Status
+from camcli.kernel.backend import stopwatch
+from camcli.output.explanations import explained
+from camcli.output.tables import Table
+from camcli.parallel import Work
+from camcli.scene import Scene
+
+if TYPE_CHECKING:
+    from camcli.analysis.explain.changes import Explanation
+    from camcli.analysis.exponents import Exponents
+
+CLASSIFY = (
+    "rpm", "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status",
+)  # fmt: skip
+
+
+def classify(
+    scene: Scene | None = None, progress: Progress | None = None, *, work: Work | None = None
+) -> Result:
+    """Name the motion at every speed of ``scene.classify.rpm`` and measure its exponents.
+
+    A motion is called periodic when Newton's method solves its orbit and the motion approaches it,
+    aperiodic when its largest Lyapunov exponent is positive by three standard errors, and undecided
+    otherwise.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        The machine and the section ``classify``; the default scene if left out.
+    progress : callable, optional
+        Called as ``progress(what, done, total)``.
+    work : Work, optional
+        Its number of threads is used; it never changes a result.
+
+    Returns
+    -------
+    Result
+        Tables ``classify`` (a row per attractor found at a speed) and ``corners`` (corner impacts
+        behind the changes, with ``classify.explain``).
+
+    Raises
+    ------
+    SceneError
+        If the start lies below the cam, or the changes of a single speed shall be explained.
+
+    References
+    ----------
+    Derivative of the motion across impacts: R. I. Leine and H. Nijmeijer, Dynamics and Bifurcations
+    of Non-Smooth Mechanical Systems (2004).
+    """
+    machine = machine_of(scene)
+    section = machine.scene.classify
+    if section.explain and section.rpm.num < 2:
+        found, cure = f"found one speed, {section.rpm.start!r}", "give --rpm LO:HI and --points"
+        raise SceneError(Fault("--explain", "classify.rpm", found, "expected a range", cure))
+    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
+    with stopwatch() as watch:
+        threads = None if work is None else work.threads
+        tick = ticks(progress, "speeds", len(rpms))
+        motions = run(
+            machine.system, machine.settings, rpms, section.starts, section.seed, threads, tick
+        )
+        explanation = _explanation(machine, motions, progress) if section.explain else None
+
+    def draw():
+        from camcli.plots.classify import draw_classify
+
+        return draw_classify(motions, machine.system, explanation.events if explanation else ())
+
+    troubled = [(m.rpm, m.status) for m in motions if m.status != Status.OK]
+    return Result(
+        command="classify",
+        scene=machine.scene,
+        system=machine.system,
+        values=(motions, explanation),
+        tables={
+            "classify": Table.of_rows(CLASSIFY, lambda: map(_row, motions)),
+            "corners": corners_table(explanation),
+        },
+        summary={
+            "words": remarks(motions),
+            "motions": [_motion(m) for m in motions],
+            **(explained(explanation) if explanation else {}),
+        },
+        pictures={"classify": draw},
+        cost=sum((m.cost for m in motions), explanation.cost if explanation else Cost()),
+        seconds=watch.seconds,
+        notes=tuple(status_notes(troubled)),
+        complete=not troubled,
+    )
+
+
+def _explanation(machine: Machine, motions: list[Motion], progress) -> Explanation:
+    """The changes of the motion from the scene's own start."""
+    from camcli.analysis.explain.changes import explain
+
+    own = [m for m in motions if m.start == machine.settings.start]
+    tick = ticks(progress, "changes", max(1, len(own) - 1))
+    return explain(machine.system, machine.settings, own, tick)
+
+
+def corners_table(explanation: Explanation | None) -> Table:
+    """corners.csv: corner impacts of the followed branches."""
+    found = [] if explanation is None else explanation.bifurcations
+    corners = [b for b in found if b.kind == CORNER]
+    return Table.of_rows(BIFURCATIONS, lambda: (bifurcation_row(b, "rpm") for b in corners))
+
+
+def _row(m: Motion) -> tuple:
+    stable = None if m.stable is None else int(m.stable)
+    exponent = None if m.exponents is None else m.exponents.largest
+    return m.rpm, m.label, m.period, m.impacts, m.chatter, stable, exponent, status_name(m.status)
+
+
+def remarks(motions: list[Motion]) -> list[str]:
+    """Sentences: the sum rule, sticking, what is undecided."""
+    said = []
+    defects = [abs(m.exponents.defect) for m in motions if m.exponents and _finite(m.exponents)]
+    if defects:
+        said.append(
+            "sum of the exponents minus (2 ln r) impacts per turn + b T/m: at most "
+            f"{max(defects):.1g} over {len(defects)} motions"
+        )
+    if any(m.exponents and m.exponents.largest == -inf for m in motions):
+        said.append(
+            "where the follower rests on the cam both exponents are -inf: every difference between "
+            "two motions is forgotten"
+        )
+    undecided = [m for m in motions if m.label == "undecided"]
+    if undecided:
+        rpms = ", ".join(f"{m.rpm:.10g}" for m in undecided[:5])
+        more = ", ..." if len(undecided) > 5 else ""
+        said.append(
+            f"undecided at {len(undecided)} speeds ({rpms}{more}): no orbit up to 64 turns could "
+            "be solved and no positive exponent shown, or a rest is forgotten before the next one"
+        )
+    return said
+
+
+def _finite(e: Exponents) -> bool:
+    return isfinite(e.largest) and isfinite(e.second)
+
+
+def _motion(m: Motion) -> dict[str, Any]:
+    e = m.exponents
+    return {
+        "rpm": m.rpm, "label": m.label, "period": m.period, "impacts": _plain(m.impacts),
+        "chatter": m.chatter, "stable": m.stable, "transient_turns": m.transient,
+        "status": status_name(m.status), "start": vars(m.start),
+        "multipliers": None if m.orbit is None else [[z.real, z.imag] for z in m.orbit.multipliers],
+        "exponents": None if e is None else {
+            "largest": _plain(e.largest), "second": _plain(e.second), "standard_error": e.spread,
+            "sum_rule": _plain(e.rule), "defect": _plain(e.defect),
+        },
+    }  # fmt: skip
+
+
+def _plain(value: float) -> float | str | None:
+    """JSON has no infinities: they are words, and nan is null."""
+    if isfinite(value):
+        return value
+    return None if value != value else ("inf" if value > 0.0 else "-inf")

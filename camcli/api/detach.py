@@ -1,0 +1,117 @@
+"""camcli.detach: where contact is lost, where chatter ends, and the spring that holds contact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from camcli.analysis.contact_loss.detachment import SpeedStatus
+from camcli.analysis.contact_loss.study import ContactLoss
+from camcli.analysis.contact_loss.study import detach as run
+from camcli.analysis.sweep import rpm_grid
+from camcli.api.result import Progress, Result, machine_of, status_notes, ticks
+from camcli.kernel.backend import stopwatch
+from camcli.output.detach import summary
+from camcli.output.tables import Block, Table
+from camcli.scene import Scene
+from camcli.system import omega_of
+
+DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s")
+ACCUMULATION = ("rpm", "theta_deg")
+CORNER_HITS = ("impact", "corner", "rpm")
+FORCE = ("rpm", "theta_deg", "force_n")
+
+
+def detach(scene: Scene | None = None, progress: Progress | None = None) -> Result:
+    """Critical speeds at which contact is lost, from the contact force, and the chatter after it.
+
+    The contact force of the follower kept on the cam is N = k c + b c' + m g + F0 + m c''; contact
+    is first lost at the speed where it falls to zero, and a chatter that follows accumulates at the
+    phase found by following it from rest.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        The machine and the section ``detach``; the default scene if left out.
+    progress : callable, optional
+        Called as ``progress(what, done, total)``.
+
+    Returns
+    -------
+    Result
+        Tables ``detach`` (critical speeds; infinite where contact is never lost), ``accumulation``
+        (phases at which chatter ends), ``corner_hits`` (speeds at which the n-th impact lands on a
+        corner) and ``force``.
+
+    References
+    ----------
+    Chatter and its map: C. Budd and F. Dux, Phil. Trans. R. Soc. A 347 (1994) 365-389.
+    """
+    machine = machine_of(scene)
+    section, system = machine.scene.detach, machine.system
+    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
+    with stopwatch() as watch:
+        found = run(
+            system,
+            rpms,
+            machine.settings,
+            settle=section.settle,
+            impacts=section.impacts,
+            force_rpm=section.force_rpm,
+            hold_rpm=section.hold_to,
+            margin=section.margin_n,
+            precompression=section.precompression_m,
+            on_speed=ticks(progress, "speeds", len(rpms)),
+        )
+
+    def draw():
+        from camcli.plots.detach import draw_detach
+
+        return draw_detach(found, system)
+
+    unsettled = [c for c in found.critical_speeds if c.status is SpeedStatus.UNRESOLVED]
+    return Result(
+        command="detach",
+        scene=machine.scene,
+        system=system,
+        values=found,
+        tables={
+            "detach": Table.of_rows(DETACH, lambda: _critical_rows(found)),
+            "accumulation": Table.of_rows(
+                ACCUMULATION,
+                lambda: ((speed.rpm, end) for speed in found.speeds for end in speed.ends),
+            ),
+            "corner_hits": Table.of_rows(
+                CORNER_HITS, lambda: ((hit.impact, hit.corner, hit.rpm) for hit in found.hits)
+            ),
+            "force": Table(FORCE, lambda: _force_blocks(found)),
+        },
+        summary=summary(found),
+        pictures={"detach": draw},
+        cost=found.cost,
+        seconds=watch.seconds,
+        notes=(
+            *status_notes(found.troubled),
+            *(
+                f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket"
+                for c in unsettled
+            ),
+        ),
+        complete=not (found.troubled or unsettled),
+    )
+
+
+def _critical_rows(found: ContactLoss) -> Iterator[tuple]:
+    """Critical speeds; a speed that does not exist is inf, without a phase."""
+    for c in found.critical_speeds:
+        theta = c.theta_deg if c.finite else None
+        yield c.quantity, c.region, theta, c.rpm, omega_of(c.rpm)
+    for hold in found.holds:
+        if hold.detaches_rpm is not None:
+            rpm = hold.detaches_rpm
+            yield hold.quantity, hold.region, hold.theta_deg, rpm, omega_of(rpm)
+
+
+def _force_blocks(found: ContactLoss) -> Iterator[Block]:
+    """Two rows at a corner, one for each side."""
+    for curve in found.forces:
+        yield curve.rpm, curve.theta_deg, curve.force_n

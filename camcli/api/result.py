@@ -1,0 +1,214 @@
+"""What every analysis gives: tables, a summary, pictures, notes, cost, and a way to save them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from camcli.analysis.integrate import Cost, Settings, Start
+from camcli.errors import Status
+from camcli.scene import Scene, load_scene, resolved, scene_hash
+from camcli.system import Follower, System
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from camcli.output.run_folder import RunFolder
+    from camcli.output.tables import Table
+
+Progress = Callable[[str, int, int], None]  # what is counted, how many are done, of how many
+SHOWN = 5  # speeds named in a note
+
+
+@dataclass(frozen=True)
+class Result:
+    """The result of one analysis of one scene.
+
+    Attributes
+    ----------
+    command : str
+        The analysis: "simulate", "sweep", "detach", "orbits", "basins" or "classify".
+    scene : Scene
+        What was asked, with every default filled in.
+    tables : Mapping[str, Table]
+        Tables by the names of the CSV files without their ending; ``tables["speeds"]["rpm"]`` is a
+        NumPy array. The unit stands in the name of a column.
+    summary : Mapping[str, Any]
+        Plain values beside the tables: the entry ``result`` of run.json.
+    notes : tuple of str
+        Warnings, and what could not be settled, as the command prints them.
+    complete : bool
+        False where a row's status is not ok or a search found no safe bracket (the command then
+        ends with exit code 3). All good rows are there.
+    cost : Cost
+        Impacts and gap evaluations, those of transients included.
+    seconds : float
+        Time of the analysis, without that of compiling the kernel.
+    values : object
+        The frozen dataclass of the analysis, from which all of this was made.
+    """
+
+    command: str
+    scene: Scene
+    system: System
+    values: Any
+    tables: Mapping[str, Table]
+    summary: Mapping[str, Any]
+    pictures: Mapping[str, Callable[[], Figure]]
+    cost: Cost = field(default_factory=Cost)
+    seconds: float = 0.0
+    notes: tuple[str, ...] = ()
+    complete: bool = True
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def save(self, folder: str | Path, *, plot: bool = True) -> Mapping[str, Any]:
+        """Write the files of the command `cam COMMAND -o folder`, byte for byte.
+
+        Parameters
+        ----------
+        folder : path
+            Made if need be. Files of an earlier run are replaced at once at the end, each whole.
+        plot : bool
+            False leaves out the pictures.
+
+        Returns
+        -------
+        Mapping
+            The content of run.json.
+
+        Raises
+        ------
+        SceneError
+            If the folder cannot be written, or another run is at work in it.
+        """
+        from camcli.output.run_folder import run_folder
+
+        with run_folder(Path(folder)) as run:
+            return self.write(run, plot=plot)
+
+    def write(
+        self, folder: RunFolder, *, plot: bool = True, from_disk: int = 0
+    ) -> Mapping[str, Any]:
+        """`save` into an open folder; from_disk: pieces that an interrupted run had computed."""
+        from camcli.output.run_record import to_text
+
+        binary = self.command == "sweep" and self.scene.sweep.tables == "npz"
+        for name, table in self.tables.items():
+            if binary and name != "speeds":
+                folder.write(f"{name}.npz", table.npz)
+            else:
+                folder.write_text(f"{name}.csv", table.csv())
+        for name, draw in self.pictures.items() if plot else ():
+            from camcli.output.pictures import write_png
+
+            folder.write(f"{name}.png", partial(write_png, draw()))
+        record = self.record({**self.options, "plot": plot}, dict(folder.hashes), from_disk)
+        folder.write_text("run.json", [to_text(record)])
+        folder.commit()
+        return record
+
+    def record(
+        self, options: Mapping[str, Any], artefacts: Mapping[str, str], from_disk: int = 0
+    ) -> dict[str, Any]:
+        """The content of run.json."""
+        from camcli.output.run_record import cost_record, run_record
+
+        return run_record(
+            command=self.command,
+            scene=resolved(self.scene),
+            scene_sha256=scene_hash(self.scene),
+            options=options,
+            cost=cost_record(self.cost, self.seconds, from_disk),
+            error=self.errors(),
+            result=self.summary,
+            artefacts=artefacts,
+        )
+
+    def errors(self) -> dict[str, Any]:
+        """Bounds on the error of one event, and what a measured cam leaves open."""
+        from camcli.output.run_record import error_record
+
+        errors = error_record(self.scene.run.chatter_tolerance, self.system.cam.top)
+        if self.scene.cam.kind == "table":
+            from camcli.api.lift_table import table_record
+
+            errors["lift_table"] = table_record(self.scene.cam, self.system)
+        return errors
+
+
+def plot(result: Result, picture: str | None = None) -> Figure:
+    """Draw a result.
+
+    Parameters
+    ----------
+    result : Result
+        Of any analysis.
+    picture : str, optional
+        Which of ``result.pictures``; the first by default.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A figure of its own: nothing is written, pyplot and its settings are not touched.
+
+    Raises
+    ------
+    KeyError
+        If the result has no such picture.
+    """
+    return result.pictures[next(iter(result.pictures)) if picture is None else picture]()
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What the analyses need of a scene."""
+
+    scene: Scene
+    system: System
+    settings: Settings
+
+
+def machine_of(scene: Scene | None) -> Machine:
+    """The compiled machine of a scene (None: the default scene) and the settings of its runs."""
+    scene = load_scene(None) if scene is None else scene
+    run = scene.run
+    follower = Follower(**scene.follower.model_dump())
+    settings = Settings(
+        transient=run.transient,
+        record=run.record,
+        chatter_tolerance=run.chatter_tolerance,
+        impact_budget=run.impact_budget,
+        start=Start(run.start.q, run.start.v, run.start.theta_deg),
+    )
+    return Machine(scene, System.build(follower, scene.cam.parts(), run.strobe_deg), settings)
+
+
+def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., None]:
+    """A function to call once for each of `total` things that are done."""
+    done = 0
+
+    def tick(*_: object) -> None:
+        nonlocal done
+        done += 1
+        if progress is not None:
+            progress(what, done, total)
+
+    return tick
+
+
+def status_notes(troubled: Iterable[tuple[float, int]]) -> list[str]:
+    """A sentence for each kind of trouble; troubled: (rpm, status)."""
+    by_status: dict[int, list[float]] = {}
+    for rpm, code in troubled:
+        by_status.setdefault(code, []).append(rpm)
+    notes = []
+    for code, rpms in sorted(by_status.items()):
+        status = Status(code)
+        shown = ", ".join(f"{rpm:.10g}" for rpm in rpms[:SHOWN])
+        shown += ", ..." if len(rpms) > SHOWN else ""
+        speeds = "1 speed" if len(rpms) == 1 else f"{len(rpms)} speeds"
+        notes.append(f"{status.text} at {speeds} ({shown} rpm): {status.cause}; {status.cure}")
+    return notes

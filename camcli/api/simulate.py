@@ -1,0 +1,200 @@
+"""camcli.simulate: one orbit in time, or only the cam it moves on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite
+from typing import Any
+
+from camcli.analysis.integrate import Cost
+from camcli.api.result import Machine, Progress, Result, machine_of
+from camcli.errors import Fault, SceneError, Status
+from camcli.kernel.backend import stopwatch
+from camcli.output.tables import Table
+from camcli.scene import Scene
+from camcli.system import omega_of
+
+TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "contact")
+EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
+PROFILE = ("theta_deg", "c_m", "c_theta_m_per_rad", "c_thetatheta_m_per_rad2", "force_n")
+UNITS = {"c": "m", "c_theta": "m/rad", "c_thetatheta": "m/rad2"}
+ABSURD_HEIGHT = 1000.0  # times the cam's lift
+
+
+def simulate(
+    scene: Scene | None = None,
+    progress: Progress | None = None,
+    *,
+    profile_only: bool = False,
+    base_radius: float | None = None,
+) -> Result:
+    """Time response of one orbit: exact events, and a trajectory from the closed-form flow.
+
+    Free flight obeys m q'' + b q' + k q = -m g - F0, an impact the reset map u+ = -r u-, and a
+    complete chatter ends in sticking until the contact force falls to zero.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        The machine, the speed ``run.rpm``, the start and the number of turns; the default scene if
+        left out. ``simulate.samples`` points a turn are sampled beside the events.
+    progress : callable, optional
+        Not called: one orbit is one piece.
+    profile_only : bool
+        Only the cam: lift, derivatives, contact force and curvature over one turn, no motion.
+    base_radius : float, optional
+        With ``profile_only``: radius of the base circle, m, for the curvature.
+
+    Returns
+    -------
+    Result
+        Tables ``trajectory`` and ``events``; with ``profile_only`` the table ``profile``.
+
+    Raises
+    ------
+    SceneError
+        If the start lies below the cam.
+
+    References
+    ----------
+    Closing a chatter by its map: A. B. Nordmark and P. T. Piiroinen, Nonlinear Dynamics 58 (2009)
+    85-106.
+    """
+    machine = machine_of(scene)
+    if profile_only:
+        return _profile(machine, base_radius)
+    from camcli.analysis.simulate import simulate as run
+
+    scene, system = machine.scene, machine.system
+    with stopwatch() as watch:
+        found = run(system, scene.run.rpm, machine.settings, scene.simulate.samples)
+    ended = [(found.rpm, found.status)] if found.status != Status.OK else []
+    highest = max((row[2] for row in found.trajectory), default=0.0)
+
+    def draw():
+        from camcli.plots.simulate import draw_simulation
+
+        return draw_simulation(found, turns=scene.simulate.plot_turns)
+
+    return Result(
+        command="simulate",
+        scene=scene,
+        system=system,
+        values=found,
+        tables={
+            "trajectory": Table.of_rows(TRAJECTORY, lambda: found.trajectory),
+            "events": Table.of_rows(EVENTS, lambda: found.events),
+        },
+        summary={
+            "rpm": found.rpm,
+            "label": found.label,
+            "status": Status(found.status).text,
+            "periods": found.periods,
+            "events": len(found.events),
+            "corners_deg": found.corners_deg,
+        },
+        pictures={"simulate": draw},
+        cost=found.cost,
+        seconds=watch.seconds,
+        notes=(*height_notes([(found.rpm, highest)], system.cam.top), *_ended(ended)),
+        complete=not ended,
+    )
+
+
+def _ended(troubled: list[tuple[float, int]]) -> list[str]:
+    statuses = [Status(code) for _, code in troubled]
+    return [f"{status.text}: {status.cause}; {status.cure}" for status in statuses]
+
+
+def height_notes(heights, top: float) -> list[str]:
+    """A warning where the follower flies absurdly high; heights: (rpm, largest q in m)."""
+    absurd = [(rpm, q) for rpm, q in heights if q > ABSURD_HEIGHT * abs(top)]
+    if not absurd:
+        return []
+    rpm, q = max(absurd, key=lambda pair: pair[1])
+    return [
+        f"warning: at {rpm:.10g} rpm the follower rises to {q:.3g} m, {q / abs(top):.3g} times "
+        "the cam's lift: a model of rigid bodies means little there"
+    ]
+
+
+def _profile(machine: Machine, base_radius: float | None) -> Result:
+    """The cam of a scene over one turn, and what a flat face or a roller needs of it."""
+    from camcli.analysis.cam_profile import profile
+
+    scene, system = machine.scene, machine.system
+    if base_radius is None:
+        base = getattr(scene.cam, "base_radius", None)
+    elif isfinite(base_radius) and 0.0 < base_radius <= 1e6:
+        base = base_radius
+    else:
+        found, expected = f"found {base_radius}", "expected a radius greater than 0, at most 1e6"
+        raise SceneError(Fault("--base-radius", "", found, expected, "give it in m"))
+    with stopwatch() as watch:
+        result = profile(system, scene.run.rpm, scene.simulate.samples, base)
+
+    def rows() -> Iterator[tuple]:
+        f, omega = system.follower, omega_of(result.force.rpm)
+        for theta, c, c1, c2 in zip(result.theta_deg, result.c, result.c1, result.c2, strict=True):
+            spring = f.mass * f.gravity + f.preload + f.stiffness * c
+            yield theta, c, c1, c2, spring + omega * (f.damping * c1 + f.mass * (omega * c2))
+
+    def draw():
+        from camcli.plots.cam_profile import Measured, draw_profile
+
+        cam, measured = scene.cam, None
+        if cam.kind == "table":
+            turn, words = cam.measured, f"error below {cam.accuracy.bound:.2g} m/rad²"
+            own = [k for k, line in enumerate(turn.line) if line]
+            lift = [cam.base + turn.lift[k] for k in own]
+            measured = Measured([turn.theta[k] for k in own], lift, cam.errors.bounds, words)
+        return draw_profile(result, measured, scene.simulate.profile_panels)
+
+    notes = []
+    if result.curvature.undercut:
+        least = result.curvature.flat_least
+        notes.append(
+            f"warning: a flat-faced follower undercuts this cam: the radius of curvature would be "
+            f"{least.value:.4g} m at {least.theta_deg:.5g} deg; the base radius must exceed "
+            f"{result.curvature.least_base_radius:.4g} m (knife edge and roller have other limits)"
+        )
+    options = {"profile_only": True, "base_radius": base_radius}
+    return Result(
+        command="simulate",
+        scene=scene,
+        system=system,
+        values=result,
+        tables={"profile": Table.of_rows(PROFILE, rows)},
+        summary=_profile_summary(result),
+        pictures={"profile": draw},
+        cost=Cost(),
+        seconds=watch.seconds,
+        notes=tuple(notes),
+        options={key: value for key, value in options.items() if value is not None},
+    )
+
+
+def _extreme(extreme) -> dict[str, float] | None:
+    return None if extreme is None else {"value": extreme.value, "theta_deg": extreme.theta_deg}
+
+
+def _profile_summary(result) -> dict[str, Any]:
+    bent, first = result.curvature, result.first
+    return {
+        "rpm": result.force.rpm,
+        "corners_deg": result.corners,
+        "ranges": {
+            f"{name} ({UNITS[name]})": [_extreme(low), _extreme(high)]
+            for name, (low, high) in result.ranges.items()
+        },
+        "least_force_n": {"value": result.force.lowest_n, "theta_deg": result.force.lowest_deg},
+        "first_detachment_rpm": first.rpm if first is not None and first.finite else None,
+        "base_radius_m": bent.base_radius,
+        "flat_faced": {
+            "least_radius_m": _extreme(bent.flat_least) if bent.base_radius else None,
+            "undercut": bent.undercut if bent.base_radius else None,
+            "least_base_radius_m": bent.least_base_radius,
+        },
+        "largest_roller_radius_m": _extreme(bent.roller),
+        "assumed": "the follower moves along a line through the axis, at base_radius + c - least c",
+    }

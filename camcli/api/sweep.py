@@ -1,0 +1,193 @@
+"""camcli.sweep: the brute-force bifurcation diagram."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+from camcli.analysis.sweep import FIXED, Speed, Sweep, bare, rpm_grid, status_name
+from camcli.analysis.sweep import sweep as run
+from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
+from camcli.api.simulate import height_notes
+from camcli.errors import Fault, SceneError
+from camcli.kernel.backend import stopwatch
+from camcli.output.tables import Block, Table
+from camcli.parallel import Work
+from camcli.scene import Scene
+
+if TYPE_CHECKING:
+    from camcli.analysis.classify import Motion
+    from camcli.analysis.explain.changes import Explanation
+
+IMPACTS = ("rpm", "period", "theta_deg", "q_m", "u_minus_m_per_s")
+STROBE = ("rpm", "period", "q_m", "v_m_per_s", "impacts", "chatter")
+SPEEDS = ("rpm", "label", "impacts", "lyapunov_per_period", "status")
+
+
+def sweep(
+    scene: Scene | None = None, progress: Progress | None = None, *, work: Work | None = None
+) -> Result:
+    """Brute-force bifurcation diagram over the speeds of ``scene.sweep.rpm``.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        The machine and the section ``sweep``; the default scene if left out.
+    progress : callable, optional
+        Called as ``progress(what, done, total)``.
+    work : Work, optional
+        How the speeds are computed: threads, a cluster, pieces kept on disk. All processors by
+        default. It never changes a result.
+
+    Returns
+    -------
+    Result
+        Tables ``impacts`` (a row per recorded impact), ``strobe`` (a row per recorded turn) and
+        ``speeds``; with ``sweep.explain`` also ``corners``. ``sweep.sections`` and ``sweep.tables``
+        leave out what is not wanted.
+
+    Raises
+    ------
+    SceneError
+        If the start lies below the cam, or changes shall be explained of a sweep that carries its
+        state or has one speed only.
+    """
+    machine = machine_of(scene)
+    scene, section = machine.scene, machine.scene.sweep
+    _refuse_to_explain(scene)
+    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
+    work = work or Work()
+    with stopwatch() as watch:
+        found = run(
+            machine.system,
+            rpms,
+            machine.settings,
+            direction=section.direction,
+            impacts="impacts" in section.sections,
+            strobe="strobe" in section.sections,
+            lyapunov=section.lyapunov,
+            work=work,
+            on_speed=ticks(progress, "speeds", len(rpms)),
+        )
+        if section.explain:
+            motions, explanation = _explained(machine, found, progress, work)
+        else:
+            motions, explanation = [], None
+    return _result(machine, found, motions, explanation, watch.seconds)
+
+
+def _refuse_to_explain(scene: Scene) -> None:
+    """Raise SceneError where there are no changes that a fixed start could explain."""
+    section = scene.sweep
+    if section.explain and section.direction != FIXED:
+        cure = "leave --explain out, or set sweep.direction=fixed"
+        found = f"found {section.direction}"
+        raise SceneError(Fault("--explain", "sweep.direction", found, "expected fixed", cure))
+    if section.explain and section.rpm.num < 2:
+        found, cure = f"found one speed, {section.rpm.start!r}", "give --rpm LO:HI and --points"
+        raise SceneError(Fault("--explain", "sweep.rpm", found, "expected a range", cure))
+
+
+def _explained(
+    machine: Machine, found: Sweep, progress: Progress | None, work: Work
+) -> tuple[list[Motion], Explanation]:
+    """The motions from the scene's own start, and the causes of their changes."""
+    from camcli.analysis.classify import classify
+    from camcli.analysis.explain.changes import explain
+
+    rpms = [speed.rpm for speed in found.speeds]
+    motions = classify(
+        machine.system,
+        machine.settings,
+        rpms,
+        threads=work.threads,
+        on_speed=ticks(progress, "motions", len(rpms)),
+    )
+    tick = ticks(progress, "changes", len(motions) - 1)
+    return motions, explain(machine.system, machine.settings, motions, tick)
+
+
+def _result(
+    machine: Machine,
+    found: Sweep,
+    motions: list[Motion],
+    explanation: Explanation | None,
+    seconds: float,
+) -> Result:
+    scene, section = machine.scene, machine.scene.sweep
+    cost, summary = found.cost, _summary(found)
+    tables: dict[str, Table] = {
+        name: Table(columns, partial(_blocks, found, name))
+        for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
+        if name in section.sections and section.tables != "none"
+    }
+    tables["speeds"] = Table.of_rows(SPEEDS, lambda: map(_row, found.speeds))
+    if explanation is not None:
+        from camcli.api.classify import corners_table
+        from camcli.output.explanations import explained
+
+        cost = sum((motion.cost for motion in motions), cost + explanation.cost)
+        summary |= explained(explanation)
+        tables["corners"] = corners_table(explanation)
+
+    def draw():
+        from camcli.plots.sweep import draw_sweep
+
+        events = () if explanation is None else explanation.events
+        return draw_sweep(found, machine.system, machine.settings, events)
+
+    troubled = [(speed.rpm, speed.status) for speed in found.troubled]
+    heights = height_notes(_heights(found), machine.system.cam.top)
+    return Result(
+        command="sweep",
+        scene=scene,
+        system=machine.system,
+        values=(found, explanation),
+        tables=tables,
+        summary=summary,
+        pictures={"sweep": draw},
+        cost=cost,
+        seconds=seconds,
+        notes=(*heights, *status_notes(troubled)),
+        complete=not troubled,
+    )
+
+
+def _blocks(found: Sweep, section: str) -> Iterator[Block]:
+    for speed in found.speeds:
+        columns = getattr(speed, section)
+        if len(columns[0]):
+            yield speed.rpm, *columns
+
+
+def _row(speed: Speed) -> tuple:
+    return speed.rpm, speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
+
+
+def _summary(found: Sweep) -> dict[str, Any]:
+    return {
+        "direction": found.direction,
+        "ranges": [
+            {"label": label, "status": status, "from_rpm": a.rpm, "to_rpm": b.rpm, "speeds": n}
+            for label, status, a, b, n in ranges(found)
+        ],
+    }
+
+
+def ranges(found: Sweep) -> list[tuple[str, str, Speed, Speed, int]]:
+    """(label, status, first, last, count) of consecutive speeds of one label and status."""
+    plain = map(bare, found.speeds)
+    groups = []
+    for (label, status), members in groupby(plain, lambda s: (s.label, status_name(s.status))):
+        same = list(members)
+        groups.append((label, status, same[0], same[-1], len(same)))
+    return groups
+
+
+def _heights(found: Sweep) -> Iterator[tuple[float, float]]:
+    """(rpm, largest q at the strobe, m)."""
+    for speed in found.speeds:
+        if speed.strobe is not None:
+            yield speed.rpm, max(speed.strobe[1], default=0.0)

@@ -1,0 +1,257 @@
+"""What a run will cost: a few of its real pieces are run for a moment and extrapolated.
+
+And the refusal, before any work, of what can never fit into the memory or on the disk.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import ceil
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from camcli.api.result import Result
+from camcli.cli.options import Request
+from camcli.cli.report import table
+from camcli.cli.run import analysis
+from camcli.errors import Fault, SceneError
+from camcli.kernel.backend import LITTLE_WORK, for_work
+from camcli.parallel import Shard, Work
+from camcli.scene import Scene
+
+SHARE_OF_MEMORY = 0.8
+PROGRAM = 45e6  # bytes of memory of the program itself, measured
+COMPILED, DRAWING = 130e6, 125e6  # and with the compiled kernel, and with a picture
+PICTURE, RECORD = 250e3, 5e3  # bytes of a PNG and of run.json
+ENOUGH = 1.0  # s after which no larger sample is run
+SHORT = 100  # turns of transient and of record in a sample; the rest is taken to be like them
+FIRST, LAST = 2, 32  # pieces of the first sample, each is twice the one before; the most
+
+
+@dataclass(frozen=True)
+class Size:
+    """How much a scene asks for, and the least bytes that takes.
+
+    pieces: of equal work; turns: of all of them; samples are made smaller by `shorter`.
+    """
+
+    key: str
+    what: str
+    pieces: int
+    orbits: int
+    turns: float
+    memory: float
+    disk: float
+    shorter: Mapping[str, Any]
+
+
+def size_of(command: str, scene: Scene, pieces: int | None = None) -> Size:
+    """The size of a command's work, or of a sample with so many pieces and few turns each."""
+    run, few = scene.run, {"run.transient": SHORT, "run.record": SHORT}
+    few = {key: min(turns, getattr(run, key[4:])) for key, turns in few.items()}
+    turns = run.transient + run.record
+    if command == "simulate":
+        samples, whole = scene.simulate.samples, run.record
+        n = run.record if pieces is None else min(run.record, 25 * pieces)
+        key = "simulate.samples" if samples > whole else "run.record"
+        what = f"{whole} recorded turns x {samples} samples"
+        rows = float(samples * whole)
+        return Size(key, what, n, 1, turns, 280 * rows, 102 * rows, few | {"run.record": n})
+    if command == "sweep":
+        whole = scene.sweep.rpm.num
+        n = whole if pieces is None else min(whole, pieces)
+        rows = float(run.record * len(scene.sweep.sections))
+        key = "run.record" if run.record > whole else "sweep.rpm.num"
+        what = f"{whole} speeds x {run.record} recorded turns"
+        memory, disk = 500.0 * whole + 32 * rows, 32 * rows * whole
+        disk *= 1 if scene.sweep.tables == "none" else 2
+        return Size(key, what, n, whole, whole * turns, memory, disk, few | {"sweep.rpm.num": n})
+    if command == "classify":
+        whole, starts = scene.classify.rpm.num, scene.classify.starts + 1
+        n = whole if pieces is None else min(whole, pieces)
+        key = "run.record" if run.record > whole else "classify.rpm.num"
+        what = f"{whole} speeds x {starts} starts x {run.record} recorded turns"
+        memory, disk = 45.0 * whole * run.record, 790.0 * whole
+        orbits = whole * starts
+        shorter: dict[str, Any] = {
+            "classify.rpm.num": n,
+            "classify.starts": 0,
+            "classify.explain": False,
+        }
+        return Size(key, what, n, orbits, orbits * turns, memory, disk, shorter)
+    if command == "basins":
+        (nq, nv), levels, span = scene.basins.cells, scene.basins.refine, scene.basins.rpm
+        speeds, cells = 1 if span.start == span.stop else span.num, float(nq * nv)
+        side = 0 if pieces is None else 4 * pieces
+        n = int(cells) * speeds if pieces is None else side * side
+        key = "basins.refine" if levels else "basins.cells"
+        what = f"{nq} x {nv} cells, refined {levels} times"
+        memory = 70 * cells + (14 * cells * 4**levels + 20e6 if levels else 0.0)
+        shorter = {"basins.refine": 0, "basins.rpm.num": 1, "basins.rpm.stop": span.start}
+        shorter |= {"basins.cells": (min(nq, side), min(nv, side))}
+        orbits = int(cells) * speeds
+        return Size(key, what, n, orbits, 0.0, memory, 54 * cells * speeds, shorter)
+    section = getattr(scene, command)
+    whole = section.rpm.num if command == "detach" else section.starts + 1
+    key = "detach.rpm.num" if command == "detach" else "orbits.starts"
+    n = whole if pieces is None else min(whole, 25 * pieces)
+    bytes_ = 300.0 * whole
+    return Size(key, f"{whole} runs", n, whole, 0.0, bytes_, bytes_, {"detach.rpm.num": n})
+
+
+def refuse_too_large(command: str, scene: Scene, folder: Path, shard: Shard | None) -> None:
+    """Raise SceneError for a run whose least need is more than this machine has."""
+    need, share = size_of(command, scene), 1 if shard is None else shard.total
+    room, free = SHARE_OF_MEMORY * memory(), free_disk(folder)
+    found, cure, faults = f"found {need.what}, at least", "ask for fewer", []
+    if need.memory > room:
+        limit = f"expected at most {in_words(room)}, {SHARE_OF_MEMORY:.0%} of this machine's"
+        text = f"{found} {in_words(need.memory)} of memory"
+        faults.append(Fault("", need.key, text, limit, cure))
+    if need.disk / share > free:
+        limit = f"expected at most {in_words(free)}, free on the disk of {folder}"
+        text = f"{found} {in_words(need.disk / share)} of files"
+        faults.append(Fault("", need.key, text, limit, f"{cure}, or choose another -o"))
+    if faults:
+        raise SceneError(*faults)
+
+
+def forecast(
+    command: str, scene: Scene, request: Request, shard: Shard | None, options: Mapping[str, Any]
+) -> None:
+    """Print what the run would do and cost; nothing is written."""
+    size, share = size_of(command, scene), 1 if shard is None else shard.total
+    notes = [f"shard {shard.number} of {shard.total}: pieces only, no tables"] if shard else []
+    section = getattr(scene, command)
+    if getattr(section, "explain", False):
+        notes.append("what --explain takes is not known before: 5 to 15 s for many a change")
+    costs: dict[str, float | None] = {"impacts": None, "seconds": None, "tables": None}
+    if command == "orbits":
+        notes.append("how many branches there are, and so the time, is not known before")
+    elif options.get("profile_only"):
+        costs = {"impacts": 0.0, "seconds": None, "tables": 100.0 * scene.simulate.samples}
+    else:
+        costs = _extrapolated(command, scene, request, size)
+    artefacts = None if costs["tables"] is None else costs["tables"] + RECORD
+    if artefacts is not None and not request.no_plot:
+        artefacts += PICTURE
+    plan = {
+        "orbits": ceil(size.orbits / share),
+        "periods": ceil(size.turns / share) or None,
+        "impacts": _shared(costs["impacts"], share),
+        "seconds": None if costs["seconds"] is None else costs["seconds"] / share,
+        "bytes": 0 if shard else _shared(artefacts, 1),
+        "disk": ceil(size.disk / share) if shard else _shared(artefacts, 1, size.disk / 2),
+        "memory": round(PROGRAM + COMPILED + (0 if request.no_plot else DRAWING) + size.memory),
+        "notes": notes,
+    }
+    if request.json:
+        print(json.dumps({"command": command, "plan": plan}, indent=2))
+        return
+    rows = [[name, _cell(name, value)] for name, value in plan.items() if name != "notes"]
+    table(f"cam {command}, planned", ["what", "estimate"], rows)
+    for text in notes:
+        print(text)
+
+
+def _shared(value: float | None, share: int, more: float = 0.0) -> int | None:
+    return None if value is None else ceil((value + more) / share)
+
+
+def _cell(name: str, value: Any) -> str:
+    if value is None:
+        return "not known before"
+    if name in ("bytes", "disk", "memory"):
+        return in_words(value)
+    return f"{value:.2g} s" if name == "seconds" else f"{value:.6g}"
+
+
+def _extrapolated(
+    command: str, scene: Scene, request: Request, size: Size
+) -> dict[str, float | None]:
+    """Impacts, seconds and bytes of the tables from samples of growing size.
+
+    cost = fixed + pieces * each, from the two largest samples; a piece with few turns stands for
+    one with all of its turns.
+    """
+    for_work(size.turns if size.turns else LITTLE_WORK + 1)  # a sample runs as the whole will
+    samples: list[dict[str, float]] = []
+    began, pieces = perf_counter(), FIRST
+    while pieces <= LAST and (not samples or perf_counter() - began < ENOUGH):
+        sample = size_of(command, scene, pieces)
+        small = _with(scene, sample.shorter)
+        started = perf_counter()
+        result = _run(command, small, request)
+        seconds = perf_counter() - started
+        text = sum(len(line) for t in result.tables.values() for line in t.csv())
+        measured = {"pieces": sample.pieces, "impacts": result.cost.impacts}
+        samples.append(measured | {"seconds": min(seconds, result.seconds), "tables": text})
+        turns = [(one.run.transient + one.run.record, one.run.record) for one in (scene, small)]
+        longer, recorded = (max(1, a) / max(1, b) for a, b in zip(*turns, strict=True))
+        if sample.pieces >= size.pieces:
+            break
+        pieces *= 2
+    last, before = samples[-1], samples[-2] if len(samples) > 1 else None
+    linear = command in ("sweep", "classify", "simulate")  # one piece costs what another costs
+    costs: dict[str, float | None] = {}
+    for name in ("impacts", "seconds", "tables"):
+        fixed = 0.0
+        if before is not None and not linear and last["pieces"] > before["pieces"]:
+            each = (last[name] - before[name]) / (last["pieces"] - before["pieces"])
+            fixed = min(last[name], max(0.0, last[name] - each * last["pieces"]))
+        scale = recorded if name == "tables" else longer
+        scale = scale if command in ("sweep", "simulate") else 1.0
+        if command == "simulate":
+            costs[name] = last[name] * scale
+        else:
+            costs[name] = fixed + (last[name] - fixed) * size.pieces / last["pieces"] * scale
+    return costs
+
+
+def _run(command: str, scene: Scene, request: Request) -> Result:
+    if command in ("sweep", "basins", "classify"):
+        return analysis(command)(scene, work=Work(request.threads))
+    return analysis(command)(scene)
+
+
+def _with(scene: Any, values: Mapping[str, Any]) -> Any:
+    """The scene with some values replaced; a path that it does not have is left out."""
+    for path, value in values.items():
+        scene = _replaced(scene, path.split("."), value)
+    return scene
+
+
+def _replaced(model: Any, keys: list[str], value: Any) -> Any:
+    first, *rest = keys
+    return model.model_copy(
+        update={first: _replaced(getattr(model, first), rest, value) if rest else value}
+    )
+
+
+def in_words(count: float) -> str:
+    """Bytes in words: MB, from a thousand of them on GB."""
+    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{count / 1e6:.3g} MB"
+
+
+def memory() -> float:
+    """Bytes of memory of this machine."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (ValueError, OSError, AttributeError):
+        return 4e9
+
+
+def free_disk(folder: Path) -> float:
+    """Bytes free where the folder is or will be."""
+    place = folder.absolute()
+    while not os.path.exists(place) and place != place.parent:  # a name too long is no error
+        place = place.parent
+    try:
+        return float(shutil.disk_usage(place).free)
+    except OSError:
+        return float("inf")

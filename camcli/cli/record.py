@@ -1,0 +1,84 @@
+"""What a run.json, or the key of a run's pieces, says of the run: enough to do it again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
+
+from camcli.errors import Fault, SceneError, shown
+from camcli.scene import Scene, load_scene
+
+MOST_BYTES = 64 << 20  # of a run.json
+ARTEFACT = StringConstraints(pattern=r"^[a-zA-Z0-9_-]{1,64}\.[a-z]{1,8}$")
+
+
+class Options(BaseModel):
+    """What the command line alone decides; all else stands in the scene."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    plot: bool = True
+    profile_only: bool = False
+    base_radius: float | None = None
+
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of the API function."""
+        if not self.profile_only:
+            return {}
+        return {"profile_only": True, "base_radius": self.base_radius}
+
+
+class Record(BaseModel):
+    """A run; the rest of a run.json is not read."""
+
+    command: Literal["simulate", "sweep", "detach", "orbits", "basins", "classify"]
+    scene: dict[str, Any]
+    options: Options = Options()
+    artefacts: dict[Annotated[str, ARTEFACT], str] = {}
+    program_sha256: str = ""
+
+    def load(self, home: Path) -> Scene:
+        """Its scene; files that it names are in `home`. Raises SceneError."""
+        try:
+            return load_scene(self.scene, folder=home)
+        except SceneError as error:
+            raise SceneError(*map(_say_where, error.faults)) from None
+
+
+def _say_where(fault: Fault) -> Fault:
+    """Where a file that the scene names is missing, --folder is the cure."""
+    lost = fault.path == "cam.file" and "no such file" in fault.found
+    return replace(fault, cure="say with --folder where it is") if lost else fault
+
+
+def record_of(text: str | bytes, path: Path) -> Record:
+    """The record; raises SceneError where the text is none."""
+    try:
+        return Record.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        said = ": ".join([*(shown(str(key)) for key in first["loc"]), first["msg"]])
+        raise refusal(path, f"cannot be read ({said})") from None
+
+
+def read_record(path: Path) -> Record:
+    """The record in a file; raises SceneError where it is none, or a giant."""
+    try:
+        if not path.is_file():
+            path.stat()  # says what is wrong where there is nothing
+            raise refusal(path, "cannot be read (no file)")
+        with open(path, "rb") as file:
+            data = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise refusal(path, f"cannot be read ({error.strerror})") from None
+    if len(data) > MOST_BYTES:
+        raise refusal(path, "cannot be read (too large)")
+    return record_of(data, path)
+
+
+def refusal(path: Path, found: str) -> SceneError:
+    """The refusal of a file that is no record."""
+    return SceneError(Fault("FILE", str(path), found, "expected the run.json of a run", ""))

@@ -1,0 +1,221 @@
+"""The frame of every analysis: load the scene, call the API, save, and say what came out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from camcli.cli.exit_codes import DONE, NUMERICS, note
+from camcli.cli.options import Request
+from camcli.errors import Fault, SceneError
+from camcli.kernel.backend import stopwatch
+from camcli.scene import Scene, load_scene, parse_rpm, resolved
+
+if TYPE_CHECKING:
+    from camcli.api.result import Result
+    from camcli.output.run_folder import RunFolder
+    from camcli.parallel import Checkpoint, Shard
+
+Values = dict[str, tuple[Any, str]]  # scene path -> (value, option it came from)
+Show = Callable[["Result"], None]
+MOST_SHARDS = 100_000
+IN_PIECES = ("sweep", "basins", "bench")  # commands whose finished pieces are kept on disk
+
+
+def given(values: Mapping[str, tuple[Any, str]]) -> Values:
+    """The options that were given: neither None nor a flag left out."""
+    return {
+        key: pair for key, pair in values.items() if pair[0] is not None and pair[0] is not False
+    }
+
+
+def one_speed(request: Request) -> Values:
+    """--rpm and --points of a command for one speed."""
+    rpm = None if request.rpm is None else parse_rpm(request.rpm)
+    if isinstance(rpm, tuple):
+        found = f"found the range '{request.rpm}'"
+        raise SceneError(Fault("--rpm", "", found, "expected one speed", "use cam sweep"))
+    return given({"run.rpm": (rpm, "--rpm"), "simulate.samples": (request.points, "--points")})
+
+
+def speed_range(request: Request, section: str) -> Values:
+    """--rpm and --points of a command for a range of speeds."""
+    values: Values = {}
+    if request.rpm is not None:
+        rpm = parse_rpm(request.rpm)
+        low, high = rpm if isinstance(rpm, tuple) else (rpm, rpm)
+        values[f"{section}.rpm.start"] = (low, "--rpm")
+        values[f"{section}.rpm.stop"] = (high, "--rpm")
+        if low == high:
+            values[f"{section}.rpm.num"] = (1, "--rpm")
+    if request.points is not None:
+        values[f"{section}.rpm.num"] = (request.points, "--points")
+    return values
+
+
+def run(
+    command: str,
+    request: Request,
+    values: Values,
+    show: Show,
+    *,
+    shard: str | None = None,
+    cluster: str | None = None,
+    options: Mapping[str, Any] | None = None,
+) -> int:
+    """Run an analysis as the user asked for it; returns the exit code.
+
+    values: what the options set in the scene; options: further arguments of the API function.
+    """
+    scene = load_scene(request.config, request.sets or (), values)
+    if not request.quiet:
+        _tell(scene)
+    from camcli.cli.forecast import forecast, refuse_too_large
+
+    part = shard_of(shard)
+    refuse_too_large(command, scene, request.folder(command), part)
+    if request.dry_run:
+        forecast(command, scene, request, part, options or {})
+        return DONE
+    return execute(command, scene, request, show, shard=part, cluster=cluster, options=options)
+
+
+def execute(
+    command: str,
+    scene: Scene,
+    request: Request,
+    show: Show,
+    *,
+    shard: Shard | None = None,
+    cluster: str | None = None,
+    parts: tuple[Path, ...] = (),
+    options: Mapping[str, Any] | None = None,
+) -> int:
+    """Run an analysis of a scene and write its artefacts; `parts`: files of shards to read."""
+    from camcli.cli.report import progress_bar
+
+    more: dict[str, Any] = dict(options or {})
+    compiling = "compiling the kernel for this machine: some 20 to 60 s, once ..."
+    with (
+        stopwatch(None if request.quiet else lambda: note(compiling)),
+        open_folder(command, scene, request, shard, cluster, parts) as folder,
+        progress_bar(request.quiet) as progress,
+    ):
+        if command in ("sweep", "basins", "classify"):
+            more["work"] = folder.work
+        result = analysis(command)(scene, progress, **more)
+        record = result.write(folder, plot=not request.no_plot, from_disk=folder.resumed)
+        _say(result, record, request, show)
+    if folder.shard_done:
+        return DONE
+    return DONE if result.complete else NUMERICS
+
+
+@contextmanager
+def open_folder(
+    command: str,
+    scene: Scene,
+    request: Request,
+    shard: Shard | None = None,
+    cluster: str | None = None,
+    parts: tuple[Path, ...] = (),
+) -> Iterator[RunFolder]:
+    """The run folder of a command, with a word on the pieces in it.
+
+    The block ends early where only a shard was asked for. Where it is interrupted the finished
+    pieces stay, and the same command goes on from them.
+    """
+    from camcli.output.run_folder import run_folder
+
+    key = key_of(command, scene) if command in IN_PIECES else None
+    place = request.folder(command)
+    with run_folder(
+        place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts
+    ) as folder:
+        checkpoint = folder.work.checkpoint
+        if checkpoint is not None and not request.quiet:
+            _tell_of_pieces(folder, checkpoint, bool(parts))
+        try:
+            yield folder
+        except KeyboardInterrupt:
+            if checkpoint is not None and checkpoint.pieces:
+                note(f"{checkpoint.pieces} pieces are on disk, the same command goes on from them")
+            raise
+    if folder.shard_done and checkpoint is not None and not request.quiet:
+        note(f"{checkpoint.path}: complete; once all are, cam merge {place}")
+
+
+def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show) -> None:
+    """The result on stdout, warnings and troubles on stderr."""
+    from camcli.cli.report import cost_line
+
+    if request.json:
+        from camcli.output.run_record import to_text
+
+        print(to_text(record), end="")
+    else:
+        show(result)
+        print(f"{request.folder(result.command)}/: {', '.join(record['artefacts'])}, run.json")
+        if result.cost.impacts:
+            print(cost_line(record["cost"], record["error"]))
+        if "lift_table" in record["error"]:
+            from camcli.api.lift_table import bound_line
+
+            print(bound_line(record["error"]["lift_table"]))
+    for text in result.notes:
+        if not (request.quiet and text.startswith("warning")):
+            note(text)
+
+
+def analysis(command: str) -> Callable[..., Result]:
+    """The API function of a command."""
+    return getattr(import_module(f"camcli.api.{command}"), command)
+
+
+def key_of(command: str, scene: Scene) -> dict[str, Any]:
+    """Everything beside the program that decides a result."""
+    values = resolved(scene)
+    sections = ("follower", "cam", "run", command)
+    return {"command": command, "scene": {key: values[key] for key in sections}}
+
+
+def shard_of(text: str | None) -> Shard | None:
+    """The shard of --shard I/N; raises SceneError."""
+    if text is None:
+        return None
+    from camcli.parallel import Shard
+
+    number, _, count = text.partition("/")
+    if number.isascii() and number.isdigit() and count.isascii() and count.isdigit():
+        shard = Shard(int(number), int(count))
+        if 1 <= shard.number <= shard.total <= MOST_SHARDS:
+            return shard
+    expected = f"expected I/N with 1 <= I <= N <= {MOST_SHARDS}"
+    raise SceneError(Fault("--shard", "", f"found '{text}'", expected, "e.g. 3/16"))
+
+
+def _tell(scene: Scene) -> None:
+    """What a user should know before anything is computed."""
+    if scene.cam.kind == "table":
+        from camcli.api.lift_table import table_notes
+
+        for text in table_notes(scene):
+            note(text)
+    if scene.follower.restitution == 1.0 and scene.follower.damping == 0.0:
+        note("warning: restitution 1 and no damping: nothing dissipates, no orbit attracts another")
+
+
+def _tell_of_pieces(folder: RunFolder, checkpoint: Checkpoint, merging: bool) -> None:
+    """Note the pieces that are on disk: ours, a torn one, and those of other runs."""
+    others = [p for p in folder.folder.glob(f".*{checkpoint.path.suffix}") if p != checkpoint.path]
+    if others:
+        size = sum(p.stat().st_size for p in others) / 1e6
+        names = ", ".join(p.name for p in others[:3]) + (", ..." if len(others) > 3 else "")
+        note(f"{folder.folder}/ keeps unfinished work of other scenes ({names}; {size:.3g} MB)")
+    if folder.resumed and not merging:
+        note(f"going on: {folder.resumed} pieces are on disk")
+    if checkpoint.torn:
+        note(f"a piece was torn: the last {checkpoint.torn} bytes are computed again")
