@@ -90,7 +90,7 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
         return draw_orbits(found, system, section.panels)
 
     def draw_curve():
-        from camcli.plots.curves import draw_curves
+        from camcli.plots.orbits import draw_curves
 
         return draw_curves(found.curves, section.curve_in)
 

@@ -183,7 +183,8 @@ def machine_of(scene: Scene | None) -> Machine:
         impact_budget=run.impact_budget,
         start=Start(run.start.q, run.start.v, run.start.theta_deg),
     )
-    return Machine(scene, System.build(follower, scene.cam.parts(), run.strobe_deg), settings)
+    system = System.build(follower, scene.cam.parts(), run.strobe_deg, scene.cam)
+    return Machine(scene, system, settings)
 
 
 def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., None]:
