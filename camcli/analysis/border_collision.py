@@ -102,7 +102,7 @@ class Side:
             return "regular saddle" if self.at_one < 0.0 else "flip saddle"
         if isinstance(self.multipliers[0], complex):
             return "spiral attractor" if self.stable else "spiral repeller"
-        if min(self.multipliers) < 0.0:
+        if self.trace < 0.0 or self.det < 0.0:  # one of them is negative
             return "flip attractor" if self.stable else "flip repeller"
         return "attracting node" if self.stable else "repelling node"
 
@@ -264,8 +264,9 @@ def _word(form: NormalForm, x: float, y: float, limit: float) -> tuple[str, Pred
         return "", Prediction("none")
     word = repeating(_sides(points))
     found = cycle(word, form.left, form.right) if word else None
-    confirmed = found and found.stable and found.exists_for * form.mu > 0.0
-    return word, _settled(found) if confirmed else None
+    if found is None or not found.stable or found.exists_for * form.mu <= 0.0:
+        return word, None
+    return word, _settled(found)
 
 
 def _exponent(form: NormalForm, x: float, y: float, limit: float) -> tuple[float, float, Point]:
@@ -428,7 +429,7 @@ def _crisis(saddle: Side, other: Side) -> tuple[float, ...]:
     Their sum is positive where the first fold of the unstable manifold of the regular saddle comes
     back on the inner side of its stable one, which closes a trapping region.
     """
-    l1, l2 = saddle.multipliers
+    l1, l2 = (z.real for z in saddle.multipliers)
     return l1 * other.trace * (l1 - 1.0), -other.det * (l1 - 1.0), l1 * l1 * (1.0 - l2)
 
 

@@ -38,8 +38,8 @@ class Label(str):
         label.symbols = named
         return label
 
-    def __getnewargs__(self) -> tuple[tuple[float, ...]]:
-        return (self.symbols,)
+    def __reduce__(self) -> tuple:
+        return Label, (self.symbols,)
 
     @classmethod
     def parse(cls, text: str) -> Label:

@@ -1,5 +1,6 @@
-"""Labels from stroboscopic records."""
+"""Labels: their text, their rotation, and how a stroboscopic record gets one."""
 
+import pickle
 from math import cos, exp, inf
 
 import pytest
@@ -9,20 +10,43 @@ from camcli.analysis.labels import Label, find_period
 from camcli.analysis.sweep import sweep
 
 
-def test_name_is_the_largest_rotation():
-    assert Label([3, 2, 3]) == "P(3;3:3:2)"
-    assert Label([2, inf, 1]) == "P(3;inf:1:2)"
-    assert Label([0]) == "P(1;0)"
+@pytest.mark.parametrize(
+    ("text", "symbols", "name"),
+    [
+        ("P(1;1)", (1.0,), "P(1;1)"),
+        (" P(3;2:3:3) ", (3.0, 3.0, 2.0), "P(3;3:3:2)"),
+        ("P(2;0:1)", (1.0, 0.0), "P(2;1:0)"),
+        ("P(3; 2:inf:1 )", (inf, 1.0, 2.0), "P(3;inf:1:2)"),
+        ("P(1;0)", (0.0,), "P(1;0)"),
+    ],
+)
+def test_a_label_is_the_largest_rotation_of_what_is_read(text, symbols, name):
+    label = Label.parse(text)
+    assert label == name
+    assert label.symbols == symbols
+    for first in range(len(symbols)):
+        assert Label(symbols[first:] + symbols[:first]) == label
+    assert pickle.loads(pickle.dumps(label)).symbols == symbols
 
 
-def test_fixed_point_and_period_three():
+BAD = [
+    "", "P", "P()", "P(;)", "P(1)", "P(1;)", "P(2;1)", "P(1;1:1)", "P(1;-1)", "P(1;1.5)",
+    "P(1;x)", "P(x;1)", "P(0;)", "P(1;nan)", "p(1;1)", "P(1;1", "(1;1)", "P(1;-inf)", "P(1;1))",
+    "P(65;" + ":".join("1" * 65) + ")",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_what_is_no_label_is_refused(text):
+    with pytest.raises(ValueError, match="found"):
+        Label.parse(text)
+
+
+def test_the_period_is_the_least_shift_of_states_and_symbols():
     assert find_period([1.0] * 40, [2.0] * 40, [1] * 40) == 1
+    assert find_period([1.0] * 40, [2.0] * 40, [1, 2] * 20) == 2
     q = [1.0, 2.0, 3.0] * 20
     assert find_period(q, q, [1] * 60) == 3
-
-
-def test_symbols_decide_where_states_agree():
-    assert find_period([1.0] * 40, [2.0] * 40, [1, 2] * 20) == 2
 
 
 @pytest.mark.parametrize("multiplier", [0.9, -0.9, 0.985, -0.985])
@@ -45,8 +69,6 @@ def test_quasiperiodic_and_chaotic_records_have_no_period():
     assert find_period(chaos, chaos, [1] * 400) == 0
 
 
-def test_a_record_of_few_impacts_is_undecided(chapter):
-    result = sweep(chapter, [745.0], settings(100, 10))
-    assert result.speeds[0].label == "undecided"
-    result = sweep(chapter, [745.0], settings(100, 40))
-    assert result.speeds[0].label == "aperiodic"
+@pytest.mark.parametrize(("record", "label"), [(10, "undecided"), (40, "aperiodic")])
+def test_a_record_of_few_impacts_is_undecided(chapter, record, label):
+    assert sweep(chapter, [745.0], settings(100, record)).speeds[0].label == label

@@ -9,12 +9,12 @@ by a little; who follows the branch then cuts the step at the corner.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.analysis.orbits.shooter import Root, Shooter, Vector
 
 MOST_NEWTON = 7  # steps of the corrector, beyond which the predictor is halved
 QUICK = 4  # steps of the corrector that let the next step grow
@@ -60,11 +60,11 @@ class Metric:
         pair = (1.0 / share, 1.0 / (share * rate * rate))
         return cls(np.array([*pair * n, 1.0 / (width * width)]))
 
-    def dot(self, a: Sequence[float] | np.ndarray, b: Sequence[float] | np.ndarray) -> float:
+    def dot(self, a: Vector, b: Vector) -> float:
         """Inner product; added up in order, since np.dot's order is the machine's."""
         return float(np.cumsum(self.weights * a * b)[-1])
 
-    def oriented(self, root: Root, along: Sequence[float] | np.ndarray) -> np.ndarray:
+    def oriented(self, root: Root, along: Vector) -> np.ndarray:
         """The root's tangent with length 1, on the side of `along`."""
         unit = np.divide(root.tangent, np.sqrt(self.dot(root.tangent, root.tangent)))
         return unit if self.dot(unit, along) >= 0.0 else -unit
@@ -98,7 +98,7 @@ class Step:
 
 
 def steps(
-    shooter: Shooter, root: Root, along: Sequence[float] | np.ndarray, metric: Metric, span: Span
+    shooter: Shooter, root: Root, along: Vector, metric: Metric, span: Span
 ) -> Iterator[Step | None]:
     """Steps from a root in the direction `along`, for ever; None where no step succeeds.
 
@@ -129,8 +129,9 @@ def _corrected(
     if span.holds(end):
         row = metric.weights * unit
         after = shooter.correct(guess, root.whole, root.turns, row, root.x, length)
-        inside = after is not None and span.holds(after.value)
-        return Step(root, unit, after, length, metric) if inside else None
+        if after is None or not span.holds(after.value):
+            return None
+        return Step(root, unit, after, length, metric)
     bound = span.low if end < span.low else span.high
     share = (bound - root.value) / (end - root.value)
     after = shooter.at_value(root.x + share * length * unit, root.whole, root.turns, bound)

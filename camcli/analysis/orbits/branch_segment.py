@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,7 +26,7 @@ from camcli.analysis.orbits.locate import (
     parent_of,
     smooth_events,
 )
-from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.analysis.orbits.shooter import Root, Shooter, Vector
 
 POINTS_PER_SPACING = 30  # times the range over the spacing: a branch longer than that is given up
 
@@ -52,9 +51,7 @@ def both_ways(shooter: Shooter, root: Root, span: Span) -> tuple[Segment, Segmen
     return below, above
 
 
-def follow(
-    shooter: Shooter, root: Root, along: Sequence[float] | np.ndarray, span: Span
-) -> Segment:
+def follow(shooter: Shooter, root: Root, along: Vector, span: Span) -> Segment:
     """Follow a branch from `root` in the direction `along` to the end of range or of motion."""
     segment = Segment(points=[root])
     metric = Metric.of(root, span.width)
@@ -83,7 +80,8 @@ def follow(
 def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Crossing | None:
     """Take a step up to the first thing that cuts it; sets segment.end where the branch ends."""
     if collapses(shooter, step.after):
-        return _born(shooter, segment, step)
+        _born(shooter, segment, step)
+        return None
     reached = step.after.value in (span.low, span.high)
     corner = corner_on(shooter, step)
     if corner is not None:
@@ -99,7 +97,8 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
     smooth = smooth_events(shooter, step, turned)
     fold = next((f for f in smooth if f.kind == FOLD), None)
     if turned and (fold is None or collapses(shooter, fold.root)):
-        return _born(shooter, segment, step)
+        _born(shooter, segment, step)
+        return None
     for found in smooth:
         born = parent_of(shooter, found) if found.kind == FOLD else None
         segment.events.append((born or found, None))

@@ -164,9 +164,10 @@ def settled(shooter: Shooter, root: Root, rounds: int = 4) -> Root | None:
         x, whole = moved
         if whole == root.whole:
             return root if _in_order(root) else None
-        root = shooter.at_value(x, whole, root.turns, root.value)
-        if root is None:
+        again = shooter.at_value(x, whole, root.turns, root.value)
+        if again is None:
             return None
+        root = again
     return None
 
 

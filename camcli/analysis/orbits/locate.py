@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from math import sqrt, ulp
 
 from camcli.analysis.bracketing import bracket
@@ -107,9 +108,14 @@ def corner_on(shooter: Shooter, step: Step) -> Located | None:
             continue
         reach = step.reach(root)
         if -1e-9 * step.length <= reach <= step.length:
-            error, status = _bracket(shooter, root, lambda r, k=k, x=root.x[2 * k]: r.x[2 * k] - x)
+            error, status = _bracket(shooter, root, partial(_ahead, root.theta[k], k))
             found.append(Located(CORNER, root, max(reach, 0.0), error, status, k, side))
     return min(found, key=lambda f: f.reach, default=None)
+
+
+def _ahead(corner: float, k: int, root: Root) -> float:
+    """rad by which impact k lies beyond the corner."""
+    return root.theta[k] - corner
 
 
 def smooth_events(shooter: Shooter, step: Step, turned: bool) -> list[Located]:

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
+import numpy as np
+
 from camcli.analysis.integrate import Cost
 from camcli.cams.compile import column
 from camcli.errors import Status
@@ -36,6 +38,7 @@ PARAMETERS = {
     "preload": PRELOAD,
     "restitution": RESTITUTION,
 }
+Vector = Sequence[float] | np.ndarray  # theta_1, v_1, ..., theta_n, v_n, parameter
 SMALL = 1e-3  # share of its natural size below which a parameter or a rate counts as zero
 VERDICTS = {
     ADMISSIBLE: "admissible",
@@ -165,11 +168,11 @@ class Shooter:
 
     def correct(
         self,
-        guess: Sequence[float],
+        guess: Vector,
         whole: Sequence[int],
         turns: int,
-        row: Sequence[float],
-        origin: Sequence[float],
+        row: Vector,
+        origin: Vector,
         right: float = 0.0,
     ) -> Root | None:
         """The root near `guess` with row (x - origin) = right, or None where Newton fails.
@@ -193,7 +196,7 @@ class Shooter:
         )  # fmt: skip
 
     def at_value(
-        self, guess: Sequence[float], whole: Sequence[int], turns: int, value: float
+        self, guess: Vector, whole: Sequence[int], turns: int, value: float
     ) -> Root | None:
         """The root near `guess` at a fixed value of the parameter, or None."""
         x = [*_plain(guess)[:-1], value]
