@@ -21,6 +21,11 @@ from camcli.plots.event_words import KINDS, collision_words
 SWAP = str.maketrans("LR", "RL")
 
 
+def seeded(examples):
+    """The same examples at every run, in any time."""
+    return settings(max_examples=examples, deadline=None, derandomize=True)
+
+
 def sides(trace_left, det_left, trace_right, det_right):
     return Side(trace_left, det_left), Side(trace_right, det_right)
 
@@ -51,9 +56,6 @@ def iterate(left, right, mu, point, steps):
     return point
 
 
-# Sides
-
-
 @pytest.mark.parametrize(
     ("side", "kind"),
     [
@@ -75,19 +77,14 @@ def test_kind_of_a_side(side, kind):
     assert side.stable == ("attract" in kind)
 
 
+@seeded(100)
 @given(reals(1e3), reals(1e3))
 def test_multipliers_have_the_sum_and_the_product(trace, det):
     large, small = Side(trace, det).multipliers
     assert abs(large) >= abs(small) * (1.0 - 1e-15)
     assert isclose((large + small).real, trace, rel_tol=1e-14, abs_tol=1e-13)
     assert isclose((large * small).real, det, rel_tol=1e-14, abs_tol=1e-300)
-
-
-def test_small_multiplier_is_not_a_difference():
-    assert Side(1e8, 1.0).multipliers[1] == pytest.approx(1e-8, rel=1e-15)
-
-
-# Verdicts
+    assert isclose(Side(1e8, 1.0).multipliers[1], 1e-8, rel_tol=1e-15)  # not cancelled
 
 
 @pytest.mark.parametrize(
@@ -101,6 +98,7 @@ def test_small_multiplier_is_not_a_difference():
         ((1.6418699, 0.64, 1.3714214, 0.64), "nonsmooth-fold", "none", "fixed-point"),
         ((1.3816246, 0.4096, -4.0910731, 0.4096), "border-period-doubling", "fixed-point", "chaos"),
         ((1.7, 0.5, -4.0, 0.5), "nonsmooth-fold", "none", "none"),
+        ((2.4, 0.3, 2.2, 0.4), "persistence", "none", "none"),
         ((-0.5, 0.2, -3.6, 0.3), "no-attractor", "fixed-point", "none"),
         ((-1.85, 0.9, 0.4, 0.95), "dangerous", "several", "several"),
         ((1.2, 0.2, 0.1, 0.3), "degenerate", None, "fixed-point"),
@@ -149,7 +147,7 @@ def test_chaos_exponent_of_the_lozi_map():
     """tau = -+ 1.7, delta = 0.5 is (x, y) -> (1 - 1.7 |x| + y, ...) with b = -0.5."""
     found = attractor(*sides(1.7, 0.5, -1.7, 0.5), 1)
     form, tangent, total = NormalForm(*sides(1.7, 0.5, -1.7, 0.5), 1.0), (1.0, 0.3), 0.0
-    point, steps = (0.1, 0.0), 60_000
+    point, steps = (0.1, 0.0), 30_000
     for _ in range(steps):
         trace = 1.7 if point[0] <= 0.0 else -1.7
         tangent = trace * tangent[0] + tangent[1], -0.5 * tangent[0]
@@ -165,12 +163,9 @@ def test_huge_numbers_do_not_raise():
     assert cycle("L" * 20 + "R" * 20, Side(1e300, 1e300), Side(-1e300, 1e300)).exists_for == 0
 
 
-# Robust chaos: the existence condition against iteration
-
-
 def test_the_theorem_of_robust_chaos_agrees_with_iteration():
     rng, agreeing, lost = random.Random(7), 0, 0
-    for _ in range(300):
+    for _ in range(120):
         a, b = rng.random(), rng.random()
         left, right = sides(1.0 + a + rng.random(), a, -1.0 - b - rng.random(), b)
         last = classify(left, right).inequalities[-1]
@@ -180,13 +175,13 @@ def test_the_theorem_of_robust_chaos_agrees_with_iteration():
         assert bounded or not last.holds
         agreeing += bounded == last.holds
         lost += not bounded
-    assert agreeing > 275
-    assert lost > 100
+    assert agreeing > 110
+    assert lost > 40
 
 
 def test_robust_chaos_has_no_attracting_cycle():
     rng, seen = random.Random(11), 0
-    for _ in range(120):
+    for _ in range(40):
         a, b = rng.random(), rng.random()
         pair = sides(1.0 + a + 0.5 * rng.random(), a, -1.0 - b - 0.5 * rng.random(), b)
         found = classify(*pair)
@@ -194,13 +189,10 @@ def test_robust_chaos_has_no_attracting_cycle():
             seen += 1
             assert found.below.kind == "none"
             assert found.above.kind == "chaos", pair
-    assert seen > 30
+    assert seen > 8
 
 
-# Dangerous: the map at mu = 0
-
-
-def grows(left, right, directions=90):
+def grows(left, right, directions=60):
     """Largest log of growth over many directions of the homogeneous map, in 4000 steps."""
     best = -inf
     for k in range(directions):
@@ -217,7 +209,7 @@ def grows(left, right, directions=90):
     return best
 
 
-@settings(max_examples=15, deadline=None)
+@seeded(10)
 @given(STABLE)
 def test_danger_is_growth_in_some_direction(pair):
     brute = grows(*pair)
@@ -236,9 +228,6 @@ def test_a_dangerous_basin_shrinks_with_mu():
     assert lost[0] < lost[-1]
 
 
-# Invariants
-
-
 def mirrored(found):
     """A prediction with its words read from the other side."""
     words = [word.translate(SWAP) for word in found.word.split(", ")] if found.word else []
@@ -251,7 +240,7 @@ def plain(found):
     return found.kind, found.period, sorted(words)
 
 
-@settings(max_examples=60, deadline=None)
+@seeded(25)
 @given(ANY)
 def test_exchange_of_the_sides_mirrors_the_verdict(pair):
     there, back = classify(*pair), classify(*reversed(pair))
@@ -262,7 +251,7 @@ def test_exchange_of_the_sides_mirrors_the_verdict(pair):
     assert there.cycles[2].exists_for == -back.cycles[2].exists_for
 
 
-@settings(max_examples=60, deadline=None)
+@seeded(25)
 @given(ANY)
 def test_feigins_parities_are_the_signs(pair):
     beyond = [[z for z in side.multipliers if not isinstance(z, complex)] for side in pair]
@@ -275,7 +264,7 @@ def test_feigins_parities_are_the_signs(pair):
     assert flip.holds == (cycle("LR", *pair).exists_for != 0)
 
 
-@settings(max_examples=150, deadline=None)
+@seeded(80)
 @given(ANY, st.text("LR", min_size=1, max_size=7))
 def test_a_cycle_that_exists_returns(pair, word):
     found = cycle(word, *pair)
@@ -291,7 +280,7 @@ def test_a_cycle_that_exists_returns(pair, word):
     assert det == pytest.approx(prod(dets[symbol] for symbol in word), rel=1e-9, abs=1e-12)
 
 
-@settings(max_examples=60, deadline=None)
+@seeded(25)
 @given(ANY)
 def test_a_predicted_cycle_attracts(pair):
     for mu in (-1, 1):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from conftest import chapter_system, settings
 
-from camcli.analysis.classify import attractors, classify_at, with_transient
+from camcli.analysis.classify import attractors, classify, classify_at, with_transient
 from camcli.analysis.integrate import Orbit
 
 RUN = settings(600, 400)
@@ -17,12 +17,10 @@ RUN = settings(600, 400)
     [
         (100.0, {}, "contact", 0.0, "none"),
         (190.0, {}, "P(1;inf)", math.inf, "complete"),
-        (358.0, {}, "P(3;3:3:2)", 8.0, "none"),
         (359.0, {}, "P(3;3:3:2)", 8.0, "none"),
         (358.5, {"q": 0.546, "v": 32.48}, "P(1;2)", 2.0, "none"),
         (360.0, {}, "P(6;3:3:2:3:3:2)", 16.0, "none"),
         (700.0, {}, "P(1;1)", 1.0, "none"),
-        (739.35, {}, "P(2;1:1)", 2.0, "none"),
     ],
 )
 def test_labels_of_the_model(chapter, rpm, start, label, impacts, chatter):
@@ -31,12 +29,10 @@ def test_labels_of_the_model(chapter, rpm, start, label, impacts, chatter):
     assert motion.stable
 
 
-@pytest.mark.parametrize("rpm", [361.0, 670.0, 745.0])
+@pytest.mark.parametrize("rpm", [361.0, 745.0])
 def test_chaos_has_a_positive_exponent_with_an_error_bar(chapter, rpm):
     motion = classify_at(chapter, rpm, RUN)
-    assert motion.label == "aperiodic"
-    assert motion.period == 0
-    assert motion.stable is None
+    assert (motion.label, motion.period, motion.stable) == ("aperiodic", 0, None)
     assert motion.exponents.largest > 3.0 * motion.exponents.spread > 0.0
 
 
@@ -50,7 +46,7 @@ def test_a_multiplier_of_minus_one_minus_a_hair_is_told_from_the_doubled_orbit(c
 
 def test_a_cycle_that_rounding_closed_gives_way_to_the_true_motion(chapter):
     # from rest, differences grow by e^50 before the next: in doubles it closes a cycle by accident
-    tape = Orbit(chapter, 358.8, settings(600, 400)).run()
+    tape = Orbit(chapter, 358.8, RUN).run()
     assert any(tape.chatter)
     assert classify_at(chapter, 358.8, RUN).label == "P(3;3:3:2)"
     # a machine without its cam's decimals cannot be followed, and says so
@@ -60,20 +56,20 @@ def test_a_cycle_that_rounding_closed_gives_way_to_the_true_motion(chapter):
 def test_coexisting_attractors_from_a_cloud_in_a_fixed_order(chapter):
     found = attractors(chapter, 358.5, settings(600, 150), 20, 0)
     assert [m.label for m in found] == ["P(1;2)", "P(3;3:3:2)"]
-    again = attractors(chapter, 358.5, settings(600, 150), 24, 1)
-    assert [m.orbit.states for m in again if m.label == "P(1;2)"] in (
-        [], [found[0].orbit.states],
-    )  # fmt: skip
+    speeds = classify(chapter, settings(600, 150), [358.5, 359.0], 20, threads=2)
+    assert [(m.rpm, m.label) for m in speeds] == [
+        (358.5, "P(1;2)"), (358.5, "P(3;3:3:2)"), (359.0, "P(1;2)"), (359.0, "P(3;3:3:2)"),
+    ]  # fmt: skip
 
 
 def test_the_transient_ends_where_the_orbit_is_reached(chapter):
     motion = with_transient(chapter, RUN, classify_at(chapter, 700.0, RUN))
-    # |multiplier| 0.8 per turn: from the order of a metre to 1e-6 takes some 60 turns
-    assert 40 < motion.transient < 120
+    # |multiplier| 0.8 per turn: from the order of a metre to 1e-7 takes some 72 turns
+    assert 50 < motion.transient < 120
     assert with_transient(chapter, RUN, classify_at(chapter, 100.0, RUN)).transient == 0
 
 
-def test_nothing_dissipates_at_restitution_one():
-    system = chapter_system(restitution=1.0)
-    motion = classify_at(system, 700.0, settings(50, 150))
-    assert motion.label in ("aperiodic", "undecided")
+def test_where_nothing_dissipates_nothing_attracts():
+    motion = classify_at(chapter_system(restitution=1.0), 700.0, settings(50, 150))
+    assert motion.orbit is None
+    assert motion.label != "contact"

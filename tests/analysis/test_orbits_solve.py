@@ -1,5 +1,6 @@
 """Solved orbits against a dense scan, the multiple-precision oracle and simulated machines."""
 
+import itertools
 from math import exp, pi
 
 import numpy as np
@@ -10,12 +11,12 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from camcli.analysis.integrate import Orbit
+from camcli.analysis.labels import label
 from camcli.analysis.orbits.identify import newton_from, solve_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter, multipliers
 from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.kernel.cam_table import TURN
-from camcli.kernel.certify import ADMISSIBLE
 from tests import oracle, orbit_oracle
 from tests.conftest import chapter_system, settings
 from tests.orbit_oracle import Machine, solve
@@ -26,12 +27,8 @@ CHAPTER = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
 POINTS = 100_000
 FOLLOWERS = [
     {},
-    {"damping": 2.0},
     {"damping": 50.0},
-    {"gravity": 9.81},
-    {"preload": 30.0},
-    {"restitution": 0.3},
-    {"restitution": 0.95},
+    {"restitution": 0.0},
     {"restitution": 1.0, "damping": 2.0},
     {"restitution": 0.5, "damping": 2.0, "gravity": 9.81, "preload": -20.0},
 ]
@@ -82,70 +79,41 @@ def refined(f, low, high):
 def test_single_impact_roots_are_those_of_a_dense_scan(changes):
     """As many as sign changes of the closure equation, each at its place."""
     system, total = chapter_system(**changes), 0
-    for rpm in (300.0, 358.5, 520.0, 700.0, 739.5, 1100.0, 2500.0, 5000.0):
+    for rpm in (300.0, 520.0, 739.5, 1100.0, 5000.0):
         shooter = Shooter(system, rpm)
         for turns in (1, 2, 3):
-            h = closure(system.follower, rpm, turns, *LIFTS)
-            cells = np.nonzero(np.sign(h[1:]) != np.sign(h[:-1]))[0]
+
+            def h(theta, rpm=rpm, turns=turns):
+                return closure(system.follower, rpm, turns, *arcs(np.array([theta])))[0]
+
+            scan = closure(system.follower, rpm, turns, *LIFTS)
+            cells = np.nonzero(np.sign(scan[1:]) != np.sign(scan[:-1]))[0]
             found = sorted(r.theta[0] for r in single_impact_roots(shooter, rpm, turns))
             assert len(found) == len(cells), (rpm, turns)
             total += len(cells)
             for theta, cell in zip(found, cells, strict=True):
-                exact = refined(
-                    lambda x, rpm=rpm, turns=turns: closure(
-                        system.follower, rpm, turns, *arcs(np.array([x]))
-                    )[0],
-                    THETA[cell], THETA[cell + 1],
-                )  # fmt: skip
+                exact = refined(h, THETA[cell], THETA[cell + 1])
                 assert abs(theta - exact) < 1e-9, (rpm, turns)
-    assert total > 10
-
-
-@pytest.mark.parametrize("rpm", [300.0, 1100.0, 2500.0])
-def test_plastic_single_impact_roots_are_those_of_a_dense_scan(rpm):
-    """r = 0: the follower leaves an impact with the cam's own velocity."""
-    system = chapter_system(restitution=0.0)
-    h = closure(system.follower, rpm, 1, *LIFTS)
-    cells = np.nonzero(np.sign(h[1:]) != np.sign(h[:-1]))[0]
-    assert len(cells) == len(single_impact_roots(Shooter(system, rpm), rpm, 1)) == 2
+    assert total
 
 
 def test_a_root_on_the_boundary_of_two_stretches_is_found_once():
     """The strobe phase is a boundary of the table: put it exactly on the orbit's impact."""
-    (plain,) = [
-        r for r in single_impact_roots(Shooter(chapter_system(), 700.0), 700.0, 1) if r.trace < 1
-    ]
+    roots = single_impact_roots(Shooter(chapter_system(), 700.0), 700.0, 1)
+    (plain,) = [r for r in roots if r.trace < 1]
     for shift in (0.0, 1e-15, -1e-15, 1e-13):
         system = chapter_system((plain.theta[0] + shift) * 180 / pi)
         roots = single_impact_roots(Shooter(system, 700.0), 700.0, 1)
-        orbits = {round(r.theta[0], 9) for r in roots}
-        assert len(orbits) == 2
+        assert len({round(r.theta[0], 9) for r in roots}) == 2
 
 
 @pytest.mark.parametrize(("stiffness", "gravity"), [(1430.8, 0.0), (0.0, 9.81)])
-def test_an_elastic_undamped_follower_has_an_answer(stiffness, gravity):
-    """r = 1 without damping: every resting phase of a dwell solves the closure equation."""
-    code = (
-        "from camcli.analysis.orbits.shooter import Shooter\n"
-        "from camcli.analysis.orbits.single_impact import single_impact_roots\n"
-        "from tests.conftest import chapter_system\n"
-        f"s = chapter_system(restitution=1.0, stiffness={stiffness}, gravity={gravity})\n"
-        f"single_impact_roots(Shooter(s, 360.0), 360.0, 2)\n"
-    )
-    in_time(code)
-
-
-def in_time(code, seconds=4):
-    """Run a script in a process of its own, which a hang cannot outlive."""
-    import subprocess
-    import sys
-    from pathlib import Path
-
-    root = Path(__file__).resolve().parents[2]
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=root, timeout=seconds, capture_output=True, check=False
-    )
-    assert done.returncode == 0, done.stderr.decode()
+def test_an_elastic_undamped_follower_has_an_answer_and_is_at_best_neutral(stiffness, gravity):
+    """r = 1 without damping: every phase of a dwell solves the closure equation; det is 1."""
+    system = chapter_system(restitution=1.0, stiffness=stiffness, gravity=gravity)
+    for root in single_impact_roots(Shooter(system, 700.0), 700.0, 1):
+        assert root.det == 1.0
+        assert not from_root(system, root).stable
 
 
 ORACLE_CASES = {
@@ -163,8 +131,7 @@ def solved(system, rpm, orbit):
     for theta, u in zip(orbit.thetas, orbit.u_minus, strict=True):
         turn, phase = divmod(float(theta), 2 * pi)
         events.append((int(turn), round(phase, 4), float(u) / (rpm * pi / 30)))
-    events.sort()
-    return newton_from(Shooter(system, rpm), events, orbit.turns)
+    return newton_from(Shooter(system, rpm), sorted(events), orbit.turns)
 
 
 def close(value, exact, relative=1e-11):
@@ -177,20 +144,16 @@ def close(value, exact, relative=1e-11):
 )
 def test_orbits_agree_with_the_oracle(name, changes):
     rpm, guess, turns = ORACLE_CASES[name]
-    exact = solve(CAM, Machine(**CHAPTER, **changes), rpm, guess, turns)
-    system = chapter_system(**changes)
+    machine, system = Machine(**CHAPTER, **changes), chapter_system(**changes)
+    exact = solve(CAM, machine, rpm, guess, turns)
     root = solved(system, float(rpm), exact)
-    assert Shooter(system, float(rpm)).verdict(root)[0] == ADMISSIBLE
+    assert Shooter(system, float(rpm)).admits(root)
     orbit, omega = from_root(system, root), mp.mpf(rpm) * mp.pi / 30
     close(orbit.trace, exact.trace)
     close(orbit.det, exact.det, 1e-13)
-    for a, b in zip(orbit.multipliers, exact.multipliers, strict=True):
-        other = (
-            b
-            if abs(complex(a) - complex(b)) < abs(complex(a) - complex(b).conjugate())
-            else b.conjugate()
-        )
-        close(a, other)
+    theirs = sorted(exact.multipliers, key=lambda z: (-abs(z), -mp.im(z)))
+    for mine, other in zip(orbit.multipliers, theirs, strict=True):
+        close(mine, other)
     pairs = sorted(zip(root.theta, root.rates, root.x[1::2], strict=False))
     theirs = sorted(
         (th - 2 * mp.pi * mp.floor(th / (2 * mp.pi)), um, up)
@@ -200,38 +163,33 @@ def test_orbits_agree_with_the_oracle(name, changes):
         close(theta, th)
         close(u, um / omega)
         close(v, up / omega)
-    q, w = orbit_oracle.strobe_state(CAM, Machine(**CHAPTER, **changes), rpm, exact)
-    states = [
-        min(abs(s[0] - float(q)) for s in orbit.states),
-        min(abs(s[1] - float(w / omega)) for s in orbit.states),
-    ]
-    assert max(states) < 1e-11
+    q, w = orbit_oracle.strobe_state(CAM, machine, rpm, exact)
+    away = [max(abs(s[0] - float(q)), abs(s[1] - float(w / omega))) for s in orbit.states]
+    assert min(away) < 1e-11
 
 
-@pytest.mark.parametrize("rpm", [250, 450, 1000, 2000])
+@pytest.mark.parametrize("rpm", [250, 1000, 2000])
 def test_virtual_orbits_agree_with_the_oracle_too(rpm):
     """Roots that penetrate the cam are roots all the same."""
     system = chapter_system(damping=2.0, gravity=9.81)
     machine, omega = Machine(**CHAPTER, damping=2.0, gravity=9.81), rpm * pi / 30
     for turns in (1, 2, 3):
         for root in single_impact_roots(Shooter(system, float(rpm)), float(rpm), turns):
-            guess = [(root.theta[0], root.x[1] * omega)]
-            exact = solve(CAM, machine, rpm, guess, turns)
+            exact = solve(CAM, machine, rpm, [(root.theta[0], root.x[1] * omega)], turns)
             close(root.theta[0], exact.thetas[0])
             assert abs(root.trace - float(exact.trace)) < 1e-11 * (1 + abs(root.trace))
 
 
-@pytest.mark.parametrize("det", [0.0, 1e-12, 0.4096, 0.64, 1.0])
-@pytest.mark.parametrize("trace", [-1e8, -4.0910731, -1.7, -1e-9, 0.0, 0.3, 1.6418699, 2.5, 1e8])
-def test_multipliers_are_the_roots_without_cancellation(trace, det):
-    large, small = multipliers(trace, det)
-    with mp.workdps(60):
-        disc = mp.mpf(trace) ** 2 / 4 - mp.mpf(det)
-        half, root = mp.mpf(trace) / 2, mp.sqrt(disc)
-        exact = sorted((half + root, half - root), key=lambda z: (-abs(z), -mp.im(z)))
-        for found, value in zip((large, small), exact, strict=True):
-            near = float(1 + abs(half / root)) if disc != 0 else 1.0
-            assert abs(mp.mpc(found) - value) <= 4e-16 * near * abs(value)
+def test_multipliers_are_the_roots_without_cancellation():
+    traces = (-1e8, -4.0910731, -1.7, -1e-9, 0.0, 0.3, 1.6418699, 2.5, 1e8)
+    for trace, det in itertools.product(traces, (0.0, 1e-12, 0.4096, 0.64, 1.0)):
+        with mp.workdps(60):
+            half = mp.mpf(trace) / 2
+            root = mp.sqrt(half**2 - mp.mpf(det))
+            exact = sorted((half + root, half - root), key=lambda z: (-abs(z), -mp.im(z)))
+            loose = float(1 + abs(half / root)) if root != 0 else 1.0
+            for found, value in zip(multipliers(trace, det), exact, strict=True):
+                assert abs(mp.mpc(found) - value) <= 4e-16 * loose * abs(value), (trace, det)
 
 
 MACHINES = st.fixed_dictionaries(
@@ -244,7 +202,7 @@ MACHINES = st.fixed_dictionaries(
 )
 
 
-@hypothesis_settings(max_examples=40, deadline=None, derandomize=True)
+@hypothesis_settings(max_examples=25, deadline=None, derandomize=True)
 @given(MACHINES, st.floats(300.0, 900.0))
 def test_what_is_solved_repeats_under_simulation(changes, rpm):
     """Two periods from the strobe state: the same states, and the counts of the label."""
@@ -270,15 +228,11 @@ def test_what_is_solved_repeats_under_simulation(changes, rpm):
             assert abs(float(column[k]) - orbit.states[k % orbit.turns][j]) < 1e-10 * size
 
 
-@pytest.mark.parametrize("rpm", [190.0, 358.5, 450.0, 700.0, 1500.0])
+@pytest.mark.parametrize("rpm", [190.0, 358.5, 700.0])
 def test_a_plastic_follower(rpm):
-    """r = 0: the label of the simulated record, an orbit with det 0, nothing that is not finite."""
-    from camcli.analysis.labels import label
-
+    """r = 0: the label of the simulated record, and an orbit with det 0."""
     system = chapter_system(restitution=0.0)
-    record = settings(transient=60, record=140)
-    tape = Orbit(system, rpm, record).run()
+    tape = Orbit(system, rpm, settings(transient=60, record=140)).run()
     orbit = solve_from(system, rpm, settings(transient=60))
-    assert orbit is not None
     assert orbit.label == label(tape)
     assert orbit.det == 0.0

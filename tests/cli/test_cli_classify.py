@@ -25,19 +25,22 @@ def speeds(result, kind):
     return [event["rpm"] for event in result["events"] if event["kind"] == kind]
 
 
-def test_the_chapters_range_is_explained(cam, tmp_path):
-    result = explained(cam, tmp_path, "--points", "51")
-    assert speeds(result, "corner-impact")[:2] == pytest.approx(
-        [673.2344450038120, 739.3779296493], rel=1e-11
-    )
-    assert speeds(result, "period-doubling")[0] == pytest.approx(739.3197802160, rel=1e-12)
-    causes = {(c["from_rpm"], c["to_rpm"]): c["cause"] for c in result["changes"]}
-    assert causes[(738.0, 740.0)] == "period-doubling+corner-impact"
-    corners = rows(tmp_path / "out" / "corners.csv")
-    assert {row["classification"] for row in corners} >= {"nonsmooth-fold"}
-    assert all(row["kind"] == "corner-impact" for row in corners)
+def test_a_range_is_explained_with_its_sentences(cam, tmp_path):
+    """Between 738 and 740 rpm P(1;1) doubles, and the doubled orbit reaches corner c."""
+    result = explained(cam, tmp_path, "--rpm", "736:740", "--points", "3")
+    assert speeds(result, "period-doubling") == pytest.approx([739.3197802160], rel=1e-12)
+    assert speeds(result, "corner-impact") == pytest.approx([739.3779296493], rel=1e-11)
+    (change,) = result["changes"]
+    assert (change["from_rpm"], change["to_rpm"]) == (738.0, 740.0)
+    assert change["cause"] == "period-doubling+corner-impact"
+    (corner,) = rows(tmp_path / "out" / "corners.csv")
+    assert (corner["kind"], corner["corner"]) == ("corner-impact", "c")
+    said = next(e["words"] for e in result["events"] if e["kind"] == "corner-impact")
+    assert "reaches corner c" in said
+    assert "as predicted" in said
 
 
+@pytest.mark.slow
 def test_the_low_range_is_explained(cam, tmp_path):
     result = explained(cam, tmp_path, "--rpm", "110:200", "--points", "46")
     assert speeds(result, "first-detachment") == pytest.approx([114.979326744], rel=1e-11)
@@ -50,28 +53,9 @@ def test_the_low_range_is_explained(cam, tmp_path):
         assert min(abs(rpm - hit) for hit in hits) < 1e-6
 
 
-def test_another_restitution_shifts_the_answers(cam, tmp_path):
-    from conftest import chapter_system, settings
-
-    from camcli.analysis.orbits.arclength import Span
-    from camcli.analysis.orbits.study import Question, orbits
-
-    result = explained(cam, tmp_path, "--points", "51", "--set", "follower.restitution=0.75")
-    solved = orbits(
-        chapter_system(restitution=0.75), settings(600),
-        Question(700.0, span=Span(660.0, 760.0, 1.0), starts=0),
-    )  # fmt: skip
-    for kind in ("corner-impact", "period-doubling"):
-        wanted = [b.value for b in solved.bifurcations if b.kind == kind and b.branch != 2]
-        found = speeds(result, kind)
-        for rpm in wanted:
-            assert min(abs(rpm - x) for x in found) < 1e-8, (kind, rpm, found)
-    assert speeds(result, "corner-impact")[0] != pytest.approx(673.23444500, rel=1e-4)
-
-
 def test_columns_and_exponents_of_one_speed(cam, tmp_path):
     done = cam("classify", "--rpm", "700", "--no-plot", "-o", "out")
-    assert done.returncode == 0
+    assert done.returncode == 0, done.stderr
     (row,) = rows(tmp_path / "out" / "classify.csv")
     assert list(row) == [
         "rpm", "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status",
@@ -81,53 +65,24 @@ def test_columns_and_exponents_of_one_speed(cam, tmp_path):
     assert "sum of the exponents" in done.stdout
 
 
-def test_a_cloud_of_starts_finds_both(cam, tmp_path):
-    done = cam("classify", "--rpm", "358.5", "--starts", "24", "--no-plot", "-o", "out")
-    assert done.returncode == 0
-    labels = [row["label"] for row in rows(tmp_path / "out" / "classify.csv")]
-    assert labels == ["P(1;2)", "P(3;3:3:2)"]
-
-
 def test_same_bytes_on_one_thread_or_two_compiled_or_not(cam, tmp_path):
-    words = (
-        "classify",
-        "--rpm",
-        "738:746",
-        "--points",
-        "5",
-        "--no-plot",
-        "--set",
-        "run.record=200",
-    )
-    for name, more, kernel in (
-        ("a", ("--threads", "1"), "compiled"),
-        ("b", ("--threads", "2"), "compiled"),
-        ("c", (), "python"),
-    ):
-        done = cam(*words, *more, "-o", name, env={"CAMCLI_KERNEL": kernel})
+    words = ("classify", "--rpm", "738:746", "--points", "3", "--no-plot")
+    for name, threads, kernel in (("a", "1", "compiled"), ("b", "2", "python")):
+        more = ("--set", "run.record=150", "--threads", threads, "-o", name)
+        done = cam(*words, *more, env={"CAMCLI_KERNEL": kernel})
         assert done.returncode == 0, done.stderr
-    texts = {(tmp_path / name / "classify.csv").read_bytes() for name in "abc"}
-    assert len(texts) == 1
+    assert len({(tmp_path / name / "classify.csv").read_bytes() for name in "ab"}) == 1
 
 
-@pytest.mark.parametrize(
-    ("traces", "dets", "kind"),
-    [
-        ("0.5,-0.5", "0.2,0.3", "persistence"),
-        ("0.5,-1.6", "0.2,0.3", "border-period-doubling"),
-        ("1.7,-1.7", "0.5,0.5", "robust-chaos"),
-    ],
-)
-def test_the_calculator(cam, traces, dets, kind):
-    done = cam("classify", "--trace", traces, "--det", dets, "--json")
+def test_the_calculator(cam):
+    done = cam("classify", "--trace", "0.5,-1.6", "--det", "0.2,0.3", "--json")
     assert done.returncode == 0, done.stderr
     record = json.loads(done.stdout)
-    assert record["kind"] == kind
-    if kind == "border-period-doubling":
-        cycle = next(c for c in record["cycles"] if c["word"] == "LR")
-        sizes = [m[0] for m in cycle["multipliers"]]
-        assert sizes == pytest.approx([-1.25207973, -0.04792027], abs=5e-9)
-    assert "robust" in cam("classify", "--trace", "1.7,-1.7", "--det", "0.5,0.5").stdout
+    assert record["kind"] == "border-period-doubling"
+    cycle = next(c for c in record["cycles"] if c["word"] == "LR")
+    sizes = [m[0] for m in cycle["multipliers"]]
+    assert sizes == pytest.approx([-1.25207973, -0.04792027], abs=5e-9)
+    assert "robust-chaos: " in cam("classify", "--trace", "1.7,-1.7", "--det", "0.5,0.5").stdout
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Numbers printed in the source chapter or recomputed from it, from whole runs."""
+"""Numbers of the cam-follower example (Osorio, di Bernardo & Santini 2008), from whole runs."""
 
 from math import pi
 
@@ -7,7 +7,6 @@ from conftest import chapter_system
 
 from camcli.analysis.classify import classify_at
 from camcli.analysis.labels import label
-from camcli.analysis.simulate import simulate
 from camcli.analysis.sweep import rpm_grid, sweep
 from tests.kernel.helpers import ORACLE_CAM, events, run, settings, system
 
@@ -38,13 +37,7 @@ def switch(low, high, before):
 def test_first_detachment():
     rpm = switch(114.9, 115.1, lambda x: not rows(x, "detachment"))
     assert rpm == pytest.approx(114.979326744, abs=1e-9)
-
-
-@pytest.mark.parametrize("offset", [-1e-5, 1e-5])
-def test_first_detachment_from_both_sides(offset):
-    found = rows(114.979326744 + offset, "detachment")
-    assert bool(found) == (offset > 0)
-    assert not found or found[0] == pytest.approx(B, abs=1e-12)
+    assert rows(rpm + 1e-5, "detachment")[0] == pytest.approx(B, abs=1e-12)
 
 
 @pytest.mark.parametrize("n", range(1, 9))
@@ -55,7 +48,7 @@ def test_the_nth_impact_lands_on_c(n):
 
 
 @pytest.mark.parametrize(("corner", "published"), [(C, 119.712), (D, 136.312)])
-@pytest.mark.parametrize("tolerance", [1e-7, 1e-9, 1e-12])
+@pytest.mark.parametrize("tolerance", [1e-7, 1e-12])
 def test_chatter_accumulates_on_a_corner(corner, published, tolerance):
     """Up to the speed the accumulation is before the corner, beyond it after or gone."""
 
@@ -74,25 +67,11 @@ def test_complete_chatter_becomes_incomplete():
     assert ends[-1] == pytest.approx(B, abs=2e-4)
 
 
-def test_single_impact_orbit_at_700():
-    result = simulate(MACHINE, 700.0, settings(20, transient=2000), 0)
-    assert result.label == "P(1;1)"
-    impacts = [row for row in result.events if row[3] == "impact"]
-    assert len(impacts) == 20
-    for row in impacts:
-        assert row[2] == pytest.approx(155.3036856027, abs=1e-9)
-        assert row[6] == pytest.approx(-0.8 * row[5], rel=1e-15)
-
-
 @pytest.mark.parametrize(
     ("rpm", "expected"),
     [
-        (100.0, "contact"),
         (114.9, "contact"),
         (684.0, "P(1;1)"),
-        (735.0, "P(1;1)"),
-        (739.35, "P(2;1:1)"),
-        (745.0, "aperiodic"),
         (682.0, "aperiodic"),
         (361.0, "aperiodic"),
         (359.0, "P(3;3:3:2)"),
@@ -140,11 +119,3 @@ def test_carried_down_the_single_impact_orbit_lives_until_its_corner_impact():
     labels = [speed.label for speed in found]
     assert labels[:-1] == ["P(1;1)"] * (len(speeds) - 1)
     assert labels[-1] != "P(1;1)"
-
-
-def test_sweep_and_simulation_agree():
-    wanted = settings(50, transient=2000)
-    (speed,) = sweep(MACHINE, [739.35], wanted).speeds
-    result = simulate(MACHINE, 739.35, wanted, 0)
-    assert speed.label == result.label == "P(2;1:1)"
-    assert list(speed.impacts[1]) == [row[2] for row in result.events if row[3] == "impact"]

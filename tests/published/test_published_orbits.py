@@ -1,6 +1,4 @@
-"""Published numbers of the chapter's periodic orbits, found by the solver of orbits."""
-
-from functools import cache
+"""Published numbers of the example's periodic orbits, found by the solver of orbits."""
 
 import pytest
 
@@ -9,109 +7,89 @@ from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter, multipliers
 from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.analysis.orbits.study import Question, orbits
-from camcli.kernel.certify import ADMISSIBLE
 from tests.conftest import chapter_system, settings
 
+SYSTEM = chapter_system()
 
-@cache
-def chapter_study():
+
+@pytest.fixture(scope="module")
+def found():
     question = Question(700.0, span=Span(660.0, 756.0, 2.0), starts=1)
-    return orbits(chapter_system(), settings(transient=60), question)
+    return orbits(SYSTEM, settings(transient=60), question)
 
 
-def event(kind, label):
-    return next(b for b in chapter_study().bifurcations if (b.kind, b.label) == (kind, label))
+def event(found, kind, label):
+    return next(b for b in found.bifurcations if (b.kind, b.label) == (kind, label))
 
 
-def test_the_corner_impact_of_p11():
+def test_the_corner_impact_of_p11(found):
     """Speed, one-sided traces and multipliers; the two solutions are born there."""
-    at = event("corner-impact", "P(1;1)")
-    assert at.corner == "b"
-    assert abs(at.value - 673.234445) < 5e-7
-    assert abs(at.left.trace - 1.6418699) < 5e-8
-    assert abs(at.right.trace - 1.3714214) < 5e-8
-    assert abs(at.left.det - 0.64) < 1e-15
-    assert abs(at.right.det - 0.64) < 1e-15
-    large, small = multipliers(at.left.trace, at.left.det)
-    assert abs(large - 1.0051474) < 5e-8
-    assert abs(small - 0.6367225) < 5e-8
-    upper, lower = multipliers(at.right.trace, at.right.det)
-    assert abs(upper - (0.6857107 + 0.4120689j)) < 1e-7
-    assert lower == upper.conjugate()
-    assert at.classification == "nonsmooth-fold"
-    assert at.agrees is True
+    at = event(found, "corner-impact", "P(1;1)")
+    assert (at.corner, at.classification, at.agrees) == ("b", "nonsmooth-fold", True)
+    assert at.value == pytest.approx(673.234445003812, abs=1e-9)
+    assert (at.left.trace, at.right.trace) == pytest.approx((1.6418699, 1.3714214), abs=5e-8)
+    assert (at.left.det, at.right.det) == pytest.approx((0.64, 0.64), abs=1e-15)
+    left, right = (multipliers(side.trace, side.det) for side in (at.left, at.right))
+    assert left == pytest.approx((1.0051474, 0.6367225), abs=5e-8)
+    assert right[0] == pytest.approx(0.6857107 + 0.4120689j, abs=1e-7)
+    assert right[1] == right[0].conjugate()
+    branches = [b for b in found.branches if b.labels == ["P(1;1)"]]
+    assert [b.ends for b in branches] == [("corner-impact", "end-of-range")] * 2
+    for branch in branches:
+        assert branch.points[0].value == pytest.approx(673.234445003812, abs=1e-9)
+        assert branch.points[-1].value == 756.0
 
 
-def test_the_period_doubling_and_the_corner_impact_after_it():
-    flip, at = event("period-doubling", "P(1;1)"), event("corner-impact", "P(2;1:1)")
-    assert abs(flip.value - 739.319780) < 5e-7
+def test_the_period_doubling_and_the_corner_impact_after_it(found):
+    flip, at = (
+        event(found, "period-doubling", "P(1;1)"),
+        event(found, "corner-impact", "P(2;1:1)"),
+    )
+    assert flip.value == pytest.approx(739.3197802160, abs=5e-10)
     assert min(abs(m + 1.0) for m in flip.orbit.multipliers) < 1e-10
-    assert at.corner == "c"
-    assert abs(at.value - 739.377930) < 5e-7
-    assert abs(at.left.trace - 1.3816246) < 5e-8
-    assert abs(at.right.trace + 4.0910731) < 5e-8
-    assert abs(at.left.det - 0.4096) < 1e-15
-    assert abs(at.right.det - 0.4096) < 1e-15
-    assert at.agrees is True
+    assert (at.corner, at.agrees) == ("c", True)
+    assert at.value == pytest.approx(739.3779296493, abs=5e-10)
+    assert (at.left.trace, at.right.trace) == pytest.approx((1.3816246, -4.0910731), abs=5e-8)
+    assert (at.left.det, at.right.det) == pytest.approx((0.4096, 0.4096), abs=1e-15)
 
 
-def stable_root(shooter, rpm):
-    """The root on A2, the stable solution below the period doubling."""
-    roots = [r for r in single_impact_roots(shooter, rpm, 1) if r.rates[0] < 0]
-    return min(roots, key=lambda r: r.trace)
+def p11(rpm):
+    """The motions P(1;1), that on A1 first."""
+    shooter = Shooter(SYSTEM, rpm)
+    real = [r for r in single_impact_roots(shooter, rpm, 1) if shooter.admits(r)]
+    return sorted((from_root(SYSTEM, r) for r in real), key=lambda o: o.theta)
 
 
 def test_the_multipliers_turn_real_at_738_7743752():
     """trace^2 = 4 det, by bisection; beyond it they are negative and part."""
-    shooter = Shooter(chapter_system(), 700.0)
     low, high = 735.0, 739.3
 
     def excess(rpm):
-        root = stable_root(shooter, rpm)
-        return root.trace**2 - 4 * root.det
+        orbit = p11(rpm)[1]
+        return orbit.trace**2 - 4 * orbit.det
 
     assert excess(low) < 0 < excess(high)
-    for _ in range(50):
+    for _ in range(40):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if excess(middle) < 0 else (low, middle)
-    assert abs(low - 738.7743752) < 5e-8
-    before, after = (stable_root(shooter, low + d) for d in (-1e-3, 1e-3))
-    assert multipliers(before.trace, before.det)[0].imag > 0
-    pair = multipliers(after.trace, after.det)
-    assert all(m.imag == 0 and -1 < m.real < 0 for m in pair)
+    assert low == pytest.approx(738.7743752, abs=5e-8)
+    assert p11(low - 1e-3)[1].multipliers[0].imag > 0
+    assert all(m.imag == 0 and -1 < m.real < 0 for m in p11(low + 1e-3)[1].multipliers)
 
 
-@pytest.mark.parametrize("rpm", [673.2344451, 674.0, 690.0, 720.0, 739.4, 756.0])
+@pytest.mark.parametrize("rpm", [660.0, 673.2344449, 673.2344451, 690.0, 720.0, 739.4, 756.0])
 def test_two_solutions_p11_exist_from_the_corner_impact_on(rpm):
-    system = chapter_system()
-    shooter = Shooter(system, rpm)
-    real = [r for r in single_impact_roots(shooter, rpm, 1) if shooter.verdict(r)[0] == ADMISSIBLE]
-    orbits = sorted((from_root(system, r) for r in real), key=lambda o: o.theta)
-    assert [o.regions for o in orbits] == [("A1",), ("A2",)]
-    assert [o.label for o in orbits] == ["P(1;1)"] * 2
-    assert not orbits[0].stable
-    assert orbits[1].stable == (rpm < 739.319780216)
+    found = p11(rpm)
+    assert [(o.regions, o.label) for o in found] == (
+        [(("A1",), "P(1;1)"), (("A2",), "P(1;1)")] if rpm > 673.234445 else []
+    )
+    assert [o.stable for o in found] == [False, rpm < 739.319780216][: len(found)]
 
 
-@pytest.mark.parametrize("rpm", [660.0, 673.0, 673.2344449])
-def test_and_none_before(rpm):
-    shooter = Shooter(chapter_system(), rpm)
-    roots = single_impact_roots(shooter, rpm, 1)
-    assert not any(shooter.verdict(r)[0] == ADMISSIBLE for r in roots)
-
-
-def test_both_branches_span_the_published_range():
-    branches = [b for b in chapter_study().branches if b.labels == ["P(1;1)"]]
-    assert len(branches) == 2
-    for branch in branches:
-        assert branch.ends == ("corner-impact", "end-of-range")
-        assert abs(branch.points[0].value - 673.234445003812) < 1e-9
-        assert branch.points[-1].value == 756.0
-    assert all(b.agrees is not False for b in chapter_study().bifurcations)
-
-
-def test_the_stable_multipliers_at_700_rpm():
-    shooter = Shooter(chapter_system(), 700.0)
-    root = stable_root(shooter, 700.0)
-    assert abs(root.trace - 0.6027216709) < 1e-10
-    assert abs(abs(multipliers(root.trace, root.det)[0]) - 0.8) < 1e-14
+def test_both_solutions_at_700_rpm():
+    unstable, stable = p11(700.0)
+    degrees = [57.29577951308232 * orbit.theta[0] for orbit in (unstable, stable)]
+    assert degrees == pytest.approx([104.1608293878, 155.3036856027], abs=1e-10)
+    assert unstable.trace == pytest.approx(1.9307756743, abs=1e-10)
+    assert stable.trace == pytest.approx(0.6027216709, abs=1e-10)
+    assert abs(stable.multipliers[0]) == pytest.approx(0.8, abs=1e-14)
