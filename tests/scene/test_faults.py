@@ -159,6 +159,13 @@ def test_too_many_faults_are_counted(faults, valid):
     assert found[-1].found == "400 further faults"
 
 
+def test_no_fault_follows_from_another_and_hints_are_limited(places, faults, valid):
+    assert places(valid + "sweep: {sections: [strob]}") == [("11:20", "sweep.sections.0")]
+    unknown = ", ".join(f"recor{i}: 1" for i in range(60))
+    cures = [fault.cure for fault in faults(valid + f"run: {{{unknown}}}")]
+    assert cures == ["did you mean 'record'?"] * 50 + ["remove it"] * 10
+
+
 def test_keys_of_the_user_cannot_write_to_the_terminal(faults, valid):
     (fault,) = faults(valid + '"\\e[2J\\n\\u202e": 1\n')
     assert str(fault).isprintable()
