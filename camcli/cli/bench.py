@@ -18,7 +18,7 @@ def bench(
     quick: Annotated[bool, Option("--quick", help="A subset within a minute.")] = False,
     flights: Annotated[
         int | None,
-        Option("--flights", help="Random flights; solve_ivp: the first 2000.", metavar="N"),
+        Option("--flights", help="Random flights to compare.", metavar="N"),
     ] = None,
 ) -> int:
     """How exact, how robust and how fast: cam bench [precision|stability|scenes].
@@ -31,7 +31,7 @@ def bench(
     stability.csv  case, expected, observed, status, seconds: the table of extreme cases, run
     stability.png  the same to look at
     flights.csv    method, asked, flights, compared, missed, invented, seconds: random flights asked
-                   for, flown, and decided by a dense search of the gap
+                   for, flown, and decided in ball arithmetic
     scenes.csv     scene, status, seconds, ratio, compute_s, modules, heavy: what a scene does not
                    need costs nothing; each row is a process of its own, ratio is over the cheapest
 
@@ -53,9 +53,8 @@ def bench(
 
     \b
     --quick       a subset, within a minute
-    --flights N   random flights, 200 unless bench.flights says otherwise: impacts that ours misses
-                  or
-                  invents, against a dense search
+    --flights N   random flights, 200 unless bench.flights says otherwise: contacts that ours
+                  misses or invents
     A run ends within ten minutes, a quick one within one: the time a part has left is shared by
     what it has left to do, and what there is no time for has the status not-reached. More flights
     than usual take what they take; --dry-run says how long.

@@ -32,7 +32,7 @@ POINTS, FLIGHTS, ROWS, SCENES = "points", "flights", "stability", "scenes"
 # minutes and to one is for starting, drawing, and the one piece by which each may overrun.
 FULL = {POINTS: 360.0, FLIGHTS: 30.0, ROWS: 80.0, SCENES: 100.0}
 QUICK = {POINTS: 26.0, FLIGHTS: 4.0, ROWS: 11.0, SCENES: 11.0}
-PER_FLIGHT = 3e-3  # s, with the dense search; an estimate
+PER_FLIGHT = 3e-3  # s, with its judge; an estimate
 QUICK_FLIGHTS = 100
 PRECISION_CSV = tuple(f.name for f in fields(precision.Measured))
 FLIGHTS_CSV = tuple(f.name for f in fields(flights.Flights))
@@ -48,7 +48,7 @@ def machines() -> Machines:
     from camcli.scene import Cam
 
     cams: TypeAdapter[Any] = TypeAdapter(Cam)
-    return Machines(lambda section: cams.validate_python(dict(section)).parts())
+    return Machines(lambda section: cams.validate_python(dict(section)))
 
 
 @dataclass

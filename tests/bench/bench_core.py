@@ -22,7 +22,7 @@ import numpy as np
 from camcli.analysis.bench.peers import Heyoka, SolveIvp
 from camcli.analysis.bench.precision import Case, case, heyoka_available, run_peer
 from camcli.analysis.integrate import Orbit, Settings, Start
-from camcli.cli.bench import machines
+from camcli.cli.bench_run import machines
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import EventKind
 from camcli.system import System

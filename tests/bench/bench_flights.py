@@ -1,4 +1,4 @@
-"""Contacts of random flights that solve_ivp misses or invents, and ours, against a dense search.
+"""Contacts of random flights that solve_ivp misses or invents, and ours, judged in ball arithmetic.
 
     python tests/bench/bench_flights.py [--flights 2000]
 
@@ -31,7 +31,7 @@ from camcli.analysis.bench.flights import (
 from camcli.analysis.bench.lifts import TWO_PI, Lift, lift_of
 from camcli.analysis.bench.machine import reference
 from camcli.analysis.bench.peers import BudgetError, Machine, SolveIvp, State, fly
-from camcli.cli.bench import machines
+from camcli.cli.bench_run import machines
 
 TOLERANCE = 1e-9  # rtol = atol
 APART = 1e-3  # rad: a peer's contact further off is another one
@@ -41,8 +41,10 @@ SLOWEST = 5.0  # s, for one flight
 def plain(lift: Lift, f: Flight) -> float | None:
     """RK45 with a terminal contact event; phase of the contact."""
 
+    lane = f.system.lane(f.rpm, 0.0, 1)
+
     def rhs(_s, z):
-        return z[1], -f.W * f.W * z[0] - 2.0 * f.Z * z[1] - f.G
+        return z[1], -lane.W2 * z[0] - 2.0 * lane.Z * z[1] - lane.G
 
     def contact(s, z):
         return z[0] - lift.at(f.theta + s)[0]
@@ -70,14 +72,13 @@ def main() -> None:
     """Fly and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--flights", type=int, default=2 * BLOCK)
-    section = reference("stability")["cam"]
-    lift, cam = lift_of(section), machines().cam(section)
+    lift = lift_of(reference("stability")["cam"])
     found: dict[str, Counter] = {name: Counter() for name in ("ours", "plain", "careful")}
     for block in blocks(parser.parse_args().flights):
         rng = np.random.default_rng([block.seed])
         for _ in range(block.flights):
-            f = random_flight(rng, cam, lift)
-            outcome, expected = verdict(lift, f, first_impact(f))
+            f = random_flight(rng, machines())
+            outcome, expected = verdict(f, first_impact(f))
             found["ours"][outcome] += 1
             if outcome == UNDECIDED:
                 continue

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from camcli.analysis.bench import stability
-from camcli.cli import bench
+from camcli.cli import bench_run as bench
 from camcli.cli.app import app
 from camcli.cli.exit_codes import guarded
 
@@ -55,16 +55,19 @@ def test_precision(run):
 
 
 def test_a_failed_row_is_exit_code_3(run, monkeypatch):
-    bad = stability.Row("1: r = 0", "one", lambda bench: stability.need(False, "two"))
+    bad = stability.Row("1: r = 0, b", "one", lambda bench: stability.need(False, '"two"'))
     good = stability.ROWS[8]
     monkeypatch.setattr(stability, "ROWS", {1: bad, 8: good})
     code, out, _ = run("stability", "--json")
     assert code == 3
-    assert json.loads(out)["result"]["stability"] == {"rows": 2, "failed": ["1: r = 0"]}
-    assert [r["status"] for r in run.rows("stability")] == ["failed", "ok"]
+    assert json.loads(out)["result"]["stability"] == {"rows": 2, "failed": ["1: r = 0, b"]}
+    first, second = run.rows("stability")
+    assert list(first) == ["case", "expected", "observed", "status", "seconds"]
+    assert (first["case"], first["observed"], first["status"]) == ("1: r = 0; b", "'two'", "failed")
+    assert second["status"] == "ok"
     assert (run.folder / "stability.png").exists()
     code, _, said = run("stability", "--no-plot")
-    assert "stability: row 1: r = 0: expected one: two" in said
+    assert 'stability: row 1: r = 0, b: expected one: "two"' in said
     assert not (run.folder / "stability.png").exists()
 
 

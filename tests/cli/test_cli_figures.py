@@ -12,7 +12,7 @@ import pytest
 
 from camcli.cli.app import app
 from camcli.cli.exit_codes import guarded
-from camcli.cli.figures import check, chosen, figures, state_of, verdict
+from camcli.cli.figures_run import check, chosen, figures, state_of, verdict
 from camcli.output.digest import Drift, drifts
 
 ROOT = Path(__file__).parents[2]

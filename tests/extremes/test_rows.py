@@ -4,7 +4,7 @@ import pytest
 
 from camcli.analysis.bench.pieces import OK
 from camcli.analysis.bench.stability import ROWS, measure
-from camcli.cli.bench import machines
+from camcli.cli.bench_run import machines
 
 
 @pytest.mark.parametrize("number", ROWS)

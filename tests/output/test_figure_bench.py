@@ -1,15 +1,11 @@
-"""Pictures and tables of the bench from points and rows made by hand."""
+"""Pictures of the bench from points and rows made by hand."""
 
 from io import BytesIO
 from math import nan
 
-from camcli.output.bench import rows_csv
-
-from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK
+from camcli.analysis.bench.pieces import FAILED, OK
 from camcli.analysis.bench.precision import GIVEN_UP, MISSED, OVER, Measured
-from camcli.analysis.bench.scenes import Scene
 from camcli.analysis.bench.stability import Outcome
-from camcli.cli.bench import PRECISION_CSV, SCENES_CSV, STABILITY_CSV
 from camcli.output.pictures import write_png
 from camcli.plots.bench import draw_precision, draw_stability
 
@@ -43,20 +39,3 @@ def test_pictures_have_the_same_bytes_twice():
             write_png(draw(), file)
         assert files[0].getvalue() == files[1].getvalue()
         assert files[0].getvalue().startswith(b"\x89PNG")
-
-
-def test_tables_have_their_columns_and_no_stray_commas():
-    lines = "".join(rows_csv(STABILITY_CSV, OUTCOMES)).splitlines()
-    assert lines[0] == "case,expected,observed,status,seconds"
-    assert lines[1] == "1: a; b,six 'or' seven,6,ok,0.001"
-    assert lines[3] == f"3: d,six,,{NOT_REACHED},"
-    lines = "".join(rows_csv(PRECISION_CSV, POINTS)).splitlines()
-    assert lines[0].startswith("case,method,setting,seconds,error,impacts,")
-    assert lines[-1] == "p3,heyoka,tol 1e-13,,,8,20,0,0,0.1,,,not-installed"
-    found = [Scene("a, b", OK, 3.0, 1.5, 0.5, 20, "numpy yaml", 0), Scene("d")]
-    lines = "".join(rows_csv(SCENES_CSV, found)).splitlines()
-    assert lines == [
-        "scene,status,seconds,ratio,compute_s,modules,heavy",
-        "a; b,ok,3.0,1.5,0.5,20,numpy yaml",
-        f"d,{NOT_REACHED},,,,0,",
-    ]

@@ -1,4 +1,4 @@
-"""Cams in closed form, in doubles, for the peers and the dense search; nothing of the kernel."""
+"""Cams in closed form, in doubles, for the peers; nothing of the kernel."""
 
 from __future__ import annotations
 
@@ -42,15 +42,15 @@ class Lift:
         """Index of the region at theta in [0, 2 pi); a breakpoint belongs to the right."""
         return bisect_right(self.breaks, theta)
 
-    def law(self, index: int, theta: Any, lib: Any = math) -> Law:
-        """(c, c', c'') of a region, its formula continued; `lib`: numpy for an array of angles."""
+    def law(self, index: int, theta: float) -> Law:
+        """(c, c', c'') of a region, its formula continued."""
         form, first, second, centre, _ = self.regions[index]
         if form == DWELL:
             return first, 0.0, 0.0
-        sin, cos = lib.sin(theta - centre), lib.cos(theta - centre)
+        sin, cos = math.sin(theta - centre), math.cos(theta - centre)
         if form == WAVE:
             return first - second * cos, second * sin, second * cos
-        root = lib.sqrt(second * second - (first * sin) ** 2)
+        root = math.sqrt(second * second - (first * sin) ** 2)
         slope = -first * first * sin * cos / root
         bend = (-first * first * (cos * cos - sin * sin) - slope * slope) / root
         return first * cos + root - self.offset, slope - first * sin, bend - first * cos

@@ -6,18 +6,17 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from camcli.analysis.integrate import Orbit, Settings, Start, Tape
-from camcli.cams.compile import build
-from camcli.cams.pieces import Part
-from camcli.kernel.cam_table import Cam
+from camcli.cams.pieces import Shape
+from camcli.kernel.orbit_loop import EventKind
 from camcli.system import Follower, System
 
-NAMES = {1: "impact", 2: "chatter", 3: "detachment"}
 LONGEST = 60.0  # s, beyond which a command is stopped
 STOPPED = 124  # its exit code then
 
@@ -33,24 +32,27 @@ class Event(NamedTuple):
 
 
 class Machines:
-    """Machines of the cams of scene sections; `parts_of` gives a section's smooth parts."""
+    """Machines with the cams of scene sections; `shape_of` gives the cam that a section means."""
 
-    def __init__(self, parts_of: Callable[[Mapping[str, Any]], list[Part]]):
-        self.parts_of = parts_of
-        self.tables: dict[str, Cam] = {}
+    def __init__(self, shape_of: Callable[[Mapping[str, Any]], Shape]):
+        self.shape_of = shape_of
+        self.made: dict[str, System] = {}
 
-    def cam(self, section: Mapping[str, Any], strobe_deg: float = 0.0) -> Cam:
-        """The compiled table of a cam section, kept."""
+    def system(
+        self, follower: Follower, section: Mapping[str, Any], strobe_deg: float = 0.0
+    ) -> System:
+        """A follower on a cam, whose compiled table is kept."""
         key = json.dumps([section, strobe_deg], sort_keys=True)
-        if key not in self.tables:
-            self.tables[key] = build(self.parts_of(section), strobe_deg)
-        return self.tables[key]
+        if key not in self.made:
+            shape = self.shape_of(section)
+            self.made[key] = System.build(follower, shape.parts(), strobe_deg, shape)
+        return replace(self.made[key], follower=follower)
 
     def example(self, strobe_deg: float = 0.0, **changes: float) -> System:
         """The cam-follower example of Osorio, di Bernardo and Santini (2008), some changed."""
         stored = reference("stability")
         follower = Follower(**{**stored["follower"], **changes})
-        return System(follower, self.cam(stored["cam"], strobe_deg))
+        return self.system(follower, stored["cam"], strobe_deg)
 
 
 @cache
@@ -76,7 +78,7 @@ def events(tape: Tape, first: int = 0) -> list[Event]:
     """Every logged event; `first`: 1 for a start off the strobe."""
     columns = zip(tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True)
     return [
-        Event(NAMES[int(k)], int(p) + first, float(t), float(q), float(u))
+        Event(EventKind(int(k)).text, int(p) + first, float(t), float(q), float(u))
         for k, p, t, q, u in columns
     ]
 

@@ -316,7 +316,6 @@ class Bench:
     def __init__(self, machines: Machines, quick: bool, repeats: int):
         self.machines, self.repeats = machines, repeats
         self.most = QUICK_ALLOWED if quick else ALLOWED
-        self.systems: dict[str, System] = {}
 
     def measure(self, piece: tuple[str, Point], share: float, left: float) -> list[Measured]:
         """The row of a case and a point, with its share of the time that is left."""
@@ -367,9 +366,7 @@ class Bench:
             if isinstance(method := method_of(point), SolveIvp):
                 import scipy.integrate  # noqa: F401
             return lambda seconds: run_peer(method, some, point.chatter, seconds)
-        if name not in self.systems:
-            self.systems[name] = System(some.follower, self.machines.cam(some.cam))
-        system = self.systems[name]
+        system = self.machines.system(some.follower, some.cam)
         backend.compiled()
         return lambda _: run_core(system, some, point.chatter)
 

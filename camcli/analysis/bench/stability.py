@@ -378,7 +378,7 @@ def fast(machines: Machines) -> str:
 def stiff(machines: Machines) -> str:
     """Against the oracle's stored motion, as exact as the others."""
     stored, tolerance = case("stiff"), 1e-13
-    system = System(stored.follower, machines.cam(stored.cam))
+    system = machines.system(stored.follower, stored.cam)
     trace = run_core(system, stored, tolerance)
     found = compare(stored, trace, tolerance)
     seen = f"{len(trace.hits)} impacts; {found.missed} missed; error {found.error:.1e} turns"
