@@ -11,16 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, pi, sqrt
+from math import inf, sqrt
 
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, detachment
-from camcli.analysis.contact_loss.force import Force, ForceCurve
-from camcli.cams.regions import corner_list
+from camcli.analysis.contact_loss.force import DEG, Force, ForceCurve
+from camcli.cams.regions import SAME_PHASE, corner_list
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.system import System
-
-RAD = 180.0 / pi
-SAME = 1e-12  # rad between a phase of the grid and a corner
 
 
 @dataclass(frozen=True)
@@ -71,9 +68,9 @@ def profile(system: System, rpm: float, points: int, base_radius: float | None) 
     """The cam at `points` phases and at every corner, and what follows from it at one speed."""
     force = Force(system)
     corners = corner_list(system.cam)
-    names = {corner.name: corner.theta * RAD for corner in corners}
+    names = {corner.name: corner.theta * DEG for corner in corners}
     rows = [
-        (theta * RAD, *lift_at(system.cam, i, theta))
+        (theta * DEG, *lift_at(system.cam, i, theta))
         for i, theta in _places(system, [corner.stretch for corner in corners], points)
     ]
     theta, c, c1, c2 = (list(column) for column in zip(*rows, strict=True))
@@ -97,7 +94,7 @@ def _places(system: System, corners: list[int], points: int) -> list[tuple[int, 
     places += [(i - 1, ends[i - 1], 0) for i in corners if i > 0]
     for k in range(points):
         theta = TURN * k / points
-        if all(abs(theta - starts[i]) > SAME for i in corners):
+        if all(abs(theta - starts[i]) > SAME_PHASE for i in corners):
             places.append((stretch_at(system.cam, theta), theta, 1))
     places.append((last, ends[last], 0))
     return [(i, theta) for i, theta, _ in sorted(places, key=lambda row: (row[1], row[2]))]
@@ -109,9 +106,8 @@ def _extreme(force: Force, order: int, sign: float) -> Extreme:
 
 def _lowest(force: Force, f: Callable[[float, float, float], float], sign: float = 1.0) -> Extreme:
     """Smallest f(c, c_theta, c_thetatheta) over the turn, times `sign`."""
-    stretches = range(force.cam.stretches)
-    value, _, theta = force.lowest(lambda i, x: f(*lift_at(force.cam, i, x)), stretches)
-    return Extreme(sign * value, theta * RAD)
+    value, _, theta = force.lowest(lambda i, x: f(*lift_at(force.cam, i, x)))
+    return Extreme(sign * value, theta * DEG)
 
 
 def _curvature(force: Force, base: float | None, c, c1, c2) -> Curvature:
@@ -121,7 +117,7 @@ def _curvature(force: Force, base: float | None, c, c1, c2) -> Curvature:
     needed = -_lowest(force, lambda q, _, a: q - lowest + a).value
     sharpest = None
     if base is not None:
-        found = _lowest(force, lambda q, v, a: -bend(q + radius, v, a), -1.0)
+        found = _lowest(force, lambda q, v, a: -polar_curvature(q + radius, v, a), -1.0)
         if found.value > 0.0:
             sharpest = Extreme(1.0 / found.value, found.theta_deg)
     rows = list(zip(c, c1, c2, strict=True))
@@ -130,13 +126,13 @@ def _curvature(force: Force, base: float | None, c, c1, c2) -> Curvature:
         flat=[q + radius + a for q, _, a in rows],
         flat_least=flat,
         least_base_radius=max(0.0, needed),
-        knife=None if base is None else [bend(q + radius, v, a) for q, v, a in rows],
+        knife=None if base is None else [polar_curvature(q + radius, v, a) for q, v, a in rows],
         roller=sharpest,
     )
 
 
-def bend(radius: float, slope: float, accel: float) -> float:
-    """Curvature of the polar curve, 1/m, positive where it is convex."""
+def polar_curvature(radius: float, slope: float, accel: float) -> float:
+    """kappa above, 1/m, positive where the curve is convex."""
     square = radius * radius + slope * slope
     if square == 0.0:
         return inf
