@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite, pi
 
-from camcli.cams.compile import build, column, corners
-from camcli.cams.pieces import Part, Shape
+from camcli.cams.compile import Part, Shape, build, column, corners
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import Kernel
 from camcli.kernel.cam_table import Cam

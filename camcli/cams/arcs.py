@@ -16,8 +16,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from camcli.cams import decimals
+from camcli.cams.compile import Part
 from camcli.cams.decimals import DIGITS, Numbers, pi
-from camcli.cams.pieces import Part
 
 Length = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 CLOSURE = 1e-9  # largest gap between circles that should touch, relative to the flank radius

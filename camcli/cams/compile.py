@@ -1,36 +1,202 @@
-"""The kernel's table of one cam from its smooth parts: `build(parts, strobe)`."""
+"""A cam's smooth parts, and the kernel's table of them: `build(parts, strobe)`.
+
+A kind of cam gives its parts as functions of theta in decimals. Each is interpolated at Chebyshev
+nodes and cut into equal pieces until the last coefficients no longer matter; the stretches of the
+table (`kernel.cam_table.Cam`) are the parts, cut once more at the strobe phase.
+"""
 
 from __future__ import annotations
 
 import itertools
 from bisect import bisect
-from collections.abc import Sequence
-from decimal import Decimal
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from functools import cache
+from math import factorial, inf
+from typing import Any, Protocol
 
-from camcli.cams.decimals import radians
-from camcli.cams.pieces import CUTS, Part, Piece, compile_part
-from camcli.kernel.cam_table import COLUMNS, ROW, TURN, Cam, polynomial
+from camcli.cams.decimals import DIGITS, Numbers, pi, radians, sincos
+from camcli.kernel.cam_table import COLUMNS, ORDERS, ROW, TERMS, TURN, Cam, polynomial
 
-Cut = tuple[Part, float, float]  # a part, from an angle to another, rad
-TAYLOR_ERROR = 2e-17  # m/rad, allowed remainder of the slope of the gap's local series
+MOST_PIECES = 64
+CUTS = 4  # cells of a piece in its bounds
 CELLS = 16  # of a stretch in its bounds, at least
+ACCEL_TAIL = Decimal("1e-14")  # neglected part of c_thetatheta, relative to its size
+LIFT_TAIL = Decimal("1e-18")  # neglected part of c, relative to its size
+NOISE = Decimal("1e-36")  # a term of c below it, relative to c, is rounding: a ramp has no curve
+TAYLOR_ERROR = 2e-17  # m/rad, allowed remainder of the slope of the gap's local series
 SLIVER = 1e-12  # rad: a stretch shorter than this is left to its neighbour
 SMALLEST_KICK = 1e-9  # m/rad: a jump of c_theta below it is rounding
+SMALLEST_JUMP = 1e-9  # of c_thetatheta relative to its largest: below it is rounding
+
+
+@dataclass(frozen=True)
+class Part:
+    """A smooth part of the cam: c(theta) on [start, end], angles in rad; lift None is a dwell.
+
+    `lift` must be analytic a little beyond both ends, since these are rounded to doubles.
+    A part may bring `pieces` instead: equal polynomials with six continuous derivatives.
+    """
+
+    start: Any  # numbers of one kind, `Decimal` unless the maker was asked for others
+    end: Any
+    lift: Callable[[Any], Any] | None
+    level: Any = Decimal(0)  # m, c of a dwell
+    pieces: tuple[Piece, ...] = ()
+
+    def edges(self) -> list[float]:
+        """Boundaries of the part's own pieces, rad: the stretch around a cut must end there."""
+        count = len(self.pieces)
+        with localcontext() as context:
+            context.prec = DIGITS
+            width = (self.end - self.start) / max(1, count)
+            return [float(self.start + width * k) for k in range(count)] + [float(self.end)]
+
+
+class Shape(Protocol):
+    """A kind of cam: it gives its smooth parts in the numbers asked for."""
+
+    def parts(self, numbers: Numbers = ...) -> list[Part]:
+        """The smooth parts of one turn from 0 to 2 pi."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One polynomial: c = sum coefficients[j] (theta - center)^j on |theta - center| <= half."""
+
+    center: float
+    half: float
+    coefficients: tuple[float, ...]
+
+    def derivative(self, order: int) -> tuple[float, ...]:
+        """Coefficients of the order-th derivative, padded to the same length."""
+        values = [
+            value * (factorial(j) // factorial(j - order))
+            for j, value in enumerate(self.coefficients)
+            if j >= order
+        ]
+        return tuple(values + [0.0] * order)
+
+    def row(self) -> list[float]:
+        """The kernel's row: centre, then the coefficients of each derivative."""
+        return [self.center, *(x for order in range(ORDERS) for x in self.derivative(order))]
+
+    def bounds(self, order: int, cuts: int) -> tuple[float, float]:
+        """Rigorous (low, high) of the order-th derivative on the piece.
+
+        It is expanded again about the middle of each of `cuts` cells, where the sum of the powers'
+        sizes bounds what the constant leaves out.
+        """
+        low, high = inf, -inf
+        for cell in range(cuts):
+            values = list(self.derivative(order))
+            middle = self.half * ((2 * cell + 1) / cuts - 1)
+            for k in range(len(values) - 1):  # synthetic division: powers of x - middle
+                for j in range(len(values) - 2, k - 1, -1):
+                    values[j] += middle * values[j + 1]
+            spread = 0.0
+            for value in reversed(values[1:]):
+                spread = (spread + abs(value)) * (self.half / cuts)
+            spread *= 1.0 + 1e-12  # roundings of these sums
+            low, high = min(low, values[0] - spread), max(high, values[0] + spread)
+        return low, high
+
+
+@cache
+def _nodes() -> tuple[list[Decimal], list[list[Decimal]]]:
+    """Chebyshev nodes on [-1, 1], and the matrix from values there to Chebyshev coefficients."""
+    with localcontext() as context:
+        context.prec = DIGITS
+        step = pi() / (2 * TERMS)
+        table = [sincos(step * j)[1] for j in range(4 * TERMS)]
+        nodes = [table[2 * j + 1] for j in range(TERMS)]
+        rows = [
+            [2 * table[k * (2 * j + 1) % (4 * TERMS)] / TERMS for j in range(TERMS)]
+            for k in range(TERMS)
+        ]
+        rows[0] = [value / 2 for value in rows[0]]
+        return nodes, rows
+
+
+@cache
+def _chebyshev() -> list[list[int]]:
+    """Power coefficients of T_0 .. T_{TERMS-1}, by T_{k+1} = 2 x T_k - T_{k-1}."""
+    rows = [[1], [0, 1]]
+    while len(rows) < TERMS:
+        twice = [0] + [2 * value for value in rows[-1]]
+        before = rows[-2] + [0] * (len(twice) - len(rows[-2]))
+        rows.append([a - b for a, b in zip(twice, before, strict=True)])
+    return rows
+
+
+def _fit(lift: Callable[[Any], Any], low: float, high: float) -> tuple[Piece, bool]:
+    """The interpolating piece on [low, high], and whether its tail is negligible."""
+    center, half = (low + high) / 2, (high - low) / 2
+    nodes, rows = _nodes()
+    middle, width = Decimal(center), Decimal(half)
+    values: list[Decimal] = [lift(middle + width * node) for node in nodes]
+    series = [sum((a * b for a, b in zip(row, values, strict=True)), Decimal(0)) for row in rows]
+    size = max(map(abs, values))
+    series = [value if abs(value) > NOISE * size else Decimal(0) for value in series]
+    tail = max(abs(series[-1]), abs(series[-2]))
+    # |T_n''| <= n^2 (n^2 - 1)/3 on [-1, 1]
+    accel = [abs(value) * (k * k * (k * k - 1)) / 3 for k, value in enumerate(series)]
+    good = tail <= LIFT_TAIL * size and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
+    powers = [Decimal(0)] * TERMS
+    for value, chebyshev in zip(series, _chebyshev(), strict=True):
+        for j, factor in enumerate(chebyshev):
+            powers[j] += value * factor
+    coefficients = tuple(float(value / width**j) for j, value in enumerate(powers))
+    return Piece(center, half, coefficients), good
+
+
+def _compile(part: Part, low: float, high: float) -> list[Piece]:
+    """Equal pieces of `part` on [low, high] rad, as few as double precision allows."""
+    if part.pieces:
+        return [
+            piece
+            for piece, (a, b) in zip(part.pieces, itertools.pairwise(part.edges()), strict=True)
+            if a < high and b > low
+        ]
+    if part.lift is None:
+        half = (high - low) / 2
+        level = (float(part.level),) + (0.0,) * (TERMS - 1)
+        return [Piece((low + high) / 2, half, level)]
+    with localcontext() as context:
+        context.prec = DIGITS
+        count = 1
+        while True:
+            width = (high - low) / count
+            edges = [low + width * j for j in range(count)] + [high]
+            pieces = []
+            for a, b in itertools.pairwise(edges):
+                piece, good = _fit(part.lift, a, b)
+                if not good and count < MOST_PIECES:
+                    break
+                pieces.append(piece)
+            else:
+                return pieces
+            count += 1 + count // 4
+
+
+Cut = tuple[Part, float, float]  # a part, from an angle to another, rad
 
 
 def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
     """Compile one turn, cut at the parts' ends and at the strobe phase, in lists of floats."""
     strobe = float(radians(Decimal(strobe_deg))) if strobe_deg else 0.0
     cuts, strobe = _cuts(parts, strobe)
-    stretches = [compile_part(part, low, high) for part, low, high in cuts]
+    stretches = [_compile(part, low, high) for part, low, high in cuts]
     pieces = [piece for group in stretches for piece in group]
     first = [sum(len(group) for group in stretches[:n]) for n in range(len(stretches))]
     starts = [_values(pieces[k], low) for k, (_, low, _) in zip(first, cuts, strict=True)]
     lasts = [k + len(group) - 1 for k, group in zip(first, stretches, strict=True)]
     ends = [_values(pieces[k], high) for k, (_, _, high) in zip(lasts, cuts, strict=True)]
     bounds = [[_bounds(group, order) for order in range(5)] for group in stretches]
+    jumps = [starts[n][1] - ends[n - 1][1] for n in range(len(starts))]
     starts_at = [low for _, low, _ in cuts]
-    columns = {
+    columns: dict[str, Sequence[float]] = {
         "START": starts_at,
         "END": [high for _, _, high in cuts],
         "FIRST": first,
@@ -38,7 +204,7 @@ def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
         "PER_ANGLE": [
             len(group) / (high - low) for group, (_, low, high) in zip(stretches, cuts, strict=True)
         ],
-        "KICK": [_kick(starts[n][1] - ends[n - 1][1]) for n in range(len(starts))],
+        "KICK": [jump if abs(jump) > SMALLEST_KICK else 0.0 for jump in jumps],
         "ACCEL_MIN": [row[2][0] for row in bounds],
         "ACCEL_MAX": [row[2][1] for row in bounds],
         "JERK_MAX": [_largest(row[3]) for row in bounds],
@@ -60,7 +226,7 @@ def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
 
 
 def column(cam: Cam, name: str) -> list[float]:
-    """One column of the stretch table, by the name in `kernel.profile.COLUMNS`."""
+    """One column of the stretch table, by the name in `kernel.cam_table.COLUMNS`."""
     return [float(value) for value in cam.rows[COLUMNS.index(name) :: ROW]]
 
 
@@ -110,10 +276,6 @@ def _values(piece: Piece, theta: float) -> tuple[float, ...]:
     return tuple(polynomial(piece.derivative(order), 0, x) for order in range(3))
 
 
-def _kick(jump: float) -> float:
-    return jump if abs(jump) > SMALLEST_KICK else 0.0
-
-
 def _bounds(group: Sequence[Piece], order: int) -> tuple[float, float]:
     cuts = max(CUTS, CELLS // len(group))  # a polynomial law is one wide piece
     rows = [piece.bounds(order, cuts) for piece in group]
@@ -140,5 +302,5 @@ def corners(cam: Cam) -> list[int]:
     return [
         n
         for n in range(cam.stretches)
-        if kicks[n] != 0.0 or abs(starts[n] - ends[n - 1]) > 1e-9 * size
+        if kicks[n] != 0.0 or abs(starts[n] - ends[n - 1]) > SMALLEST_JUMP * size
     ]

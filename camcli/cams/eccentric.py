@@ -13,8 +13,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from camcli.cams import decimals
+from camcli.cams.compile import Part
 from camcli.cams.decimals import Numbers
-from camcli.cams.pieces import Part
 
 Height = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 Lift = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]

@@ -1,27 +1,56 @@
-"""`kind: law`: base dwell, rise, top dwell and fall, each motion by a law of `profiles.laws`.
+"""`kind: law`: base dwell, rise, top dwell and fall, each motion by a standard law s(x).
 
 With h = lift and x the angle since the motion's start over its length beta:
     rise  c = base + h s(x)          fall  c = base + h (1 - s(x))
     c_theta = +-h/beta s'(x),        c_thetatheta = +-h/beta^2 s''(x)
 The rest of the turn is base dwell. Angles are taken as written, in decimals, so that 100.1 + 259.9
 is 360; the rise may begin anywhere, also so that the lobe passes through theta = 0.
+
+s goes from 0 at x = 0 to 1 at x = 1. Formulas: R. L. Norton, Cam Design and Manufacturing Handbook,
+2nd edition (2009), chapters 3 (SCCA family) and 4 (polynomials). Largest s', s'':
+    constant-velocity      1,       -         constant-acceleration  2,      4
+    harmonic               1.57080, 4.93480   cycloidal              2,      6.28319
+    modified-sine          1.75960, 5.52796   modified-trapezoid     2,      4.88812
+    3-4-5                  1.875,   5.77350   4-5-6-7                2.1875, 7.51318
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from decimal import Decimal, localcontext
 from functools import partial
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from camcli.cams import decimals
+from camcli.cams.compile import Part
 from camcli.cams.decimals import DIGITS, Numbers
-from camcli.cams.motion_laws import LawName, Segment, named, scca
-from camcli.cams.pieces import Part
 
+LawName = Literal[
+    "harmonic",
+    "cycloidal",
+    "3-4-5",
+    "4-5-6-7",
+    "modified-trapezoid",
+    "modified-sine",
+    "constant-acceleration",
+    "constant-velocity",
+]
+POLYNOMIALS = {
+    "constant-velocity": {1: 1},
+    "3-4-5": {3: 10, 4: -15, 5: 6},
+    "4-5-6-7": {4: 35, 5: -84, 6: 70, 7: -20},
+}
+SCCA = {  # (b, d); c = 1 - b - d
+    "constant-acceleration": ("0", "0"),
+    "harmonic": ("0", "1"),
+    "modified-trapezoid": ("0.25", "0.25"),
+    "modified-sine": ("0.25", "0.75"),
+    "cycloidal": ("0.5", "0.5"),
+}
 Height = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 Lift = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
@@ -141,14 +170,6 @@ def written(value: float) -> Decimal:
     return Decimal(repr(float(value)))
 
 
-def _segments(law: str | SccaLaw, numbers: Numbers) -> list[Segment]:
-    """The smooth parts of a law on 0 <= x <= 1."""
-    if isinstance(law, SccaLaw):
-        b = written(law.scca.b)
-        return scca(b, min(written(law.scca.d), 1 - b), numbers)
-    return named(law, numbers)
-
-
 def _motion(law, start: Decimal, length: Decimal, low, step, numbers: Numbers) -> Iterator[Part]:
     """Parts of a motion from c = low to low + step over `length` deg: its ends are in deg still."""
 
@@ -168,3 +189,79 @@ def _folded(low: Decimal, high: Decimal, level, later=None) -> Iterator[Part]:
         start, end = max(low - turn, Decimal(0)), min(high - turn, TURN)
         if end > start:
             yield Part(start, end, None if later is None else later(turn), level)
+
+
+# -- normalised laws of motion -----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A smooth part of a law, start <= x <= end; `height` is s(x), analytic beyond both."""
+
+    start: Decimal
+    end: Decimal
+    height: Callable[[Any], Any]
+
+
+def _segments(law: str | SccaLaw, numbers: Numbers) -> list[Segment]:
+    """The smooth parts of a law on 0 <= x <= 1."""
+    if isinstance(law, SccaLaw):
+        b = written(law.scca.b)
+        return _scca(b, min(written(law.scca.d), 1 - b), numbers)
+    if law in SCCA:
+        width, middle = SCCA[law]
+        return _scca(Decimal(width), Decimal(middle), numbers)
+    terms = POLYNOMIALS[law]
+
+    def height(x: Any) -> Any:
+        total = 0 * x
+        for n in range(max(terms), -1, -1):
+            total = total * x + terms.get(n, 0)
+        return total
+
+    return [Segment(Decimal(0), Decimal(1), height)]
+
+
+def _scca(b: Decimal, d: Decimal, numbers: Numbers) -> list[Segment]:
+    """The sine-constant-cosine acceleration law of widths b, c = 1 - b - d, d.
+
+    s'' = C_a times: sin(pi x/b) up to b/2; 1 up to (1 - d)/2; cos(pi (x - (1 - d)/2)/d) up to
+    (1 + d)/2; then the mirror image, s(x) = 1 - s(1 - x). Zones of no width are left out.
+    C_a = 4 pi^2 / ((pi^2 - 8)(b^2 - d^2) - 2 pi (pi - 2) b + pi^2) is the largest s''.
+    """
+    pi, sincos, beta, delta = numbers.pi, numbers.sincos, numbers.number(b), numbers.number(d)
+    with localcontext() as context:
+        context.prec = DIGITS + 5
+        p = pi()
+        curved = (p * p - 8) * (beta * beta - delta * delta) - 2 * p * (p - 2) * beta
+        ca = 4 * p * p / (curved + p * p)
+
+    def sine(x: Any) -> Any:
+        """C_a (b/pi x - (b/pi)^2 sin(pi x/b)), zone 1."""
+        width = beta / pi()
+        return ca * width * (x - width * sincos(x / width)[0])
+
+    def constant(x: Any) -> Any:
+        """C_a (x^2/2 + b (1/pi - 1/2) x + b^2 (1/8 - 1/pi^2)), zone 2."""
+        width = beta / pi()
+        return ca * (x * x / 2 + (width - beta / 2) * x + beta * beta / 8 - width * width)
+
+    def cosine(x: Any) -> Any:
+        """Zone 3, with y = x - (1 - d)/2:
+
+        C_a ((b/pi + c/2) x + (d/pi)^2 (1 - cos(pi y/d)) + b^2 (1/8 - 1/pi^2) - (1 - d)^2/8)
+        """
+        wide, width = delta / pi(), beta / pi()
+        wave = wide * wide * (1 - sincos((x - (1 - delta) / 2) / wide)[1])
+        level = beta * beta / 8 - width * width - (1 - delta) * (1 - delta) / 8
+        return ca * ((width + (1 - beta - delta) / 2) * x + wave + level)
+
+    def mirrored(height: Callable[[Any], Any]) -> Callable[[Any], Any]:
+        return lambda x: 1 - height(1 - x)
+
+    if b == d and b + d == 1:  # cycloidal: one sine throughout
+        return [Segment(Decimal(0), Decimal(1), sine)]
+    edges = (Decimal(0), b / 2, (1 - d) / 2, (1 + d) / 2, 1 - b / 2, Decimal(1))
+    heights = (sine, constant, cosine, mirrored(constant), mirrored(sine))
+    zones = zip(pairwise(edges), heights, strict=True)
+    return [Segment(start, end, height) for (start, end), height in zones if end > start]

@@ -29,9 +29,9 @@ from functools import cache, cached_property
 from math import sqrt
 from statistics import median_low
 
+from camcli.cams.compile import Piece
 from camcli.cams.decimals import DIGITS, pi
 from camcli.cams.lift_reading import DEG, Turn
-from camcli.cams.pieces import Piece
 from camcli.kernel.cam_table import TERMS
 
 DEGREE = 7

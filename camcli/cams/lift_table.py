@@ -19,11 +19,11 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, model_validator
 
 from camcli.cams import decimals
+from camcli.cams.compile import Part
 from camcli.cams.decimals import Numbers
 from camcli.cams.files import read_bytes, refused
 from camcli.cams.lift_fit import Accuracy, Errors, Fit, Smoother, noise, piece
 from camcli.cams.lift_reading import Reading, Turn, read_turn
-from camcli.cams.pieces import Part
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Column = Annotated[int, Field(strict=True, ge=1)] | Annotated[str, Field(min_length=1)]

@@ -14,7 +14,7 @@ from typing import Any
 
 from flint import arb
 
-from camcli.cams.pieces import Part, Piece, Shape
+from camcli.cams.compile import Part, Piece, Shape
 from camcli.exact import balls
 from camcli.exact.balls import below, derivatives
 from camcli.system import Follower

@@ -11,9 +11,9 @@ from camcli.analysis.contact_loss.detachment import Reason, detachment
 from camcli.analysis.contact_loss.force import Force
 from camcli.analysis.contact_loss.hold import Need, Obstacle, hold_to, replaced
 from camcli.analysis.integrate import Orbit
+from camcli.cams.compile import Part
 from camcli.cams.decimals import pi as decimal_pi
 from camcli.cams.decimals import sincos
-from camcli.cams.pieces import Part
 from camcli.kernel.cam_table import stretch_at
 from camcli.system import Follower, System, omega_of
 from tests.conftest import chapter_system, settings

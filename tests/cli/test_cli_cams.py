@@ -246,7 +246,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 import camcli.cams
 from camcli.cams.decimals import pi, sincos
-from camcli.cams.pieces import Part
+from camcli.cams.compile import Part
 
 class TwoLobes(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)

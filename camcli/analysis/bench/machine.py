@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from camcli.analysis.integrate import Orbit, Settings, Start, Tape
-from camcli.cams.pieces import Shape
+from camcli.cams.compile import Shape
 from camcli.kernel.orbit_loop import EventKind
 from camcli.system import Follower, System
 
