@@ -1,4 +1,8 @@
-"""Runs that are killed and go on: what may be found in the folder, and that the end is the same."""
+"""Runs that are killed and go on: what may be found in the folder, and that the end is the same.
+
+Most runs are forks of the test's own process, which spares each the start of Python; those that are
+killed at random moments, or have children, are processes of their own.
+"""
 
 from __future__ import annotations
 
@@ -10,29 +14,66 @@ import signal
 import subprocess
 import sys
 import time
-from collections import Counter
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryFile
 
-from camcli.parallel.checkpoint import records
+import camcli.cli.sweep  # noqa: F401 - once here, not in each fork
+from camcli.cli.app import main as cam_main
+from camcli.parallel.checkpoint import Checkpoint, records
+from camcli.parallel.work import Kept
 
-DYING = Path(__file__).with_name("dying.py")
 SIGNALS = (signal.SIGKILL, signal.SIGINT, signal.SIGTERM)
-ENDED = {130, -signal.SIGKILL, -signal.SIGINT, -signal.SIGTERM}  # SIGINT, SIGTERM: while starting
 SOAK = int(os.environ.get("CAMCLI_SOAK", "0"))  # kills at random moments, of all tests together
 STARTUP = 1.0  # s, of the command beside its work
-kills: Counter[str] = Counter()
+TIMES = ("run.json", "figure.json", "index.html")  # files that hold times
+
+
+class Fork:
+    """`cam` in a fork of this process; `arm` is called in it before."""
+
+    def __init__(self, words: tuple[str, ...], cwd: Path, arm: Callable[[], None] = lambda: None):
+        self.said = TemporaryFile("w+")  # noqa: SIM115 - as long as the process
+        self.pid = os.fork()
+        if self.pid == 0:
+            try:
+                os.chdir(cwd)
+                nowhere = os.open(os.devnull, os.O_RDWR)
+                for k, handle in enumerate((nowhere, nowhere, self.said.fileno())):
+                    os.dup2(handle, k)
+                sys.stdout, sys.stderr = open(1, "w"), open(2, "w")  # noqa: SIM115
+                signal.signal(signal.SIGINT, signal.default_int_handler)
+                sys.argv = ["cam", *words]
+                arm()
+                cam_main()
+            except SystemExit as end:
+                sys.stderr.flush()
+                os._exit(end.code or 0)
+            finally:
+                os._exit(99)
+
+    def send_signal(self, which: int) -> None:
+        """As a terminal, or a batch system, would."""
+        os.kill(self.pid, which)
+
+    def ended(self) -> tuple[int, str]:
+        """(exit code, stderr)."""
+        _, status = os.waitpid(self.pid, 0)
+        self.said.seek(0)
+        with self.said:
+            return os.waitstatus_to_exitcode(status), self.said.read()
+
+
+def cam(words: tuple[str, ...], cwd: Path, arm: Callable[[], None] = lambda: None):
+    """(exit code, stderr) of `cam` in a fork."""
+    return Fork(words, cwd, arm).ended()
 
 
 def command(*words: str) -> list[str]:
     """`cam` in a process of its own."""
     return [sys.executable, "-m", "camcli", *words]
-
-
-def dying(where: str, number: int, how: str, *words: str) -> list[str]:
-    """`cam` that kills itself: see dying.py."""
-    return [sys.executable, str(DYING), where, str(number), how, *words]
 
 
 def begin(words: list[str], cwd: Path, **options) -> subprocess.Popen:
@@ -54,6 +95,59 @@ def run(words: list[str], cwd: Path) -> tuple[int, str]:
     return ended(begin(words, cwd))
 
 
+def dying(where: str, number: int, how: str) -> Callable[[], None]:
+    """What makes `cam` kill itself.
+
+    where: half (half of a piece is on disk), put (a piece is), fsync (an artefact is written beside
+    its place), replace (it is about to go there), unlink (a file is about to go).
+    """
+    owner, name = {
+        "half": (Checkpoint, "put"), "put": (Checkpoint, "put"), "unlink": (Path, "unlink"),
+    }.get(where, (os, where))  # fmt: skip
+    original, left = getattr(owner, name), number
+
+    def end() -> None:
+        os.kill(os.getpid(), signal.Signals[how])
+
+    def counted(*args, **options):
+        nonlocal left
+        left -= 1
+        if left == 0 and where == "half":
+            args[0]._file = _Half(args[0]._file, end)
+        elif left == 0:
+            end()
+        return original(*args, **options)
+
+    return lambda: setattr(owner, name, counted)
+
+
+class _Half:
+    """A file of which the next write is cut in the middle."""
+
+    def __init__(self, file, end):
+        self.file, self.end = file, end
+
+    def __getattr__(self, name):
+        return getattr(self.file, name)
+
+    def write(self, data):
+        """Half of it, then the end."""
+        done = self.file.write(data[: len(data) // 2])
+        self.end()
+        return done
+
+
+def slow(milliseconds: int) -> Callable[[], None]:
+    """What adds so much to every piece."""
+    put = Kept.put
+
+    def slowly(*args):
+        time.sleep(milliseconds / 1000)
+        return put(*args)
+
+    return lambda: setattr(Kept, "put", slowly)
+
+
 def files(folder: Path) -> dict[str, bytes]:
     """Artefacts of a folder, figures in folders of it included."""
     paths = [path for path in sorted(folder.rglob("*")) if path.is_file()]
@@ -62,8 +156,7 @@ def files(folder: Path) -> dict[str, bytes]:
 
 def but_record(found: dict[str, bytes]) -> dict[str, bytes]:
     """Without what holds times."""
-    times = ("run.json", "figure.json", "index.html")
-    return {name: data for name, data in found.items() if Path(name).name not in times}
+    return {name: data for name, data in found.items() if Path(name).name not in TIMES}
 
 
 @dataclass
@@ -79,14 +172,10 @@ class Case:
 
     def __post_init__(self) -> None:
         """Run both, each uninterrupted."""
-        self.cwd.mkdir(parents=True, exist_ok=True)
-        assert run(command(*self.words, *self.earlier, "-o", "old"), self.cwd)[0] == 0
-        began = time.perf_counter()
-        assert run(command(*self.words, "-o", "new"), self.cwd)[0] == 0
-        self.seconds = time.perf_counter() - began
+        assert cam((*self.words, *self.earlier, "-o", "old"), self.cwd)[0] == 0
+        assert cam((*self.words, "-o", "new"), self.cwd)[0] == 0
         self.old, self.new = files(self.cwd / "old"), files(self.cwd / "new")
-        alone = json.loads(self.new["run.json"])["cost"]["seconds"]  # without compiling
-        self.seconds = min(self.seconds, alone + STARTUP)
+        self.seconds = json.loads(self.new["run.json"])["cost"]["seconds"] + STARTUP
         assert but_record(self.old) != but_record(self.new)
         self.reset()
 
@@ -100,14 +189,9 @@ class Case:
         shutil.rmtree(self.folder, ignore_errors=True)
         shutil.copytree(self.cwd / "old", self.folder)
 
-    def begin(self) -> subprocess.Popen:
-        """Start the run."""
-        return begin(command(*self.words, "-o", "out"), self.cwd)
-
     def die(self, where: str, number: int, how: str) -> tuple[int, str]:
         """Let the run kill itself."""
-        kills[how] += 1
-        return run(dying(where, number, how, *self.words, "-o", "out"), self.cwd)
+        return cam((*self.words, "-o", "out"), self.cwd, dying(where, number, how))
 
     def check(self) -> int:
         """Every artefact is old or new, and whole; the number of new ones."""
@@ -124,50 +208,39 @@ class Case:
 
     def finish(self) -> str:
         """Run to the end: all is new, nothing else is left; what it said."""
-        code, said = run(command(*self.words, "-o", "out"), self.cwd)
+        code, said = cam((*self.words, "-o", "out"), self.cwd)
         assert code == 0, said
         assert but_record(files(self.folder)) == but_record(self.new)
         assert not list(self.folder.glob(".*"))
         return said
 
-
-def soak(case: Case, seed: int, count: int) -> int:
-    """Kill it again and again at random moments, the same work going on; kills that met it."""
-    rng, met = random.Random(seed), 0
-    while met < count:
-        how, early = rng.choice(SIGNALS), rng.random() < 0.2
-        wait = rng.uniform(0.0, 0.2) if early else rng.uniform(0.25, 1.0) * case.seconds
-        process = case.begin()
-        time.sleep(wait)
-        process.send_signal(how)
-        code, said = ended(process)
-        assert "internal fault" not in said
-        early = "KeyboardInterrupt" in said and "camcli" not in said  # Python was still starting
-        assert code == 0 or code in ENDED or early, (how, code, said)
-        case.check()
-        if code == 0:
-            assert but_record(files(case.folder)) == but_record(case.new)
-            case.reset()
-        else:
-            met += 1
-            kills[how.name] += 1
-    case.finish()
-    case.reset()
-    return met
+    def soak(self, seed: int, count: int) -> None:
+        """Kill it so many times at random moments, the same work going on."""
+        rng, met = random.Random(seed), 0
+        while met < count:
+            how, early = rng.choice(SIGNALS), rng.random() < 0.2
+            wait = rng.uniform(0.0, 0.2) if early else rng.uniform(0.25, 1.0) * self.seconds
+            process = begin(command(*self.words, "-o", "out"), self.cwd)
+            time.sleep(wait)
+            process.send_signal(how)
+            code, said = ended(process)
+            assert "internal fault" not in said
+            starting = code == -how or ("KeyboardInterrupt" in said and "camcli" not in said)
+            assert code in (0, 130) or starting, (how, code, said)
+            self.check()
+            if code == 0:
+                assert but_record(files(self.folder)) == but_record(self.new)
+                self.reset()
+            else:
+                met += 1
+        self.finish()
 
 
 def of_folder(folder: Path) -> set[int]:
     """Processes alive whose command names the folder."""
-    found = set()
-    for path in Path("/proc").glob("[0-9]*"):
-        try:
-            words = (path / "cmdline").read_bytes()
-            state = (path / "stat").read_text().rpartition(")")[2].split()[0]
-        except OSError:
-            continue
-        if str(folder).encode() in words and state != "Z":
-            found.add(int(path.name))
-    return found
+    listed = subprocess.run(["ps", "-eo", "pid,stat,args"], capture_output=True, text=True)
+    rows = [line.split(None, 2) for line in listed.stdout.splitlines()[1:]]
+    return {int(pid) for pid, state, words in rows if str(folder) in words and state[0] != "Z"}
 
 
 def gone(folder: Path, seconds: float = 10.0) -> bool:
