@@ -31,7 +31,8 @@ from typing import Any, NamedTuple
 from camcli.analysis.bench.lifts import CIRCLE, DWELL, TWO_PI, WAVE, Lift
 from camcli.system import Follower
 
-CONTACT, TURNING = 0, 1  # events of a leg: the gap closes; it has a minimum
+CONTACT, TURNING = 0, 1  # events: the gap closes; it has a minimum
+CLEAR = 0.02  # m above the top of the cam: no contact up there; from twice that on `above`
 GAP_BELOW = 1e-3  # turns: a flight that falls back sooner is integrated in the gap
 GRID = 16  # cells of a region in the search for the end of a sticking
 HALVINGS = 80  # of an interval: down to the last bit
@@ -59,31 +60,6 @@ class State(NamedTuple):
     theta: float
     y: float
     u: float
-
-
-class Leg(NamedTuple):
-    """One integration of z'' = accel(t, z, z') from (z, z') = start, over `span` seconds.
-
-    z is the position q, or the gap where `in_gap`. `gap` and its `rate` are functions of t, z, z'.
-    `fall`: seconds until the flight meets the cam at its present relative acceleration; `stop`: the
-    angle at the end of the span; `region` of the cam, None where the method need not know it.
-    """
-
-    start: tuple[float, float]
-    theta: float
-    u: float
-    leaves: bool  # it starts on the cam
-    in_gap: bool
-    region: int | None
-    fall: float
-    span: float
-    stop: float
-    accel: Callable[[float, float, float], float]
-    gap: Callable[[float, float, float], float]
-    rate: Callable[[float, float, float], float]
-
-
-Result = tuple[float, float, float, int | None]  # t, z, z' where a leg ended, and the event there
 
 
 class Machine:
@@ -120,50 +96,14 @@ class Machine:
         omega = self.omega
         return -self.k * c - self.b * omega * slope - self.load - omega * omega * bend
 
-    def fall_time(self, theta: float, y: float, u: float) -> float:
+    def fall_time(self, at: State) -> float:
         """Seconds until the gap closes at the present relative acceleration."""
-        a = self.pushed(self.lift.region(theta), theta) - self.k * y - self.b * u
-        return math.inf if a >= 0.0 else (u + math.sqrt(u * u - 2.0 * a * y)) / -a
+        a = self.pushed(self.lift.region(at.theta), at.theta) - self.k * at.y - self.b * at.u
+        return math.inf if a >= 0.0 else (at.u + math.sqrt(at.u * at.u - 2.0 * a * at.y)) / -a
 
     def end(self, turn: int) -> float:
         """Where the run ends, as an angle counted from the beginning of a turn."""
         return (self.turns - turn) * TWO_PI
-
-    def relative(self, theta: float, q: float, v: float) -> tuple[float, float]:
-        """(y, u) of a position and velocity at any angle."""
-        c, slope, _ = self.lift.at(theta)
-        return q - c, v - self.omega * slope
-
-    def leg(self, at: State, by_region: bool) -> Leg:
-        """The next integration; `by_region`: the method knows the cam by its regions only."""
-        turn, theta, y, u = at
-        lift, omega, k, b, load = self.lift, self.omega, self.k, self.b, self.load
-        region = lift.region(theta)
-        fall = self.fall_time(theta, y, u)
-        in_gap = fall < GAP_BELOW * self.period
-        c, slope, _ = lift.law(region, theta)
-        anywhere = not in_gap and (not by_region or c + y > lift.top + 2.0 * CLEAR)
-        stop = min(theta + TWO_PI, self.end(turn))
-        if not anywhere:
-            stop = min(stop, lift.regions[region].end)
-        within = None if anywhere else region
-        common = (theta, u, y <= 0.0, in_gap, within, fall, (stop - theta) / omega, stop)
-
-        def relative_accel(t: float, z: float, w: float) -> float:
-            return self.pushed(region, theta + omega * t) - k * z - b * w
-
-        def accel(_: float, z: float, w: float) -> float:
-            return -k * z - b * w - load
-
-        def gap(t: float, z: float, _: float) -> float:
-            return z - lift.at(theta + omega * t)[0]
-
-        def rate(t: float, _: float, w: float) -> float:
-            return w - omega * lift.at(theta + omega * t)[1]
-
-        if in_gap:
-            return Leg((y, u), *common, relative_accel, lambda t, z, w: z, lambda t, z, w: w)
-        return Leg((c + y, u + omega * slope), *common, accel, gap, rate)
 
     def rest(self, turn: int, theta: float) -> State | None:
         """State in which a follower at rest on the cam leaves it; None: it rests to the end."""
@@ -203,13 +143,62 @@ class Machine:
         return State(turn, theta, 0.0, -self.r * u)
 
 
+Result = tuple[float, float, float, int | None]  # t, z, z' where it ended, and the event there
+
+
+class Segment:
+    """One integration of z'' = accel(t, z, z') from (z, z') = start, over `span` seconds.
+
+    z is the gap where the flight falls back soon (`in_gap`), else the position; `above`: it starts
+    clear of the whole cam. In the gap, and `by_region` unless it is above, it ends with its region.
+    """
+
+    def __init__(self, machine: Machine, at: State, by_region: bool):
+        lift = machine.lift
+        self.machine, self.at, self.region = machine, at, lift.region(at.theta)
+        self.fall = machine.fall_time(at)
+        self.in_gap = self.fall < GAP_BELOW * machine.period
+        c, slope, _ = lift.law(self.region, at.theta)
+        self.above = not self.in_gap and c + at.y > lift.top + 2.0 * CLEAR
+        self.stop = min(at.theta + TWO_PI, machine.end(at.turn))
+        if self.in_gap or (by_region and not self.above):
+            self.stop = min(self.stop, lift.regions[self.region].end)
+        self.span = (self.stop - at.theta) / machine.omega
+        self.start = (at.y, at.u) if self.in_gap else (c + at.y, at.u + machine.omega * slope)
+
+    def theta(self, t: float) -> float:
+        """Phase after t seconds, counted on beyond a turn."""
+        return self.stop if t >= self.span else self.at.theta + self.machine.omega * t
+
+    def accel(self, t: float, z: float, w: float) -> float:
+        """z'' in m/s2."""
+        m = self.machine
+        push = m.pushed(self.region, self.at.theta + m.omega * t) if self.in_gap else -m.load
+        return push - m.k * z - m.b * w
+
+    def gap(self, t: float, z: float) -> float:
+        """Gap in m."""
+        return z if self.in_gap else z - self.machine.lift.at(self.theta(t))[0]
+
+    def rate(self, t: float, w: float) -> float:
+        """Rate of the gap in m/s."""
+        m = self.machine
+        return w if self.in_gap else w - m.omega * m.lift.at(self.theta(t))[1]
+
+    def end(self, t: float, z: float, w: float, event: int | None) -> State:
+        """The state there; an event makes the gap exact at a contact, its rate at a minimum."""
+        y = 0.0 if event == CONTACT else max(self.gap(t, z), 0.0)
+        u = 0.0 if event == TURNING else self.rate(t, w)
+        return State(*wrapped(self.at.turn, self.theta(t)), y, u)
+
+
 class Method:
-    """A method of integration; `by_region`: a leg must lie in one region of the cam, or above."""
+    """A method of integration; `by_region`: it knows the cam by one region at a time."""
 
     by_region = False
 
-    def integrate(self, machine: Machine, leg: Leg) -> Result:
-        """Integrate a leg to its first event or its end."""
+    def integrate(self, segment: Segment) -> Result:
+        """Integrate a segment to its first event or its end."""
         raise NotImplementedError
 
 
@@ -241,13 +230,9 @@ def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
     """(whether on the cam, state) at the next contact or at the end of the run."""
     while at.theta < machine.end(at.turn):
         machine.check()
-        leg = machine.leg(at, method.by_region)
-        t, z, w, event = method.integrate(machine, leg)
-        theta = leg.stop if t >= leg.span else leg.theta + machine.omega * t
-        y, u = (z, w) if leg.in_gap else machine.relative(theta, z, w)
-        # what an event makes exact: the gap at a contact, its rate at a minimum
-        y, u = (0.0 if event == CONTACT else max(y, 0.0)), (0.0 if event == TURNING else u)
-        at = State(*wrapped(at.turn, theta), y, u)
+        segment = Segment(machine, at, method.by_region)
+        t, z, w, event = method.integrate(segment)
+        at = segment.end(t, z, w, event)
         if event == CONTACT:
             return True, at
     return False, at
@@ -277,33 +262,36 @@ class RungeKutta4(Method):
     def __init__(self, steps: int):
         self.steps = steps  # per turn
 
-    def integrate(self, machine: Machine, leg: Leg) -> Result:
+    def integrate(self, segment: Segment) -> Result:
         """Steps of h until the gap is negative or the span is over."""
-        h = min(machine.period / self.steps, leg.fall / self.PER_HOP)
-        t, z, w = 0.0, *leg.start
-        while t < leg.span:
+        machine, accel = segment.machine, segment.accel
+        h = min(machine.period / self.steps, segment.fall / self.PER_HOP)
+        t, (z, w) = 0.0, segment.start
+        while t < segment.span:
             machine.check()
-            left = leg.span - t
+            left = segment.span - t
             size = left if left < (1.0 + 1e-9) * h else h
-            after = runge_kutta_step(leg.accel, t, z, w, size)
+            after = runge_kutta_step(accel, t, z, w, size)
             machine.trace.evaluations += 4
-            if leg.gap(t + size, *after) < 0.0:
-                return self._landing(machine, leg, t, z, w, size)
-            t, (z, w) = (leg.span if size == left else t + size), after
+            if segment.gap(t + size, after[0]) < 0.0:
+                return self._landing(segment, t, z, w, size)
+            t, (z, w) = (segment.span if size == left else t + size), after
         return t, z, w, None
 
-    def _landing(self, machine: Machine, leg: Leg, t: float, z: float, w: float, size: float):
+    def _landing(self, segment: Segment, t: float, z: float, w: float, size: float) -> Result:
         """The contact inside a step: where a shorter one would end on the cam."""
 
         def inside(s: float) -> bool:
-            machine.trace.evaluations += 4
-            return leg.gap(t + s, *runge_kutta_step(leg.accel, t, z, w, s)) <= 0.0
+            segment.machine.trace.evaluations += 4
+            return segment.gap(t + s, runge_kutta_step(segment.accel, t, z, w, s)[0]) <= 0.0
 
         size = bisected(inside, 0.0, size)
-        return t + size, *runge_kutta_step(leg.accel, t, z, w, size), CONTACT
+        return t + size, *runge_kutta_step(segment.accel, t, z, w, size), CONTACT
 
 
-def runge_kutta_step(accel: Callable, t: float, z: float, w: float, h: float):
+def runge_kutta_step(
+    accel: Callable[[float, float, float], float], t: float, z: float, w: float, h: float
+) -> tuple[float, float]:
     """(z, w) after one step of the classical fourth-order method."""
     k1 = accel(t, z, w)
     w2 = w + 0.5 * h * k1
@@ -330,26 +318,29 @@ class SolveIvp(Method):
         self.options = {"method": method, "rtol": tolerance, "atol": tolerance}
         self.max_turn = max_turn
 
-    def integrate(self, machine: Machine, leg: Leg) -> Result:
-        """To a contact, or the bottom of a dip of the gap; no contact at the leg's own start."""
-        max_step = self.max_turn * machine.period
-        if leg.in_gap:
-            max_step = min(max_step, leg.fall)
-        first = min(0.5 * leg.fall, max_step, leg.span, machine.period / 64.0)
+    def integrate(self, segment: Segment) -> Result:
+        """To a contact, or the bottom of a dip of the gap; no contact at its own start."""
+        period = segment.machine.period
+        max_step = self.max_turn * period
+        if segment.in_gap:
+            max_step = min(max_step, segment.fall)
+        first = min(0.5 * segment.fall, max_step, segment.span, period / 64.0)
         for _ in range(self.RETRIES):
             try:
-                t, z, w, event = self._solve(machine, leg, leg.span, first, max_step, True)
+                t, z, w, event = self._solve(segment, segment.span, first, max_step, True)
             except ValueError:  # LSODA's interpolant does not meet its steps: no root between them
                 first *= 0.7
                 continue
-            if event == TURNING and leg.gap(t, z, w) < 0.0:  # a dip inside one step: end there
-                t, z, w, event = self._solve(machine, leg, t, first, max_step, False)
+            if event == TURNING and segment.gap(t, z) < 0.0:  # a dip inside one step: end there
+                t, z, w, event = self._solve(segment, t, first, max_step, False)
             if event != CONTACT or t > 0.0:
                 return t, z, w, event
             first /= 8.0  # the first step jumped over the whole flight
         raise ArithmeticError("the contact event cannot leave its starting point")
 
-    def _solve(self, machine, leg: Leg, span: float, first: float, max_step: float, dips: bool):
+    def _solve(
+        self, segment: Segment, span: float, first: float, max_step: float, dips: bool
+    ) -> Result:
         """One call; with `dips` the bottom of a dip is an event too."""
         from scipy.integrate import solve_ivp
 
@@ -360,19 +351,19 @@ class SolveIvp(Method):
             nonlocal calls
             calls += 1
             if not calls % self.CHECKED:
-                machine.check()
-            return z[1], leg.accel(t, z[0], z[1])
+                segment.machine.check()
+            return z[1], segment.accel(t, z[0], z[1])
 
         # LSODA begins with steps much shorter than the one it is given, where a gap that opens with
         # the cube of time is below the rounding of q - c: before `first` a leaving flight is open
-        leaves = leg.u >= 0.0
+        leaves = segment.at.u >= 0.0
 
         def contact(t, z):
-            gap = leg.gap(t, z[0], z[1])
+            gap = segment.gap(t, z[0])
             return max(gap, self.TINY) if leaves and t < first else gap
 
         def turning(t, z):
-            return 1.0 if leaves and t < first else leg.rate(t, z[0], z[1])
+            return 1.0 if leaves and t < first else segment.rate(t, z[1])
 
         contact.terminal = turning.terminal = True  # type: ignore[attr-defined]
         contact.direction, turning.direction = -1, 1  # type: ignore[attr-defined]
@@ -380,8 +371,8 @@ class SolveIvp(Method):
         steps = {"first_step": first, "max_step": max_step}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            sol = solve_ivp(rhs, (0.0, span), leg.start, events=events, **steps, **self.options)
-        machine.trace.evaluations += sol.nfev
+            sol = solve_ivp(rhs, (0.0, span), segment.start, events=events, **steps, **self.options)
+        segment.machine.trace.evaluations += sol.nfev
         if sol.status < 0:
             raise ArithmeticError(sol.message)
         event = None
@@ -390,8 +381,7 @@ class SolveIvp(Method):
         return float(sol.t[-1]), float(sol.y[0, -1]), float(sol.y[1, -1]), event
 
 
-CLEAR = 0.02  # m above the top of the cam: no contact up there; twice that begins a leg there
-SKY = "sky"  # form of a leg above the whole cam; its event is falling below
+SKY = "sky"  # form of a segment above the whole cam; its event is falling below
 OMEGA, ANGLE, K, B, LOAD, FIRST, SECOND, OFFSET = range(8)  # parameters of heyoka's equations
 
 
@@ -405,23 +395,26 @@ class Heyoka(Method):
     def __init__(self, tolerance: float):
         self.tolerance = tolerance
 
-    def integrate(self, machine: Machine, leg: Leg) -> Result:
+    def integrate(self, segment: Segment) -> Result:
         """One propagation; one that leaves the cam begins with a part without events."""
-        t, (z, w) = 0.0, leg.start
-        if leg.leaves:
-            part = self.SHORT * machine.period if leg.fall == math.inf else self.PART * leg.fall
-            t, z, w, _ = self._propagate(machine, leg, (0.0, z, w), min(part, leg.span), False)
-        if t >= leg.span:
+        t, (z, w) = 0.0, segment.start
+        if segment.at.y <= 0.0:
+            short = segment.fall == math.inf
+            part = self.SHORT * segment.machine.period if short else self.PART * segment.fall
+            t, z, w, _ = self._propagate(segment, (0.0, z, w), min(part, segment.span), False)
+        if t >= segment.span:
             return t, z, w, None
-        return self._propagate(machine, leg, (t, z, w), leg.span, True)
+        return self._propagate(segment, (t, z, w), segment.span, True)
 
-    def _propagate(self, machine, leg: Leg, begin: tuple, until: float, armed: bool) -> Result:
-        lift = machine.lift
+    def _propagate(
+        self, segment: Segment, begin: tuple[float, ...], until: float, armed: bool
+    ) -> Result:
+        machine, lift = segment.machine, segment.machine.lift
         form, first, second, angle = SKY, lift.top + CLEAR, 0.0, 0.0
-        if leg.region is not None:
-            form, first, second, centre, _ = lift.regions[leg.region]
-            angle = leg.theta - centre
-        ta, state, pars = taylor_integrator(form, leg.in_gap, armed, self.tolerance)
+        if not segment.above:
+            form, first, second, centre, _ = lift.regions[segment.region]
+            angle = segment.at.theta - centre
+        ta, state, pars = taylor_integrator(form, segment.in_gap, armed, self.tolerance)
         ta.time = begin[0]
         state[:] = begin[1:]
         values = (machine.omega, angle, machine.k, machine.b, machine.load, first, second)
