@@ -100,8 +100,8 @@ def corners_upwards(axes: Axes, corners: Iterable[tuple[str, float]], named: boo
         gap = 24.0 * (high - low) / axes.get_window_extent().height
         places = spread([phase for phase, _ in seen], gap, low, high)
         for (_, name), place in zip(seen, places, strict=True):
-            at: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "color": style.CAM}
-            axes.text(1.012, place, name, va="center_baseline", ha="left", **at)
+            at = axes.get_yaxis_transform()
+            axes.text(1.012, place, name, va="center_baseline", color=style.CAM, transform=at)
 
 
 def corners_across(
@@ -115,18 +115,17 @@ def corners_across(
     if named:
         gap = 18.0 * (high - low) / axes.get_window_extent().width
         places = spread([phase for phase, _ in seen], gap, low, high)
-        for (_, name), place in zip(seen, places, strict=True):
-            at: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": style.CAM}
-            at |= {"va": "top"} if inside else {"va": "bottom"}
-            axes.text(place, 0.985 if inside else 1.015, name, ha="center", **at)
+        y, va = (0.985, "top") if inside else (1.015, "bottom")
+        for (_, name), x in zip(seen, places, strict=True):
+            at = axes.get_xaxis_transform()
+            axes.text(x, y, name, ha="center", va=va, color=style.CAM, transform=at)
 
 
 def mark(axes: Axes, kind: str, x: Any, y: Any, **more: Any) -> None:
     """The mark of an event, or of a place where something could not be followed."""
     marker, face, edge, size = MARKS.get(kind, LOST)
-    look: dict[str, Any] = {"markerfacecolor": face, "markeredgecolor": edge}
-    look |= {"markeredgewidth": 0.5 if edge == "white" else 0.8, "linestyle": "", "zorder": 6}
-    axes.plot(x, y, marker=marker, markersize=size, **{**look, **more})
+    more = {"zorder": 6, "mew": 0.5 if edge == "white" else 0.8, **more}
+    axes.plot(x, y, marker, ms=size, mfc=face, mec=edge, **more)
 
 
 def event_lines(axes: Axes, values: Iterable[float]) -> None:
@@ -166,9 +165,8 @@ def event_numbers(axes: Axes, events: Sequence[tuple[int, float]]) -> None:
 
 def trouble_ticks(axes: Axes, x: Sequence[float] | np.ndarray) -> None:
     """A red tick at the bottom edge where a status is not ok."""
-    look: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
-    look |= {"marker": "|", "markersize": 7, "markeredgewidth": 0.9, "linestyle": ""}
-    axes.plot(x, np.zeros(len(x)), color=style.TROUBLE, **look)
+    at: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
+    axes.plot(x, np.zeros(len(x)), "|", color=style.TROUBLE, ms=7, mew=0.9, **at)
 
 
 # --- words
@@ -183,10 +181,7 @@ def legend(
     left: float = 20,
 ) -> None:
     """A legend whose top left corner is at a pixel, below the heading of the page or a panel's."""
-    tight: dict[str, Any] = {"borderaxespad": 0.0, "borderpad": 0.0, "handletextpad": 0.5}
-    tight |= {"labelspacing": 0.45, "columnspacing": 1.5, "handlelength": 1.6, "handleheight": 1.0}
-    at = style.share(figure, left, top)
-    figure.legend(handles, names, loc="upper left", bbox_to_anchor=at, ncols=columns, **tight)
+    figure.legend(handles, names, bbox_to_anchor=style.share(figure, left, top), ncols=columns)
 
 
 def text_rows(figure: Figure, top: float, count: int) -> Axes:
@@ -237,9 +232,8 @@ def draw_forces(axes: Axes, curves: Sequence[ForceCurve], names: Sequence[str] =
     colours = style.FORCES if len(curves) > 1 else (style.FORCE,)
     for k, curve in enumerate(curves):
         turn, place = divmod(k, len(colours))
-        line = FORCE_LINES[turn % len(FORCE_LINES)]
-        look: dict[str, Any] = {"color": colours[place], "linestyle": line, "zorder": 2 + 0.01 * k}
-        axes.plot(curve.theta_deg, curve.force_n, label=names[k] if names else None, **look)
+        line, name = FORCE_LINES[turn % len(FORCE_LINES)], names[k] if names else None
+        axes.plot(curve.theta_deg, curve.force_n, color=colours[place], ls=line, label=name)
     axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=1)
     low, high = axes.get_ylim()
     if low < 0.0 and any(min(curve.force_n) < 0.0 for curve in curves):

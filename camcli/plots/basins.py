@@ -73,7 +73,7 @@ def _draw_window(speed: Speed, grid: Basins, system: System) -> Figure:
     handles: list[Any] = []
     names, colours = [], _colours(speed)
     for code, words in entries:
-        area = Patch(facecolor=colours.get(code, TROUBLE), edgecolor="black", linewidth=0.5)
+        area = Patch(facecolor=colours.get(code, TROUBLE), ec="black", lw=0.5)
         marked = 0 < code <= MOST_NAMED and speed.attractors[code - 1].periodic
         shape = (Line2D([], [], **_marker(code)),) if marked and code not in outside else ()
         handles.append((area, *shape))
@@ -170,20 +170,13 @@ def _draw_attractors(axes: Axes, speed: Speed, grid: Basins) -> set[int]:
             axes.plot(q, v, **_marker(number), zorder=5)
             continue
         step = max(1, len(q) // DOTS)
-        look: dict[str, Any] = {"color": style.APERIODIC, "linestyle": "", "zorder": 4}
-        axes.plot(q[::step], v[::step], marker=".", markersize=1.2, markeredgewidth=0.0, **look)
+        axes.plot(q[::step], v[::step], ".", color=style.APERIODIC, ms=1.2, mew=0.0, zorder=4)
     return outside
 
 
 def _marker(number: int) -> dict[str, Any]:
-    return {
-        "marker": SHAPES[(number - 1) % len(SHAPES)],
-        "markersize": 6.0,
-        "markerfacecolor": "white",
-        "markeredgecolor": "black",
-        "markeredgewidth": 1.1,
-        "linestyle": "",
-    }
+    shape = SHAPES[(number - 1) % len(SHAPES)]
+    return {"marker": shape, "ms": 6.0, "mfc": "white", "mec": "black", "mew": 1.1, "ls": ""}
 
 
 def _draw_cam(axes: Axes, grid: Basins, system: System) -> bool:
@@ -221,8 +214,7 @@ def _draw_range(study: Study, question: Question) -> Figure:
     lower.set_xlabel("cam speed (rpm)")
     lower.set_ylabel("attractors' stroboscopic $q$ (m)")
     areas = {**colours, UNDECIDED_CODE: UNDECIDED, -1: "white"}
-    look: dict[str, Any] = {"edgecolor": "black", "linewidth": 0.5}
-    handles = [Patch(facecolor=areas[code], **look) for code, _ in entries]
+    handles = [Patch(facecolor=areas[code], ec="black", lw=0.5) for code, _ in entries]
     legend(figure, RANGE_HEAD - 8, handles, [words for _, words in entries])
     return figure
 
@@ -282,7 +274,7 @@ def _edges(rpms: np.ndarray) -> np.ndarray:
 def _draw_stack(axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, str]) -> None:
     """The fractions of the branches on one another, then what is undecided."""
     height = np.zeros(len(study.speeds))
-    bars: dict[str, Any] = {"width": np.abs(np.diff(edges)), "align": "edge", "linewidth": 0.0}
+    bars: dict[str, Any] = {"width": np.abs(np.diff(edges)), "align": "edge", "lw": 0.0}
     left = np.minimum(edges[:-1], edges[1:])
     for branch in sorted(colours):
         share = np.array([_fraction(speed, branch) for speed in study.speeds])
@@ -304,9 +296,8 @@ def _draw_states(axes: Axes, study: Study, colours: dict[int, str]) -> None:
     for speed in study.speeds:
         for branch, attractor in zip(speed.branches, speed.attractors, strict=True):
             q = attractor.shown()[:, 0]
-            look: dict[str, Any] = {"markersize": 3.0, "markeredgewidth": 0.25}
+            size, edge = 3.0, 0.25
             if not attractor.periodic:
-                q = q[:: max(1, len(q) // RANGE_DOTS)]
-                look = {"markersize": 1.6, "markeredgewidth": 0.0}
-            look |= {"color": colours[branch], "markeredgecolor": "black", "linestyle": ""}
-            axes.plot(np.full(len(q), speed.rpm), q, marker="o", zorder=3, **look)
+                q, size, edge = q[:: max(1, len(q) // RANGE_DOTS)], 1.6, 0.0
+            x = np.full(len(q), speed.rpm)
+            axes.plot(x, q, "o", mfc=colours[branch], mec="black", ms=size, mew=edge, zorder=3)

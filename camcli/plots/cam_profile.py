@@ -91,9 +91,8 @@ def _draw_lift(axes: Axes, profile: Profile, measured: Measured | None) -> None:
     axes.plot(profile.theta_deg, profile.c, color=style.CAM, label="cam")
     axes.set_ylabel("$c$ (m)")
     if measured is not None:
-        look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.0, "zorder": 3}
-        look |= {"color": style.MEASURED, "label": "rows of the table"}
-        axes.plot(measured.theta_deg, measured.c, **look)
+        theta, rows = measured.theta_deg, "rows of the table"
+        axes.plot(theta, measured.c, ".", color=style.MEASURED, ms=2.0, zorder=3, label=rows)
     low, high = profile.ranges["c"]
     room = high.value - low.value or abs(high.value) or 1.0
     axes.set_ylim(low.value - 0.06 * room, high.value + 0.22 * room)
@@ -114,8 +113,8 @@ def _draw_acceleration(axes: Axes, profile: Profile, measured: Measured | None) 
     share = (np.asarray(profile.theta_deg) / TURN_DEG * count).astype(int)
     bound = np.asarray(measured.bounds)[np.minimum(share, count - 1)]
     c2 = np.asarray(profile.c2)
-    look: dict[str, Any] = {"color": style.DOUBT, "linewidth": 0, "zorder": 0.4}
-    axes.fill_between(profile.theta_deg, c2 - bound, c2 + bound, label="bound on its error", **look)
+    band: dict[str, Any] = {"color": style.DOUBT, "lw": 0, "label": "bound on its error"}
+    axes.fill_between(profile.theta_deg, c2 - bound, c2 + bound, zorder=0.4, **band)
 
 
 def _draw_force(axes: Axes, profile: Profile, _: Measured | None) -> None:

@@ -221,8 +221,7 @@ def draw_growth(axes: Axes, known: Sequence[Growth]) -> None:
     axes.set_ylim(floor, high)
     axes.axhline(0.0, color=style.CAM, linewidth=0.8, zorder=1)
     for one in finite:
-        dot: dict[str, Any] = {"color": one.colour, "markersize": 2.6, "markeredgewidth": 0.0}
-        axes.plot([one.x], [one.largest], "o", zorder=4, **dot)
+        axes.plot([one.x], [one.largest], "o", color=one.colour, ms=2.6, mew=0.0, zorder=4)
         bar = [one.largest - one.spread, one.largest + one.spread]
         axes.plot([one.x, one.x], bar, color=one.colour, linewidth=0.8, zorder=4)
     ticks = [tick for tick in axes.get_yticks() if low <= tick <= high] if finite else [0.0]
@@ -240,20 +239,12 @@ def _draw_forgetting(axes: Axes, minus: Sequence[Growth], floor: float, low: flo
     axes.axhspan(floor, low, color=style.CAM_BODY, linewidth=0, zorder=0)
     for colour in dict.fromkeys(one.colour for one in minus):
         at = [one.x for one in minus if one.colour == colour]
-        look: dict[str, Any] = {"color": colour, "markersize": 3.2, "markeredgewidth": 0.0}
-        axes.plot(at, [floor + 0.25 * (low - floor)] * len(at), "v", zorder=4, **look)
-    axes.text(
-        0.5,
-        floor + 0.72 * (low - floor),
-        FORGETS,
-        transform=axes.get_yaxis_transform(),
-        ha="center",
-        va="center",
-        size=7,
-        color=style.CAM,
-        zorder=5,
-        bbox={"facecolor": style.CAM_BODY, "edgecolor": "none", "pad": 0.5},
-    )
+        y = [floor + 0.25 * (low - floor)] * len(at)
+        axes.plot(at, y, "v", color=colour, ms=3.2, mew=0.0, zorder=4)
+    patch = {"facecolor": style.CAM_BODY, "edgecolor": "none", "pad": 0.5}
+    place: dict[str, Any] = {"ha": "center", "va": "center", "bbox": patch, "zorder": 5}
+    place["transform"] = axes.get_yaxis_transform()
+    axes.text(0.5, floor + 0.72 * (low - floor), FORGETS, size=7, color=style.CAM, **place)
 
 
 def remark(known: Sequence[Growth], motions: int) -> str:

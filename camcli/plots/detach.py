@@ -160,9 +160,7 @@ def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str,
     corners_upwards(axes, [(name, x + turn) for name, x in places for turn in (0.0, TURN_DEG)])
     rpm = [speed.rpm for speed in study.speeds for _ in speed.impacts]
     impacts = view.phase([x for speed in study.speeds for x in speed.impacts])
-    dots: dict[str, Any] = {"linestyle": "", "marker": "o", "markeredgewidth": 0.0}
-    dots |= {"color": style.SIMULATED, "markersize": 1.8}
-    axes.plot(rpm, impacts, label="impacts, simulated", **dots)
+    axes.plot(rpm, impacts, "o", color=style.SIMULATED, ms=1.8, mew=0.0, label="impacts, simulated")
     _draw_ends(axes, view, study)
     first = study.detachment.first
     if first is not None:
@@ -188,9 +186,8 @@ def _draw_ends(axes: Axes, view: _View, study: ContactLoss) -> None:
         points = np.array(curves[region])
         breaks = np.flatnonzero(abs(np.diff(points[:, 1])) > JUMP) + 1
         points = np.insert(points, breaks, np.nan, axis=0)
-        look: dict[str, Any] = {"marker": "o", "markersize": 1.6, "markeredgewidth": 0.0}
-        look |= {"color": style.CHATTER, "linewidth": 1.2, "zorder": 3}
-        axes.plot(*points.T, label=None if k else "end of the chatter, computed", **look)
+        name = None if k else "end of the chatter, computed"
+        axes.plot(*points.T, "o-", color=style.CHATTER, lw=1.2, ms=1.6, mew=0.0, label=name)
 
 
 def _draw_hits(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:

@@ -42,8 +42,7 @@ def draw_paths(axes: Axes, lines: Sequence[Strand], colour: str, share: float) -
         mu = np.asarray(line.y)
         if np.abs(mu - mu[0]).max() < TINY:
             face = colour if line.stable else "white"
-            dot: dict[str, Any] = {"markersize": 4.0, "markerfacecolor": face, "zorder": 4}
-            axes.plot(mu.real[:1], mu.imag[:1], "o", color=colour, **dot)
+            axes.plot(mu.real[:1], mu.imag[:1], "o", color=colour, ms=4.0, mfc=face, zorder=4)
             continue
         axes.plot(mu.real, mu.imag, color=colour, zorder=3, **line_look(line.stable))
         _draw_arrow(axes, np.asarray(line.x), mu, colour, half, share)

@@ -95,9 +95,8 @@ def _dots(
     axes: Axes, x: Sequence[float], y: Sequence[float], orbit: PeriodicOrbit, shade: str
 ) -> None:
     """Stable orbits filled, unstable ones open."""
-    look: dict[str, Any] = {"markersize": 5.0, "markeredgewidth": 1.1, "zorder": 5}
     face = shade if orbit.stable else "white"
-    axes.plot(x, y, "o", markeredgecolor=shade, markerfacecolor=face, **look)
+    axes.plot(x, y, "o", ms=5.0, mew=1.1, mec=shade, mfc=face, zorder=5)
 
 
 def _draw_impacts(

@@ -208,7 +208,7 @@ def _draw_branches(
         if len(branch.points) == 1:
             values = of(branch.points[0])
             x = [branch.points[0].value] * len(values)
-            axes.plot(x, values, "o", color=colour, markersize=3.0, zorder=4)
+            axes.plot(x, values, "o", color=colour, ms=3.0, zorder=4)
 
 
 def _draw_positions(axes: Axes, scene: _Scene, system: System) -> None:
@@ -468,8 +468,8 @@ def draw_curves(curves: Sequence[Curve], second: str) -> Figure:
         dashes = CURVE_STYLES[shades[:k].count(colour) % len(CURVE_STYLES)]
         _draw_curve(axes, curve, colour, dashes)
     if early:
-        dot: dict[str, Any] = {"color": style.CAM, "markerfacecolor": "white"}
-        axes.plot([], [], "o", label="the curve ends within range", **dot)
+        name = "the curve ends within range"
+        axes.plot([], [], "o", color=style.CAM, mfc="white", label=name)
     legend(figure, CURVE_HEAD - 6, *axes.get_legend_handles_labels())
     axes.set_xlabel(axis_name("rpm"))
     axes.set_ylabel(axis_name(second))
@@ -486,4 +486,4 @@ def _draw_curve(axes: Axes, curve: Curve, colour: str, dashes: str) -> None:
     axes.plot(x, y, color=colour, linestyle=dashes, label=name)
     for place, end in zip((0, -1), curve.ends, strict=True):
         if curve.points and end != "end-of-range":
-            axes.plot([x[place]], [y[place]], "o", color=colour, markerfacecolor="white", zorder=5)
+            axes.plot([x[place]], [y[place]], "o", color=colour, mfc="white", zorder=5)

@@ -193,9 +193,9 @@ def _draw_phase(axes: Axes, trace: Trace) -> None:
     flight = trace.during(trace.gap, sticking=False), trace.during(trace.u, sticking=False)
     axes.plot(*flight, color=style.FLIGHT)
     ends = np.column_stack([trace.jumps, np.full(len(trace.jumps), np.nan)]).ravel()
-    axes.plot(np.zeros_like(ends), ends, "o-", color=style.IMPACT, linewidth=0.5, markersize=2.0)
+    axes.plot(np.zeros_like(ends), ends, "o-", color=style.IMPACT, linewidth=0.5, ms=2.0)
     if trace.sticks.any():
-        axes.plot([0.0], [0.0], color=style.STICKING, marker="o", markersize=5.0, zorder=4)
+        axes.plot([0.0], [0.0], color=style.STICKING, marker="o", ms=5.0, zorder=4)
 
 
 def _angle_axis(axes: Axes, trace: Trace, width: int) -> None:
