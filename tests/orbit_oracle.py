@@ -30,7 +30,6 @@ from tests.oracle import Arc, ArcsCam, Flight, Follower, Oracle, _num
 
 DIGITS = 60
 SAME = mpf(10) ** -30  # angles and flight times closer than this are equal
-GRID = 2000  # points per flight in the search for the smallest gap
 
 
 class Machine(NamedTuple):
@@ -81,14 +80,6 @@ class CornerImpact(NamedTuple):
     rpm: mpf
     left: Orbit
     right: Orbit
-
-
-class VelocityGraze(NamedTuple):
-    """The speed at which an impact has no velocity; the monodromy is infinite there."""
-
-    rpm: mpf
-    thetas: list[mpf]
-    u_minus: list[mpf]
 
 
 class GapGraze(NamedTuple):
@@ -408,64 +399,20 @@ def corner_rpm(cam, machine, impacts, turns, k, corner_theta, rpm, pieces=None) 
         return CornerImpact(left.rpm, left.orbit, right.orbit)
 
 
-def velocity_graze_rpm(cam, machine, impacts, turns, k, rpm, pieces=None) -> VelocityGraze:
-    """Speed at which u- of impact k reaches zero, near a guess."""
+def gap_graze_rpm(cam, machine, impacts, turns, k, rpm, theta) -> GapGraze:
+    """Speed at which the gap of flight k touches zero near the unrolled angle `theta`."""
     with mp.workdps(DIGITS):
-        n = len(impacts)
+        n, touch = len(impacts), _num(theta)
+        arc = _arc(cam, piece_at(cam, touch), touch)
 
         def equations(family, z):
-            omega, x = z[2 * n], z[: 2 * n]
-            return [*family.residual(omega, x), x[n + k] / omega]
+            x, omega, psi = z[: 2 * n], z[2 * n], z[2 * n + 1]
+            leg, (c, c1, _) = family.legs(omega, x)[k], arc.laws(mp, psi - arc.origin)
+            q, v = family.follower.flow((psi - leg.theta) / omega, leg.q0, leg.v0)
+            return [*family.residual(omega, x), q - c, v / omega - c1]
 
-        family, z = _settle(cam, machine, impacts, turns, pieces, [_omega(rpm)], equations)
-        u_minus = family.u_minus(z[2 * n], z[: 2 * n])
-        return VelocityGraze(z[2 * n] * 30 / mp.pi, z[:n], u_minus)
-
-
-def smallest_gap(cam, machine, rpm, orbit: Orbit, k: int) -> tuple[mpf, mpf]:
-    """Angle and size of the smallest local minimum of the gap in flight k, on a grid."""
-    with mp.workdps(DIGITS):
-        omega = _omega(rpm)
-        flight, t = _flights(cam, machine, omega, orbit)[k]
-        psis = [flight.psi + omega * t * i / GRID for i in range(GRID + 1)]
-        gaps = [
-            flight.follower.flow((psi - flight.psi) / omega, flight.q, flight.v)[0] - cam.c(psi)
-            for psi in psis
-        ]
-        inner = range(1, GRID)
-        least = [i for i in inner if gaps[i - 1] >= gaps[i] <= gaps[i + 1]]
-        if not least:
-            raise ArithmeticError("a flight whose gap has no minimum")
-        best = min(least, key=lambda i: gaps[i])
-        return psis[best], gaps[best]
-
-
-def gap_graze_rpm(cam, machine, impacts, turns, k, rpm, theta=None, pieces=None) -> GapGraze:
-    """Speed at which the smallest gap of flight k reaches zero, near a guess of the speed.
-
-    `theta` is the approximate unrolled angle of that minimum, None the one of the guess.
-    """
-    with mp.workdps(DIGITS):
-        n = len(impacts)
-        if theta is None:
-            orbit = solve(cam, machine, rpm, impacts, turns, pieces)
-            impacts = orbit.impacts
-            theta = smallest_gap(cam, machine, rpm, orbit, k)[0]
-        touch = _num(theta)
-
-        for _ in range(6):
-            arc = _arc(cam, piece_at(cam, touch), touch)
-
-            def equations(family, z, arc=arc):
-                x, omega, psi = z[: 2 * n], z[2 * n], z[2 * n + 1]
-                leg, (c, c1, _) = family.legs(omega, x)[k], arc.laws(mp, psi - arc.origin)
-                q, v = family.follower.flow((psi - leg.theta) / omega, leg.q0, leg.v0)
-                return [*family.residual(omega, x), q - c, v / omega - c1]
-
-            more = [_omega(rpm), touch]
-            family, z = _settle(cam, machine, impacts, turns, pieces, more, equations)
-            omega, x, psi = z[2 * n], z[: 2 * n], z[2 * n + 1]
-            if piece_at(cam, psi) == piece_at(cam, touch):
-                return GapGraze(omega * 30 / mp.pi, psi, family.orbit(omega, x))
-            rpm, touch, impacts = omega * 30 / mp.pi, psi, list(zip(x[:n], x[n:], strict=True))
-        raise ArithmeticError("a minimum of the gap that is at a corner")
+        more = [_omega(rpm), touch]
+        family, z = _settle(cam, machine, impacts, turns, None, more, equations)
+        omega, x, psi = z[2 * n], z[: 2 * n], z[2 * n + 1]
+        assert piece_at(cam, psi) == piece_at(cam, touch)
+        return GapGraze(omega * 30 / mp.pi, psi, family.orbit(omega, x))

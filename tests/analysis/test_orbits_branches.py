@@ -15,7 +15,7 @@ from camcli.analysis.orbits.study import Question, orbits
 from tests import oracle, orbit_oracle
 from tests.conftest import chapter_system, settings
 from tests.orbit_oracle import Machine, corner_rpm, fold_rpm, gap_graze_rpm, period_doubling_rpm
-from tests.test_orbit_oracle import DOUBLED, STABLE, THRICE, TWICE, UNSTABLE, B, C
+from tests.test_orbit_oracle import DOUBLED, GRAZE, STABLE, THRICE, TWICE, UNSTABLE, B, C
 
 CAM = oracle.ArcsCam()
 CHAPTER = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
@@ -83,7 +83,7 @@ def test_bifurcations_of_p11_agree_with_the_oracle(name):
 
 def test_grazing_of_the_unstable_orbit_agrees_with_the_oracle():
     (found,) = events(studied(700.0, 660.0, 800.0), "grazing")
-    exact = gap_graze_rpm(CAM, Machine(**CHAPTER), UNSTABLE, 1, 0, 780)
+    exact = gap_graze_rpm(CAM, Machine(**CHAPTER), UNSTABLE, 1, 0, 780, GRAZE)
     relative(found.value, exact.rpm, 1e-10)
     assert found.located.impact == 0
     assert found.located.fading is None
