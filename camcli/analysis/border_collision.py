@@ -39,7 +39,15 @@ Point = tuple[float, float]
 
 def unclear(*terms: float) -> bool:
     """True where the sum of the terms is zero within the rounding of the terms."""
-    return abs(fsum(terms)) <= ROUNDING * fsum(abs(term) for term in terms)
+    return abs(total(*terms)) <= ROUNDING * total(*(abs(term) for term in terms))
+
+
+def total(*terms: float) -> float:
+    """Added up in order: what sum() of floats does depends on the version of Python."""
+    value = 0.0
+    for term in terms:
+        value += term
+    return value
 
 
 @dataclass(frozen=True)
@@ -352,33 +360,41 @@ def classify(left: Side, right: Side) -> Collision:
     cycles = tuple(cycle(word, left, right) for word in ("L", "R", "LR"))
     below, above = attractor(left, right, -1), attractor(left, right, 1)
     chaos, equal = _robust_chaos(left, right), equalities(left, right)
-    parity = (*_parity(left, right), *_stability("L", left), *_stability("R", right))
+    one, minus_one = left.at_one * right.at_one, left.at_minus_one * right.at_minus_one
+    parity = [  # Feigin: is the number of multipliers beyond +1, beyond -1, odd?
+        _more("(1 - tau_L + delta_L)(1 - tau_R + delta_R) > 0", one),
+        _less("(1 + tau_L + delta_L)(1 + tau_R + delta_R) < 0", minus_one),
+    ]
+    for name, side in (("L", left), ("R", right)):
+        parity += [
+            _more(f"1 - tau_{name} + delta_{name} > 0", side.at_one),
+            _more(f"1 + tau_{name} + delta_{name} > 0", side.at_minus_one),
+            _less(f"delta_{name} < 1", side.det, 1.0),
+        ]
     growth = None
     if left.stable and right.stable:
         text = f"log growth per step at mu = 0 > {DECIDED:.2g}"
         growth = _more(text, growth_at_zero(left, right), DECIDED)
-    ends = below.kind == "none", above.kind == "none"
     one_each_side, born_two = parity[0].holds, parity[1].holds
     if equal:
         kind = "degenerate"
     elif growth is not None and growth.holds:
         kind = "dangerous"
-    elif is_proved(chaos):
+    elif len(chaos) == THEOREM and chaos[-1].holds:
         kind = "robust-chaos"
-    elif one_each_side and ends[0] != ends[1]:
+    elif one_each_side and (below.kind == "none") != (above.kind == "none"):
         kind = "no-attractor"
     elif not one_each_side:
         kind = "nonsmooth-fold"
     else:
         kind = "border-period-doubling" if born_two else "persistence"
-    return Collision(kind, parity, growth, chaos, tuple(equal), cycles, below, above)
+    return Collision(kind, tuple(parity), growth, chaos, tuple(equal), cycles, below, above)
 
 
 def equalities(left: Side, right: Side) -> list[str]:
     """Every equality that holds within rounding and leaves the verdict open."""
-    found = [
-        f"on {name}, {text}" for name, side in _named(left, right) if (text := side.degenerate)
-    ]
+    both = ("L", left), ("R", right)
+    found = [f"on {name}, {text}" for name, side in both if (text := side.degenerate)]
     if left.at_minus_one * right.at_minus_one < 0.0:
         trace = left.trace * right.trace - left.det - right.det
         text = Side(trace, left.det * right.det).degenerate
@@ -387,10 +403,6 @@ def equalities(left: Side, right: Side) -> list[str]:
     if len(chaos) == THEOREM and unclear(*_crisis(*_saddle_first(left, right))):
         found.append("the unstable manifold of a fixed point touches the stable one of the saddle")
     return found
-
-
-def _named(left: Side, right: Side) -> list[tuple[str, Side]]:
-    return [("L", left), ("R", right)]
 
 
 def _saddle_first(left: Side, right: Side) -> tuple[Side, Side]:
@@ -406,23 +418,6 @@ def _less(text: str, left: float, right: float = 0.0) -> Inequality:
     return Inequality(text, left, right, left < right)
 
 
-def _parity(left: Side, right: Side) -> list[Inequality]:
-    """Feigin's rules: the signs say whether the number of multipliers beyond +1, -1 is odd."""
-    one, minus_one = left.at_one * right.at_one, left.at_minus_one * right.at_minus_one
-    return [
-        _more("(1 - tau_L + delta_L)(1 - tau_R + delta_R) > 0", one),
-        _less("(1 + tau_L + delta_L)(1 + tau_R + delta_R) < 0", minus_one),
-    ]
-
-
-def _stability(name: str, side: Side) -> list[Inequality]:
-    return [
-        _more(f"1 - tau_{name} + delta_{name} > 0", side.at_one),
-        _more(f"1 + tau_{name} + delta_{name} > 0", side.at_minus_one),
-        _less(f"delta_{name} < 1", side.det, 1.0),
-    ]
-
-
 def _crisis(saddle: Side, other: Side) -> tuple[float, ...]:
     """Terms of the existence condition of Banerjee, Yorke & Grebogi, times a positive number.
 
@@ -433,32 +428,23 @@ def _crisis(saddle: Side, other: Side) -> tuple[float, ...]:
     return l1 * other.trace * (l1 - 1.0), -other.det * (l1 - 1.0), l1 * l1 * (1.0 - l2)
 
 
-def is_proved(chaos: tuple[Inequality, ...]) -> bool:
-    """True where all conditions for robust chaos were tried, and hold."""
-    return len(chaos) == THEOREM and chaos[-1].holds
-
-
 def _robust_chaos(left: Side, right: Side) -> tuple[Inequality, ...]:
     """The conditions of Banerjee, Yorke & Grebogi up to the first that fails: THEOREM if none."""
     saddle, other = _saddle_first(left, right)
     s, o = ("L", "R") if saddle is left else ("R", "L")
-    found = []
-    for condition in (
-        lambda: _more(f"tau_{s} > 1 + delta_{s}", saddle.trace, 1.0 + saddle.det),
-        lambda: _less(f"tau_{o} < -(1 + delta_{o})", other.trace, -(1.0 + other.det)),
-        lambda: _more(f"delta_{s} > 0", saddle.det),
-        lambda: _less(f"delta_{s} < 1", saddle.det, 1.0),
-        lambda: _more(f"delta_{o} > 0", other.det),
-        lambda: _less(f"delta_{o} < 1", other.det, 1.0),
-        lambda: _more(
-            f"(l1 tau_{o} - delta_{o})(l1 - 1) + l1^2 (1 - l2) > 0, l1 > l2 the multipliers of {s}",
-            fsum(_crisis(saddle, other)),
-        ),
-    ):
-        found.append(condition())
-        if not found[-1].holds:
-            break
-    return tuple(found)
+    found = [
+        _more(f"tau_{s} > 1 + delta_{s}", saddle.trace, 1.0 + saddle.det),
+        _less(f"tau_{o} < -(1 + delta_{o})", other.trace, -(1.0 + other.det)),
+        _more(f"delta_{s} > 0", saddle.det),
+        _less(f"delta_{s} < 1", saddle.det, 1.0),
+        _more(f"delta_{o} > 0", other.det),
+        _less(f"delta_{o} < 1", other.det, 1.0),
+    ]
+    fails = next((k for k, condition in enumerate(found) if not condition.holds), None)
+    if fails is not None:
+        return tuple(found[: fails + 1])
+    text = f"(l1 tau_{o} - delta_{o})(l1 - 1) + l1^2 (1 - l2) > 0, l1 > l2 the multipliers of {s}"
+    return (*found, _more(text, total(*_crisis(saddle, other))))
 
 
 def growth_at_zero(left: Side, right: Side) -> float:

@@ -13,7 +13,7 @@ from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.identify import identify, passages
 from camcli.analysis.orbits.orbit import PeriodicOrbit, resting_orbit
 from camcli.analysis.orbits.same_orbit import SAME, distance_to, same_orbit
-from camcli.analysis.orbits.search import cloud
+from camcli.analysis.orbits.search import RECORD, cloud
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import EventKind
@@ -96,52 +96,67 @@ def classify_at(
     attracting orbit that the record approaches, of a period up to LONGEST_PERIOD. Aperiodic means:
     no such orbit, and a largest Lyapunov exponent above zero by three standard errors. Where
     neither can be shown in LONGER times the record, or a record without a period holds complete
-    chatters, the motion after the rest is followed with many digits (`analysis.rest`) and named
-    instead; if even that is not certain, it is undecided.
+    chatters, the motion after the rest is followed with many digits (`analysis.after_rest`) and
+    named instead; if even that is not certain, it is undecided.
     """
     start = settings.start if start is None else start
-    record = max(settings.record, 2 * LONGEST_PERIOD + 2)
-    run = with_turns(settings, settings.transient, record)
-    orbit_run = Orbit(system, rpm, run, start)
-    tape = orbit_run.run()
+    record = max(settings.record, RECORD)
+    run = Orbit(system, rpm, with_turns(settings, settings.transient, record), start)
+    tape = run.run()
     cost = tape.cost
-    orbit = identify(system, rpm, tape)
-    exponents = None if orbit is not None else _measured(system, rpm, tape)
-    if tape.status == Status.OK and orbit is None and not _certain(exponents):
-        longer = with_turns(settings, 0, LONGER * record)
-        more = Orbit(system, rpm, longer, orbit_run.here()).run()
+    orbit, exponents = _solved(system, rpm, tape)
+    if tape.status == Status.OK and not _certain(orbit, exponents):
+        more = Orbit(system, rpm, with_turns(settings, 0, LONGER * record), run.here()).run()
         cost = cost + more.cost
-        orbit = identify(system, rpm, more)
-        exponents = None if orbit is not None else _measured(system, rpm, more)
+        orbit, exponents = _solved(system, rpm, more)
         tape = more if more.status == Status.OK else tape
     if tape.status == Status.OK and orbit is None and any(tape.chatter[: tape.periods]):
-        orbit, tape = _after_rest(system, rpm, settings, tape)
-        exponents = None if orbit is not None else _measured(system, rpm, tape)
-    if orbit is not None:
-        exponents = of_orbit(system, orbit)
+        orbit, exponents, tape = _after_rest(system, rpm, settings, tape)
+    certain = tape.status == Status.OK and _certain(orbit, exponents)
     return Motion(
-        rpm=rpm, start=start, label=_label(orbit, exponents, tape), orbit=orbit,
-        exponents=exponents, impacts=_impacts(orbit, tape), chatter=_chatter(tape),
-        transient=None, status=tape.status, cost=cost, tape=tape,
-    )  # fmt: skip
+        rpm=rpm,
+        start=start,
+        label=orbit.label if orbit else (APERIODIC if certain else UNDECIDED),
+        orbit=orbit,
+        exponents=exponents,
+        impacts=_impacts(orbit, tape),
+        chatter=_chatter(tape),
+        transient=None,
+        status=tape.status,
+        cost=cost,
+        tape=tape,
+    )
+
+
+def _solved(
+    system: System, rpm: float, tape: Tape
+) -> tuple[PeriodicOrbit | None, Exponents | None]:
+    """The orbit at the end of a record, and its exponents or those of the record."""
+    orbit = identify(system, rpm, tape)
+    if orbit is not None:
+        return orbit, of_orbit(system, orbit)
+    return None, of_tape(system, rpm, tape) if tape.status == Status.OK else None
+
+
+def _certain(orbit: PeriodicOrbit | None, exponents: Exponents | None) -> bool:
+    return orbit is not None or (exponents is not None and exponents.chaotic)
 
 
 def _after_rest(
     system: System, rpm: float, settings: Settings, tape: Tape
-) -> tuple[PeriodicOrbit | None, Tape]:
-    """(orbit, record) of the true motion after the rest in a record; that record if unknown."""
+) -> tuple[PeriodicOrbit | None, Exponents | None, Tape]:
+    """(orbit, exponents, record) of the true motion after the rest in a record, if it is known."""
     from camcli.analysis.after_rest import CYCLE, after_first_rest
 
     found = after_first_rest(system, rpm, tape)
     if found.kind == CYCLE:
         orbit = resting_orbit(system, rpm, found.states, found.symbols, found.leaves)
-        return orbit, tape
+        return orbit, of_orbit(system, orbit), tape
     start = found.start(system, rpm)
-    if start is None:
-        return None, tape
-    run = with_turns(settings, settings.transient, max(settings.record, 2 * LONGEST_PERIOD + 2))
-    more = Orbit(system, rpm, run, start).run()
-    return identify(system, rpm, more), more
+    if start is not None:
+        run = with_turns(settings, settings.transient, max(settings.record, RECORD))
+        tape = Orbit(system, rpm, run, start).run()
+    return *_solved(system, rpm, tape), tape
 
 
 def attractors(
@@ -168,20 +183,6 @@ def _order(motion: Motion):
     orbit = motion.orbit
     state = (0.0, 0.0) if orbit is None else orbit.states[0]
     return (orbit is None, motion.period, motion.label, state)
-
-
-def _measured(system: System, rpm: float, tape: Tape) -> Exponents | None:
-    return of_tape(system, rpm, tape) if tape.status == Status.OK else None
-
-
-def _certain(exponents: Exponents | None) -> bool:
-    return exponents is not None and exponents.chaotic
-
-
-def _label(orbit: PeriodicOrbit | None, exponents: Exponents | None, tape: Tape) -> str:
-    if orbit is not None:
-        return orbit.label
-    return APERIODIC if _certain(exponents) and tape.status == Status.OK else UNDECIDED
 
 
 def _impacts(orbit: PeriodicOrbit | None, tape: Tape) -> float:
@@ -213,8 +214,7 @@ def with_transient(system: System, settings: Settings, motion: Motion) -> Motion
     """
     if motion.orbit is None:
         return motion
-    turns = settings.transient + 2 * LONGEST_PERIOD
-    run = with_turns(settings, 0, turns)
+    run = with_turns(settings, 0, settings.transient + 2 * LONGEST_PERIOD)
     tape = Orbit(system, motion.rpm, run, motion.start).run(events=False)
     away = [distance_to(state, motion.orbit.states) > SAME for state in passages(tape)[0]]
     if not away or away[-1]:

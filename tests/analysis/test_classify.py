@@ -50,7 +50,7 @@ def test_a_cycle_that_rounding_closed_gives_way_to_the_true_motion(chapter):
     assert any(tape.chatter)
     assert classify_at(chapter, 358.8, RUN).label == "P(3;3:3:2)"
     # a machine without its cam's decimals cannot be followed, and says so
-    assert classify_at(replace(chapter, parts=None), 358.8, RUN).label == "undecided"
+    assert classify_at(replace(chapter, shape=None), 358.8, RUN).label == "undecided"
 
 
 def test_coexisting_attractors_from_a_cloud_in_a_fixed_order(chapter):

@@ -9,6 +9,8 @@ smooth as the cam, so bounds of c_thetatheta and c''' isolate every root: none i
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.kernel.cam_table import (
@@ -66,31 +68,23 @@ class _Equation:
         c, c1, _ = lift(self.cam, i, theta)
         return self.K * (self.lane.G + self.lane.W2 * c) - self.turn * c1
 
-    def slope(self, i: int, theta: float) -> float:
-        """dh/dtheta."""
-        _, c1, c2 = lift(self.cam, i, theta)
-        return self.K * self.lane.W2 * c1 - self.turn * c2
-
-    def size(self, i: int, theta: float) -> float:
-        """Sum of the terms of h, for the size of its rounding."""
-        c, c1, _ = lift(self.cam, i, theta)
-        force = abs(self.lane.G) + abs(self.lane.W2 * c)
-        return (abs(self.P) + self.B * self.B) * force + abs(self.turn * c1)
-
-    def roots(self, i: int) -> list[float]:
+    def roots(self, i: int) -> Iterator[float]:
         """Every zero of h on stretch i, ends included, in ascending order."""
         if self.B == 0.0 and 1.0 + self.r * self.slope_b == 0.0:
-            return []
+            return
         row = self.cam.rows[i * ROW : (i + 1) * ROW]
         accel = max(abs(row[ACCEL_MIN]), abs(row[ACCEL_MAX]))
         bend = abs(self.K) * self.lane.W2 * accel + abs(self.turn) * row[JERK_MAX]
-        return list(self._within(i, row[START], row[END], bend))
+        yield from self._within(i, row[START], row[END], bend)
 
-    def _within(self, i: int, low: float, high: float, bend: float):
+    def _within(self, i: int, low: float, high: float, bend: float) -> Iterator[float]:
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        h, slope = self.h(i, middle), self.slope(i, middle)
+        c, c1, c2 = lift(self.cam, i, middle)
+        h, slope = self.h(i, middle), self.K * self.lane.W2 * c1 - self.turn * c2
+        force = abs(self.lane.G) + abs(self.lane.W2 * c)
+        size = (abs(self.P) + self.B * self.B) * force + abs(self.turn * c1)  # of the terms of h
         change = abs(slope) * half + 0.5 * bend * half * half
-        if abs(h) > change or abs(h) + change <= ROUNDING * self.size(i, middle):
+        if abs(h) > change or abs(h) + change <= ROUNDING * size:
             return  # no zero, or nothing but zeros: a dwell on which any phase would do
         if abs(slope) > bend * half:
             yield from self._single(i, low, high)
@@ -100,7 +94,7 @@ class _Equation:
             yield from self._within(i, low, middle, bend)
             yield from self._within(i, middle, high, bend)
 
-    def _single(self, i: int, low: float, high: float):
+    def _single(self, i: int, low: float, high: float) -> Iterator[float]:
         """The zero of a monotone h, if its signs differ; one at an end is the next interval's."""
         before, after = self.h(i, low), self.h(i, high)
         if before == 0.0:
