@@ -15,6 +15,7 @@ from camcli.scene.document import Document, Finding, Mark, Path, dotted, oddity
 from camcli.scene.schema import Scene
 
 MAX_HINTS = 50  # nearest names are looked up for so many unknown keys: the search is not free
+MAX_WORDS = 200  # errors put into words, in the order of the source; the others are only counted
 
 _EXPECTED = {  # by pydantic's type of an error; others keep the message after "should be"
     "float_type": "a number",
@@ -42,8 +43,14 @@ _AT_KEY = {"extra_forbidden", "missing", "value_error"}  # the fault is the key'
 def findings(document: Document, error: ValidationError) -> Iterator[Finding]:
     """A finding for each of pydantic's errors about the data of a document."""
     details = error.errors(include_url=False)
+    places = [_path(document.data, detail["loc"]) for detail in details]
+    order = sorted(range(len(details)), key=lambda k: document.place(places[k]).value)
     hints = 0
-    for detail in details:
+    for number, k in enumerate(order):
+        detail = details[k]
+        if number >= MAX_WORDS:
+            yield Finding(document.place(places[k]).value, places[k], "")
+            continue
         if detail["type"] == "too_short" and any(_is_below(d, detail) for d in details):
             continue  # too short only because its bad items do not count
         cause = detail.get("ctx", {}).get("error")
