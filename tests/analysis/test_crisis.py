@@ -11,7 +11,7 @@ from camcli.analysis.explain.crisis.approach import Approach
 from camcli.analysis.explain.crisis.attractor import Carried
 from camcli.analysis.explain.crisis.saddles import find_saddles, monodromy
 from camcli.analysis.explain.crisis.search import Crisis, Saddles
-from camcli.analysis.explain.crisis.tangency import Tangency, width
+from camcli.analysis.explain.crisis.tangency import width
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
 from camcli.cams.regions import corner_list
 from camcli.output.explanations import crisis_sentences, speed_text
@@ -102,8 +102,7 @@ def test_where_nothing_leaves_it_is_said_which_attractor_was_carried(chapter):
 def test_error_by_scatter_and_by_runs(chapter, solved, error):
     carried = Carried(chapter, RUN, 740.0, 740.3, 100)
     carried.stays, carried.leaves = 740.119, 740.12
-    first = Tangency(solved[0], 60, 0.1, 1e-9, 0.01, 0.0)
-    assert width(carried, first, solved) == pytest.approx(error, rel=1e-6)
+    assert width(carried, solved[0], 1e-9, solved) == pytest.approx(error, rel=1e-6)
 
 
 def test_speeds_have_the_digits_of_their_error():

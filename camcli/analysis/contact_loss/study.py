@@ -112,15 +112,15 @@ def detach(
     turns = len(rpms) * (settle + RECORD)
     backend.for_work(turns, LEAST_WORK if backend.is_cached() else LITTLE_WORK)
     found, force = detachment(system), Force(system)
-    speeds = settled(system, rpms, settings, settle, on_speed)
-    scan = speeds
+    scan = speeds = settled(system, rpms, settings, settle, on_speed)
+    cost = sum((speed.cost for speed in speeds), Cost())
     if 1 < len(rpms) < FEWEST:
         scan = settled(system, rpm_grid(min(rpms), max(rpms), FEWEST), settings, settle)
+        cost = sum((speed.cost for speed in scan), cost)
     lift_offs: list[LiftOff] = []
     ends: list[CriticalSpeed] = []
     completion: list[CriticalSpeed] = []
     landings: list[CornerHit] = []
-    cost = sum((speed.cost for speed in speeds), Cost())
     for loss in found.losses if found.first else ():
         if not loss.opens.finite:
             continue

@@ -20,7 +20,7 @@ import numpy as np
 from camcli.analysis.explain.crisis.approach import Approach, approach
 from camcli.analysis.explain.crisis.attractor import LEAST, Carried, states_of
 from camcli.analysis.explain.crisis.saddles import LostError, find_saddles, inner_side
-from camcli.analysis.explain.crisis.tangency import Folds, Tangency, first_touch
+from camcli.analysis.explain.crisis.tangency import Fold, Folds, first_touch
 from camcli.analysis.integrate import Cost, Settings, StartError
 from camcli.analysis.labels import label
 from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -138,7 +138,7 @@ def find_crisis(
     )
 
 
-def _saddles(carried: Carried) -> tuple[Saddles, tuple[Folds, Tangency] | None]:
+def _saddles(carried: Carried) -> tuple[Saddles, tuple[Folds, Fold, float] | None]:
     """Solve the tangency with every saddle seen before or beyond the change that leads out.
 
     The manifold that is followed is that of the shortest orbit in the attractor whose multiplier
@@ -150,7 +150,7 @@ def _saddles(carried: Carried) -> tuple[Saddles, tuple[Folds, Tangency] | None]:
     beyond = find_saddles(carried, calm, carried.run(carried.leaves, True))
     bases = [orbit for orbit in inside if orbit.multipliers[0].real < -1.0] or inside
     new = [orbit for orbit in beyond if not any(same_orbit(orbit, other) for other in inside)]
-    met: list[tuple[Folds, Tangency]] = []
+    met: list[tuple[Folds, Fold, float]] = []
     unmet, lost = [], 0
     for orbit in [*inside, *new] if bases else []:
         try:
@@ -158,25 +158,24 @@ def _saddles(carried: Carried) -> tuple[Saddles, tuple[Folds, Tangency] | None]:
             if side == 0.0:
                 continue
             folds = Folds(carried, bases[0], orbit, side)
-            tangency = first_touch(folds, calm) or first_touch(folds, carried.stays)
+            touched = first_touch(folds, calm) or first_touch(folds, carried.stays)
         except LostError:
             lost += 1
             continue
-        if tangency is None:
+        if touched is None:
             unmet.append(orbit)
         else:
-            met.append((folds, tangency))
-    met.sort(key=lambda pair: carried.way(pair[1].rpm))
-    rows = tuple(Meeting(f.at(x.rpm)[1].orbit, x.rpm, x.error) for f, x in met)
+            met.append((folds, *touched))
+    met.sort(key=lambda row: carried.way(row[1].rpm))
+    rows = tuple(Meeting(folds.at(at.rpm)[1].orbit, at.rpm, error) for folds, at, error in met)
     return Saddles(len(inside), len(beyond), rows, tuple(unmet), lost), met[0] if met else None
 
 
-def _cause(carried: Carried, reached: Approach, touched: tuple[Folds, Tangency] | None):
+def _cause(carried: Carried, reached: Approach, touched: tuple[Folds, Fold, float] | None):
     """(kind, rpm, error, corner) by the tangency, else by what is reached first."""
     if touched is not None:
-        folds, at = touched
-        kind = _kind(folds, at)
-        return kind, at.rpm, at.error, folds.corner(at)
+        folds, at, error = touched
+        return _kind(folds, at.rpm), at.rpm, error, folds.corner(at)
     if reached.rpm is None:
         rpm, kind = carried.leaves, CrisisKind.UNEXPLAINED
     else:
@@ -185,16 +184,16 @@ def _cause(carried: Carried, reached: Approach, touched: tuple[Folds, Tangency] 
     return kind, rpm, error, reached.reached
 
 
-def _kind(folds: Folds, at: Tangency) -> CrisisKind:
+def _kind(folds: Folds, rpm: float) -> CrisisKind:
     """Interior where what leaves along the saddle comes back to the box, boundary where it is lost.
 
     Starts below the cam are passed over; where all are, a run that leaves decides.
     """
-    carried, (_, saddle) = folds.carried, folds.at(at.rpm)
+    carried, (_, saddle) = folds.carried, folds.at(rpm)
     states = None
     for beside in BESIDE:
         try:
-            states = carried.states(at.rpm, saddle.leaf(0.0, -beside * folds.side), carried.turns)
+            states = carried.states(rpm, saddle.leaf(0.0, -beside * folds.side), carried.turns)
             break
         except StartError:
             continue

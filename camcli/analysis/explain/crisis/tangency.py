@@ -42,40 +42,19 @@ AT_CORNER = 1e-6  # rad: an impact so near a corner is at it
 
 @dataclass(frozen=True)
 class Fold:
-    """A minimum eta at t after n turns, alone within t +- half."""
+    """A minimum of eta over t +- half, at t after n turns, seen at rpm; xi: along W^s there.
 
-    eta: float
-    n: int
-    t: float
-    half: float
-
-
-@dataclass(frozen=True)
-class Tangency:
-    """A fold that touches W^s at `rpm`, at t after n turns; change: by the last period of p, rpm.
-
-    It is alone within t +- half and drifts by dt/drpm = slope. error (rpm): see `width`; inf until
-    several folds are compared.
+    slope: dt/drpm, its drift; left: secants that may still be spent on it.
     """
 
     rpm: float
     n: int
     t: float
-    change: float
     half: float
-    slope: float
-    error: float = inf
-
-
-@dataclass(frozen=True)
-class _Root:
-    """The speed solved for one n: t and xi of the fold, its drift dt/drpm, secants left."""
-
-    rpm: float
-    t: float
-    xi: float
-    slope: float
-    left: int
+    eta: float
+    xi: float = inf
+    slope: float = 0.0
+    left: int = SECANTS
 
 
 @dataclass(frozen=True)
@@ -120,7 +99,7 @@ class Folds:
         for k, turns in sorted(minima, key=lambda at: (eta[at], at[1], at[0]))[:REFINED]:
             value, x, _ = self.lowest(rpm, turns, t[k], gap, COARSE)
             if abs(value) < NEAR:
-                folds.append(Fold(value, turns, x, 0.5 * gap))
+                folds.append(Fold(rpm, turns, x, 0.5 * gap, value))
         return sorted(folds, key=lambda fold: (fold.eta, fold.n, fold.t))
 
     def lowest(
@@ -136,62 +115,59 @@ class Folds:
         t = t + half * y
         return float(value), t, float(self.places(rpm, pair, t, n)[n, 1])
 
-    def corner(self, at: Tangency) -> Corner | None:
+    def corner(self, fold: Fold) -> Corner | None:
         """The corner whose image the fold is; None for a smooth fold."""
-        base, _ = self.at(at.rpm)
-        theta = impacts_of(self.carried.motion(at.rpm, base.leaf(at.t), at.n, True))[0]
-        corners = corner_list(self.carried.system.cam)
+        base, _ = self.at(fold.rpm)
+        tape = self.carried.motion(fold.rpm, base.leaf(fold.t), fold.n, True)
+        theta, corners = impacts_of(tape)[0], corner_list(self.carried.system.cam)
         hit = [c for c in corners if np.abs(theta - c.theta).min(initial=inf) < AT_CORNER]
         return hit[0] if hit else None
 
 
-def first_touch(folds: Folds, rpm: float) -> Tangency | None:
-    """The earliest tangency seen from the near end; None where no fold solved touches.
+def first_touch(folds: Folds, rpm: float) -> tuple[Fold, float] | None:
+    """(fold, error) of the earliest tangency seen from the near end; None where none touches.
 
     Each search samples other folds, and only those that have touched before the best speed so far.
     Raises LostError where B or p cannot be followed.
     """
-    best, solved = None, []
+    best, change, solved = None, inf, []
     for k in range(SEARCHES):
         seen = folds.sample(rpm, k / SEARCHES)
         if best is not None:
             seen = [fold for fold in seen if fold.eta < BELOW]
-        tried = [touch(folds, rpm, fold) for fold in seen[:FOLDS]]
-        found = [tangency for tangency in tried if tangency is not None]
-        solved += found
-        new = min(found, key=lambda x: folds.carried.way(x.rpm), default=None)
-        if new is None or (best and folds.carried.way(new.rpm) >= folds.carried.way(best.rpm)):
+        tried = [touch(folds, fold) for fold in seen[:FOLDS]]
+        found = [pair for pair in tried if pair is not None]
+        solved += [fold.rpm for fold, _ in found]
+        new = min(found, key=lambda pair: folds.carried.way(pair[0].rpm), default=None)
+        if new is None or (best and folds.carried.way(new[0].rpm) >= folds.carried.way(best.rpm)):
             break
-        best, rpm = new, new.rpm
-    if best is None:
-        return None
-    return replace(best, error=width(folds.carried, best, [x.rpm for x in solved]))
+        (best, change), rpm = new, new[0].rpm
+    return None if best is None else (best, width(folds.carried, best.rpm, change, solved))
 
 
-def touch(folds: Folds, rpm: float, fold: Fold) -> Tangency | None:
-    """Where a fold seen at `rpm` touches; None where it leaves p or the range of speeds first."""
-    n, half, solved = fold.n, fold.half, None
-    root: _Root | None = _Root(rpm, fold.t, inf, 0.0, SECANTS)
-    while root is not None:
-        root = _secants(folds, root, n, half)
-        if root is None:
-            break
-        goal = CLOSE * root.rpm
-        change = goal if solved is None else abs(root.rpm - solved)
-        if abs(root.xi) <= STRAIGHT or (solved is not None and change <= goal):
-            return Tangency(root.rpm, n, root.t, change, half, root.slope)
-        solved = root.rpm
-        n += folds.saddle.turns
-        half /= max(abs(folds.saddle.multipliers[0]), LEAST_GROWTH)
+def touch(folds: Folds, fold: Fold) -> tuple[Fold, float] | None:
+    """The fold where it touches W^s, and how far its last n moved that speed (rpm).
+
+    None where it leaves p or the range of speeds first.
+    """
+    now, before = _secants(folds, fold), None
+    while now is not None:
+        goal = CLOSE * now.rpm
+        change = goal if before is None else abs(now.rpm - before)
+        if abs(now.xi) <= STRAIGHT or (before is not None and change <= goal):
+            return now, change
+        before = now.rpm
+        half = now.half / max(abs(folds.saddle.multipliers[0]), LEAST_GROWTH)
+        now = _secants(folds, replace(now, n=now.n + folds.saddle.turns, half=half))
     return None
 
 
-def _secants(folds: Folds, start: _Root, n: int, half: float) -> _Root | None:
+def _secants(folds: Folds, fold: Fold) -> Fold | None:
     """Solve eta = 0 for the speed after n turns; the fold is looked for where it drifts to."""
-    carried, slope = folds.carried, start.slope
-    rpm, step = start.rpm, CLOSE * start.rpm * carried.ahead
-    value, t, _ = folds.lowest(rpm, n, start.t, half)
-    for used in range(1, start.left + 1):
+    carried, n, half, slope = folds.carried, fold.n, fold.half, fold.slope
+    rpm, step = fold.rpm, CLOSE * fold.rpm * carried.ahead
+    value, t, _ = folds.lowest(rpm, n, fold.t, half)
+    for used in range(1, fold.left + 1):
         rpm, last_value, last_t = rpm + step, value, t
         value, t, xi = folds.lowest(rpm, n, t + slope * step, half)
         outside = (rpm - carried.near) * (rpm - carried.far) > 0.0
@@ -202,11 +178,11 @@ def _secants(folds: Folds, start: _Root, n: int, half: float) -> _Root | None:
         most = MOST * abs(step)
         step = min(max(-value * step / (value - last_value), -most), most)
         if abs(value) <= TOUCH and abs(step) <= CLOSE * rpm:
-            return _Root(rpm, t, xi, slope, start.left - used)
+            return Fold(rpm, n, t, half, value, xi, slope, fold.left - used)
     return None
 
 
-def width(carried: Carried, best: Tangency, solved: list[float]) -> float:
+def width(carried: Carried, rpm: float, change: float, solved: list[float]) -> float:
     """Error of the earliest tangency (rpm): how much earlier a fold not sampled may touch.
 
     The distance to the next fold solved, or LIFETIMES times that to the runs where it is less: when
@@ -214,8 +190,8 @@ def width(carried: Carried, best: Tangency, solved: list[float]) -> float:
     to runs that leave), the change by the last period of p, and the delay behind a run that has
     left before. An estimate, not a bound: folds that let almost nothing through may touch earlier.
     """
-    off = [abs(rpm - best.rpm) for rpm in solved]
-    scatter = min((x for x in off if x > CLOSE * best.rpm), default=inf)
-    runs = max(abs(best.rpm - end) for end in carried.bracket)
-    late = carried.way(best.rpm) - carried.way(carried.leaves)
-    return max(min(scatter, LIFETIMES * runs), UNSAMPLED * best.rpm, best.change, late)
+    off = [abs(other - rpm) for other in solved]
+    scatter = min((x for x in off if x > CLOSE * rpm), default=inf)
+    runs = max(abs(rpm - end) for end in carried.bracket)
+    late = carried.way(rpm) - carried.way(carried.leaves)
+    return max(min(scatter, LIFETIMES * runs), UNSAMPLED * rpm, change, late)
