@@ -40,25 +40,25 @@ def names_of_yaml(source: str) -> set[str]:
 
 
 def test_no_loader_of_yaml_that_makes_objects_is_used():
-    used = {path: names_of_yaml(path.read_text()) for path in (ROOT / "camcli").rglob("*.py")}
-    used = {path.relative_to(ROOT).as_posix(): names for path, names in used.items() if names}
-    assert "camcli/scene/document.py" in used
-    assert not {path: names & LOADERS for path, names in used.items() if names & LOADERS}
-    assert names_of_yaml("import yaml\nyaml.load(x)\n") & LOADERS
-    assert names_of_yaml("from yaml import full_load\n") & LOADERS
-    assert names_of_yaml("getattr(yaml, 'CLoader')\n") & LOADERS
+    sources = {path.stem: path.read_text() for path in (ROOT / "camcli").rglob("*.py")}
+    used = {name: names_of_yaml(text) for name, text in sources.items() if "yaml" in text}
+    assert "BaseLoader" in used["document"]
+    assert not {name: names & LOADERS for name, names in used.items() if names & LOADERS}
+    for seen in (
+        "import yaml\nyaml.load(x)",
+        "from yaml import full_load",
+        "getattr(yaml, 'Loader')",
+    ):
+        assert names_of_yaml(seen) & LOADERS
 
 
-@pytest.mark.parametrize(
-    "tag", ["object/apply:os.mkdir", "object/new:os.mkdir", "object:os.mkdir", "module:os", "tuple"]
-)
+@pytest.mark.parametrize("tag", ["object/apply:os.mkdir", "object/new:os.mkdir", "module:os"])
 def test_tags_of_python_make_nothing(tmp_path, tag):
     path, made = tmp_path / "scene.yaml", tmp_path / "made"
     path.write_text(f"follower: !!python/{tag} [{made}]\n")
     with pytest.raises(SceneError) as caught:
         load_scene(path, [f"run.rpm=!!python/{tag} [{made}]"])
-    found = [str(fault) for fault in caught.value.faults]
-    assert sum("found the tag !!python" in text for text in found) == 2
+    assert str(caught.value).count("found the tag !!python") == 2
     assert not made.exists()
 
 
@@ -78,49 +78,42 @@ def home(tmp_path, monkeypatch):
     return tmp_path
 
 
-def table_scene(home: Path, file: str, **more) -> Path:
+def table_scene(home: Path, file: str, more: str = "") -> Path:
     """A scene in `in` that reads the table from this file."""
-    lines = "".join(f"\n  {key}: {value}" for key, value in more.items())
     path = home / "in" / "scene.yaml"
-    path.write_text(TABLE_SCENE.replace("file: valve-lift.csv", f"file: {file}{lines}"))
+    path.write_text(TABLE_SCENE.replace("file: valve-lift.csv", f"file: {file}{more}"))
     return path
 
 
-def simulated(home: Path, path: Path, *words: str) -> tuple[int, str, dict[str, bytes]]:
-    """(exit code, stderr, files changed outside the output folder) of a run."""
+def simulated(home: Path, path: Path, *words: str) -> tuple[str, list[str]]:
+    """(stderr, its notes) of a run that changes no file outside the output folder."""
     before = everything(home)
     code, said = command_line(["simulate", "-c", str(path), "-o", "out", *QUICK, *words])
     after = everything(home)
-    changed = {k: v for k, v in after.items() if before.get(k) != v and not k.startswith("out/")}
-    assert set(before) <= set(after)
-    return code, said, changed
+    assert code == 0, said
+    for path in {*before, *after}:
+        assert path.startswith("out/") or before.get(path) == after.get(path)
+    return said, [line for line in said.splitlines() if line.startswith("note: ")]
 
 
 @pytest.mark.parametrize("file", ["../valve-lift.csv", "{home}/valve-lift.csv", "link.csv"])
-def test_a_table_outside_the_scene_s_folder_is_said_and_recorded(home, file):
+def test_a_table_outside_the_scene_s_folder_needs_permission_and_is_recorded(home, file):
     (home / "in" / "link.csv").symlink_to(home / "valve-lift.csv")
     file = file.format(home=home)
-    code, said, _ = simulated(home, table_scene(home, file))
+    code, said = command_line(["simulate", "-c", str(table_scene(home, file)), *QUICK])
     assert code == 2
     assert "found a file outside the scene's folder" in said
 
-    path = table_scene(home, file, allow_outside="true")
-    code, said, changed = simulated(home, path)
-    assert (code, changed) == (0, {})
-    (line,) = [line for line in said.splitlines() if line.startswith("note: ")]
-    assert f"reads {home / 'valve-lift.csv'}, outside the scene's folder" in line
+    path = table_scene(home, file, "\n  allow_outside: true")
+    _, (note,) = simulated(home, path)
+    assert f"reads {home / 'valve-lift.csv'}, outside the scene's folder" in note
     record = json.loads((home / "out" / "run.json").read_text())
     digest = hashlib.sha256((home / "valve-lift.csv").read_bytes()).hexdigest()
     assert record["scene"]["cam"]["sha256"] == digest
-
-    assert "note: " not in simulated(home, path, "--quiet")[1]
-
-
-def test_a_table_beside_the_scene_needs_no_note(home):
-    code, said, changed = simulated(home, table_scene(home, "valve-lift.csv"))
-    assert (code, changed) == (0, {})
-    assert "note: " not in said
-    assert "note: " not in simulated(home, table_scene(home, "../in/valve-lift.csv"))[1]
+    if file == "link.csv":
+        assert not simulated(home, path, "--quiet")[1]
+        for beside in ("valve-lift.csv", "../in/valve-lift.csv"):
+            assert not simulated(home, table_scene(home, beside))[1]
 
 
 @pytest.mark.parametrize(
@@ -131,16 +124,14 @@ def test_a_table_beside_the_scene_needs_no_note(home):
 )  # fmt: skip
 def test_a_table_s_name_is_only_a_name(home, file, words):
     os.mkfifo(home / "in" / "pipe")
-    path = table_scene(home, file)
-    code, said = command_line(["simulate", "--dry-run", "-c", str(path)])
+    code, said = command_line(["simulate", "--dry-run", "-c", str(table_scene(home, file))])
     assert code == 2
     assert words in said
 
 
 def test_a_table_s_name_cannot_write_to_the_terminal(home):
     (home / "in" / "\x1b[2J.csv").write_bytes((home / "valve-lift.csv").read_bytes())
-    code, said, _ = simulated(home, table_scene(home, '"\\e[2J.csv"'))
-    assert code == 0
+    said, _ = simulated(home, table_scene(home, '"\\e[2J.csv"'))
     assert "\x1b" not in said
     assert "\\x1b[2J.csv: " in said
 
@@ -149,41 +140,32 @@ FIGURE = (CONFIGS / "figures" / "3.5.yaml").read_text()
 
 
 @pytest.mark.parametrize(
-    ("command", "words"),
+    ("name", "command", "words"),
     [
-        ("simulate -o ../../taken", "found --out"),
-        ("simulate -qo../../taken", "found --out"),
-        ("simulate -c /etc/passwd", "found --config"),
-        ("simulate -- -o x", "found '--'"),
-        ("figures -o ../../taken", "found the command 'figures'"),
-        ("../../bin/sh", "found the command '../../bin/sh'"),
-        ("simulate; touch taken", "found the command 'simulate;'"),
-        ("simulate --help", "found --help"),
+        ("1", "simulate -o ../../taken", "found --out"),
+        ("1", "simulate -qo../../taken", "found --out"),
+        ("1", "simulate -c /etc/passwd", "found --config"),
+        ("1", "figures -o ../../taken", "found the command 'figures'"),
+        ("1", "../../bin/sh", "found the command '../../bin/sh'"),
+        ("1", "simulate; touch taken", "found the command 'simulate;'"),
+        ("1", "simulate --help", "found --help"),
+        ("..", "simulate", ""),
+        (".", "simulate", ""),
     ],
 )
-def test_a_figure_s_command_writes_nowhere_else(home, command, words):
+def test_a_figure_s_command_and_name_write_nowhere_else(home, name, command, words):
     scenes = home / "scenes"
     scenes.mkdir()
     text = "\n".join(
         f"  command: '{command}'" if line.strip().startswith("command:") else line
         for line in FIGURE.splitlines()
     )
-    (scenes / "1.yaml").write_text(text + "\n")
+    (scenes / f"{name}.yaml").write_text(text + "\n")
     before = everything(home)
     code, said = command_line(["figures", "--folder", str(scenes), "-o", "out"])
     assert code == 2, said
     assert words in said
     assert everything(home) == before
-
-
-@pytest.mark.parametrize("name", ["...yaml", "..yaml"])
-def test_a_scene_s_name_cannot_lead_out_of_the_figures_folder(home, name):
-    scenes = home / "scenes"
-    scenes.mkdir()
-    (scenes / name).write_text(FIGURE)
-    code, said = command_line(["figures", "--folder", str(scenes), "-o", "out/figures"])
-    assert code == 2, said
-    assert not (home / "out").exists()
 
 
 def test_bytes_of_the_command_line_that_are_no_text_are_shown_as_such(home):
