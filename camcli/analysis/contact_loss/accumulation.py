@@ -17,7 +17,7 @@ from camcli.analysis.bracketing import bracket
 from camcli.analysis.contact_loss.bursts import JUST_ABOVE, Bursts, Settled
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity, SpeedStatus
 from camcli.analysis.contact_loss.force import DEG
-from camcli.cams.regions import SAME_PHASE, corner_list
+from camcli.cams.regions import SAME_PHASE, Corner, corner_list
 from camcli.errors import Status
 from camcli.kernel.cam_table import TURN
 
@@ -25,15 +25,6 @@ from camcli.kernel.cam_table import TURN
 # and at a point of release or a graze a phase moves with the root of the speed: some 1e-5.
 AT = 1e-4
 FAR = 10.0 * TURN  # stands for a burst that does not accumulate
-
-
-@dataclass(frozen=True)
-class Goal:
-    """A phase to be reached: a corner (unrolled from the release on), or the release itself."""
-
-    name: str
-    theta: float
-    within: float  # the same phase within the turn
 
 
 @dataclass(frozen=True)
@@ -54,15 +45,14 @@ class CornerHit:
     ends_deg: tuple[float, float] | None = None
 
 
-def corners_ahead(bursts: Bursts) -> list[Goal]:
-    """Corners in the turn after lift-off, in the order a burst meets them."""
-    goals = []
+def corners_ahead(bursts: Bursts) -> list[tuple[Corner, float]]:
+    """(corner, its phase unrolled from the release on, rad) in the order a burst meets them."""
+    found = []
     for corner in corner_list(bursts.system.cam):
         ahead = corner.theta - bursts.theta
         if abs(ahead) >= SAME_PHASE:
-            theta = corner.theta if ahead > 0.0 else corner.theta + TURN
-            goals.append(Goal(corner.name, theta, corner.theta))
-    return sorted(goals, key=lambda goal: goal.theta)
+            found.append((corner, corner.theta if ahead > 0.0 else corner.theta + TURN))
+    return sorted(found, key=lambda pair: pair[1])
 
 
 def scan_speeds(opens: float, region: str, speeds: Sequence[Settled]) -> list[float]:
@@ -85,17 +75,20 @@ def scan_speeds(opens: float, region: str, speeds: Sequence[Settled]) -> list[fl
     return [just_above, *scan] if before <= opens and just_above < scan[0] else scan
 
 
-def reaching(bursts: Bursts, goal: Goal, speeds: Sequence[float]) -> list[CriticalSpeed]:
-    """Every change, between neighbours of `speeds`, of "the burst accumulates before the goal".
+def reaching(
+    bursts: Bursts, corner: Corner, goal: float, speeds: Sequence[float]
+) -> list[CriticalSpeed]:
+    """Every change, between neighbours of `speeds`, of "the burst accumulates before the corner".
 
-    Status JUMP where the end of the chatter jumps over the goal instead of coming up to it.
+    goal: the corner's phase as `corners_ahead` has it. Status JUMP where the end of the chatter
+    jumps over it instead of coming up to it.
     """
 
     def excess(rpm: float) -> float:
-        return min(bursts.at(rpm).end, FAR) - goal.theta
+        return min(bursts.at(rpm).end, FAR) - goal
 
     return [
-        CriticalSpeed(Quantity.ACCUMULATION, goal.name, goal.within, *where, bursts.name)
+        CriticalSpeed(Quantity.ACCUMULATION, corner.name, corner.theta, *where, bursts.name)
         for _, where in _changes(bursts, excess, speeds)
     ]
 
@@ -135,12 +128,14 @@ def _changes(
         yield last, (0.5 * (low + high), low, high, status)
 
 
-def corner_hits(bursts: Bursts, goal: Goal, low: float, high: float, count: int) -> list[CornerHit]:
-    """Hits of impacts 1..count on the goal for speeds from `low` to `high`.
+def corner_hits(
+    bursts: Bursts, corner: Corner, goal: float, low: float, high: float, count: int
+) -> list[CornerHit]:
+    """Hits of impacts 1..count on the corner, at phase `goal`, for speeds from `low` to `high`.
 
-    `low`: a speed at which the whole burst lies before the goal. At the root for n, impact n + 1
-    lies behind the goal, so its root lies between `low` and that for n. An impact that is still
-    before the goal at `high` has its hit beyond the range.
+    `low`: a speed at which the whole burst lies before the corner. At the root for n, impact n + 1
+    lies behind it, so its root lies between `low` and that for n. An impact that is still before
+    the corner at `high` has its hit beyond the range.
     """
     hits = []
     for n in range(1, count + 1):
@@ -148,7 +143,7 @@ def corner_hits(bursts: Bursts, goal: Goal, low: float, high: float, count: int)
         def excess(rpm: float, n: int = n) -> float:
             burst = bursts.at(rpm, n)
             at = burst.impacts[n - 1] if len(burst.impacts) >= n else min(burst.end, FAR)
-            return at - goal.theta
+            return at - goal
 
         e_low, e_high = excess(low), excess(high)
         if not e_low < 0.0 <= e_high:
@@ -156,7 +151,7 @@ def corner_hits(bursts: Bursts, goal: Goal, low: float, high: float, count: int)
         a, b, e_a, e_b = bracket(excess, low, high, e_low, e_high)
         status, ends = SpeedStatus.OK, None
         if min(-e_a, e_b) >= AT:
-            status, ends = SpeedStatus.JUMP, ((e_a + goal.theta) * DEG, (e_b + goal.theta) * DEG)
-        hits.append(CornerHit(n, goal.name, 0.5 * (a + b), a, b, status, bursts.name, ends))
+            status, ends = SpeedStatus.JUMP, ((e_a + goal) * DEG, (e_b + goal) * DEG)
+        hits.append(CornerHit(n, corner.name, 0.5 * (a + b), a, b, status, bursts.name, ends))
         high = b
     return hits

@@ -129,13 +129,15 @@ class Need:
             theta_deg=place * DEG, obstacle=obstacle, missing_n=max(missing, 0.0),
         )  # fmt: skip
 
-    def checked(self, quantity, stiffness, preload, needed: bool, i: int, theta: float) -> Hold:
+    def checked(
+        self, quantity: Quantity, k: float, preload: float, needed: bool, i: int, theta: float
+    ) -> Hold:
         """The answer with its own first detachment and least force, computed anew."""
-        found = detachment(replaced(self.system, stiffness, preload))
+        found = detachment(replaced(self.system, k, preload))
         first = found.first.rpm if found.first else (inf if found.never else None)
-        least = 0.0 - self.most(lambda p, c: p - self.margin - stiffness * c - preload)[0]
+        least = 0.0 - self.most(lambda p, c: p - self.margin - k * c - preload)[0]
         return Hold(
-            quantity, HoldStatus.OK if needed else HoldStatus.NOT_NEEDED, stiffness, preload,
+            quantity, HoldStatus.OK if needed else HoldStatus.NOT_NEEDED, k, preload,
             self.force.region_of(i).name if needed else "", theta * DEG if needed else None,
             first, least,
         )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from camcli.analysis.contact_loss.accumulation import (
@@ -127,11 +127,12 @@ def detach(
         bursts = Bursts(system, loss.region.name, loss.opens.theta, settings.impact_budget)
         lift_offs.append(lift_off(bursts, loss))
         places = scan_speeds(loss.opens.rpm, loss.region.name, scan)
-        for goal in corners_ahead(bursts):
-            changes = reaching(bursts, goal, places)
+        for corner, goal in corners_ahead(bursts):
+            changes = reaching(bursts, corner, goal, places)
             ends += changes
             if changes:
-                landings += corner_hits(bursts, goal, changes[0].low, places[-1], impacts)
+                low, high = changes[0].low, places[-1]
+                landings += corner_hits(bursts, corner, goal, low, high, impacts)
         completion += completion_loss(bursts, places)
         cost = cost + bursts.cost
     holds = [] if hold_rpm is None else hold_to(system, hold_rpm, margin, precompression)
@@ -149,7 +150,9 @@ def detach(
     )
 
 
-def _springs(system: System, rpm: float, holds: Sequence[Hold]):
+def _springs(
+    system: System, rpm: float, holds: Sequence[Hold]
+) -> Iterator[tuple[Hold | None, ForceCurve]]:
     yield None, Force(system).curve(rpm)
     for hold in holds:
         if hold.stiffness is not None and hold.preload is not None:

@@ -171,7 +171,9 @@ def _saddles(carried: Carried) -> tuple[Saddles, tuple[Folds, Fold, float] | Non
     return Saddles(len(inside), len(beyond), rows, tuple(unmet), lost), met[0] if met else None
 
 
-def _cause(carried: Carried, reached: Approach, touched: tuple[Folds, Fold, float] | None):
+def _cause(
+    carried: Carried, reached: Approach, touched: tuple[Folds, Fold, float] | None
+) -> tuple[CrisisKind, float, float, Corner | None]:
     """(kind, rpm, error, corner) by the tangency, else by what is reached first."""
     if touched is not None:
         folds, at, error = touched
