@@ -47,12 +47,19 @@ def rerun(
 
 
 def _compare(request: Request, record: Record, out: Path, home: Path) -> int:
-    from camcli.cli.report import table
-    from camcli.cli.run import analysis
+    from camcli.cli.report import progress_bar, table
+    from camcli.cli.run import IN_PIECES, IN_THREADS, analysis, key_of
     from camcli.output.program import program_hash
+    from camcli.output.run_folder import run_folder
 
-    result = analysis(record.command)(record.load(home), **record.options.arguments())
-    now = result.save(out, plot=record.options.plot)["artefacts"]
+    scene, more = record.load(home), record.options.arguments()
+    key = key_of(record.command, scene) if record.command in IN_PIECES else None
+    with run_folder(out, key, threads=request.threads) as folder:
+        if record.command in IN_THREADS:
+            more["work"] = folder.work
+        with progress_bar(request.quiet) as progress:
+            result = analysis(record.command)(scene, progress, **more)
+        now = result.write(folder, plot=record.options.plot)["artefacts"]
     verdicts = {
         name: MISSING if name not in now else SAME if now[name] == digest else OTHER
         for name, digest in record.artefacts.items()

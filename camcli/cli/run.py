@@ -23,6 +23,7 @@ Values = dict[str, tuple[Any, str]]  # scene path -> (value, option it came from
 Show = Callable[["Result"], None]
 MOST_SHARDS = 100_000
 IN_PIECES = ("sweep", "basins", "bench")  # commands whose finished pieces are kept on disk
+IN_THREADS = ("sweep", "basins", "classify")  # analyses that take `work`
 
 
 def given(values: Mapping[str, tuple[Any, str]]) -> Values:
@@ -104,7 +105,7 @@ def execute(
         open_folder(command, scene, request, shard, cluster, parts) as folder,
         progress_bar(request.quiet) as progress,
     ):
-        if command in ("sweep", "basins", "classify"):
+        if command in IN_THREADS:
             more["work"] = folder.work
         result = analysis(command)(scene, progress, **more)
         record = result.write(folder, plot=not request.no_plot, from_disk=folder.resumed)
