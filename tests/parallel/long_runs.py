@@ -90,11 +90,6 @@ def ended(process: subprocess.Popen) -> tuple[int, str]:
     return process.returncode, said
 
 
-def run(words: list[str], cwd: Path) -> tuple[int, str]:
-    """Run to the end."""
-    return ended(begin(words, cwd))
-
-
 def dying(where: str, number: int, how: str) -> Callable[[], None]:
     """What makes `cam` kill itself.
 
@@ -236,21 +231,16 @@ class Case:
         self.finish()
 
 
-def of_folder(folder: Path) -> set[int]:
-    """Processes alive whose command names the folder."""
-    listed = subprocess.run(["ps", "-eo", "pid,stat,args"], capture_output=True, text=True)
-    rows = [line.split(None, 2) for line in listed.stdout.splitlines()[1:]]
-    return {int(pid) for pid, state, words in rows if str(folder) in words and state[0] != "Z"}
-
-
-def gone(folder: Path, seconds: float = 10.0) -> bool:
-    """True as soon as no process names the folder any more."""
+def gone(mark: str, seconds: float = 10.0) -> bool:
+    """True as soon as no process names a folder, or belongs to a group, any more."""
     until = time.monotonic() + seconds
-    while of_folder(folder):
-        if time.monotonic() > until:
-            return False
-        time.sleep(0.05)
-    return True
+    while time.monotonic() < until:
+        listed = subprocess.run(["ps", "-eo", "pgid,stat,args"], capture_output=True, text=True)
+        rows = [line.split(None, 2) for line in listed.stdout.splitlines()[1:]]
+        if not any(state[0] != "Z" and (mark in words or mark == g) for g, state, words in rows):
+            return True
+        time.sleep(0.1)
+    return False
 
 
 def at_work(folder: Path, pieces: int = 2, seconds: float = 60.0) -> bool:
