@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from camcli.analysis.classify import Motion
 from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
-from camcli.analysis.orbits.locate import CORNER
+from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.sweep import rpm_grid, status_name
 from camcli.api.orbits import BIFURCATIONS, bifurcation_row
 from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
@@ -116,7 +116,7 @@ def _explanation(machine: Machine, motions: list[Motion], progress) -> Explanati
 def corners_table(explanation: Explanation | None) -> Table:
     """corners.csv: corner impacts of the followed branches."""
     found = [] if explanation is None else explanation.bifurcations
-    corners = [b for b in found if b.kind == CORNER]
+    corners = [b for b in found if b.kind == Kind.CORNER_IMPACT]
     return Table.of_rows(BIFURCATIONS, lambda: (bifurcation_row(b, "rpm") for b in corners))
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Curve, Plane
-from camcli.analysis.orbits.locate import CORNER, GRAZING, LOST, UNRESOLVED
+from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
@@ -117,13 +117,13 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
 def _notes(found: OrbitsResult) -> list[str]:
     """What has no safe bracket, or could not be followed."""
     notes = [
-        f"{UNRESOLVED}: {b.kind} of {b.label} near {b.value:.10g} has no safe bracket"
+        f"{Bracket.UNRESOLVED}: {b.kind} of {b.label} near {b.value:.10g} has no safe bracket"
         for b in found.bifurcations
-        if b.status == UNRESOLVED
+        if b.status == Bracket.UNRESOLVED
     ]
     for branch in found.branches:
-        if LOST in branch.ends:
-            value = branch.points[0 if branch.ends[0] == LOST else -1].value
+        if Kind.LOST in branch.ends:
+            value = branch.points[0 if branch.ends[0] == Kind.LOST else -1].value
             beyond = f"beyond {value:.10g}: unresolved there"
             notes.append(f"branch {branch.number} could not be followed {beyond}")
     return notes
@@ -288,10 +288,11 @@ def bifurcation_row(b: Bifurcation, parameter: str) -> list:
 
 def _sides(b: Bifurcation) -> list:
     """One-sided traces and determinants; of a smooth event both sides are the same."""
-    if b.kind == CORNER and b.left is not None and b.right is not None:
+    if b.kind == Kind.CORNER_IMPACT and b.left is not None and b.right is not None:
         return [b.left.trace, b.left.det, b.right.trace, b.right.det]
     own = [b.orbit.trace, b.orbit.det]
-    return [*own, None, None] if b.kind in (GRAZING, CORNER) or b.orbit.resting else [*own, *own]
+    one_sided = b.kind in (Kind.GRAZING, Kind.CORNER_IMPACT) or b.orbit.resting
+    return [*own, None, None] if one_sided else [*own, *own]
 
 
 def remarks(result: OrbitsResult) -> list[str]:

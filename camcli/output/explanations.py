@@ -13,7 +13,7 @@ from camcli.analysis.explain.crisis import Crisis, CrisisKind
 from camcli.analysis.explain.crisis.approach import REACHED, Approach
 from camcli.analysis.explain.crisis.search import Saddles
 from camcli.analysis.explain.events import Event
-from camcli.analysis.orbits.locate import CORNER, FOLD, GRAZING, PERIOD_DOUBLING
+from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.plots.event_words import event_words
 
@@ -64,10 +64,10 @@ def event_sentence(event: Event) -> str:
 
 def _bifurcation(b: Bifurcation) -> str:
     what = {
-        PERIOD_DOUBLING: f"a multiplier of {b.label} passes -1",
-        FOLD: f"{b.label} meets an unstable orbit and both vanish",
-        CORNER: f"an impact of {b.label} reaches corner {b.corner}",
-        GRAZING: f"{b.label} ceases to be a motion",
+        Kind.PERIOD_DOUBLING: f"a multiplier of {b.label} passes -1",
+        Kind.FOLD: f"{b.label} meets an unstable orbit and both vanish",
+        Kind.CORNER_IMPACT: f"an impact of {b.label} reaches corner {b.corner}",
+        Kind.GRAZING: f"{b.label} ceases to be a motion",
     }.get(b.kind, b.kind)
     return ": ".join(filter(None, (what, " ".join(event_words(b)))))
 

@@ -6,7 +6,7 @@ from math import pi
 
 from camcli.analysis.border_collision import DECIDED, THEOREM, Collision, Cycle, Prediction
 from camcli.analysis.orbits.corner_impacts import OneSide
-from camcli.analysis.orbits.locate import GRAZING
+from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.kernel.cam_table import TURN
 
@@ -27,7 +27,7 @@ def event_words(b: Bifurcation) -> list[str]:
     """Sentences on one event: how an orbit grazes, what a corner impact does, what lies beyond."""
     if b.located is None:
         return [f"beyond it a run settles on {b.beyond or 'nothing that could be solved'}."]
-    if b.kind == GRAZING:
+    if b.kind == Kind.GRAZING:
         found = b.located
         if found.fading is not None:
             place = f"{found.root.theta[found.fading] * DEG:.8g} deg"

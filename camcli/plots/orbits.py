@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from camcli.analysis.border_collision import Side
 from camcli.analysis.orbits.curves import Curve
-from camcli.analysis.orbits.locate import CORNER, LOST, OK
+from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Branch, OrbitsResult
 from camcli.plots import style
@@ -181,7 +181,7 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
         mark(axes, event.source.kind, [event.value] * len(event.phases), event.phases)
     for branch in scene.branches:
         for orbit in _lost(branch):
-            mark(axes, LOST, [orbit.value] * len(phases(orbit)), phases(orbit))
+            mark(axes, Kind.LOST, [orbit.value] * len(phases(orbit)), phases(orbit))
     corners_upwards(axes, scene.corners.items())
     rests = {orbit.resting for branch in scene.branches for orbit in branch.points}
     what = " or ".join({False: "impact", True: "departure"}[rest] for rest in sorted(rests))
@@ -193,7 +193,7 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
 
 def _lost(branch: Branch) -> list[PeriodicOrbit]:
     """The points at which a branch could not be followed further."""
-    return [branch.points[-k] for k in (0, 1) if branch.ends[k] == LOST]
+    return [branch.points[-k] for k in (0, 1) if branch.ends[k] == Kind.LOST]
 
 
 def _draw_branches(
@@ -300,7 +300,7 @@ def _branch_words(branch: Branch, events: Sequence[Event], parameter: str) -> st
 def _event_cells(event: Event) -> tuple[str, ...]:
     notes = [event.source.classification.replace("-", " ")]
     notes += [f"{', '.join(map(str, event.leaves))} leaves"] if event.leaves else []
-    notes += [event.source.status] if event.source.status != OK else []
+    notes += [event.source.status] if event.source.status != Bracket.OK else []
     value, on = style.number(float(f"{event.value:.9g}")), ", ".join(map(str, event.branches))
     return str(event.number), event.name, value, on, "; ".join(filter(None, notes))
 
@@ -388,7 +388,7 @@ def hidden(
     found = []
     for event in events:
         source = event.source
-        if source.kind != CORNER or source.corner not in corners or source.left is None:
+        if source.kind != Kind.CORNER_IMPACT or source.corner not in corners or source.left is None:
             continue
         near = [other for other in events if 0.0 < abs(other.value - event.value) < HIDDEN * width]
         if near:

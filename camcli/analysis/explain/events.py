@@ -13,7 +13,8 @@ from camcli.analysis.explain.crisis import Crisis
 from camcli.analysis.integrate import Cost, Settings
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import both_ways
-from camcli.analysis.orbits.locate import CORNER, FOLD, PERIOD_DOUBLING, Crossing
+from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.orbits.locate import Crossing
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.sticking_orbits import Change as RestChange
 from camcli.analysis.orbits.study import Bifurcation, Branch, Diagram
@@ -123,8 +124,8 @@ def _follow(diagram: Diagram, motions: Sequence[Motion], span: Span) -> None:
 
 def of_attractor(b: Bifurcation) -> bool:
     """True where an attracting orbit gains or loses something at the event."""
-    if b.kind == CORNER and b.left is not None and b.right is not None:
+    if b.kind == Kind.CORNER_IMPACT and b.left is not None and b.right is not None:
         return b.left.stable or b.right.stable
-    if b.kind in (PERIOD_DOUBLING, FOLD):
+    if b.kind in (Kind.PERIOD_DOUBLING, Kind.FOLD):
         return b.orbit.det < 1.0
     return b.orbit.stable

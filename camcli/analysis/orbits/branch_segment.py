@@ -7,15 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from camcli.analysis.orbits.arclength import Metric, Span, Step, steps
+from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import (
-    CLOSED,
-    CORNER,
-    FOLD,
-    GRAZING,
-    LOST,
-    OK,
-    PERIOD_DOUBLING,
-    RANGE,
     Crossing,
     Located,
     collapses,
@@ -37,7 +30,7 @@ class Segment:
 
     points: list[Root] = field(default_factory=list)
     events: list[tuple[Located, Crossing | None]] = field(default_factory=list)
-    end: str = LOST
+    end: Kind = Kind.LOST
     turned: Crossing | None = None  # a nonsmooth fold: another branch leaves from here
 
 
@@ -61,16 +54,16 @@ def follow(shooter: Shooter, root: Root, along: Vector, span: Span) -> Segment:
         if (root.value <= span.low and heading < 0.0) or (
             root.value >= span.high and heading > 0.0
         ):
-            segment.end = RANGE
+            segment.end = Kind.END_OF_RANGE
             return segment
         for step in steps(shooter, root, along, metric, span):
             if step is None or len(segment.points) > most:
                 return segment
             crossing = _advance(shooter, segment, step, span)
-            if segment.end != LOST:
+            if segment.end != Kind.LOST:
                 return segment
             if _closes(segment, step):
-                segment.end = CLOSED
+                segment.end = Kind.CLOSED
                 return segment
             if crossing is not None:
                 root, along = crossing.far, crossing.ahead
@@ -87,7 +80,8 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
     if corner is not None:
         step, reached = step.cut(corner.root), False
     if corner is not None and collapses(shooter, corner.root):
-        segment.end = CORNER  # it shrinks to an orbit of a shorter period: its corner's 2-cycle
+        # it shrinks to an orbit of a shorter period: the 2-cycle of that orbit's corner impact
+        segment.end = Kind.CORNER_IMPACT
         return None
     graze = graze_on(shooter, step)
     if graze is not None:
@@ -95,24 +89,24 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
     heading = step.metric.oriented(step.after, step.unit)[-1]
     turned = graze is None and (heading < 0.0) != (step.unit[-1] < 0.0)
     smooth = smooth_events(shooter, step, turned)
-    fold = next((f for f in smooth if f.kind == FOLD), None)
+    fold = next((f for f in smooth if f.kind == Kind.FOLD), None)
     if turned and (fold is None or collapses(shooter, fold.root)):
         _born(shooter, segment, step)
         return None
     for found in smooth:
-        born = parent_of(shooter, found) if found.kind == FOLD else None
+        born = parent_of(shooter, found) if found.kind == Kind.FOLD else None
         segment.events.append((born or found, None))
         segment.points.append(found.root)
         if born is not None:
-            segment.end = PERIOD_DOUBLING
+            segment.end = Kind.PERIOD_DOUBLING
             return None
     if step.length > 0.0:
         segment.points.append(step.after)
     if graze is not None:
         segment.events.append((graze, None))
-        segment.end = GRAZING
+        segment.end = Kind.GRAZING
     elif reached:
-        segment.end = RANGE
+        segment.end = Kind.END_OF_RANGE
     elif corner is not None:
         return _pass_corner(shooter, segment, corner)
     return None
@@ -120,9 +114,9 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
 
 def _born(shooter: Shooter, segment: Segment, step: Step) -> None:
     """The step led past the period doubling where the branch was born, onto the single orbit."""
-    segment.end = PERIOD_DOUBLING
+    segment.end = Kind.PERIOD_DOUBLING
     far = 2.0 * abs(step.after.value - step.before.value)
-    born = parent_of(shooter, Located(FOLD, step.after, step.length, 0.0, OK), far)
+    born = parent_of(shooter, Located(Kind.FOLD, step.after, step.length, 0.0, Bracket.OK), far)
     if born is not None:
         segment.events.append((born, None))
 
@@ -131,13 +125,13 @@ def _pass_corner(shooter: Shooter, segment: Segment, found: Located) -> Crossing
     """Record a corner impact and go on behind it; a nonsmooth fold or a kink ends the branch."""
     crossing = cross(shooter, found)
     if crossing is None:
-        segment.end = CORNER
+        segment.end = Kind.CORNER_IMPACT
         segment.events.append((found, None))
         return None
     if crossing.corner:
         segment.events.append((found, crossing))
         if crossing.turns_back or crossing.kink:
-            segment.end = CORNER
+            segment.end = Kind.CORNER_IMPACT
             segment.turned = None if crossing.kink else crossing
             return None
         segment.points.append(crossing.far)

@@ -12,19 +12,8 @@ from dataclasses import dataclass, replace
 from math import sqrt
 
 from camcli.analysis.bracketing import bracket
-from camcli.analysis.orbits.locate import (
-    CORNER,
-    FOLD,
-    GRAZING,
-    LOST,
-    MOST_SECANTS,
-    PERIOD_DOUBLING,
-    RANGE,
-    Located,
-    cross,
-    flip_test,
-    secant,
-)
+from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.orbits.locate import MOST_SECANTS, Located, cross, flip_test, secant
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.shooter import PARAMETERS, Root, Shooter, with_machine
 from camcli.system import System
@@ -33,7 +22,6 @@ SMALLEST = 1e-4  # of the spacing: a step below it ends the curve
 LONGEST = 40  # times the steps across the range: a curve longer than that is given up
 FARTHEST = 10.0  # steps by which the free parameter may change in one
 MOST_TURNED = 0.5  # rad by which an impact may move in one step
-ANOTHER_CORNER, NO_MOTION = "an impact reaches a corner", "the orbit is no motion any more"
 
 
 @dataclass(frozen=True)
@@ -51,13 +39,13 @@ class CurvePoint:
 class Curve:
     """A curve of one kind of bifurcation; ends: why it stops on either side."""
 
-    kind: str
+    kind: Kind
     label: str
     corner: str
     first: str
     second: str
     points: tuple[CurvePoint, ...]
-    ends: tuple[str, str]
+    ends: tuple[Kind, Kind]
 
 
 @dataclass(frozen=True)
@@ -103,15 +91,15 @@ class _Tracer:
         """The event near `guess` with the other parameter at `value`."""
         shooter = self.shooter(root, free, value)
         beside = replace(root, x=guess, parameter=shooter.parameter)
-        if self.located.kind == CORNER:
+        if self.located.kind == Kind.CORNER_IMPACT:
             return shooter.at_corner(beside, self.located.impact, self.located.side)
-        solver = {PERIOD_DOUBLING: _flip, FOLD: _fold, GRAZING: _graze}[self.located.kind]
-        return solver(shooter, beside)
+        solvers = {Kind.PERIOD_DOUBLING: _flip, Kind.FOLD: _fold, Kind.GRAZING: _graze}
+        return solvers[self.located.kind](shooter, beside)
 
-    def trace(self, start: Root | None, sign: float) -> tuple[list[Root], str]:
+    def trace(self, start: Root | None, sign: float) -> tuple[list[Root], Kind]:
         """Roots from the start on, towards smaller (-1) or larger second parameters first."""
         if start is None:
-            return [], LOST
+            return [], Kind.LOST
         step = 1.0 / self.plane.steps
         roots, slope, share = [start], [0.0, sign], 1.0
         while len(roots) < LONGEST * self.plane.steps:
@@ -119,7 +107,7 @@ class _Tracer:
             here = self.values(roots[-1])
             value, last = self._next(here[given], given, slope[given], share * step)
             after = self._advance(roots, 1 - given, value, step)
-            if isinstance(after, str):
+            if isinstance(after, Kind):
                 share *= 0.5
                 if share < SMALLEST:
                     return roots[1:], after
@@ -130,8 +118,8 @@ class _Tracer:
             slope = [(b - a) / s for a, b, s in zip(here, there, self.spans, strict=True)]
             low, high = self.plane.ranges[1 - given]
             if last or not low <= there[1 - given] <= high:
-                return roots[1:], RANGE
-        return roots[1:], LOST
+                return roots[1:], Kind.END_OF_RANGE
+        return roots[1:], Kind.LOST
 
     def _next(self, here: float, given: int, slope: float, length: float) -> tuple[float, bool]:
         """The next value of the given parameter, and whether it is the end of its range."""
@@ -141,7 +129,7 @@ class _Tracer:
             return (high if slope >= 0.0 else low), True
         return value, False
 
-    def _advance(self, roots: list[Root], free: int, value: float, step: float) -> Root | str:
+    def _advance(self, roots: list[Root], free: int, value: float, step: float) -> Root | Kind:
         """The next root, or the reason why there is none."""
         last = roots[-1]
         here = self.values(last)
@@ -155,23 +143,23 @@ class _Tracer:
                 guess = [a + share * (a - b) for a, b in zip(guess, old, strict=True)]
         after = self.solve(last, guess, free, value)
         if after is None:
-            return LOST
+            return Kind.LOST
         change = abs(self.values(after)[free] - here[free]) / self.spans[free]
         turned = max(abs(a - b) for a, b in zip(after.theta, last.theta, strict=True))
         if change > FARTHEST * step or turned > MOST_TURNED:
-            return LOST
+            return Kind.LOST
         shooter = self.shooter(after, free, value)
         if any(k != self.located.impact for _, k, _ in shooter.beyond(after)):
-            return ANOTHER_CORNER
-        if self.located.kind != GRAZING and not shooter.admits(after):
-            return NO_MOTION
+            return Kind.ANOTHER_CORNER
+        if self.located.kind != Kind.GRAZING and not shooter.admits(after):
+            return Kind.NO_MOTION
         return after
 
     def point(self, root: Root) -> CurvePoint:
         """The root as a point of the curve, with both sides of a corner."""
         values = self.values(root)
         orbit = from_root(self.system, root)
-        if self.located.kind != CORNER:
+        if self.located.kind != Kind.CORNER_IMPACT:
             return CurvePoint(*values, orbit)
         free = 0 if PARAMETERS[self.plane.names[0]] == root.parameter else 1
         shooter = self.shooter(root, free, values[1 - free])

@@ -20,6 +20,7 @@ from math import sqrt, ulp
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.orbits.arclength import Step
 from camcli.analysis.orbits.identify import settled
+from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import section_states
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import Root, Shooter
@@ -28,9 +29,6 @@ from camcli.kernel.cam_table import KICK, ROW, TURN, lift
 from camcli.kernel.flow import flow, lane_of
 from camcli.kernel.variational import relative_accel
 
-PERIOD_DOUBLING, FOLD, CORNER, GRAZING = "period-doubling", "fold", "corner-impact", "grazing"
-COMPLETION, RANGE, LOST, CLOSED = "chatter-completion", "end-of-range", "lost", "closed"
-OK, UNRESOLVED = "ok", "unresolved"
 MOST_SECANTS = 30
 SETTLED = 1e-13  # of its size: a secant step of the parameter that ends the iteration
 AT_ONCE = 1e-10  # a test function this small at the first point of a branch is zero there
@@ -49,11 +47,11 @@ class Located:
     it is the impact `fading` whose velocity goes to zero.
     """
 
-    kind: str
+    kind: Kind
     root: Root
     reach: float
     error: float
-    status: str
+    status: Bracket
     impact: int = -1
     side: int = 0
     phase: float = 0.0
@@ -109,7 +107,7 @@ def corner_on(shooter: Shooter, step: Step) -> Located | None:
         reach = step.reach(root)
         if -1e-9 * step.length <= reach <= step.length:
             error, status = _bracket(shooter, root, partial(_ahead, root.theta[k], k))
-            found.append(Located(CORNER, root, max(reach, 0.0), error, status, k, side))
+            found.append(Located(Kind.CORNER_IMPACT, root, max(reach, 0.0), error, status, k, side))
     return min(found, key=lambda f: f.reach, default=None)
 
 
@@ -123,17 +121,17 @@ def smooth_events(shooter: Shooter, step: Step, turned: bool) -> list[Located]:
     found = []
     before, after = flip_test(step.before), flip_test(step.after)
     if (before < 0.0) != (after < 0.0) and abs(before) > AT_ONCE:
-        found.append(_root_of(shooter, step, PERIOD_DOUBLING, flip_test, before, after))
+        found.append(_root_of(shooter, step, Kind.PERIOD_DOUBLING, flip_test, before, after))
     if turned:
         sign = 1.0 if step.unit[-1] >= 0.0 else -1.0
-        found.append(_root_of(shooter, step, FOLD, lambda r: sign * r.tangent[-1], 1.0, -1.0))
+        found.append(_root_of(shooter, step, Kind.FOLD, lambda r: sign * r.tangent[-1], 1.0, -1.0))
     return sorted((f for f in found if f is not None), key=lambda f: f.reach)
 
 
 def _root_of(
     shooter: Shooter,
     step: Step,
-    kind: str,
+    kind: Kind,
     test: Callable[[Root], float],
     before: float,
     after: float,
@@ -149,30 +147,30 @@ def _root_of(
     root = step.at(shooter, 0.5 * (low + high))
     if root is None:
         return None
-    if kind == FOLD:
+    if kind == Kind.FOLD:
         sides = [step.at(shooter, end) for end in (low, high)]
         width = max((abs(r.value - root.value) for r in sides if r is not None), default=0.0)
-        error, status = max(width, 8.0 * ulp(root.value)), OK
+        error, status = max(width, 8.0 * ulp(root.value)), Bracket.OK
     else:
         error, status = _bracket(shooter, root, test)
     return Located(kind, root, 0.5 * (low + high), error, status)
 
 
-def _bracket(shooter: Shooter, root: Root, test: Callable[[Root], float]) -> tuple[float, str]:
+def _bracket(shooter: Shooter, root: Root, test: Callable[[Root], float]) -> tuple[float, Bracket]:
     """Smallest half width of the parameter around the root at whose ends `test` differs in sign."""
     for relative in ERRORS:
         width = relative * abs(root.value)
         low, high = (shooter.moved(root, root.value + side * width) for side in (-1.0, 1.0))
         if low is not None and high is not None and (test(low) < 0.0) != (test(high) < 0.0):
-            return width, OK
-    return ERRORS[-1] * abs(root.value), UNRESOLVED
+            return width, Bracket.OK
+    return ERRORS[-1] * abs(root.value), Bracket.UNRESOLVED
 
 
 def doubling_at(shooter: Shooter, root: Root) -> Located | None:
     """The period doubling a branch is begun at, if it is begun at one."""
     if abs(flip_test(root)) > AT_ONCE:
         return None
-    return Located(PERIOD_DOUBLING, root, 0.0, *_bracket(shooter, root, flip_test))
+    return Located(Kind.PERIOD_DOUBLING, root, 0.0, *_bracket(shooter, root, flip_test))
 
 
 def parent_of(shooter: Shooter, found: Located, within: float = 0.0) -> Located | None:
@@ -198,7 +196,7 @@ def parent_of(shooter: Shooter, found: Located, within: float = 0.0) -> Located 
     parent = secant(at, root.value, 1e-7 * size, size)
     if parent is None or abs(parent.value - root.value) > max(SAME_VALUE * size, within):
         return None
-    return Located(PERIOD_DOUBLING, parent, found.reach, *_bracket(shooter, parent, flip_test))
+    return Located(Kind.PERIOD_DOUBLING, parent, found.reach, *_bracket(shooter, parent, flip_test))
 
 
 def graze_on(shooter: Shooter, step: Step) -> Located | None:
@@ -218,7 +216,7 @@ def graze_on(shooter: Shooter, step: Step) -> Located | None:
     error = max(abs(first.value - last.value), 8.0 * ulp(last.value))
     slowest = min(range(last.count), key=lambda k: abs(last.rates[k]))
     fading = slowest if abs(last.rates[slowest]) < shooter.rate else None
-    return Located(GRAZING, last, low, error, OK, impact, phase=phase, fading=fading)
+    return Located(Kind.GRAZING, last, low, error, Bracket.OK, impact, phase=phase, fading=fading)
 
 
 def secant(

@@ -16,7 +16,7 @@ from camcli.analysis.bracketing import bracket
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.identify import solve_from
-from camcli.analysis.orbits.locate import COMPLETION, LOST, RANGE
+from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.cams.compile import column
@@ -26,7 +26,6 @@ SETTLE = 40  # turns from the orbit at the neighbouring speed
 LONGEST = 8  # periods longer than the orbit's own are not looked for
 RUN = SETTLE + 2 * LONGEST + 2  # turns simulated for one point, at least
 BRACKETS = 80  # runs in which the changes of a branch are bracketed, about
-DETACHMENT, DEPARTURE, ITINERARY = "detachment", "departure", "itinerary"
 
 Same = Callable[[PeriodicOrbit, PeriodicOrbit | None], bool]
 
@@ -35,7 +34,7 @@ Same = Callable[[PeriodicOrbit, PeriodicOrbit | None], bool]
 class Change:
     """Where the motion changes: kind of event, bracket of the parameter, label behind it."""
 
-    kind: str
+    kind: Kind
     value: float
     error: float
     orbit: PeriodicOrbit  # the last one before
@@ -48,7 +47,7 @@ class StickingSegment:
 
     points: list[PeriodicOrbit] = field(default_factory=list)
     changes: list[Change] = field(default_factory=list)
-    end: str = LOST
+    end: Kind = Kind.LOST
 
 
 def follow_sticking(
@@ -67,11 +66,11 @@ def follow_sticking(
             return segment
         if not _same_departures(last, after):
             change = _change(shooter, settings, last, value, _same_departures)
-            change = replace(change, kind=DEPARTURE, beyond=change.beyond or after)
+            change = replace(change, kind=Kind.DEPARTURE, beyond=change.beyond or after)
             segment.changes.append(change)
             segment.points.append(change.orbit)
         segment.points.append(after)
-    segment.end = RANGE
+    segment.end = Kind.END_OF_RANGE
     return segment
 
 
@@ -133,9 +132,9 @@ def _change(
     return Change(_kind(before, after), at(low), error, before, after)
 
 
-def _kind(last: PeriodicOrbit, after: PeriodicOrbit | None) -> str:
+def _kind(last: PeriodicOrbit, after: PeriodicOrbit | None) -> Kind:
     if "contact" in (last.label, "" if after is None else after.label):
-        return DETACHMENT
+        return Kind.DETACHMENT
     complete = last.symbols.count(inf) / last.turns
     left = 0.0 if after is None else after.symbols.count(inf) / after.turns
-    return COMPLETION if left < complete else ITINERARY
+    return Kind.CHATTER_COMPLETION if left < complete else Kind.ITINERARY

@@ -13,7 +13,8 @@ from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import Segment, both_ways, follow
 from camcli.analysis.orbits.corner_impacts import CornerImpact, corner_impact
 from camcli.analysis.orbits.curves import Curve, Plane, curve
-from camcli.analysis.orbits.locate import PERIOD_DOUBLING, Crossing, Located, doubled
+from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.analysis.orbits.locate import Crossing, Located, doubled
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.search import MOST_STARTS, RECORD, OrbitsFound, find
@@ -60,7 +61,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Bifurcation:
-    """One event on a branch, of a kind named in `locate` or `sticking_orbits`.
+    """One event on a branch.
 
     branch: its number; value: of the parameter, +- error; orbit: at the event; corner: name or
     empty; located: how it was found on a branch of bouncing orbits; corner_impact: both linear
@@ -69,10 +70,10 @@ class Bifurcation:
     """
 
     branch: int
-    kind: str
+    kind: Kind
     value: float
     error: float
-    status: str
+    status: Bracket
     orbit: PeriodicOrbit
     corner: str = ""
     located: Located | None = None
@@ -310,7 +311,7 @@ class Diagram:
             for found, crossing in segment.events:
                 self._add_event(number, found, crossing)
                 index = len(self.bifurcations) - 1
-                if found.kind == PERIOD_DOUBLING:
+                if found.kind == Kind.PERIOD_DOUBLING:
                     self.branch_points.append((index, found))
                 elif crossing is not None and crossing is segment.turned:
                     self.branch_points.append((index, crossing))
@@ -348,7 +349,7 @@ class Diagram:
                 change.kind,
                 change.value,
                 change.error,
-                "ok",
+                Bracket.OK,
                 change.orbit,
                 corner=_corner_of(self.shooter.system, change),
                 beyond="" if change.beyond is None else change.beyond.label,

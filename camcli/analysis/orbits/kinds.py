@@ -1,0 +1,31 @@
+"""What can happen to a periodic orbit as a parameter varies, and how sure its place is."""
+
+from enum import StrEnum
+
+
+class Kind(StrEnum):
+    """An event on a branch, or what ends a branch or a curve; its text stands in every table."""
+
+    PERIOD_DOUBLING = "period-doubling"
+    FOLD = "fold"
+    CORNER_IMPACT = "corner-impact"
+    GRAZING = "grazing"
+    # of orbits that rest on the cam
+    CHATTER_COMPLETION = "chatter-completion"
+    DETACHMENT = "detachment"
+    DEPARTURE = "departure"
+    ITINERARY = "itinerary"
+    # ends that are no events
+    END_OF_RANGE = "end-of-range"
+    CLOSED = "closed"
+    LOST = "lost"
+    # ends of a curve in two parameters
+    ANOTHER_CORNER = "an impact reaches a corner"
+    NO_MOTION = "the orbit is no motion any more"
+
+
+class Bracket(StrEnum):
+    """Whether the test function of an event differs in sign at the ends of its bracket."""
+
+    OK = "ok"
+    UNRESOLVED = "unresolved"
