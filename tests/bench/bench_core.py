@@ -25,33 +25,31 @@ from camcli.analysis.integrate import Orbit, Settings, Start
 from camcli.cli.bench_run import machines
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import EventKind
-from camcli.system import System
 
 CHATTER = 1e-9  # turns, everybody's tolerance
 TURNS = {  # of a repeat, whatever the scale
     "periodic": {"core": 400_000, "heyoka": 20_000, "dop853": 600, "rk45": 120},
     "chatter": {"core": 10_000, "heyoka": 200, "dop853": 11, "rk45": 7},
 }
-METHODS = ("core", "heyoka", "dop853", "rk45")
 PEERS = {  # the published setting of RK45 on this cam has steps of 1 ms
     "heyoka": Heyoka(1e-13),
     "dop853": SolveIvp("dop853", 1e-12, 1.0 / 16.0),
     "rk45": SolveIvp("rk45", 1e-12, 1.0 / 86.0),
 }
+METHODS = ("core", *PEERS)
 
 
 def runner(method: str, some: Case) -> Callable[[int], int]:
     """Impacts as a function of the number of turns; every impact is logged."""
     if method == "core":
-        system = System(some.follower, machines().cam(some.cam))
+        system = machines().system(some.follower, some.cam)
         backend.compiled()
         begin = Start(*some.start)
 
         def logged(turns: int) -> int:
             orbit = Orbit(system, some.rpm, Settings(0, turns, CHATTER, 10**6, begin))
-            return int(
-                np.count_nonzero(np.asarray(orbit.run(strobes=False).kind) == EventKind.IMPACT)
-            )
+            kinds = np.asarray(orbit.run(strobes=False).kind)
+            return int(np.count_nonzero(kinds == EventKind.IMPACT))
 
         return logged
 
