@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from camcli.analysis.basins.mapping import SIMPLE, Basins, Question
-from camcli.analysis.basins.refine import leaves
-from camcli.analysis.basins.study import Speed, Study, study
+from camcli.analysis.basins.cell_mapping import leaves
+from camcli.analysis.basins.study import SIMPLE, Basins, Question, Study, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.sweep import rpm_grid, status_name
 from camcli.api.orbits import MULTIPLIERS
@@ -155,7 +154,7 @@ def _attractors_table(found: Study) -> Table:
     return Table.of_rows(columns, lambda: (row for speed in found.speeds for row in _rows(speed)))
 
 
-def _rows(speed: Speed):
+def _rows(speed: Basins):
     order = sorted(range(len(speed.attractors)), key=lambda k: speed.branches[k])
     for k in order:
         attractor = speed.attractors[k]
@@ -170,7 +169,7 @@ def _rows(speed: Speed):
             yield (code, name, None, None, *share, speed.rpm, *_growth(speed, None))
 
 
-def _growth(speed: Speed, k: int | None) -> list:
+def _growth(speed: Basins, k: int | None) -> list:
     """Multipliers and exponent of an attractor, empty where there are none."""
     if speed.exponents is None:
         return []
@@ -218,7 +217,7 @@ def _summary(result: Study, question: Question) -> dict[str, Any]:
     }
 
 
-def _record(speed: Speed, question: Question) -> dict[str, Any]:
+def _record(speed: Basins, question: Question) -> dict[str, Any]:
     doubt = speed.uncertainty
     return {
         "rpm": speed.rpm,
@@ -239,7 +238,7 @@ def _record(speed: Speed, question: Question) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _attractor(speed: Speed, k: int) -> dict[str, Any]:
+def _attractor(speed: Basins, k: int) -> dict[str, Any]:
     attractor, region = speed.attractors[k], speed.regions[k]
     fraction, error = speed.fractions[k + 1]
     found: dict[str, Any] = {

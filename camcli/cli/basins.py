@@ -10,8 +10,7 @@ from camcli.cli.options import Cluster, Request, Shard
 from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
-    from camcli.analysis.basins.mapping import Question
-    from camcli.analysis.basins.study import Speed, Study
+    from camcli.analysis.basins.study import Basins, Question, Study
     from camcli.api.result import Result
 
 SHOWN = 40  # rows of the table on stdout
@@ -141,7 +140,7 @@ def show(result: Result) -> None:
         print(line)
 
 
-def _lines(speed: Speed, question: Question) -> list[str]:
+def _lines(speed: Basins, question: Question) -> list[str]:
     entropies, doubt = speed.entropies, speed.uncertainty
     median, most99, most = speed.turns
     lines = [

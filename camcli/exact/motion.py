@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import inf
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, ctx
 
 from camcli.cams.compile import SMALLEST_KICK
 from camcli.exact.balls import UndecidedError, below
@@ -20,6 +20,7 @@ from camcli.exact.parallelogram import Parallelogram
 BEFORE = 1e-6  # rad: so long before a departure, as doubles know it, the follower rests
 MOST_STRETCHES = 10_000  # of one flight
 MOST_HALVINGS = 60  # of the first interval of a flight
+GUARD = 64  # bits beyond the known ones
 LIFT_OFF, CORNER, BLOW = 3, 2, 1  # order of the first derivative of the gap that is above zero
 
 
@@ -49,6 +50,7 @@ class Motion:
     def __init__(self, machine: Machine, strobe: float, theta: float):
         """Up to the departure near theta, seen through the strobe phase; both in rad, [0, 2 pi)."""
         self.machine, self.turn, self.trail = machine, machine.turn, Trail()
+        self.bits = ctx.prec
         self.section = arb(strobe)
         self.strobe = self.section - (0 if strobe <= theta else self.turn)  # the last one
         self.phi, self.n = arb(theta) - BEFORE, 0
@@ -103,6 +105,8 @@ class Motion:
         self.at, self.order = at, order
         self.phi, self.rate = at.hull()
         self.fall = -self._gap(self.i, self.n)(arb(0))[2]  # gap'' = -fall as the flight begins
+        known = max(x.rel_accuracy_bits() for x in (self.phi, self.rate))
+        ctx.prec = min(self.bits, known + GUARD)  # further digits say nothing
 
     def _struck(self, u: arb) -> None:
         self.impacts += 1
@@ -207,7 +211,7 @@ class Motion:
 
     def _leave(self) -> None:
         """From a rest on to where the follower leaves the cam."""
-        machine, begun = self.machine, self.phi
+        machine, begun, ctx.prec = self.machine, self.phi, self.bits
         while self.phi < begun + self.turn + 1:
             i, n = self.i, self.n
 

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from camcli.analysis.basins.mapping import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question
-from camcli.analysis.basins.study import Speed, Study
+from camcli.analysis.basins.study import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question, Study
 from camcli.analysis.sweep import status_name
 from camcli.kernel.cam_table import ROW, START0
 from camcli.plots import style
@@ -50,7 +49,7 @@ def area_colours(labels: Sequence[str]) -> list[str]:
 
 
 @style.look()
-def _draw_window(speed: Speed, grid: Basins, system: System) -> Figure:
+def _draw_window(speed: Basins, grid: Basins, system: System) -> Figure:
     """The basins of one speed."""
     entries = _entries(speed)
     top = HEAD + style.LINE * (len(entries) + 1)
@@ -86,7 +85,7 @@ def _draw_window(speed: Speed, grid: Basins, system: System) -> Figure:
     return figure
 
 
-def _below_title(speed: Speed, grid: Basins, system: System) -> str:
+def _below_title(speed: Basins, grid: Basins, system: System) -> str:
     window, phase = grid.window, style.number(round(system.strobe_deg, 9))
     how = "simple cell mapping" if grid.method == SIMPLE else "orbit mapping"
     text = f"{window.nq} × {window.nv} starts at θ = {phase} deg, {how}"
@@ -103,7 +102,7 @@ def _below_title(speed: Speed, grid: Basins, system: System) -> str:
     return text
 
 
-def _entries(speed: Speed) -> list[tuple[int, str]]:
+def _entries(speed: Basins) -> list[tuple[int, str]]:
     """(code, words) of the legend: attractors, then what belongs to none."""
     found = []
     for k, attractor in enumerate(speed.attractors[:MOST_NAMED], 1):
@@ -129,12 +128,12 @@ def percent(share: tuple[float, float]) -> str:
     return f"({value:.{digits}f} ± {error:.{digits}f}) %"
 
 
-def _colours(speed: Speed) -> dict[int, str]:
+def _colours(speed: Basins) -> dict[int, str]:
     areas = area_colours([attractor.label for attractor in speed.attractors])
     return {UNDECIDED_CODE: UNDECIDED, BELOW_CODE: BELOW, **dict(enumerate(areas, 1))}
 
 
-def _pixels(grid: Basins, speed: Speed, wide: int, high: int) -> np.ndarray:
+def _pixels(grid: Basins, speed: Basins, wide: int, high: int) -> np.ndarray:
     """(rows, columns, 3) colours; cells smaller than a pixel are averaged."""
     colours = _colours(speed)
     first = [_first_cells(*pair) for pair in zip(grid.codes.shape, (high, wide), strict=True)]
@@ -156,7 +155,7 @@ def _first_cells(cells: int, pixels: int) -> np.ndarray:
     return np.arange(count) * cells // count
 
 
-def _draw_attractors(axes: Axes, speed: Speed, grid: Basins) -> set[int]:
+def _draw_attractors(axes: Axes, speed: Basins, grid: Basins) -> set[int]:
     """Section points of every attractor; returns the numbers of those outside the window."""
     window, outside = grid.window, set()
     for number, attractor in enumerate(speed.attractors, 1):
@@ -286,7 +285,7 @@ def _draw_stack(axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, 
     axes.set_ylabel("fraction of the window")
 
 
-def _fraction(speed: Speed, branch: int) -> float:
+def _fraction(speed: Basins, branch: int) -> float:
     numbers = (k for k, own in enumerate(speed.branches, 1) if own == branch)
     return sum(speed.fractions[number][0] for number in numbers)
 

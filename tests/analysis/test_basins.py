@@ -3,25 +3,24 @@
 import numpy as np
 import pytest
 
-from camcli.analysis.basins import attractor_finder as census_module
-from camcli.analysis.basins import cell_batches as crew_module
-from camcli.analysis.basins.attractor_finder import BELOW, Census
-from camcli.analysis.basins.cell_batches import Crew
-from camcli.analysis.basins.mapping import (
+from camcli.analysis.basins import attractor_finder, cell_batches
+from camcli.analysis.basins.attractor_finder import AttractorFinder
+from camcli.analysis.basins.cell_batches import CellBatches
+from camcli.analysis.basins.measures import boundary
+from camcli.analysis.basins.study import (
     BELOW_CODE,
     ORBIT,
     SIMPLE,
     UNDECIDED_CODE,
     Question,
     basins,
+    study,
 )
-from camcli.analysis.basins.measures import boundary
 from camcli.analysis.basins.window import Window
 from camcli.analysis.classify import classify_at
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import label
 from camcli.analysis.orbits.identify import departures
-from camcli.kernel.cells import UNDECIDED
 from camcli.parallel import Work
 from tests.conftest import chapter_system, settings
 
@@ -36,10 +35,8 @@ def labels(result):
     return [attractor.label for attractor in result.attractors]
 
 
-@pytest.mark.parametrize("rpm", [358.0, 358.5, 359.0])
-def test_exactly_the_two_attractors_of_the_chapter(chapter, rpm):
-    """At two resolutions, with fractions equal within their errors."""
-    coarse, fine = mapped(chapter, rpm), mapped(chapter, rpm, WINDOW.with_cells(90, 90))
+def test_fractions_agree_at_two_resolutions(chapter):
+    coarse, fine = mapped(chapter, 358.5), mapped(chapter, 358.5, WINDOW.with_cells(90, 90))
     assert labels(coarse) == labels(fine) == ["P(1;2)", "P(3;3:3:2)"]
     for code in (1, 2):
         (a, da), (b, db) = coarse.fractions[code], fine.fractions[code]
@@ -52,16 +49,16 @@ def test_exactly_the_two_attractors_of_the_chapter(chapter, rpm):
 
 @pytest.mark.parametrize(
     ("rpm", "expected"),
-    [(700.0, ["P(1;1)"]), (739.35, ["P(2;1:1)"]), (190.0, ["P(1;inf)"]), (100.0, ["contact"]),
-     (361.0, ["P(1;2)", "aperiodic"]), (745.0, ["aperiodic"]), (682.0, ["P(1;1)", "aperiodic"])],
-)  # fmt: skip
+    [(739.35, ["P(2;1:1)"]), (190.0, ["P(1;inf)"]), (100.0, ["contact"]), (745.0, ["aperiodic"])],
+)
 def test_attractors_elsewhere(chapter, rpm, expected):
-    result = mapped(chapter, rpm, WINDOW.with_cells(15, 15))
+    result = mapped(chapter, rpm, WINDOW.with_cells(12, 12))
     assert labels(result) == expected
     assert result.undecided == 0
     assert not result.troubled
 
 
+@pytest.mark.slow
 def test_two_aperiodic_attractors_are_told_apart():
     """A damped machine; the second one's basin is so small that only cells find it."""
     machine = chapter_system(restitution=0.6, damping=40.0, gravity=9.81)
@@ -90,42 +87,43 @@ def plain_label(system, rpm, q, v, after_rests, turns=3000):
     return after_rests[theta]
 
 
-@pytest.mark.parametrize("rpm", [358.0, 358.5, 359.0, 361.0, 682.0, 700.0])
+@pytest.mark.slow
+@pytest.mark.parametrize("rpm", [358.0, 682.0, 700.0])
 def test_every_cell_agrees_with_a_long_plain_simulation(chapter, rpm):
-    window = WINDOW.with_cells(14, 14)
+    window = WINDOW.with_cells(8, 8)
     result = mapped(chapter, rpm, window)
     names = np.array(["undecided", *labels(result)])
     q, v = window.centres(np.arange(window.count))
     starts, after_rests = zip(q.tolist(), v.tolist(), strict=True), {}
-    truth = [plain_label(chapter, rpm, *start, after_rests) for start in starts]
-    assert names[result.codes.ravel()].tolist() == truth
-    assert len(set(truth)) == len(result.attractors)
+    expected = [plain_label(chapter, rpm, *start, after_rests) for start in starts]
+    assert names[result.codes.ravel()].tolist() == expected
+    assert len(set(expected)) == len(result.attractors)
 
 
 def settled(system, q, v, threads=1, rpm=358.5):
-    census = Census(Crew(system, rpm, settings(), Work(threads)), 4000)
-    census.scout(WINDOW)
-    outcome, turns = census.settle(q, v)
-    return census.ranks()[np.maximum(outcome, 0)].tolist(), turns.tolist(), census
+    finder = AttractorFinder(CellBatches(system, rpm, settings(), Work(threads)), 4000)
+    finder.look_around(WINDOW)
+    outcome, turns = finder.settle(q, v)
+    return finder.ranks()[np.maximum(outcome, 0)].tolist(), turns.tolist(), finder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rpm", [358.5, 361.0])
 def test_neither_order_nor_threads_nor_blocks_change_a_cell(chapter, monkeypatch, rpm):
-    q, v = WINDOW.with_cells(40, 30).centres(np.arange(1200))
-    codes, turns, census = settled(chapter, q, v, rpm=rpm)
+    q, v = WINDOW.with_cells(20, 10).centres(np.arange(200))
+    codes, turns, finder = settled(chapter, q, v, rpm=rpm)
     shuffled = np.random.default_rng(1).permutation(len(q))
-    monkeypatch.setattr(crew_module, "BLOCK", 37)
-    monkeypatch.setattr(census_module, "CHUNK", 500)
+    monkeypatch.setattr(cell_batches, "BLOCK", 37)
+    monkeypatch.setattr(attractor_finder, "CHUNK", 90)
     others = settled(chapter, q[shuffled], v[shuffled], 2, rpm=rpm)
     assert [codes[k] for k in shuffled] == others[0]
     assert [turns[k] for k in shuffled] == others[1]
-    assert [a.states for a in census.attractors] == [a.states for a in others[2].attractors]
+    assert [a.states for a in finder.attractors] == [a.states for a in others[2].attractors]
 
 
 def test_attractors_found_by_cells_alone_are_the_same(chapter, monkeypatch):
-    """Without scouts, in either order of the cells."""
     wanted = mapped(chapter, 358.5, WINDOW.with_cells(20, 20))
-    monkeypatch.setattr(Census, "scout", lambda self, window: None)
+    monkeypatch.setattr(AttractorFinder, "look_around", lambda self, window: None)
     found = mapped(chapter, 358.5, WINDOW.with_cells(20, 20), budget=600)
     assert labels(found) == labels(wanted)
     assert found.codes.tolist() == wanted.codes.tolist()
@@ -133,10 +131,10 @@ def test_attractors_found_by_cells_alone_are_the_same(chapter, monkeypatch):
 
 def test_cells_below_the_cam_are_marked_and_not_computed(chapter):
     window = Window((0.0, 0.2), (-10.0, 10.0), 20, 4)
-    result = mapped(chapter, 358.5, window)
-    q, _ = window.centres(np.arange(window.count))
+    result, finder = basins(chapter, 358.5, settings(), Question(window))
+    q, v = window.centres(np.arange(window.count))
     assert ((result.codes.ravel() == BELOW_CODE) == (q < 0.1)).all()
-    assert (result.turns[q < 0.1] == 0).all()
+    assert (finder.settle(q, v)[1][q < 0.1] == 0).all()
     assert sum(share for share, _ in result.fractions.values()) == pytest.approx(1.0)
 
 
@@ -149,41 +147,54 @@ def test_slow_transients_are_undecided_never_an_attractor(chapter):
 
 
 def test_what_conserves_energy_has_no_attractor():
-    machine = chapter_system(restitution=1.0)
-    result = mapped(machine, 358.5, WINDOW.with_cells(8, 8), budget=50)
+    result = mapped(chapter_system(restitution=1.0), 358.5, WINDOW.with_cells(8, 8), budget=50)
     assert labels(result) == []
     assert result.undecided == 64
 
 
 @pytest.mark.parametrize("method", [ORBIT, SIMPLE])
 def test_trouble_is_a_code_of_its_own(method):
-    machine = chapter_system(stiffness=0.0)
     window = Window((0.1, 90.0), (-50.0, 50.0), 6, 6)
-    result = mapped(machine, 358.5, window, budget=400, method=method)
+    result = mapped(chapter_system(stiffness=0.0), 358.5, window, budget=400, method=method)
     assert result.troubled == {3: 36}
     assert set(np.unique(result.codes).tolist()) == {-3}
 
 
 @pytest.mark.parametrize("rpm", [358.5, 739.35])
 def test_simple_cell_mapping_agrees_away_from_boundaries(chapter, rpm):
-    window = WINDOW.with_cells(120, 120)
+    window = WINDOW.with_cells(100, 100)
     orbit, simple = mapped(chapter, rpm, window), mapped(chapter, rpm, window, method=SIMPLE)
     assert labels(simple) == labels(orbit)
     inner = ~boundary(orbit.codes)
-    agree = (orbit.codes == simple.codes)[inner].mean()
-    assert agree > 0.99
-    assert simple.cost.impacts < 0.5 * orbit.cost.impacts
+    assert (orbit.codes == simple.codes)[inner].mean() > 0.99
+    assert simple.cost.impacts < 0.6 * orbit.cost.impacts
 
 
 def test_a_window_beside_the_attractor_maps_too(chapter):
     """At 700 rpm the attractor is at q = 2.36 m: every cell leaves the window."""
-    simple = mapped(chapter, 700.0, WINDOW.with_cells(20, 20), method=SIMPLE)
-    assert (simple.codes == 1).all()
+    assert (mapped(chapter, 700.0, WINDOW.with_cells(20, 20), method=SIMPLE).codes == 1).all()
 
 
-def test_a_start_without_a_known_end_is_followed_by_nothing(chapter):
-    census = Census(Crew(chapter, 358.5, settings()), 10)
-    outcome, turns = census.settle([0.05, 0.3], [0.0, 0.0])
-    assert outcome[0] == BELOW
-    assert outcome[1] in (0, 1, UNDECIDED)
-    assert turns[0] == 0
+def test_refined_basins_are_those_of_the_full_grid(chapter):
+    window = WINDOW.with_cells(32, 32)
+    refined = mapped(chapter, 358.5, window, refine=2)
+    full = mapped(chapter, 358.5, window.halved(2))
+    assert refined.window == full.window
+    assert (refined.codes != full.codes).mean() < 5e-3
+    assert refined.computed < 0.35 * full.cells
+    assert abs(refined.fractions[1][0] - full.fractions[1][0]) < full.fractions[1][1]
+    assert (refined.codes == full.codes)[refined.level == 2].all()  # cells of the full grid
+
+
+def test_numbers_of_attractors_stay_from_speed_to_speed(chapter):
+    """P(1;2) is born at some 355 rpm, P(3) doubles its period."""
+    speeds = [354.0, 358.5, 360.0]
+    result = study(chapter, speeds, settings(), Question(WINDOW.with_cells(10, 10)))
+    named = [
+        dict(zip(s.branches, [a.label for a in s.attractors], strict=True)) for s in result.speeds
+    ]
+    assert [sorted(names) for names in named] == [[1], [1, 2], [1, 2]]
+    assert [names.get(2) for names in named] == [None, "P(1;2)", "P(1;2)"]
+    assert [names[1] for names in named[1:]] == ["P(3;3:3:2)", "P(6;3:3:2:3:3:2)"]
+    assert result.grid is None
+    assert all(speed.codes.size == 0 for speed in result.speeds)

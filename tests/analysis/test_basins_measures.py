@@ -1,4 +1,4 @@
-"""Fractions, their errors, entropies and boundaries on grids whose answer is known."""
+"""Fractions, their errors, entropies, boundaries, refinement on grids whose answer is known."""
 
 from math import log, pi, sqrt
 
@@ -6,49 +6,54 @@ import numpy as np
 import pytest
 
 from camcli.analysis.basins import uncertainty as uncertainty_module
+from camcli.analysis.basins.attractor_finder import BELOW
+from camcli.analysis.basins.cell_mapping import leaves, refine
 from camcli.analysis.basins.measures import BOX, boundary, entropies, fractions
 from camcli.analysis.basins.uncertainty import uncertainty
 from camcli.analysis.basins.window import Window
 
-UNIT = Window((0.0, 1.0), (0.0, 1.0), 10, 10)
+UNIT = Window((0.0, 1.0), (0.0, 1.0), 16, 16)
 
 
-def disk(n, shift=(0.0, 0.0), radius=0.31):
-    x = (np.arange(n) + 0.5) / n - 0.5
-    inside = (x[None, :] - shift[0]) ** 2 + (x[:, None] - shift[1]) ** 2 < radius**2
-    return np.where(inside, 1, 2).astype(np.int16)
+class Painted:
+    """A finder whose outcome is a function of the start, with the cam at q = 0.305."""
+
+    class batches:  # noqa: N801
+        lift = (0.305, 0.0)
+
+    def __init__(self, outcome, below=False):
+        self.outcome, self.below, self.asked = outcome, below, 0
+
+    def settle(self, q, v, on_cells=None, share=False):
+        self.asked += len(q)
+        found = np.asarray(self.outcome(q, v)).astype(np.int16)
+        found = np.where(self.below & (q < 0.305), np.int16(BELOW), found)
+        return found, np.ones(len(q), dtype=np.int32)
 
 
 def test_fractions_are_of_the_cells_above_the_cam():
     codes = np.array([[-1, -1, 1, 2], [-1, 1, 0, -4]])
-    found = fractions(codes, [1, 2, 3])
-    assert {code: share for code, (share, _) in found.items()} == {
-        1: 0.4, 2: 0.2, 3: 0.0, 0: 0.2, -4: 0.2,
-    }  # fmt: skip
+    shares = {code: share for code, (share, _) in fractions(codes, [1, 2, 3]).items()}
+    assert shares == {1: 0.4, 2: 0.2, 3: 0.0, 0: 0.2, -4: 0.2}
     assert fractions(np.full((3, 3), -1), [1])[1] == (0.0, 0.0)
-
-
-def test_a_uniform_grid_has_no_error_and_no_entropy():
-    codes = np.ones((10, 10), dtype=np.int16)
-    assert fractions(codes, [1])[1] == (1.0, 0.0)
-    assert entropies(codes)["basin_entropy"] == 0.0
-    assert not boundary(codes).any()
+    uniform = np.ones((10, 10), dtype=np.int16)
+    assert fractions(uniform, [1])[1] == (1.0, 0.0)
+    assert entropies(uniform)["basin_entropy"] == 0.0
+    assert not boundary(uniform).any()
 
 
 @pytest.mark.parametrize("n", [50, 200])
 def test_the_standard_error_is_that_of_a_disk(n):
     """Disks shifted under the grid: the scatter of their areas is as the estimate says."""
-    rng = np.random.default_rng(5)
-    areas, errors = [], []
-    for shift in rng.uniform(-0.1, 0.1, (60, 2)):
-        share, error = fractions(disk(n, shift), [1, 2])[1]
-        areas.append(share)
-        errors.append(error)
+    rng, x = np.random.default_rng(5), (np.arange(n) + 0.5) / n - 0.5
+    found = []
+    for dx, dy in rng.uniform(-0.1, 0.1, (60, 2)):
+        inside = (x[None, :] - dx) ** 2 + (x[:, None] - dy) ** 2 < 0.31**2
+        found.append(fractions(np.where(inside, 1, 2).astype(np.int16), [1, 2])[1])
+    areas, errors = np.array(found).T
     true = pi * 0.31**2
-    scatter = float(np.sqrt(np.mean((np.array(areas) - true) ** 2)))
-    assert 0.2 < scatter / float(np.mean(errors)) < 1.5
-    binomial = sqrt(true * (1.0 - true)) / n
-    assert max(errors) < 0.5 * binomial
+    assert 0.2 < np.sqrt(np.mean((areas - true) ** 2)) / errors.mean() < 1.5
+    assert errors.max() < 0.5 * sqrt(true * (1.0 - true)) / n  # well below the binomial one
 
 
 def test_entropies_of_boxes_with_known_shares():
@@ -58,8 +63,7 @@ def test_entropies_of_boxes_with_known_shares():
     codes[BOX:, BOX : 2 * BOX] = -1  # below the cam
     found = entropies(codes)
     box = -(0.2 * log(0.2) + 0.8 * log(0.8))
-    assert found["boxes"] == 5
-    assert found["boundary_boxes"] == 1
+    assert (found["boxes"], found["boundary_boxes"]) == (5, 1)
     assert found["boundary_entropy"] == pytest.approx(box)
     assert found["basin_entropy"] == pytest.approx(box / 5)
 
@@ -70,46 +74,43 @@ def test_the_cam_is_no_boundary():
     assert not boundary(codes[:, :2]).any()
 
 
-class Painted:
-    """A census whose outcome is a function of the start."""
-
-    def __init__(self, outcome):
-        self.outcome = outcome
-
-    def settle(self, q, v):
-        return np.asarray(self.outcome(q, v)), None
-
-
-def test_a_smooth_boundary_has_exponent_one():
-    found = uncertainty(Painted(lambda q, v: np.where(v < 0.3 + 0.2 * q, 0, 1)), UNIT)
-    assert found.exponent == pytest.approx(1.0, abs=4.0 * found.error)
-    assert found.dimension == pytest.approx(2.0 - found.exponent)
-
-
-def test_a_cantor_boundary_has_its_dimension(monkeypatch):
+def test_uncertainty_exponents_of_a_line_and_of_a_cantor_set(monkeypatch):
     """Stripes over the gaps of the middle-third set: dimension 1 + log 2/log 3."""
+    smooth = uncertainty(Painted(lambda q, v: np.where(v < 0.3 + 0.2 * q, 0, 1)), UNIT)
+    assert smooth.exponent == pytest.approx(1.0, abs=4.0 * smooth.error)
+    assert smooth.dimension == pytest.approx(2.0 - smooth.exponent)
+    for nothing in (0, -1):  # no boundary; nothing decided
+        assert uncertainty(Painted(lambda q, v, n=nothing: np.full(len(q), n)), UNIT) is None
     monkeypatch.setattr(uncertainty_module, "STARTS", 60_000)
-    found = uncertainty(Painted(lambda q, v: _gap_level(q) % 2), UNIT)
-    assert found.exponent == pytest.approx(1.0 - log(2.0) / log(3.0), abs=0.04)
+    cantor = uncertainty(Painted(lambda q, v: _gap_level(q) % 2), UNIT)
+    assert cantor.exponent == pytest.approx(1.0 - log(2.0) / log(3.0), abs=0.04)
 
 
 def _gap_level(q):
     """Which generation of removed thirds holds each number."""
     x, level = np.mod(q, 1.0), np.zeros(len(q), dtype=int)
-    open_ = np.ones(len(q), dtype=bool)
     for n in range(1, 16):
-        x = 3.0 * x
-        third = np.floor(x)
-        x = x - third
-        hit = open_ & (third == 1)
-        level[hit] = n
-        open_ &= ~hit
+        third = np.floor(3.0 * x)
+        x = 3.0 * x - third
+        level[(level == 0) & (third == 1)] = n
     return level
 
 
-def test_no_boundary_no_exponent():
-    assert uncertainty(Painted(lambda q, v: np.zeros(len(q), dtype=int)), UNIT) is None
-    assert uncertainty(Painted(lambda q, v: np.full(len(q), -1)), UNIT) is None
+def test_a_boundary_is_followed_where_the_coarse_cells_miss_it():
+    """A stripe thinner than a coarse cell, met by one of its cells, is followed to its end."""
+
+    def thin(q, v):
+        return np.where(np.abs(v - 0.4 - 0.1 * q) < 0.012, 1, 0)
+
+    finder = Painted(thin, below=True)
+    fine, outcome, level, turns, computed = refine(finder, UNIT, 4, lambda cells: None)
+    q, v = fine.centres(np.arange(fine.count))
+    assert (outcome == np.where(q < 0.305, BELOW, thin(q, v))).all()
+    assert computed == finder.asked == len(turns)
+    assert computed < 0.3 * fine.count
+    assert level.max() == 4
+    sides = 16 >> level.ravel()[leaves(level, 4)].astype(int)
+    assert (sides.astype(int) ** 2).sum() == fine.count  # the cells not cut cover it once
 
 
 def test_cells_and_centres_are_inverse():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from camcli.analysis import integrate as engine
-from camcli.analysis.basins.cell_batches import NOTHING, Crew
+from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
 from camcli.analysis.basins.region import targets_of
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -23,7 +23,7 @@ STARTS = [(0.3, -1.0), (0.55, 32.0), (0.1, 5.0), (0.2, -40.0), (1.1, 12.0), (0.1
 
 
 def crew(rpm=358.5, machine=None, **changes):
-    return Crew(machine or system(), rpm, settings(**changes))
+    return CellBatches(machine or system(), rpm, settings(**changes))
 
 
 def ends(team, turns, targets=NOTHING, starts=STARTS):

@@ -7,8 +7,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from camcli.analysis.basins.attractor import Attractor
-from camcli.analysis.basins.mapping import Question
-from camcli.analysis.basins.study import study
+from camcli.analysis.basins.study import Question, study
 from camcli.analysis.basins.window import Window
 from camcli.plots import basins as picture
 from camcli.plots import style
@@ -32,7 +31,7 @@ def window_of(figure):
 
 def drawn(result, system, codes=None):
     if codes is not None:
-        result = replace(result, grid=replace(result.grid, codes=codes.astype(np.int16)))
+        result = replace(result, speeds=(replace(result.grid, codes=codes.astype(np.int16)),))
     return draw_basins(result, QUESTION, system)
 
 

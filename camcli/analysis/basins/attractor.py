@@ -7,7 +7,9 @@ from math import inf
 
 import numpy as np
 
-SAME = 1e-6  # of the size of an orbit: states closer than this are one orbit
+from camcli.analysis.labels import rotation
+from camcli.analysis.orbits.same_orbit import same_states
+
 APERIODIC = "aperiodic"
 CONTACT = "contact"
 
@@ -27,6 +29,19 @@ class Attractor:
     multipliers: tuple[complex, complex] | None = None
     points: np.ndarray | None = field(default=None, compare=False, repr=False)
 
+    @classmethod
+    def periodic_of(cls, label: str, states, symbols, multipliers=None) -> Attractor:
+        """Of an orbit begun at any turn; of equal turns the one with the lowest state is first."""
+        states, symbols = tuple(states), tuple(symbols)
+        k = rotation(symbols, lambda first: tuple(-x for x in states[first]))
+        states, symbols = states[k:] + states[:k], symbols[k:] + symbols[:k]
+        return cls(label, len(states), states, symbols, multipliers)
+
+    @classmethod
+    def aperiodic_of(cls, points: np.ndarray) -> Attractor:
+        """Of recorded states; the one it is listed with is the lowest."""
+        return cls(APERIODIC, 0, (min(map(tuple, points.tolist())),), points=points)
+
     @property
     def periodic(self) -> bool:
         """False for an aperiodic attractor."""
@@ -41,30 +56,12 @@ class Attractor:
         """(n, 2) states to compare and to draw."""
         return np.array(self.states) if self.points is None else self.points
 
+    def is_same(self, other: Attractor) -> bool:
+        """True where both are one periodic orbit."""
+        return self.periodic and other.periodic and same_states(self.states, other.states)
 
-def begin_where_label_does(states, symbols):
-    """Both rotated so that the symbols are the lexically largest, ties by the lowest state."""
-    turns = range(len(symbols))
-    rotations = [(symbols[k:] + symbols[:k], states[k:] + states[:k]) for k in turns]
-    best = max(rotation[0] for rotation in rotations)
-    return min((r[1], r[0]) for r in rotations if r[0] == best)
-
-
-def is_one(a: Attractor, b: Attractor) -> bool:
-    """True where two periodic attractors are the same orbit."""
-    if not (a.periodic and a.turns == b.turns):
-        return False
-    near = SAME * max(a.size, b.size)
-
-    def close(k: int) -> bool:
-        pairs = zip(a.states, b.states[k:] + b.states[:k], strict=True)
-        return all(abs(p[0] - q[0]) <= near and abs(p[1] - q[1]) <= near for p, q in pairs)
-
-    return any(close(k) for k in range(b.turns))
-
-
-def order(attractor: Attractor):
-    """Sort key: contact, then by turns, impacts and state, aperiodic last."""
-    rank = 0 if attractor.label == CONTACT else 1 if attractor.periodic else 2
-    symbols = tuple(-1.0 if s == inf else s for s in attractor.symbols)
-    return rank, attractor.turns, symbols, attractor.states
+    def order(self):
+        """Sort key: contact, then by turns, impacts and state, aperiodic last."""
+        rank = 0 if self.label == CONTACT else 1 if self.periodic else 2
+        symbols = tuple(-1.0 if s == inf else s for s in self.symbols)
+        return rank, self.turns, symbols, self.states

@@ -10,33 +10,26 @@ and what a cell is called depends on the set of starts alone, not on their order
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from camcli.analysis.basins import recurrence
-from camcli.analysis.basins.attractor import (
-    APERIODIC,
-    Attractor,
-    begin_where_label_does,
-    is_one,
-    order,
-)
-from camcli.analysis.basins.cell_batches import NOTHING, Crew, Ends
-from camcli.analysis.basins.decided_rests import follow_cells
-from camcli.analysis.basins.region import Region, region_of, targets_of
-from camcli.analysis.basins.rests import Rests
+from camcli.analysis.basins.attractor import Attractor
+from camcli.analysis.basins.cell_batches import NOTHING, CellBatches, Ends
+from camcli.analysis.basins.region import Region, parted, region_of, targets_of
+from camcli.analysis.basins.rest_outcomes import RestOutcomes
 from camcli.analysis.basins.window import Window
 from camcli.analysis.integrate import Orbit, with_turns
 from camcli.analysis.orbits.identify import solve_from
 from camcli.errors import Status
-from camcli.kernel.cells import FORGOTTEN, UNDECIDED, Targets
+from camcli.kernel.cells import FORGOTTEN, NEW_REST, UNDECIDED, Targets
+from camcli.kernel.flight import BOUNCED, FREE
 from camcli.parallel import ShardDone
 
 CHUNK = 1 << 17  # cells in memory with their states
-SCOUTS = 10  # along each side of the window
-SCOUT_TURNS = 200
-INSEPARABLE = 1e-11  # radius, over the size, at which two regions are one
+FIRST_STARTS = 10  # along each side of the window
+FIRST_TURNS = 200
 CANDIDATES = 16  # undecided states looked at in one round
 ROUNDS = 64
 SETTLE = 2_000  # turns before a period is looked for
@@ -46,10 +39,10 @@ BELOW = -9  # outcome of a cell below the cam; further ones are the kernel's
 
 
 @dataclass
-class Census:
+class AttractorFinder:
     """Attractors of one speed in the order they were found, and what the kernel knows of them."""
 
-    crew: Crew
+    batches: CellBatches
     budget: int
     attractors: list[Attractor] = field(default_factory=list)
     regions: list[Region | None] = field(default_factory=list)
@@ -57,24 +50,24 @@ class Census:
     boxes: recurrence.Boxes | None = None
 
     def __post_init__(self):
-        self.rests = Rests(self.crew)
+        self.rests = RestOutcomes(self)
         if self.dissipates:
             self.targets = self.rests.fill(self.targets)
 
     @property
     def dissipates(self) -> bool:
         """False where nothing loses energy, so that no orbit attracts another."""
-        follower = self.crew.system.follower
+        follower = self.batches.system.follower
         return follower.restitution < 1.0 or follower.damping > 0.0
 
-    def scout(self, window: Window) -> None:
+    def look_around(self, window: Window) -> None:
         """Look for attractors from a few starts all over the window and from rest."""
-        few = window.with_cells(SCOUTS, SCOUTS)
+        few = window.with_cells(FIRST_STARTS, FIRST_STARTS)
         q, v = few.centres(np.arange(few.count))
-        c, c1 = self.crew.lift
-        q, v = np.append(q, c), np.append(v, c1 * self.crew.omega)
+        c, c1 = self.batches.lift
+        q, v = np.append(q, c), np.append(v, c1 * self.batches.omega)
         keep = q >= c
-        self._settle(q[keep], v[keep], SCOUT_TURNS, lambda cells: None)
+        self._settle(q[keep], v[keep], FIRST_TURNS, lambda cells: None)
 
     def settle(
         self, q, v, on_cells: Callable[[int], None] = lambda cells: None, share: bool = False
@@ -84,7 +77,7 @@ class Census:
         Raises ShardDone where the starts may be shared and this is one shard of many.
         """
         q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
-        gap, _ = self.crew.states(q, v)
+        gap, _ = self.batches.states(q, v)
         above = gap >= 0.0
         outcome = np.full(len(gap), BELOW, dtype=np.int16)
         turns = np.zeros(len(gap), dtype=np.int32)
@@ -95,7 +88,7 @@ class Census:
 
     def destination(self, q: float, v: float) -> Attractor | None:
         """The known attractor one start ends on, or None; nothing new is looked for."""
-        gap, rate = self.crew.states([q], [v])
+        gap, rate = self.batches.states([q], [v])
         ends = self._run(np.maximum(gap, 0.0), rate, self.budget)
         return self.attractors[ends.outcome[0]] if ends.outcome[0] >= 0 else None
 
@@ -105,7 +98,7 @@ class Census:
         left, states = [], []
         for begin in range(0, len(q), CHUNK):
             some = slice(begin, begin + CHUNK)
-            begun = self.crew.states(q[some], v[some])
+            begun = self.batches.states(q[some], v[some])
             try:
                 ends = self._run(*begun, budget, share=share)
             except ShardDone:
@@ -115,7 +108,7 @@ class Census:
             left.append(begin + open_)
             states.append(np.column_stack((ends.gap, ends.rate, ends.mode))[open_])
             on_cells(len(ends.gap))
-        if share and self.crew.work.shard is not None:
+        if share and self.batches.work.shard is not None:
             raise ShardDone
         if left:
             self._resolve(np.concatenate(left), np.concatenate(states), budget, outcome, turns)
@@ -124,7 +117,22 @@ class Census:
 
     def _run(self, gap, rate, budget: int, mode=None, share: bool = False) -> Ends:
         """Follow starts, and those that stop at an unknown rest again once that is known."""
-        return follow_cells(self, gap, rate, budget, mode, share)
+        gap, rate = np.asarray(gap, dtype=float), np.asarray(rate, dtype=float)
+        if mode is None:
+            mode = np.where((gap > 0.0) | (rate < 0.0), FREE, BOUNCED)
+        ends = self.batches.run(gap, rate, self.targets, budget, mode, share)
+        while len(stopped := np.flatnonzero(ends.outcome == NEW_REST)):
+            states = np.column_stack((ends.gap, ends.rate))[stopped]
+            _, first = np.unique(states, axis=0, return_index=True)
+            for k in stopped[first].tolist():
+                start = float(gap[k]), float(rate[k]), int(mode[k])
+                state = float(ends.gap[k]), float(ends.rate[k]), int(ends.mode[k])
+                self.rests.learn(start, state, int(ends.turns[k]))
+            again = gap[stopped], rate[stopped], self.targets, budget, mode[stopped]
+            more = self.batches.run(*again)
+            for column in vars(ends):
+                getattr(ends, column)[stopped] = getattr(more, column)
+        return ends
 
     def _resolve(self, cells, states, budget: int, outcome, turns) -> None:
         """Identify attractors from undecided states and follow these on, until nothing is new."""
@@ -145,122 +153,97 @@ class Census:
         ranked = np.unique(states, axis=0)
         count = min(CANDIDATES, len(ranked))
         picks = [k * (len(ranked) - 1) // max(1, count - 1) for k in range(count)]
-        return any(self._identify(*ranked[k].tolist()) for k in dict.fromkeys(picks))
+        return any(self.identify(*ranked[k].tolist()) for k in dict.fromkeys(picks))
 
-    def _identify(self, gap: float, rate: float, mode: float) -> bool:
-        crew = self.crew
-        settings = with_turns(crew.settings, SETTLE, 1)
-        found = solve_from(crew.system, crew.rpm, settings, crew.start(gap, rate, int(mode)))
+    def identify(self, gap: float, rate: float, mode: float) -> bool:
+        batches = self.batches
+        settings, start = (
+            with_turns(batches.settings, SETTLE, 1),
+            batches.start(gap, rate, int(mode)),
+        )
+        found = solve_from(batches.system, batches.rpm, settings, start)
         if found is None:
             return self._recognise(gap, rate, int(mode))
         if not found.stable or found.verdict != "admissible":
             return False
-        states, symbols = begin_where_label_does(tuple(found.states), tuple(found.symbols))
-        return self._admit(Attractor(found.label, found.turns, states, symbols, found.multipliers))
+        orbit = (found.label, found.states, found.symbols, found.multipliers)
+        return self.admit(Attractor.periodic_of(*orbit))
 
-    def _admit(self, attractor: Attractor) -> bool:
+    def admit(self, attractor: Attractor) -> bool:
         """Take up a periodic attractor unless it is known or starts about it do not come back."""
-        if any(is_one(attractor, known) for known in self.attractors):
+        if any(attractor.is_same(known) for known in self.attractors):
             return False
-        region = region_of(self.crew, attractor)
+        region = region_of(self.batches, attractor)
         if region is None:
             return False
-        parted = _parted([*self.regions, region])
-        if parted is None:
+        apart = parted(self.regions, region)
+        if apart is None:
             return False
         self.attractors.append(attractor)
-        self.regions = parted
+        self.regions = apart
         self._rebuild()
         return True
 
     def _recognise(self, gap: float, rate: float, mode: int) -> bool:
         """Take up an aperiodic attractor, or add to a known one, from a long record."""
-        crew = self.crew
-        ends = crew.run([gap], [rate], self.targets, RECORD, [mode])
+        batches = self.batches
+        ends = batches.run([gap], [rate], self.targets, RECORD, [mode])
         if ends.outcome[0] != UNDECIDED:
             return False
-        settings = with_turns(crew.settings, 0, RECORD)
-        start = crew.start(float(ends.gap[0]), float(ends.rate[0]), int(ends.mode[0]))
-        tape = Orbit(crew.system, crew.rpm, settings, start).run(events=False)
+        settings = with_turns(batches.settings, 0, RECORD)
+        start = batches.start(float(ends.gap[0]), float(ends.rate[0]), int(ends.mode[0]))
+        tape = Orbit(batches.system, batches.rpm, settings, start).run(events=False)
         n = tape.periods
         points = np.column_stack((tape.strobe_q[:n], tape.strobe_w[:n]))
-        points = points - np.array(crew.lift)
+        points = points - np.array(batches.lift)
         if tape.status != Status.OK or not recurrence.is_recurrent(points):
             return False
-        return self._take_up(points)
+        return self.take_up(points)
 
-    def _take_up(self, points: np.ndarray) -> bool:
-        """Add an aperiodic record, joined to the attractors whose boxes it meets."""
-        lift = np.array(self.crew.lift)
+    def take_up(self, points: np.ndarray) -> bool:
+        """Add an aperiodic record, joined to the attractor whose boxes it meets."""
+        lift = np.array(self.batches.lift)
         before = list(self.attractors), list(self.regions), self.boxes, self.targets
         for k, known in enumerate(self.attractors):
-            if not known.periodic and recurrence.meet(known.points - lift, points):
-                self.attractors[k] = _aperiodic(np.concatenate((known.points - lift, points)), lift)
+            if known.points is not None and recurrence.meet(known.points - lift, points):
+                both = np.concatenate((known.points - lift, points))
+                self.attractors[k] = Attractor.aperiodic_of(both + lift)
                 break
         else:
-            self.attractors.append(_aperiodic(points, lift))
+            self.attractors.append(Attractor.aperiodic_of(points + lift))
             self.regions.append(None)
-        self._rebuild()
-        if max(self.boxes.stays[k] for k in self._aperiodic()) > recurrence.MOST_STAY:
+        stays = self._rebuild()
+        aperiodic = (stays[k] for k, one in enumerate(self.attractors) if not one.periodic)
+        if max(aperiodic) > recurrence.MOST_STAY:
             self.attractors, self.regions, self.boxes, self.targets = before
             return False
         return True
 
-    def _aperiodic(self) -> list[int]:
-        return [k for k, a in enumerate(self.attractors) if not a.periodic]
-
-    def _rebuild(self) -> None:
-        """The kernel's table of all that is known."""
-        aperiodic = self._aperiodic()
+    def _rebuild(self) -> list[int]:
+        """Make the kernel's table of all that is known; turns in the boxes that decide."""
+        lift, known = np.array(self.batches.lift), enumerate(self.attractors)
+        records = {k: one.points - lift for k, one in known if one.points is not None}
         self.boxes = None
-        if aperiodic:
-            lift = np.array(self.crew.lift)
-            records = {k: self.attractors[k].points - lift for k in aperiodic}
-            self.boxes = recurrence.boxes_of(records, self.regions, len(self.attractors))
-            self._try_boxes()
+        if records:
+            boxes = recurrence.boxes_of(records, self.regions, len(self.attractors))
+            self.boxes = replace(boxes, stays=self._stays(boxes))
         self.targets = self.rests.fill(targets_of(self.regions, self.boxes))
+        return self.boxes.stays if self.boxes else []
 
-    def _try_boxes(self) -> None:
+    def _stays(self, boxes: recurrence.Boxes) -> list[int]:
         """Follow a start from every box, to learn how long a stay in the boxes decides."""
-        boxes = self.boxes
-        boxes.stays = [1 << 40] * len(self.attractors)
         tried = np.flatnonzero(boxes.owner)
-        centres = boxes.grid.centres(tried)
-        ends = self.crew.run(*centres.T, targets_of(self.regions, boxes), TRIAL)
+        starts = boxes.grid.centres(tried)
+        targets = targets_of(self.regions, boxes)
+        ends = self.batches.run(starts[:, 0], starts[:, 1], targets, TRIAL)
         at = boxes.owner[boxes.grid.boxes(np.column_stack((ends.gap, ends.rate)))]
-        ended = np.where(ends.outcome == UNDECIDED, at, 0)
-        ended = np.where((ends.outcome == UNDECIDED) & (at == 0), boxes.owner[tried], ended)
-        boxes.stays = recurrence.stays_of(boxes, tried, ended, ends.stay)
+        ended = np.where(at == 0, boxes.owner[tried], at)
+        ended = np.where(ends.outcome == UNDECIDED, ended, 0)
+        return recurrence.stays_of(boxes, tried, ended, ends.stay)
 
     def ranks(self) -> np.ndarray:
         """Number (1, 2, ...) of each attractor in the order that does not depend on the search."""
-        ranked = sorted(range(len(self.attractors)), key=lambda k: order(self.attractors[k]))
+        ranked = sorted(range(len(self.attractors)), key=lambda k: self.attractors[k].order())
         numbers = np.zeros(len(ranked), dtype=np.int16)
         numbers[ranked] = np.arange(1, len(ranked) + 1)
         return numbers
-
-
-def _aperiodic(points: np.ndarray, lift: np.ndarray) -> Attractor:
-    """An aperiodic attractor; the state it is listed with is its lowest."""
-    states = points + lift
-    lowest = min(map(tuple, states.tolist()))
-    return Attractor(APERIODIC, 0, (lowest,), points=states)
-
-
-def _parted(regions: list[Region | None]) -> list[Region | None] | None:
-    """The regions, the last and those it overlaps shrunk until apart; None where they stay one."""
-    regions = list(regions)
-    for k, other in enumerate(regions[:-1]):
-        while other is not None and overlap(other, regions[-1]):
-            other, regions[-1] = other.scaled(0.5), regions[-1].scaled(0.5)
-            if min(other.radius, regions[-1].radius) < INSEPARABLE:
-                return None
-            regions[k] = other
-    return regions
-
-
-def overlap(a: Region, b: Region) -> bool:
-    """True where the boxes around two regions' ellipses meet."""
-    apart = np.abs(a.points[:, None, :] - b.points[None, :, :])
-    reach = a.half_widths()[:, None, :] + b.half_widths()[None, :, :]
-    return bool((apart <= reach).all(axis=2).any())

@@ -35,7 +35,7 @@ class Ends:
 
 
 @dataclass
-class Crew:
+class CellBatches:
     """One speed's constants and what runs cells on it; counts the work done."""
 
     system: System
@@ -70,7 +70,7 @@ class Crew:
         return np.asarray(q, dtype=float) - c, np.asarray(v, dtype=float) / self.omega - c1
 
     def start(self, gap: float, rate: float, mode: int) -> Start:
-        """A state at the strobe as a start of `engine.Orbit`."""
+        """A state at the strobe as a start of `integrate.Orbit`."""
         theta_deg = self.system.strobe * (180.0 / np.pi)
         if mode == RESTING:
             return Start(None, None, theta_deg)
@@ -123,7 +123,11 @@ class _Task:
     def __call__(self, block) -> tuple[np.ndarray, np.ndarray, list[int]]:
         """(gap and rate, `Cells.whole`, (impacts, turns, evaluations, crossings)) of a block."""
         kernel, cam, lane, flows, known = self._tables
-        cells, room = _cells(*block, kernel), _room(kernel)
+        gap, rate, mode = block
+        whole = np.zeros((len(gap), CELL), dtype=np.int64)
+        whole[:, MODE_OF] = mode
+        real = kernel.numbers(np.column_stack((gap, rate)).ravel())
+        cells, room = Cells(real, kernel.numbers(whole.ravel(), int), len(gap)), _room(kernel)
         kernel.settle_cells(cam, lane, flows, known, cells, self.budget, room)
         return (
             np.asarray(cells.real, dtype=float).reshape(-1, 2),
@@ -142,15 +146,6 @@ def _native(targets: Targets, kernel: Kernel) -> Targets:
         rest=kernel.numbers(list(targets.rest)),
         ends=kernel.numbers(list(targets.ends), int),
         near=kernel.numbers(list(targets.near)),
-    )
-
-
-def _cells(gap, rate, mode, kernel: Kernel) -> Cells:
-    real = np.column_stack((gap, rate)).ravel()
-    whole = np.zeros((len(gap), CELL), dtype=np.int64)
-    whole[:, MODE_OF] = mode
-    return Cells(
-        kernel.numbers(real.tolist()), kernel.numbers(whole.ravel().tolist(), int), len(gap)
     )
 
 

@@ -56,15 +56,18 @@ def boundary(codes: np.ndarray) -> np.ndarray:
 
 
 def entropies(codes: np.ndarray) -> dict[str, float | int]:
-    """Basin entropy and boundary entropy (Daza and others, 2016) over boxes of BOX x BOX cells.
+    """Basin entropy and boundary entropy over boxes of BOX x BOX cells.
+
+    A. Daza, A. Wagemakers, B. Georgeot, D. Guery-Odelin, M. A. F. Sanjuan, Basin entropy: a new
+    tool to analyze uncertainty in dynamical systems, Scientific Reports 6, 31416 (2016).
 
     In a box with shares p of the codes the entropy is -sum p log p; the basin entropy is its mean
     over all boxes, the boundary entropy that over boxes with more than one code. Undecided counts
     as a code; cells below the cam, and boxes of such alone, do not count.
     """
     nv, nq = (size // BOX * BOX for size in codes.shape)
-    boxes = codes[:nv, :nq].reshape(nv // BOX, BOX, nq // BOX, BOX).swapaxes(1, 2)
-    boxes = boxes.reshape(-1, BOX * BOX)
+    blocks = codes[:nv, :nq].reshape(nv // BOX, BOX, nq // BOX, BOX).swapaxes(1, 2)
+    boxes = blocks.reshape(-1, BOX * BOX)
     total = (boxes != -1).sum(axis=1)
     kinds = [int(code) for code in np.unique(boxes) if code != -1]
     counts = np.stack([(boxes == code).sum(axis=1) for code in kinds]) if kinds else None

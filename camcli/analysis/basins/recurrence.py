@@ -52,7 +52,7 @@ class Grid:
         return np.column_stack((np.maximum(gap, 0.0), rate))
 
 
-@dataclass
+@dataclass(frozen=True)
 class Boxes:
     """The boxes of all aperiodic attractors of one speed; `owner` is 1 + their index, or 0."""
 

@@ -12,13 +12,14 @@ radius holds, circles of NARROWEST take the place of the ellipses.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, sqrt
 
 import numpy as np
 
 from camcli.analysis.basins.attractor import Attractor
-from camcli.analysis.basins.cell_batches import NOTHING, Crew
+from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
 from camcli.kernel.cells import CHATTERED_TURN
 
 WIDEST, NARROWEST = 0.25, 1e-8  # radius over the orbit's size
@@ -29,6 +30,7 @@ STEP = 0.8  # from one radius tried to the next
 ROUND = 1e-9  # least squared ratio of an ellipse's axes
 REST = 1e-12  # of the size: a state this near to the cam at rest is at rest
 HOME = 1e-3  # form (squared distance over the ellipse's) at which a start has come back
+INSEPARABLE = 1e-11  # radius, over the size, at which two regions are one
 MOST_TERMS = 20_000
 MOST_RETURN = 2_000  # turns
 
@@ -56,14 +58,14 @@ class Region:
         return np.sqrt(np.column_stack((c / det, a / det)))
 
 
-def region_of(crew: Crew, attractor: Attractor) -> Region | None:
+def region_of(batches: CellBatches, attractor: Attractor) -> Region | None:
     """The largest region that holds; None where the differences say that the orbit repels."""
-    c, c1 = crew.lift
+    c, c1 = batches.lift
     points = np.array(attractor.states) - np.array([c, c1])
     points[np.abs(points).max(axis=1) <= REST * attractor.size] = 0.0
     points[:, 0] = np.maximum(points[:, 0], 0.0)
     symbols = tuple(CHATTERED_TURN if s == inf else int(s) for s in attractor.symbols)
-    maps = _turn_maps(crew, points, symbols, attractor.size)
+    maps = _turn_maps(batches, points, symbols, attractor.size)
     rho = _spectral_radius(maps)
     if not rho < 1.0:
         return None
@@ -73,7 +75,7 @@ def region_of(crew: Crew, attractor: Attractor) -> Region | None:
     radius = WIDEST if (_discriminant(forms) > ROUND * forms[:, 0] * forms[:, 2]).all() else 0.0
     while radius >= NARROWEST:
         tried = region.scaled(radius)
-        if _holds(crew, tried):
+        if _holds(batches, tried):
             return replace(tried, returns=True)
         radius *= STEP
     circles = np.tile([1.0, 0.0, 1.0], (len(points), 1)) / attractor.size**2
@@ -85,7 +87,7 @@ def _discriminant(forms: np.ndarray) -> np.ndarray:
     return a * c - 0.25 * b * b
 
 
-def _turn_maps(crew: Crew, points: np.ndarray, symbols, size: float) -> np.ndarray:
+def _turn_maps(batches: CellBatches, points: np.ndarray, symbols, size: float) -> np.ndarray:
     """(m, 2, 2) one-turn maps by central differences; zero about a state at rest on the cam."""
     free = points[:, 0] > 0.0
     maps = np.zeros((len(points), 2, 2))
@@ -95,7 +97,7 @@ def _turn_maps(crew: Crew, points: np.ndarray, symbols, size: float) -> np.ndarr
         starts = np.repeat(points, 4, axis=0)
         for k, (axis, sign) in enumerate(((0, 1), (0, -1), (1, 1), (1, -1))):
             starts[k::4, axis] += sign * np.where(free, h, 0.0)
-        ends = crew.run(starts[:, 0], starts[:, 1], NOTHING, 1)
+        ends = batches.run(starts[:, 0], starts[:, 1], NOTHING, 1)
         image = np.column_stack((ends.gap, ends.rate)).reshape(-1, 4, 2)
         maps[:, :, 0] = (image[:, 0] - image[:, 1]) / (2.0 * h[:, None])
         maps[:, :, 1] = (image[:, 2] - image[:, 3]) / (2.0 * h[:, None])
@@ -156,7 +158,7 @@ def _forms(maps: np.ndarray, s: float) -> np.ndarray:
     return np.array(forms)
 
 
-def _holds(crew: Crew, region: Region) -> bool:
+def _holds(batches: CellBatches, region: Region) -> bool:
     """True where rings of starts in every ellipse stay, shrink over a period and come home."""
     m = len(region.points)
     starts, at = rings(region)
@@ -165,7 +167,7 @@ def _holds(crew: Crew, region: Region) -> bool:
     gap, rate, mode = starts[:, 0], starts[:, 1], None
     before = size_of(region, at, gap, rate)
     for turn in range(m):
-        ends = crew.run(gap, rate, NOTHING, 1, mode)
+        ends = batches.run(gap, rate, NOTHING, 1, mode)
         gap, rate, mode = ends.gap, ends.rate, ends.mode
         now = (at + turn + 1) % m
         wanted = np.array(region.symbols)[(at + turn) % m]
@@ -177,7 +179,7 @@ def _holds(crew: Crew, region: Region) -> bool:
     periods, left = 0, 1.0
     while left > HOME and periods * m < MOST_RETURN:
         periods, left = periods + 1, left * region.shrink
-    ends = crew.run(gap, rate, NOTHING, periods * m, mode)
+    ends = batches.run(gap, rate, NOTHING, periods * m, mode)
     return bool((size_of(region, at, ends.gap, ends.rate) <= max(HOME, left)).all())
 
 
@@ -221,3 +223,25 @@ def targets_of(regions, boxes=None):
         first += m
     targets = NOTHING._replace(real=real, whole=whole, points=first)
     return targets if boxes is None else boxes.fill(targets)
+
+
+def parted(regions: Sequence[Region | None], new: Region) -> list[Region | None] | None:
+    """All regions, the new one and those it overlaps shrunk until apart; None where they are one.
+
+    Numbers do not change: entry k is region k, the last entry the new one.
+    """
+    found = list(regions)
+    for k, other in enumerate(regions):
+        while other is not None and overlap(other, new):
+            found[k] = other = other.scaled(0.5)
+            new = new.scaled(0.5)
+            if min(other.radius, new.radius) < INSEPARABLE:
+                return None
+    return [*found, new]
+
+
+def overlap(a: Region, b: Region) -> bool:
+    """True where the boxes around two regions' ellipses meet."""
+    apart = np.abs(a.points[:, None, :] - b.points[None, :, :])
+    reach = a.half_widths()[:, None, :] + b.half_widths()[None, :, :]
+    return bool((apart <= reach).all(axis=2).any())

@@ -1,50 +1,94 @@
-"""Basins at one speed or over a range of them, as plain results."""
+"""Basins of attraction at one speed or over a range of them: which attractor every start lands on.
+
+Two methods: `orbit` follows the centre of every cell to its end; `simple` is the simple cell
+mapping of C. S. Hsu, Cell-to-Cell Mapping, 1987 (`cell_mapping`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from math import inf, sqrt
+
+import numpy as np
 
 from camcli.analysis.basins.attractor import Attractor
+from camcli.analysis.basins.attractor_finder import BELOW, AttractorFinder
 from camcli.analysis.basins.branches import Branches
-from camcli.analysis.basins.growth import largest_exponent
-from camcli.analysis.basins.mapping import Basins, Question, basins
-from camcli.analysis.basins.measures import entropies
+from camcli.analysis.basins.cell_batches import CellBatches
+from camcli.analysis.basins.cell_mapping import refine, settle_by_cells
+from camcli.analysis.basins.measures import entropies, fractions
 from camcli.analysis.basins.region import Region
 from camcli.analysis.basins.uncertainty import Uncertainty, uncertainty
-from camcli.analysis.integrate import Cost, Settings
+from camcli.analysis.basins.window import Window
+from camcli.analysis.exponents import of_tape
+from camcli.analysis.integrate import Cost, Orbit, Settings, Start, with_turns
+from camcli.errors import Status
+from camcli.kernel.cells import UNDECIDED
+from camcli.kernel.growth import natural_log
 from camcli.parallel import ShardDone, Work
-from camcli.system import System
+from camcli.system import System, omega_of
+
+ORBIT, SIMPLE = "orbit", "simple"
+# Codes of cells: 1, 2, ... the attractors; and
+UNDECIDED_CODE, BELOW_CODE = 0, -1  # kernel statuses (2, 3, 4) with a minus sign are trouble
+EXPONENT_RECORD = 4000  # turns of an aperiodic attractor
 
 
 @dataclass(frozen=True)
-class Speed:
-    """One speed: its attractors, the branch of each, and what the grid says in numbers."""
+class Question:
+    """What is asked at every speed; budget in turns."""
+
+    window: Window
+    method: str = ORBIT
+    budget: int = 4000
+    refine: int = 0
+
+
+@dataclass(frozen=True)
+class Basins:
+    """Basins at one speed: a code per cell, row by row in v, and the attractors by number.
+
+    With refinement `window` has the finest cells, `codes` are filled from the coarser ones, and
+    `level` says at which level each was computed (0: the coarsest).
+    """
 
     rpm: float
-    attractors: tuple[Attractor, ...]
-    branches: tuple[int, ...]
+    window: Window
+    method: str
+    codes: np.ndarray  # (nv, nq) int16; empty in a range of speeds
+    level: np.ndarray | None
+    attractors: tuple[Attractor, ...]  # attractor k has code k + 1
     regions: tuple[Region | None, ...]
-    stays: tuple[int, ...]
-    fractions: dict[int, tuple[float, float]]  # by code; attractor k has code k + 1
-    undecided: int
-    troubled: dict[int, int]
+    stays: tuple[int, ...]  # turns in its boxes that decide, for aperiodic attractors
+    fractions: dict[int, tuple[float, float]]  # (fraction, standard error) by code
+    undecided: int  # cells that met no attractor within the budget
+    troubled: dict[int, int]  # number of cells by kernel status, where it is not ok
     entropies: dict[str, float | int]
-    uncertainty: Uncertainty | None
-    cells: int
-    computed: int
+    computed: int  # cells that were followed or mapped
     turns: tuple[int, int, int]  # a cell takes: median, 99 %, most
     cost: Cost
+    branches: tuple[int, ...] = ()  # number of each attractor that stays from speed to speed
+    uncertainty: Uncertainty | None = None
     exponents: tuple[float | None, ...] | None = None  # largest, per turn; None: not asked for
+
+    @property
+    def cells(self) -> int:
+        """Number of cells of the window."""
+        return self.window.count
 
 
 @dataclass(frozen=True)
 class Study:
-    """All speeds in order; the grid itself only where there is one speed."""
+    """All speeds in order."""
 
-    speeds: list[Speed]
-    grid: Basins | None
+    speeds: tuple[Basins, ...]
     cost: Cost
+
+    @property
+    def grid(self) -> Basins | None:
+        """The speed with its cells, where there is one speed."""
+        return self.speeds[0] if len(self.speeds) == 1 else None
 
     @property
     def troubled(self) -> bool:
@@ -65,46 +109,104 @@ def study(
 ) -> Study:
     """Basins at every speed, with attractors numbered alike from speed to speed.
 
-    Raises ShardDone where this is one shard of many.
+    `boundary` and `exponents` ask for the uncertainty exponent and for Lyapunov exponents;
+    `on_cells` is told of finished cells. Raises ShardDone where this is one shard of many.
     """
-    branches, speeds, grid, cost = Branches(), [], None, Cost()
+    branches, speeds = Branches(), list[Basins]()
     work, shared = work or Work(), False
     for k, rpm in enumerate(rpms):
         here = work.within(str(k))
         try:
-            grid, census = basins(system, rpm, settings, question, work=here, on_cells=on_cells)
+            found, finder = basins(system, rpm, settings, question, work=here, on_cells=on_cells)
         except ShardDone:
             shared = True
             continue
-        doubt = uncertainty(census, question.window) if boundary else None
-        numbers = branches.number(grid.attractors, census)
-        speed = _summary(grid, numbers, doubt, census.crew.cost)
+        doubt = uncertainty(finder, question.window) if boundary else None
+        numbers = branches.number(found.attractors, finder)
+        found = replace(found, branches=numbers, uncertainty=doubt, cost=finder.batches.cost)
         if exponents:
-            found = [largest_exponent(system, rpm, settings, a) for a in speed.attractors]
-            speed = replace(speed, exponents=tuple(found))
-        speeds.append(speed)
-        cost = cost + census.crew.cost
+            grown = [largest_exponent(system, rpm, settings, a) for a in found.attractors]
+            found = replace(found, exponents=tuple(grown))
+        if len(rpms) > 1:
+            found = replace(found, codes=found.codes[:0], level=None)
+        speeds.append(found)
     if shared:
         raise ShardDone
-    return Study(speeds, grid if len(rpms) == 1 else None, cost)
+    return Study(tuple(speeds), sum((speed.cost for speed in speeds), Cost()))
 
 
-def _summary(grid: Basins, numbers: tuple[int, ...], doubt, cost: Cost) -> Speed:
-    ranked = sorted(grid.turns[grid.turns > 0].tolist()) or [0]
-    last = len(ranked) - 1
-    return Speed(
-        rpm=grid.rpm,
-        attractors=grid.attractors,
-        branches=numbers,
-        regions=grid.regions,
-        stays=grid.stays,
-        fractions=grid.fractions,
-        undecided=grid.undecided,
-        troubled=grid.troubled,
-        entropies=entropies(grid.codes),
-        uncertainty=doubt,
-        cells=grid.window.count,
-        computed=grid.computed,
-        turns=(ranked[last // 2], ranked[last * 99 // 100], ranked[last]),
-        cost=cost,
+def basins(
+    system: System,
+    rpm: float,
+    settings: Settings,
+    question: Question,
+    *,
+    work: Work | None = None,
+    on_cells: Callable[[int], None] = lambda cells: None,
+) -> tuple[Basins, AttractorFinder]:
+    """Basins of one speed, and the finder for further questions at it."""
+    batches = CellBatches(system, rpm, settings, work or Work())
+    finder = AttractorFinder(batches, question.budget)
+    window, level = question.window, None
+    finder.look_around(window)
+    if question.method == SIMPLE:
+        outcome, turns, computed = settle_by_cells(finder, window, on_cells)
+    elif question.refine:
+        window, outcome, level, turns, computed = refine(finder, window, question.refine, on_cells)
+    else:
+        cells = np.arange(window.count)
+        outcome, turns = finder.settle(*window.centres(cells), on_cells, share=True)
+        computed = window.count
+    codes = codes_of(finder, outcome).reshape(window.nv, window.nq)
+    ranked = np.argsort(finder.ranks(), kind="stable").tolist()
+    stays = finder.boxes.stays if finder.boxes else [0] * len(ranked)
+    trouble, counts = np.unique(codes[codes < BELOW_CODE], return_counts=True)
+    taken = sorted(turns[turns > 0].tolist()) or [0]
+    last = len(taken) - 1
+    found = Basins(
+        rpm=rpm,
+        window=window,
+        method=question.method,
+        codes=codes,
+        level=level,
+        attractors=tuple(finder.attractors[k] for k in ranked),
+        regions=tuple(finder.regions[k] for k in ranked),
+        stays=tuple(stays[k] for k in ranked),
+        fractions=fractions(codes, [*range(1, len(ranked) + 1)]),
+        undecided=int((codes == UNDECIDED_CODE).sum()),
+        troubled={-int(code): int(n) for code, n in zip(trouble, counts, strict=True)},
+        entropies=entropies(codes),
+        computed=computed,
+        turns=(taken[last // 2], taken[last * 99 // 100], taken[last]),
+        cost=batches.cost,
     )
+    return found, finder
+
+
+def codes_of(finder: AttractorFinder, outcome: np.ndarray) -> np.ndarray:
+    """Codes of outcomes: attractors by their final number."""
+    numbers = np.append(finder.ranks(), np.int16(0))  # the last one never used
+    known = numbers[np.clip(outcome, 0, len(numbers) - 1)]
+    codes = np.where(outcome >= 0, known, outcome + 10)  # trouble: -10 - status
+    codes = np.where(outcome == UNDECIDED, UNDECIDED_CODE, codes)
+    return np.where(outcome == BELOW, BELOW_CODE, codes).astype(np.int16)
+
+
+def largest_exponent(
+    system: System, rpm: float, settings: Settings, attractor: Attractor
+) -> float | None:
+    """Largest Lyapunov exponent per turn: ln |multiplier|/m, or from a record; -inf after a rest.
+
+    None where a record shows too little.
+    """
+    if attractor.multipliers is not None:
+        z = complex(attractor.multipliers[0])
+        size = sqrt(z.real * z.real + z.imag * z.imag)
+        return natural_log(size) / attractor.turns if size > 0.0 else -inf
+    if attractor.periodic:
+        return -inf
+    q, w = attractor.states[0]
+    start = Start(q, w * omega_of(rpm), system.strobe_deg)
+    tape = Orbit(system, rpm, with_turns(settings, 0, EXPONENT_RECORD), start).run()
+    found = of_tape(system, rpm, tape) if tape.status == Status.OK else None
+    return None if found is None else found.largest

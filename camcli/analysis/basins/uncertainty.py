@@ -1,4 +1,7 @@
-"""The uncertainty exponent: how the share of starts in doubt falls with the error of the start."""
+"""The uncertainty exponent: how the share of starts in doubt falls with the error of the start.
+
+S. W. McDonald, C. Grebogi, E. Ott, J. A. Yorke, Fractal basin boundaries, Physica D 17 (1985).
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from math import log, sqrt
 
 import numpy as np
 
-from camcli.analysis.basins.attractor_finder import Census
+from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.window import Window
 
 STARTS = 8192
@@ -30,7 +33,7 @@ class Uncertainty:
         return 2.0 - self.exponent
 
 
-def uncertainty(census: Census, window: Window) -> Uncertainty | None:
+def uncertainty(finder: AttractorFinder, window: Window) -> Uncertainty | None:
     """Starts spread over the window, each with two others an error away in both coordinates.
 
     A start is in doubt where one of the three ends elsewhere; those with an undecided or impossible
@@ -39,12 +42,12 @@ def uncertainty(census: Census, window: Window) -> Uncertainty | None:
     n = np.arange(STARTS)
     x = (0.5 + n / PLASTIC) % 1.0
     y = (0.5 + n / (PLASTIC * PLASTIC)) % 1.0
-    middle = _settled(census, window, x, y)
+    middle = _settled(finder, window, x, y)
     rows = []
     for power in range(COARSEST, FINEST + 1):
         error = 0.5**power
-        high = _settled(census, window, x + error, y + error)
-        low = _settled(census, window, x - error, y - error)
+        high = _settled(finder, window, x + error, y + error)
+        low = _settled(finder, window, x - error, y - error)
         known = (middle >= 0) & (high >= 0) & (low >= 0)
         doubt = known & ((middle != high) | (middle != low))
         if doubt.sum() >= LEAST:
@@ -52,10 +55,10 @@ def uncertainty(census: Census, window: Window) -> Uncertainty | None:
     return _fit(rows) if len(rows) >= 3 else None
 
 
-def _settled(census: Census, window: Window, x, y) -> np.ndarray:
+def _settled(finder: AttractorFinder, window: Window, x, y) -> np.ndarray:
     q = window.q[0] + (window.q[1] - window.q[0]) * x
     v = window.v[0] + (window.v[1] - window.v[0]) * y
-    return census.settle(q, v)[0]
+    return finder.settle(q, v)[0]
 
 
 def _fit(rows) -> Uncertainty:

@@ -1,0 +1,186 @@
+"""Rests on the way of cells: what the motion after each leads to, asked once and then known.
+
+A complete chatter erases all memory, so the state at the strobe after it depends on the departure
+alone: a speed has few of them. Where the doubles run on from it to a known attractor, to no further
+rest, or to the next rest while remembering enough, they are followed on. Where they forget between
+two rests, the motion is followed in ball arithmetic (`analysis.after_rest`), and all cells that
+come to that rest end where it does; where that cannot be said they are undecided.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camcli.analysis.after_rest import CYCLE, UNKNOWN, After, after_rest
+from camcli.analysis.basins import recurrence
+from camcli.analysis.basins.attractor import Attractor
+from camcli.analysis.basins.cell_batches import CellBatches
+from camcli.analysis.integrate import Orbit, Tape, with_turns
+from camcli.analysis.labels import Label
+from camcli.analysis.orbits.error_growth import TOO_LARGE, largest_growth
+from camcli.kernel.cam_table import TURN
+from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST, Targets
+from camcli.kernel.flight import FREE
+from camcli.kernel.orbit_loop import MODE, PERIOD, EventKind
+
+if TYPE_CHECKING:
+    from camcli.analysis.basins.attractor_finder import AttractorFinder
+
+SAME = 1e-9  # of the cam's top (m, m/rad): two states after one departure differ less
+AFTER = 3  # turns after a chatter in which a departure is looked for
+SPREAD = 1e-13  # from one start beside a state after a rest to the next, relative
+EXCURSIONS = 512  # such starts
+RECORD = 32_768  # states of the excursions from a rest
+LONGEST = 2_000  # turns to the next rest
+MOST_RESTS = 64  # states after rests that are looked into; further ones are followed on
+
+State = tuple[float, float, int]  # gap (m), rate (m/rad), mode of the kernel
+
+
+@dataclass
+class RestOutcomes:
+    """The known states after a rest, in the order met, with the outcome of each."""
+
+    finder: AttractorFinder
+    states: list[tuple[float, float]] = field(default_factory=list)
+    ends: list[int] = field(default_factory=list)
+    followed: dict[int, After] = field(default_factory=dict)  # by departure
+
+    @property
+    def near(self) -> float:
+        """m and m/rad within which two states are one."""
+        return SAME * max(abs(float(self.finder.batches.system.cam.top)), 1e-3)
+
+    def fill(self, targets: Targets) -> Targets:
+        """The kernel's table with what is known."""
+        flat = [x for state in self.states for x in state]
+        count = len(self.states) if len(self.states) < MOST_RESTS else -1
+        return targets._replace(rest=flat, ends=self.ends, rests=count, near=[self.near] * 2)
+
+    def learn(self, start: State, state: State, turns: int) -> None:
+        """Find out what the state after a rest, met by a start after `turns`, leads to.
+
+        The doubles are believed where they remember; else the motion after the rest is followed
+        with many digits, and the attractor it ends on admitted. Where even that says nothing, it is
+        aperiodic if no start beside it settles: they come back to a rest, each elsewhere.
+        """
+        finder, (gap, rate, _) = self.finder, state
+        if any(abs(gap - g) <= self.near and abs(rate - r) <= self.near for g, r in self.states):
+            return
+        end = GOES_ON
+        if not self._doubles_hold(state):
+            end = self._end_of(self._after(start, turns))
+            end = self.chaos(state) if end == FORGOTTEN else end
+        self.states.append((gap, rate))
+        self.ends.append(end)
+        finder.targets = self.fill(finder.targets)
+
+    def _blind(self) -> Targets:
+        """The known attractors, and a stop at every rest."""
+        return self.finder.targets._replace(rest=[], ends=[], rests=0, near=[0.0, 0.0])
+
+    def _doubles_hold(self, state: State) -> bool:
+        """True where the run in doubles on from a state after a rest may be believed.
+
+        It reaches a known attractor, or no further rest within the budget, or remembers its start
+        up to and beyond the next rest.
+        """
+        batches, (gap, rate, mode) = self.finder.batches, state
+        ends = batches.run([gap], [rate], self._blind(), self.finder.budget, [mode])
+        if ends.outcome[0] != NEW_REST:
+            return True
+        turns = 2 * int(ends.turns[0]) + AFTER
+        tape = record_of(batches, state, 0, turns)
+        return largest_growth(batches.system, batches.rpm, tape, range(turns)) <= TOO_LARGE
+
+    def _after(self, start: State, turns: int) -> After:
+        """Where the motion ends after the rest of a start whose chatter ends in turn `turns`."""
+        batches = self.finder.batches
+        theta = departure(batches, start, turns)
+        if theta is None:
+            return After(UNKNOWN)
+        place = round(theta / SAME)
+        if place not in self.followed:
+            self.followed[place] = after_rest(batches.system, batches.rpm, theta)
+        return self.followed[place]
+
+    def _end_of(self, found: After) -> int:
+        """The attractor that a motion after a rest ends on, or FORGOTTEN."""
+        finder, batches = self.finder, self.finder.batches
+        if found.kind == CYCLE:
+            label = Label(found.symbols)
+            cycle = Attractor.periodic_of(label, found.states, found.symbols, (0j, 0j))
+            finder.admit(cycle)
+            known = (k for k, other in enumerate(finder.attractors) if other.is_same(cycle))
+            return next(known, FORGOTTEN)
+        start = found.start(batches.system, batches.rpm)
+        if start is None:
+            return FORGOTTEN
+        gap, rate = batches.states([start.q], [start.v])
+        for _ in range(2):  # an attractor that is not known yet is, at the second time
+            ends = batches.run(gap, rate, finder.targets._replace(rests=-1), finder.budget)
+            if ends.outcome[0] >= 0:
+                return int(ends.outcome[0])
+            finder.identify(float(ends.gap[0]), float(ends.rate[0]), float(ends.mode[0]))
+        return FORGOTTEN
+
+    def chaos(self, state: State) -> int:
+        """The aperiodic attractor that excursions from a rest make up, or FORGOTTEN."""
+        finder, lift = self.finder, np.array(self.finder.batches.lift)
+        ends, points = self._excursions(state)
+        met = {int(end) for end in ends if end != NEW_REST}
+        if any(end < 0 or finder.attractors[end].periodic for end in met):
+            return FORGOTTEN
+        if met:
+            return min(met)
+        if not recurrence.is_recurrent(points) or not finder.take_up(points):
+            return FORGOTTEN
+        return next(
+            k
+            for k, known in enumerate(finder.attractors)
+            if known.points is not None and recurrence.meet(known.points - lift, points)
+        )
+
+    def _excursions(self, state: State) -> tuple[np.ndarray, np.ndarray]:
+        """(outcomes, states at strobes) of starts a little beside one, to the next rest."""
+        batches = self.finder.batches
+        low = np.array(batches.lift)
+
+        def passages(tape: Tape) -> np.ndarray:
+            return np.column_stack((tape.strobe_q, tape.strobe_w)) - low
+
+        ahead = passages(record_of(batches, state, 0, AFTER))
+        free = ahead[ahead[:, 0] > batches.system.cam.top * SPREAD]
+        if len(free) == 0:
+            return np.array([FORGOTTEN]), np.zeros((0, 2))
+        starts = free[0] * (1.0 + SPREAD * np.arange(1, EXCURSIONS + 1))[:, None]
+        ends = batches.run(starts[:, 0], starts[:, 1], self._blind(), LONGEST)
+        found = []
+        for (gap, rate), turns in zip(starts.tolist(), ends.turns.tolist(), strict=True):
+            found.append(passages(record_of(batches, (gap, rate, FREE), 0, turns))[:turns])
+            if sum(map(len, found)) >= RECORD:
+                break
+        return ends.outcome, np.concatenate(found)
+
+
+def departure(batches: CellBatches, start: State, turns: int) -> float | None:
+    """Phase (rad) at which a start leaves its rest, whose chatter ends in turn `turns`."""
+    tape = record_of(batches, start, turns - 1, 1 + AFTER)
+    events = list(zip(tape.kind, tape.period, tape.theta, strict=True))
+    chatters = [k for k, event in enumerate(events) if event[:2] == (EventKind.CHATTER, 0)]
+    if not chatters or chatters[-1] + 1 == len(events):
+        return None
+    kind, _, theta = events[chatters[-1] + 1]
+    return float(theta) if kind in (EventKind.DETACHMENT, EventKind.IMPACT) else None
+
+
+def record_of(batches: CellBatches, state: State, transient: int, record: int) -> Tape:
+    """The record of a cell's start to the last bit."""
+    settings = with_turns(batches.settings, transient, record)
+    orbit = Orbit(batches.system, batches.rpm, settings, batches.start(1.0, 0.0, 0))
+    orbit.state = [batches.system.strobe % TURN, float(state[0]), float(state[1])]
+    orbit.count[MODE], orbit.count[PERIOD] = int(state[2]), -transient
+    return orbit.run()

@@ -1,0 +1,220 @@
+"""Attractors: regions about them, recurrence, branches, and what follows a rest."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from camcli.analysis import after_rest as after_rest_module
+from camcli.analysis.basins import recurrence, rest_outcomes
+from camcli.analysis.basins.attractor import Attractor
+from camcli.analysis.basins.attractor_finder import AttractorFinder
+from camcli.analysis.basins.branches import Branches, distance
+from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
+from camcli.analysis.basins.region import Region, _holds, overlap, parted, rings, size_of
+from camcli.analysis.basins.rest_outcomes import departure, record_of
+from camcli.analysis.basins.study import Question, basins
+from camcli.analysis.basins.window import Window
+from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST
+from tests.conftest import chapter_system, settings
+
+WINDOW = Window((0.1, 0.9), (-50.0, 50.0), 20, 20)
+CORNERS = 2.621124501166232, 3.490658503988659  # rad, b and d
+
+
+def finder_at(system, rpm):
+    found = AttractorFinder(CellBatches(system, rpm, settings()), 4000)
+    found.look_around(WINDOW)
+    return found
+
+
+@pytest.fixture(scope="module")
+def finder(chapter):
+    return finder_at(chapter, 358.5)
+
+
+def labels(result):
+    return [attractor.label for attractor in result.attractors]
+
+
+def test_regions_bring_back_what_starts_in_them_and_are_as_wide_as_may_be(finder):
+    for attractor, region in zip(finder.attractors, finder.regions, strict=True):
+        assert region.returns
+        starts, at = rings(region)
+        assert size_of(region, at, *starts.T).max() == pytest.approx(1.0)
+        ends = finder.batches.run(starts[:, 0], starts[:, 1], NOTHING, 300 * attractor.turns)
+        assert size_of(region, at, ends.gap, ends.rate).max() < 1e-12
+        assert _holds(finder.batches, region)
+        assert not _holds(finder.batches, region.scaled(1.25))
+        rho = max(abs(z) for z in attractor.multipliers)
+        assert region.rho == pytest.approx(rho, rel=1e-5)
+        assert rho < region.shrink < 1.0
+
+
+@pytest.mark.parametrize(("turn", "spoilt"), [("symbols", 1), ("shrink", 1e-3)])
+def test_a_region_does_not_hold_with_other_impacts_or_a_faster_return(finder, turn, spoilt):
+    region = finder.regions[0]
+    change = tuple(s + spoilt for s in region.symbols) if turn == "symbols" else spoilt
+    assert not _holds(finder.batches, replace(region, **{turn: change}))
+
+
+def test_regions_are_shrunk_until_apart():
+    def region(x):
+        forms = np.array([[1.0, 0.0, 1.0]])
+        return Region(np.array([[x, 0.0]]), forms, (1,), 0.5, 1.0, 0.5, True)
+
+    one, two = region(0.0), region(1.5)
+    assert overlap(one, two)
+    assert not overlap(one, region(2.1))
+    found = parted([None, one], two)
+    assert found[0] is None
+    assert [r.radius for r in found[1:]] == [0.5, 0.5]
+    assert parted([one], region(0.0)) is None
+
+
+def test_an_orbit_is_admitted_once_and_only_if_it_attracts(finder, chapter):
+    before = list(finder.attractors)
+    for known in before:
+        turned = Attractor.periodic_of(
+            known.label, known.states[1:] + known.states[:1], known.symbols[1:] + known.symbols[:1]
+        )
+        assert known.is_same(turned)
+        assert not finder.admit(turned)
+    assert finder.attractors == before
+    doubled = finder_at(chapter, 739.35)  # P(1;1) has doubled its period there: it repels
+    (stable,) = doubled.attractors
+    point = fixed_point(doubled.batches, np.array(stable.states).mean(axis=0))
+    assert np.abs(np.array(stable.states) - point).max() > 1e-3
+    assert not doubled.admit(Attractor("P(1;1)", 1, (tuple(point.tolist()),), (1.0,)))
+
+
+def fixed_point(batches, state):
+    """Of the one-turn map, by Newton's method with differences."""
+    lift, h = np.array(batches.lift), 1e-7
+    x = state - lift
+
+    def image(y):
+        ends = batches.run([y[0]], [y[1]], NOTHING, 1)
+        return np.array([ends.gap[0], ends.rate[0]])
+
+    for _ in range(30):
+        steps = [(image(x + h * e) - image(x - h * e)) / (2.0 * h) for e in np.eye(2)]
+        x = x - np.linalg.solve(np.column_stack(steps) - np.eye(2), image(x) - x)
+    assert np.abs(image(x) - x).max() < 1e-10
+    return x + lift
+
+
+def test_states_begin_where_the_label_does_and_order_is_by_label_then_state():
+    first = Attractor.periodic_of("", ((1, 1), (2, 2), (3, 3)), (3.0, 2.0, 3.0))
+    assert (first.symbols, first.states) == ((3.0, 3.0, 2.0), ((3, 3), (1, 1), (2, 2)))
+    assert Attractor.periodic_of("", ((5, 0), (4, 0)), (1.0, 1.0)).states == ((4, 0), (5, 0))
+    made = [
+        Attractor("aperiodic", 0, ((0.0, 0.0),)),
+        Attractor("P(2;2:1)", 2, ((0.1, 0.0), (0.2, 0.0)), (2.0, 1.0)),
+        Attractor("P(1;2)", 1, ((0.3, 0.0),), (2.0,)),
+        Attractor("P(1;2)", 1, ((0.2, 0.0),), (2.0,)),
+        Attractor("contact", 1, ((0.1, 0.0),), (0.0,)),
+    ]
+    ranked = sorted(made, key=Attractor.order)
+    assert [a.label for a in ranked] == ["contact", "P(1;2)", "P(1;2)", "P(2;2:1)", "aperiodic"]
+    assert ranked[1].states[0][0] == 0.2
+
+
+def ring(n, shift=0.0):
+    angle = np.arange(n) * 2.399963
+    return np.column_stack((np.cos(angle) + shift, np.sin(angle)))
+
+
+def test_recurrence_of_records_and_their_boxes(finder):
+    points = ring(8000)
+    assert recurrence.is_recurrent(points)
+    assert not recurrence.is_recurrent(points + np.linspace(0.0, 0.5, len(points))[:, None])
+    assert recurrence.meet(ring(4000), ring(4000, 0.5))
+    assert not recurrence.meet(ring(4000), ring(4000, 3.0))
+    near = np.array(finder.regions[0].points[0])
+    one, two = near + 0.1 * ring(4000), near + 0.1 * ring(4000, 3.0)
+    boxes = recurrence.boxes_of({1: one, 2: two}, [finder.regions[0], None, None], 3)
+    assert set(boxes.owner[boxes.grid.boxes(one)].tolist()) <= {0, 2}
+    assert set(boxes.owner[boxes.grid.boxes(two)].tolist()) == {3}
+    assert boxes.owner[boxes.grid.boxes(near[None, :])[0]] == 0
+    tried = np.flatnonzero(boxes.owner == 3)
+    stays = recurrence.stays_of(boxes, tried, np.full(len(tried), 2), np.full(len(tried), 7))
+    assert stays[2] == 16 + 2 * 7  # twice the longest stay of a trial that went elsewhere
+
+
+def test_a_branch_that_was_gone_comes_back_by_its_state():
+    def orbit(q, label="P(1;1)"):
+        return Attractor(label, 1, ((q, 0.0),), (1.0,))
+
+    class Gone:
+        class batches:  # noqa: N801
+            omega = 1.0
+
+        def destination(self, q, v):
+            return None
+
+    branches = Branches()
+    assert branches.number((orbit(1.0), orbit(3.0)), Gone()) == (1, 2)
+    assert branches.number((orbit(3.1),), Gone()) == (2,)
+    assert branches.number((orbit(1.1), orbit(3.2), orbit(9.0)), Gone()) == (1, 2, 3)
+    assert branches.number((orbit(3.2), orbit(3.25), orbit(9.0)), Gone()) == (2, 4, 3)
+    assert branches.number((orbit(1.1, "P(1;2)"),), Gone()) == (5,)
+    assert distance(orbit(1.0), orbit(2.0)) == 0.5
+
+
+def test_rests_are_asked_once_and_what_no_ball_decides_is_undecided(chapter, monkeypatch):
+    asked, real = [], after_rest_module.after_rest
+    monkeypatch.setattr(rest_outcomes, "after_rest", lambda *a: asked.append(a[2]) or real(*a))
+    whole, finder = basins(chapter, 358.0, settings(), Question(WINDOW))
+    assert whole.undecided == 0
+    assert len(asked) == len(set(asked)) >= 1
+    assert len(finder.rests.states) <= 8
+    bare = replace(chapter, shape=None)
+    result, _ = basins(bare, 358.0, settings(), Question(WINDOW))
+    assert labels(result) == ["P(1;2)", "P(3;3:3:2)"]
+    undecided = result.codes.ravel() == 0
+    assert undecided.sum() == result.undecided > 20
+    assert (whole.codes.ravel()[undecided] == 2).all()
+    assert (whole.codes.ravel() == result.codes.ravel())[~undecided].all()
+    assert result.turns[2] < 1000  # such cells are soon left
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rpm", "third"), [(358.3, "P(28;inf:"), (362.0, None)])
+def test_cycles_through_rests_are_attractors_and_chaos_through_them_is_one(chapter, rpm, third):
+    """At 362 rpm excursions from a rest differ, and none settles."""
+    result, _ = basins(chapter, rpm, settings(), Question(WINDOW.with_cells(10, 10)))
+    assert labels(result)[:2] == ["P(1;2)", "P(3;3:3:2)" if third else "aperiodic"]
+    assert result.undecided == 0
+    if third:
+        assert labels(result)[2].startswith(third)
+    else:
+        assert len(result.attractors[1].points) > 10_000
+
+
+def test_excursions_that_settle_are_no_attractor(chapter):
+    """At 358.0 rpm most starts beside the rest come to P(3;3:3:2): chaos, but a transient."""
+    finder = finder_at(chapter, 358.0)
+    tape = record_of(finder.batches, (0.0, 0.0, 3), 0, 3)
+    gap, rate = np.array([tape.strobe_q[1], tape.strobe_w[1]]) - np.array(finder.batches.lift)
+    before = list(finder.attractors)
+    assert finder.rests.chaos((float(gap), float(rate), 0)) == FORGOTTEN
+    assert finder.attractors == before
+
+
+def test_doubles_are_believed_where_they_remember(chapter):
+    assert set(finder_at(chapter, 190.0).rests.ends) == {GOES_ON}
+    free = AttractorFinder(CellBatches(chapter_system(restitution=1.0), 358.0, settings()), 10)
+    assert free.targets.rests == -1
+
+
+@pytest.mark.parametrize("rpm", [190.0, 358.0])
+def test_the_departure_of_a_start(chapter, rpm):
+    batches = CellBatches(chapter, rpm, settings())
+    finder = AttractorFinder(batches, 400)
+    ends = batches.run([0.0, 0.2], [0.0, -0.5], finder.targets, 400)
+    assert NEW_REST in ends.outcome
+    for k in np.flatnonzero(ends.outcome == NEW_REST).tolist():
+        start = ((0.0, 0.0, 1), (0.2, -0.5, 0))[k]
+        theta = departure(batches, start, int(ends.turns[k]))
+        assert any(theta == pytest.approx(corner) for corner in CORNERS)
