@@ -46,13 +46,16 @@ def texts(axes):
 
 def test_every_kind_has_its_colour(chapter, motions):
     assert [kind(motion) for motion in motions] == KINDS
-    for name, motion in zip(KINDS, motions, strict=True):
-        image = pixels(draw_classify([motion], chapter))
-        if name != CONTACT:
-            assert count(image, COLOURS[name]) > 100
-        others = {COLOURS[other] for other in set(KINDS) - {name, CONTACT}}
-        for other in others - {style.IMPACT, strip_colour(motion)}:
-            assert count(image, other) == 0
+    contact, rest, *others = motions
+    figure = draw_classify([contact, rest], chapter)
+    image = pixels(figure)
+    assert count(image, COLOURS[KINDS[1]]) > 100
+    assert count(image[:700], COLOURS["periodic"]) == 0  # the strip below is coloured by period
+    assert {f"{CONTACT} (1)", "periodic with rest on the cam (1)"} <= set(words(figure))
+    image = pixels(draw_classify(others, chapter))
+    assert count(image, COLOURS["periodic"]) > 100
+    assert count(image, COLOURS["aperiodic"]) > 10_000
+    assert count(image, COLOURS[KINDS[1]]) == 0
 
 
 def test_a_motion_that_is_not_solved_is_undecided(motions):

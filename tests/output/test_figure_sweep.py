@@ -14,7 +14,7 @@ from camcli.analysis.sweep import Sweep
 from camcli.errors import Status
 from camcli.plots import density, style
 from camcli.plots.axes import lift_curves, phase_range
-from camcli.plots.sweep import Survey, draw_sweep, enlarged_range
+from camcli.plots.sweep import draw_sweep, enlarged_range
 from tests.conftest import settings
 from tests.output.pictures import count, pixels, png, speed, sweep_of, tall, words
 
@@ -49,8 +49,8 @@ def test_a_panel_is_left_out_where_nothing_was_recorded(drawn):
 
 def test_no_impacts_at_all_is_said_in_the_panel(drawn):
     said = "no impact at any of these speeds"
-    assert said in words(drawn(speed(100.0, [], [0.1]), speed(101.0, [], [0.1])))
-    assert said not in words(drawn(speed(100.0, [], [0.1]), speed(101.0, [7.0], [0.1])))
+    assert said in words(drawn(speed(100.0, [], [0.1])))
+    assert said not in words(drawn(speed(101.0, [7.0], [0.1])))
 
 
 def test_a_branch_lands_on_the_pixel_grid_dark_and_two_pixels_thick(drawn):
@@ -171,8 +171,14 @@ def test_the_points_are_never_all_in_memory(chapter):
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 1000])
-def test_the_size_of_a_batch_changes_nothing(size, monkeypatch):
+def test_the_size_of_a_batch_changes_nothing_and_no_column_is_kept(size, monkeypatch):
     monkeypatch.setattr(density, "BATCH", size)
+    seen, column = [], np.array([1.0, 2.0])
+    batches = density.Batches(lambda owner, values: seen.extend(values.tolist()))
+    batches.add(3, column)
+    column[:] = 0.0  # as a buffer that the next speed is decoded into
+    batches.flush()
+    assert seen == [1.0, 2.0]
     cloud = density.Cloud.of(COLUMNS)
     assert cloud.count.tolist() == [3, 0, 0, 4, 1, 1]
     assert [end.tolist() for end in cloud.ends()] == [[149, 1, 150, 7], [151, 359, 150, 7]]
@@ -181,22 +187,3 @@ def test_the_size_of_a_batch_changes_nothing(size, monkeypatch):
     shares = shares_of(COLUMNS, columns, 0.0, 360.0, 12)
     assert shares[:, 0].compressed().tolist() == [0.5, 0.25, 0.25, 0.25]
     assert shares[:, 2].compressed().tolist() == pytest.approx([1 / 3, 2 / 3, 2 / 3])
-
-
-def test_nothing_holds_a_column_beyond_its_turn():
-    seen = []
-    batch = density.Batches(lambda owner, values: seen.append((owner.tolist(), values.tolist())))
-    values = np.array([1.0, 2.0])
-    batch.add(3, values)
-    values[:] = 0.0  # as a buffer that the next speed is decoded into
-    batch.flush()
-    assert seen == [([3, 3], [1.0, 2.0])]
-
-
-def test_a_survey_counts_statuses_and_leaves_out_what_was_not_recorded():
-    bad = speed(1.0, None, [2.0], Status.IMPACT_BUDGET)
-    survey = Survey.of([speed(3.0, None, []), bad])
-    assert survey.impacts is None
-    assert survey.strobe.count.tolist() == [0, 1]
-    assert survey.troubles() == {"impact-budget": 1}
-    assert survey.troubled.tolist() == [1.0]
