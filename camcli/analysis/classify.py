@@ -111,7 +111,9 @@ def classify_at(
         orbit, exponents = _solved(system, rpm, more)
         tape = more if more.status == Status.OK else tape
     if tape.status == Status.OK and orbit is None and any(tape.chatter[: tape.periods]):
-        orbit, exponents, tape = _after_rest(system, rpm, settings, tape)
+        orbit, exponents, after = _after_rest(system, rpm, settings, tape)
+        if after is not tape:
+            tape, cost = after, cost + after.cost
     certain = tape.status == Status.OK and _certain(orbit, exponents)
     return Motion(
         rpm=rpm,

@@ -15,7 +15,7 @@ from math import hypot
 
 from camcli.analysis.border_collision import Collision, Prediction, Side, classify
 from camcli.analysis.exponents import of_tape
-from camcli.analysis.integrate import Cost, Orbit, Settings, Start, with_turns
+from camcli.analysis.integrate import Settings, Start, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD, Label, label
 from camcli.analysis.orbits.identify import identify, passages, settled
 from camcli.analysis.orbits.locate import Crossing
@@ -59,7 +59,6 @@ class CornerImpact:
     collision: Collision
     below: OneSide
     above: OneSide
-    cost: Cost
 
 
 def corner_impact(shooter: Shooter, crossing: Crossing, settings: Settings) -> CornerImpact:
@@ -67,9 +66,8 @@ def corner_impact(shooter: Shooter, crossing: Crossing, settings: Settings) -> C
     left = Side(crossing.left.trace, crossing.left.det)
     right = Side(crossing.right.trace, crossing.right.det)
     collision = classify(left, right)
-    below, cost = _one_side(shooter, crossing, collision, settings, -1)
-    above, more = _one_side(shooter, crossing, collision, settings, 1)
-    return CornerImpact(left, right, collision, below, above, cost + more)
+    below, above = (_one_side(shooter, crossing, collision, settings, side) for side in (-1, 1))
+    return CornerImpact(left, right, collision, below, above)
 
 
 def mu_sign(crossing: Crossing, side: int) -> int:
@@ -83,21 +81,19 @@ def mu_sign(crossing: Crossing, side: int) -> int:
 
 def _one_side(
     shooter: Shooter, crossing: Crossing, collision: Collision, settings: Settings, side: int
-) -> tuple[OneSide, Cost]:
+) -> OneSide:
     """The prediction and the simulation on one side of the parameter."""
     mu = mu_sign(crossing, side)
     predicted = collision.above if mu > 0 else collision.below
     turns = crossing.left.turns
     seen = _simulated(shooter, crossing, settings, side * ASIDE)
-    cost, stays = seen.cost, seen.stays
-    agrees = _agree(predicted, seen.label, stays, turns)
+    stays, agrees = seen.stays, _agree(predicted, seen.label, seen.stays, turns)
     if agrees is False and stays:  # what shrinks with the distance is of the corner's making
         closer = _simulated(shooter, crossing, settings, side * ASIDE / CLOSER)
-        cost = cost + closer.cost
         if closer.far * SHRINKS > seen.far:
             stays = False
             agrees = _agree(predicted, seen.label, stays, turns)
-    return OneSide(seen.value, mu, predicted, seen.label, stays, agrees), cost
+    return OneSide(seen.value, mu, predicted, seen.label, stays, agrees)
 
 
 @dataclass(frozen=True)
@@ -108,7 +104,6 @@ class _Simulated:
     label: str
     far: float
     stays: bool
-    cost: Cost
 
 
 def _simulated(
@@ -120,12 +115,12 @@ def _simulated(
     start = _start(shooter, crossing, value)
     system, rpm = with_machine(shooter.system, shooter.at(value))
     run = with_turns(settings, SETTLE, 2 * LONGEST_PERIOD + 2)
-    tape = Orbit(system, rpm, run, start).run()
+    tape = shooter.simulate(system, rpm, run, start)
     orbit = identify(system, rpm, tape)
     name = _unsolved(system, rpm, tape) if orbit is None else orbit.label
     states = section_states(shooter.system, crossing.left)[0]
     far = max((distance_to(state, states) for state in passages(tape)[0]), default=1.0)
-    return _Simulated(value, name, far, tape.status == Status.OK and far <= REACH, tape.cost)
+    return _Simulated(value, name, far, tape.status == Status.OK and far <= REACH)
 
 
 def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import inf
 
-from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape
+from camcli.analysis.integrate import Cost, Settings, Start, Tape
 from camcli.analysis.labels import LONGEST_PERIOD, Label
 from camcli.analysis.orbits.identify import identify, impacts_of, newton_from, passages
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
@@ -65,14 +65,14 @@ def find(
         for root in single_impact_roots(shooter, rpm, m):
             found.add(from_root(system, root, shooter.verdict(root)[0]))
     if label is None:
-        _simulate(system, rpm, settings, starts, found)
+        _simulate(shooter, rpm, settings, starts, found)
     elif not found.orbits:
-        _simulate(system, rpm, settings, max(starts, most), found, label)
+        _simulate(shooter, rpm, settings, max(starts, most), found, label)
         found.orbits = [orbit for orbit in found.orbits if orbit.label == label]
         if not found.orbits and inf not in label.symbols:
             _try_returns(shooter, rpm, settings, max(starts, 4), label, found)
     found.orbits.sort(key=lambda orbit: (not orbit.stable, orbit.turns, orbit.symbols))
-    found.cost = found.cost + shooter.cost
+    found.cost = shooter.cost
     return found
 
 
@@ -107,7 +107,7 @@ def halton(n: int, base: int) -> float:
 
 
 def _simulate(
-    system: System,
+    shooter: Shooter,
     rpm: float,
     settings: Settings,
     starts: int,
@@ -115,11 +115,9 @@ def _simulate(
     label: Label | None = None,
 ) -> None:
     """Add what the scene's start and `starts` others settle on, up to the first of the label."""
-    run = replace(settings, record=RECORD)
+    system, run = shooter.system, replace(settings, record=RECORD)
     for start in starts_of(system, rpm, settings, starts):
-        tape = Orbit(system, rpm, run, start).run()
-        found.cost = found.cost + tape.cost
-        orbit = identify(system, rpm, tape)
+        orbit = identify(system, rpm, shooter.simulate(system, rpm, run, start))
         if orbit is not None:
             found.add(orbit)
             if orbit.label == label:
@@ -139,8 +137,7 @@ def _try_returns(
     run = replace(settings, transient=0, record=settings.transient + RECORD)
     tries: list[tuple[float, list]] = []
     for start in starts_of(system, rpm, settings, starts):
-        tape = Orbit(system, rpm, run, start).run()
-        found.cost = found.cost + tape.cost
+        tape = shooter.simulate(system, rpm, run, start)
         if tape.status == Status.OK:
             tries += _close_returns(tape, label)
     for _, events in sorted(tries, key=lambda pair: pair[0])[:MOST_RETURNS]:

@@ -8,7 +8,7 @@ from math import sqrt
 
 import numpy as np
 
-from camcli.analysis.integrate import Cost
+from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape
 from camcli.cams.compile import column
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -131,6 +131,7 @@ class Shooter:
         self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
         self.rate = SMALL * _lift(system)
         self.work = [0, 0, 0]
+        self.simulated = Cost()
         self.kernel = backend.compiled() if backend.must_compile() else backend.PLAIN
         self.cam = system.cam_for(self.kernel)
         self._rooms: dict[int, tuple] = {}
@@ -148,8 +149,14 @@ class Shooter:
 
     @property
     def cost(self) -> Cost:
-        """Work of the certifying flights so far."""
-        return Cost(0, int(self.work[0]), int(self.work[1]))
+        """Work of the certifying flights and of the simulations so far."""
+        return self.simulated + Cost(0, int(self.work[0]), int(self.work[1]))
+
+    def simulate(self, system: System, rpm: float, settings: Settings, start: Start) -> Tape:
+        """The record of a motion; its cost is counted here."""
+        tape = Orbit(system, rpm, settings, start).run()
+        self.simulated = self.simulated + tape.cost
+        return tape
 
     def _room(self, n: int):
         if n not in self._rooms:

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 from math import inf, ulp
 
 from camcli.analysis.bracketing import bracket
-from camcli.analysis.integrate import Settings, Start
+from camcli.analysis.integrate import Settings, Start, with_turns
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.identify import solve_from
+from camcli.analysis.orbits.identify import identify
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
@@ -86,8 +86,10 @@ def _orbit_at(
 ) -> PeriodicOrbit | None:
     """What a run from the orbit settles on at another value of the parameter."""
     system, rpm = with_machine(shooter.system, shooter.at(value))
-    run = replace(settings, transient=SETTLE, start=_start(system, orbit, rpm))
-    found = solve_from(system, rpm, run, longest=max(LONGEST, orbit.turns))
+    longest = max(LONGEST, orbit.turns)
+    run = with_turns(settings, SETTLE, 2 * longest + 2)
+    tape = shooter.simulate(system, rpm, run, _start(system, orbit, rpm))
+    found = identify(system, rpm, tape, longest)
     return None if found is None else replace(found, rpm=rpm, value=value)
 
 
