@@ -1,7 +1,7 @@
-"""Cam kinds: one file per kind, registered in `CAMS`.
+"""Cam kinds: one file per kind, registered in `AnyCam`.
 
 A kind is a pydantic model with a literal `kind`, geometry checks that raise ValueError, and
-`parts()`: the smooth parts of one turn. Everything else is done from those parts.
+`parts(numbers)`: the smooth parts of one turn. Everything else is done from those parts.
 """
 
 from typing import get_args

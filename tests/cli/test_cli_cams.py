@@ -241,11 +241,10 @@ def test_what_the_command_line_sets_wrongly_is_told(sets, paths):
 
 MADE_UP = """
 import sys
-from decimal import Decimal
 from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 import camcli.cams
-from camcli.cams.decimals import pi, sincos
+from camcli.cams import decimals
 from camcli.cams.compile import Part
 
 class TwoLobes(BaseModel):
@@ -253,10 +252,12 @@ class TwoLobes(BaseModel):
     kind: Literal["two-lobes"]
     lift: float = Field(gt=0, description="lift, m")
 
-    def parts(self):
-        half = Decimal(self.lift) / 2
-        return [Part(Decimal(0), 2 * pi(), lambda theta: half * (1 - sincos(2 * theta)[1]))]
+    def parts(self, numbers=decimals):
+        half = numbers.number(self.lift) / 2
+        height = lambda theta: half * (1 - numbers.sincos(2 * theta)[1])
+        return [Part(numbers.number(0), 2 * numbers.pi(), height)]
 
+camcli.cams.AnyCam |= TwoLobes
 camcli.cams.CAMS = (*camcli.cams.CAMS, TwoLobes)
 from camcli.__main__ import main
 main()
