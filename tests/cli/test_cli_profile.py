@@ -139,10 +139,8 @@ def test_the_example_table_is_that_of_its_program():
     "words",
     [
         ("simulate",),
-        ("sweep",),
         ("detach", "--points", "3", "--rpm", "3400:3600"),
         ("orbits", "--set", "orbits.starts=2"),
-        ("classify",),
         ("basins", "--set", "basins.cells=[4,4]"),
     ],
     ids=lambda words: words[0],
@@ -163,16 +161,6 @@ def test_quiet_says_nothing_about_the_table_and_a_dry_run_writes_nothing(cam, tm
     assert cam(*ONLY, "-q", "-c", TABLE).stderr == ""
     assert cam(*ONLY[:3], "there", "--dry-run").returncode == 0
     assert not (tmp_path / "there").exists()
-
-
-def test_the_bytes_do_not_depend_on_how_the_kernel_runs(cam, tmp_path):
-    found = set()
-    for kernel in ("python", "compiled"):
-        words = ("--set", "run.transient=30", "--set", "run.record=5", "--rpm", "3700", "--no-plot")
-        done = cam("simulate", "-c", TABLE, "-q", *words, env={"CAMCLI_KERNEL": kernel})
-        assert done.returncode == 0, done.stderr
-        found.add((tmp_path / "out/simulate/trajectory.csv").read_bytes())
-    assert len(found) == 1
 
 
 def test_a_fault_of_the_table_is_one_line_and_exit_code_two(cam, tmp_path):
