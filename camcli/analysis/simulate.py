@@ -53,7 +53,7 @@ def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Si
     orbit = Orbit(system, rpm, settings)
     backend.for_work(0)
     first = orbit.position(), orbit.state[0]
-    tape = orbit.run()
+    tape = _plain(orbit.run())
     sampler = _Sampler(system, orbit, tape, samples)
     return Simulation(
         rpm=rpm,
@@ -67,6 +67,12 @@ def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Si
     )
 
 
+def _plain(tape: Tape) -> Tape:
+    """The record with lists for columns, whichever kernel ran: plain numbers from here on."""
+    columns = {k: v.tolist() for k, v in vars(tape).items() if hasattr(v, "tolist")}
+    return replace(tape, **columns)
+
+
 def _events(tape: Tape, orbit: Orbit, strobe: float) -> Iterator[tuple]:
     omega, r = orbit.omega, orbit.lane.r
     for kind, period, theta, q, u in zip(
@@ -74,19 +80,19 @@ def _events(tape: Tape, orbit: Orbit, strobe: float) -> Iterator[tuple]:
     ):
         after = -r * u if kind == EventKind.IMPACT and u != 0.0 else 0.0
         yield (
-            (TURN * int(period) + _since(theta, strobe)) / omega,
-            int(period),
-            float(theta) * (180.0 / pi),
-            EventKind(int(kind)).text,
-            float(q),
-            float(u) * omega,
+            (TURN * period + _since(theta, strobe)) / omega,
+            period,
+            theta * (180.0 / pi),
+            EventKind(kind).text,
+            q,
+            u * omega,
             after * omega,
         )
 
 
 def _since(theta: float, strobe: float) -> float:
     """Phase after the strobe, rad in [0, 2 pi)."""
-    s = float(theta) - strobe
+    s = theta - strobe
     return s if s >= 0.0 else s + TURN
 
 
@@ -118,7 +124,7 @@ class _Sampler:
         self.lifts = [self._lift(s) for s in self.grid]
         self.by_period: dict[int, list] = {}
         for row in zip(tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True):
-            self.by_period.setdefault(int(row[1]), []).append(row)
+            self.by_period.setdefault(row[1], []).append(row)
 
     def _lift(self, s: float) -> tuple[float, float, float]:
         """(theta, c, c_theta) at the phase s after the strobe."""
@@ -140,7 +146,7 @@ class _Sampler:
             events = self.by_period.get(p, [])
             if not whole and (self.tape.status == Status.OK or not events):
                 break
-            node = _Node(0.0, float(self.tape.strobe_q[p]), float(self.tape.strobe_w[p]), False)
+            node = _Node(0.0, self.tape.strobe_q[p], self.tape.strobe_w[p], False)
             node = (
                 self._rested(node) if sticking is None else _Node(node.s, node.q, node.w, sticking)
             )
@@ -159,19 +165,19 @@ class _Sampler:
                 yield self._sample(p, node, j)
                 j += 1
             _, _c, c1 = self._lift(s)
-            at = (TURN * p + s) / self.omega, float(theta) * (180.0 / pi), float(q)
-            cam_now = float(q), c1 * self.omega
+            at = (TURN * p + s) / self.omega, theta * (180.0 / pi), q
+            cam_now = q, c1 * self.omega
             if kind == EventKind.IMPACT:
-                yield (*at, (c1 + float(u)) * self.omega, *cam_now, FLIGHT)
-            w = c1 - self.lane.r * float(u) if kind == EventKind.IMPACT else c1
-            node = _Node(s, float(q), w, kind == EventKind.CHATTER)
+                yield (*at, (c1 + u) * self.omega, *cam_now, FLIGHT)
+            w = c1 - self.lane.r * u if kind == EventKind.IMPACT else c1
+            node = _Node(s, q, w, kind == EventKind.CHATTER)
             if (
                 kind == EventKind.IMPACT
                 and n + 1 < len(events)
                 and events[n + 1][0] == EventKind.CHATTER
             ):
                 length = _since(events[n + 1][2], self.strobe) - s
-                node = replace(node, chatter=(-self.lane.r * float(u), length))
+                node = replace(node, chatter=(-self.lane.r * u, length))
             elif kind == EventKind.IMPACT and self.lane.r * u == 0.0:
                 node = self._rested(node)
             yield (*at, w * self.omega, *cam_now, STICKING if node.sticking else FLIGHT)

@@ -82,24 +82,24 @@ def test_the_record_states_method_criterion_and_cost(bare):
     assert "P(3;3:3:2)" in done.stdout
 
 
-def test_threads_kernels_and_repetition_give_the_same_bytes(cam, tmp_path):
+def test_threads_kernels_and_repetition_give_the_same_bytes(cam_process, tmp_path):
     runs = {
         "one": (("--threads", "1"), {"CAMCLI_KERNEL": "compiled"}),
         "two": (("--threads", "2"), {"CAMCLI_KERNEL": "compiled"}),
         "auto": ((), {}),
     }
     for name, (words, env) in runs.items():
-        done = cam("basins", "--cells", "30", "--refine", "1", *words, "-o", name, env=env)
+        done = cam_process("basins", "--cells", "30", "--refine", "1", *words, "-o", name, env=env)
         assert done.returncode == 0, done.stderr
     for name in ("attractors.csv", "basins.csv", "basins.png"):
         assert len({(tmp_path / run / name).read_bytes() for run in runs}) == 1, name
 
 
-def test_plain_python_gives_the_same_bytes(cam, tmp_path):
+def test_plain_python_gives_the_same_bytes(cam_process, tmp_path):
     """At 700 rpm, where a turn has one impact."""
     for kernel in ("python", "compiled"):
         words = ("--rpm", "700", "--cells", "4,3", "--no-plot", "-o", kernel)
-        done = cam("basins", *words, env={"CAMCLI_KERNEL": kernel})
+        done = cam_process("basins", *words, env={"CAMCLI_KERNEL": kernel})
         assert done.returncode == 0, done.stderr
     for name in ("attractors.csv", "basins.csv"):
         one, two = (tmp_path / kernel / name for kernel in ("python", "compiled"))

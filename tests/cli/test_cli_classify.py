@@ -65,11 +65,11 @@ def test_columns_and_exponents_of_one_speed(cam, tmp_path):
     assert "sum of the exponents" in done.stdout
 
 
-def test_same_bytes_on_one_thread_or_two_compiled_or_not(cam, tmp_path):
+def test_same_bytes_on_one_thread_or_two_compiled_or_not(cam_process, tmp_path):
     words = ("classify", "--rpm", "738:746", "--points", "3", "--no-plot")
     for name, threads, kernel in (("a", "1", "compiled"), ("b", "2", "python")):
         more = ("--set", "run.record=150", "--threads", threads, "-o", name)
-        done = cam(*words, *more, env={"CAMCLI_KERNEL": kernel})
+        done = cam_process(*words, *more, env={"CAMCLI_KERNEL": kernel})
         assert done.returncode == 0, done.stderr
     assert len({(tmp_path / name / "classify.csv").read_bytes() for name in "ab"}) == 1
 

@@ -90,9 +90,9 @@ def test_warning_where_nothing_dissipates(cam):
     assert "nothing dissipates" in done.stderr
 
 
-def test_read_only_cache_only_costs_time(cam, tmp_path):
+def test_read_only_cache_only_costs_time(cam_process, tmp_path):
     (tmp_path / "cache").write_text("a file where the cache should be")
-    done = cam(
+    done = cam_process(
         "simulate", *QUICK,
         env={"XDG_CACHE_HOME": str(tmp_path / "cache"), "CAMCLI_KERNEL": "compiled"},
     )  # fmt: skip
@@ -106,8 +106,8 @@ def test_warning_of_absurd_height(cam, command):
     assert "times the cam's lift" in done.stderr
 
 
-def test_interrupt_says_so_and_leaves_the_old_artefacts(cam, tmp_path):
-    cam("sweep", "--rpm", "700", *QUICK)
+def test_interrupt_says_so_and_leaves_the_old_artefacts(cam_process, tmp_path):
+    cam_process("sweep", "--rpm", "700", *QUICK)
     before = (tmp_path / "out/sweep/speeds.csv").read_bytes()
     process = subprocess.Popen(
         [sys.executable, "-m", "camcli", "sweep", "--points", "100001", "--no-plot"],
