@@ -36,7 +36,10 @@ def refused(done, *said: str) -> None:
             2, ("sweep", "--rpm", "735:745", "--points", "4", *TURNS, "--explain"),
             marks=pytest.mark.slow,
         ),
-        (2, ("basins", "--cells", "30", "--boundary", "--no-plot", *TURNS[:-1])),
+        pytest.param(
+            2, ("basins", "--cells", "30", "--boundary", "--no-plot", *TURNS[:-1]),
+            marks=pytest.mark.slow,
+        ),
         (2, ("basins", "--rpm", "359:360", "--points", "2", "--cells", "16", "--no-plot")),
     ],
     ids=["sweep", "explain", "boundary", "range"],
@@ -91,16 +94,13 @@ def test_what_is_missing_torn_or_of_another_run(cam, tmp_path):
     assert cam("merge", "parts", "--no-plot").returncode == 0
 
 
-@pytest.mark.parametrize("text", ["0/3", "4/3", "3", "1/2/3", "", "1/999999"])
-def test_no_such_shard(cam, text):
-    refused(cam(*SWEEP, "--shard", text), "--shard")
-
-
 def test_nothing_to_merge_or_to_share(cam, tmp_path):
+    for text in ("0/3", "4/3", "3", "1/2/3", "", "1/999999"):
+        refused(cam(*SWEEP, "--shard", text), "--shard")
+    refused(cam(*SWEEP, "--set", "sweep.direction=up", "--shard", "1/2"), "--shard", "chain")
     (tmp_path / "empty").mkdir()
     refused(cam("merge", "empty"), "found no parts")
     refused(cam("merge", "absent"), "absent", "No such file")
-    refused(cam(*SWEEP, "--set", "sweep.direction=up", "--shard", "1/2"), "--shard", "chain")
 
 
 def framed(place: str, value) -> bytes:
@@ -110,25 +110,19 @@ def framed(place: str, value) -> bytes:
 
 END = framed("end", [1, 1])
 OLD = {"command": "sweep", "scene": {}, "options": {}, "program_sha256": "0"}
-HOSTILE = {
-    "random": bytes(range(256)) * 4,
-    "empty": b"",
-    "giant": HEAD.pack(MAGIC, 0, 1 << 62),
-    "no text": framed("key", [1, 2]) + END,
-    "no json": framed("key", "{") + END,
-    "nothing in it": framed("key", "{}") + END,
-    "deep": framed("key", "[" * 100_000) + END,
-    "old version": framed("key", json.dumps(OLD)) + END,
-    "an end of nonsense": framed("key", json.dumps(OLD)) + framed("end", [1, "x"]),
-}
+HOSTILE = [
+    bytes(range(256)) * 4, b"", HEAD.pack(MAGIC, 0, 1 << 62), framed("key", [1, 2]) + END,
+    framed("key", "{") + END, framed("key", "{}") + END, framed("key", "[" * 100_000) + END,
+    framed("key", json.dumps(OLD)) + END, framed("key", json.dumps(OLD)) + framed("end", [1, "x"]),
+]  # fmt: skip
 
 
 def test_hostile_parts_are_refused_in_words(cam, tmp_path):
-    for name, data in HOSTILE.items():
+    for data in HOSTILE:
         (tmp_path / "sweep-1-of-1.pieces").write_bytes(data)
         done = cam("merge", ".")
         refused(done, "sweep-1-of-1.pieces")
-        assert len(done.stderr) < 1000, name
+        assert len(done.stderr) < 1000
 
 
 def test_parts_that_ask_for_nonsense_or_hold_no_results(cam, tmp_path):

@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import stat
 import subprocess
 import sys
 import threading
@@ -13,7 +14,7 @@ import pytest
 from camcli.errors import SceneError
 from camcli.output.program import PICTURES, RESULTS, program_hash
 from camcli.output.run_folder import run_folder
-from camcli.parallel import Codec, Shard
+from camcli.parallel import Codec, Shard, checkpoint
 
 KEY = {"command": "sweep", "scene": {"rpm": 700.0}}
 PLAIN = Codec(lambda result: result, lambda stored: stored)
@@ -63,24 +64,45 @@ def test_run_json_comes_last_and_what_it_lists_is_there(tmp_path, monkeypatch):
     assert replaced == ["a.csv", "b.csv", "run.json"]
 
 
-def test_a_failed_write_or_no_commit_leaves_all_as_before(tmp_path):
+def test_what_is_on_disk_when_the_power_goes(tmp_path, monkeypatch):
+    synced = []
+
+    def fsync(handle: int) -> None:
+        kept = len(list(tmp_path.glob(".*.pieces")))
+        synced.append((stat.S_ISDIR(os.fstat(handle).st_mode), kept))
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    monkeypatch.setattr(checkpoint, "SYNC", -1.0)  # after each piece, not once a second
+    with run_folder(tmp_path, KEY) as run:
+        list(run.work.run(abs, [1, 2], PLAIN))
+        assert synced == [(False, 1)] * 2
+        run.write_text("a.csv", ["new"])
+        run.commit()
+    assert synced[2:] == [(False, 1), (True, 1)]  # the artefact, then the folder with its name
+
+
+def test_a_write_or_a_commit_that_fails_leaves_all_as_before(tmp_path):
+    (tmp_path / "folder").mkdir()
     (tmp_path / "a.csv").write_text("old")
 
     def broken():
-        yield "new\n"
+        yield "new"
         raise RuntimeError("stopped in the middle")
 
     def full(file):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     with run_folder(tmp_path) as run:
-        run.write_text("a.csv", ["new"])
         with pytest.raises(RuntimeError, match="stopped"):
             run.write_text("a.csv", broken())
         with pytest.raises(SceneError, match="No space left"):
-            run.write("b.csv", full)
-        run.write_text("c.csv", ["new"])
-    assert content(tmp_path) == {"a.csv": "old"}
+            run.write("a.csv", full)
+        run.write_text("folder", ["new"])
+        run.write_text("a.csv", ["new"])
+        with pytest.raises(SceneError, match="folder could not be written"):
+            run.commit()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "folder"]
+    assert (tmp_path / "a.csv").read_text() == "old"
 
 
 def test_only_unchanged_artefacts_of_the_run_before_go(tmp_path):
@@ -107,15 +129,6 @@ def test_a_record_that_lies_removes_nothing(tmp_path):
         finished_run(out, a_csv="1")
     assert (tmp_path / "precious").exists()
     assert (out / "deeper").exists()
-
-
-def test_a_commit_that_cannot_be_is_said_in_words(tmp_path):
-    (tmp_path / "folder").mkdir()
-    with run_folder(tmp_path) as run:
-        run.write_text("folder", ["new"])
-        with pytest.raises(SceneError, match="folder could not be written"):
-            run.commit()
-    assert [path.name for path in tmp_path.iterdir()] == ["folder"]
 
 
 def test_one_run_at_a_time_has_the_folder_in_one_process(tmp_path):

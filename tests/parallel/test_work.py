@@ -82,6 +82,10 @@ def test_collected_results_are_a_sequence(checkpoint, kept):
     for wrong in (5, -6):
         with pytest.raises(IndexError):
             found[wrong]
+    if kept:
+        misfit = Codec(list, lambda stored: stored["x"])
+        with pytest.raises(SceneError, match="0/0 holds no result"):
+            Work(1, checkpoint).collect(Counted(), range(5), misfit)
 
 
 def test_a_chain_goes_on_where_it_stopped(checkpoint):
@@ -163,12 +167,6 @@ def test_few_of_many_results_are_in_memory(checkpoint, threads):
     assert most <= 16 * threads + 8
     assert len(Result.alive) <= 1
     assert [result.value for result in found] == list(range(3000))
-
-
-def test_a_piece_that_holds_no_result_is_said(checkpoint):
-    checkpoint.put("0", 0, "text")
-    with pytest.raises(SceneError, match="0/0 holds no result"):
-        Work(1, checkpoint).collect(Counted(), range(3), Codec(list, lambda stored: stored["x"]))
 
 
 def test_an_end_in_the_middle_cancels_the_rest():
