@@ -136,7 +136,7 @@ class Run:
         count = sum(row.status == NOT_REACHED for row in rows)
         return [f"{what} not reached, time was up: {count} of {len(rows)}"] if count else []
 
-    def measured(self, what: str, rows: Sequence) -> None:
+    def count(self, what: str, rows: Sequence) -> None:
         """Say how many were measured."""
         count = sum(row.status not in (NOT_REACHED, precision.ABSENT) for row in rows)
         of = "" if count == len(rows) else f" of {len(rows)}"
@@ -217,8 +217,9 @@ def _text(value: Any) -> str:
 
 def run_precision(here: Run) -> None:
     """Work and precision of all methods on all cases, and the random flights."""
-    bench = precision.Bench(machines(), here.section.quick, here.repeats)
-    found = here.rows(POINTS, precision.Measured, bench.measure)
+    most = precision.QUICK_ALLOWED if here.section.quick else precision.ALLOWED
+    measure = partial(precision.measure, machines=machines(), most=most, repeats=here.repeats)
+    found = here.rows(POINTS, precision.Measured, measure)
     flown = flights.total(
         here.rows(
             FLIGHTS, flights.Flights, lambda b, _, left: flights.fly_block(b, machines(), left)
@@ -236,7 +237,7 @@ def run_precision(here: Run) -> None:
     here.draw("precision", picture)
     ours, others = ([m for m in found if m.ours == own] for own in (True, False))
     here.cost = Cost(sum(m.impacts for m in ours), sum(m.evaluations for m in ours))
-    here.measured("points", found)
+    here.count("points", found)
     here.done.append(f"{flown.flights} random flights")
     for m in (m for m in ours if m.status not in (OK, NOT_REACHED)):
         said = f"error {m.error:.2g} turns, {m.of_bound:.3g} times its bound at most"
@@ -282,7 +283,7 @@ def run_stability(here: Run) -> None:
         return draw_stability(found)
 
     here.draw("stability", picture)
-    here.measured("extreme cases", found)
+    here.count("extreme cases", found)
     for o in (o for o in found if o.status == FAILED):
         here.trouble.append(f"stability: row {o.case}: expected {o.expected}: {o.observed}")
     here.trouble += here.unreached("stability: rows", found)
@@ -299,7 +300,7 @@ def run_scenes(here: Run) -> None:
 
     found = scenes.with_ratios(here.rows(SCENES, scenes.Scene, measure))
     here.write("scenes", SCENES_CSV, found)
-    here.measured("commands", found)
+    here.count("commands", found)
     for s in (s for s in found if s.status == FAILED):
         here.trouble.append(f"scenes: {s.scene}: exit code {s.exit_code}")
     here.trouble += here.unreached("scenes: commands", found)

@@ -114,14 +114,12 @@ def test_the_peers_cams_are_those_of_the_oracle(name):
 # --- points, rows and commands within their time
 
 
-@pytest.fixture(scope="module")
-def bench():
-    return precision.Bench(machines(), quick=True, repeats=1)
+measure = partial(precision.measure, machines=machines(), most=0.25, repeats=1)
 
 
-def test_points_are_measured_and_told(bench):
+def test_points_are_measured_and_told():
     pieces = [("periodic", point) for point in precision.points(("core", "rk4"), True)]
-    found = [row for piece in pieces for row in bench.measure(piece, 60.0, 60.0)]
+    found = [row for piece in pieces for row in measure(piece, 60.0, 60.0)]
     assert [m.status for m in found] == [OK] * 5
     assert all(m.error <= m.bound for m in found if m.ours)
     (told,) = precision.verdicts(found)
@@ -138,11 +136,11 @@ def test_every_method_has_its_points(quick):
     assert (len(found) < 30) == quick
 
 
-def test_without_time_a_peer_gives_up_and_nothing_is_begun_after_the_end(bench):
+def test_without_time_a_peer_gives_up_and_nothing_is_begun_after_the_end():
     (point, *_) = precision.points(("rk4",), True)
-    (row,) = bench.measure(("stiff", point), 0.0, 60.0)
+    (row,) = measure(("stiff", point), 0.0, 60.0)
     assert row.status == precision.GIVEN_UP
-    (row,) = bench.measure(("stiff", point), 60.0, 0.0)
+    (row,) = measure(("stiff", point), 60.0, 0.0)
     assert row.status == NOT_REACHED
     assert isnan(row.seconds)
     (row,) = stability.measure(stability.ROWS[1], machines(), 0.0)

@@ -310,65 +310,66 @@ class Measured:
         return self.method == CORE
 
 
-class Bench:
-    """What measures a point: the machines, the repeats, and the seconds one run may take."""
+def measure(
+    piece: tuple[str, Point],
+    share: float,
+    left: float,
+    *,
+    machines: Machines,
+    most: float,
+    repeats: int,
+) -> list[Measured]:
+    """The row of a case and a point, with its share of the seconds left, `most` for a run."""
+    name, point = piece
+    some, ours = case(name), point.method == CORE
+    row = partial(Measured, name, point.method, point.setting)
+    if left <= 0.0:
+        return [row()]
+    if point.method == HEYOKA and not heyoka_available():
+        return [row(status=ABSENT)]
+    allowed = min(most, share)
+    began = perf_counter()
+    try:
+        call = _ready(some, point, machines)
+        if point.method == HEYOKA:
+            call(min(COMPILING, left))
+        prepared = perf_counter()
+        trace = call(allowed)
+    except (ArithmeticError, ValueError):  # solve_ivp: step too small, bracket without a root
+        return [row(status=FAILED)]
+    first_call_s = perf_counter() - began
+    seconds = began + first_call_s - prepared
+    if not trace.given_up:
+        seconds = repeated(call, repeats, seconds, allowed - seconds)
+    found = compare(some, trace, point.chatter)
+    return [
+        row(
+            seconds=seconds,
+            error=found.error,
+            impacts=len(trace.hits),
+            evaluations=trace.evaluations,
+            missed=found.missed,
+            extra=found.extra,
+            first_call_s=first_call_s,
+            bound=found.bound if ours else nan,
+            of_bound=found.excess if ours else nan,
+            status=_status(found, trace, ours),
+        )
+    ]
 
-    def __init__(self, machines: Machines, quick: bool, repeats: int):
-        self.machines, self.repeats = machines, repeats
-        self.most = QUICK_ALLOWED if quick else ALLOWED
 
-    def measure(self, piece: tuple[str, Point], share: float, left: float) -> list[Measured]:
-        """The row of a case and a point, with its share of the time that is left."""
-        name, point = piece
-        row = partial(Measured, name, point.method, point.setting)
-        if left <= 0.0:
-            return [row()]
-        if point.method == HEYOKA and not heyoka_available():
-            return [row(status=ABSENT)]
-        allowed = min(self.most, share)
-        began = perf_counter()
-        try:
-            call = self._ready(name, point)
-            if point.method == HEYOKA:
-                call(min(COMPILING, left))
-            prepared = perf_counter()
-            trace = call(allowed)
-        except (ArithmeticError, ValueError):  # solve_ivp: step too small, bracket without a root
-            return [row(status=FAILED)]
-        ended = perf_counter()
-        seconds = ended - prepared
-        if not trace.given_up:
-            seconds = repeated(call, self.repeats, seconds, allowed - seconds)
-        found = compare(case(name), trace, point.chatter)
-        ours = point.method == CORE
-        return [
-            row(
-                seconds=seconds,
-                error=found.error,
-                impacts=len(trace.hits),
-                evaluations=trace.evaluations,
-                missed=found.missed,
-                extra=found.extra,
-                first_call_s=ended - began,
-                bound=found.bound if ours else nan,
-                of_bound=found.excess if ours else nan,
-                status=_status(found, trace, ours),
-            )
-        ]
+def _ready(some: Case, point: Point, machines: Machines) -> Callable[[float], Trace]:
+    """The run of a point as a function of the seconds allowed.
 
-    def _ready(self, name: str, point: Point) -> Callable[[float], Trace]:
-        """The run of a point as a function of the seconds allowed; what is done once is done here.
-
-        That is imports, the cam's table, our compilation.
-        """
-        some = case(name)
-        if point.method != CORE:
-            if isinstance(method := method_of(point), SolveIvp):
-                import scipy.integrate  # noqa: F401
-            return lambda seconds: run_peer(method, some, point.chatter, seconds)
-        system = self.machines.system(some.follower, some.cam)
-        backend.compiled()
-        return lambda _: run_core(system, some, point.chatter)
+    What is done once is done here: imports, the cam's table, our compilation.
+    """
+    if point.method != CORE:
+        if isinstance(method := method_of(point), SolveIvp):
+            import scipy.integrate  # noqa: F401
+        return lambda seconds: run_peer(method, some, point.chatter, seconds)
+    system = machines.system(some.follower, some.cam)
+    backend.compiled()
+    return lambda _: run_core(system, some, point.chatter)
 
 
 def _status(found: Agreement, trace: Trace, ours: bool) -> str:
