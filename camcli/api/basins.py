@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from camcli.analysis.basins.cell_mapping import leaves
-from camcli.analysis.basins.study import SIMPLE, Basins, Question, Study, study
+from camcli.analysis.basins.study import Basins, Question, Study, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.sweep import rpm_grid, status_name
 from camcli.api.orbits import MULTIPLIERS
 from camcli.api.result import Progress, Result, machine_of
-from camcli.errors import Fault, SceneError, Status
+from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
@@ -57,11 +57,6 @@ def basins(
         Tables ``attractors`` and, of one speed, ``basins`` (a row per cell; 0 is undecided, a
         negative number a status). In ``summary`` basin entropy, boundary entropy and, with
         ``basins.boundary``, the uncertainty exponent.
-
-    Raises
-    ------
-    SceneError
-        If a cell map shall be refined.
 
     References
     ----------
@@ -120,11 +115,6 @@ def basins(
 
 def _question(scene: Scene) -> Question:
     section = scene.basins
-    if section.method == SIMPLE and section.refine:
-        found = f"found {section.refine} with the method simple"
-        expected = "expected the method orbit: a cell map has one size of cells"
-        cure = "use --method orbit, or more --cells"
-        raise SceneError(Fault("", "basins.refine", found, expected, cure))
     window = Window(section.q, section.v, *section.cells)
     return Question(window, section.method, section.budget, section.refine)
 

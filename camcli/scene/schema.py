@@ -227,6 +227,16 @@ class Basins(Section):
         False, description="multipliers and Lyapunov exponents of the attractors"
     )
 
+    @model_validator(mode="after")
+    def _one_size_of_cells(self) -> Basins:
+        if self.method == "simple" and self.refine:
+            raise refused(
+                f"found basins.refine = {self.refine} with the method simple",
+                "expected the method orbit: a cell map has one size of cells",
+                "use --method orbit, or more --cells",
+            )
+        return self
+
 
 class ClassifyRange(RpmRange):
     """Equally spaced speeds to classify."""
