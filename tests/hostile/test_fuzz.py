@@ -222,7 +222,7 @@ def test_extreme_machines(machine):
     load_and_run(*machine)
 
 
-@fuzz(40)
+@fuzz(25)
 @given(
     st.sampled_from(COMMANDS),
     st.sampled_from(sorted(SCENES)),
