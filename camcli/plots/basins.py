@@ -36,7 +36,7 @@ def draw_basins(study: Study, question: Question, system: System) -> Figure:
     """Picture of the basins of one speed, or of fractions and attractors over a range of them."""
     if study.grid is None:
         return _draw_range(study, question)
-    return _draw_window(study.speeds[0], study.grid, system)
+    return _draw_window(study.grid, system)
 
 
 def area_colours(labels: Sequence[str]) -> list[str]:
@@ -49,70 +49,70 @@ def area_colours(labels: Sequence[str]) -> list[str]:
 
 
 @style.look()
-def _draw_window(speed: Basins, grid: Basins, system: System) -> Figure:
+def _draw_window(basins: Basins, system: System) -> Figure:
     """The basins of one speed."""
-    entries = _entries(speed)
+    entries = _entries(basins)
     top = HEAD + style.LINE * (len(entries) + 1)
-    title = f"Basins of attraction, {style.number(speed.rpm)} rpm"
-    figure = style.page(top + HIGH + BOTTOM, title, _below_title(speed, grid, system))
-    window = grid.window
+    title = f"Basins of attraction, {style.number(basins.rpm)} rpm"
+    figure = style.page(top + HIGH + BOTTOM, title, _below_title(basins, system))
+    window = basins.window
     axes = style.place(figure, LEFT, top, WIDE, HIGH)
     axes.imshow(
-        _pixels(grid, speed, WIDE, HIGH),
+        _pixels(basins, WIDE, HIGH),
         extent=(*window.q, *window.v),
         origin="lower",
         aspect="auto",
         interpolation="none",
     )
-    outside = _draw_attractors(axes, speed, grid)
-    cam_shown = _draw_cam(axes, grid, system)
+    outside = _draw_attractors(axes, basins)
+    cam_shown = _draw_cam(axes, basins, system)
     axes.set(xlim=window.q, ylim=window.v)
     axes.set_xlabel("position $q$ of the start (m)")
     axes.set_ylabel("velocity $v$ of the start (m/s)")
     handles: list[Any] = []
-    names, colours = [], _colours(speed)
+    names, colours = [], _colours(basins)
     for code, words in entries:
         area = Patch(facecolor=colours.get(code, TROUBLE), ec="black", lw=0.5)
-        marked = 0 < code <= MOST_NAMED and speed.attractors[code - 1].periodic
+        marked = 0 < code <= MOST_NAMED and basins.attractors[code - 1].periodic
         shape = (Line2D([], [], **_marker(code)),) if marked and code not in outside else ()
         handles.append((area, *shape))
         names.append(words + (", attractor outside the window" if code in outside else ""))
     if cam_shown:
         handles.append(Line2D([], [], color="black", linewidth=1.6))
-        below = bool((grid.codes == BELOW_CODE).any())
+        below = bool((basins.codes == BELOW_CODE).any())
         names.append("cam, $q = c$" + ("; grey: below it" if below else ""))
     legend(figure, HEAD - 8, handles, names)
     return figure
 
 
-def _below_title(speed: Basins, grid: Basins, system: System) -> str:
-    window, phase = grid.window, style.number(round(system.strobe_deg, 9))
-    how = "simple cell mapping" if grid.method == SIMPLE else "orbit mapping"
+def _below_title(basins: Basins, system: System) -> str:
+    window, phase = basins.window, style.number(round(system.strobe_deg, 9))
+    how = "simple cell mapping" if basins.method == SIMPLE else "orbit mapping"
     text = f"{window.nq} × {window.nv} starts at θ = {phase} deg, {how}"
-    if grid.level is not None:
-        share = 100.0 * speed.computed / speed.cells
+    if basins.level is not None:
+        share = 100.0 * basins.computed / basins.cells
         text += f", {share:.3g} % of the cells computed (boundaries refined)"
-    entropies = speed.entropies
+    entropies = basins.entropies
     text += f"\nbasin entropy {entropies['basin_entropy']:.3g}"
     if entropies["boundary_boxes"]:
         text += f", boundary entropy {entropies['boundary_entropy']:.3g}"
-    if speed.uncertainty is not None:
-        doubt = speed.uncertainty
+    if basins.uncertainty is not None:
+        doubt = basins.uncertainty
         text += f", boundary dimension {doubt.dimension:.3f} ± {doubt.error:.3f}"
     return text
 
 
-def _entries(speed: Basins) -> list[tuple[int, str]]:
+def _entries(basins: Basins) -> list[tuple[int, str]]:
     """(code, words) of the legend: attractors, then what belongs to none."""
     found = []
-    for k, attractor in enumerate(speed.attractors[:MOST_NAMED], 1):
+    for k, attractor in enumerate(basins.attractors[:MOST_NAMED], 1):
         name = style.motion(attractor.label, CHARS)
-        found.append((k, f"{name}   {percent(speed.fractions[k])}"))
-    rest = range(MOST_NAMED + 1, len(speed.attractors) + 1)
+        found.append((k, f"{name}   {percent(basins.fractions[k])}"))
+    rest = range(MOST_NAMED + 1, len(basins.attractors) + 1)
     if rest:
-        share = sum(speed.fractions[k][0] for k in rest)
+        share = sum(basins.fractions[k][0] for k in rest)
         found.append((rest[0], f"and {len(rest)} more, together {100.0 * share:.3g} %"))
-    for code, fraction in speed.fractions.items():
+    for code, fraction in basins.fractions.items():
         if code <= 0:
             name = "undecided" if code == UNDECIDED_CODE else status_name(-code)
             found.append((code, f"{name}   {percent(fraction)}"))
@@ -128,22 +128,22 @@ def percent(share: tuple[float, float]) -> str:
     return f"({value:.{digits}f} ± {error:.{digits}f}) %"
 
 
-def _colours(speed: Basins) -> dict[int, str]:
-    areas = area_colours([attractor.label for attractor in speed.attractors])
+def _colours(basins: Basins) -> dict[int, str]:
+    areas = area_colours([attractor.label for attractor in basins.attractors])
     return {UNDECIDED_CODE: UNDECIDED, BELOW_CODE: BELOW, **dict(enumerate(areas, 1))}
 
 
-def _pixels(grid: Basins, speed: Basins, wide: int, high: int) -> np.ndarray:
+def _pixels(basins: Basins, wide: int, high: int) -> np.ndarray:
     """(rows, columns, 3) colours; cells smaller than a pixel are averaged."""
-    colours = _colours(speed)
-    first = [_first_cells(*pair) for pair in zip(grid.codes.shape, (high, wide), strict=True)]
+    colours = _colours(basins)
+    first = [_first_cells(*pair) for pair in zip(basins.codes.shape, (high, wide), strict=True)]
     sizes = [
-        np.diff(cells, append=count) for cells, count in zip(first, grid.codes.shape, strict=True)
+        np.diff(cells, append=count) for cells, count in zip(first, basins.codes.shape, strict=True)
     ]
     area = np.outer(*sizes)
     picture = np.zeros((*area.shape, 3))
-    for code in np.unique(grid.codes).tolist():
-        mask = (grid.codes == code).astype(np.uint16)
+    for code in np.unique(basins.codes).tolist():
+        mask = (basins.codes == code).astype(np.uint16)
         share = np.add.reduceat(np.add.reduceat(mask, first[0], axis=0), first[1], axis=1) / area
         picture += share[:, :, None] * np.array(to_rgb(colours.get(code, TROUBLE)))
     return np.rint(255.0 * picture).astype(np.uint8)
@@ -155,12 +155,12 @@ def _first_cells(cells: int, pixels: int) -> np.ndarray:
     return np.arange(count) * cells // count
 
 
-def _draw_attractors(axes: Axes, speed: Basins, grid: Basins) -> set[int]:
+def _draw_attractors(axes: Axes, basins: Basins) -> set[int]:
     """Section points of every attractor; returns the numbers of those outside the window."""
-    window, outside = grid.window, set()
-    for number, attractor in enumerate(speed.attractors, 1):
+    window, outside = basins.window, set()
+    for number, attractor in enumerate(basins.attractors, 1):
         q, w = attractor.shown().T
-        v = w * omega_of(speed.rpm)
+        v = w * omega_of(basins.rpm)
         inside = (window.q[0] <= q) & (q <= window.q[1])
         inside &= (window.v[0] <= v) & (v <= window.v[1])
         if not inside.any():
@@ -178,10 +178,10 @@ def _marker(number: int) -> dict[str, Any]:
     return {"marker": shape, "ms": 6.0, "mfc": "white", "mec": "black", "mew": 1.1, "ls": ""}
 
 
-def _draw_cam(axes: Axes, grid: Basins, system: System) -> bool:
+def _draw_cam(axes: Axes, basins: Basins, system: System) -> bool:
     """The line q = c at the strobe; True where it lies in the window."""
     c = system.cam.rows[system.cam.strobe * ROW + START0]
-    low, high = grid.window.q
+    low, high = basins.window.q
     if not low <= c <= high:
         return False
     axes.axvspan(low, c, color=BELOW, linewidth=0.0, zorder=2)  # over cells that the cam cuts
