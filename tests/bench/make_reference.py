@@ -48,7 +48,7 @@ ARCS = {
     "offset": 0.3,
 }
 ECCENTRIC = {"kind": "eccentric", "base": 0.1, "lift": 0.2}
-CHAPTER = {
+EXAMPLE = {
     "mass": 1.221, "stiffness": 1430.8, "damping": 0.0, "gravity": 0.0, "preload": 0.0,
     "restitution": 0.8,
 }  # fmt: skip
@@ -56,7 +56,7 @@ CHAPTER = {
 
 def case(title, rpm, turns, start=None, cam=ARCS, chatter="none", **changes):
     """What defines a case; `start` is (q, v) at theta = 0, None for rest on the cam."""
-    data = {"title": title, "follower": {**CHAPTER, **changes}, "cam": cam, "rpm": rpm}
+    data = {"title": title, "follower": {**EXAMPLE, **changes}, "cam": cam, "rpm": rpm}
     q, v = start or (None, None)
     return {**data, "start": {"q": q, "v": v}, "turns": turns, "chatter": chatter}
 
@@ -258,7 +258,7 @@ def graze(rpm: float, degrees: float, delta: float, s: float) -> dict[str, float
     cam, theta = oracle_cam(ARCS), degrees * pi / 180
     with mp.workdps(40):
         omega = mpf(rpm) * mp.pi / 30
-        W = mp.sqrt(mpf(CHAPTER["stiffness"]) / mpf(CHAPTER["mass"])) / omega
+        W = mp.sqrt(mpf(EXAMPLE["stiffness"]) / mpf(EXAMPLE["mass"])) / omega
         c, c1, _ = cam.laws(theta)
         q, w = c + mpf(delta), c1
         q, w = q * mp.cos(W * s) - w / W * mp.sin(W * s), w * mp.cos(W * s) + W * q * mp.sin(W * s)
@@ -279,10 +279,10 @@ def stability() -> dict[str, Any]:
     ]
     grazes = [flight for flight in flights if flight is not None]
     values = {name: heavy(*data) for name, data in HEAVY.items()}
-    weak = Oracle(oracle_cam(ARCS), rpm=WEAK, **CHAPTER).run(impacts=8)
+    weak = Oracle(oracle_cam(ARCS), rpm=WEAK, **EXAMPLE).run(impacts=8)
     hops = [[digits(e.theta), digits(e.u_minus)] for e in weak if e.kind == "impact"]
     more = {"weak": {"rpm": WEAK, "impacts": hops}, "grazes": grazes}
-    return {"follower": CHAPTER, "cam": ARCS, "heavy": values, **more}
+    return {"follower": EXAMPLE, "cam": ARCS, "heavy": values, **more}
 
 
 if __name__ == "__main__":
