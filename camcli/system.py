@@ -1,4 +1,4 @@
-"""The machine: a follower and a compiled cam, frozen; from it the lane of one speed."""
+"""The machine: a follower and a compiled cam, frozen; from it the constants of one speed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from camcli.cams.compile import Part, Shape, build, column, corners
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import Kernel
 from camcli.kernel.cam_table import Cam
-from camcli.kernel.flow import RAD_PER_S, Lane, lane_of
+from camcli.kernel.flow import RAD_PER_S, Constants, constants_of
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class System:
     @property
     def strobe(self) -> float:
         """Phase of the stroboscopic section, rad."""
-        return column(self.cam, "START")[self.cam.strobe]
+        return column(self.cam, "start")[self.cam.strobe]
 
     @property
     def strobe_deg(self) -> float:
@@ -81,17 +81,17 @@ class System:
     @cached_property
     def corners_deg(self) -> list[float]:
         """Phases of the cam's corners, degrees."""
-        starts = column(self.cam, "START")
+        starts = column(self.cam, "start")
         return [starts[n] * (180.0 / pi) for n in corners(self.cam)]
 
-    def lane(self, rpm: float, tolerance: float, impact_budget: int) -> Lane:
+    def constants(self, rpm: float, tolerance: float, impact_budget: int) -> Constants:
         """The dimensionless constants at one speed; tolerance as a fraction of a turn."""
-        lane = lane_of(self.machine(rpm), tolerance * (2.0 * pi), impact_budget)
-        if not all(isfinite(number) for number in (lane.W2, lane.Z * lane.Z, lane.G)):
-            found = f"found omega0/omega = {lane.W:g}, zeta/omega = {lane.Z:g} at {rpm!r} rpm"
+        const = constants_of(self.machine(rpm), tolerance * (2.0 * pi), impact_budget)
+        if not all(isfinite(number) for number in (const.W2, const.Z * const.Z, const.G)):
+            found = f"found omega0/omega = {const.W:g}, zeta/omega = {const.Z:g} at {rpm!r} rpm"
             cure = "check mass, stiffness, damping, preload and rpm"
             raise SceneError(Fault("", "follower", found, "expected numbers of this world", cure))
-        return lane
+        return const
 
     def machine(self, rpm: float) -> list[float]:
         """The follower's constants and the speed as the kernel's table (`kernel.flight`)."""

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
-from camcli.analysis.integrate import Start, Tape
+from camcli.analysis.integrate import Record, Start
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.identify import departures
 from camcli.analysis.orbits.same_orbit import distance, size_of
@@ -59,7 +59,7 @@ class After:
         return Start(q, w * omega_of(rpm), system.strobe_deg)
 
 
-def after_first_rest(system: System, rpm: float, tape: Tape) -> After:
+def after_first_rest(system: System, rpm: float, tape: Record) -> After:
     """`after_rest` from the first departure in a record, UNKNOWN where there is none."""
     leaves = departures(tape)
     return after_rest(system, rpm, leaves[0][1]) if leaves else After(UNKNOWN)

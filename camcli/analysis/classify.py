@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from math import inf
 
-from camcli.analysis.exponents import Exponents, of_orbit, of_tape
-from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape, with_turns
+from camcli.analysis.exponents import Exponents, of_orbit, of_record
+from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.identify import identify, passages
 from camcli.analysis.orbits.orbit import PeriodicOrbit, resting_orbit
@@ -45,7 +45,7 @@ class Motion:
     transient: int | None
     status: int
     cost: Cost
-    tape: Tape
+    tape: Record
 
     @property
     def period(self) -> int:
@@ -106,7 +106,7 @@ def classify_at(
     cost = tape.cost
     orbit, exponents = _solved(system, rpm, tape)
     if tape.status == Status.OK and not _certain(orbit, exponents):
-        more = Orbit(system, rpm, with_turns(settings, 0, LONGER * record), run.here()).run()
+        more = Orbit(system, rpm, with_turns(settings, 0, LONGER * record), run.as_start()).run()
         cost = cost + more.cost
         orbit, exponents = _solved(system, rpm, more)
         tape = more if more.status == Status.OK else tape
@@ -131,13 +131,13 @@ def classify_at(
 
 
 def _solved(
-    system: System, rpm: float, tape: Tape
+    system: System, rpm: float, tape: Record
 ) -> tuple[PeriodicOrbit | None, Exponents | None]:
     """The orbit at the end of a record, and its exponents or those of the record."""
     orbit = identify(system, rpm, tape)
     if orbit is not None:
         return orbit, of_orbit(system, orbit)
-    return None, of_tape(system, rpm, tape) if tape.status == Status.OK else None
+    return None, of_record(system, rpm, tape) if tape.status == Status.OK else None
 
 
 def _certain(orbit: PeriodicOrbit | None, exponents: Exponents | None) -> bool:
@@ -145,8 +145,8 @@ def _certain(orbit: PeriodicOrbit | None, exponents: Exponents | None) -> bool:
 
 
 def _after_rest(
-    system: System, rpm: float, settings: Settings, tape: Tape
-) -> tuple[PeriodicOrbit | None, Exponents | None, Tape]:
+    system: System, rpm: float, settings: Settings, tape: Record
+) -> tuple[PeriodicOrbit | None, Exponents | None, Record]:
     """(orbit, exponents, record) of the true motion after the rest in a record, if it is known."""
     from camcli.analysis.after_rest import CYCLE, after_first_rest
 
@@ -187,14 +187,14 @@ def _order(motion: Motion):
     return (orbit is None, motion.period, motion.label, state)
 
 
-def _impacts(orbit: PeriodicOrbit | None, tape: Tape) -> float:
+def _impacts(orbit: PeriodicOrbit | None, tape: Record) -> float:
     """Impacts in one period, inf with a complete chatter; of no period the mean per turn."""
     if orbit is not None:
         return sum(orbit.symbols) if orbit.theta else 0.0
     return sum(float(x) for x in tape.impacts[: tape.periods]) / max(1, tape.periods)
 
 
-def _chatter(tape: Tape) -> str:
+def _chatter(tape: Record) -> str:
     """Complete where impacts accumulate in the record, incomplete where a long burst does not."""
     if any(tape.chatter[: tape.periods]):
         return COMPLETE

@@ -5,20 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf, sqrt
 
-from camcli.analysis.integrate import Tape
+from camcli.analysis.integrate import Record
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.kernel import backend
-from camcli.kernel.backend import Kernel
+from camcli.kernel.arithmetic import natural_log
 from camcli.kernel.cam_table import TURN
-from camcli.kernel.growth import (
-    AREA,
-    COUNT,
-    FIRST,
-    LENGTH,
-    ZEROS,
-    log_growth,
-    natural_log,
-)
+from camcli.kernel.variational import Growth, Pair, log_factor
 from camcli.system import System
 
 BATCHES = 20  # for the error bar: the exponents of equal parts of the record
@@ -52,7 +44,7 @@ class Exponents:
 
 def of_orbit(system: System, orbit: PeriodicOrbit) -> Exponents:
     """ln |multiplier| per period of the cam, of a solved periodic orbit."""
-    lane = system.lane(orbit.rpm, 1.0, 1)
+    lane = system.constants(orbit.rpm, 1.0, 1)
     if orbit.resting or orbit.root is None:
         return Exponents(-inf, -inf, 0.0, -inf, inf)
     per_turn = orbit.impacts / orbit.turns
@@ -74,35 +66,35 @@ def sum_rule(lane, impacts_per_turn: float) -> float:
     return 2.0 * natural_log(lane.r) * impacts_per_turn - 2.0 * lane.Z * TURN
 
 
-def of_tape(system: System, rpm: float, tape: Tape) -> Exponents | None:
+def of_record(system: System, rpm: float, tape: Record) -> Exponents | None:
     """From the logged impacts of a record; None where there are too few to say anything."""
-    lane = system.lane(rpm, 1.0, 1)
+    lane = system.constants(rpm, 1.0, 1)
     kernel = backend.current()
     cam = system.cam_for(kernel)
-    whole, real = _interleaved(tape, kernel)
     rows = len(tape.kind)
     size = rows // BATCHES
     if size < FEWEST or lane.r == 0.0:
         return None
-    pair, logs = kernel.zeros(7), []
-    zeros = 0.0
+    pairs, logs = kernel.table(Pair, [Pair()]), []
+    chatters = 0
     sums = [0.0] * 4  # first, area, impacts, length
     for k in range(BATCHES):
-        begin, end = k * size, rows if k == BATCHES - 1 else (k + 1) * size
-        growth = kernel.zeros(7)
-        growth[FIRST] = growth[AREA] = 1.0
+        part = slice(k * size, rows if k == BATCHES - 1 else (k + 1) * size)
+        growths = kernel.table(Growth, [Growth()])
         kernel.stretch_events(
-            cam, lane, whole[2 * begin : 2 * end], real[3 * begin : 3 * end], end - begin, pair,
-            growth,
+            cam, lane, kernel.numbers(tape.kind[part], int), kernel.numbers(tape.period[part], int),
+            kernel.numbers(tape.theta[part]), kernel.numbers(tape.u[part]), pairs, growths,
         )  # fmt: skip
-        zeros += growth[ZEROS]
-        if not growth[LENGTH] > 0.0 or growth[FIRST] == 0.0 or growth[AREA] == 0.0:
+        growth = growths[0]
+        chatters += int(growth.chatters)
+        if not growth.length > 0.0 or growth.first == 0.0 or growth.area == 0.0:
             continue
-        first, area = log_growth(growth, FIRST), log_growth(growth, AREA)
-        logs.append((first, float(growth[LENGTH])))
-        for j, value in enumerate((first, area, growth[COUNT], growth[LENGTH])):
+        first = log_factor(growth.first, growth.first_twos)
+        area = log_factor(growth.area, growth.area_twos)
+        logs.append((first, float(growth.length)))
+        for j, value in enumerate((first, area, growth.impacts, growth.length)):
             sums[j] += float(value)
-    if zeros > 0.0:
+    if chatters:
         return Exponents(-inf, -inf, 0.0, -inf, inf)
     if sums[3] == 0.0:
         return None
@@ -122,12 +114,3 @@ def _standard_error(rates: list[float], weights: list[float]) -> float:
     mean = sum(r * w for r, w in zip(rates, weights, strict=True)) / total
     square = sum(w * w * (r - mean) ** 2 for r, w in zip(rates, weights, strict=True))
     return sqrt(square * n / (n - 1.0)) / total
-
-
-def _interleaved(tape: Tape, kernel: Kernel):
-    """The log's own two tables back from the columns of a tape."""
-    whole = kernel.zeros(2 * len(tape.kind), int)
-    real = kernel.zeros(3 * len(tape.kind))
-    whole[::2], whole[1::2] = tape.kind, tape.period
-    real[::3], real[1::3], real[2::3] = tape.theta, tape.q, tape.u
-    return whole, real

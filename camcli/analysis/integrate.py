@@ -12,21 +12,11 @@ from math import pi
 
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel import backend
-from camcli.kernel.backend import Kernel
-from camcli.kernel.cam_table import ROW, START, Cam, lift_at, stretch_at
+from camcli.kernel.backend import Kernel, row_of
+from camcli.kernel.cam_table import Cam, lift_at, stretch_at
+from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import BOUNCED, FREE
-from camcli.kernel.orbit_loop import (
-    LEAVES,
-    LOGGED,
-    MODE,
-    PERIOD,
-    RESTING,
-    STRETCH,
-    TOTAL,
-    Log,
-    Plan,
-    Strobe,
-)
+from camcli.kernel.orbit_loop import RESTING, Log, Plan, State, Strobe
 from camcli.system import System, omega_of
 
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
@@ -60,7 +50,7 @@ class StartError(SceneError):
 
 @dataclass(frozen=True)
 class Cost:
-    """Work done, transient included."""
+    """Tally done, transient included."""
 
     impacts: int = 0
     evaluations: int = 0
@@ -75,7 +65,7 @@ class Cost:
 
 
 @dataclass(frozen=True)
-class Tape:
+class Record:
     """Recorded rows of one orbit; angles in rad, lengths in m, velocities in m/rad.
 
     Columns are lists (plain Python) or arrays (compiled kernel). `strobe_*` have a row per started
@@ -104,98 +94,87 @@ class Tape:
 
 
 class Orbit:
-    """One lane's state between calls of the kernel."""
+    """One orbit between calls of the kernel."""
 
     def __init__(self, system: System, rpm: float, settings: Settings, start: Start | None = None):
         self.system, self.settings = system, settings
         self.omega = omega_of(rpm)
-        self.lane = system.lane(rpm, settings.chatter_tolerance, settings.impact_budget)
-        self.state, self.count = _initial(
+        self.const = system.constants(rpm, settings.chatter_tolerance, settings.impact_budget)
+        self.state = _initial(
             system.cam, self.omega, settings, settings.start if start is None else start
         )
-        self.work = [0, 0, 0]
+        self.work = Tally()
 
-    def run(self, events: bool = True, strobes: bool = True) -> Tape:
+    def run(self, events: bool = True, strobes: bool = True) -> Record:
         """Run transient and record; `events` and `strobes` say what is logged at all."""
         rows, kernel = self.settings.record if strobes else 0, backend.current()
-        strobe = Strobe(kernel.zeros(2 * rows), kernel.zeros(2 * rows, int), rows)
-        if rows and self.count[PERIOD] == 0:
-            strobe.state[0], strobe.state[1] = self.position()
-        logs: list[Log] = []
+        strobe = kernel.strobe(rows)
+        if rows and self.state.period == 0:
+            strobe.q[0], strobe.w[0] = self.position()
+        logs: list[tuple] = []  # columns of each slice
         capacity = (
             min(max(FIRST_CAPACITY, 2 * self.settings.record), MOST_CAPACITY) if events else 0
         )
         while True:
             status, log, strobe = self._slice(kernel, capacity, strobe)
-            logs.append(log)
+            logs.append(tuple(column[: self.state.logged] for column in log[:5]))
             if status == Status.LOG_FULL:
                 capacity = min(2 * capacity, MOST_CAPACITY)
             elif status == Status.PAUSED:
                 kernel = backend.compiled()
             else:
-                return self._tape(logs, strobe, status)
+                return self._record(logs, strobe, status)
 
     def position(self) -> tuple[float, float]:
         """(q, dq/dtheta) now; m, m/rad."""
-        c, c1, _ = lift_at(self.system.cam, self.count[STRETCH], self.state[0])
-        return c + self.state[1], c1 + self.state[2]
+        c, c1, _ = lift_at(self.system.cam, self.state.stretch, self.state.theta)
+        return c + self.state.gap, c1 + self.state.gap_rate
 
-    def here(self) -> Start:
+    def as_start(self) -> Start:
         """The present state as a start for another run; None values where it rests on the cam."""
-        theta_deg = self.state[0] * (180.0 / pi)
-        if self.count[MODE] == RESTING:
+        theta_deg = self.state.theta * (180.0 / pi)
+        if self.state.mode == RESTING:
             return Start(None, None, theta_deg)
         q, w = self.position()
         return Start(q, w * self.omega, theta_deg)
 
-    def _slice(self, kernel: Kernel, capacity: int, strobe: Strobe):
-        """One call of the kernel: (status, the rows it logged, the strobe)."""
+    def _slice(self, kernel: Kernel, capacity: int, strobe: Strobe) -> tuple[Status, Log, Strobe]:
+        """One call of the kernel: its status, the rows it logged, the strobe."""
         cam = self.system.cam_for(kernel)
         first = 0 if self.settings.transient else -1
         limited = not kernel.compiled and backend.may_compile()
         plan = Plan(first, self.settings.record, PLAIN_STEPS if limited else EVERYTHING)
-        self.count[LOGGED] = 0
-        state, count, work = (
-            kernel.numbers(self.state),
-            kernel.numbers(self.count, int),
-            kernel.numbers(self.work, int),
-        )
+        self.state.logged = 0
+        states, works = kernel.table(State, [self.state]), kernel.table(Tally, [self.work])
         strobe = strobe._replace(
-            state=kernel.numbers(strobe.state), events=kernel.numbers(strobe.events, int)
-        )
-        log = Log(kernel.zeros(2 * capacity, int), kernel.zeros(3 * capacity), capacity)
-        flows = kernel.stretch_flows(cam, self.lane)
-        status = kernel.advance(cam, self.lane, flows, state, count, plan, log, strobe, work)
-        self.state = [float(value) for value in state]
-        self.count = [int(value) for value in count]
-        self.work = [int(value) for value in work]
-        used = self.count[LOGGED]
-        return Status(status), Log(log.whole[: 2 * used], log.real[: 3 * used], used), strobe
+            q=kernel.numbers(strobe.q), w=kernel.numbers(strobe.w),
+            impacts=kernel.numbers(strobe.impacts, int),
+            chatter=kernel.numbers(strobe.chatter, int),
+        )  # fmt: skip
+        log = kernel.log(capacity)
+        flows = kernel.stretch_flows(cam, self.const)
+        status = kernel.advance(cam, self.const, flows, states, plan, log, strobe, works)
+        self.state, self.work = row_of(State, states[0]), row_of(Tally, works[0])
+        return Status(status), log, strobe
 
-    def _tape(self, logs: list[Log], strobe: Strobe, status: Status) -> Tape:
-        whole = _joined([log.whole for log in logs])
-        real = _joined([log.real for log in logs])
-        periods = max(0, min(self.count[PERIOD], self.settings.record))
-        started = min(periods + 1, strobe.rows) if self.count[PERIOD] >= 0 else 0
-        return Tape(
-            kind=whole[::2],
-            period=whole[1::2],
-            theta=real[::3],
-            q=real[1::3],
-            u=real[2::3],
-            strobe_q=strobe.state[: 2 * started : 2],
-            strobe_w=strobe.state[1 : 2 * started : 2],
-            impacts=strobe.events[: 2 * started : 2],
-            chatter=strobe.events[1 : 2 * started : 2],
+    def _record(self, logs: list[tuple], strobe: Strobe, status: Status) -> Record:
+        state = self.state
+        periods = max(0, min(state.period, self.settings.record))
+        started = min(periods + 1, strobe.rows) if state.period >= 0 else 0
+        kind, period, theta, q, u = (_joined(parts) for parts in zip(*logs, strict=True))
+        return Record(
+            kind=kind, period=period, theta=theta, q=q, u=u,
+            strobe_q=strobe.q[:started], strobe_w=strobe.w[:started],
+            impacts=strobe.impacts[:started], chatter=strobe.chatter[:started],
             periods=periods,
-            detachments=self.count[LEAVES],
-            resting=self.count[MODE] == RESTING,
+            detachments=state.detachments,
+            resting=state.mode == RESTING,
             status=status,
-            cost=Cost(self.count[TOTAL], self.work[0], self.work[1]),
-        )
+            cost=Cost(state.total_impacts, self.work.evaluations, self.work.crossings),
+        )  # fmt: skip
 
 
-def _joined(parts: list):
+def _joined(parts: Sequence):
     """Concatenate lists or arrays; a mixture (compiled in mid-run) becomes a list."""
     if len(parts) == 1:
         return parts[0]
@@ -209,8 +188,8 @@ def _joined(parts: list):
     return joined
 
 
-def _initial(cam: Cam, omega: float, settings: Settings, start: Start):
-    """(state, count) of the kernel at the start; raises StartError below the cam."""
+def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
+    """The kernel's state at the start; raises StartError below the cam."""
     theta = (start.theta_deg % 360.0) * (pi / 180.0)
     i = stretch_at(cam, theta)
     c, c1, _ = lift_at(cam, i, theta)
@@ -220,12 +199,9 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start):
         found = f"found q = {start.q!r} m, {-gap:.6g} m below the cam"
         expected = f"expected at least c = {c!r} m at {start.theta_deg!r} deg"
         raise StartError(Fault("", "run.start.q", found, expected, "raise it, or null for rest"))
-    on_strobe = i == cam.strobe and theta == cam.rows[i * ROW + START]
-    count = [0] * 9
-    count[MODE] = FREE if gap > 0.0 or rate < 0.0 else BOUNCED
-    count[STRETCH] = i
-    count[PERIOD] = -settings.transient - (0 if on_strobe else 1)
-    return [theta, gap, rate], count
+    on_strobe = i == cam.strobe and theta == cam.stretches[i].start
+    mode = FREE if gap > 0.0 or rate < 0.0 else BOUNCED
+    return State(theta, gap, rate, mode, i, -settings.transient - (0 if on_strobe else 1))
 
 
 def with_turns(settings: Settings, transient: int, record: int) -> Settings:

@@ -10,7 +10,7 @@ import itertools
 from collections.abc import Callable, Sequence
 from math import inf
 
-from camcli.analysis.integrate import Tape
+from camcli.analysis.integrate import Record
 from camcli.analysis.orbits.same_orbit import CLOSE, SAME
 from camcli.errors import Status
 
@@ -59,7 +59,7 @@ def rotation(symbols: Sequence[float], tie: Callable[[int], tuple] = lambda firs
     return max(range(len(symbols)), key=lambda k: ((*symbols[k:], *symbols[:k]), tie(k)))
 
 
-def label(tape: Tape) -> str:
+def label(tape: Record) -> str:
     """The label of the attractor a record ends on.
 
     `aperiodic` where no period fits, `undecided` where the record is too short to say even that.

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import pi
 
-from camcli.analysis.integrate import Cost, Orbit, Settings, Tape
+from camcli.analysis.integrate import Cost, Orbit, Record, Settings
 from camcli.analysis.labels import label
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -52,7 +52,7 @@ def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Si
     """Run one orbit; `samples` per turn in the trajectory, besides the events (0: none)."""
     orbit = Orbit(system, rpm, settings)
     backend.for_work(0)
-    first = orbit.position(), orbit.state[0]
+    first = orbit.position(), orbit.state.theta
     tape = _plain(orbit.run())
     sampler = _Sampler(system, orbit, tape, samples)
     return Simulation(
@@ -67,14 +67,14 @@ def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Si
     )
 
 
-def _plain(tape: Tape) -> Tape:
+def _plain(tape: Record) -> Record:
     """The record with lists for columns, whichever kernel ran: plain numbers from here on."""
     columns = {k: v.tolist() for k, v in vars(tape).items() if hasattr(v, "tolist")}
     return replace(tape, **columns)
 
 
-def _events(tape: Tape, orbit: Orbit, strobe: float) -> Iterator[tuple]:
-    omega, r = orbit.omega, orbit.lane.r
+def _events(tape: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
+    omega, r = orbit.omega, orbit.const.r
     for kind, period, theta, q, u in zip(
         tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True
     ):
@@ -116,8 +116,8 @@ def _hopping(u: float, length: float, r: float, s: float) -> tuple[float, float]
 class _Sampler:
     """Samples a tape period by period; cam values at the fixed phases are computed once."""
 
-    def __init__(self, system: System, orbit: Orbit, tape: Tape, samples: int):
-        self.cam, self.lane, self.tape = system.cam, orbit.lane, tape
+    def __init__(self, system: System, orbit: Orbit, tape: Record, samples: int):
+        self.cam, self.lane, self.tape = system.cam, orbit.const, tape
         self.omega = orbit.omega
         self.strobe = system.strobe
         self.grid = [(j / samples) * TURN for j in range(samples)]

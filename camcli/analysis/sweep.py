@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 
-from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape
+from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start
 from camcli.analysis.labels import label
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -120,7 +120,7 @@ class _Task:
         """The speed, from where the one before ended."""
         start = self.settings.start
         speed, orbit = self._at(rpm, start if before is None else before.end)
-        return replace(speed, end=orbit.here() if speed.status == Status.OK else start)
+        return replace(speed, end=orbit.as_start() if speed.status == Status.OK else start)
 
     def _at(self, rpm: float, start: Start | None) -> tuple[Speed, Orbit]:
         backend.for_work(self.turns)
@@ -171,15 +171,15 @@ def _load(stored: list) -> Speed:
 CODEC = Codec(_store, _load)
 
 
-def _exponent(system: System, rpm: float, tape: Tape) -> float | None:
+def _exponent(system: System, rpm: float, tape: Record) -> float | None:
     """Largest exponent of a record: of its solved orbit, else of its impacts."""
-    from camcli.analysis.exponents import of_orbit, of_tape
+    from camcli.analysis.exponents import of_orbit, of_record
     from camcli.analysis.orbits.identify import identify
 
     if tape.status != Status.OK:
         return None
     orbit = identify(system, rpm, tape)
-    found = of_tape(system, rpm, tape) if orbit is None else of_orbit(system, orbit)
+    found = of_record(system, rpm, tape) if orbit is None else of_orbit(system, orbit)
     return None if found is None else found.largest
 
 

@@ -17,7 +17,7 @@ from math import factorial, inf
 from typing import Any, Protocol
 
 from camcli.cams.decimals import DIGITS, Numbers, pi, radians, sincos
-from camcli.kernel.cam_table import COLUMNS, ORDERS, ROW, TERMS, TURN, Cam, polynomial
+from camcli.kernel.cam_table import ORDERS, TERMS, TURN, Cam, Stretch, polynomial
 
 MOST_PIECES = 64
 CUTS = 4  # cells of a piece in its bounds
@@ -195,39 +195,41 @@ def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
     ends = [_values(pieces[k], high) for k, (_, _, high) in zip(lasts, cuts, strict=True)]
     bounds = [[_bounds(group, order) for order in range(5)] for group in stretches]
     jumps = [starts[n][1] - ends[n - 1][1] for n in range(len(starts))]
-    starts_at = [low for _, low, _ in cuts]
-    columns: dict[str, Sequence[float]] = {
-        "START": starts_at,
-        "END": [high for _, _, high in cuts],
-        "FIRST": first,
-        "COUNT": [len(group) for group in stretches],
-        "PER_ANGLE": [
-            len(group) / (high - low) for group, (_, low, high) in zip(stretches, cuts, strict=True)
-        ],
-        "KICK": [jump if abs(jump) > SMALLEST_KICK else 0.0 for jump in jumps],
-        "ACCEL_MIN": [row[2][0] for row in bounds],
-        "ACCEL_MAX": [row[2][1] for row in bounds],
-        "JERK_MAX": [_largest(row[3]) for row in bounds],
-        "SNAP_MAX": [_largest(row[4]) for row in bounds],
-        "RADIUS": [_radius(group) for group in stretches],
-        "LOW": [row[0][0] for row in bounds],
-        "SLOPE_LOW": [row[1][0] for row in bounds],
-    }
-    for order in range(3):
-        columns[f"START{order}"] = [row[order] for row in starts]
-        columns[f"END{order}"] = [row[order] for row in ends]
+    rows = [
+        Stretch(
+            start=low,
+            end=high,
+            first_piece=first[n],
+            piece_count=len(group),
+            per_angle=len(group) / (high - low),
+            start_c=starts[n][0],
+            start_c1=starts[n][1],
+            start_c2=starts[n][2],
+            end_c=ends[n][0],
+            end_c1=ends[n][1],
+            end_c2=ends[n][2],
+            slope_jump=jumps[n] if abs(jumps[n]) > SMALLEST_KICK else 0.0,
+            accel_min=bounds[n][2][0],
+            accel_max=bounds[n][2][1],
+            jerk_max=_largest(bounds[n][3]),
+            snap_max=_largest(bounds[n][4]),
+            radius=_radius(group),
+            c_min=bounds[n][0][0],
+            slope_min=bounds[n][1][0],
+        )
+        for n, (group, (_, low, high)) in enumerate(zip(stretches, cuts, strict=True))
+    ]
     return Cam(
-        rows=[float(columns[name][n]) for n in range(len(cuts)) for name in COLUMNS],
+        stretches=rows,
         pieces=[value for piece in pieces for value in piece.row()],
-        stretches=len(cuts),
-        strobe=starts_at.index(strobe),
+        strobe=[row.start for row in rows].index(strobe),
         top=max(row[0][1] for row in bounds),
     )
 
 
 def column(cam: Cam, name: str) -> list[float]:
-    """One column of the stretch table, by the name in `kernel.cam_table.COLUMNS`."""
-    return [float(value) for value in cam.rows[COLUMNS.index(name) :: ROW]]
+    """One field of all stretches (`kernel.cam_table.Stretch`)."""
+    return [getattr(stretch, name) for stretch in cam.stretches]
 
 
 def _cuts(parts: Sequence[Part], strobe: float) -> tuple[list[Cut], float]:
@@ -297,10 +299,10 @@ def _radius(group: Sequence[Piece]) -> float:
 
 def corners(cam: Cam) -> list[int]:
     """Stretches that begin with a jump of c_theta or c_thetatheta."""
-    size = max(abs(value) for name in ("ACCEL_MIN", "ACCEL_MAX") for value in column(cam, name))
-    starts, ends, kicks = column(cam, "START2"), column(cam, "END2"), column(cam, "KICK")
+    size = max(abs(value) for name in ("accel_min", "accel_max") for value in column(cam, name))
+    starts, ends, kicks = column(cam, "start_c2"), column(cam, "end_c2"), column(cam, "slope_jump")
     return [
         n
-        for n in range(cam.stretches)
+        for n in range(len(cam.stretches))
         if kicks[n] != 0.0 or abs(starts[n] - ends[n - 1]) > SMALLEST_JUMP * size
     ]

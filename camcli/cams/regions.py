@@ -38,7 +38,7 @@ class Region:
 
 def corner_list(cam: Cam) -> list[Corner]:
     """Corners in ascending phase: a, b, c, ..., beyond z by number."""
-    starts = column(cam, "START")
+    starts = column(cam, "start")
     return [
         Corner(ascii_lowercase[k] if k < len(ascii_lowercase) else f"corner{k + 1}", starts[n], n)
         for k, n in enumerate(corners(cam))
@@ -49,12 +49,12 @@ def regions(cam: Cam) -> list[Region]:
     """A1 from the first corner on, the last one through theta = 0 to it; one without corners."""
     found = corner_list(cam)
     if not found:
-        return [Region("A1", 0.0, TURN, "", "", tuple(range(cam.stretches)))]
+        return [Region("A1", 0.0, TURN, "", "", tuple(range(len(cam.stretches))))]
     result = []
     for k, corner in enumerate(found):
         last = k == len(found) - 1
         after = found[0] if last else found[k + 1]
-        count = (after.stretch - corner.stretch - 1) % cam.stretches + 1
+        count = (after.stretch - corner.stretch - 1) % len(cam.stretches) + 1
         result.append(
             Region(
                 f"A{k + 1}",
@@ -62,7 +62,7 @@ def regions(cam: Cam) -> list[Region]:
                 after.theta + TURN if last else after.theta,
                 corner.name,
                 after.name,
-                tuple((corner.stretch + j) % cam.stretches for j in range(count)),
+                tuple((corner.stretch + j) % len(cam.stretches) for j in range(count)),
             )
         )
     return result

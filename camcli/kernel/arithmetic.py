@@ -1,4 +1,4 @@
-"""sin, cos and exp from IEEE additions and multiplications alone.
+"""sin, cos, exp and ln from IEEE additions and multiplications alone.
 
 The C library's versions differ in the last bit between machines, and a chaotic orbit
 differs with them; these give the same bits everywhere.
@@ -16,6 +16,7 @@ TWO_OVER_PI = 6.36619772367581382433e-01
 LN2_HI = 6.93147180369123816490e-01
 LN2_LO = 1.90821492927058770002e-10
 LOG2_E = 1.44269504088896338700e00
+LN2 = 0.6931471805599453
 UNDERFLOW = -745.2
 MEANINGLESS = 1e15  # beyond it one ulp of an angle is a sizeable part of a turn
 
@@ -91,3 +92,21 @@ def one_minus_exp_ratio(z):
     for k in range(17, 1, -1):
         total = 1.0 - total * z / k
     return total
+
+
+@outlined
+def natural_log(x):
+    """ln x for x > 0 to about 1 ulp, by 2 atanh((x - 1)/(x + 1)) of x/2^n in [0.7, 1.5)."""
+    twos = 0
+    while x >= 1.5:
+        x *= 0.5
+        twos += 1
+    while x < 0.7:
+        x *= 2.0
+        twos -= 1
+    z = (x - 1.0) / (x + 1.0)
+    y = z * z
+    total = 0.0
+    for k in range(23, 0, -2):
+        total = total * y + 1.0 / k
+    return 2.0 * z * total + twos * LN2

@@ -10,21 +10,27 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
+from copy import copy
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from threading import Lock
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 from camcli import errors
-from camcli.kernel.cam_table import Cam
-from camcli.kernel.marks import ENTRIES
+from camcli.kernel.cam_table import Cam, Stretch
+from camcli.kernel.cells import settle_cells
+from camcli.kernel.certify import certify_orbit
+from camcli.kernel.flow import Constants, Flow, fill_flows
+from camcli.kernel.orbit_loop import Log, Strobe, advance
+from camcli.kernel.shooting import correct_orbit
+from camcli.kernel.variational import stretch_events
 
-from camcli.kernel import entry_points  # noqa: F401  isort: skip  (fills ENTRIES)
-
+Row = TypeVar("Row")
 LITTLE_WORK = 10_000  # turns in all that plain Python does before a compiler would be loaded
 
 
@@ -32,11 +38,12 @@ LITTLE_WORK = 10_000  # turns in all that plain Python does before a compiler wo
 class Kernel:
     """The kernel's entries in one of their two forms, and tables in the form they take.
 
-    A table is a list in plain Python (numpy's scalars are slow there), else an array.
+    In plain Python a column is a list of numbers (numpy's scalars are slow there) and a table a
+    list of rows; compiled, both are arrays.
     """
 
     compiled: bool
-    prepare: Callable
+    fill_flows: Callable
     advance: Callable
     correct_orbit: Callable
     certify_orbit: Callable
@@ -44,7 +51,7 @@ class Kernel:
     stretch_events: Callable
 
     def numbers(self, values: Any, kind: type = float) -> Any:
-        """A table of floats or ints; it may be `values` itself."""
+        """A column of floats or ints; it may be `values` itself."""
         if not self.compiled:
             return values if isinstance(values, list) else [kind(value) for value in values]
         import numpy as np
@@ -52,21 +59,75 @@ class Kernel:
         return np.require(values, np.float64 if kind is float else np.int64, ["C", "W"])
 
     def zeros(self, count: int, kind: type = float) -> Any:
-        """A table of zeros."""
-        return self.numbers([kind(0)] * count, kind)
+        """A column of zeros."""
+        if not self.compiled:
+            return [kind(0)] * count
+        import numpy as np
+
+        return np.zeros(count, np.float64 if kind is float else np.int64)
+
+    def table(self, kind: type, rows: Sequence) -> Any:
+        """A table of rows of `kind`, a class of float and int fields; it may be `rows` itself.
+
+        What the kernel writes into a row is read as an attribute of table[n] in both forms.
+        """
+        if not self.compiled:
+            return rows if isinstance(rows, list) else list(rows)
+        import numpy as np
+
+        names = tuple(kind.__annotations__)
+        values = [tuple(getattr(row, name) for name in names) for row in rows]
+        return np.array(values, _row_type(kind))
+
+    def room(self, kind: type, count: int) -> Any:
+        """A table of rows of zeros, for a kind whose defaults are zeros."""
+        if not self.compiled:
+            return [kind() for _ in range(count)]
+        import numpy as np
+
+        return np.zeros(count, _row_type(kind))
+
+    def log(self, rows: int) -> Log:
+        """Room for so many events."""
+        kind, period = self.zeros(rows, int), self.zeros(rows, int)
+        return Log(kind, period, self.zeros(rows), self.zeros(rows), self.zeros(rows), rows)
+
+    def strobe(self, rows: int) -> Strobe:
+        """Room for so many periods."""
+        q, w = self.zeros(rows), self.zeros(rows)
+        return Strobe(q, w, self.zeros(rows, int), self.zeros(rows, int), rows)
 
     def cam(self, cam: Cam) -> Cam:
         """The tables of a cam."""
-        return cam._replace(rows=self.numbers(cam.rows), pieces=self.numbers(cam.pieces))
+        stretches = self.table(Stretch, cam.stretches)
+        return cam._replace(stretches=stretches, pieces=self.numbers(cam.pieces))
 
-    def stretch_flows(self, cam: Cam, constants: Any) -> Any:
-        """The table of `entry_points.prepare`, for a cam in this kernel's form."""
-        flows = self.zeros(3 * cam.stretches * cam.stretches)
-        self.prepare(cam, constants, flows)
+    def stretch_flows(self, cam: Cam, constants: Constants) -> Any:
+        """The table of `flow.fill_flows`, for a cam in this kernel's form."""
+        flows = self.room(Flow, len(cam.stretches) ** 2)
+        self.fill_flows(cam, constants, flows)
         return flows
 
 
-PLAIN = Kernel(compiled=False, **ENTRIES)
+def row_of(kind: type[Row], row: Any) -> Row:
+    """A row of a `Kernel.table` as an object of plain numbers."""
+    if isinstance(row, kind):
+        return copy(row)
+    return kind(*row.item())
+
+
+@cache
+def _row_type(kind: type) -> Any:
+    """The type of an array of such rows; one object, which numba recognises quickly."""
+    import numpy as np
+
+    fields = [(name, np.dtype(of)) for name, of in kind.__annotations__.items()]
+    return np.dtype((np.record, fields))
+
+
+PLAIN = Kernel(
+    False, fill_flows, advance, correct_orbit, certify_orbit, settle_cells, stretch_events
+)
 _compiled: Kernel | None = None
 _loading = Lock()
 

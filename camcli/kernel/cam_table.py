@@ -14,41 +14,41 @@ TURN = 6.283185307179586  # rad, 2 pi as a double
 TERMS = 14  # coefficients of a piece
 ORDERS = 7  # c and its derivatives up to the sixth
 
-# Columns of `Cam.rows`, a row per stretch. Lengths in m, angles in rad, derivatives by theta.
-COLUMNS = (
-    "START",  # right-sided values here belong to this stretch
-    "END",  # the next start; 2 pi for the last
-    "FIRST",  # first piece
-    "COUNT",  # number of pieces
-    "PER_ANGLE",  # pieces per rad
-    "START0",  # c, right-sided at the start
-    "START1",  # c_theta
-    "START2",  # c_thetatheta
-    "END0",  # c, left-sided at the end
-    "END1",
-    "END2",
-    "KICK",  # jump of c_theta at the start, 0 where it is continuous
-    "ACCEL_MIN",  # bounds of c_thetatheta on the stretch
-    "ACCEL_MAX",
-    "JERK_MAX",  # bound on the third derivative
-    "SNAP_MAX",  # bound on the fourth
-    "RADIUS",  # how far a Taylor series of order 6 is exact to 2e-17 m/rad
-    "LOW",  # lower bound of c
-    "SLOPE_LOW",  # lower bound of c_theta
-)
-ROW = len(COLUMNS)
-START, END, FIRST, COUNT, PER_ANGLE = 0, 1, 2, 3, 4
-START0, START1, START2, END0, END1, END2, KICK = 5, 6, 7, 8, 9, 10, 11
-ACCEL_MIN, ACCEL_MAX, JERK_MAX, SNAP_MAX, RADIUS, LOW, SLOPE_LOW = 12, 13, 14, 15, 16, 17, 18
 PIECE = 1 + ORDERS * TERMS  # a piece: its centre, then the coefficients of each derivative
 
 
-class Cam(NamedTuple):
-    """Tables of one cam. Two flat tables only: every array costs at every call."""
+class Stretch(NamedTuple):
+    """A row of the table: m, rad, derivatives by theta.
 
-    rows: Any  # (stretches * ROW,)
-    pieces: Any  # (pieces * PIECE,), coefficients lowest power first
-    stretches: int
+    Values at the start are right-sided and belong to this stretch, those at the end left-sided.
+    """
+
+    start: float
+    end: float  # the next start; 2 pi for the last
+    first_piece: int
+    piece_count: int
+    per_angle: float  # pieces per rad
+    start_c: float
+    start_c1: float  # c_theta
+    start_c2: float  # c_thetatheta
+    end_c: float
+    end_c1: float
+    end_c2: float
+    slope_jump: float  # of c_theta at the start, 0 where it is continuous
+    accel_min: float  # bounds of c_thetatheta on the stretch
+    accel_max: float
+    jerk_max: float  # bound on the third derivative
+    snap_max: float  # bound on the fourth
+    radius: float  # how far a Taylor series of order 6 is exact to 2e-17 m/rad
+    c_min: float  # lower bounds of c and c_theta
+    slope_min: float
+
+
+class Cam(NamedTuple):
+    """Tables of one cam."""
+
+    stretches: Any  # table of Stretch
+    pieces: Any  # (pieces * PIECE,), coefficients lowest power first; flat: a row is too long
     strobe: int  # stretch that begins at the strobe phase
     top: float  # largest c of the turn, m
 
@@ -79,12 +79,11 @@ def polynomial(table, o, x):
 @inlined
 def piece_at(cam, i, theta):
     """Offset in cam.pieces of the piece of stretch i that holds theta (clamped to the stretch)."""
-    row = i * ROW
-    k = int((theta - cam.rows[row + START]) * cam.rows[row + PER_ANGLE])
-    last = int(cam.rows[row + COUNT]) - 1
+    k = int((theta - cam.stretches[i].start) * cam.stretches[i].per_angle)
+    last = cam.stretches[i].piece_count - 1
     if k > last:
         k = last
-    return (int(cam.rows[row + FIRST]) + k) * PIECE
+    return (cam.stretches[i].first_piece + k) * PIECE
 
 
 @inlined
@@ -102,11 +101,10 @@ def lift(cam, i, theta):
 @inlined
 def lift_at(cam, i, theta):
     """`lift`, reading the stored values at the two ends of the stretch."""
-    row = i * ROW
-    if theta == cam.rows[row + START]:
-        return cam.rows[row + START0], cam.rows[row + START1], cam.rows[row + START2]
-    if theta == cam.rows[row + END]:
-        return cam.rows[row + END0], cam.rows[row + END1], cam.rows[row + END2]
+    if theta == cam.stretches[i].start:
+        return cam.stretches[i].start_c, cam.stretches[i].start_c1, cam.stretches[i].start_c2
+    if theta == cam.stretches[i].end:
+        return cam.stretches[i].end_c, cam.stretches[i].end_c1, cam.stretches[i].end_c2
     return lift(cam, i, theta)
 
 
@@ -133,7 +131,7 @@ def higher(cam, i, theta):
 @inlined
 def stretch_at(cam, theta):
     """Index of the stretch that holds theta in [0, 2 pi); a boundary belongs to the right."""
-    i = cam.stretches - 1
-    while cam.rows[i * ROW + START] > theta:
+    i = len(cam.stretches) - 1
+    while cam.stretches[i].start > theta:
         i -= 1
     return i

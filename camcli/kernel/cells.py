@@ -9,31 +9,55 @@ erases all memory: the few states (gap, rate) at the strobe after one are known 
 they lead to, or that the motion is to be followed on; at another one a start stops.
 """
 
+from enum import IntEnum
 from typing import Any, NamedTuple
 
-from camcli.kernel.cam_table import ROW, START
-from camcli.kernel.marks import inlined
-from camcli.kernel.orbit_loop import GAP, MODE, OK, PERIOD, RATE, STRETCH, THETA, TOTAL, Plan, run
+from camcli.kernel.marks import entry, inlined
+from camcli.kernel.orbit_loop import OK, Plan, run
 
-UNDECIDED = -1  # outcome: the budget of turns was used up; below it, see `trouble`
-FORGOTTEN = -2  # outcome of a state after a rest: nothing is known of what it leads to
-GOES_ON = -3  # outcome of a state after a rest: it is to be followed on
-NEW_REST = -4  # outcome: stopped after a rest with an unknown state
+
+class Outcome(IntEnum):
+    """Of a cell that ended at no attractor; an attractor is its index, see also `trouble`."""
+
+    UNDECIDED = -1  # the budget of turns was used up
+    FORGOTTEN = -2  # of a state after a rest: nothing is known of what it leads to
+    GOES_ON = -3  # of a state after a rest: it is to be followed on
+    NEW_REST = -4  # stopped after a rest with an unknown state
+
+
+UNDECIDED, FORGOTTEN, GOES_ON, NEW_REST = (int(outcome) for outcome in Outcome)
 ENDLESS = 1 << 62
-POINT = 6  # entries of a point in Targets.real
-LINK = 4  # entries of a point in Targets.whole
-CELL = 5  # entries of a cell in Cells.whole
-MODE_OF, OUTCOME, TURNS, STAY, SYMBOL = 0, 1, 2, 3, 4
 CHATTERED_TURN = -1  # symbol of a turn in which a chatter is completed, else its impacts
 SETTLED_FORM = 1e-10  # a form below this may be rounding; it need not shrink any more
+
+
+class Point(NamedTuple):
+    """A point of a periodic attractor on the section, and the turn that begins there."""
+
+    gap: float  # m
+    rate: float  # m/rad
+    a: float  # of the form A x^2 + B x y + C y^2
+    b: float
+    c: float
+    shrink: float  # factor by which the form shrinks in a period
+    attractor: int
+    following: int  # the next point of the ring
+    symbol: int  # impacts of the turn, or CHATTERED_TURN
+    turns: int  # of the whole ring
+
+
+class Rest(NamedTuple):
+    """A known state at the strobe after a complete chatter."""
+
+    gap: float
+    rate: float
+    end: int  # attractor, FORGOTTEN or GOES_ON
 
 
 class Targets(NamedTuple):
     """The known attractors of one speed."""
 
-    real: Any  # (points * POINT,): gap m, rate m/rad, A, B, C, factor by which the form shrinks
-    whole: Any  # (points * LINK,) int: attractor, next point, symbol of the turn, turns in all
-    points: int
+    points: Any  # table of Point
     boxes: Any  # (rows * columns,) int: 1 + the aperiodic attractor that visits the box, or 0
     stay: Any  # (attractors,) int: turns in its boxes that decide, for aperiodic ones
     gap: float  # lowest gap of the boxes
@@ -42,53 +66,47 @@ class Targets(NamedTuple):
     per_rate: float
     columns: int  # boxes along the gap; 0: no aperiodic attractor
     rows: int  # boxes along the rate
-    rest: Any  # (rests * 2,): gap m, rate m/rad at the strobe after a complete chatter
-    ends: Any  # (rests,) int: attractor, FORGOTTEN or GOES_ON
-    rests: int  # known states after a rest; -1: rests are of no interest
-    near: Any  # (2,): m, m/rad within which two of them are one
+    rests: Any  # table of Rest
+    watch_rests: int  # 0: rests are of no interest
+    near: float  # m and m/rad within which two rests are one
 
 
 class Cells(NamedTuple):
-    """A block of starts, overwritten by where they are left."""
+    """Columns of a block of starts, overwritten by where they are left; (count,) each."""
 
-    real: Any  # (cells * 2,): gap m, rate m/rad
-    whole: Any  # (cells * CELL,) int: mode, outcome, turns used, longest stay, last symbol
-    count: int
+    gap: Any  # m
+    rate: Any  # m/rad
+    mode: Any  # int
+    outcome: Any  # int
+    turns: Any  # int, used up
+    stay: Any  # int, longest stay in boxes
+    symbol: Any  # int, of the last turn
+    impacts: Any  # int
 
 
 class Room(NamedTuple):
-    """What one cell needs while it runs, and the tally of all of them."""
+    """What one cell needs while it runs."""
 
-    state: Any  # (3,)
-    count: Any  # (9,) int
-    log: Any  # orbit.Log without rows
-    strobe: Any  # orbit.Strobe with one row
-    work: Any  # (3,) int
-    tally: Any  # (2,) int: impacts, turns
+    states: Any  # one State
+    works: Any  # one Work, of all cells
+    log: Any  # Log without rows
+    strobe: Any  # Strobe of one row
 
 
-@inlined
-def follow(cam, lane, turns, targets, cells, budget, room):
+@entry
+def settle_cells(cam, const, flows, targets, cells, budget, room):
     """Follow every cell of the block for at most `budget` turns; nothing is returned."""
-    for n in range(cells.count):
-        o = CELL * n
-        for k in range(9):
-            room.count[k] = 0
-        room.state[THETA] = cam.rows[cam.strobe * ROW + START]
-        room.state[GAP] = cells.real[2 * n]
-        room.state[RATE] = cells.real[2 * n + 1]
-        room.count[MODE] = cells.whole[o + MODE_OF]
-        room.count[STRETCH] = cam.strobe
-        outcome, used, stay, symbol = settle_cell(cam, lane, turns, targets, budget, room)
-        cells.real[2 * n] = room.state[GAP]
-        cells.real[2 * n + 1] = room.state[RATE]
-        cells.whole[o + MODE_OF] = room.count[MODE]
-        cells.whole[o + OUTCOME] = outcome
-        cells.whole[o + TURNS] = used
-        cells.whole[o + STAY] = stay
-        cells.whole[o + SYMBOL] = symbol
-        room.tally[0] += room.count[TOTAL]
-        room.tally[1] += used
+    state = room.states[0]
+    for n in range(len(cells.gap)):
+        state.theta = cam.stretches[cam.strobe].start
+        state.gap, state.gap_rate = cells.gap[n], cells.rate[n]
+        state.mode, state.stretch = cells.mode[n], cam.strobe
+        state.impacts, state.chattered, state.idle, state.total_impacts = 0, 0, 0, 0
+        outcome, used, stay, symbol = settle_cell(cam, const, flows, targets, budget, room)
+        cells.gap[n], cells.rate[n] = state.gap, state.gap_rate
+        cells.mode[n], cells.outcome[n] = state.mode, outcome
+        cells.turns[n], cells.stay[n], cells.symbol[n] = used, stay, symbol
+        cells.impacts[n] = state.total_impacts
 
 
 @inlined
@@ -98,80 +116,79 @@ def trouble(status):
 
 
 @inlined
-def settle_cell(cam, lane, turns, targets, budget, room):
+def settle_cell(cam, const, flows, targets, budget, room):
     """(outcome, turns used, longest stay in boxes, symbol of the last turn) of one cell."""
-    plan, log, strobe, work = Plan(0, 1, ENDLESS), room.log, room.strobe, room.work
-    at = enter(targets, room.state[GAP], room.state[RATE])
-    first = form(targets, at, room.state[GAP], room.state[RATE]) if at >= 0 else 0.0
+    state, plan, strobe = room.states[0], Plan(0, 1, ENDLESS), room.strobe
+    at = containing_point(targets, state.gap, state.gap_rate)
+    first = form(targets, at, state.gap, state.gap_rate) if at >= 0 else 0.0
     passed = 0
-    home = visited(targets, room.state[GAP], room.state[RATE])
+    box_before = visited_box(targets, state.gap, state.gap_rate)
     stay, longest, symbol = 0, 0, 0
     for used in range(1, budget + 1):
-        room.count[PERIOD] = 0
-        status = run(cam, lane, turns, room.state, room.count, plan, log, strobe, work)
+        state.period = 0
+        status = run(cam, const, flows, state, plan, room.log, strobe, room.works[0])
         if status != OK:
             return trouble(status), used, longest, symbol
-        symbol = CHATTERED_TURN if strobe.events[1] else strobe.events[0]
-        gap, rate = room.state[GAP], room.state[RATE]
-        if symbol == CHATTERED_TURN and targets.rests >= 0:
-            end = rested(targets, gap, rate)
+        symbol = CHATTERED_TURN if strobe.chatter[0] else strobe.impacts[0]
+        gap, rate = state.gap, state.gap_rate
+        if symbol == CHATTERED_TURN and targets.watch_rests:
+            end = known_rest(targets, gap, rate)
             if end != GOES_ON:
                 return end, used, longest, symbol
         if at >= 0:
-            to = targets.whole[LINK * at + 1]
+            to = targets.points[at].following
             size = form(targets, to, gap, rate)
-            if symbol == targets.whole[LINK * at + 2] and size <= 1.0:
+            if symbol == targets.points[at].symbol and size <= 1.0:
                 at = to
                 passed += 1
-                if passed == targets.whole[LINK * at + 3]:
-                    if size <= targets.real[POINT * at + 5] * first or size <= SETTLED_FORM:
-                        return targets.whole[LINK * at], used, longest, symbol
+                if passed == targets.points[at].turns:
+                    if size <= targets.points[at].shrink * first or size <= SETTLED_FORM:
+                        return targets.points[at].attractor, used, longest, symbol
                     first, passed = size, 0
             else:
                 at = -1
         if at < 0:
-            at, passed = enter(targets, gap, rate), 0
+            at, passed = containing_point(targets, gap, rate), 0
             first = form(targets, at, gap, rate) if at >= 0 else 0.0
-        here = visited(targets, gap, rate)
-        stay = stay + 1 if here == home and here > 0 else 0
-        home = here
+        box = visited_box(targets, gap, rate)
+        stay = stay + 1 if box == box_before and box > 0 else 0
+        box_before = box
         longest = max(longest, stay)
-        if here > 0 and stay >= targets.stay[here - 1]:
-            return here - 1, used, longest, symbol
+        if box > 0 and stay >= targets.stay[box - 1]:
+            return box - 1, used, longest, symbol
     return UNDECIDED, budget, longest, symbol
 
 
 @inlined
 def form(targets, j, gap, rate):
     """A x^2 + B x y + C y^2 of a state about point j; at most 1 inside its ellipse."""
-    o = POINT * j
-    x = gap - targets.real[o]
-    y = rate - targets.real[o + 1]
-    return (targets.real[o + 2] * x + targets.real[o + 3] * y) * x + targets.real[o + 4] * y * y
+    point = targets.points[j]
+    x = gap - point.gap
+    y = rate - point.rate
+    return (point.a * x + point.b * y) * x + point.c * y * y
 
 
 @inlined
-def enter(targets, gap, rate):
+def containing_point(targets, gap, rate):
     """The first point whose ellipse holds the state, or -1."""
-    for j in range(targets.points):
+    for j in range(len(targets.points)):
         if form(targets, j, gap, rate) <= 1.0:
             return j
     return -1
 
 
 @inlined
-def rested(targets, gap, rate):
+def known_rest(targets, gap, rate):
     """Outcome of a state at the strobe after a complete chatter; NEW_REST where it is unknown."""
-    for j in range(targets.rests):
-        x = gap - targets.rest[2 * j]
-        y = rate - targets.rest[2 * j + 1]
-        if abs(x) <= targets.near[0] and abs(y) <= targets.near[1]:
-            return targets.ends[j]
+    for j in range(len(targets.rests)):
+        rest = targets.rests[j]
+        if abs(gap - rest.gap) <= targets.near and abs(rate - rest.rate) <= targets.near:
+            return rest.end
     return NEW_REST
 
 
 @inlined
-def visited(targets, gap, rate):
+def visited_box(targets, gap, rate):
     """1 + the aperiodic attractor whose boxes hold the state, or 0."""
     if targets.columns == 0:
         return 0

@@ -1,12 +1,25 @@
 """Is a root of the shooting equations a motion? The same contact search as everywhere tells."""
 
-from camcli.kernel.cam_table import END, KICK, ROW, START, TURN
+from enum import IntEnum
+
+from camcli.kernel.cam_table import TURN
 from camcli.kernel.contact_search import LANDED, LOST, STUCK
 from camcli.kernel.flight import BOUNCED, FREE, fly
-from camcli.kernel.flow import flow, lane_of
-from camcli.kernel.marks import inlined
+from camcli.kernel.flow import constants_of, flow
+from camcli.kernel.marks import entry, inlined
 
-ADMISSIBLE, EARLY, LATE, PULLS, DOUBTFUL = range(5)  # verdicts
+
+class Verdict(IntEnum):
+    """On a root of the shooting equations."""
+
+    ADMISSIBLE = 0
+    EARLY = 1  # a contact comes before the next impact: the root penetrates the cam
+    LATE = 2  # the flight misses the next impact
+    PULLS = 3  # an impact would have to pull
+    DOUBTFUL = 4  # nearer to grazing than doubles can tell
+
+
+ADMISSIBLE, EARLY, LATE, PULLS, DOUBTFUL = (int(verdict) for verdict in Verdict)
 NO_CHATTER_MAP = -1.0  # a tolerance below every error
 SAME = 1e-6  # rad, a contact this close to the root's own impact is that impact
 IMPACT_AT, PHASE = 0, 1  # entries of `found`
@@ -14,52 +27,46 @@ MOST_STEPS = 100_000
 
 
 @inlined
-def across_only(cam, lane, turns):
-    """Fill the part of `turns` that crossing one stretch needs (see `entry_points.prepare`)."""
-    n = cam.stretches
+def fill_crossings(cam, const, flows):
+    """Fill the part of the table of flows that crossing one stretch needs."""
+    n = len(cam.stretches)
     for i in range(n):
-        length = cam.rows[i * ROW + END] - cam.rows[i * ROW + START]
-        o = 3 * n * i
-        turns[o], turns[o + 1], turns[o + 2] = flow(lane, length)
+        row = flows[n * i]
+        row.b, row.b1, row.p = flow(const, cam.stretches[i].end - cam.stretches[i].start)
 
 
 @inlined
-def next_contact(cam, lane, turns, i, theta, v, most, work):
+def next_contact(cam, const, flows, i, theta, v, most, work):
     """(code, theta, turn) of the first contact after an impact at theta with outgoing rate v.
 
-    `turn` counts strobe-independent turns (passages of theta = 0); at most `most` of them.
+    `turn` counts strobe-independent flows (passages of theta = 0); at most `most` of them.
     """
     gap, rate, mode, turn = 0.0, v, BOUNCED, 0
     for _ in range(MOST_STEPS):
-        code, theta, gap, rate = fly(cam, lane, turns, i, theta, gap, rate, mode, work)
+        code, theta, gap, rate = fly(cam, const, flows, i, theta, gap, rate, mode, work)
         mode = FREE
         if code in (STUCK, LOST):
             return code, theta, turn
-        if theta < cam.rows[i * ROW + END]:
+        if theta < cam.stretches[i].end:
             if code == LANDED:
                 return code, theta, turn
             continue
         i += 1
-        if i == cam.stretches:
+        if i == len(cam.stretches):
             i = 0
             turn += 1
             if turn > most:
                 return code, theta, turn
-        theta = cam.rows[i * ROW + START]
-        rate -= cam.rows[i * ROW + KICK]
+        theta = cam.stretches[i].start
+        rate -= cam.stretches[i].slope_jump
     return LOST, theta, turn
 
 
-@inlined
-def certify(cam, machine, n, turns, whole, x, rates, table, found, work):
-    """Verdict on the root x of the shooting equations; `found`: impact and phase it rests on.
-
-    EARLY: a contact comes before the next impact, the root penetrates the cam. LATE: the flight
-    misses the next impact. PULLS: an impact would have to pull. DOUBTFUL: nearer to grazing than
-    doubles can tell.
-    """
-    lane = lane_of(machine, NO_CHATTER_MAP, 0)
-    across_only(cam, lane, table)
+@entry
+def certify_orbit(cam, machine, n, turns, whole, x, rates, flows, found, works):
+    """The `Verdict` on a root x of the shooting equations; found: impact and phase it rests on."""
+    const, work = constants_of(machine, NO_CHATTER_MAP, 0), works[0]
+    fill_crossings(cam, const, flows)
     for k in range(n):
         found[IMPACT_AT], found[PHASE] = k, x[2 * k]
         if rates[k] >= 0.0:
@@ -68,7 +75,7 @@ def certify(cam, machine, n, turns, whole, x, rates, table, found, work):
         j = (k + 1) % n
         later = whole[2 * j + 1] - whole[2 * k + 1] + (turns if k == n - 1 else 0)
         code, theta, turn = next_contact(
-            cam, lane, table, whole[2 * k], x[2 * k], x[2 * k + 1], later + 1, work
+            cam, const, flows, whole[2 * k], x[2 * k], x[2 * k + 1], later + 1, work
         )
         found[IMPACT_AT], found[PHASE] = k, theta
         if code == STUCK:

@@ -15,32 +15,34 @@ decides the step:
 Contacts closer than the rounding of q - c (about 1e-16 of the lift) to a graze may fall either way.
 """
 
+from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
 
-from camcli.kernel.cam_table import (
-    ACCEL_MAX,
-    ACCEL_MIN,
-    END,
-    END0,
-    END1,
-    JERK_MAX,
-    ROW,
-    START,
-    lift_at,
-)
+from camcli.kernel.cam_table import PIECE, TERMS, lift_at, piece_at
 from camcli.kernel.flow import flow
-from camcli.kernel.gap_series import LONGEST_PHASE, NEAR, gap_near
 from camcli.kernel.marks import inlined, outlined
 
 CLEAR, LANDED, ACCUMULATED, STUCK, LOST = 0, 1, 2, 3, 4  # how a step ends
-EVALUATIONS, CROSSINGS, STEPS = 0, 1, 2  # counters in `work`
 
 PHASE_CAP = 1.5  # largest W s of one step, so that one series covers it
 MOST_HALVINGS = 60
 MOST_REFINEMENTS = 80
 MEANING = 4.0 * 2.220446049250313e-16
+NEAR = 0.03125  # rad, longest flight for which `gap_near` is worth its cost
+LONGEST_PHASE = 0.125  # (W + 2 Z) s that its MOST_TERMS terms cover to rounding
+MOST_TERMS = 10
+INVERSE = (0.0, *(1.0 / n for n in range(1, MOST_TERMS + 2)))
 CONVERGED = 3e-6  # a Halley step this small, in units of u/accel, leaves less than one ulp
+
+
+@dataclass(slots=True)
+class Tally:
+    """Counters of the work done."""
+
+    evaluations: int = 0  # of the closed form
+    crossings: int = 0  # of stretches, by the table of flows
+    steps: int = 0  # of the orbit loop
 
 
 class Flight(NamedTuple):
@@ -60,43 +62,42 @@ class Flight(NamedTuple):
 
 
 @inlined
-def flight_at(cam, lane, i, theta, gap, rate):
+def flight_at(cam, const, i, theta, gap, rate):
     """The flight that begins with (gap, rate) at theta of stretch i."""
     c, c1, c2 = lift_at(cam, i, theta)
     q = c + gap
     w = c1 + rate
-    force = lane.G + lane.W2 * q
-    q2 = -force - 2.0 * lane.Z * w
-    q3 = -2.0 * lane.Z * q2 - lane.W2 * w
-    energy = abs(q3) + lane.W * abs(q2)
-    end = cam.rows[i * ROW + END] - theta
+    force = const.G + const.W2 * q
+    q2 = -force - 2.0 * const.Z * w
+    q3 = -2.0 * const.Z * q2 - const.W2 * w
+    energy = abs(q3) + const.W * abs(q2)
+    end = cam.stretches[i].end - theta
     return Flight(theta, gap, rate, q, w, force, q2, q3, c2, energy, end)
 
 
 @inlined
-def search(cam, lane, turns, i, f, work):
+def search(cam, const, flows, i, f, work):
     """One certified step of a flight (see the module): CLEAR, LANDED or LOST."""
-    row = i * ROW
-    drift = cam.rows[row + JERK_MAX]
-    curvature = (2.0 * lane.Z + lane.W) * f.energy * 0.125
-    reach = abs(f.q2) + lane.W * abs(f.w)
+    drift = cam.stretches[i].jerk_max
+    curvature = (2.0 * const.Z + const.W) * f.energy * 0.125
+    reach = abs(f.q2) + const.W * abs(f.w)
     s = f.end
-    if lane.W * s > PHASE_CAP:
-        s = PHASE_CAP / lane.W
+    if const.W * s > PHASE_CAP:
+        s = PHASE_CAP / const.W
     for _ in range(MOST_HALVINGS):
-        if s == f.end and f.theta == cam.rows[row + START]:
-            g1, u1, y1 = _across(cam, lane, turns, i, f, work)
+        if s == f.end and f.theta == cam.stretches[i].start:
+            g1, u1, y1 = _across(cam, const, flows, i, f, work)
         else:
-            g1, u1, a1 = gap_at(cam, lane, i, f, s, work)
-            y1 = a1 + lift_at(cam, i, min(f.theta + s, cam.rows[row + END]))[2]
+            g1, u1, a1 = gap_at(cam, const, i, f, s, work)
+            y1 = a1 + lift_at(cam, i, min(f.theta + s, cam.stretches[i].end))[2]
         slack = curvature * s * s
         lowest, highest = max(min(f.q2, y1) - slack, -reach), min(max(f.q2, y1) + slack, reach)
-        low = lowest - min(cam.rows[row + ACCEL_MAX], f.c2 + drift * s)
-        high = highest - max(cam.rows[row + ACCEL_MIN], f.c2 - drift * s)
-        stop = cam.rows[row + END] if s == f.end else f.theta + s
+        low = lowest - min(cam.stretches[i].accel_max, f.c2 + drift * s)
+        high = highest - max(cam.stretches[i].accel_min, f.c2 - drift * s)
+        stop = cam.stretches[i].end if s == f.end else f.theta + s
         falls = f.rate < 0.0 and (low >= 0.0 or f.rate + high * s < 0.0)
         if (high <= 0.0 or falls) and g1 <= 0.0:
-            return land(cam, lane, i, f, s, guess(f.gap, f.rate, f.q2 - f.c2, s, g1, u1), work)
+            return land(cam, const, i, f, s, guess(f.gap, f.rate, f.q2 - f.c2, s, g1, u1), work)
         if high <= 0.0:
             return CLEAR, stop, g1, u1
         if low >= 0.0:
@@ -105,51 +106,51 @@ def search(cam, lane, turns, i, f, work):
             meet = (g1 - f.gap - u1 * s) / (f.rate - u1)
             if f.gap + f.rate * meet > 0.0:
                 return CLEAR, stop, g1, u1
-            return dip(cam, lane, i, f, s, stop, g1, u1, work)
+            return dip(cam, const, i, f, s, stop, g1, u1, work)
         if g1 > 0.0 and f.gap + f.rate * s + 0.5 * low * s * s > 0.0:
             return CLEAR, stop, g1, u1
         if min(f.gap, g1) > 0.125 * high * s * s:
             return CLEAR, stop, g1, u1
-        s *= 0.5 if lane.Z * s < 8.0 else 0.125  # a stiff damper's layer is thin
+        s *= 0.5 if const.Z * s < 8.0 else 0.125  # a stiff damper's layer is thin
         if f.theta + s == f.theta:
             break
     return LOST, f.theta, f.gap, f.rate
 
 
 @inlined
-def _across(cam, lane, turns, i, f, work):
+def _across(cam, const, flows, i, f, work):
     """(gap, gap_rate, q'') at the end of stretch i of a flight from its start, by the table."""
-    work[CROSSINGS] += 1
-    o = 3 * cam.stretches * i
-    b, b1, p = turns[o], turns[o + 1], turns[o + 2]
+    work.crossings += 1
+    row = flows[len(cam.stretches) * i]
+    b, b1, p = row.b, row.b1, row.p
     x = f.q + (f.w * b - f.force * p)
     v = f.w * b1 - f.force * b
-    y = -lane.G - lane.W2 * x - 2.0 * lane.Z * v
-    return x - cam.rows[i * ROW + END0], v - cam.rows[i * ROW + END1], y
+    y = -const.G - const.W2 * x - 2.0 * const.Z * v
+    return x - cam.stretches[i].end_c, v - cam.stretches[i].end_c1, y
 
 
 @inlined
-def gap_at(cam, lane, i, f, s, work):
+def gap_at(cam, const, i, f, s, work):
     """(gap, gap_rate, gap_accel) after s rad of the flight, within stretch i.
 
     From the closed form of q and c, or where s is short in relative coordinates: q - c of two large
     numbers would drown a low hop.
     """
-    work[EVALUATIONS] += 1
-    if s <= NEAR and (lane.W + 2.0 * lane.Z) * s <= LONGEST_PHASE:
-        return gap_near(cam, lane, i, f, s)
+    work.evaluations += 1
+    if s <= NEAR and (const.W + 2.0 * const.Z) * s <= LONGEST_PHASE:
+        return gap_near(cam, const, i, f, s)
     at = f.theta + s
-    if at > cam.rows[i * ROW + END]:
-        at = cam.rows[i * ROW + END]
+    if at > cam.stretches[i].end:
+        at = cam.stretches[i].end
     c, c1, c2 = lift_at(cam, i, at)
-    b, b1, p = flow(lane, s)
+    b, b1, p = flow(const, s)
     x = f.q + (f.w * b - f.force * p)
     v = f.w * b1 - f.force * b
-    return x - c, v - c1, -lane.G - lane.W2 * x - 2.0 * lane.Z * v - c2
+    return x - c, v - c1, -const.G - const.W2 * x - 2.0 * const.Z * v - c2
 
 
 @inlined
-def land(cam, lane, i, f, high, first, work):
+def land(cam, const, i, f, high, first, work):
     """Root of the gap between 0 and `high` (gap <= 0) where it is the only one; first: a guess.
 
     Halley's iteration kept inside the bracket. A step below CONVERGED u/accel leaves an error of
@@ -161,7 +162,7 @@ def land(cam, lane, i, f, high, first, work):
     u = 0.0
     last, accel = 0.0, f.q2 - f.c2
     for _ in range(MOST_REFINEMENTS):
-        g, u, a = gap_at(cam, lane, i, f, s, work)
+        g, u, a = gap_at(cam, const, i, f, s, work)
         if g > 0.0:
             low = s
         else:
@@ -183,7 +184,7 @@ def land(cam, lane, i, f, high, first, work):
             s = after
             break
         last, accel, s = s, a, after
-    return LANDED, min(f.theta + s, cam.rows[i * ROW + END]), 0.0, u
+    return LANDED, min(f.theta + s, cam.stretches[i].end), 0.0, u
 
 
 @inlined
@@ -202,7 +203,7 @@ def guess(gap, rate, accel, s, g1, u1):
 
 
 @outlined
-def dip(cam, lane, i, f, end, stop, g_end, u_end, work):
+def dip(cam, const, i, f, end, stop, g_end, u_end, work):
     """A convex gap with its minimum inside the step: Newton from the left, contact or minimum.
 
     Every iterate is left of the first root, if there is one (the tangent lies below the gap); a
@@ -219,5 +220,74 @@ def dip(cam, lane, i, f, end, stop, g_end, u_end, work):
         s += step
         if s >= end:
             return CLEAR, stop, g_end, u_end
-        g, u, _ = gap_at(cam, lane, i, f, s, work)
+        g, u, _ = gap_at(cam, const, i, f, s, work)
     return LANDED, f.theta + s, 0.0, u
+
+
+@outlined
+def gap_near(cam, const, i, f, s):
+    """(gap, gap_rate, gap_accel) after s > 0 of the flight f, s <= NEAR and within stretch i.
+
+    Relative coordinates, so nothing cancels however low the hop is:
+        gap(s) = gap + rate s + s^2 Q(s) - fall(s),
+        fall = c(theta + s) - c(theta) - c_theta(theta) s.
+    Within a piece of the cam, fall/s^2 is the second divided difference of its polynomial (two
+    synthetic divisions and a Horner sum in one loop); over several pieces the parts add up with the
+    slope gained before. The follower's part is Q = sum T_n/((n + 1)(n + 2)) with
+        T_0 = q'', T_1 = q3 s, T_n = (-2 Z s T_{n-1} - W^2 s^2 T_{n-2}/(n - 1))/n,
+    from q'''' = -2 Z q''' - W^2 q''; the slope has sum T_n/(n + 1), the acceleration sum T_n.
+    """
+    fall, slope = cam_fall(cam, i, f.theta, s)
+    at = f.theta + s
+    end = cam.stretches[i].end
+    accel = lift_at(cam, i, at if at < end else end)[2]
+    before, term = f.q2, f.q3 * s
+    q_fall = 0.5 * before + term * INVERSE[6]
+    q_slope = before + 0.5 * term
+    q_accel = before + term
+    spring, damper = const.W2 * s * s, 2.0 * const.Z * s
+    for n in range(2, MOST_TERMS):
+        after = -(damper * term + spring * before * INVERSE[n - 1]) * INVERSE[n]
+        before, term = term, after
+        q_accel += term
+        q_slope += term * INVERSE[n + 1]
+        q_fall += term * INVERSE[n + 1] * INVERSE[n + 2]
+    gap = f.gap + (s * (f.rate + s * q_fall) - fall)
+    return gap, f.rate + (s * q_slope - slope), q_accel - accel
+
+
+@outlined
+def cam_fall(cam, i, theta, s):
+    """(c(theta + s) - c(theta) - c_theta(theta) s, c_theta(theta + s) - c_theta(theta))."""
+    o = piece_at(cam, i, theta)
+    last = piece_at(cam, i, theta + s)
+    width = 1.0 / cam.stretches[i].per_angle
+    x = theta - cam.pieces[o]
+    left = s
+    fall, slope = 0.0, 0.0
+    while True:
+        step = left if o == last else min(left, max(0.5 * width - x, 0.0))
+        second, first = divided_differences(cam, o, x, step)
+        fall += step * (slope + step * second)
+        slope += step * first
+        left -= step
+        if o == last:
+            return fall, slope
+        x = x + step + cam.pieces[o] - cam.pieces[o + PIECE]
+        o += PIECE
+
+
+@outlined
+def divided_differences(cam, o, x, step):
+    """(second of c, first of c_theta) between x and x + step from the centre of the piece at o."""
+    y = x + step
+    once, twice, second = 0.0, 0.0, 0.0
+    for j in range(TERMS - 1, 1, -1):
+        once = cam.pieces[o + 1 + j] + x * once
+        twice = once + x * twice
+        second = twice + y * second
+    once, first = 0.0, 0.0
+    for j in range(TERMS - 1, 0, -1):
+        once = cam.pieces[o + 1 + TERMS + j] + x * once
+        first = once + y * first
+    return second, first

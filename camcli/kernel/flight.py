@@ -6,38 +6,38 @@ inequality that makes the landing the only one; everything else is left to `sear
 
 from math import sqrt
 
-from camcli.kernel.cam_table import END, JERK_MAX, RADIUS, ROW, SNAP_MAX, third
-from camcli.kernel.chatter import (
-    chatter_map,
-    series_gap,
-    taylor,
-    taylor_holds,
-)
+from camcli.kernel.cam_table import TURN, higher, third
 from camcli.kernel.contact_search import (
     ACCUMULATED,
     CLEAR,
-    EVALUATIONS,
     LANDED,
+    LONGEST_PHASE,
     MEANING,
     MOST_REFINEMENTS,
+    NEAR,
     STUCK,
     flight_at,
     gap_at,
+    gap_near,
     land,
     search,
 )
-from camcli.kernel.gap_series import LONGEST_PHASE, NEAR, gap_near
 from camcli.kernel.marks import inlined, outlined
+
+REFUSED = 1e300
+LARGEST_CHANGE = 0.25  # relative change of the acceleration the error estimate covers
+TAYLOR_PHASE = 0.02  # largest (W + 2 Z) s of the follower's own series of order 6
+HALF_PERIOD = 9.8  # just below pi squared
 
 FREE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins: gap > 0, after an impact, from sticking
 
 
 @inlined
-def fly(cam, lane, turns, i, theta, gap, rate, begin, work):
+def fly(cam, const, flows, i, theta, gap, rate, begin, work):
     """Advance a flight within stretch i from theta: (code, theta, gap, rate).
 
-    gap >= 0 and rate = d gap/dtheta at theta; `begin` says how the flight begins; `turns` is the
-    table of `entry_points.prepare`. Codes: CLEAR (moved on, at most to the stretch's end), LANDED
+    gap >= 0 and rate = d gap/dtheta at theta; `begin` says how the flight begins; `flows` is the
+    table of `flow.fill_flows`. Codes: CLEAR (moved on, at most to the stretch's end), LANDED
     (contact; rate <= 0 is the relative velocity), ACCUMULATED (chatter ends at theta), STUCK (rests
     on the cam), LOST (the step shrank to nothing: closer to grazing than doubles can tell).
     """
@@ -45,31 +45,31 @@ def fly(cam, lane, turns, i, theta, gap, rate, begin, work):
         if rate < 0.0:
             return LANDED, theta, 0.0, rate
         begin = BOUNCED
-    f = flight_at(cam, lane, i, theta, gap, rate)
+    f = flight_at(cam, const, i, theta, gap, rate)
     accel = f.q2 - f.c2
-    bound = f.energy + cam.rows[i * ROW + JERK_MAX]
-    radius = cam.rows[i * ROW + RADIUS]
+    bound = f.energy + cam.stretches[i].jerk_max
+    radius = cam.stretches[i].radius
     if begin == BOUNCED and accel >= 0.0 and 6.0 * rate > bound * radius * radius:
         # gap >= rate s - bound s^3/6 > 0 as far as a series reaches: no short hop to look for
-        return search(cam, lane, turns, i, f, work)
+        return search(cam, const, flows, i, f, work)
     if (begin != FREE and accel >= 0.0) or begin == RELEASED:
-        return _leave(cam, lane, turns, i, f, work)
+        return _leave(cam, const, flows, i, f, work)
     if begin == BOUNCED and rate <= 0.0:
         return STUCK, theta, 0.0, 0.0
     if accel < 0.0:
-        if begin == BOUNCED and 0.0 < lane.r < 1.0:
-            tau = _accumulation(cam, lane, i, f, accel, bound)
+        if begin == BOUNCED and 0.0 < const.r < 1.0:
+            tau = _accumulation(cam, const, i, f, accel, bound)
             if tau >= 0.0:
                 return ACCUMULATED, theta + tau, 0.0, 0.0
         root = rate if gap == 0.0 else sqrt(rate * rate - 2.0 * accel * gap)
         hop = (rate + root) / -accel if rate >= 0.0 else 2.0 * gap / (root - rate)
         if bound * (1.5 * hop) <= -0.5 * accel:
-            return _hop(cam, lane, i, f, hop, work)
-    return search(cam, lane, turns, i, f, work)
+            return _hop(cam, const, i, f, hop, work)
+    return search(cam, const, flows, i, f, work)
 
 
 @outlined
-def _leave(cam, lane, turns, i, f, work):
+def _leave(cam, const, flows, i, f, work):
     """Leave the cam with rate >= 0 and gap_accel >= 0 (or released by a zero of the force).
 
     With jerk < 0 and the fourth derivative below K the gap rises once and falls once while
@@ -77,71 +77,71 @@ def _leave(cam, lane, turns, i, f, work):
     rest with jerk > 0, gap = accel s^2/2 + jerk s^3/6 + ... stays positive for s <= 2 jerk/K.
     """
     accel = max(f.q2 - f.c2, 0.0)
-    _t2, t3, t4, t5, t6 = taylor(cam, lane, i, f.theta, f.q2, f.q3, f.c2)
+    _t2, t3, t4, t5, t6 = taylor(cam, const, i, f.theta, f.q2, f.q3, f.c2)
     t = (0.5 * accel, t3, t4, t5, t6)
     jerk = 6.0 * t3
-    snap = (2.0 * lane.Z + lane.W) * f.energy + cam.rows[i * ROW + SNAP_MAX]
+    snap = (2.0 * const.Z + const.W) * f.energy + cam.stretches[i].snap_max
     if jerk < 0.0 and (accel > 0.0 or f.rate > 0.0):
         hop = 3.0 * (0.5 * accel + sqrt(0.25 * accel * accel - 2.0 / 3.0 * f.rate * jerk)) / -jerk
         reach = min(1.5 * hop, f.end)
-        if snap * 1.5 * hop <= -0.5 * jerk and taylor_holds(cam, lane, i, reach):
+        if snap * 1.5 * hop <= -0.5 * jerk and taylor_holds(cam, const, i, reach):
             return _series(cam, i, f, t, hop, reach, work)
     if f.rate <= 0.0 and jerk <= 0.0 and accel <= 0.0:
         return STUCK, f.theta, 0.0, 0.0
     if f.rate <= 0.0 and jerk > 0.0:
         s = min(f.end, NEAR, 2.0 * jerk / snap if snap > 0.0 else f.end)
-        if (lane.W + 2.0 * lane.Z) * s > LONGEST_PHASE:
-            s = LONGEST_PHASE / (lane.W + 2.0 * lane.Z)
-        work[EVALUATIONS] += 1
-        gap, rate, _ = gap_near(cam, lane, i, f, s)
-        return CLEAR, cam.rows[i * ROW + END] if s == f.end else f.theta + s, max(gap, 0.0), rate
-    return search(cam, lane, turns, i, f, work)
+        if (const.W + 2.0 * const.Z) * s > LONGEST_PHASE:
+            s = LONGEST_PHASE / (const.W + 2.0 * const.Z)
+        work.evaluations += 1
+        gap, rate, _ = gap_near(cam, const, i, f, s)
+        return CLEAR, cam.stretches[i].end if s == f.end else f.theta + s, max(gap, 0.0), rate
+    return search(cam, const, flows, i, f, work)
 
 
 @inlined
-def _accumulation(cam, lane, i, f, accel, jerk_bound):
+def _accumulation(cam, const, i, f, accel, jerk_bound):
     """Phase until chatter accumulates; -1 where the map is too inexact or passes a corner."""
-    if 2.0 * f.rate * jerk_bound > 0.25 * (1.0 - lane.r) * accel * accel:
+    if 2.0 * f.rate * jerk_bound > 0.25 * (1.0 - const.r) * accel * accel:
         return -1.0
-    snap_bound = (2.0 * lane.Z + lane.W) * f.energy + cam.rows[i * ROW + SNAP_MAX]
+    snap_bound = (2.0 * const.Z + const.W) * f.energy + cam.stretches[i].snap_max
     jerk = f.q3 - third(cam, i, f.theta)
-    tau, error = chatter_map(lane, f.rate, accel, jerk, jerk_bound, snap_bound)
-    if error > lane.tolerance or tau + error >= f.end:
+    tau, error = chatter_map(const, f.rate, accel, jerk, jerk_bound, snap_bound)
+    if error > const.tolerance or tau + error >= f.end:
         return -1.0
     return tau
 
 
 @inlined
-def _hop(cam, lane, i, f, hop, work):
+def _hop(cam, const, i, f, hop, work):
     """A flight that is concave up to its landing: gap'' <= accel/2 < 0 over 1.5 predicted hops.
 
     Then gap(1.5 hop) < 0 and the root is the only one. Short hops use the gap's own Taylor series,
     so that nothing cancels however small the hop is.
     """
     reach = min(1.5 * hop, f.end)
-    if taylor_holds(cam, lane, i, reach):
-        t = taylor(cam, lane, i, f.theta, f.q2, f.q3, f.c2)
+    if taylor_holds(cam, const, i, reach):
+        t = taylor(cam, const, i, f.theta, f.q2, f.q3, f.c2)
         return _series(cam, i, f, t, hop, reach, work)
     if reach == f.end:
-        g, u, _ = gap_at(cam, lane, i, f, reach, work)
+        g, u, _ = gap_at(cam, const, i, f, reach, work)
         if g > 0.0:
-            return CLEAR, cam.rows[i * ROW + END], g, u
-    return land(cam, lane, i, f, reach, hop, work)
+            return CLEAR, cam.stretches[i].end, g, u
+    return land(cam, const, i, f, reach, hop, work)
 
 
 @inlined
 def _series(cam, i, f, t, hop, reach, work):
     """Landing of a flight given by its Taylor series, known to be the only one within `reach`."""
     if reach == f.end:
-        work[EVALUATIONS] += 1
+        work.evaluations += 1
         g, u = series_gap(f.gap, f.rate, t, f.end)
         if g > 0.0:
-            return CLEAR, cam.rows[i * ROW + END], g, u
+            return CLEAR, cam.stretches[i].end, g, u
     low, high = 0.0, reach
     s = hop if hop < reach else 0.5 * reach
     for _ in range(MOST_REFINEMENTS):
         g, u = series_gap(f.gap, f.rate, t, s)
-        work[EVALUATIONS] += 1
+        work.evaluations += 1
         if g > 0.0:
             low = s
         else:
@@ -156,4 +156,109 @@ def _series(cam, i, f, t, hop, reach, work):
                 break
         s = after
     g, u = series_gap(f.gap, f.rate, t, s)
-    return LANDED, min(f.theta + s, cam.rows[i * ROW + END]), 0.0, u
+    return LANDED, min(f.theta + s, cam.stretches[i].end), 0.0, u
+
+
+@inlined
+def leap(cam, const, flows, i, gap, rate, work):
+    """Skip whole stretches while the follower is above the cam's top: (stretches, gap, gap_rate).
+
+    From the start of stretch i, at most to the strobe. Where q lies above the top at both ends and
+    q'' < 0 between, q is concave and stays above. y = q'' has no two zeros closer than half a
+    period of y'' + 2 Z y' + W^2 y = 0, so within that y < 0 at both ends is enough.
+    """
+    q = cam.stretches[i].start_c + gap
+    if not q > cam.top:
+        return 0, gap, rate
+    w = cam.stretches[i].start_c1 + rate
+    force = const.G + const.W2 * q
+    if -force - 2.0 * const.Z * w >= 0.0:
+        return 0, gap, rate
+    n = len(cam.stretches)
+    o = n * i
+    most = (cam.strobe - i - 1) % n + 1
+    skipped = 0
+    x = q
+    while skipped < most:
+        after = q + (w * flows[o].b - force * flows[o].p)
+        if not after > cam.top:
+            break
+        x = after
+        o += 1
+        skipped += 1
+    if skipped < 2:
+        return 0, gap, rate
+    v = w * flows[o - 1].b1 - force * flows[o - 1].b
+    j = i + skipped
+    length = cam.stretches[j - 1].end if j <= n else TURN + cam.stretches[j - n - 1].end
+    length -= cam.stretches[i].start
+    if (
+        -const.D * length * length > HALF_PERIOD
+        or -const.G - const.W2 * x - 2.0 * const.Z * v >= 0.0
+    ):
+        return 0, gap, rate
+    work.crossings += 1
+    if j >= n:
+        j -= n
+    return skipped, x - cam.stretches[j].start_c, v - cam.stretches[j].start_c1
+
+
+@inlined
+def chatter_map(const, u, accel, jerk, jerk_bound, snap_bound):
+    """Phase left until impacts accumulate, after an impact with u > 0 and accel < 0: (tau, error).
+
+    With alpha = -accel, p = 2 u/alpha the first hop, rho = jerk/alpha and
+    kappa = 2 rho/3 - Z (1 + r), hops shrink as p' = r p (1 + kappa p + O(p^2)), so
+        tau = p/(1 - r) + (rho/3 + r kappa/(1 - r)) p^2/(1 - r^2) + O(p^3).
+    The first term is the classical 2 r |u-|/((1 - r)|a|). With L = p/(1 - r) and the bounds on the
+    third and fourth derivative of the gap ahead, the neglected part is below
+        L (eta^2 + delta L^2),  eta = (|gap'''|/alpha + 2 Z) L, delta = |gap''''|/alpha,
+    while eta <= 1/4 (checked against an independent summation in the tests); else refused.
+    Needs 0 < r < 1; the caller sees to it that tau does not jump over a corner.
+    """
+    alpha = -accel
+    p = 2.0 * u / alpha
+    left = 1.0 - const.r
+    length = p / left
+    eta = (jerk_bound / alpha + 2.0 * const.Z) * length
+    if eta > LARGEST_CHANGE:
+        return length, REFUSED
+    rho = jerk / alpha
+    kappa = 2.0 * rho / 3.0 - const.Z * (1.0 + const.r)
+    second = (rho / 3.0 + const.r * kappa / left) / (left * (1.0 + const.r))
+    error = length * (eta * eta + snap_bound / alpha * length * length)
+    return length + second * p * p, error
+
+
+@inlined
+def taylor(cam, const, i, theta, q2, q3, c2):
+    """Second to sixth derivative of the gap over their factorials, at theta of stretch i.
+
+    q2, q3 are q'' and q''' in flight; the rest follow from q'''' = -2 Z q''' - W^2 q'' and so on.
+    """
+    c3, c4, c5, c6 = higher(cam, i, theta)
+    q4 = -2.0 * const.Z * q3 - const.W2 * q2
+    q5 = -2.0 * const.Z * q4 - const.W2 * q3
+    q6 = -2.0 * const.Z * q5 - const.W2 * q4
+    return (
+        (q2 - c2) * 0.5,
+        (q3 - c3) * (1.0 / 6.0),
+        (q4 - c4) * (1.0 / 24.0),
+        (q5 - c5) * (1.0 / 120.0),
+        (q6 - c6) * (1.0 / 720.0),
+    )
+
+
+@inlined
+def taylor_holds(cam, const, i, s):
+    """True where the series of order 6 is more exact over s than q - c computed in doubles."""
+    return s <= cam.stretches[i].radius and (const.W + 2.0 * const.Z) * s <= TAYLOR_PHASE
+
+
+@inlined
+def series_gap(gap, rate, t, s):
+    """(gap, gap_rate) at s from the coefficients of `taylor`."""
+    t2, t3, t4, t5, t6 = t
+    value = s * (t2 + s * (t3 + s * (t4 + s * (t5 + s * t6))))
+    slope = s * (2.0 * t2 + s * (3.0 * t3 + s * (4.0 * t4 + s * (5.0 * t5 + s * 6.0 * t6))))
+    return gap + s * (rate + value), rate + slope

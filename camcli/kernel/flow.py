@@ -9,17 +9,19 @@ where B solves the homogeneous equation with B(0) = 0, B'(0) = 1 and P is its in
 holds for stiffness 0 (the bouncing ball) and keeps q(s) - q0 relatively exact.
 """
 
+from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
 
 from camcli.kernel.arithmetic import cos_sin_series, exp_decay, one_minus_exp_ratio, sincos
-from camcli.kernel.marks import inlined, outlined
+from camcli.kernel.cam_table import TURN
+from camcli.kernel.marks import entry, inlined, outlined
 
 SERIES_LIMIT = 2.5  # largest |D s^2| that one series covers
 
 
-class Lane(NamedTuple):
-    """One orbit's constants; all floats, `W` to `G` per radian of cam angle."""
+class Constants(NamedTuple):
+    """Dimensionless constants of one orbit; `W` to `G` per radian of cam angle."""
 
     W: float  # omega0 / omega
     W2: float  # W squared
@@ -31,28 +33,39 @@ class Lane(NamedTuple):
     impact_budget: int  # impacts in one period
 
 
+@dataclass(slots=True)
+class Flow:
+    """`flow` over whole stretches, a row of the table of `fill_flows`."""
+
+    b: float = 0.0
+    b1: float = 0.0
+    p: float = 0.0
+
+
 # Entries of a machine's table: SI, rpm. Any of them may be a bifurcation parameter.
 RPM, MASS, STIFFNESS, DAMPING, GRAVITY, PRELOAD, RESTITUTION = range(7)
 RAD_PER_S = 0.10471975511965977  # pi/30, rad/s per rpm
 
 
 @inlined
-def lane_of(machine, tolerance, impact_budget):
+def constants_of(machine, tolerance, impact_budget):
     """The constants of one orbit; `machine` is indexed by RPM to RESTITUTION, tolerance in rad."""
     omega = machine[RPM] * RAD_PER_S
     mass = machine[MASS]
     W = sqrt(machine[STIFFNESS] / mass) / omega
     Z = machine[DAMPING] / (2.0 * mass) / omega
     G = (machine[GRAVITY] + machine[PRELOAD] / mass) / omega / omega
-    return Lane(W, W * W, Z, (Z - W) * (Z + W), G, machine[RESTITUTION], tolerance, impact_budget)
+    return Constants(
+        W, W * W, Z, (Z - W) * (Z + W), G, machine[RESTITUTION], tolerance, impact_budget
+    )
 
 
 @inlined
-def flow(lane, s):
+def flow(const, s):
     """(B, B', P) after s >= 0 rad of flight; see the module's equations."""
-    if lane.Z == 0.0:
-        return _flow_undamped(lane.W, lane.W2, s)
-    return _flow_damped(lane, s)
+    if const.Z == 0.0:
+        return _flow_undamped(const.W, const.W2, s)
+    return _flow_damped(const, s)
 
 
 @inlined
@@ -66,34 +79,34 @@ def _flow_undamped(W, W2, s):
 
 
 @outlined
-def _flow_damped(lane, s):
-    zs = lane.Z * s
-    ws2 = lane.W2 * s * s
+def _flow_damped(const, s):
+    zs = const.Z * s
+    ws2 = const.W2 * s * s
     if 2.0 * zs + ws2 <= 1.0:
-        return _flow_short(lane, s)
-    t = lane.D * s * s
+        return _flow_short(const, s)
+    t = const.D * s * s
     if t > SERIES_LIMIT or (t > 0.05 and ws2 < 0.25):  # (1 - position)/W2 would cancel
-        return _flow_overdamped(lane, s)
+        return _flow_overdamped(const, s)
     decay = exp_decay(zs)
     if t >= -SERIES_LIMIT:
         v, b = cos_sin_series(t)
         c = 1.0 + t * v
         b = s * b
     else:
-        frequency = sqrt(-lane.D)
+        frequency = sqrt(-const.D)
         sine, c = sincos(frequency * s)
         b = sine / frequency
-    position = decay * (c + lane.Z * b)
-    return decay * b, decay * (c - lane.Z * b), (1.0 - position) / lane.W2
+    position = decay * (c + const.Z * b)
+    return decay * b, decay * (c - const.Z * b), (1.0 - position) / const.W2
 
 
 @outlined
-def _flow_short(lane, s):
+def _flow_short(const, s):
     """Taylor series of P by its own differential equation: no cancellation for short s."""
     if s == 0.0:
         return 0.0, 1.0, 0.0
-    zs = 2.0 * lane.Z * s
-    ws2 = lane.W2 * s * s
+    zs = 2.0 * const.Z * s
+    ws2 = const.W2 * s * s
     before = 0.0
     term = 0.5 * s * s
     p = term
@@ -103,15 +116,15 @@ def _flow_short(lane, s):
         p += term
         b += n * term
     b /= s
-    return b, 1.0 - 2.0 * lane.Z * b - lane.W2 * p, p
+    return b, 1.0 - 2.0 * const.Z * b - const.W2 * p, p
 
 
 @outlined
-def _flow_overdamped(lane, s):
+def _flow_overdamped(const, s):
     """Two real exponentials; the slow root as W^2/(Z + d), never by subtraction."""
-    d = sqrt(lane.D)
-    fast = lane.Z + d
-    slow = lane.W2 / fast
+    d = sqrt(const.D)
+    fast = const.Z + d
+    slow = const.W2 / fast
     e_fast = exp_decay(fast * s)
     e_slow = exp_decay(slow * s)
     b = (e_slow - e_fast) / (2.0 * d)
@@ -121,8 +134,24 @@ def _flow_overdamped(lane, s):
 
 
 @inlined
-def move(lane, q, w, s):
+def move(const, q, w, s):
     """Position and velocity (q, dq/dtheta) after s rad of flight from (q, w)."""
-    b, b1, p = flow(lane, s)
-    force = lane.G + lane.W2 * q
+    b, b1, p = flow(const, s)
+    force = const.G + const.W2 * q
     return q + (w * b - force * p), w * b1 - force * b
+
+
+@entry
+def fill_flows(cam, const, flows):
+    """Fill the table with `flow` from the start of stretch i over 1, 2, ... n whole stretches.
+
+    flows: n^2 rows of Flow, the row n i + k for i and k + 1 stretches. With them neither crossing
+    a stretch nor leaping over several needs a series.
+    """
+    n = len(cam.stretches)
+    for i in range(n):
+        for k in range(n):
+            j = i + k
+            stop = cam.stretches[j].end if j < n else TURN + cam.stretches[j - n].end
+            row = flows[n * i + k]
+            row.b, row.b1, row.p = flow(const, stop - cam.stretches[i].start)

@@ -1,15 +1,15 @@
 """One orbit: find the next event, move there, reset; count and log what was asked for."""
 
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, NamedTuple
 
 from camcli.errors import Status
-from camcli.kernel.cam_table import END, KICK, ROW, START, START0, START1, lift_at
-from camcli.kernel.contact_search import ACCUMULATED, LANDED, LOST, STEPS, STUCK
-from camcli.kernel.flight import BOUNCED, FREE, RELEASED, fly
-from camcli.kernel.leap import leap
-from camcli.kernel.marks import inlined, outlined
-from camcli.kernel.sticking import SKIP, slide
+from camcli.kernel.cam_table import lift_at
+from camcli.kernel.contact_search import ACCUMULATED, LANDED, LOST, STUCK
+from camcli.kernel.flight import BOUNCED, FREE, RELEASED, fly, leap
+from camcli.kernel.marks import entry, inlined, outlined
+from camcli.kernel.sticking import SKIP, find_detachment
 
 
 class EventKind(IntEnum):
@@ -29,26 +29,46 @@ class EventKind(IntEnum):
 IMPACT, CHATTER, DETACHMENT = (int(kind) for kind in EventKind)
 OK, LOG_FULL, IMPACT_BUDGET, NO_RETURN, UNRESOLVED, PAUSED = (int(status) for status in Status)
 
-RESTING = 3  # further `mode` beside FREE, BOUNCED, RELEASED
+RESTING = 3  # a mode beside FREE, BOUNCED, RELEASED
 MOST_STEPS_BETWEEN = 100_000  # without an impact or a corner
 
-THETA, GAP, RATE = 0, 1, 2  # entries of `state`
-MODE, STRETCH, PERIOD, IMPACTS, CHATTERED, LOGGED, IDLE, TOTAL, LEAVES = range(9)  # `count`
+
+@dataclass(slots=True)
+class State:
+    """All of an orbit between two calls; m, rad."""
+
+    theta: float = 0.0
+    gap: float = 0.0
+    gap_rate: float = 0.0
+    mode: int = FREE
+    stretch: int = 0
+    period: int = 0  # numbered by strobes, negative in the transient
+    impacts: int = 0  # of this period
+    chattered: int = 0  # 1 where a complete chatter ended in this period
+    logged: int = 0  # rows of the log in use
+    idle: int = 0  # steps since the last impact or corner
+    total_impacts: int = 0
+    detachments: int = 0  # outside the transient
 
 
 class Log(NamedTuple):
-    """Events, `capacity` rows; two flat tables."""
+    """Columns of events; (capacity,) each."""
 
-    whole: Any  # (rows * 2,) int: event kind, period
-    real: Any  # (rows * 3,): theta (rad), q (m), u (m/rad) before the event
+    kind: Any  # int, EventKind
+    period: Any  # int
+    theta: Any  # rad
+    q: Any  # m
+    u: Any  # relative rate before the event, m/rad
     capacity: int
 
 
 class Strobe(NamedTuple):
-    """State at the start of each recorded period, and what happened during it."""
+    """Columns of the recorded periods; (rows,) each."""
 
-    state: Any  # (rows * 2,): q (m), dq/dtheta (m/rad)
-    events: Any  # (rows * 2,) int: impacts; 1 where a complete chatter ended in it
+    q: Any  # m, where the period begins
+    w: Any  # dq/dtheta there, m/rad
+    impacts: Any  # int
+    chatter: Any  # int, 1 where a complete chatter ended in it
     rows: int
 
 
@@ -61,124 +81,132 @@ class Plan(NamedTuple):
 
 
 @inlined
-def run(cam, lane, turns, state, count, plan, log, strobe, work):
-    """Advance one orbit to the start of period plan.stop; returns a status (camcli.errors).
+def run(cam, const, flows, state, plan, log, strobe, work):
+    """Advance one orbit to the start of period plan.stop; returns a `Status`.
 
-    `state` and `count` hold everything, so the call can be repeated after PAUSED or LOG_FULL and
+    `state` holds everything, so the call can be repeated after PAUSED or LOG_FULL and
     gives the same bits as one long call.
     """
-    theta, gap, rate = state[THETA], state[GAP], state[RATE]
-    mode, i = count[MODE], count[STRETCH]
+    theta, gap, rate = state.theta, state.gap, state.gap_rate
+    mode, i = state.mode, state.stretch
     steps = 0
     status = OK
     while True:
         if steps >= plan.steps:
             status = PAUSED
-        elif count[LOGGED] >= log.capacity > 0:
+        elif state.logged >= log.capacity > 0:
             status = LOG_FULL
-        elif count[IDLE] > MOST_STEPS_BETWEEN:
+        elif state.idle > MOST_STEPS_BETWEEN:
             status = UNRESOLVED
-        elif count[IMPACTS] >= lane.impact_budget:
+        elif state.impacts >= const.impact_budget:
             status = IMPACT_BUDGET
-        if status != OK or count[PERIOD] >= plan.stop:
+        if status != OK or state.period >= plan.stop:
             break
         steps += 1
-        count[IDLE] += 1
+        state.idle += 1
         skipped = 0
-        if mode == FREE and theta == cam.rows[i * ROW + START]:
-            skipped, gap, rate = leap(cam, lane, turns, i, gap, rate, work)
+        if mode == FREE and theta == cam.stretches[i].start:
+            skipped, gap, rate = leap(cam, const, flows, i, gap, rate, work)
         if skipped > 0:
             i += skipped
-            if i >= cam.stretches:
-                i -= cam.stretches
-            theta = cam.rows[i * ROW + START]
+            if i >= len(cam.stretches):
+                i -= len(cam.stretches)
+            theta = cam.stretches[i].start
         else:
             if mode == RESTING:
-                released, theta = slide(cam, lane, i, theta)
+                released, theta = find_detachment(cam, const, i, theta)
                 if released:
-                    detach(cam, count, plan, log, i, theta)
+                    detach(cam, state, plan, log, i, theta)
                     mode, gap, rate = RELEASED, 0.0, 0.0
                     continue
             else:
-                code, theta, gap, rate = fly(cam, lane, turns, i, theta, gap, rate, mode, work)
+                code, theta, gap, rate = fly(cam, const, flows, i, theta, gap, rate, mode, work)
                 if code == LOST:
                     status = UNRESOLVED
                     break
-                mode, theta, rate = settle(cam, lane, count, plan, log, i, theta, rate, mode, code)
-            if theta < cam.rows[i * ROW + END]:
+                mode, theta, rate = after_contact(
+                    cam, const, state, plan, log, i, theta, rate, mode, code
+                )
+            if theta < cam.stretches[i].end:
                 continue
-            i, theta, rate, mode = cross(cam, count, plan, log, i, gap, rate, mode)
+            i, theta, rate, mode = enter_stretch(cam, state, plan, log, i, gap, rate, mode)
         if i == cam.strobe:
-            begin_period(cam, count, plan, strobe, i, gap, rate)
-            if mode == FREE and gone(cam, lane, i, gap, rate):
+            begin_period(cam, state, plan, strobe, i, gap, rate)
+            if mode == FREE and never_returns(cam, const, i, gap, rate):
                 status = NO_RETURN
                 break
-    state[THETA], state[GAP], state[RATE] = theta, gap, rate
-    count[MODE], count[STRETCH] = mode, i
-    work[STEPS] += steps
+    state.theta, state.gap, state.gap_rate = theta, gap, rate
+    state.mode, state.stretch = mode, i
+    work.steps += steps
     return status
 
 
 @inlined
-def settle(cam, lane, count, plan, log, i, theta, rate, mode, code):
-    """What follows the end of `fly`: (mode, theta, rate) after the reset map u+ = -r u-.
+def reset_map(const, u):
+    """Newton's law of restitution in relative rates: u+ = -r u-."""
+    return -const.r * u
+
+
+@inlined
+def after_contact(cam, const, state, plan, log, i, theta, rate, mode, code):
+    """What follows the end of `fly`: (mode, theta, rate) .
 
     A landing at the very end of a stretch is left to the next one, whose right-sided values rule.
     """
-    if code == LANDED and theta < cam.rows[i * ROW + END]:
+    if code == LANDED and theta < cam.stretches[i].end:
         if rate < 0.0:
-            count[IMPACTS] += 1
-            count[TOTAL] += 1
-            count[IDLE] = 0
-            write(cam, count, plan, log, IMPACT, i, theta, rate)
-            rate = -lane.r * rate
+            state.impacts += 1
+            state.total_impacts += 1
+            state.idle = 0
+            log_event(cam, state, plan, log, IMPACT, i, theta, rate)
+            rate = reset_map(const, rate)
         return BOUNCED, theta, rate
     if code == ACCUMULATED:
-        count[CHATTERED] = 1
-        write(cam, count, plan, log, CHATTER, i, theta, 0.0)
+        state.chattered = 1
+        log_event(cam, state, plan, log, CHATTER, i, theta, 0.0)
         return RESTING, theta, rate
     if code == STUCK:
         if mode == RELEASED:
-            theta = min(theta + SKIP, cam.rows[i * ROW + END])
+            theta = min(theta + SKIP, cam.stretches[i].end)
         return RESTING, theta, rate
     return FREE, theta, rate
 
 
 @inlined
-def write(cam, count, plan, log, kind, i, theta, u):
+def log_event(cam, state, plan, log, kind, i, theta, u):
     """Log one event if a log was asked for and this period is in it."""
-    n = count[LOGGED]
-    if n < log.capacity and count[PERIOD] >= plan.log_from:
-        log.whole[2 * n] = kind
-        log.whole[2 * n + 1] = count[PERIOD]
-        log.real[3 * n] = theta
-        log.real[3 * n + 1] = lift_at(cam, i, theta)[0]
-        log.real[3 * n + 2] = u
-        count[LOGGED] = n + 1
+    n = state.logged
+    if n < log.capacity and state.period >= plan.log_from:
+        log.kind[n] = kind
+        log.period[n] = state.period
+        log.theta[n] = theta
+        log.q[n] = lift_at(cam, i, theta)[0]
+        log.u[n] = u
+        state.logged = n + 1
 
 
 @inlined
-def detach(cam, count, plan, log, i, theta):
+def detach(cam, state, plan, log, i, theta):
     """Count (outside the transient) and log a detachment."""
-    if count[PERIOD] >= 0:
-        count[LEAVES] += 1
-    write(cam, count, plan, log, DETACHMENT, i, theta, 0.0)
+    if state.period >= 0:
+        state.detachments += 1
+    log_event(cam, state, plan, log, DETACHMENT, i, theta, 0.0)
 
 
 @inlined
-def cross(cam, count, plan, log, i, gap, rate, mode):
+def enter_stretch(cam, state, plan, log, i, gap, rate, mode):
     """Enter the next stretch: (i, theta, rate, mode); a jump of c_theta is a blow or a launch."""
-    count[IDLE] = 0
+    state.idle = 0
     i += 1
-    if i == cam.stretches:
+    if i == len(cam.stretches):
         i = 0
-    theta = cam.rows[i * ROW + START]
-    kick = cam.rows[i * ROW + KICK]
+    theta = cam.stretches[i].start
+    kick = cam.stretches[i].slope_jump
     if kick != 0.0:
         rate -= kick
         if mode == RESTING and rate != 0.0:
             if rate > 0.0:
-                detach(cam, count, plan, log, i, theta)
+                detach(cam, state, plan, log, i, theta)
             mode = FREE
         elif mode != FREE and rate < 0.0:
             mode = FREE
@@ -186,30 +214,36 @@ def cross(cam, count, plan, log, i, gap, rate, mode):
 
 
 @inlined
-def begin_period(cam, count, plan, strobe, i, gap, rate):
+def begin_period(cam, state, plan, strobe, i, gap, rate):
     """Count the period that ends in this strobe, and record the state that begins the next."""
-    period = count[PERIOD]
+    period = state.period
     if 0 <= period < strobe.rows:
-        strobe.events[2 * period] = count[IMPACTS]
-        strobe.events[2 * period + 1] = count[CHATTERED]
+        strobe.impacts[period] = state.impacts
+        strobe.chatter[period] = state.chattered
     period += 1
     if 0 <= period < strobe.rows:
-        strobe.state[2 * period] = cam.rows[i * ROW + START0] + gap
-        strobe.state[2 * period + 1] = cam.rows[i * ROW + START1] + rate
-    count[PERIOD] = period
-    count[IMPACTS] = 0
-    count[CHATTERED] = 0
+        strobe.q[period] = cam.stretches[i].start_c + gap
+        strobe.w[period] = cam.stretches[i].start_c1 + rate
+    state.period = period
+    state.impacts = 0
+    state.chattered = 0
 
 
 @outlined
-def gone(cam, lane, i, gap, rate):
+def never_returns(cam, const, i, gap, rate):
     """True where nothing brings the follower back: no spring, no weight, above for good."""
-    if lane.W2 > 0.0 or lane.G > 0.0:
+    if const.W2 > 0.0 or const.G > 0.0:
         return False
-    q = cam.rows[i * ROW + START0] + gap
-    w = cam.rows[i * ROW + START1] + rate
+    q = cam.stretches[i].start_c + gap
+    w = cam.stretches[i].start_c1 + rate
     if q <= cam.top:
         return False
-    if lane.Z == 0.0:
+    if const.Z == 0.0:
         return w >= 0.0
-    return q + 0.5 * w / lane.Z > cam.top
+    return q + 0.5 * w / const.Z > cam.top
+
+
+@entry
+def advance(cam, const, flows, states, plan, log, strobe, works):
+    """`run` for the orbit of states[0]; its work is added to works[0]."""
+    return run(cam, const, flows, states[0], plan, log, strobe, works[0])

@@ -15,12 +15,11 @@ from typing import Any, NamedTuple
 
 from camcli.errors import Status
 from camcli.kernel.bordered import BLOCK, solve_bordered
-from camcli.kernel.cam_table import END, PER_ANGLE, ROW, START, TURN, lift
-from camcli.kernel.contact_search import flight_at
-from camcli.kernel.flow import DAMPING, MASS, RPM, STIFFNESS, flow, lane_of
-from camcli.kernel.gap_series import LONGEST_PHASE, NEAR, gap_near
-from camcli.kernel.marks import inlined, outlined
-from camcli.kernel.variational import after_flight, after_impact, relative_accel
+from camcli.kernel.cam_table import TURN, lift
+from camcli.kernel.contact_search import LONGEST_PHASE, NEAR, flight_at, gap_near
+from camcli.kernel.flow import DAMPING, MASS, RPM, STIFFNESS, constants_of, flow
+from camcli.kernel.marks import entry, inlined, outlined
+from camcli.kernel.variational import after_flight, after_impact, gap_accel
 
 OK, UNRESOLVED = int(Status.OK), int(Status.UNRESOLVED)
 MOST_STEPS = 25
@@ -52,39 +51,39 @@ def _length(x, whole, turns, k, n):
 
 
 @outlined
-def _arrival(cam, lane, x, whole, turns, k, n):
+def _arrival(cam, const, x, whole, turns, k, n):
     """(gap, rate) of flight k at impact k + 1, in relative coordinates where the hop is short."""
     j = (k + 1) % n
     s = _length(x, whole, turns, k, n)
     i, theta, v = whole[2 * k], x[2 * k], x[2 * k + 1]
-    if 0.0 < s <= NEAR and whole[2 * j] == i and (lane.W + 2.0 * lane.Z) * s <= LONGEST_PHASE:
-        f = flight_at(cam, lane, i, theta, 0.0, v)
-        gap, rate, _ = gap_near(cam, lane, i, f, s)
+    if 0.0 < s <= NEAR and whole[2 * j] == i and (const.W + 2.0 * const.Z) * s <= LONGEST_PHASE:
+        f = flight_at(cam, const, i, theta, 0.0, v)
+        gap, rate, _ = gap_near(cam, const, i, f, s)
         return gap, rate
     c, c1, _ = lift(cam, i, theta)
     end, end1, _ = lift(cam, whole[2 * j], x[2 * j])
-    b, b1, p = flow(lane, s)
-    force = lane.G + lane.W2 * c
+    b, b1, p = flow(const, s)
+    force = const.G + const.W2 * c
     w = c1 + v
     return (c - end) + (w * b - force * p), (w * b1 - force * b) - end1
 
 
 @outlined
-def _block(cam, lane, x, whole, turns, k, n, blocks):
+def _block(cam, const, x, whole, turns, k, n, blocks):
     """Fill block k: derivatives by (theta_k, v_k), by (theta_k+1, v_k+1), and the residual."""
     j = (k + 1) % n
-    gap, u = _arrival(cam, lane, x, whole, turns, k, n)
+    gap, u = _arrival(cam, const, x, whole, turns, k, n)
     v = x[2 * k + 1]
     c, c1, c2 = lift(cam, whole[2 * k], x[2 * k])
-    start = relative_accel(lane, c, c1 + v, c2)
+    start = gap_accel(const, c, c1 + v, c2)
     c, c1, c2 = lift(cam, whole[2 * j], x[2 * j])
-    stop = relative_accel(lane, c, c1 + u, c2)
-    b, b1, p = flow(lane, _length(x, whole, turns, k, n))
-    r = lane.r
+    stop = gap_accel(const, c, c1 + u, c2)
+    b, b1, p = flow(const, _length(x, whole, turns, k, n))
+    r = const.r
     o = BLOCK * k
-    blocks[o] = -(v * (1.0 - lane.W2 * p) + b * start)
+    blocks[o] = -(v * (1.0 - const.W2 * p) + b * start)
     blocks[o + 1] = b
-    blocks[o + 2] = r * (lane.W2 * b * v - b1 * start)
+    blocks[o + 2] = r * (const.W2 * b * v - b1 * start)
     blocks[o + 3] = r * b1
     blocks[o + 4] = u
     blocks[o + 5] = 0.0
@@ -96,7 +95,7 @@ def _block(cam, lane, x, whole, turns, k, n, blocks):
 
 @inlined
 def _by_parameter(cam, low, high, width, x, whole, turns, k, n):
-    """(dE1, dE2) of flight k by the parameter: a difference between two lanes."""
+    """(dE1, dE2) of flight k by the parameter: a difference between two machines."""
     j = (k + 1) % n
     gap, u = _arrival(cam, high, x, whole, turns, k, n)
     other, rate = _arrival(cam, low, x, whole, turns, k, n)
@@ -105,18 +104,18 @@ def _by_parameter(cam, low, high, width, x, whole, turns, k, n):
 
 
 @inlined
-def _lanes(machine, parameter, value, scale):
-    """(lane, low, high, width): the machine at `value` and at both ends of a difference."""
+def _difference(machine, parameter, value, scale):
+    """(const, low, high, width): the machine at `value` and at both ends of a difference."""
     width = DIFFERENCE * max(abs(value), scale)
     low = value - width
     if not _meaningful(parameter, low):
         low = value
     machine[parameter] = value + width
-    high_lane = lane_of(machine, 0.0, 0)
+    high_end = constants_of(machine, 0.0, 0)
     machine[parameter] = low
-    low_lane = lane_of(machine, 0.0, 0)
+    low_end = constants_of(machine, 0.0, 0)
     machine[parameter] = value
-    return lane_of(machine, 0.0, 0), low_lane, high_lane, (value + width) - low
+    return constants_of(machine, 0.0, 0), low_end, high_end, (value + width) - low
 
 
 @inlined
@@ -127,13 +126,14 @@ def _meaningful(parameter, value):
     return value >= 0.0 or parameter not in (STIFFNESS, DAMPING)
 
 
-@inlined
-def correct(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
+@entry
+def correct_orbit(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
     """Newton's method on the bordered equations from x, in place; OK or UNRESOLVED.
 
     x: theta_1, v_1, ..., theta_n, v_n (rad, m/rad), parameter; whole: stretch and turn of each
-    impact; machine: see `flight.lane_of`, its `parameter` entry is set. Leaves the incoming rates
-    in `rates`, the tangent in t.tangent, and the trace, the last step and their number in `out`.
+    impact; machine: see `flow.constants_of`, its `parameter` entry is set. Leaves the incoming
+    rates in `rates`, the tangent in t.tangent, and the trace, the last step and their number in
+    `out`.
     """
     before = 1e300
     if not _within_reach(cam, n, whole, x):
@@ -141,9 +141,9 @@ def correct(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
     for count in range(MOST_STEPS):
         if not _meaningful(parameter, x[2 * n]):
             return UNRESOLVED
-        lane, low, high, width = _lanes(machine, parameter, x[2 * n], border.scale)
+        const, low, high, width = _difference(machine, parameter, x[2 * n], border.scale)
         for k in range(n):
-            _block(cam, lane, x, whole, turns, k, n, t.blocks)
+            _block(cam, const, x, whole, turns, k, n, t.blocks)
             columns = _by_parameter(cam, low, high, width, x, whole, turns, k, n)
             t.columns[2 * k], t.columns[2 * k + 1] = columns
         right = border.right
@@ -168,9 +168,9 @@ def correct(cam, machine, parameter, n, turns, whole, x, border, rates, t, out):
 def _within_reach(cam, n, whole, x):
     """False where an impact lies farther beyond its stretch than the cam's pieces reach."""
     for k in range(n):
-        row = whole[2 * k] * ROW
-        beyond = 0.9 / cam.rows[row + PER_ANGLE]
-        if x[2 * k] < cam.rows[row + START] - beyond or x[2 * k] > cam.rows[row + END] + beyond:
+        stretch = cam.stretches[whole[2 * k]]
+        beyond = 0.9 / stretch.per_angle
+        if x[2 * k] < stretch.start - beyond or x[2 * k] > stretch.end + beyond:
             return False
     return True
 
@@ -192,15 +192,15 @@ def _take(n, x, t, border):
 @inlined
 def _finish(cam, machine, n, turns, whole, x, rates):
     """Incoming rates of all impacts, and the trace of the monodromy matrix, if no rate is zero."""
-    lane = lane_of(machine, 0.0, 0)
+    const = constants_of(machine, 0.0, 0)
     qq, qw, wq, ww = 1.0, 0.0, 0.0, 1.0
     for k in range(n):
         j = (k + 1) % n
-        u = _arrival(cam, lane, x, whole, turns, k, n)[1]
+        u = _arrival(cam, const, x, whole, turns, k, n)[1]
         rates[j] = u
         if u == 0.0:
             return NO_TRACE
-        qq, qw, wq, ww = after_flight(lane, _length(x, whole, turns, k, n), qq, qw, wq, ww)
+        qq, qw, wq, ww = after_flight(const, _length(x, whole, turns, k, n), qq, qw, wq, ww)
         lifts = lift(cam, whole[2 * j], x[2 * j])
-        qq, qw, wq, ww = after_impact(lane, lifts, u, qq, qw, wq, ww)
+        qq, qw, wq, ww = after_impact(const, lifts, u, qq, qw, wq, ww)
     return qq + ww

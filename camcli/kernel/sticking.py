@@ -6,18 +6,7 @@ minus the contact force over the mass and omega^2. Contact lasts while a < 0.
 
 from math import sqrt
 
-from camcli.kernel.cam_table import (
-    ACCEL_MAX,
-    ACCEL_MIN,
-    END,
-    JERK_MAX,
-    LOW,
-    ROW,
-    SLOPE_LOW,
-    SNAP_MAX,
-    lift_at,
-    third,
-)
+from camcli.kernel.cam_table import lift_at, third
 from camcli.kernel.marks import inlined, outlined
 
 MOST_STEPS = 500
@@ -26,18 +15,18 @@ ROUNDING = 4.0 * 2.220446049250313e-16
 
 
 @inlined
-def contact_accel(cam, lane, i, theta):
+def contact_accel(cam, const, i, theta):
     """(a, da/dtheta, size of its terms) in contact at theta within stretch i."""
     c, c1, c2 = lift_at(cam, i, theta)
     c3 = third(cam, i, theta)
-    a = -(lane.G + lane.W2 * c + 2.0 * lane.Z * c1) - c2
-    slope = -(lane.W2 * c1 + 2.0 * lane.Z * c2) - c3
-    size = abs(lane.G) + abs(lane.W2 * c) + abs(2.0 * lane.Z * c1) + abs(c2)
+    a = -(const.G + const.W2 * c + 2.0 * const.Z * c1) - c2
+    slope = -(const.W2 * c1 + 2.0 * const.Z * c2) - c3
+    size = abs(const.G) + abs(const.W2 * c) + abs(2.0 * const.Z * c1) + abs(c2)
     return a, slope, size
 
 
 @outlined
-def slide(cam, lane, i, theta):
+def find_detachment(cam, const, i, theta):
     """(released, theta): first phase in the rest of stretch i where the contact force is lost.
 
     That is where a becomes positive, or is zero and rising; a force that only touches zero, or is
@@ -45,20 +34,16 @@ def slide(cam, lane, i, theta):
     With |a''| <= M on the stretch, a + a' s + M s^2/2 < 0 up to its first root, so no zero is
     stepped over; near the zero the steps become Newton's.
     """
-    end = cam.rows[i * ROW + END]
-    force = (
-        lane.G + lane.W2 * cam.rows[i * ROW + LOW] + 2.0 * lane.Z * cam.rows[i * ROW + SLOPE_LOW]
-    )
-    if -force - cam.rows[i * ROW + ACCEL_MIN] < 0.0:
+    end = cam.stretches[i].end
+    force = const.G + const.W2 * cam.stretches[i].c_min + 2.0 * const.Z * cam.stretches[i].slope_min
+    if -force - cam.stretches[i].accel_min < 0.0:
         return False, end
-    largest = max(abs(cam.rows[i * ROW + ACCEL_MIN]), abs(cam.rows[i * ROW + ACCEL_MAX]))
+    largest = max(abs(cam.stretches[i].accel_min), abs(cam.stretches[i].accel_max))
     curve = (
-        lane.W2 * largest
-        + 2.0 * lane.Z * cam.rows[i * ROW + JERK_MAX]
-        + cam.rows[i * ROW + SNAP_MAX]
+        const.W2 * largest + 2.0 * const.Z * cam.stretches[i].jerk_max + cam.stretches[i].snap_max
     )
     for _ in range(MOST_STEPS):
-        a, slope, size = contact_accel(cam, lane, i, theta)
+        a, slope, size = contact_accel(cam, const, i, theta)
         if a > ROUNDING * size or (a >= -ROUNDING * size and slope > 0.0):
             return True, theta
         if a >= -ROUNDING * size:  # the force only touches zero here

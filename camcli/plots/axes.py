@@ -214,7 +214,7 @@ def lift_curves(cam: Cam, count: int) -> tuple[np.ndarray, list[np.ndarray]]:
     theta: list[np.ndarray] = []
     orders: list[list[np.ndarray]] = [[] for _ in range(count)]
     gap = np.array([np.nan])
-    columns = [column(cam, name) for name in ("START", "END", "FIRST", "COUNT")]
+    columns = [column(cam, name) for name in ("start", "end", "first_piece", "piece_count")]
     for start, end, first, number in zip(*columns, strict=True):
         x = np.linspace(start, end, 2 + int((end - start) * 200))
         k = ((x - start) / (end - start) * number).astype(int)

@@ -14,7 +14,6 @@ from matplotlib.patches import Patch
 
 from camcli.analysis.basins.study import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question, Study
 from camcli.analysis.sweep import status_name
-from camcli.kernel.cam_table import ROW, START0
 from camcli.plots import style
 from camcli.plots.axes import legend
 from camcli.system import System, omega_of
@@ -180,7 +179,7 @@ def _marker(number: int) -> dict[str, Any]:
 
 def _draw_cam(axes: Axes, basins: Basins, system: System) -> bool:
     """The line q = c at the strobe; True where it lies in the window."""
-    c = system.cam.rows[system.cam.strobe * ROW + START0]
+    c = system.cam.stretches[system.cam.strobe].start_c
     low, high = basins.window.q
     if not low <= c <= high:
         return False

@@ -5,16 +5,16 @@ import math
 import pytest
 from conftest import chapter_system, settings
 
-from camcli.analysis.exponents import of_orbit, of_tape
+from camcli.analysis.exponents import of_orbit, of_record
 from camcli.analysis.integrate import Orbit, Start
 from camcli.analysis.orbits.identify import identify, solve_from
-from camcli.kernel.growth import natural_log
+from camcli.kernel.arithmetic import natural_log
 from camcli.system import omega_of
 
 
 def measured(system, rpm, record=1500):
     """Exponents of the record after 600 turns."""
-    return of_tape(system, rpm, Orbit(system, rpm, settings(600, record)).run())
+    return of_record(system, rpm, Orbit(system, rpm, settings(600, record)).run())
 
 
 @pytest.mark.parametrize(
@@ -80,12 +80,12 @@ def strobe(orbit):
 
 def test_rest_forgets_everything(chapter):
     tape = Orbit(chapter, 190.0, settings(50, 200)).run()
-    assert of_tape(chapter, 190.0, tape).largest == -math.inf
+    assert of_record(chapter, 190.0, tape).largest == -math.inf
     assert of_orbit(chapter, identify(chapter, 190.0, tape)).second == -math.inf
 
 
 def test_too_few_impacts_give_no_exponent(chapter):
-    assert of_tape(chapter, 700.0, Orbit(chapter, 700.0, settings(10, 20)).run()) is None
+    assert of_record(chapter, 700.0, Orbit(chapter, 700.0, settings(10, 20)).run()) is None
 
 
 def test_own_logarithm():

@@ -41,7 +41,7 @@ SLOWEST = 5.0  # s, for one flight
 def plain(lift: Lift, f: Flight) -> float | None:
     """RK45 with a terminal contact event; phase of the contact."""
 
-    lane = f.system.lane(f.rpm, 0.0, 1)
+    lane = f.system.constants(f.rpm, 0.0, 1)
 
     def rhs(_s, z):
         return z[1], -lane.W2 * z[0] - 2.0 * lane.Z * z[1] - lane.G

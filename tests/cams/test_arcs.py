@@ -52,7 +52,7 @@ def test_every_bound_of_the_table_binds_and_is_not_idle():
     """c, its slope and its 2nd to 7th derivative, sampled with mpmath's own derivatives."""
     names = "LOW", "SLOPE_LOW", "ACCEL_MIN", "ACCEL_MAX", "JERK_MAX", "SNAP_MAX", "RADIUS"
     low, slope, least, most, jerk, snap, radius = (column(CAM, name) for name in names)
-    for i, (start, end) in enumerate(zip(column(CAM, "START"), column(CAM, "END"), strict=True)):
+    for i, (start, end) in enumerate(zip(column(CAM, "start"), column(CAM, "end"), strict=True)):
         for k in range(21):
             theta = start + (end - start) * (0.002 + 0.996 * k / 20)
             with mp.workdps(60):
@@ -100,7 +100,7 @@ def test_rounding_and_a_missing_dwell_are_accepted(change):
 def test_a_strobe_phase_only_cuts_the_table(strobe):
     """The lift is the same function wherever the strobe is."""
     cut = cam(strobe)
-    assert column(cut, "START")[cut.strobe] == pytest.approx(strobe * pi / 180, abs=1e-15)
+    assert column(cut, "start")[cut.strobe] == pytest.approx(strobe * pi / 180, abs=1e-15)
     for theta in angles(60):
         if min(abs(theta - corner) for corner in CORNERS) < 1e-12:
             continue

@@ -80,7 +80,7 @@ def sizes(name):
 @pytest.mark.parametrize("name", PEAKS)
 def test_peak_velocity_and_acceleration_are_those_of_the_handbooks(name):
     cam, beta = table(name), RISE * pi / 180
-    start = column(cam, "START")[1]
+    start = column(cam, "start")[1]
     rows = [start + beta * k / 1500 for k in range(1501)]
     values = [lift_at(cam, stretch_at(cam, theta), theta) for theta in rows]
     velocity = max(abs(v[1]) for v in values) * beta / LIFT
@@ -88,7 +88,7 @@ def test_peak_velocity_and_acceleration_are_those_of_the_handbooks(name):
     assert velocity == pytest.approx(PEAKS[name][0], rel=4e-5)
     assert acceleration == pytest.approx(PEAKS[name][1], rel=1e-5)
     peak = PEAKS[name][1] * LIFT / beta**2  # the bounds hold and are not idle
-    assert peak * 0.9999 <= max(column(cam, "ACCEL_MAX")) <= peak * 1.05
+    assert peak * 0.9999 <= max(column(cam, "accel_max")) <= peak * 1.05
     assert BASE + LIFT <= cam.top <= BASE + LIFT * 1.005
 
 
@@ -100,7 +100,7 @@ def test_the_table_is_the_formula_to_a_few_roundings(name, start):
     unit = ulp(max(abs(BASE), abs(BASE + LIFT)))
     tolerances = [4 * unit, *(t * s for t, s in zip((1e-14, 1e-13), size[1:3], strict=True))]
     tolerances += [t * s for t, s in zip((1e-11, 1e-9, 1e-7, 1e-6), size[3:], strict=True)]
-    starts = column(cam, "START")
+    starts = column(cam, "start")
     for _ in range(60):
         theta = rng.uniform(0, 2 * pi)
         i = stretch_at(cam, theta)
@@ -114,7 +114,7 @@ def test_the_table_is_the_formula_to_a_few_roundings(name, start):
 def test_the_values_at_joints_are_one_sided(name):
     """Every zone of a law is cut exactly; there each side has its own derivatives."""
     cam, size, law = table(name), sizes(name), EVERY[name]
-    starts = column(cam, "START")
+    starts = column(cam, "start")
     joints = [60 + RISE * x for x in law.joints] + [200 + FALL * x for x in law.joints]
     assert starts == pytest.approx([0.0, *(float(x) * pi / 180 for x in joints)], abs=1e-15)
     for k, degrees in enumerate(joints, 1):
@@ -129,7 +129,7 @@ def test_the_values_at_joints_are_one_sided(name):
 @pytest.mark.parametrize("start", [60.0, 300.0])
 def test_corners_are_where_the_law_has_them(name, start):
     cam = table(name, start)
-    found = [column(cam, "START")[n] * 180 / pi for n in corners(cam)]
+    found = [column(cam, "start")[n] * 180 / pi for n in corners(cam)]
     expected = sorted((x + start) % 360 for x in CORNERS.get(name, []))
     assert found == pytest.approx(expected, abs=1e-12)
     assert [corner.name for corner in corner_list(cam)] == list("abcdef")[: len(expected)]
@@ -137,15 +137,15 @@ def test_corners_are_where_the_law_has_them(name, start):
 
 def test_only_constant_velocity_has_kinks_and_it_has_no_acceleration_at_all():
     for name in EVERY:
-        kicks = [k for k in column(table(name), "KICK") if k]
+        kicks = [k for k in column(table(name), "slope_jump") if k]
         if name == "constant-velocity":
             up, down = LIFT / (RISE * pi / 180), LIFT / (FALL * pi / 180)
             assert kicks == pytest.approx([up, -up, -down, down], rel=1e-15)
         else:
             assert kicks == []
     ramp = table("constant-velocity")
-    assert set(column(ramp, "ACCEL_MAX")) == set(column(ramp, "ACCEL_MIN")) == {0.0}
-    assert column(ramp, "COUNT") == [1.0] * 5
+    assert set(column(ramp, "accel_max")) == set(column(ramp, "accel_min")) == {0.0}
+    assert column(ramp, "piece_count") == [1.0] * 5
 
 
 def test_named_laws_are_members_of_the_family():
@@ -168,7 +168,7 @@ def test_widths_in_thirds_close():
 
 def test_rise_and_fall_may_follow_different_laws():
     cam = build(law_cam("harmonic", "3-4-5").parts())
-    found = [column(cam, "START")[n] * 180 / pi for n in corners(cam)]
+    found = [column(cam, "start")[n] * 180 / pi for n in corners(cam)]
     assert found == pytest.approx([60, 160], abs=1e-12)
 
 
@@ -229,9 +229,9 @@ def test_an_eccentric_is_a_cosine_without_corners(base, lift_m, strobe):
         for n, tolerance in enumerate((1e-14, 1e-13, 1e-11, 1e-9, 1e-7, 1e-6), 1):
             assert abs(float(values[n] - waves[n])) <= tolerance * lift_m / 2, (n, theta)
     assert corners(cam) == []
-    assert not any(column(cam, "KICK"))
+    assert not any(column(cam, "slope_jump"))
     for n in range(3):  # it closes after a turn
-        start, end = column(cam, f"START{n}")[0], column(cam, f"END{n}")[-1]
+        start, end = column(cam, f"start_c{n}")[0], column(cam, f"end_c{n}")[-1]
         assert abs(start - end) <= 4 * unit
 
 

@@ -189,11 +189,11 @@ def test_the_cam_is_smooth_and_a_strobe_phase_changes_nothing(tmp_path, lobe, st
     whole, cut = build(parts), build(parts, strobe)
     assert corners(cut) == []
     for order in range(3):
-        ends, starts = column(cut, f"END{order}"), column(cut, f"START{order}")
+        ends, starts = column(cut, f"end_c{order}"), column(cut, f"start_c{order}")
         size = max(map(abs, starts))
         assert [ends[-1], *ends[:-1]] == pytest.approx(starts, abs=1e-11 * size)
-    assert column(cut, "START")[cut.strobe] == pytest.approx(strobe * pi / 180, abs=1e-15)
-    low, high = column(cut, "ACCEL_MIN"), column(cut, "ACCEL_MAX")
+    assert column(cut, "start")[cut.strobe] == pytest.approx(strobe * pi / 180, abs=1e-15)
+    low, high = column(cut, "accel_min"), column(cut, "accel_max")
     for k in range(500):
         theta = 0.72 * k * pi / 180
         i = stretch_at(cut, theta)

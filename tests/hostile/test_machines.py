@@ -43,7 +43,7 @@ def test_an_extreme_machine_gives_a_status(name, sets):
 def test_no_stretch_is_a_sliver_and_the_strobe_is_a_start(strobe):
     scene = load_scene(None, [f"run.strobe_deg={strobe}"])
     cam = build(scene.cam.parts(), scene.run.strobe_deg)
-    starts, ends = column(cam, "START"), column(cam, "END")
+    starts, ends = column(cam, "start"), column(cam, "end")
     assert starts[0] == 0.0
     assert starts[1:] == ends[:-1]
     assert min(b - a for a, b in zip(starts, ends, strict=True)) > 1e-12
@@ -56,7 +56,7 @@ def test_no_stretch_is_a_sliver_and_the_strobe_is_a_start(strobe):
 def test_a_sliver_of_a_part_is_left_to_its_neighbour(start):
     cam = load_scene(CONFIGS / "law-harmonic.yaml", [f"cam.rise.start_deg={start}"]).cam
     table = build(cam.parts())
-    widths = zip(column(table, "START"), column(table, "END"), strict=True)
+    widths = zip(column(table, "start"), column(table, "end"), strict=True)
     assert min(b - a for a, b in widths) > 1e-12
 
 

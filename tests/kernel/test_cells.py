@@ -14,6 +14,8 @@ from camcli.kernel.cells import (
     GOES_ON,
     NEW_REST,
     UNDECIDED,
+    Point,
+    Rest,
     trouble,
 )
 from camcli.kernel.orbit_loop import RESTING
@@ -38,7 +40,7 @@ def test_a_cell_is_the_orbit_of_its_start(rpm):
     for k, (q, v) in enumerate(STARTS):
         orbit = engine.Orbit(system(), rpm, settings(12, q=q, v=v))
         tape = orbit.run(events=False)
-        assert (orbit.state[1], orbit.state[2]) == (found.gap[k], found.rate[k])
+        assert (orbit.state.gap, orbit.state.gap_rate) == (found.gap[k], found.rate[k])
         chattered = tape.chatter[11]
         assert found.symbol[k] == (CHATTERED_TURN if chattered else tape.impacts[11])
         assert found.turns[k] == 12
@@ -73,7 +75,7 @@ def known_orbit():
     """Targets of P(1;2) at 358.5 rpm, circles of 1e-3 about its point, to be halved in a turn."""
     point = crew().run([0.4459], [0.865], NOTHING, 2000)
     row = [float(point.gap[0]), float(point.rate[0]), 1e6, 0.0, 1e6, 0.5]
-    return NOTHING._replace(real=row, whole=[0, 0, 2, 1], points=1)
+    return NOTHING._replace(points=[Point(*row, 0, 0, 2, 1)])
 
 
 def test_an_attractor_is_met_after_a_whole_period_that_shrinks():
@@ -81,9 +83,11 @@ def test_an_attractor_is_met_after_a_whole_period_that_shrinks():
     met = ends(crew(), 500, targets)
     assert met.outcome[1] == 0
     assert met.turns[1] < 40
-    point = np.array(targets.real[:2])
+    point = np.array(targets.points[0][:2])
     assert np.abs(np.array([met.gap[1], met.rate[1]]) - point).max() < 1e-3
-    strict = targets._replace(real=[*targets.real[:5], 0.0])  # never shrinks enough
+    strict = targets._replace(
+        points=[targets.points[0]._replace(shrink=0.0)]
+    )  # never shrinks enough
     late = ends(crew(), 500, strict)
     assert late.outcome[1] == 0
     assert late.turns[1] > met.turns[1] + 5
@@ -92,13 +96,13 @@ def test_an_attractor_is_met_after_a_whole_period_that_shrinks():
 @pytest.mark.parametrize("symbol", [1, 3, CHATTERED_TURN])
 def test_other_impacts_are_another_orbit(symbol):
     targets = known_orbit()
-    targets = targets._replace(whole=[0, 0, symbol, 1])
+    targets = targets._replace(points=[targets.points[0]._replace(symbol=symbol)])
     assert (ends(crew(), 300, targets).outcome == UNDECIDED).all()
 
 
 def test_boxes_decide_after_a_stay_without_a_gap():
     """A box around P(1;2): its start is decided after `stay` turns, the others never enter."""
-    gap, rate = known_orbit().real[:2]
+    gap, rate = known_orbit().points[0][:2]
     boxes = NOTHING._replace(
         boxes=[1], stay=[7], gap=gap - 0.01, rate=rate - 0.01,
         per_gap=50.0, per_rate=50.0, columns=1, rows=1,
@@ -128,7 +132,7 @@ def test_rests_stop_a_start_once_they_are_of_interest():
     team = crew(190.0)
     free = ends(team, 20)
     assert (free.outcome == UNDECIDED).all()
-    stops = NOTHING._replace(rests=0)
+    stops = NOTHING._replace(watch_rests=1)
     stopped = ends(team, 20, stops)
     assert set(stopped.outcome.tolist()) == {NEW_REST}
     assert (stopped.symbol == CHATTERED_TURN).all()
@@ -138,9 +142,9 @@ def test_rests_stop_a_start_once_they_are_of_interest():
 @pytest.mark.parametrize("outcome", [0, FORGOTTEN, GOES_ON])
 def test_known_states_after_a_rest_have_their_outcome(outcome):
     team = crew(190.0)
-    first = ends(team, 20, NOTHING._replace(rests=0))
+    first = ends(team, 20, NOTHING._replace(watch_rests=1))
     state = [float(first.gap[0]), float(first.rate[0])]
-    known = NOTHING._replace(rest=state, ends=[outcome], rests=1, near=[1e-9, 1e-9])
+    known = NOTHING._replace(rests=[Rest(*state, outcome)], watch_rests=1, near=1e-9)
     found = ends(team, 20, known)
     same = (abs(first.gap - state[0]) <= 1e-9) & (abs(first.rate - state[1]) <= 1e-9)
     assert same[0]
@@ -155,7 +159,7 @@ def test_known_states_after_a_rest_have_their_outcome(outcome):
 
 def test_no_targets_no_table():
     empty = targets_of([])
-    assert (empty.points, empty.columns) == (0, 0)
+    assert (empty.points, empty.columns) == ([], 0)
 
 
 @pytest.mark.parametrize("rpm", [358.5, 190.0])
@@ -169,6 +173,6 @@ def test_plain_python_and_compiled_give_the_same_bits(rpm, monkeypatch):
         assert getattr(plain, name).tolist() == getattr(compiled, name).tolist(), name
     if rpm == 190.0:
         assert CHATTERED_TURN in plain.symbol
-        stops = NOTHING._replace(rests=0)
+        stops = NOTHING._replace(watch_rests=1)
         assert ends(crew(rpm), 30, stops).outcome.tolist() == [NEW_REST] * len(STARTS)
     assert RESTING in ends(crew(100.0), 30).mode

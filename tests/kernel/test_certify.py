@@ -8,9 +8,9 @@ import pytest
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import single_impact_roots
-from camcli.kernel.cam_table import END, ROW, START, TURN, lift, stretch_at
+from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.certify import ADMISSIBLE, EARLY, LATE, PULLS
-from camcli.kernel.flow import lane_of, move
+from camcli.kernel.flow import constants_of, move
 from tests.conftest import chapter_system
 
 SAMPLES = 3000
@@ -27,7 +27,7 @@ MACHINES = {
 
 def gaps(system, root, k):
     """Gap and phase on a grid strictly inside flight k of a root."""
-    lane, n = lane_of(root.machine, 0.0, 0), root.count
+    lane, n = constants_of(root.machine, 0.0, 0), root.count
     j = (k + 1) % n
     later = root.whole[2 * j + 1] - root.whole[2 * k + 1] + (root.turns if k == n - 1 else 0)
     s = root.theta[j] - root.theta[k] + TURN * later
@@ -85,7 +85,7 @@ def test_a_missing_impact():
     x = [at_b + 0.003, 8 * lift(system.cam, i, at_b + 0.003)[1], 673.2]
     root = shooter.correct(x, (i, 0), 1, [1.0, 0.0, 0.0], x)
     assert root is not None
-    assert root.theta[0] > system.cam.rows[i * ROW + END]
+    assert root.theta[0] > system.cam.stretches[i].end
     assert shooter.verdict(root)[0] in (EARLY, LATE)
 
 
@@ -121,7 +121,7 @@ def test_an_impact_exactly_at_a_corner_is_admissible_on_both_sides():
     for side in (-1, 1):
         shooter = Shooter(system, 673.0)
         i = stretch_at(system.cam, b + side * 1e-6)
-        corner = system.cam.rows[i * ROW + (END if side < 0 else START)]
+        corner = system.cam.stretches[i].end if side < 0 else system.cam.stretches[i].start
         x = [corner, 8 * lift(system.cam, i, corner)[1], 673.2]  # 2 r/(1 - r) c_theta
         root = shooter.correct(x, (i, 0), 1, [1.0, 0.0, 0.0], x)
         assert root.theta[0] == corner

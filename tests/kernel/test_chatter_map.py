@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 from mpmath import mp, mpf
 
-from camcli.kernel.chatter import REFUSED, chatter_map
+from camcli.kernel.flight import REFUSED, chatter_map
 
 DIGITS = 32
 ORDERS = 16  # terms of the gap's Taylor series in a hop

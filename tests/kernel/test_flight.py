@@ -6,14 +6,14 @@ from math import isfinite, nextafter, sqrt
 import pytest
 from mpmath import mp, mpf
 
-from camcli.kernel.flow import Lane, flow
+from camcli.kernel.flow import Constants, flow
 from tests import oracle
 
 
 def lane(W, Z, D=None):
     """A lane of nothing but its flow."""
     D = (Z - W) * (Z + W) if D is None else D
-    return Lane(W, W * W, Z, D, 0.0, 0.5, 1e-9, 1000)
+    return Constants(W, W * W, Z, D, 0.0, 0.5, 1e-9, 1000)
 
 
 def exact(constants, s):

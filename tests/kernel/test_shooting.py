@@ -13,8 +13,8 @@ import pytest
 from camcli.analysis.orbits.shooter import PARAMETERS, Shooter
 from camcli.kernel import bordered, shooting
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables, solve_bordered
-from camcli.kernel.cam_table import END, ROW, START, stretch_at
-from camcli.kernel.flow import lane_of
+from camcli.kernel.cam_table import stretch_at
+from camcli.kernel.flow import constants_of
 from tests.conftest import chapter_system
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -42,12 +42,12 @@ def impacts(system, draw, n, turns, short=0.0):
     if short and n > 1:
         places[1] = places[0] + short
         places.sort()
-    x, whole, rows = [], [], system.cam.rows
+    x, whole, stretches = [], [], system.cam.stretches
     for place in places:
         turn, theta = divmod(place, 2 * np.pi)
         i = stretch_at(system.cam, theta)
         margin = 2e-5
-        theta = min(max(theta, rows[i * ROW + START] + margin), rows[i * ROW + END] - margin)
+        theta = min(max(theta, stretches[i].start + margin), stretches[i].end - margin)
         x += [theta, draw.uniform(0.05, 0.8)]
         whole += [i, int(turn)]
     return x, whole
@@ -85,7 +85,7 @@ def test_the_blocks_are_the_differences_of_the_residual(name, n, short):
     """
     system, draw = chapter_system(**REGIMES[name]), random.Random(n)
     for rpm in (190.0, 700.0):
-        lane = lane_of(system.machine(rpm), 0.0, 0)
+        lane = constants_of(system.machine(rpm), 0.0, 0)
         x, whole = impacts(system, draw, n, 3, short)
         J, E = equations(system, lane, x, whole, 3)
         for k in range(n):

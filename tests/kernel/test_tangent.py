@@ -1,4 +1,4 @@
-"""Flight and saltation matrices against mpmath, simulated orbits and stroboscopic maps."""
+"""Flight and saltation_entry matrices against mpmath, simulated orbits and stroboscopic maps."""
 
 import random
 from math import exp, pi
@@ -9,9 +9,9 @@ from mpmath import mp
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel.cam_table import TURN, lift, stretch_at
-from camcli.kernel.flow import lane_of, move
+from camcli.kernel.flow import constants_of, move
 from camcli.kernel.orbit_loop import EventKind
-from camcli.kernel.variational import after_flight, after_impact, flight_tangent, saltation
+from camcli.kernel.variational import after_flight, after_impact, flight_tangent, saltation_entry
 from tests.conftest import chapter_system, settings
 from tests.oracle import ArcsCam
 from tests.orbit_oracle import Machine, solve, strobe_state
@@ -37,7 +37,7 @@ REGIMES = {
 
 
 def lane_at(rpm, **changes):
-    return lane_of(chapter_system(**changes).machine(rpm), 0.0, 0)
+    return constants_of(chapter_system(**changes).machine(rpm), 0.0, 0)
 
 
 def det(m):
@@ -112,7 +112,7 @@ def differences(system, rpm, turns, q, w):
 
 def product(system, rpm, tape, turns):
     """The same matrix from the kernel, along the impacts of a tape from the strobe at 0."""
-    lane, m, now = lane_of(system.machine(rpm), 0.0, 0), (1.0, 0.0, 0.0, 1.0), 0.0
+    lane, m, now = constants_of(system.machine(rpm), 0.0, 0), (1.0, 0.0, 0.0, 1.0), 0.0
     for kind, period, theta, u in zip(tape.kind, tape.period, tape.theta, tape.u, strict=True):
         if kind != EventKind.IMPACT or period >= turns:
             continue
@@ -178,20 +178,20 @@ def test_the_trace_is_the_one_of_the_simulated_stroboscopic_map(name, rpm, guess
         assert abs(a - b) < 1e-6 * (1 + max(abs(x) for x in exact))
 
 
-def test_the_saltation_entry_is_the_one_of_the_module():
+def test_the_saltation_entry_entry_is_the_one_of_the_module():
     """(r a- + a+)/u, spelled out once with every term by hand."""
     lane = lane_at(700.0, damping=2.0, gravity=9.81, preload=10.0, restitution=0.7)
     c, c1, c2, u = 0.21, 0.13, -0.4, -0.6
     before = -lane.G - lane.W2 * c - 2 * lane.Z * (c1 + u) - c2
     after = -lane.G - lane.W2 * c - 2 * lane.Z * (c1 - 0.7 * u) - c2
-    assert abs(saltation(lane, (c, c1, c2), u) - (0.7 * before + after) / u) < 1e-14
+    assert abs(saltation_entry(lane, (c, c1, c2), u) - (0.7 * before + after) / u) < 1e-14
 
 
 def test_newton_has_the_same_trace_as_the_product_of_matrices():
     system = chapter_system()
     shooter = Shooter(system, 700.0)
     root = shooter.at_value([2.71, 0.9, 700.0], (stretch_at(system.cam, 2.71), 0), 1, 700.0)
-    lane, theta = lane_of(root.machine, 0.0, 0), root.theta[0]
+    lane, theta = constants_of(root.machine, 0.0, 0), root.theta[0]
     m = after_flight(lane, TURN, 1.0, 0.0, 0.0, 1.0)
     m = after_impact(lane, lift(system.cam, root.whole[0], theta), root.rates[0], *m)
     assert abs(m[0] + m[3] - root.trace) < 1e-14

@@ -10,7 +10,6 @@ import numpy as np
 from camcli.analysis.integrate import Cost, Settings, Start
 from camcli.kernel import backend
 from camcli.kernel.backend import Kernel
-from camcli.kernel.cam_table import ROW, START0, START1
 from camcli.kernel.cells import CELL, MODE_OF, OUTCOME, STAY, SYMBOL, TURNS, Cells, Room, Targets
 from camcli.kernel.flight import BOUNCED, FREE
 from camcli.kernel.orbit_loop import RESTING, Log, Strobe
@@ -54,13 +53,13 @@ class CellBatches:
     def lift(self) -> tuple[float, float]:
         """(c, c_theta) at the strobe; m, m/rad."""
         cam = self.system.cam
-        row = cam.strobe * ROW
-        return cam.rows[row + START0], cam.rows[row + START1]
+        strobe = cam.stretches[cam.strobe]
+        return strobe.start_c, strobe.start_c1
 
     @cached_property
     def lane(self):
         """The kernel's constants of this speed."""
-        return self.system.lane(
+        return self.system.constants(
             self.rpm, self.settings.chatter_tolerance, self.settings.impact_budget
         )
 
@@ -116,7 +115,7 @@ class _Task:
     def _tables(self):
         """(kernel, cam, lane, flows over stretches, targets in the kernel's form)."""
         settings, kernel = self.settings, backend.for_work(self.count, FEW)
-        lane = self.system.lane(self.rpm, settings.chatter_tolerance, settings.impact_budget)
+        lane = self.system.constants(self.rpm, settings.chatter_tolerance, settings.impact_budget)
         cam = self.system.cam_for(kernel)
         return kernel, cam, lane, kernel.stretch_flows(cam, lane), _native(self.targets, kernel)
 

@@ -18,7 +18,7 @@ from camcli.analysis.after_rest import CYCLE, UNKNOWN, After, after_rest
 from camcli.analysis.basins import recurrence
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.cell_batches import CellBatches
-from camcli.analysis.integrate import Orbit, Tape, with_turns
+from camcli.analysis.integrate import Orbit, Record, with_turns
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.error_growth import TOO_LARGE, largest_growth
 from camcli.kernel.cam_table import TURN
@@ -149,7 +149,7 @@ class RestOutcomes:
         batches = self.finder.batches
         low = np.array(batches.lift)
 
-        def passages(tape: Tape) -> np.ndarray:
+        def passages(tape: Record) -> np.ndarray:
             return np.column_stack((tape.strobe_q, tape.strobe_w)) - low
 
         ahead = passages(record_of(batches, state, 0, AFTER))
@@ -177,7 +177,7 @@ def departure(batches: CellBatches, start: State, turns: int) -> float | None:
     return float(theta) if kind in (EventKind.DETACHMENT, EventKind.IMPACT) else None
 
 
-def record_of(batches: CellBatches, state: State, transient: int, record: int) -> Tape:
+def record_of(batches: CellBatches, state: State, transient: int, record: int) -> Record:
     """The record of a cell's start to the last bit."""
     settings = with_turns(batches.settings, transient, record)
     orbit = Orbit(batches.system, batches.rpm, settings, batches.start(1.0, 0.0, 0))

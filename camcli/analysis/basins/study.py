@@ -21,11 +21,11 @@ from camcli.analysis.basins.measures import entropies, fractions
 from camcli.analysis.basins.region import Region
 from camcli.analysis.basins.uncertainty import Uncertainty, uncertainty
 from camcli.analysis.basins.window import Window
-from camcli.analysis.exponents import of_tape
+from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Cost, Orbit, Settings, Start, with_turns
 from camcli.errors import Status
+from camcli.kernel.arithmetic import natural_log
 from camcli.kernel.cells import UNDECIDED
-from camcli.kernel.growth import natural_log
 from camcli.parallel import ShardDone, Work
 from camcli.system import System, omega_of
 
@@ -208,5 +208,5 @@ def largest_exponent(
     q, w = attractor.states[0]
     start = Start(q, w * omega_of(rpm), system.strobe_deg)
     tape = Orbit(system, rpm, with_turns(settings, 0, EXPONENT_RECORD), start).run()
-    found = of_tape(system, rpm, tape) if tape.status == Status.OK else None
+    found = of_record(system, rpm, tape) if tape.status == Status.OK else None
     return None if found is None else found.largest

@@ -146,7 +146,7 @@ def verdict(f: Flight, found: float | None) -> tuple[str, float | None]:
         return MISSED, at
     if true is None:
         return INVENTED, None
-    lane = f.system.lane(f.rpm, 0.0, 1)
+    lane = f.system.constants(f.rpm, 0.0, 1)
     size = abs(f.q) + abs(f.w) + lane.G * at**2 + lane.G / lane.W2
     if abs(late) <= 1e-12 * size / max(u, 1e-7) + 2e-12:
         return RIGHT, at

@@ -12,7 +12,7 @@ from importlib.resources import files
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
-from camcli.analysis.integrate import Orbit, Settings, Start, Tape
+from camcli.analysis.integrate import Orbit, Record, Settings, Start
 from camcli.cams.compile import Shape
 from camcli.kernel.orbit_loop import EventKind
 from camcli.system import Follower, System
@@ -69,12 +69,12 @@ def settings(
     return Settings(transient, record, tolerance, budget, Start(**start))
 
 
-def run(system: System, rpm: float, **wanted) -> Tape:
+def run(system: System, rpm: float, **wanted) -> Record:
     """The tape of one orbit; `wanted` as for `settings`."""
     return Orbit(system, rpm, settings(**wanted)).run()
 
 
-def events(tape: Tape, first: int = 0) -> list[Event]:
+def events(tape: Record, first: int = 0) -> list[Event]:
     """Every logged event; `first`: 1 for a start off the strobe."""
     columns = zip(tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True)
     return [
@@ -83,7 +83,7 @@ def events(tape: Tape, first: int = 0) -> list[Event]:
     ]
 
 
-def phases(tape: Tape, kind: str = "impact") -> list[float]:
+def phases(tape: Record, kind: str = "impact") -> list[float]:
     """Phases of the events of a kind, rad."""
     return [event.theta for event in events(tape) if event.kind == kind]
 

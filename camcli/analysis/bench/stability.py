@@ -26,7 +26,7 @@ from camcli.analysis.bench.machine import (
 )
 from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK
 from camcli.analysis.bench.precision import case, compare, run_core
-from camcli.analysis.integrate import Orbit, StartError, Tape
+from camcli.analysis.integrate import Orbit, Record, StartError
 from camcli.analysis.labels import label
 from camcli.errors import Status
 from camcli.system import System
@@ -91,12 +91,12 @@ def need(holds: bool, seen: str) -> None:
         raise MismatchError(seen)
 
 
-def kinds(tape: Tape) -> list[str]:
+def kinds(tape: Record) -> list[str]:
     """Kinds of the logged events, in order."""
     return [event.kind for event in events(tape)]
 
 
-def name_of(tape: Tape) -> str:
+def name_of(tape: Record) -> str:
     """Name of the status of a run."""
     return Status(tape.status).text
 

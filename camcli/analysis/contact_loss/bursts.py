@@ -14,7 +14,7 @@ from math import inf
 
 from camcli.analysis.contact_loss.detachment import Loss
 from camcli.analysis.contact_loss.force import DEG, Force
-from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape
+from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start
 from camcli.cams.regions import SAME_PHASE
 from camcli.errors import Status
 from camcli.kernel.cam_table import TURN, stretch_at
@@ -50,9 +50,9 @@ class Burst:
         return Burst(self.release, self.release, impacts, end, self.status)
 
 
-def timeline(system: System, orbit: Orbit, tape: Tape) -> list[tuple[int, float, float]]:
+def timeline(system: System, orbit: Orbit, tape: Record) -> list[tuple[int, float, float]]:
     """(kind, theta, phase counted on from the first recorded strobe) of every event, in rad."""
-    strobe, cam, lane = system.strobe, system.cam, orbit.lane
+    strobe, cam, lane = system.strobe, system.cam, orbit.const
     rows = []
     for kind, period, theta, u in zip(tape.kind, tape.period, tape.theta, tape.u, strict=True):
         kind, theta = int(kind), float(theta)

@@ -14,7 +14,6 @@ from math import inf, pi
 from camcli.analysis.bracketing import NARROW
 from camcli.analysis.contact_loss.force import DEG, Force
 from camcli.cams.regions import Region
-from camcli.kernel.cam_table import KICK, ROW
 from camcli.system import System, omega_of
 
 RPM = 30.0 / pi  # rpm per rad/s
@@ -160,7 +159,7 @@ def _critical(
 
 def _always(force: Force) -> tuple[AlwaysLost, ...]:
     """Why contact is lost at any speed, empty where it is held at standstill."""
-    drops = [-force.cam.rows[i * ROW + KICK] for i in range(force.cam.stretches)]
+    drops = [-force.cam.stretches[i].slope_jump for i in range(len(force.cam.stretches))]
     kinks = [
         AlwaysLost(Reason.KINK, start * DEG, drop)
         for start, drop in zip(force.starts, drops, strict=True)

@@ -17,7 +17,7 @@ from camcli.analysis.bracketing import TIE, lowest
 from camcli.cams.compile import column
 from camcli.cams.regions import Region, regions
 from camcli.kernel.cam_table import lift_at, stretch_at
-from camcli.kernel.sticking import slide
+from camcli.kernel.sticking import find_detachment
 from camcli.system import System, omega_of
 
 DEG = 180.0 / pi
@@ -45,8 +45,8 @@ class Force:
         self.weight, self.spring = f.gravity + f.preload / f.mass, f.stiffness / f.mass
         self.damper = f.damping / f.mass
         self.regions = regions(system.cam)
-        self.starts, self.ends = column(self.cam, "START"), column(self.cam, "END")
-        self.counts = [int(n) for n in column(self.cam, "COUNT")]
+        self.starts, self.ends = column(self.cam, "start"), column(self.cam, "end")
+        self.counts = [int(n) for n in column(self.cam, "piece_count")]
 
     def terms(self, i: int, theta: float) -> tuple[float, float, float]:
         """(A, B, C) above."""
@@ -82,7 +82,7 @@ class Force:
         self, f: Callable[[int, float], float], stretches: Sequence[int] | None = None
     ) -> tuple[float, int, float]:
         """(value, stretch, theta) of the smallest f(i, theta) on some stretches, all by default."""
-        stretches = range(self.cam.stretches) if stretches is None else stretches
+        stretches = range(len(self.cam.stretches)) if stretches is None else stretches
         best = (inf, stretches[0], self.starts[stretches[0]])
         for i in stretches:
             count = PER_PIECE * self.counts[i]
@@ -98,8 +98,10 @@ class Force:
 
     def held(self, region: Region, rpm: float) -> bool:
         """True where the kernel's own certified step finds no zero of N in the region."""
-        lane = self.system.lane(rpm, 1e-9, 1)
-        return not any(slide(self.cam, lane, i, self.starts[i])[0] for i in region.stretches)
+        lane = self.system.constants(rpm, 1e-9, 1)
+        return not any(
+            find_detachment(self.cam, lane, i, self.starts[i])[0] for i in region.stretches
+        )
 
     def region_of(self, stretch: int) -> Region:
         """The region that holds a stretch."""
@@ -109,7 +111,7 @@ class Force:
         """N over a turn, `points` per turn at least, and its minimum."""
         omega = omega_of(rpm)
         theta, force = [], []
-        for i in range(self.cam.stretches):
+        for i in range(len(self.cam.stretches)):
             low, high = self.starts[i], self.ends[i]
             count = int((high - low) * (points / (self.ends[-1] - self.starts[0]))) + 1
             for k in range(count + 1):

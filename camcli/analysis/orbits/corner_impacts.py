@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import hypot
 
 from camcli.analysis.border_collision import Collision, Prediction, Side, classify
-from camcli.analysis.exponents import of_tape
+from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Settings, Start, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD, Label, label
 from camcli.analysis.orbits.identify import identify, passages, settled
@@ -145,7 +145,7 @@ def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
 
 def _unsolved(system, rpm: float, tape) -> str:
     """The label of a record without a solved orbit; chaos may be very small beside a corner."""
-    exponents = of_tape(system, rpm, tape) if tape.status == Status.OK else None
+    exponents = of_record(system, rpm, tape) if tape.status == Status.OK else None
     if exponents is not None and exponents.chaotic:
         return "aperiodic"
     return "undecided" if any(tape.chatter) else label(tape)

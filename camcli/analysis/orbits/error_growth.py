@@ -10,7 +10,7 @@ Non-Smooth Mechanical Systems, 2004, ch. 7), and at an impact it is a phase erro
 
 from __future__ import annotations
 
-from camcli.analysis.integrate import Tape
+from camcli.analysis.integrate import Record
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.kernel.orbit_loop import EventKind
 from camcli.kernel.variational import after_flight, after_impact
@@ -19,9 +19,9 @@ from camcli.system import System
 TOO_LARGE = 7e10  # growth of a phase error that leaves five digits of a turn
 
 
-def largest_growth(system: System, rpm: float, tape: Tape, window: range) -> float:
+def largest_growth(system: System, rpm: float, tape: Record, window: range) -> float:
     """Largest factor between a phase error after a rest and one before the next, in these turns."""
-    cam, lane, strobe = system.cam, system.lane(rpm, 1.0, 1), system.strobe
+    cam, lane, strobe = system.cam, system.constants(rpm, 1.0, 1), system.strobe
     largest = 0.0
     last: float | None = None  # rad since period 0, of the last event of a motion from rest
     pair: tuple[float, float] | None = None  # its difference; none before the first impact

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import inf
 
-from camcli.analysis.integrate import Orbit, Settings, Start, Tape, with_turns
+from camcli.analysis.integrate import Orbit, Record, Settings, Start, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.error_growth import TOO_LARGE, largest_growth
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root, resting_orbit, section_states
 from camcli.analysis.orbits.same_orbit import CLOSE, distance, distance_to, shortest_period, size_of
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.errors import Status
-from camcli.kernel.cam_table import END, ROW, START, TURN, stretch_at
+from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.kernel.orbit_loop import EventKind
 from camcli.system import System
 
@@ -42,7 +42,7 @@ def solve_from(
 
 
 def identify(
-    system: System, rpm: float, tape: Tape, longest: int = LONGEST_PERIOD
+    system: System, rpm: float, tape: Record, longest: int = LONGEST_PERIOD
 ) -> PeriodicOrbit | None:
     """The attracting orbit at the end of a record with events and strobes, or None."""
     if tape.status != Status.OK or tape.periods < 2:
@@ -62,7 +62,7 @@ def identify(
     return None
 
 
-def passages(tape: Tape) -> tuple[list[tuple[float, float]], list[float]]:
+def passages(tape: Record) -> tuple[list[tuple[float, float]], list[float]]:
     """States at the strobes (m, m/rad), and the symbol of each whole turn."""
     n = tape.periods
     states = [(float(tape.strobe_q[k]), float(tape.strobe_w[k])) for k in range(n)]
@@ -70,7 +70,7 @@ def passages(tape: Tape) -> tuple[list[tuple[float, float]], list[float]]:
     return states, symbols
 
 
-def impacts_of(tape: Tape, window: range) -> list[Impact]:
+def impacts_of(tape: Record, window: range) -> list[Impact]:
     """The impacts in these turns."""
     return [
         (int(period), float(theta), float(u))
@@ -79,7 +79,7 @@ def impacts_of(tape: Tape, window: range) -> list[Impact]:
     ]
 
 
-def departures(tape: Tape) -> list[tuple[int, float]]:
+def departures(tape: Record) -> list[tuple[int, float]]:
     """(period, theta) where the follower leaves from rest: a lift-off, or a blow by an upward kink.
 
     A blow is an impact of a follower that rested after a chatter.
@@ -92,7 +92,7 @@ def departures(tape: Tape) -> list[tuple[int, float]]:
     return leaves
 
 
-def _candidates(tape: Tape, longest: int) -> Iterator[tuple[int, float]]:
+def _candidates(tape: Record, longest: int) -> Iterator[tuple[int, float]]:
     """(m, relative distance) for every period that the end of the record suggests, ascending."""
     states, symbols = passages(tape)
     n, size = len(states), size_of(states)
@@ -103,7 +103,7 @@ def _candidates(tape: Tape, longest: int) -> Iterator[tuple[int, float]]:
                 yield m, gap
 
 
-def _rests(tape: Tape, window: range) -> bool:
+def _rests(tape: Record, window: range) -> bool:
     """True where the follower chatters to rest, or leaves from rest, in one of these turns."""
     return any(tape.chatter[k] for k in window) or any(
         kind == EventKind.DETACHMENT and period in window
@@ -111,13 +111,13 @@ def _rests(tape: Tape, window: range) -> bool:
     )
 
 
-def _accidental(system: System, rpm: float, tape: Tape, turns: int) -> bool:
+def _accidental(system: System, rpm: float, tape: Record, turns: int) -> bool:
     """True where rounding, not the machine, closed the cycle that ends a record."""
     window = range(max(0, tape.periods - 2 * turns), tape.periods)
     return largest_growth(system, rpm, tape, window) > TOO_LARGE
 
 
-def _resting(system: System, rpm: float, tape: Tape, m: int) -> PeriodicOrbit:
+def _resting(system: System, rpm: float, tape: Record, m: int) -> PeriodicOrbit:
     """An orbit that sticks: the cam alone decides where it leaves, so simulation closes exactly."""
     window = range(tape.periods - m, tape.periods)
     leaves = [(n - window.start, theta) for n, theta in departures(tape) if n in window]
@@ -125,7 +125,7 @@ def _resting(system: System, rpm: float, tape: Tape, m: int) -> PeriodicOrbit:
     return resting_orbit(system, rpm, states[-m:], symbols[-m:], leaves)
 
 
-def _bouncing(shooter: Shooter, tape: Tape, m: int, gap: float) -> PeriodicOrbit | None:
+def _bouncing(shooter: Shooter, tape: Record, m: int, gap: float) -> PeriodicOrbit | None:
     """The orbit of m turns near the end of the record, if it is one and attracts."""
     window = range(tape.periods - m, tape.periods)
     root = newton_from(shooter, impacts_of(tape, window), m)
@@ -174,10 +174,10 @@ def settled(shooter: Shooter, root: Root, rounds: int = 4) -> Root | None:
 def _placed(system: System, root: Root) -> tuple[list[float], tuple[int, ...]] | None:
     """(x, whole) with every phase within the turn and its stretch renewed."""
     x, whole = list(root.x), list(root.whole)
-    rows = system.cam.rows
+    stretches = system.cam.stretches
     for k in range(root.count):
         i, theta = whole[2 * k], x[2 * k]
-        if rows[i * ROW + START] <= theta <= rows[i * ROW + END] and theta < TURN:
+        if stretches[i].start <= theta <= stretches[i].end and theta < TURN:
             continue
         turns = 1 if theta < 0.0 else -1 if theta >= TURN else 0
         theta, whole[2 * k + 1] = theta + turns * TURN, whole[2 * k + 1] - turns

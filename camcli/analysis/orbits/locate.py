@@ -25,9 +25,9 @@ from camcli.analysis.orbits.orbit import section_states
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.cams.regions import corner_list
-from camcli.kernel.cam_table import KICK, ROW, TURN, lift
-from camcli.kernel.flow import flow, lane_of
-from camcli.kernel.variational import relative_accel
+from camcli.kernel.cam_table import TURN, lift
+from camcli.kernel.flow import constants_of, flow
+from camcli.kernel.variational import gap_accel
 
 MOST_SECANTS = 30
 SETTLED = 1e-13  # of its size: a secant step of the parameter that ends the iteration
@@ -239,7 +239,12 @@ def secant(
 
 def cross(shooter: Shooter, found: Located) -> Crossing | None:
     """The other side of a corner impact, or None where no orbit is found there."""
-    before, k, side, stretches = found.root, found.impact, found.side, shooter.cam.stretches
+    before, k, side, stretches = (
+        found.root,
+        found.impact,
+        found.side,
+        len(shooter.cam.stretches),
+    )
     i = before.whole[2 * k]
     j = (i + side) % stretches
     whole = list(before.whole)
@@ -257,7 +262,7 @@ def cross(shooter: Shooter, found: Located) -> Crossing | None:
         impact=k,
         upward=side > 0,
         corner=names.get(boundary, ""),
-        kink=shooter.cam.rows[boundary * ROW + KICK] != 0.0,
+        kink=shooter.cam.stretches[boundary].slope_jump != 0.0,
         ahead=[side * d for d in far.tangent],
     )
 
@@ -310,14 +315,14 @@ def _flip_vector(shooter: Shooter, root: Root) -> list[float] | None:
 
 def _impact_map(shooter: Shooter, root: Root, k: int) -> list[list[float]]:
     """Derivative of (theta, v) at impact k + 1 by those at impact k; equations in the kernel."""
-    cam, lane, n = shooter.system.cam, lane_of(root.machine, 0.0, 0), root.count
+    cam, lane, n = shooter.system.cam, constants_of(root.machine, 0.0, 0), root.count
     j = (k + 1) % n
     turns = root.whole[2 * j + 1] - root.whole[2 * k + 1] + (root.turns if k == n - 1 else 0)
     v, u, r = root.x[2 * k + 1], root.rates[j], lane.r
     c, c1, c2 = lift(cam, root.whole[2 * k], root.theta[k])
-    start = relative_accel(lane, c, c1 + v, c2)
+    start = gap_accel(lane, c, c1 + v, c2)
     c, c1, c2 = lift(cam, root.whole[2 * j], root.theta[j])
-    stop = relative_accel(lane, c, c1 + u, c2)
+    stop = gap_accel(lane, c, c1 + u, c2)
     b, b1, p = flow(lane, root.theta[j] - root.theta[k] + TURN * turns)
     gap = (-(v * (1.0 - lane.W2 * p) + b * start), b)
     rate = (lane.W2 * b * v - b1 * start, b1)

@@ -12,7 +12,7 @@ from camcli.analysis.orbits.shooter import VERDICTS, Root, multipliers
 from camcli.cams.regions import regions
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.certify import ADMISSIBLE
-from camcli.kernel.flow import RPM, lane_of, move
+from camcli.kernel.flow import RPM, constants_of, move
 from camcli.system import System
 
 DIGITS = 12  # significant digits that decide between rotations of one label
@@ -124,7 +124,7 @@ def region_names(system: System) -> dict[int, str]:
 
 def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]], list[float]]:
     """(states, symbols): (q, dq/dtheta) at every strobe, and the impacts in the turn after it."""
-    lane = lane_of(root.machine, 0.0, 0)
+    lane = constants_of(root.machine, 0.0, 0)
     since = _since_strobe(system, root)
     states, symbols = [], []
     for j in range(root.turns):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import inf
 
-from camcli.analysis.integrate import Cost, Settings, Start, Tape
+from camcli.analysis.integrate import Cost, Record, Settings, Start
 from camcli.analysis.labels import LONGEST_PERIOD, Label
 from camcli.analysis.orbits.identify import identify, impacts_of, newton_from, passages
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
@@ -15,7 +15,6 @@ from camcli.analysis.orbits.same_orbit import distance, same_orbit, size_of
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.errors import Status
-from camcli.kernel.cam_table import ROW, START0, START1
 from camcli.system import System, omega_of
 
 MOST_SINGLE = 6  # turns of the single-impact orbits looked for unasked
@@ -85,14 +84,14 @@ def starts_of(system: System, rpm: float, settings: Settings, count: int) -> Ite
 def cloud(system: System, rpm: float) -> Iterator[Start]:
     """Starts at the strobe spread over WINDOW lifts: Halton's points in bases 2 and 3."""
     cam, omega = system.cam, omega_of(rpm)
-    o = cam.strobe * ROW
-    low = min(cam.rows[i * ROW + START0] for i in range(cam.stretches))
+    strobe = cam.stretches[cam.strobe]
+    low = min(cam.stretches[i].start_c for i in range(len(cam.stretches)))
     reach = WINDOW * (cam.top - low)
     n = 0
     while True:
         n += 1
-        q = cam.rows[o + START0] + reach * halton(n, 2)
-        w = cam.rows[o + START1] + reach * (2.0 * halton(n, 3) - 1.0)
+        q = strobe.start_c + reach * halton(n, 2)
+        w = strobe.start_c1 + reach * (2.0 * halton(n, 3) - 1.0)
         yield Start(q, w * omega, system.strobe_deg)
 
 
@@ -148,7 +147,7 @@ def _try_returns(
                 return
 
 
-def _close_returns(tape: Tape, label: Label) -> Iterator[tuple[float, list]]:
+def _close_returns(tape: Record, label: Label) -> Iterator[tuple[float, list]]:
     """(distance, impacts) of every window with the label's symbols that nearly closes."""
     states, symbols = passages(tape)
     m, size = len(label.symbols), size_of(states)

@@ -8,13 +8,13 @@ from math import sqrt
 
 import numpy as np
 
-from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape
+from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start
 from camcli.cams.compile import column
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
-from camcli.kernel.cam_table import END, ROW, START, TURN
+from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS
 from camcli.kernel.flow import (
     DAMPING,
@@ -24,7 +24,7 @@ from camcli.kernel.flow import (
     RESTITUTION,
     RPM,
     STIFFNESS,
-    lane_of,
+    constants_of,
 )
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
 from camcli.system import System, omega_of
@@ -100,7 +100,7 @@ def with_machine(system: System, machine: Sequence[float]) -> tuple[System, floa
 
 def determinant(machine: Sequence[float], impacts: int, turns: int) -> float:
     """Determinant of the monodromy matrix: r^2 from an impact, exp(-2 Z s) from s rad of flight."""
-    lane = lane_of(machine, 0.0, 0)
+    lane = constants_of(machine, 0.0, 0)
     value = exp_decay(2.0 * lane.Z * TURN * turns)
     for _ in range(impacts):
         value *= lane.r * lane.r
@@ -152,7 +152,7 @@ class Shooter:
         """Work of the certifying flights and of the simulations so far."""
         return self.simulated + Cost(0, int(self.work[0]), int(self.work[1]))
 
-    def simulate(self, system: System, rpm: float, settings: Settings, start: Start) -> Tape:
+    def simulate(self, system: System, rpm: float, settings: Settings, start: Start) -> Record:
         """The record of a motion; its cost is counted here."""
         tape = Orbit(system, rpm, settings, start).run()
         self.simulated = self.simulated + tape.cost
@@ -216,19 +216,23 @@ class Shooter:
     def at_corner(self, guess: Root, k: int, side: int) -> Root | None:
         """The root with impact k exactly at the end (side 1) or start (-1) of its stretch."""
         x, row = list(guess.x), [0.0] * len(guess.x)
-        x[2 * k] = self.cam.rows[guess.whole[2 * k] * ROW + (END if side > 0 else START)]
+        x[2 * k] = (
+            self.cam.stretches[guess.whole[2 * k]].end
+            if side > 0
+            else cam.stretches[guess.whole[2 * k]].start
+        )
         row[2 * k] = 1.0
         return self.correct(x, guess.whole, guess.turns, row, x)
 
     def beyond(self, root: Root) -> list[tuple[float, int, int]]:
         """(rad beyond, impact, +1 at the end or -1 at the start) of impacts off their stretch."""
-        rows, out = self.cam.rows, []
+        out = []
         for k, theta in enumerate(root.theta):
-            o = root.whole[2 * k] * ROW
-            if theta < rows[o + START]:
-                out.append((rows[o + START] - theta, k, -1))
-            elif theta > rows[o + END]:
-                out.append((theta - rows[o + END], k, 1))
+            stretch = self.cam.stretches[root.whole[2 * k]]
+            if theta < stretch.start:
+                out.append((stretch.start - theta, k, -1))
+            elif theta > stretch.end:
+                out.append((theta - stretch.end, k, 1))
         return out
 
     def admits(self, root: Root) -> bool:
@@ -252,7 +256,7 @@ class Shooter:
 
 def _lift(system: System) -> float:
     """Height of the cam's lobe, m; of a cam without one its height."""
-    low = min(column(system.cam, "LOW"))
+    low = min(column(system.cam, "c_min"))
     return (system.cam.top - low) or abs(system.cam.top) or 1.0
 
 

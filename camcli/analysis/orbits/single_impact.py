@@ -13,17 +13,8 @@ from collections.abc import Iterator
 
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.kernel.cam_table import (
-    ACCEL_MAX,
-    ACCEL_MIN,
-    END,
-    JERK_MAX,
-    ROW,
-    START,
-    TURN,
-    lift,
-)
-from camcli.kernel.flow import flow, lane_of
+from camcli.kernel.cam_table import TURN, lift
+from camcli.kernel.flow import constants_of, flow
 
 ROUNDING = 1e-15
 FOCUS = 1e-6  # B over the flight's length below which v is not taken from it
@@ -34,7 +25,7 @@ def single_impact_roots(shooter: Shooter, value: float, turns: int) -> list[Root
     """Every orbit of `turns` turns with one impact at this parameter value, virtual ones too."""
     equation = _Equation(shooter, value, turns)
     found = []
-    for i in range(shooter.system.cam.stretches):
+    for i in range(len(shooter.system.cam.stretches)):
         for theta in equation.roots(i):
             v = equation.rate(i, theta)
             root = shooter.at_value([theta, v, value], (i, 0), turns, value)
@@ -48,7 +39,7 @@ class _Equation:
 
     def __init__(self, shooter: Shooter, value: float, turns: int):
         self.cam = shooter.system.cam
-        self.lane = lane = lane_of(shooter.at(value), 0.0, 0)
+        self.lane = lane = constants_of(shooter.at(value), 0.0, 0)
         self.r, self.reach = lane.r, TURN * turns
         self.B, self.slope_b, self.P = flow(lane, self.reach)
         self.K = self.P * (1.0 + lane.r * self.slope_b) - lane.r * self.B * self.B
@@ -72,10 +63,10 @@ class _Equation:
         """Every zero of h on stretch i, ends included, in ascending order."""
         if self.B == 0.0 and 1.0 + self.r * self.slope_b == 0.0:
             return
-        row = self.cam.rows[i * ROW : (i + 1) * ROW]
-        accel = max(abs(row[ACCEL_MIN]), abs(row[ACCEL_MAX]))
-        bend = abs(self.K) * self.lane.W2 * accel + abs(self.turn) * row[JERK_MAX]
-        yield from self._within(i, row[START], row[END], bend)
+        stretch = self.cam.stretches[i]
+        accel = max(abs(stretch.accel_min), abs(stretch.accel_max))
+        bend = abs(self.K) * self.lane.W2 * accel + abs(self.turn) * stretch.jerk_max
+        yield from self._within(i, stretch.start, stretch.end, bend)
 
     def _within(self, i: int, low: float, high: float, bend: float) -> Iterator[float]:
         middle, half = 0.5 * (low + high), 0.5 * (high - low)

@@ -96,7 +96,7 @@ def _orbit_at(
 def _start(system: System, orbit: PeriodicOrbit, rpm: float) -> Start:
     """The orbit's own state at the strobe; at rest on the cam where that lies on it."""
     q, w = orbit.states[0]
-    if q <= column(system.cam, "START0")[system.cam.strobe]:
+    if q <= column(system.cam, "start_c")[system.cam.strobe]:
         return Start(theta_deg=system.strobe_deg)
     return Start(q, w * omega_of(rpm), system.strobe_deg)
 

@@ -12,7 +12,7 @@ from math import inf
 import numpy as np
 
 from camcli.analysis.explain.crisis.attractor import Carried, impacts_of
-from camcli.analysis.integrate import Tape
+from camcli.analysis.integrate import Record
 from camcli.cams.regions import Corner, corner_list
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.flow import move
@@ -66,19 +66,19 @@ def approach(carried: Carried) -> Approach:
     return Approach(rows, (near[1], close[1]), low, rpm, reached)
 
 
-def _distance(tape: Tape, corner: Corner) -> float:
+def _distance(tape: Record, corner: Corner) -> float:
     """Least distance of the impacts of a record to a corner, rad."""
     theta = impacts_of(tape)[0]
     return float(np.abs((theta - corner.theta + TURN / 2) % TURN - TURN / 2).min(initial=inf))
 
 
-def low_gap(carried: Carried, rpm: float, tape: Tape) -> float:
+def low_gap(carried: Carried, rpm: float, tape: Record) -> float:
     """The lowest minimum of the gap inside a flight (m), of the first FLIGHTS flights.
 
     0 where impacts already fade, inf where no flight has a minimum.
     """
     cam, strobe = carried.system.cam, carried.system.strobe
-    lane = carried.system.lane(rpm, 1e-9, 1)
+    lane = carried.system.constants(rpm, 1e-9, 1)
     theta, u, period = (column[: FLIGHTS + 1] for column in impacts_of(tape))
     if min(abs(u)) <= FADED * max(abs(u)):
         return 0.0

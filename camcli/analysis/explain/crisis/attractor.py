@@ -10,7 +10,7 @@ from math import degrees
 
 import numpy as np
 
-from camcli.analysis.integrate import Cost, Orbit, Settings, Start, Tape, with_turns
+from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
 from camcli.kernel.orbit_loop import EventKind
 from camcli.system import System, omega_of
 
@@ -21,12 +21,12 @@ SETTLE = 1000  # turns from the scene's start before the attractor is recorded
 BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
 
 
-def states_of(tape: Tape) -> np.ndarray:
+def states_of(tape: Record) -> np.ndarray:
     """The states at the strobes of a record, shape (turns, 2)."""
     return np.column_stack((tape.strobe_q, tape.strobe_w)).astype(float)
 
 
-def impacts_of(tape: Tape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def impacts_of(tape: Record) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(phase rad, incoming m/rad, turn) of every impact of a record with events, as arrays."""
     kept = (np.asarray(tape.kind) == EventKind.IMPACT) & (np.asarray(tape.period) >= 0)
     theta, u, period = (np.asarray(column)[kept] for column in (tape.theta, tape.u, tape.period))
@@ -48,7 +48,7 @@ class Carried:
         self.cost = Cost()
         orbit = Orbit(system, near, with_turns(settings, max(settings.transient, SETTLE), 1))
         orbit.run()
-        self.start = orbit.here()
+        self.start = orbit.as_start()
         self.ends = self.run(near), self.run(far)
         first, last = (states_of(tape) for tape in self.ends)
         self.size = np.ptp(np.concatenate((first, last)), axis=0) + 1e-300
@@ -59,17 +59,17 @@ class Carried:
         """(stays, leaves)."""
         return self.stays, self.leaves
 
-    def run(self, rpm: float, events: bool = False) -> Tape:
+    def run(self, rpm: float, events: bool = False) -> Record:
         """The record of the attractor at this speed, from the state it has at the near end."""
         return self._tape(rpm, self.turns, self.start, events)
 
-    def motion(self, rpm: float, x, turns: int, events: bool = False) -> Tape:
+    def motion(self, rpm: float, x, turns: int, events: bool = False) -> Record:
         """The record of a motion from the state x at the strobe; StartError below the cam."""
         deg = degrees(self.system.strobe) * (1.0 - BEFORE_STROBE)
         start = Start(float(x[0]), float(x[1]) * omega_of(rpm), deg)
         return self._tape(rpm, turns + 1, start, events)
 
-    def _tape(self, rpm: float, turns: int, start: Start, events: bool) -> Tape:
+    def _tape(self, rpm: float, turns: int, start: Start, events: bool) -> Record:
         settings = with_turns(self.settings, 0, turns)
         tape = Orbit(self.system, rpm, settings, start).run(events=events)
         self.cost = self.cost + tape.cost
@@ -84,7 +84,7 @@ class Carried:
         low, high = self.box
         return int(((states < low) | (states > high)).any(1).sum())
 
-    def has_left(self, tape: Tape) -> bool:
+    def has_left(self, tape: Record) -> bool:
         """True where a record has left the box."""
         return self.outside(states_of(tape)) >= LEAST
 

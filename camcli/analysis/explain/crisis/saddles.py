@@ -12,13 +12,13 @@ from math import exp, log
 import numpy as np
 
 from camcli.analysis.explain.crisis.attractor import LEAST, Carried, impacts_of, states_of
-from camcli.analysis.integrate import StartError, Tape
+from camcli.analysis.integrate import Record, StartError
 from camcli.analysis.orbits.identify import newton_from
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
-from camcli.kernel.variational import flight_tangent, saltation
+from camcli.kernel.variational import flight_tangent, saltation_entry
 
 LONGEST = 8  # turns of the saddles looked for
 TRIES = 40  # close returns tried for each number of turns
@@ -75,7 +75,7 @@ def monodromy(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> np.nda
     motion from x ends early or lies below the cam.
     """
     system = carried.system
-    cam, lane = system.cam, system.lane(rpm, 1e-9, 1)
+    cam, lane = system.cam, system.constants(rpm, 1e-9, 1)
     try:
         tape = carried.motion(rpm, x, turns, True)
     except StartError:
@@ -88,7 +88,7 @@ def monodromy(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> np.nda
     for place, phase, rate in zip(at.tolist(), theta.tolist(), u.tolist(), strict=True):
         if place < TURN * turns:
             lifts = lift_at(cam, stretch_at(cam, phase), phase)
-            bounce = [[-lane.r, 0.0], [saltation(lane, lifts, rate), -lane.r]]
+            bounce = [[-lane.r, 0.0], [saltation_entry(lane, lifts, rate), -lane.r]]
             matrix = bounce @ _flight(lane, place - last) @ matrix
             last = place
     return _flight(lane, TURN * turns - last) @ matrix
@@ -98,7 +98,7 @@ def _flight(lane, span: float) -> np.ndarray:
     return np.reshape(flight_tangent(lane, span), (2, 2))
 
 
-def find_saddles(carried: Carried, rpm: float, tape: Tape) -> list[PeriodicOrbit]:
+def find_saddles(carried: Carried, rpm: float, tape: Record) -> list[PeriodicOrbit]:
     """Unstable orbits of up to LONGEST turns: Newton's method from close returns of a record.
 
     The orbits are those at rpm; the record, with events, may be of another speed nearby. Orbits
