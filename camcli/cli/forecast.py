@@ -20,7 +20,7 @@ from camcli.cli.options import Request
 from camcli.cli.report import table
 from camcli.cli.run import analysis
 from camcli.errors import Fault, SceneError
-from camcli.kernel.backend import for_work
+from camcli.kernel.backend import LITTLE_WORK, for_work
 from camcli.parallel import Shard, Work
 from camcli.scene import Scene
 
