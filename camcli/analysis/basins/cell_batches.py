@@ -10,9 +10,10 @@ import numpy as np
 from camcli.analysis.integrate import Cost, Settings, Start
 from camcli.kernel import backend
 from camcli.kernel.backend import Kernel
-from camcli.kernel.cells import CELL, MODE_OF, OUTCOME, STAY, SYMBOL, TURNS, Cells, Room, Targets
+from camcli.kernel.cells import Cells, Point, Rest, Room, Targets
+from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import BOUNCED, FREE
-from camcli.kernel.orbit_loop import RESTING, Log, Strobe
+from camcli.kernel.orbit_loop import RESTING, State
 from camcli.parallel import Codec, Work
 from camcli.system import System, omega_of
 
@@ -88,13 +89,11 @@ class CellBatches:
         slices = [slice(begin, begin + BLOCK) for begin in range(0, len(gap), BLOCK)]
         blocks = [(gap[some], rate[some], mode[some]) for some in slices]
         done = list(self.work.run(task, blocks, PLAIN, share))
-        tally = [sum(part[2][k] for part in done) for k in range(4)]
-        self.cost += Cost(tally[0], tally[2], tally[3])
-        self.turns += tally[1]
+        self.cost += Cost(*(sum(part[2][k] for part in done) for k in range(3)))
         real = np.concatenate([part[0] for part in done]) if done else np.zeros((0, 2))
-        whole = np.concatenate([part[1] for part in done]) if done else np.zeros((0, CELL), int)
-        columns = (whole[:, k] for k in (MODE_OF, OUTCOME, TURNS, STAY, SYMBOL))
-        return Ends(real[:, 0], real[:, 1], *columns)
+        whole = np.concatenate([part[1] for part in done]) if done else np.zeros((0, 5), int)
+        self.turns += int(whole[:, 2].sum(dtype=np.int64))
+        return Ends(*real.T, *whole.T)
 
 
 PLAIN = Codec(lambda result: result, lambda stored: stored)
@@ -120,42 +119,31 @@ class _Task:
         return kernel, cam, lane, kernel.stretch_flows(cam, lane), _native(self.targets, kernel)
 
     def __call__(self, block) -> tuple[np.ndarray, np.ndarray, list[int]]:
-        """(gap and rate, `Cells.whole`, (impacts, turns, evaluations, crossings)) of a block."""
+        """((gap, rate), (mode, outcome, turns, stay, symbol), `Cost`) of a block."""
         kernel, cam, lane, flows, known = self._tables
-        gap, rate, mode = block
-        whole = np.zeros((len(gap), CELL), dtype=np.int64)
-        whole[:, MODE_OF] = mode
-        real = kernel.numbers(np.column_stack((gap, rate)).ravel())
-        cells, room = Cells(real, kernel.numbers(whole.ravel(), int), len(gap)), _room(kernel)
+        gap, rate, mode = (np.asarray(column).tolist() for column in block)
+        real = (kernel.numbers(gap), kernel.numbers(rate))
+        whole = (kernel.zeros(len(gap), int) for _ in range(5))
+        cells = Cells(*real, kernel.numbers(mode, int), *whole)
+        works = kernel.room(Tally, 1)
+        room = Room(kernel.room(State, 1), works, kernel.log(0), kernel.strobe(1))
         kernel.settle_cells(cam, lane, flows, known, cells, self.budget, room)
         return (
-            np.asarray(cells.real, dtype=float).reshape(-1, 2),
-            np.asarray(cells.whole, dtype=np.int64).reshape(-1, CELL).astype(np.int32),
-            [int(room.tally[0]), int(room.tally[1]), int(room.work[0]), int(room.work[1])],
+            np.column_stack(cells[:2]),
+            np.column_stack(cells[2:7]).astype(np.int32),
+            [int(sum(cells.impacts)), int(works[0].evaluations), int(works[0].crossings)],
         )
 
 
 def _native(targets: Targets, kernel: Kernel) -> Targets:
     """The targets in the form of this kernel."""
     return targets._replace(
-        real=kernel.numbers(list(targets.real)),
-        whole=kernel.numbers(list(targets.whole), int),
+        points=kernel.table(Point, targets.points),
         boxes=kernel.numbers(targets.boxes, int),
-        stay=kernel.numbers(list(targets.stay), int),
-        rest=kernel.numbers(list(targets.rest)),
-        ends=kernel.numbers(list(targets.ends), int),
-        near=kernel.numbers(list(targets.near)),
+        stay=kernel.numbers(targets.stay, int),
+        rests=kernel.table(Rest, targets.rests),
     )
 
 
-def _room(kernel: Kernel) -> Room:
-    log = Log(kernel.zeros(0, int), kernel.zeros(0), 0)
-    strobe = Strobe(kernel.zeros(2), kernel.zeros(2, int), 1)
-    return Room(
-        kernel.zeros(3), kernel.zeros(9, int), log, strobe, kernel.zeros(3, int),
-        kernel.zeros(2, int),
-    )  # fmt: skip
-
-
 # No attractor is known, and rests are of no interest.
-NOTHING = Targets([], [], 0, [], [], 0.0, 0.0, 0.0, 0.0, 0, 0, [], [], -1, [0.0, 0.0])
+NOTHING = Targets([], [], [], 0.0, 0.0, 0.0, 0.0, 0, 0, [], 0, 0.0)

@@ -20,7 +20,7 @@ import numpy as np
 
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
-from camcli.kernel.cells import CHATTERED_TURN
+from camcli.kernel.cells import CHATTERED_TURN, Point
 
 WIDEST, NARROWEST = 0.25, 1e-8  # radius over the orbit's size
 DIFFERENCES = (1e-7, 1e-8, 1e-9, 1e-10)  # steps of the difference quotients, of the orbit's size
@@ -214,14 +214,15 @@ def size_of(region: Region, at, gap, rate):
 
 def targets_of(regions, boxes=None):
     """The kernel's table of regions (attractor k is regions[k]) and of aperiodic boxes."""
-    real, whole, first = [], [], 0
+    points: list[Point] = []
     for k, region in enumerate(regions):
         m = len(region.points) if region is not None else 0
+        first = len(points)
         for j in range(m):
-            real += [*region.points[j].tolist(), *region.forms[j].tolist(), region.shrink]
-            whole += [k, first + (j + 1) % m, region.symbols[j], m]
-        first += m
-    targets = NOTHING._replace(real=real, whole=whole, points=first)
+            place, form = region.points[j].tolist(), region.forms[j].tolist()
+            link = k, first + (j + 1) % m, region.symbols[j], m
+            points.append(Point(*place, *form, region.shrink, *link))
+    targets = NOTHING._replace(points=points)
     return targets if boxes is None else boxes.fill(targets)
 
 

@@ -22,9 +22,9 @@ from camcli.analysis.integrate import Orbit, Record, with_turns
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.error_growth import TOO_LARGE, largest_growth
 from camcli.kernel.cam_table import TURN
-from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST, Targets
+from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST, Rest, Targets
 from camcli.kernel.flight import FREE
-from camcli.kernel.orbit_loop import MODE, PERIOD, EventKind
+from camcli.kernel.orbit_loop import EventKind
 
 if TYPE_CHECKING:
     from camcli.analysis.basins.attractor_finder import AttractorFinder
@@ -56,9 +56,9 @@ class RestOutcomes:
 
     def fill(self, targets: Targets) -> Targets:
         """The kernel's table with what is known."""
-        flat = [x for state in self.states for x in state]
-        count = len(self.states) if len(self.states) < MOST_RESTS else -1
-        return targets._replace(rest=flat, ends=self.ends, rests=count, near=[self.near] * 2)
+        known = [Rest(*state, end) for state, end in zip(self.states, self.ends, strict=True)]
+        watch = int(len(known) < MOST_RESTS)
+        return targets._replace(rests=known, watch_rests=watch, near=self.near)
 
     def learn(self, start: State, state: State, turns: int) -> None:
         """Find out what the state after a rest, met by a start after `turns`, leads to.
@@ -80,7 +80,7 @@ class RestOutcomes:
 
     def _blind(self) -> Targets:
         """The known attractors, and a stop at every rest."""
-        return self.finder.targets._replace(rest=[], ends=[], rests=0, near=[0.0, 0.0])
+        return self.finder.targets._replace(rests=[], watch_rests=1, near=0.0)
 
     def _doubles_hold(self, state: State) -> bool:
         """True where the run in doubles on from a state after a rest may be believed.
@@ -121,7 +121,7 @@ class RestOutcomes:
             return FORGOTTEN
         gap, rate = batches.states([start.q], [start.v])
         for _ in range(2):  # an attractor that is not known yet is, at the second time
-            ends = batches.run(gap, rate, finder.targets._replace(rests=-1), finder.budget)
+            ends = batches.run(gap, rate, finder.targets._replace(watch_rests=0), finder.budget)
             if ends.outcome[0] >= 0:
                 return int(ends.outcome[0])
             finder.identify(float(ends.gap[0]), float(ends.rate[0]), float(ends.mode[0]))
@@ -181,6 +181,7 @@ def record_of(batches: CellBatches, state: State, transient: int, record: int) -
     """The record of a cell's start to the last bit."""
     settings = with_turns(batches.settings, transient, record)
     orbit = Orbit(batches.system, batches.rpm, settings, batches.start(1.0, 0.0, 0))
-    orbit.state = [batches.system.strobe % TURN, float(state[0]), float(state[1])]
-    orbit.count[MODE], orbit.count[PERIOD] = int(state[2]), -transient
+    begin = orbit.state
+    begin.theta, begin.gap, begin.gap_rate = batches.system.strobe % TURN, *map(float, state[:2])
+    begin.mode, begin.period = int(state[2]), -transient
     return orbit.run()
