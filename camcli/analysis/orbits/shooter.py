@@ -16,6 +16,7 @@ from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS
+from camcli.kernel.contact_search import Tally
 from camcli.kernel.flow import (
     DAMPING,
     GRAVITY,
@@ -24,6 +25,7 @@ from camcli.kernel.flow import (
     RESTITUTION,
     RPM,
     STIFFNESS,
+    Flow,
     constants_of,
 )
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
@@ -130,10 +132,11 @@ class Shooter:
         self.parameter = PARAMETERS[parameter]
         self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
         self.rate = SMALL * _lift(system)
-        self.work = [0, 0, 0]
         self.simulated = Cost()
         self.kernel = backend.compiled() if backend.must_compile() else backend.PLAIN
         self.cam = system.cam_for(self.kernel)
+        self._flows = self.kernel.room(Flow, len(system.cam.stretches) ** 2)
+        self._works = self.kernel.room(Tally, 1)
         self._rooms: dict[int, tuple] = {}
 
     def at(self, value: float) -> tuple[float, ...]:
@@ -150,7 +153,8 @@ class Shooter:
     @property
     def cost(self) -> Cost:
         """Work of the certifying flights and of the simulations so far."""
-        return self.simulated + Cost(0, int(self.work[0]), int(self.work[1]))
+        work = self._works[0]
+        return self.simulated + Cost(0, int(work.evaluations), int(work.crossings))
 
     def simulate(self, system: System, rpm: float, settings: Settings, start: Start) -> Record:
         """The record of a motion; its cost is counted here."""
@@ -165,8 +169,7 @@ class Shooter:
                 z(n * BLOCK), z(2 * n), z(2 * n + 1), z(2 * n + 1), z(ROWS * WIDE),
                 z(2 * n * WIDE), z(35),
             )  # fmt: skip
-            stretches = self.system.cam.stretches
-            scratch = z(n), z(3), z(3 * stretches * stretches), z(2), z(3, int)
+            scratch = z(n), z(3), self._flows, z(2), self._works
             self._rooms[n] = tables, scratch
         return self._rooms[n]
 
@@ -216,11 +219,8 @@ class Shooter:
     def at_corner(self, guess: Root, k: int, side: int) -> Root | None:
         """The root with impact k exactly at the end (side 1) or start (-1) of its stretch."""
         x, row = list(guess.x), [0.0] * len(guess.x)
-        x[2 * k] = (
-            self.cam.stretches[guess.whole[2 * k]].end
-            if side > 0
-            else cam.stretches[guess.whole[2 * k]].start
-        )
+        stretch = self.cam.stretches[guess.whole[2 * k]]
+        x[2 * k] = stretch.end if side > 0 else stretch.start
         row[2 * k] = 1.0
         return self.correct(x, guess.whole, guess.turns, row, x)
 
@@ -242,15 +242,12 @@ class Shooter:
     def verdict(self, root: Root) -> tuple[int, int, float]:
         """(verdict, impact, phase): `certify`'s code, and where the root fails (0-based, rad)."""
         n = root.count
-        _, (_, _, table, found, work) = self._room(n)
+        _, (_, _, flows, found, works) = self._room(n)
         machine, places = self._table(root.machine), self._table(root.whole, int)
         x, rates = self._table(root.x), self._table(root.rates)
         code = self.kernel.certify_orbit(
-            self.cam, machine, n, root.turns, places, x, rates, table, found, work
+            self.cam, machine, n, root.turns, places, x, rates, flows, found, works
         )
-        for k in range(3):
-            self.work[k] += int(work[k])
-            work[k] = 0
         return int(code), int(found[0]), float(found[1])
 
 
