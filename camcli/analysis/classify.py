@@ -9,7 +9,7 @@ from math import inf
 
 from camcli.analysis.exponents import Exponents, of_orbit, of_record
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
-from camcli.analysis.labels import LONGEST_PERIOD
+from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, UNDECIDED
 from camcli.analysis.orbits.identify import identify, passages
 from camcli.analysis.orbits.orbit import PeriodicOrbit, resting_orbit
 from camcli.analysis.orbits.same_orbit import SAME, distance_to, same_orbit
@@ -23,7 +23,6 @@ from camcli.system import System
 COMPLETE, INCOMPLETE, NONE = "complete", "incomplete", "none"
 BURST = 8  # impacts in a row, each weaker than the one before, that make an incomplete chatter
 LONGER = 8  # times the record, where neither a period nor an exponent was certain
-APERIODIC, UNDECIDED = "aperiodic", "undecided"
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,8 @@
-"""Lyapunov exponents of a recorded orbit, with an error bar and the sum rule as a check."""
+"""Lyapunov exponents of a recorded orbit, with an error bar and the sum rule as a check.
+
+Saltation matrices carry a difference through the impacts (P. C. Mueller, Calculation of Lyapunov
+exponents for dynamic systems with discontinuities, Chaos, Solitons & Fractals 5, 1995, 1671).
+"""
 
 from __future__ import annotations
 

@@ -14,6 +14,7 @@ from camcli.analysis.integrate import Record
 from camcli.analysis.orbits.same_orbit import CLOSE, SAME
 from camcli.errors import Status
 
+CONTACT, APERIODIC, UNDECIDED = "contact", "aperiodic", "undecided"  # labels without symbols
 LONGEST_PERIOD = 64
 WINDOW = 16  # periods compared at least
 FEWEST_IMPACTS = 16  # in the record, to call it aperiodic
@@ -66,9 +67,9 @@ def label(tape: Record) -> str:
     """
     n = tape.periods
     if n == 0:
-        return "undecided"
+        return UNDECIDED
     if tape.status == Status.OK and not tape.touches:
-        return "contact"
+        return CONTACT
     q, w = _plain(tape.strobe_q)[:n], _plain(tape.strobe_w)[:n]
     symbols = [
         inf if full else count
@@ -76,7 +77,7 @@ def label(tape: Record) -> str:
     ]
     m = find_period(q, w, symbols)
     if m == 0:
-        return "aperiodic" if sum(_plain(tape.impacts)[:n]) >= FEWEST_IMPACTS else "undecided"
+        return APERIODIC if sum(_plain(tape.impacts)[:n]) >= FEWEST_IMPACTS else UNDECIDED
     return Label(symbols[-m:])
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from camcli.analysis.classify import Motion
 from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
+from camcli.analysis.labels import UNDECIDED
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.sweep import rpm_grid, status_name
 from camcli.api.orbits import BIFURCATIONS, bifurcation_row
@@ -140,7 +141,7 @@ def remarks(motions: list[Motion]) -> list[str]:
             "where the follower rests on the cam both exponents are -inf: every difference between "
             "two motions is forgotten"
         )
-    undecided = [m for m in motions if m.label == "undecided"]
+    undecided = [m for m in motions if m.label == UNDECIDED]
     if undecided:
         rpms = ", ".join(f"{m.rpm:.10g}" for m in undecided[:5])
         more = ", ..." if len(undecided) > 5 else ""

@@ -13,9 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
 
-from camcli.analysis.classify import APERIODIC, UNDECIDED, Motion
+from camcli.analysis.classify import Motion
 from camcli.analysis.explain.events import Event
 from camcli.analysis.exponents import Exponents
+from camcli.analysis.labels import APERIODIC, UNDECIDED
 from camcli.analysis.sweep import status_name
 from camcli.errors import Status
 from camcli.kernel.orbit_loop import EventKind

@@ -10,12 +10,13 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from camcli.analysis.classify import APERIODIC, UNDECIDED, Motion
+from camcli.analysis.classify import Motion
+from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED
 from camcli.plots import style
 from camcli.plots.axes import text_rows
 
 KEY, ROW = 46, 120  # px: the key above the strip, the strip
-OTHERS = {APERIODIC: style.APERIODIC, UNDECIDED: style.UNDECIDED, "contact": style.CONTACT}
+OTHERS = {APERIODIC: style.APERIODIC, UNDECIDED: style.UNDECIDED, CONTACT: style.CONTACT}
 LOWEST, EDGE = 26.0, 12.0  # px: a rectangle that holds text, room left beside the text
 BRIGHT = 0.45  # luminance from which text is black
 

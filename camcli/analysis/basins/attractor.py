@@ -7,11 +7,8 @@ from math import inf
 
 import numpy as np
 
-from camcli.analysis.labels import rotation
+from camcli.analysis.labels import APERIODIC, CONTACT, rotation
 from camcli.analysis.orbits.same_orbit import same_states
-
-APERIODIC = "aperiodic"
-CONTACT = "contact"
 
 
 @dataclass(frozen=True)

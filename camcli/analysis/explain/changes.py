@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, pi
 
-from camcli.analysis.classify import APERIODIC, COMPLETE, Motion
+from camcli.analysis.classify import COMPLETE, Motion
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, find_crisis
 from camcli.analysis.explain.events import Event, Events, find_events
 from camcli.analysis.integrate import Cost, Settings
+from camcli.analysis.labels import APERIODIC
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.sticking_orbits import follow_sticking

@@ -11,6 +11,7 @@ from camcli.analysis.contact_loss.detachment import CriticalSpeed
 from camcli.analysis.contact_loss.study import detach
 from camcli.analysis.explain.crisis import Crisis
 from camcli.analysis.integrate import Cost, Settings
+from camcli.analysis.labels import CONTACT
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import both_ways
 from camcli.analysis.orbits.kinds import Kind
@@ -77,11 +78,11 @@ def find_events(system: System, settings: Settings, motions: Sequence[Motion]) -
         if of_attractor(b)
     ]
     cost = shooter.cost
-    if any(m.chatter == COMPLETE or m.label == "contact" for m in motions):
+    if any(m.chatter == COMPLETE or m.label == CONTACT for m in motions):
         study = detach(system, rpm_grid(low, high, max(FEWEST, len(motions))), settings)
         cost = cost + study.cost
         first = study.detachment.first
-        more = [_critical(first, DETACHMENT, "contact", "")] if first else []
+        more = [_critical(first, DETACHMENT, CONTACT, "")] if first else []
         more += [_critical(c, ACCUMULATION, CHATTER, c.region) for c in study.accumulation]
         more += [_critical(c, COMPLETION, CHATTER, c.region) for c in study.completion]
         more += [_critical(hit, HIT, CHATTER, hit.corner) for hit in study.hits]

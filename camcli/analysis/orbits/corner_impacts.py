@@ -16,7 +16,7 @@ from math import hypot
 from camcli.analysis.border_collision import Collision, Prediction, Side, classify
 from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Settings, Start, with_turns
-from camcli.analysis.labels import LONGEST_PERIOD, Label, label
+from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, UNDECIDED, Label, label
 from camcli.analysis.orbits.identify import identify, passages, settled
 from camcli.analysis.orbits.locate import Crossing
 from camcli.analysis.orbits.orbit import section_states
@@ -147,18 +147,18 @@ def _unsolved(system, rpm: float, tape) -> str:
     """The label of a record without a solved orbit; chaos may be very small beside a corner."""
     exponents = of_record(system, rpm, tape) if tape.status == Status.OK else None
     if exponents is not None and exponents.chaotic:
-        return "aperiodic"
-    return "undecided" if any(tape.chatter) else label(tape)
+        return APERIODIC
+    return UNDECIDED if any(tape.chatter) else label(tape)
 
 
 def _agree(predicted: Prediction, simulated: str, stays: bool, turns: int) -> bool | None:
     if predicted.kind == "none":
         return not stays
-    if predicted.kind in ("several", "undecided") or simulated == "undecided":
+    if predicted.kind in ("several", "undecided") or simulated == UNDECIDED:
         return None
     if not stays:
         return False
     if predicted.kind == "chaos":
-        return simulated == "aperiodic"
+        return simulated == APERIODIC
     period = len(simulated.symbols) if isinstance(simulated, Label) else 0
     return period == turns * max(1, predicted.period)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from camcli.analysis.labels import Label, rotation
+from camcli.analysis.labels import CONTACT, Label, rotation
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import VERDICTS, Root, multipliers
 from camcli.cams.regions import regions
@@ -46,7 +46,7 @@ class PeriodicOrbit:
     def label(self) -> str:
         """P(m;s1:...:sm), or `contact` where the follower never leaves the cam."""
         still = self.resting and not self.theta and not any(self.symbols)
-        return "contact" if still else Label(self.symbols)
+        return CONTACT if still else Label(self.symbols)
 
     @cached_property
     def multipliers(self) -> tuple[complex, complex]:

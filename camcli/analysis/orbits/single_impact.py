@@ -1,5 +1,7 @@
 """All orbits with one impact, in every region of the cam, by one scalar equation.
 
+As in Shaw & Holmes, A periodically forced piecewise linear oscillator, J. Sound Vib. 90 (1983) 129.
+
 A flight of s = 2 pi m rad from theta with q = c, w = c_theta + v comes back to q = c and meets the
 reset map v = -r u where, with F = G + W^2 c and the flow's B, B', P over s,
     w = F P/B,    h(theta) = K F - (1 + r) B c_theta = 0,    K = P (1 + r B') - r B^2.

@@ -14,6 +14,7 @@ from math import inf, ulp
 
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.integrate import Settings, Start, with_turns
+from camcli.analysis.labels import CONTACT
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.identify import identify
 from camcli.analysis.orbits.kinds import Kind
@@ -135,7 +136,7 @@ def _change(
 
 
 def _kind(last: PeriodicOrbit, after: PeriodicOrbit | None) -> Kind:
-    if "contact" in (last.label, "" if after is None else after.label):
+    if CONTACT in (last.label, "" if after is None else after.label):
         return Kind.DETACHMENT
     complete = last.symbols.count(inf) / last.turns
     left = 0.0 if after is None else after.symbols.count(inf) / after.turns
