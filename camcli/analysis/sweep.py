@@ -157,9 +157,12 @@ def _store(speed: Speed) -> list:
 
 
 def _load(stored: list) -> Speed:
-    *plain, impacts, strobe, cost, exponent, end = stored
+    rpm, label, count, status, impacts, strobe, cost, exponent, end = stored
     return Speed(
-        *plain,
+        rpm,
+        label,
+        count,
+        status,
         None if impacts is None else tuple(impacts),
         None if strobe is None else (range(len(strobe[0])), *strobe),
         Cost(*cost),

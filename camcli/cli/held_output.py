@@ -16,7 +16,7 @@ class Held(StringIO):
         self.real = real
 
     @property
-    def encoding(self) -> str:
+    def encoding(self) -> str:  # type: ignore[override]
         """That of the real one: it decides which characters tables are drawn with."""
         return self.real.encoding
 
