@@ -69,9 +69,9 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     References
     ----------
     Continuation: E. L. Allgower and K. Georg, Introduction to Numerical Continuation Methods.
-    Corner impacts: G. Osorio, M. di Bernardo and S. Santini, SIAM J. Appl. Dyn. Syst. 7 (2008)
-    18-38. Border collisions: M. di Bernardo, C. J. Budd, A. R. Champneys and P. Kowalczyk,
-    Piecewise-smooth Dynamical Systems (2008).
+    Corner impacts: G. Osorio, M. di Bernardo and S. Santini, arXiv:0711.1008. Border collisions: M.
+    di Bernardo, C. J. Budd, A. R. Champneys and P. Kowalczyk, Piecewise-smooth Dynamical Systems
+    (2008).
     """
     machine = machine_of(scene)
     scene, section, system = machine.scene, machine.scene.orbits, machine.system

@@ -2,8 +2,8 @@
 
 Where the end comes up to the phase at which contact is lost again, the chatter is complete no
 longer: the chatter that ends at the point of release (Dankowicz & Fotsch, Procedia IUTAM 20 (2017)
-18). The corners are those of the cam-follower example (Osorio, di Bernardo & Santini, SIAM J. Appl.
-Dyn. Syst. 7 (2008) 18).
+18). The corners are those of the cam-follower example (Osorio, di Bernardo & Santini,
+arXiv:0711.1008).
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Near the corner the return map is continuous and piecewise smooth in the phase of the impact; with
 x proportional to (theta_k - corner) it is the border-collision normal form with the one-sided
 traces and determinants (Osorio, di Bernardo & Santini, Corner-impact bifurcations: a novel class of
-discontinuity-induced bifurcations in cam-follower systems, SIAM J. Appl. Dyn. Syst. 7, 2008, 18).
+discontinuity-induced bifurcations in cam-follower systems, arXiv:0711.1008).
 The fixed point of side L lies at x = mu/(1 - tau_L + delta_L), which gives the sign of mu for
 either direction of the parameter.
 """

@@ -4,7 +4,7 @@ Tried are a corner first reached, a new contact, and a crisis (Grebogi, Ott & Yo
 (1983) 181): the attractor, closure of the unstable manifold W^u of an orbit B in it, meets the
 stable manifold W^s of a saddle p one side of which leads out (`tangency`).
 
-The cam-follower example (Osorio, di Bernardo & Santini, SIAM J. Appl. Dyn. Syst. 7 (2008) 18):
+The cam-follower example (Osorio, di Bernardo & Santini, arXiv:0711.1008):
 740.1065 rpm, P(7;1:1:1:1:1:1:1) of multiplier 12.6, corner c; 361.1673, P(3;3:3:2), 35.9, smooth;
 682.2047, P(1;1) on A1, 1.176, corner b, chaos is lost; runs of 3 or 4 million turns agree.
 """
