@@ -109,10 +109,12 @@ def _finding(document: Document, detail: Mapping[str, Any], hint: bool) -> Findi
         return Finding(mark, path, found, f"expected {expected}", f"change {_name(path)}{about}")
     if kind == "missing":
         key = path[-1]
-        if fields and not (field and get_args(field.annotation)):
+        if fields and field and not _words(field.annotation) and "discriminator" not in ctx:
             return Finding(mark, path, f"no section '{key}'", f"expected {_keys(fields)}", "add it")
-        expected = f"expected {_choices(field) or (field and field.description) or 'a value'}"
-        return Finding(mark, path, f"no key '{key}'", expected, f"add '{key}: ...'{about}")
+        choices = _choices(field)
+        expected = f"expected {choices or (field and field.description) or 'a value'}"
+        cure = f"add '{key}: ...'" + (about if choices else "")
+        return Finding(mark, path, f"no key '{key}'", expected, cure)
     if kind == "value_error":
         message = shown(str(ctx.get("error") or detail["msg"]), 400)
         return Finding(mark, path, message, "", f"change the values of {dotted(path)}")

@@ -159,8 +159,8 @@ def _override(
     kind = _kind(document.data)
     if isinstance(overrides, Mapping):
         for rank, (dotted_path, value) in enumerate(overrides.items(), 1):
-            mark = Mark(rank, f"override {shown(str(dotted_path))}")
-            findings += _put(document, str(dotted_path), document_of(value, mark))
+            override = document_of(value, Mark(rank, "overrides"))
+            findings += _put(document, str(dotted_path), override)
     else:
         for rank, text in enumerate(overrides, 1):
             findings += _set(document, text, rank)

@@ -167,7 +167,7 @@ def test_texts_are_read_like_the_file_and_values_taken_as_they_are():
     assert scene == load_scene(None, values)
     assert (scene.run.start.v, scene.sweep.sections, scene.run.transient) == (-1.0, ("strobe",), 0)
     (fault,) = refused(None, {"run.rpm": "700"})
-    assert (fault.where, fault.path) == ("override run.rpm", "run.rpm")
+    assert (fault.where, fault.path) == ("overrides", "run.rpm")
 
 
 def test_a_section_is_replaced_a_key_is_merged():
