@@ -4,33 +4,26 @@ from __future__ import annotations
 
 import os
 import sys
-from io import StringIO
+from io import BytesIO, TextIOWrapper
 from typing import TextIO
 
 
-class Held(StringIO):
-    """Text for a stdout that nobody watches, until `release`."""
+class Held(TextIOWrapper):
+    """Text for a stdout that nobody watches; its encoding decides how tables are drawn."""
 
     def __init__(self, real: TextIO):
-        super().__init__()
+        self.bytes = BytesIO()
+        super().__init__(self.bytes, encoding=real.encoding, errors=real.errors)
         self.real = real
-
-    @property
-    def encoding(self) -> str:  # type: ignore[override]
-        """That of the real one: it decides which characters tables are drawn with."""
-        return self.real.encoding
-
-    def fileno(self) -> int:
-        """Of the real one."""
-        return self.real.fileno()
 
     def release(self) -> None:
         """Write what was held back; raises OSError, and what is left is then dropped."""
-        text = self.getvalue()
-        self.seek(0)
-        self.truncate()
+        self.flush()
+        held = self.bytes.getvalue()
+        self.bytes.seek(0)
+        self.bytes.truncate()
         try:
-            self.real.write(text)
+            self.real.buffer.write(held)
             self.real.flush()
         except OSError:
             nowhere = os.open(os.devnull, os.O_WRONLY)
