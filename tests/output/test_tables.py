@@ -1,0 +1,60 @@
+"""Tables: the same numbers as text, as .npz and as arrays, to the last bit."""
+
+import io
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from camcli.output.tables import Table
+
+NUMBERS = st.sampled_from([0.0, -0.0, 0.1, 1 / 3, 5e-324, 1e16, 5e22]) | st.floats(allow_nan=False)
+BLOCK = st.tuples(st.floats(1.0, 1e4), st.lists(st.tuples(st.integers(-9, 9), NUMBERS)))
+
+
+@given(st.lists(BLOCK, max_size=4))
+def test_every_number_is_there_in_order_to_the_last_bit(given_blocks):
+    def blocks():
+        for rpm, pairs in given_blocks:
+            yield rpm, [n for n, _ in pairs], np.array([x for _, x in pairs], dtype=float)
+
+    table = Table(("rpm", "period", "q_m"), blocks)
+    rows = [(rpm, n, x) for rpm, pairs in given_blocks for n, x in pairs]
+    lines = "".join(table.csv()).splitlines()
+    assert lines == ["rpm,period,q_m", *(f"{rpm!r},{n},{x!r}" for rpm, n, x in rows)]
+    files = [io.BytesIO(), io.BytesIO()]
+    for file in files:
+        table.npz(file)
+    assert files[0].getvalue() == files[1].getvalue()
+    found = np.load(io.BytesIO(files[0].getvalue()), allow_pickle=False)
+    assert found["q_m"].tobytes() == np.array([x for *_, x in rows], dtype=float).tobytes()
+    for k, column in enumerate(table.columns):
+        assert found[column].tolist() == table[column].tolist() == [row[k] for row in rows]
+
+
+def test_what_is_not_known_is_empty_and_what_is_no_number_is_refused():
+    table = Table.of_rows(("a", "b"), lambda: [(1.5, "x"), (None, None), (float("inf"), "y")])
+    assert "".join(table.csv()) == "a,b\n1.5,x\n,\ninf,y\n"
+    assert table["b"].tolist() == ["x", "", "y"]
+    assert np.isnan(table["a"][1])
+    with pytest.raises(KeyError):
+        table["c"]
+    with pytest.raises(TypeError, match="a table cannot hold float64"):
+        list(Table.of_rows(("a",), lambda: [(np.float64(1.0),)]).csv())
+
+
+def test_another_form_of_the_tables_replaces_the_one_before(cam, tmp_path):
+    words = ("sweep", "--rpm", "690:745", "--points", "3", "--no-plot", "-o", "out", "--set")
+    found = []
+    for form in ("csv", "npz", "none"):
+        assert cam(*words, f"sweep.tables={form}").returncode == 0
+        names = {path.name for path in (tmp_path / "out").iterdir()}
+        sections = () if form == "none" else (f"impacts.{form}", f"strobe.{form}")
+        assert names == {*sections, "speeds.csv", "run.json"}
+        if form == "csv":
+            text = np.genfromtxt(tmp_path / "out/impacts.csv", delimiter=",", names=True)
+        elif form == "npz":
+            found = dict(np.load(tmp_path / "out/impacts.npz", allow_pickle=False))
+    assert list(found) == list(text.dtype.names)
+    assert all(found[column].tolist() == text[column].tolist() for column in found)
