@@ -29,11 +29,11 @@ class UndecidedError(Exception):
 def precision(digits: int) -> Iterator[None]:
     """Calculate with so many digits, one thread at a time."""
     with _alone:
-        before, ctx.dps = ctx.dps, digits
+        before, ctx.dps = ctx.prec, digits
         try:
             yield
         finally:
-            ctx.dps = before
+            ctx.prec = before
 
 
 def decided(question: Callable[[], Answer]) -> Answer:

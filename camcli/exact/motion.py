@@ -198,7 +198,7 @@ class Motion:
         if not least > 0:
             return False
         k = (most / least).sqrt()
-        if not (k < 2 and r * k < 1 and v * v / (2 * least) < height):
+        if not (k < 2 and r * k < 1):  # so that v^2/(2 a) < 2 v^2/A < height
             return False
         longest = (2 * v / least / (1 - r * k)).upper()
         if not longest < reach:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat
 
+from camcli.exact.balls import UndecidedError
+
 
 @dataclass(frozen=True)
 class Parallelogram:
@@ -43,5 +45,8 @@ class Parallelogram:
         if (a * a + c * c) * first**2 < (b * b + d * d) * second**2:
             a, c = b, d  # the longer side keeps its direction
         frame = (unit * arb_mat([[a, -c], [c, a]]) / (a * a + c * c).sqrt()).mid()
-        error = frame.inv() * (spread * self.error + (of_middle - middle))
+        try:
+            error = frame.inv() * (spread * self.error + (of_middle - middle))
+        except ZeroDivisionError:  # its columns are known too badly to tell them apart
+            raise UndecidedError from None
         return Parallelogram(middle, frame, error)
