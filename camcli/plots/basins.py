@@ -16,10 +16,9 @@ from camcli.analysis.basins.study import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Bas
 from camcli.analysis.sweep import status_name
 from camcli.plots import style
 from camcli.plots.axes import legend
+from camcli.plots.style import BOTTOM, LEFT, WIDE
 from camcli.system import System, omega_of
 
-LEFT, RIGHT, BOTTOM = 125, 45, 95  # px, margins
-WIDE = style.WIDTH - LEFT - RIGHT
 HIGH = 900  # px, of the window
 STACK, STATES, GAP = 560, 420, 40  # px, of the panels over speed
 HEAD, RANGE_HEAD = 130, 100  # px, above the legend

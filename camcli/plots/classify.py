@@ -33,12 +33,11 @@ from camcli.plots.axes import (
 from camcli.plots.density import Cloud, Columns, Pixels, draw_shares, shading, take_all
 from camcli.plots.event_list import Numbered, draw_events, draw_list, list_height, numbered
 from camcli.plots.label_strip import KEY, ROW, draw_strip, draw_strip_key, draw_swatches, rests
+from camcli.plots.style import BOTTOM, LEFT, WIDE
 from camcli.system import System
 
-LEFT, RIGHT, BOTTOM = 140, 60, 95  # px, margins
 HEAD, GAP = 110, 62  # px: title and key of the kinds, between panels
 PHASES, GROWTH = 560, 340  # px, heights of the panels
-WIDE = style.WIDTH - LEFT - RIGHT
 WIDEST, SINGLE = 16, 100  # px at most, column of a speed, of a motion where all have one speed
 BELOW = 0.16  # of the panel of exponents, for -inf
 FORGETS = "−∞: the follower rests on the cam, which forgets every difference"

@@ -27,10 +27,10 @@ from camcli.plots.axes import (
     mark,
     newtons,
 )
+from camcli.plots.style import BOTTOM, LEFT, WIDE
 from camcli.system import System
 
-LEFT, RIGHT, TOP, BOTTOM = 125, 60, 160, 95  # px, margins
-WIDE = style.WIDTH - LEFT - RIGHT
+TOP = 160  # px, of the first panel
 GAP = 120  # px, between panels
 ZOOM, WHOLE, FORCE = 520, 520, 430  # px, heights of the panels
 LINES = 34  # px, of a legend above a panel of forces

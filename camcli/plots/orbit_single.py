@@ -25,11 +25,10 @@ from camcli.plots.axes import (
 )
 from camcli.plots.multipliers import draw_plane, pair
 from camcli.plots.orbit_lines import colours, phases, radius
+from camcli.plots.style import BOTTOM, LEFT, RIGHT, WIDE
 from camcli.system import System
 
-LEFT, RIGHT, BOTTOM = 140, 60, 95  # px, margins
 HEAD, LIFT, GAP, PLANE = 96, 270, 30, 480  # px
-WIDE = style.WIDTH - LEFT - RIGHT
 MOST = 16  # orbits listed
 CURVES = (r"$c$ (m)", r"$c_\theta$ (m/rad)", r"$c_{\theta\theta}$ (m/rad²)")
 COLUMNS = (60, 340, 480, 760)  # px: label, stability, multipliers, phases

@@ -51,10 +51,9 @@ from camcli.plots.orbit_lines import (
     strands,
 )
 from camcli.plots.orbit_single import draw_single
+from camcli.plots.style import BOTTOM, LEFT, RIGHT, WIDE
 from camcli.system import System
 
-LEFT, RIGHT, BOTTOM = 140, 60, 95  # px, margins
-WIDE = style.WIDTH - LEFT - RIGHT
 HEAD, NUMBERS, GAP, STEP = 96, 84, 36, 155  # px: titles, numbers of events, between panels
 PHASE, STROBE, PLANE = 600, 330, 500  # px, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it

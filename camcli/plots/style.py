@@ -21,6 +21,8 @@ from matplotlib.figure import Figure
 
 DPI = 200
 WIDTH = 1340  # px: 170 mm, the text width of an A4 page
+LEFT, RIGHT, BOTTOM = 140, 60, 95  # px, margins of panels that need no others
+WIDE = WIDTH - LEFT - RIGHT
 LINE = 30  # px from one line of text to the next
 MOST_CORNERS = len(ascii_lowercase)  # a cam with more is drawn without them
 

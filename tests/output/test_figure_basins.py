@@ -25,8 +25,8 @@ def result(chapter):
 
 def window_of(figure):
     """Pixels of the window: the picture without margins and legend."""
-    low, right = picture.BOTTOM, picture.RIGHT
-    return pixels(figure)[-low - picture.HIGH : -low, picture.LEFT : -right] / 255.0
+    low, right = style.BOTTOM, style.RIGHT
+    return pixels(figure)[-low - picture.HIGH : -low, style.LEFT : -right] / 255.0
 
 
 def drawn(result, system, codes=None):
@@ -92,5 +92,5 @@ def test_a_range_stacks_to_one(chapter):
     image = pixels(draw_basins(result, question, chapter))
     shown = list(branch_colours(result).values())
     assert all(count(image, colour) > 20_000 for colour in shown)
-    stack = picture.STACK * picture.WIDE
+    stack = picture.STACK * style.WIDE
     assert sum(count(image, colour) for colour in shown) > 0.98 * stack
