@@ -31,7 +31,7 @@ class Motion:
 
     label: P(m;...), contact, aperiodic or undecided; orbit: solved, where periodic; exponents: None
     where the record shows too little; transient: turns until the orbit is reached (None without
-    one); impacts: in one period of the orbit, or the mean per turn; tape: the record.
+    one); impacts: in one period of the orbit, or the mean per turn; record: of the recorded turns.
     """
 
     rpm: float
@@ -44,7 +44,7 @@ class Motion:
     transient: int | None
     status: int
     cost: Cost
-    tape: Record
+    record: Record
 
     @property
     def period(self) -> int:
@@ -99,44 +99,44 @@ def classify_at(
     named instead; if even that is not certain, it is undecided.
     """
     start = settings.start if start is None else start
-    record = max(settings.record, RECORD)
-    run = Orbit(system, rpm, with_turns(settings, settings.transient, record), start)
-    tape = run.run()
-    cost = tape.cost
-    orbit, exponents = _solved(system, rpm, tape)
-    if tape.status == Status.OK and not _certain(orbit, exponents):
-        more = Orbit(system, rpm, with_turns(settings, 0, LONGER * record), run.as_start()).run()
+    turns = max(settings.record, RECORD)
+    run = Orbit(system, rpm, with_turns(settings, settings.transient, turns), start)
+    record = run.run()
+    cost = record.cost
+    orbit, exponents = _solved(system, rpm, record)
+    if record.status == Status.OK and not _certain(orbit, exponents):
+        more = Orbit(system, rpm, with_turns(settings, 0, LONGER * turns), run.as_start()).run()
         cost = cost + more.cost
         orbit, exponents = _solved(system, rpm, more)
-        tape = more if more.status == Status.OK else tape
-    if tape.status == Status.OK and orbit is None and any(tape.chatter[: tape.periods]):
-        orbit, exponents, after = _after_rest(system, rpm, settings, tape)
-        if after is not tape:
-            tape, cost = after, cost + after.cost
-    certain = tape.status == Status.OK and _certain(orbit, exponents)
+        record = more if more.status == Status.OK else record
+    if record.status == Status.OK and orbit is None and any(record.chatter[: record.periods]):
+        orbit, exponents, after = _after_rest(system, rpm, settings, record)
+        if after is not record:
+            record, cost = after, cost + after.cost
+    certain = record.status == Status.OK and _certain(orbit, exponents)
     return Motion(
         rpm=rpm,
         start=start,
         label=orbit.label if orbit else (APERIODIC if certain else UNDECIDED),
         orbit=orbit,
         exponents=exponents,
-        impacts=_impacts(orbit, tape),
-        chatter=_chatter(tape),
+        impacts=_impacts(orbit, record),
+        chatter=_chatter(record),
         transient=None,
-        status=tape.status,
+        status=record.status,
         cost=cost,
-        tape=tape,
+        record=record,
     )
 
 
 def _solved(
-    system: System, rpm: float, tape: Record
+    system: System, rpm: float, record: Record
 ) -> tuple[PeriodicOrbit | None, Exponents | None]:
     """The orbit at the end of a record, and its exponents or those of the record."""
-    orbit = identify(system, rpm, tape)
+    orbit = identify(system, rpm, record)
     if orbit is not None:
         return orbit, of_orbit(system, orbit)
-    return None, of_record(system, rpm, tape) if tape.status == Status.OK else None
+    return None, of_record(system, rpm, record) if record.status == Status.OK else None
 
 
 def _certain(orbit: PeriodicOrbit | None, exponents: Exponents | None) -> bool:
@@ -144,20 +144,20 @@ def _certain(orbit: PeriodicOrbit | None, exponents: Exponents | None) -> bool:
 
 
 def _after_rest(
-    system: System, rpm: float, settings: Settings, tape: Record
+    system: System, rpm: float, settings: Settings, record: Record
 ) -> tuple[PeriodicOrbit | None, Exponents | None, Record]:
     """(orbit, exponents, record) of the true motion after the rest in a record, if it is known."""
     from camcli.analysis.after_rest import CYCLE, after_first_rest
 
-    found = after_first_rest(system, rpm, tape)
+    found = after_first_rest(system, rpm, record)
     if found.kind == CYCLE:
         orbit = resting_orbit(system, rpm, found.states, found.symbols, found.leaves)
-        return orbit, of_orbit(system, orbit), tape
+        return orbit, of_orbit(system, orbit), record
     start = found.start(system, rpm)
     if start is not None:
         run = with_turns(settings, settings.transient, max(settings.record, RECORD))
-        tape = Orbit(system, rpm, run, start).run()
-    return *_solved(system, rpm, tape), tape
+        record = Orbit(system, rpm, run, start).run()
+    return *_solved(system, rpm, record), record
 
 
 def attractors(
@@ -186,19 +186,19 @@ def _order(motion: Motion):
     return (orbit is None, motion.period, motion.label, state)
 
 
-def _impacts(orbit: PeriodicOrbit | None, tape: Record) -> float:
+def _impacts(orbit: PeriodicOrbit | None, record: Record) -> float:
     """Impacts in one period, inf with a complete chatter; of no period the mean per turn."""
     if orbit is not None:
         return sum(orbit.symbols) if orbit.theta else 0.0
-    return sum(float(x) for x in tape.impacts[: tape.periods]) / max(1, tape.periods)
+    return sum(float(x) for x in record.impacts[: record.periods]) / max(1, record.periods)
 
 
-def _chatter(tape: Record) -> str:
+def _chatter(record: Record) -> str:
     """Complete where impacts accumulate in the record, incomplete where a long burst does not."""
-    if any(tape.chatter[: tape.periods]):
+    if any(record.chatter[: record.periods]):
         return COMPLETE
     before, row = inf, 0
-    for kind, u in zip(tape.kind, tape.u, strict=True):
+    for kind, u in zip(record.kind, record.u, strict=True):
         if kind != EventKind.IMPACT:
             continue
         row = row + 1 if -u < before else 0
@@ -216,9 +216,9 @@ def with_transient(system: System, settings: Settings, motion: Motion) -> Motion
     if motion.orbit is None:
         return motion
     run = with_turns(settings, 0, settings.transient + 2 * LONGEST_PERIOD)
-    tape = Orbit(system, motion.rpm, run, motion.start).run(events=False)
-    away = [distance_to(state, motion.orbit.states) > SAME for state in passages(tape)[0]]
+    record = Orbit(system, motion.rpm, run, motion.start).run(events=False)
+    away = [distance_to(state, motion.orbit.states) > SAME for state in passages(record)[0]]
     if not away or away[-1]:
         return motion
     last = max((k for k, far in enumerate(away) if far), default=-1)
-    return replace(motion, transient=last + 1, cost=motion.cost + tape.cost)
+    return replace(motion, transient=last + 1, cost=motion.cost + record.cost)

@@ -70,12 +70,12 @@ def sum_rule(lane, impacts_per_turn: float) -> float:
     return 2.0 * natural_log(lane.r) * impacts_per_turn - 2.0 * lane.Z * TURN
 
 
-def of_record(system: System, rpm: float, tape: Record) -> Exponents | None:
+def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     """From the logged impacts of a record; None where there are too few to say anything."""
     lane = system.constants(rpm, 1.0, 1)
     kernel = backend.current()
     cam = system.cam_for(kernel)
-    rows = len(tape.kind)
+    rows = len(record.kind)
     size = rows // BATCHES
     if size < FEWEST or lane.r == 0.0:
         return None
@@ -86,8 +86,9 @@ def of_record(system: System, rpm: float, tape: Record) -> Exponents | None:
         part = slice(k * size, rows if k == BATCHES - 1 else (k + 1) * size)
         growths = kernel.table(Growth, [Growth()])
         kernel.stretch_events(
-            cam, lane, kernel.numbers(tape.kind[part], int), kernel.numbers(tape.period[part], int),
-            kernel.numbers(tape.theta[part]), kernel.numbers(tape.u[part]), pairs, growths,
+            cam, lane,
+            kernel.numbers(record.kind[part], int), kernel.numbers(record.period[part], int),
+            kernel.numbers(record.theta[part]), kernel.numbers(record.u[part]), pairs, growths,
         )  # fmt: skip
         growth = growths[0]
         chatters += int(growth.chatters)

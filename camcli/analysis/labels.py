@@ -60,24 +60,24 @@ def rotation(symbols: Sequence[float], tie: Callable[[int], tuple] = lambda firs
     return max(range(len(symbols)), key=lambda k: ((*symbols[k:], *symbols[:k]), tie(k)))
 
 
-def label(tape: Record) -> str:
+def label(record: Record) -> str:
     """The label of the attractor a record ends on.
 
     `aperiodic` where no period fits, `undecided` where the record is too short to say even that.
     """
-    n = tape.periods
+    n = record.periods
     if n == 0:
         return UNDECIDED
-    if tape.status == Status.OK and not tape.touches:
+    if record.status == Status.OK and not record.touches:
         return CONTACT
-    q, w = _plain(tape.strobe_q)[:n], _plain(tape.strobe_w)[:n]
+    q, w = _plain(record.strobe_q)[:n], _plain(record.strobe_w)[:n]
     symbols = [
         inf if full else count
-        for count, full in zip(_plain(tape.impacts)[:n], _plain(tape.chatter)[:n], strict=True)
+        for count, full in zip(_plain(record.impacts)[:n], _plain(record.chatter)[:n], strict=True)
     ]
     m = find_period(q, w, symbols)
     if m == 0:
-        return APERIODIC if sum(_plain(tape.impacts)[:n]) >= FEWEST_IMPACTS else UNDECIDED
+        return APERIODIC if sum(_plain(record.impacts)[:n]) >= FEWEST_IMPACTS else UNDECIDED
     return Label(symbols[-m:])
 
 

@@ -148,7 +148,7 @@ def _draw_key(figure: Figure, scene: _Scene) -> None:
 
 def _impact_phases(motion: Motion) -> np.ndarray:
     """Of the record, deg."""
-    tape = motion.tape
+    tape = motion.record
     keep = (np.asarray(tape.kind) == EventKind.IMPACT) & (np.asarray(tape.period) >= 0)
     return np.degrees(np.asarray(tape.theta, dtype=float)[keep]) % TURN_DEG
 

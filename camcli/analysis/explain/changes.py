@@ -95,7 +95,7 @@ def extent(motion: Motion) -> tuple[float, float]:
     """Least and largest impact phase of the record, deg."""
     thetas = [
         float(theta) * DEG
-        for kind, theta in zip(motion.tape.kind, motion.tape.theta, strict=True)
+        for kind, theta in zip(motion.record.kind, motion.record.theta, strict=True)
         if kind == EventKind.IMPACT
     ]
     return (min(thetas), max(thetas)) if thetas else (inf, -inf)

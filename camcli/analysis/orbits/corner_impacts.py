@@ -115,12 +115,12 @@ def _simulated(
     start = _start(shooter, crossing, value)
     system, rpm = with_machine(shooter.system, shooter.at(value))
     run = with_turns(settings, SETTLE, 2 * LONGEST_PERIOD + 2)
-    tape = shooter.simulate(system, rpm, run, start)
-    orbit = identify(system, rpm, tape)
-    name = _unsolved(system, rpm, tape) if orbit is None else orbit.label
+    record = shooter.simulate(system, rpm, run, start)
+    orbit = identify(system, rpm, record)
+    name = _unsolved(system, rpm, record) if orbit is None else orbit.label
     states = section_states(shooter.system, crossing.left)[0]
-    far = max((distance_to(state, states) for state in passages(tape)[0]), default=1.0)
-    return _Simulated(value, name, far, tape.status == Status.OK and far <= REACH)
+    far = max((distance_to(state, states) for state in passages(record)[0]), default=1.0)
+    return _Simulated(value, name, far, record.status == Status.OK and far <= REACH)
 
 
 def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
@@ -143,12 +143,12 @@ def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
     return Start(q + shift, w * omega, shooter.system.strobe_deg)
 
 
-def _unsolved(system, rpm: float, tape) -> str:
+def _unsolved(system, rpm: float, record) -> str:
     """The label of a record without a solved orbit; chaos may be very small beside a corner."""
-    exponents = of_record(system, rpm, tape) if tape.status == Status.OK else None
+    exponents = of_record(system, rpm, record) if record.status == Status.OK else None
     if exponents is not None and exponents.chaotic:
         return APERIODIC
-    return UNDECIDED if any(tape.chatter) else label(tape)
+    return UNDECIDED if any(record.chatter) else label(record)
 
 
 def _agree(predicted: Prediction, simulated: str, stays: bool, turns: int) -> bool | None:

@@ -19,13 +19,15 @@ from camcli.system import System
 TOO_LARGE = 7e10  # growth of a phase error that leaves five digits of a turn
 
 
-def largest_growth(system: System, rpm: float, tape: Record, window: range) -> float:
+def largest_growth(system: System, rpm: float, record: Record, window: range) -> float:
     """Largest factor between a phase error after a rest and one before the next, in these turns."""
     cam, lane, strobe = system.cam, system.constants(rpm, 1.0, 1), system.strobe
     largest = 0.0
     last: float | None = None  # rad since period 0, of the last event of a motion from rest
     pair: tuple[float, float] | None = None  # its difference; none before the first impact
-    for kind, period, phase, rate in zip(tape.kind, tape.period, tape.theta, tape.u, strict=True):
+    for kind, period, phase, rate in zip(
+        record.kind, record.period, record.theta, record.u, strict=True
+    ):
         if period not in window:
             continue
         theta, u = float(phase), float(rate)

@@ -36,65 +36,67 @@ def solve_from(
     Its period is the shortest one whose Newton iteration converges to an admissible, attracting
     orbit that the record approaches; None where no period up to `longest` has one.
     """
-    record = with_turns(settings, settings.transient, 2 * longest + 2)
-    tape = Orbit(system, rpm, record, start).run()
-    return identify(system, rpm, tape, longest)
+    run = with_turns(settings, settings.transient, 2 * longest + 2)
+    record = Orbit(system, rpm, run, start).run()
+    return identify(system, rpm, record, longest)
 
 
 def identify(
-    system: System, rpm: float, tape: Record, longest: int = LONGEST_PERIOD
+    system: System, rpm: float, record: Record, longest: int = LONGEST_PERIOD
 ) -> PeriodicOrbit | None:
     """The attracting orbit at the end of a record with events and strobes, or None."""
-    if tape.status != Status.OK or tape.periods < 2:
+    if record.status != Status.OK or record.periods < 2:
         return None
-    if not tape.touches:
-        return _resting(system, rpm, tape, 1)
+    if not record.touches:
+        return _resting(system, rpm, record, 1)
     shooter = Shooter(system, rpm)
-    for m, gap in _candidates(tape, longest):
-        window = range(tape.periods - m, tape.periods)
+    for m, gap in _candidates(record, longest):
+        window = range(record.periods - m, record.periods)
         orbit = None
-        if not _rests(tape, window):
-            orbit = _bouncing(shooter, tape, m, gap)
-        elif gap <= CLOSED and not _accidental(system, rpm, tape, m):
-            orbit = _resting(system, rpm, tape, m)
+        if not _rests(record, window):
+            orbit = _bouncing(shooter, record, m, gap)
+        elif gap <= CLOSED and not _accidental(system, rpm, record, m):
+            orbit = _resting(system, rpm, record, m)
         if orbit is not None:
             return orbit
     return None
 
 
-def passages(tape: Record) -> tuple[list[tuple[float, float]], list[float]]:
+def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
     """States at the strobes (m, m/rad), and the symbol of each whole turn."""
-    n = tape.periods
-    states = [(float(tape.strobe_q[k]), float(tape.strobe_w[k])) for k in range(n)]
-    symbols = [inf if tape.chatter[k] else float(tape.impacts[k]) for k in range(n)]
+    n = record.periods
+    states = [(float(record.strobe_q[k]), float(record.strobe_w[k])) for k in range(n)]
+    symbols = [inf if record.chatter[k] else float(record.impacts[k]) for k in range(n)]
     return states, symbols
 
 
-def impacts_of(tape: Record, window: range) -> list[Impact]:
+def impacts_of(record: Record, window: range) -> list[Impact]:
     """The impacts in these turns."""
     return [
         (int(period), float(theta), float(u))
-        for kind, period, theta, u in zip(tape.kind, tape.period, tape.theta, tape.u, strict=True)
+        for kind, period, theta, u in zip(
+            record.kind, record.period, record.theta, record.u, strict=True
+        )
         if kind == EventKind.IMPACT and period in window
     ]
 
 
-def departures(tape: Record) -> list[tuple[int, float]]:
+def departures(record: Record) -> list[tuple[int, float]]:
     """(period, theta) where the follower leaves from rest: a lift-off, or a blow by an upward kink.
 
     A blow is an impact of a follower that rested after a chatter.
     """
     leaves, rests = [], False
-    for kind, period, theta in zip(tape.kind, tape.period, tape.theta, strict=True):
+    for kind, period, theta in zip(record.kind, record.period, record.theta, strict=True):
         if kind == EventKind.DETACHMENT or (kind == EventKind.IMPACT and rests):
             leaves.append((int(period), float(theta)))
         rests = kind == EventKind.CHATTER
     return leaves
 
 
-def _candidates(tape: Record, longest: int) -> Iterator[tuple[int, float]]:
+def _candidates(record: Record, longest: int) -> Iterator[tuple[int, float]]:
     """(m, relative distance) for every period that the end of the record suggests, ascending."""
-    states, symbols = passages(tape)
+    states, symbols = passages(record)
     n, size = len(states), size_of(states)
     for m in range(1, min(longest, n // 2) + 1):
         if symbols[n - m :] == symbols[n - 2 * m : n - m]:
@@ -103,37 +105,37 @@ def _candidates(tape: Record, longest: int) -> Iterator[tuple[int, float]]:
                 yield m, gap
 
 
-def _rests(tape: Record, window: range) -> bool:
+def _rests(record: Record, window: range) -> bool:
     """True where the follower chatters to rest, or leaves from rest, in one of these turns."""
-    return any(tape.chatter[k] for k in window) or any(
+    return any(record.chatter[k] for k in window) or any(
         kind == EventKind.DETACHMENT and period in window
-        for kind, period in zip(tape.kind, tape.period, strict=True)
+        for kind, period in zip(record.kind, record.period, strict=True)
     )
 
 
-def _accidental(system: System, rpm: float, tape: Record, turns: int) -> bool:
+def _accidental(system: System, rpm: float, record: Record, turns: int) -> bool:
     """True where rounding, not the machine, closed the cycle that ends a record."""
-    window = range(max(0, tape.periods - 2 * turns), tape.periods)
-    return largest_growth(system, rpm, tape, window) > TOO_LARGE
+    window = range(max(0, record.periods - 2 * turns), record.periods)
+    return largest_growth(system, rpm, record, window) > TOO_LARGE
 
 
-def _resting(system: System, rpm: float, tape: Record, m: int) -> PeriodicOrbit:
+def _resting(system: System, rpm: float, record: Record, m: int) -> PeriodicOrbit:
     """An orbit that sticks: the cam alone decides where it leaves, so simulation closes exactly."""
-    window = range(tape.periods - m, tape.periods)
-    leaves = [(n - window.start, theta) for n, theta in departures(tape) if n in window]
-    states, symbols = passages(tape)
+    window = range(record.periods - m, record.periods)
+    leaves = [(n - window.start, theta) for n, theta in departures(record) if n in window]
+    states, symbols = passages(record)
     return resting_orbit(system, rpm, states[-m:], symbols[-m:], leaves)
 
 
-def _bouncing(shooter: Shooter, tape: Record, m: int, gap: float) -> PeriodicOrbit | None:
+def _bouncing(shooter: Shooter, record: Record, m: int, gap: float) -> PeriodicOrbit | None:
     """The orbit of m turns near the end of the record, if it is one and attracts."""
-    window = range(tape.periods - m, tape.periods)
-    root = newton_from(shooter, impacts_of(tape, window), m)
+    window = range(record.periods - m, record.periods)
+    root = newton_from(shooter, impacts_of(record, window), m)
     root = None if root is None else _gone_once(shooter, root)
     if root is None or not shooter.admits(root):
         return None
     orbit = from_root(shooter.system, root)
-    states, symbols = passages(tape)
+    states, symbols = passages(record)
     alike = sorted(orbit.symbols * (m // orbit.turns)) == sorted(symbols[-m:])
     slow = 1.0 / max(1e-6, 1.0 - abs(orbit.multipliers[0]))
     approached = distance_to(states[-1], orbit.states) <= DRIFT * (gap * slow + 1e-9)

@@ -136,9 +136,9 @@ def _try_returns(
     run = replace(settings, transient=0, record=settings.transient + RECORD)
     tries: list[tuple[float, list]] = []
     for start in starts_of(system, rpm, settings, starts):
-        tape = shooter.simulate(system, rpm, run, start)
-        if tape.status == Status.OK:
-            tries += _close_returns(tape, label)
+        record = shooter.simulate(system, rpm, run, start)
+        if record.status == Status.OK:
+            tries += _close_returns(record, label)
     for _, events in sorted(tries, key=lambda pair: pair[0])[:MOST_RETURNS]:
         root = newton_from(shooter, events, m)
         if root is not None:
@@ -147,12 +147,12 @@ def _try_returns(
                 return
 
 
-def _close_returns(tape: Record, label: Label) -> Iterator[tuple[float, list]]:
+def _close_returns(record: Record, label: Label) -> Iterator[tuple[float, list]]:
     """(distance, impacts) of every window with the label's symbols that nearly closes."""
-    states, symbols = passages(tape)
+    states, symbols = passages(record)
     m, size = len(label.symbols), size_of(states)
     by_turn: dict[int, list] = {}
-    for event in impacts_of(tape, range(tape.periods)):
+    for event in impacts_of(record, range(record.periods)):
         by_turn.setdefault(event[0], []).append(event)
     for k in range(len(states) - m):
         if Label(symbols[k : k + m]) != label:

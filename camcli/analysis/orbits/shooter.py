@@ -158,9 +158,9 @@ class Shooter:
 
     def simulate(self, system: System, rpm: float, settings: Settings, start: Start) -> Record:
         """The record of a motion; its cost is counted here."""
-        tape = Orbit(system, rpm, settings, start).run()
-        self.simulated = self.simulated + tape.cost
-        return tape
+        record = Orbit(system, rpm, settings, start).run()
+        self.simulated = self.simulated + record.cost
+        return record
 
     def _room(self, n: int):
         if n not in self._rooms:

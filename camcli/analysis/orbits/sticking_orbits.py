@@ -89,8 +89,8 @@ def _orbit_at(
     system, rpm = with_machine(shooter.system, shooter.at(value))
     longest = max(LONGEST, orbit.turns)
     run = with_turns(settings, SETTLE, 2 * longest + 2)
-    tape = shooter.simulate(system, rpm, run, _start(system, orbit, rpm))
-    found = identify(system, rpm, tape, longest)
+    record = shooter.simulate(system, rpm, run, _start(system, orbit, rpm))
+    found = identify(system, rpm, record, longest)
     return None if found is None else replace(found, rpm=rpm, value=value)
 
 
