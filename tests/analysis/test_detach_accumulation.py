@@ -30,8 +30,10 @@ def of_corner(rows, name):
 
 def ends_of(system, rpm, transient):
     """Where chatters end in one turn, deg, by simulation."""
-    tape = Orbit(system, rpm, settings(transient, 1, 1e-13)).run()
-    return [x * DEG for k, x in zip(tape.kind, tape.theta, strict=True) if k == EventKind.CHATTER]
+    record = Orbit(system, rpm, settings(transient, 1, 1e-13)).run()
+    return [
+        x * DEG for k, x in zip(record.kind, record.theta, strict=True) if k == EventKind.CHATTER
+    ]
 
 
 @pytest.mark.parametrize(("corner", "rpm", "phase"), [("c", 119.712, 160.0), ("d", 136.312, 200.0)])
@@ -65,8 +67,8 @@ def test_impacts_land_on_corners_at_the_published_speeds(chapter, result):
         place = corners[hit.corner] + (0.0 if corners[hit.corner] > corners["b"] else 360.0)
         sides = []
         for rpm in (hit.rpm - 1e-7, hit.rpm + 1e-7):
-            tape = Orbit(chapter, rpm, settings(0, 2)).run()
-            rows = zip(tape.kind, tape.period, tape.theta, strict=True)
+            record = Orbit(chapter, rpm, settings(0, 2)).run()
+            rows = zip(record.kind, record.period, record.theta, strict=True)
             times = [360.0 * p + x * DEG for k, p, x in rows if k == EventKind.IMPACT]
             sides.append(times[hit.impact - 1] - place)
         assert sides[0] < 0.0 < sides[1] < sides[0] + 1e-3

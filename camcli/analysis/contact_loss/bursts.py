@@ -50,11 +50,13 @@ class Burst:
         return Burst(self.release, self.release, impacts, end, self.status)
 
 
-def timeline(system: System, orbit: Orbit, tape: Record) -> list[tuple[int, float, float]]:
+def timeline(system: System, orbit: Orbit, record: Record) -> list[tuple[int, float, float]]:
     """(kind, theta, phase counted on from the first recorded strobe) of every event, in rad."""
     strobe, cam, lane = system.strobe, system.cam, orbit.const
     rows = []
-    for kind, period, theta, u in zip(tape.kind, tape.period, tape.theta, tape.u, strict=True):
+    for kind, period, theta, u in zip(
+        record.kind, record.period, record.theta, record.u, strict=True
+    ):
         kind, theta = int(kind), float(theta)
         since = theta - strobe if theta >= strobe else theta - strobe + TURN
         rows.append((kind, theta, TURN * int(period) + since))
@@ -114,11 +116,11 @@ class Bursts:
         for turns in TURNS:
             settings = Settings(0, turns, FINEST, budget, Start(None, None, start))
             orbit = Orbit(self.system, rpm, settings)
-            tape = orbit.run(strobes=False)
-            self.cost = self.cost + tape.cost
-            begun = [b for b in bursts_of(timeline(self.system, orbit, tape)) if b.release < inf]
+            record = orbit.run(strobes=False)
+            self.cost = self.cost + record.cost
+            begun = [b for b in bursts_of(timeline(self.system, orbit, record)) if b.release < inf]
             found = begun[0].from_release() if begun else Burst(inf, inf)
-            found.status = tape.status
+            found.status = record.status
             if found.end < inf or found.status != Status.OK:
                 break
         return found
@@ -216,16 +218,16 @@ def settled(
     result = []
     for rpm in rpms:
         orbit = Orbit(system, rpm, turns)
-        tape = orbit.run(strobes=False)
-        events = timeline(system, orbit, tape)
+        record = orbit.run(strobes=False)
+        events = timeline(system, orbit, record)
         bursts = bursts_of(events)
-        if tape.status == Status.OK:  # of the first turn; one from before it if none begins
+        if record.status == Status.OK:  # of the first turn; one from before it if none begins
             bursts = [b for b in bursts if b.release < inf and b.begin < TURN] or bursts[:1]
         impacts = [
             theta * DEG for kind, theta, at in events if kind == EventKind.IMPACT and at < TURN
         ]
         rows = tuple(_settled_burst(force, system.strobe, burst) for burst in bursts)
-        result.append(Settled(rpm, rows, tuple(impacts), tape.status, tape.cost))
+        result.append(Settled(rpm, rows, tuple(impacts), record.status, record.cost))
         on_speed()
     return result
 

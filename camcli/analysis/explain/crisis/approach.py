@@ -50,10 +50,13 @@ def approach(carried: Carried) -> Approach:
     """Measure before the bracket of `carried`, and extrapolate every distance on a line to zero."""
     way = carried.stays - carried.near
     speeds = [carried.near + share * way for share in SPEEDS]
-    tapes = [carried.run(rpm, True) for rpm in speeds]
+    records = [carried.run(rpm, True) for rpm in speeds]
     near, close = (
-        ([_distance(tape, c) for c in corner_list(carried.system.cam)], low_gap(carried, rpm, tape))
-        for rpm, tape in zip(speeds, tapes, strict=True)
+        (
+            [_distance(record, c) for c in corner_list(carried.system.cam)],
+            low_gap(carried, rpm, record),
+        )
+        for rpm, record in zip(speeds, records, strict=True)
     )
     rows = tuple(zip(corner_list(carried.system.cam), near[0], close[0], strict=True))
     low = REACHED * float(carried.size[0])
@@ -66,20 +69,20 @@ def approach(carried: Carried) -> Approach:
     return Approach(rows, (near[1], close[1]), low, rpm, reached)
 
 
-def _distance(tape: Record, corner: Corner) -> float:
+def _distance(record: Record, corner: Corner) -> float:
     """Least distance of the impacts of a record to a corner, rad."""
-    theta = impacts_of(tape)[0]
+    theta = impacts_of(record)[0]
     return float(np.abs((theta - corner.theta + TURN / 2) % TURN - TURN / 2).min(initial=inf))
 
 
-def low_gap(carried: Carried, rpm: float, tape: Record) -> float:
+def low_gap(carried: Carried, rpm: float, record: Record) -> float:
     """The lowest minimum of the gap inside a flight (m), of the first FLIGHTS flights.
 
     0 where impacts already fade, inf where no flight has a minimum.
     """
     cam, strobe = carried.system.cam, carried.system.strobe
     lane = carried.system.constants(rpm, 1e-9, 1)
-    theta, u, period = (column[: FLIGHTS + 1] for column in impacts_of(tape))
+    theta, u, period = (column[: FLIGHTS + 1] for column in impacts_of(record))
     if min(abs(u)) <= FADED * max(abs(u)):
         return 0.0
     at = (theta - strobe) % TURN + TURN * period + strobe

@@ -21,15 +21,17 @@ SETTLE = 1000  # turns from the scene's start before the attractor is recorded
 BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
 
 
-def states_of(tape: Record) -> np.ndarray:
+def states_of(record: Record) -> np.ndarray:
     """The states at the strobes of a record, shape (turns, 2)."""
-    return np.column_stack((tape.strobe_q, tape.strobe_w)).astype(float)
+    return np.column_stack((record.strobe_q, record.strobe_w)).astype(float)
 
 
-def impacts_of(tape: Record) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def impacts_of(record: Record) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(phase rad, incoming m/rad, turn) of every impact of a record with events, as arrays."""
-    kept = (np.asarray(tape.kind) == EventKind.IMPACT) & (np.asarray(tape.period) >= 0)
-    theta, u, period = (np.asarray(column)[kept] for column in (tape.theta, tape.u, tape.period))
+    kept = (np.asarray(record.kind) == EventKind.IMPACT) & (np.asarray(record.period) >= 0)
+    theta, u, period = (
+        np.asarray(column)[kept] for column in (record.theta, record.u, record.period)
+    )
     return theta, u, period
 
 
@@ -50,7 +52,7 @@ class Carried:
         orbit.run()
         self.start = orbit.as_start()
         self.ends = self.run(near), self.run(far)
-        first, last = (states_of(tape) for tape in self.ends)
+        first, last = (states_of(record) for record in self.ends)
         self.size = np.ptp(np.concatenate((first, last)), axis=0) + 1e-300
         self.box = first.min(0) - MARGIN * self.size, first.max(0) + MARGIN * self.size
 
@@ -61,19 +63,19 @@ class Carried:
 
     def run(self, rpm: float, events: bool = False) -> Record:
         """The record of the attractor at this speed, from the state it has at the near end."""
-        return self._tape(rpm, self.turns, self.start, events)
+        return self._record(rpm, self.turns, self.start, events)
 
     def motion(self, rpm: float, x, turns: int, events: bool = False) -> Record:
         """The record of a motion from the state x at the strobe; StartError below the cam."""
         deg = degrees(self.system.strobe) * (1.0 - BEFORE_STROBE)
         start = Start(float(x[0]), float(x[1]) * omega_of(rpm), deg)
-        return self._tape(rpm, turns + 1, start, events)
+        return self._record(rpm, turns + 1, start, events)
 
-    def _tape(self, rpm: float, turns: int, start: Start, events: bool) -> Record:
+    def _record(self, rpm: float, turns: int, start: Start, events: bool) -> Record:
         settings = with_turns(self.settings, 0, turns)
-        tape = Orbit(self.system, rpm, settings, start).run(events=events)
-        self.cost = self.cost + tape.cost
-        return tape
+        record = Orbit(self.system, rpm, settings, start).run(events=events)
+        self.cost = self.cost + record.cost
+        return record
 
     def states(self, rpm: float, x, turns: int) -> np.ndarray:
         """The states of `motion` after 0, 1, ..., turns turns; fewer where it ends early."""
@@ -84,9 +86,9 @@ class Carried:
         low, high = self.box
         return int(((states < low) | (states > high)).any(1).sum())
 
-    def has_left(self, tape: Record) -> bool:
+    def has_left(self, record: Record) -> bool:
         """True where a record has left the box."""
-        return self.outside(states_of(tape)) >= LEAST
+        return self.outside(states_of(record)) >= LEAST
 
     def way(self, rpm: float) -> float:
         """Distance of a speed from the near end, rpm."""

@@ -77,12 +77,12 @@ def monodromy(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> np.nda
     system = carried.system
     cam, lane = system.cam, system.constants(rpm, 1e-9, 1)
     try:
-        tape = carried.motion(rpm, x, turns, True)
+        record = carried.motion(rpm, x, turns, True)
     except StartError:
         raise LostError from None
-    if tape.periods < turns:
+    if record.periods < turns:
         raise LostError
-    theta, u, period = impacts_of(tape)
+    theta, u, period = impacts_of(record)
     at = (theta - system.strobe) % TURN + TURN * period
     matrix, last = np.eye(2), 0.0
     for place, phase, rate in zip(at.tolist(), theta.tolist(), u.tolist(), strict=True):
@@ -98,15 +98,15 @@ def _flight(lane, span: float) -> np.ndarray:
     return np.reshape(flight_tangent(lane, span), (2, 2))
 
 
-def find_saddles(carried: Carried, rpm: float, tape: Record) -> list[PeriodicOrbit]:
+def find_saddles(carried: Carried, rpm: float, record: Record) -> list[PeriodicOrbit]:
     """Unstable orbits of up to LONGEST turns: Newton's method from close returns of a record.
 
     The orbits are those at rpm; the record, with events, may be of another speed nearby. Orbits
     that it never comes near are not found.
     """
     found: list[PeriodicOrbit] = []
-    shooter, (theta, u, period) = Shooter(carried.system, rpm), impacts_of(tape)
-    at = states_of(tape) / carried.size
+    shooter, (theta, u, period) = Shooter(carried.system, rpm), impacts_of(record)
+    at = states_of(record) / carried.size
     for turns in range(1, LONGEST + 1):
         for k in _close_returns(at, turns):
             window = slice(*np.searchsorted(period, (k, k + turns)))

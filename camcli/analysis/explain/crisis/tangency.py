@@ -118,8 +118,8 @@ class Folds:
     def corner(self, fold: Fold) -> Corner | None:
         """The corner whose image the fold is; None for a smooth fold."""
         base, _ = self.at(fold.rpm)
-        tape = self.carried.motion(fold.rpm, base.leaf(fold.t), fold.n, True)
-        theta, corners = impacts_of(tape)[0], corner_list(self.carried.system.cam)
+        record = self.carried.motion(fold.rpm, base.leaf(fold.t), fold.n, True)
+        theta, corners = impacts_of(record)[0], corner_list(self.carried.system.cam)
         hit = [c for c in corners if np.abs(theta - c.theta).min(initial=inf) < AT_CORNER]
         return hit[0] if hit else None
 
