@@ -50,7 +50,7 @@ def test_corners_take_the_side_of_their_stretch(corner):
 
 def test_every_bound_of_the_table_binds_and_is_not_idle():
     """c, its slope and its 2nd to 7th derivative, sampled with mpmath's own derivatives."""
-    names = "LOW", "SLOPE_LOW", "ACCEL_MIN", "ACCEL_MAX", "JERK_MAX", "SNAP_MAX", "RADIUS"
+    names = ["c_min", "slope_min", "accel_min", "accel_max", "jerk_max", "snap_max", "radius"]
     low, slope, least, most, jerk, snap, radius = (column(CAM, name) for name in names)
     for i, (start, end) in enumerate(zip(column(CAM, "start"), column(CAM, "end"), strict=True)):
         for k in range(21):

@@ -189,7 +189,7 @@ def test_the_cam_is_smooth_and_a_strobe_phase_changes_nothing(tmp_path, lobe, st
     whole, cut = build(parts), build(parts, strobe)
     assert corners(cut) == []
     for order in range(3):
-        ends, starts = column(cut, f"end_c{order}"), column(cut, f"start_c{order}")
+        ends, starts = (column(cut, f"{side}_c{order or ''}") for side in ("end", "start"))
         size = max(map(abs, starts))
         assert [ends[-1], *ends[:-1]] == pytest.approx(starts, abs=1e-11 * size)
     assert column(cut, "start")[cut.strobe] == pytest.approx(strobe * pi / 180, abs=1e-15)

@@ -282,7 +282,8 @@ def judge(folder, data: bytes, changes: dict[str, str]) -> None:
     cam = accepted(lambda: scene(folder, data, **changes).cam)
     if cam is not None:
         compiled = build(cam.parts(), 77.7)
-        values = [*compiled.rows, *compiled.pieces, cam.accuracy.bound, *cam.errors.bounds]
+        values = [x for row in (*compiled.stretches, compiled.pieces) for x in row]
+        values += [cam.accuracy.bound, *cam.errors.bounds]
         assert all(abs(value) < float("inf") for value in values)
 
 
