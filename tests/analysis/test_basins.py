@@ -107,8 +107,7 @@ def settled(system, q, v, threads=1, rpm=358.5):
     return finder.ranks()[np.maximum(outcome, 0)].tolist(), turns.tolist(), finder
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("rpm", [358.5, 361.0])
+@pytest.mark.parametrize("rpm", [358.5, 745.0])
 def test_neither_order_nor_threads_nor_blocks_change_a_cell(chapter, monkeypatch, rpm):
     q, v = WINDOW.with_cells(20, 10).centres(np.arange(200))
     codes, turns, finder = settled(chapter, q, v, rpm=rpm)
@@ -187,8 +186,8 @@ def test_refined_basins_are_those_of_the_full_grid(chapter):
 
 
 def test_numbers_of_attractors_stay_from_speed_to_speed(chapter):
-    """P(1;2) is born at some 355 rpm, P(3) doubles its period."""
-    speeds = [354.0, 358.5, 360.0]
+    """P(1;2) is born above 355 rpm; a cycle of 26 turns becomes P(3), which doubles its period."""
+    speeds = [355.0, 358.5, 360.0]
     result = study(chapter, speeds, settings(), Question(WINDOW.with_cells(10, 10)))
     named = [
         dict(zip(s.branches, [a.label for a in s.attractors], strict=True)) for s in result.speeds

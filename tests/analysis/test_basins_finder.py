@@ -13,14 +13,13 @@ from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.branches import Branches, distance
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
 from camcli.analysis.basins.region import Region, _holds, overlap, parted, rings, size_of
-from camcli.analysis.basins.rest_outcomes import departure, record_of
+from camcli.analysis.basins.rest_outcomes import record_of
 from camcli.analysis.basins.study import Question, basins
 from camcli.analysis.basins.window import Window
-from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST
+from camcli.kernel.cells import FORGOTTEN, GOES_ON
 from tests.conftest import chapter_system, settings
 
 WINDOW = Window((0.1, 0.9), (-50.0, 50.0), 20, 20)
-CORNERS = 2.621124501166232, 3.490658503988659  # rad, b and d
 
 
 def finder_at(system, rpm):
@@ -211,15 +210,3 @@ def test_doubles_are_believed_where_they_remember(chapter):
     assert set(finder_at(chapter, 190.0).rests.ends) == {GOES_ON}
     free = AttractorFinder(CellBatches(chapter_system(restitution=1.0), 358.0, settings()), 10)
     assert free.targets.rests == -1
-
-
-@pytest.mark.parametrize("rpm", [190.0, 358.0])
-def test_the_departure_of_a_start(chapter, rpm):
-    batches = CellBatches(chapter, rpm, settings())
-    finder = AttractorFinder(batches, 400)
-    ends = batches.run([0.0, 0.2], [0.0, -0.5], finder.targets, 400)
-    assert NEW_REST in ends.outcome
-    for k in np.flatnonzero(ends.outcome == NEW_REST).tolist():
-        start = ((0.0, 0.0, 1), (0.2, -0.5, 0))[k]
-        theta = departure(batches, start, int(ends.turns[k]))
-        assert any(theta == pytest.approx(corner) for corner in CORNERS)
