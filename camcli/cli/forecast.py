@@ -9,11 +9,10 @@ import json
 import os
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 from camcli.api.result import Result
 from camcli.cli.options import Request
@@ -33,75 +32,71 @@ SHORT = 100  # turns of transient and of record in a sample; the rest is taken t
 FIRST, LAST = 2, 32  # pieces of the first sample, each is twice the one before; the most
 
 
-@dataclass(frozen=True)
-class Size:
-    """How much a scene asks for, and the least bytes that takes.
+class Size(NamedTuple):
+    """How much a scene asks for, and the least bytes that takes."""
 
-    pieces: of equal work; turns: of all of them; samples are made smaller by `shorter`.
-    """
-
-    key: str
+    key: str  # what asks for so much
     what: str
-    pieces: int
+    pieces: int  # of equal work
     orbits: int
-    turns: float
+    turns: float  # of all orbits; 0 where it is not known before
     memory: float
     disk: float
-    shorter: Mapping[str, Any]
 
 
-def size_of(command: str, scene: Scene, pieces: int | None = None) -> Size:
-    """The size of a command's work, or of a sample with so many pieces and few turns each."""
-    run, few = scene.run, {"run.transient": SHORT, "run.record": SHORT}
-    few = {key: min(turns, getattr(run, key[4:])) for key, turns in few.items()}
-    turns = run.transient + run.record
-    if command == "simulate":
-        samples, whole = scene.simulate.samples, run.record
-        n = run.record if pieces is None else min(run.record, 25 * pieces)
-        key = "simulate.samples" if samples > whole else "run.record"
-        what = f"{whole} recorded turns x {samples} samples"
-        rows = float(samples * whole)
-        return Size(key, what, n, 1, turns, 280 * rows, 102 * rows, few | {"run.record": n})
-    if command == "sweep":
-        whole = scene.sweep.rpm.num
-        n = whole if pieces is None else min(whole, pieces)
-        rows = float(run.record * len(scene.sweep.sections))
-        key = "run.record" if run.record > whole else "sweep.rpm.num"
-        what = f"{whole} speeds x {run.record} recorded turns"
-        memory, disk = 500.0 * whole + 32 * rows, 32 * rows * whole
-        disk *= 1 if scene.sweep.tables == "none" else 2
-        return Size(key, what, n, whole, whole * turns, memory, disk, few | {"sweep.rpm.num": n})
-    if command == "classify":
-        whole, starts = scene.classify.rpm.num, scene.classify.starts + 1
-        n = whole if pieces is None else min(whole, pieces)
-        key = "run.record" if run.record > whole else "classify.rpm.num"
-        what = f"{whole} speeds x {starts} starts x {run.record} recorded turns"
-        memory, disk = 45.0 * whole * run.record, 790.0 * whole
-        orbits = whole * starts
-        shorter: dict[str, Any] = {
-            "classify.rpm.num": n,
-            "classify.starts": 0,
-            "classify.explain": False,
-        }
-        return Size(key, what, n, orbits, orbits * turns, memory, disk, shorter)
-    if command == "basins":
-        (nq, nv), levels, span = scene.basins.cells, scene.basins.refine, scene.basins.rpm
-        speeds, cells = 1 if span.start == span.stop else span.num, float(nq * nv)
-        side = 0 if pieces is None else 4 * pieces
-        n = int(cells) * speeds if pieces is None else side * side
-        key = "basins.refine" if levels else "basins.cells"
-        what = f"{nq} x {nv} cells, refined {levels} times"
-        memory = 70 * cells + (14 * cells * 4**levels + 20e6 if levels else 0.0)
-        shorter = {"basins.refine": 0, "basins.rpm.num": 1, "basins.rpm.stop": span.start}
-        shorter |= {"basins.cells": (min(nq, side), min(nv, side))}
-        orbits = int(cells) * speeds
-        return Size(key, what, n, orbits, 0.0, memory, 54 * cells * speeds, shorter)
-    section = getattr(scene, command)
-    whole = section.rpm.num if command == "detach" else section.starts + 1
-    key = "detach.rpm.num" if command == "detach" else "orbits.starts"
-    n = whole if pieces is None else min(whole, 25 * pieces)
-    bytes_ = 300.0 * whole
-    return Size(key, f"{whole} runs", n, whole, 0.0, bytes_, bytes_, {"detach.rpm.num": n})
+def size_of(command: str, scene: Scene) -> Size:
+    """The size of a command's work."""
+    run, turns = scene.run, scene.run.transient + scene.run.record
+    match command:
+        case "simulate":
+            samples = scene.simulate.samples
+            key = "simulate.samples" if samples > run.record else "run.record"
+            what, rows = f"{run.record} recorded turns x {samples} samples", samples * run.record
+            return Size(key, what, run.record, 1, turns, 280.0 * rows, 102.0 * rows)
+        case "sweep":
+            speeds, rows = scene.sweep.rpm.num, run.record * len(scene.sweep.sections)
+            key = "run.record" if run.record > speeds else "sweep.rpm.num"
+            what = f"{speeds} speeds x {run.record} recorded turns"
+            memory, disk = 500.0 * speeds + 32.0 * rows, 32.0 * rows * speeds
+            disk *= 1 if scene.sweep.tables == "none" else 2
+            return Size(key, what, speeds, speeds, speeds * turns, memory, disk)
+        case "classify":
+            speeds, starts = scene.classify.rpm.num, scene.classify.starts + 1
+            key = "run.record" if run.record > speeds else "classify.rpm.num"
+            what = f"{speeds} speeds x {starts} starts x {run.record} recorded turns"
+            orbits, memory = speeds * starts, 45.0 * speeds * run.record
+            return Size(key, what, speeds, orbits, orbits * turns, memory, 790.0 * speeds)
+        case "basins":
+            (nq, nv), levels, span = scene.basins.cells, scene.basins.refine, scene.basins.rpm
+            cells, speeds = nq * nv, 1 if span.start == span.stop else span.num
+            key = "basins.refine" if levels else "basins.cells"
+            what, orbits = f"{nq} x {nv} cells, refined {levels} times", cells * speeds
+            memory = 70.0 * cells + (14.0 * cells * 4**levels + 20e6 if levels else 0.0)
+            return Size(key, what, orbits, orbits, 0.0, memory, 54.0 * orbits)
+        case _:
+            key = "detach.rpm.num" if command == "detach" else "orbits.starts"
+            runs = scene.detach.rpm.num if command == "detach" else scene.orbits.starts + 1
+            return Size(key, f"{runs} runs", runs, runs, 0.0, 300.0 * runs, 300.0 * runs)
+
+
+def sample_of(command: str, scene: Scene, n: int, whole: int) -> tuple[int, dict[str, Any]]:
+    """(pieces, values of the scene) of a sample: some of the pieces, few turns each."""
+    run = scene.run
+    few = {"run.transient": min(SHORT, run.transient), "run.record": min(SHORT, run.record)}
+    match command:
+        case "simulate":
+            return min(25 * n, whole), few | {"run.record": min(25 * n, whole)}
+        case "sweep":
+            return min(n, whole), few | {"sweep.rpm.num": min(n, whole)}
+        case "classify":
+            values = {"classify.starts": 0, "classify.explain": False}
+            return min(n, whole), values | {"classify.rpm.num": min(n, whole)}
+        case "basins":
+            sides = tuple(min(4 * n, side) for side in scene.basins.cells)
+            one = {"basins.rpm.num": 1, "basins.rpm.stop": scene.basins.rpm.start}
+            return sides[0] * sides[1], one | {"basins.cells": sides, "basins.refine": 0}
+        case _:
+            return min(25 * n, whole), {"detach.rpm.num": min(25 * n, whole)}
 
 
 def refuse_too_large(command: str, scene: Scene, folder: Path, shard: Shard | None) -> None:
@@ -181,35 +176,28 @@ def _extrapolated(
     """
     for_work(size.turns if size.turns else LITTLE_WORK + 1)  # a sample runs as the whole will
     samples: list[dict[str, float]] = []
-    began, pieces = perf_counter(), FIRST
-    while pieces <= LAST and (not samples or perf_counter() - began < ENOUGH):
-        sample = size_of(command, scene, pieces)
-        small = _with(scene, sample.shorter)
-        started = perf_counter()
+    began, n, pieces = perf_counter(), FIRST, 0
+    while n <= LAST and pieces < size.pieces and perf_counter() - began < ENOUGH:
+        pieces, values = sample_of(command, scene, n, size.pieces)
+        small = _with(scene, values)
         result = _run(command, small, request)
-        seconds = perf_counter() - started
         text = sum(len(line) for t in result.tables.values() for line in t.csv())
-        measured = {"pieces": sample.pieces, "impacts": result.cost.impacts}
-        samples.append(measured | {"seconds": min(seconds, result.seconds), "tables": text})
-        turns = [(one.run.transient + one.run.record, one.run.record) for one in (scene, small)]
-        longer, recorded = (max(1, a) / max(1, b) for a, b in zip(*turns, strict=True))
-        if sample.pieces >= size.pieces:
-            break
-        pieces *= 2
+        cost = {"impacts": result.cost.impacts, "seconds": result.seconds, "tables": text}
+        samples.append({"pieces": pieces, **cost})
+        n *= 2
     last, before = samples[-1], samples[-2] if len(samples) > 1 else None
-    linear = command in ("sweep", "classify", "simulate")  # one piece costs what another costs
+    longer = (scene.run.transient + scene.run.record) / (small.run.transient + small.run.record)
+    recorded = scene.run.record / small.run.record
     costs: dict[str, float | None] = {}
     for name in ("impacts", "seconds", "tables"):
-        fixed = 0.0
-        if before is not None and not linear and last["pieces"] > before["pieces"]:
-            each = (last[name] - before[name]) / (last["pieces"] - before["pieces"])
+        scale, fixed = size.pieces / last["pieces"], 0.0
+        if command in ("sweep", "simulate"):
+            one = 1.0 if command == "sweep" else 1.0 / scale  # a simulation is made shorter only
+            scale *= one * (recorded if name == "tables" else longer)
+        elif before is not None and command != "classify":
+            each = (last[name] - before[name]) / max(1, last["pieces"] - before["pieces"])
             fixed = min(last[name], max(0.0, last[name] - each * last["pieces"]))
-        scale = recorded if name == "tables" else longer
-        scale = scale if command in ("sweep", "simulate") else 1.0
-        if command == "simulate":
-            costs[name] = last[name] * scale
-        else:
-            costs[name] = fixed + (last[name] - fixed) * size.pieces / last["pieces"] * scale
+        costs[name] = fixed + (last[name] - fixed) * scale
     return costs
 
 
