@@ -94,7 +94,7 @@ class System:
         return const
 
     def machine(self, rpm: float) -> list[float]:
-        """The follower's constants and the speed as the kernel's table (`kernel.flight`)."""
+        """The follower's constants and the speed as the kernel's table (`kernel.flow`)."""
         f = self.follower
         values = (rpm, f.mass, f.stiffness, f.damping, f.gravity, f.preload, f.restitution)
         return [float(value) for value in values]

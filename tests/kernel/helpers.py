@@ -43,7 +43,7 @@ def settings(record=3, transient=0, tolerance=1e-9, budget=1_000_000, **start):
 
 
 def run(rpm, machine=None, record=3, transient=0, tolerance=1e-9, budget=1_000_000, **start):
-    """The tape of one orbit."""
+    """The record of one orbit."""
     wanted = settings(record, transient, tolerance, budget, **start)
     return Orbit(machine or system(), rpm, wanted).run()
 

@@ -5,7 +5,6 @@ import pytest
 
 from camcli.analysis import integrate as engine
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
-from camcli.analysis.basins.region import targets_of
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.cells import (
@@ -155,11 +154,6 @@ def test_known_states_after_a_rest_have_their_outcome(outcome):
         assert (found.outcome[same] == outcome).all()
         assert (found.turns[same] == first.turns[same]).all()
     assert (found.outcome[~same] == NEW_REST).all()
-
-
-def test_no_targets_no_table():
-    empty = targets_of([])
-    assert (empty.points, empty.columns) == ([], 0)
 
 
 @pytest.mark.parametrize("rpm", [358.5, 190.0])

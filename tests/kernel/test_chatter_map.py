@@ -102,20 +102,14 @@ def worst(seed, count):
 
 def test_the_claimed_error_is_never_exceeded():
     """And the bound is not a hundred times too wide: users would fly hops for nothing."""
-    assert 0.05 < worst(1, 100) <= 1.0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [10])
-def test_the_claimed_error_is_never_exceeded_in_many_trials(seed):
-    assert worst(seed, 500) <= 1.0
+    assert 0.05 < worst(1, 40) <= 1.0
 
 
 CORNERS = [
     (r, 0.999 * z, 0.999 * j, s)
-    for r in (0.05, 0.5, 0.8, 0.95)
+    for r in (0.05, 0.8, 0.95)
     for z, j in ((0, -0.25), (0, 0.25), (0.125, 0), (0.06, -0.12), (0.06, 0.12), (0, 0))
-    for s in (-3.0, -0.1, 0.0, 0.1, 3.0)
+    for s in (-3.0, 0.0, 3.0)
 ]
 
 

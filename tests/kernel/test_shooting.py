@@ -1,17 +1,13 @@
 """Multiple shooting: derivatives, the bordered solver, quadratic convergence, the same bits."""
 
-import os
 import random
-import struct
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from camcli.analysis.orbits.shooter import PARAMETERS, Shooter
-from camcli.kernel import bordered, shooting
+from camcli.kernel import shooting
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables, solve_bordered
 from camcli.kernel.cam_table import stretch_at
 from camcli.kernel.flow import constants_of
@@ -216,65 +212,3 @@ def test_a_bad_guess_fails_without_a_word(guess):
     whole = (stretch_at(system.cam, guess[0]), 0)
     root = shooter.at_value([*guess, 700.0], whole, 1, 700.0)
     assert root is None or all(np.isfinite(root.x))
-
-
-DIGEST = """
-import hashlib, struct
-from camcli.analysis.orbits.identify import settled, solve_from, newton_from
-from camcli.analysis.orbits.shooter import Shooter
-from camcli.kernel import backend
-from camcli.kernel.cam_table import stretch_at
-from tests.conftest import chapter_system
-from tests.kernel.test_shooting import BITS, feed
-state = hashlib.sha256()
-feed(state.update)
-print(backend.current().compiled, state.hexdigest())
-"""
-BITS = [
-    ({}, 700.0, [2.7105, 0.85], (1,)),
-    ({}, 700.0, [1.818, 0.4], (1,)),
-    ({"damping": 2.0, "gravity": 9.81, "preload": 5.0}, 700.0, [2.7105, 0.85], (1,)),
-    ({"damping": 90.0}, 700.0, [2.7, 0.3], (1, 2)),
-    ({}, 358.5, [2.6354469, 0.978, 5.8108811, 0.994], (1,)),
-    ({"stiffness": 0.0, "gravity": 9.81}, 250.0, [2.9, 0.2], (1, 2, 3)),
-]
-
-
-def feed(sink):
-    """Every number of every root, tangent and verdict, bit for bit; failures too."""
-    for changes, rpm, start, turns in BITS:
-        system = chapter_system(**changes)
-        n = len(start) // 2
-        whole = tuple(v for k in range(n) for v in (stretch_at(system.cam, start[2 * k]), 0))
-        for parameter in ("rpm", "restitution", "stiffness", "damping"):
-            shooter = Shooter(system, rpm, parameter)
-            value = shooter.machine[shooter.parameter]
-            for m in turns:
-                root = shooter.at_value([*start, value], whole, m, value)
-                if root is None:
-                    sink(b"none")
-                    continue
-                verdict = shooter.verdict(root)
-                numbers = [*root.x, *root.rates, *root.tangent, root.trace, root.step, verdict[2]]
-                sink(struct.pack(f"<{len(numbers)}d", *numbers))
-                sink(f"{root.steps} {verdict[:2]} {shooter.cost}".encode())
-
-
-def test_python_and_compiled_kernel_give_the_same_bits():
-    inherited = ("CAMCLI_KERNEL", "NUMBA_CPU_NAME", "NUMBA_DISABLE_JIT")
-    base = {key: value for key, value in os.environ.items() if key not in inherited}
-    base["PYTHONPATH"] = str(ROOT)
-    found = {}
-    for kind in ("python", "compiled"):
-        done = subprocess.run(
-            [sys.executable, "-c", DIGEST], cwd=ROOT, env={**base, "CAMCLI_KERNEL": kind},
-            capture_output=True, text=True, timeout=300, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        found[kind] = done.stdout.split()
-    assert [found[kind][0] for kind in ("python", "compiled")] == ["False", "True"]
-    assert found["python"][1] == found["compiled"][1]
-
-
-def test_the_sizes_of_the_tables_are_those_of_the_solver():
-    assert (bordered.BLOCK, bordered.WIDE, bordered.ROWS) == (10, 8, 5)

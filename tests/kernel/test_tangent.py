@@ -1,4 +1,4 @@
-"""Flight and saltation_entry matrices against mpmath, simulated orbits and stroboscopic maps."""
+"""Flight and saltation matrices against mpmath, simulated orbits and stroboscopic maps."""
 
 import random
 from math import exp, pi
@@ -178,7 +178,7 @@ def test_the_trace_is_the_one_of_the_simulated_stroboscopic_map(name, rpm, guess
         assert abs(a - b) < 1e-6 * (1 + max(abs(x) for x in exact))
 
 
-def test_the_saltation_entry_entry_is_the_one_of_the_module():
+def test_the_saltation_entry_is_the_one_of_the_module():
     """(r a- + a+)/u, spelled out once with every term by hand."""
     lane = lane_at(700.0, damping=2.0, gravity=9.81, preload=10.0, restitution=0.7)
     c, c1, c2, u = 0.21, 0.13, -0.4, -0.6

@@ -1,11 +1,13 @@
 """What holds for every orbit, whatever the machine: hypothesis looks for one that breaks it."""
 
 import itertools
+from dataclasses import replace
 from math import isfinite, pi
 
-from hypothesis import example, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from camcli.analysis.integrate import Orbit
 from camcli.analysis.simulate import simulate
 from camcli.errors import Status
 from tests.kernel import helpers
@@ -27,7 +29,7 @@ STARTS = st.one_of(
     st.just({}),
     st.fixed_dictionaries({"q": st.floats(0.26, 2.0), "v": st.floats(-30.0, 30.0)}),
 )
-MOSTLY = settings(max_examples=150, deadline=None, derandomize=True)
+MOSTLY = settings(max_examples=80, deadline=None, derandomize=True)
 
 
 @MOSTLY
@@ -90,21 +92,25 @@ def test_the_follower_is_never_inside_the_cam(rpm, data, start):
 
 
 @MOSTLY
-@given(SPEED, CONSTANTS, STARTS)
-def test_a_turn_later_is_the_same_orbit(rpm, data, start):
-    """A run begun from the state at a strobe goes on as the run it came from."""
+@given(SPEED, CONSTANTS, STARTS, st.integers(1, 5))
+def test_an_orbit_goes_on_where_it_was_left(rpm, data, start, turns):
+    """Two runs, the second from the state the first ended in, are one run bit for bit."""
     machine = system(**data)
     whole = run(rpm, machine, record=6, budget=3000, **start)
-    if whole.status != Status.OK or whole.periods < 4 or whole.strobe_q[2] < 0.11:
-        return
-    omega = rpm * (pi / 30)
-    again = {"q": float(whole.strobe_q[2]), "v": float(whole.strobe_w[2]) * omega}
-    rest = run(rpm, machine, record=2, budget=3000, **again)
-    assert list(rest.impacts)[:1] == list(whole.impacts)[2:3]
+    assume(whole.status == Status.OK)
+    orbit = Orbit(machine, rpm, helpers.settings(turns, budget=3000, **start))
+    first = orbit.run()
+    later = Orbit(machine, rpm, helpers.settings(6 - turns, budget=3000))
+    later.state = replace(orbit.state, period=0, detachments=0)
+    second = later.run()
+    assert list(first.theta) + list(second.theta) == list(whole.theta)
+    assert list(first.u) + list(second.u) == list(whole.u)
+    assert list(second.strobe_q) == list(whole.strobe_q)[turns:]
+    assert list(second.strobe_w) == list(whole.strobe_w)[turns:]
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)
-@given(st.floats(115.2, 190.0), st.floats(0.1, 0.9))
+@given(st.floats(115.2, 190.0), st.floats(0.1, 0.8))
 def test_a_smaller_tolerance_does_not_move_an_accumulation(rpm, r):
     """By more than the two tolerances together."""
     machine = system(restitution=r)
@@ -112,7 +118,9 @@ def test_a_smaller_tolerance_does_not_move_an_accumulation(rpm, r):
     for tolerance in (1e-5, 1e-9):
         rows = events(run(rpm, machine, record=1, tolerance=tolerance))
         ends.append([row[2] for row in rows if row[0] == "chatter"])
-    for a, b in zip(*ends, strict=False):
+    assume(ends[0])
+    assert len(ends[0]) == len(ends[1])
+    for a, b in zip(*ends, strict=True):
         assert abs(a - b) <= 2 * pi * 1.0001e-5
 
 

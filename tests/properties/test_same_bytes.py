@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -20,7 +21,6 @@ VARIANTS = {
     "compiled": {"CAMCLI_KERNEL": "compiled"},
     "compiled for any processor": {"CAMCLI_KERNEL": "compiled", "NUMBA_CPU_NAME": "generic"},
     "numba without its compiler": {"CAMCLI_KERNEL": "compiled", "NUMBA_DISABLE_JIT": "1"},
-    "chosen by the program": {},
 }
 
 
@@ -73,14 +73,14 @@ def always_plain(monkeypatch, steps):
 
 
 @pytest.mark.parametrize(("rpm", "damping"), [(745.0, 0.0), (190.0, 0.0), (520.0, 3.0)])
-@pytest.mark.parametrize("steps", [1, 2, 7, 100])
+@pytest.mark.parametrize("steps", [1, 7, 100])
 def test_slices_do_not_change_an_orbit(monkeypatch, rpm, damping, steps):
     whole = run(rpm, system(damping=damping), record=20, transient=3)
     always_plain(monkeypatch, steps)
     assert parts_of(run(rpm, system(damping=damping), record=20, transient=3)) == parts_of(whole)
 
 
-@pytest.mark.parametrize("capacity", [1, 2, 3, 64])
+@pytest.mark.parametrize("capacity", [1, 3, 64])
 def test_the_room_for_the_log_does_not_change_an_orbit(monkeypatch, capacity):
     whole = run(190.0, record=12)
     monkeypatch.setattr(engine, "FIRST_CAPACITY", capacity)
@@ -94,7 +94,8 @@ def test_what_is_logged_does_not_change_an_orbit():
     )]  # fmt: skip
     assert list(tapes[0].strobe_w) == list(tapes[1].strobe_w)
     assert list(tapes[0].theta) == list(tapes[2].theta)
-    assert orbits[0].state == orbits[1].state == orbits[2].state
+    first, *others = (replace(orbit.state, logged=0) for orbit in orbits)
+    assert others == [first, first]
 
 
 def test_the_transient_is_the_same_orbit():

@@ -57,7 +57,7 @@ class Root:
 
     x: theta_1, v_1, ..., theta_n, v_n, parameter (rad in the turn, outgoing m/rad); whole: stretch
     and turn of each impact; rates: incoming m/rad; tangent: direction of the branch, not normed;
-    machine: constants at this point (`kernel.flight`); step: the last Newton step, relative.
+    machine: constants at this point (`kernel.flow`); step: the last Newton step, relative.
     """
 
     x: list[float]
