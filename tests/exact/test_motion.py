@@ -176,7 +176,7 @@ def test_the_first_of_many_dips_is_found_and_none_where_none_touches(k):
             assert found is None if by > 0 else found.overlaps((-level).acos() / k)
 
 
-def test_more_digits_are_taken_until_it_is_decided_and_no_further():
+def test_digits_are_doubled_until_it_is_decided_and_no_further():
     asked = []
 
     def question(enough):
@@ -186,8 +186,8 @@ def test_more_digits_are_taken_until_it_is_decided_and_no_further():
         return "yes"
 
     before = ctx.dps
-    assert decided(lambda: question(300)) == "yes"
-    assert asked == [100, 400]
+    assert decided(lambda: question(500)) == "yes"
+    assert asked == [300, 600]
     with pytest.raises(UndecidedError):
         decided(lambda: question(10**6))
     assert asked[2:] == list(DIGITS)
