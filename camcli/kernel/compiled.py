@@ -111,7 +111,11 @@ def _cache_type(folder: Path, stamp: str) -> type[FunctionCache]:
                 return None
 
         def save_overload(self, sig: Any, data: Any) -> None:
-            with contextlib.suppress(OSError):
+            with contextlib.suppress(Exception):  # the index it adds to may be garbage
+                super().save_overload(sig, data)
+                return
+            with contextlib.suppress(Exception):
+                self.flush()
                 super().save_overload(sig, data)
 
     return Cache
