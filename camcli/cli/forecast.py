@@ -29,6 +29,7 @@ COMPILED, DRAWING = 130e6, 125e6  # and with the compiled kernel, and with a pic
 PICTURE, RECORD = 250e3, 5e3  # bytes of a PNG and of run.json
 ENOUGH = 1.0  # s after which no larger sample is run
 SHORT = 100  # turns of transient and of record in a sample; the rest is taken to be like them
+LINEAR = ("simulate", "sweep", "classify")  # one piece costs what another costs
 FIRST, LAST = 2, 32  # pieces of the first sample, each is twice the one before; the most
 
 
@@ -92,7 +93,7 @@ def sample_of(command: str, scene: Scene, n: int, whole: int) -> tuple[int, dict
             values = {"classify.starts": 0, "classify.explain": False}
             return min(n, whole), values | {"classify.rpm.num": min(n, whole)}
         case "basins":
-            sides = tuple(min(4 * n, side) for side in scene.basins.cells)
+            sides = tuple(min(8 * n, side) for side in scene.basins.cells)
             one = {"basins.rpm.num": 1, "basins.rpm.stop": scene.basins.rpm.start}
             return sides[0] * sides[1], one | {"basins.cells": sides, "basins.refine": 0}
         case _:
@@ -177,11 +178,15 @@ def _extrapolated(
     for_work(size.turns if size.turns else LITTLE_WORK + 1)  # a sample runs as the whole will
     samples: list[dict[str, float]] = []
     began, n, pieces = perf_counter(), FIRST, 0
-    while n <= LAST and pieces < size.pieces and perf_counter() - began < ENOUGH:
+    enough = 1 if command in LINEAR else 2  # a cost that comes once must be told from the rest
+    while n <= LAST and pieces < size.pieces:
+        if len(samples) >= enough and perf_counter() - began > ENOUGH:
+            break
         pieces, values = sample_of(command, scene, n, size.pieces)
         small = _with(scene, values)
         result = _run(command, small, request)
         text = sum(len(line) for t in result.tables.values() for line in t.csv())
+        text += len(json.dumps(result.summary))
         cost = {"impacts": result.cost.impacts, "seconds": result.seconds, "tables": text}
         samples.append({"pieces": pieces, **cost})
         n *= 2
@@ -194,7 +199,7 @@ def _extrapolated(
         if command in ("sweep", "simulate"):
             one = 1.0 if command == "sweep" else 1.0 / scale  # a simulation is made shorter only
             scale *= one * (recorded if name == "tables" else longer)
-        elif before is not None and command != "classify":
+        elif before is not None and command not in LINEAR:
             each = (last[name] - before[name]) / max(1, last["pieces"] - before["pieces"])
             fixed = min(last[name], max(0.0, last[name] - each * last["pieces"]))
         costs[name] = fixed + (last[name] - fixed) * scale
