@@ -59,9 +59,9 @@ class After:
         return Start(q, w * omega_of(rpm), system.strobe_deg)
 
 
-def after_first_rest(system: System, rpm: float, tape: Record) -> After:
+def after_first_rest(system: System, rpm: float, record: Record) -> After:
     """`after_rest` from the first departure in a record, UNKNOWN where there is none."""
-    leaves = departures(tape)
+    leaves = departures(record)
     return after_rest(system, rpm, leaves[0][1]) if leaves else After(UNKNOWN)
 
 

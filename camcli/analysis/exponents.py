@@ -48,14 +48,14 @@ class Exponents:
 
 def of_orbit(system: System, orbit: PeriodicOrbit) -> Exponents:
     """ln |multiplier| per period of the cam, of a solved periodic orbit."""
-    lane = system.constants(orbit.rpm, 1.0, 1)
+    const = system.constants(orbit.rpm, 1.0, 1)
     if orbit.resting or orbit.root is None:
         return Exponents(-inf, -inf, 0.0, -inf, inf)
     per_turn = orbit.impacts / orbit.turns
     large, small = orbit.multipliers
     sizes = [_size(z) for z in (large, small)]
     logs = [natural_log(size) / orbit.turns if size > 0.0 else -inf for size in sizes]
-    return Exponents(logs[0], logs[1], 0.0, sum_rule(lane, per_turn), per_turn)
+    return Exponents(logs[0], logs[1], 0.0, sum_rule(const, per_turn), per_turn)
 
 
 def _size(z: complex) -> float:
@@ -63,21 +63,21 @@ def _size(z: complex) -> float:
     return abs(z.real) if z.imag == 0.0 else sqrt(z.real * z.real + z.imag * z.imag)
 
 
-def sum_rule(lane, impacts_per_turn: float) -> float:
+def sum_rule(const, impacts_per_turn: float) -> float:
     """2 ln r per impact and -2 Z per rad; -inf for r = 0 with impacts."""
-    if lane.r == 0.0:
-        return -inf if impacts_per_turn > 0.0 else -2.0 * lane.Z * TURN
-    return 2.0 * natural_log(lane.r) * impacts_per_turn - 2.0 * lane.Z * TURN
+    if const.r == 0.0:
+        return -inf if impacts_per_turn > 0.0 else -2.0 * const.Z * TURN
+    return 2.0 * natural_log(const.r) * impacts_per_turn - 2.0 * const.Z * TURN
 
 
 def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     """From the logged impacts of a record; None where there are too few to say anything."""
-    lane = system.constants(rpm, 1.0, 1)
+    const = system.constants(rpm, 1.0, 1)
     kernel = backend.current()
     cam = system.cam_for(kernel)
     rows = len(record.kind)
     size = rows // BATCHES
-    if size < FEWEST or lane.r == 0.0:
+    if size < FEWEST or const.r == 0.0:
         return None
     pairs, logs = kernel.table(Pair, [Pair()]), []
     chatters = 0
@@ -86,7 +86,7 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
         part = slice(k * size, rows if k == BATCHES - 1 else (k + 1) * size)
         growths = kernel.table(Growth, [Growth()])
         kernel.stretch_events(
-            cam, lane,
+            cam, const,
             kernel.numbers(record.kind[part], int), kernel.numbers(record.period[part], int),
             kernel.numbers(record.theta[part]), kernel.numbers(record.u[part]), pairs, growths,
         )  # fmt: skip
@@ -108,7 +108,9 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     rates = [first / length * TURN for first, length in logs]
     spread = _standard_error(rates, [length for _, length in logs])
     per_turn = sums[2] / turns
-    return Exponents(largest, sums[1] / turns - largest, spread, sum_rule(lane, per_turn), per_turn)
+    return Exponents(
+        largest, sums[1] / turns - largest, spread, sum_rule(const, per_turn), per_turn
+    )
 
 
 def _standard_error(rates: list[float], weights: list[float]) -> float:

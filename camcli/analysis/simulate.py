@@ -53,30 +53,30 @@ def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Si
     orbit = Orbit(system, rpm, settings)
     backend.for_work(0)
     first = orbit.position(), orbit.state.theta
-    tape = _plain(orbit.run())
-    sampler = _Sampler(system, orbit, tape, samples)
+    record = _plain(orbit.run())
+    sampler = _Sampler(system, orbit, record, samples)
     return Simulation(
         rpm=rpm,
         trajectory=list(sampler.rows(first)) if samples else [],
-        events=list(_events(tape, orbit, sampler.strobe)),
-        label=label(tape),
-        status=tape.status,
-        periods=tape.periods,
+        events=list(_events(record, orbit, sampler.strobe)),
+        label=label(record),
+        status=record.status,
+        periods=record.periods,
         corners_deg=system.corners_deg,
-        cost=tape.cost,
+        cost=record.cost,
     )
 
 
-def _plain(tape: Record) -> Record:
+def _plain(record: Record) -> Record:
     """The record with lists for columns, whichever kernel ran: plain numbers from here on."""
-    columns = {k: v.tolist() for k, v in vars(tape).items() if hasattr(v, "tolist")}
-    return replace(tape, **columns)
+    columns = {k: v.tolist() for k, v in vars(record).items() if hasattr(v, "tolist")}
+    return replace(record, **columns)
 
 
-def _events(tape: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
+def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
     omega, r = orbit.omega, orbit.const.r
     for kind, period, theta, q, u in zip(
-        tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True
+        record.kind, record.period, record.theta, record.q, record.u, strict=True
     ):
         after = -r * u if kind == EventKind.IMPACT and u != 0.0 else 0.0
         yield (
@@ -114,16 +114,16 @@ def _hopping(u: float, length: float, r: float, s: float) -> tuple[float, float]
 
 
 class _Sampler:
-    """Samples a tape period by period; cam values at the fixed phases are computed once."""
+    """Samples a record period by period; cam values at the fixed phases are computed once."""
 
-    def __init__(self, system: System, orbit: Orbit, tape: Record, samples: int):
-        self.cam, self.lane, self.tape = system.cam, orbit.const, tape
+    def __init__(self, system: System, orbit: Orbit, record: Record, samples: int):
+        self.cam, self.const, self.record = system.cam, orbit.const, record
         self.omega = orbit.omega
         self.strobe = system.strobe
         self.grid = [(j / samples) * TURN for j in range(samples)]
         self.lifts = [self._lift(s) for s in self.grid]
         self.by_period: dict[int, list] = {}
-        for row in zip(tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True):
+        for row in zip(record.kind, record.period, record.theta, record.q, record.u, strict=True):
             self.by_period.setdefault(row[1], []).append(row)
 
     def _lift(self, s: float) -> tuple[float, float, float]:
@@ -141,12 +141,12 @@ class _Sampler:
             node = self._rested(node)
             yield from self._period(-1, node, TURN)
         sticking = None
-        for p in range(len(self.tape.strobe_q)):
-            whole = p < self.tape.periods
+        for p in range(len(self.record.strobe_q)):
+            whole = p < self.record.periods
             events = self.by_period.get(p, [])
-            if not whole and (self.tape.status == Status.OK or not events):
+            if not whole and (self.record.status == Status.OK or not events):
                 break
-            node = _Node(0.0, self.tape.strobe_q[p], self.tape.strobe_w[p], False)
+            node = _Node(0.0, self.record.strobe_q[p], self.record.strobe_w[p], False)
             node = (
                 self._rested(node) if sticking is None else _Node(node.s, node.q, node.w, sticking)
             )
@@ -169,7 +169,7 @@ class _Sampler:
             cam_now = q, c1 * self.omega
             if kind == EventKind.IMPACT:
                 yield (*at, (c1 + u) * self.omega, *cam_now, FLIGHT)
-            w = c1 - self.lane.r * u if kind == EventKind.IMPACT else c1
+            w = c1 - self.const.r * u if kind == EventKind.IMPACT else c1
             node = _Node(s, q, w, kind == EventKind.CHATTER)
             if (
                 kind == EventKind.IMPACT
@@ -177,8 +177,8 @@ class _Sampler:
                 and events[n + 1][0] == EventKind.CHATTER
             ):
                 length = _since(events[n + 1][2], self.strobe) - s
-                node = replace(node, chatter=(-self.lane.r * u, length))
-            elif kind == EventKind.IMPACT and self.lane.r * u == 0.0:
+                node = replace(node, chatter=(-self.const.r * u, length))
+            elif kind == EventKind.IMPACT and self.const.r * u == 0.0:
                 node = self._rested(node)
             yield (*at, w * self.omega, *cam_now, STICKING if node.sticking else FLIGHT)
         while j < len(self.grid) and self.grid[j] < stop:
@@ -190,10 +190,10 @@ class _Sampler:
         theta, c, c1 = self.lifts[j]
         q, w = c, c1
         if node.chatter is not None:
-            gap, rate = _hopping(*node.chatter, self.lane.r, self.grid[j] - node.s)
+            gap, rate = _hopping(*node.chatter, self.const.r, self.grid[j] - node.s)
             q, w = c + gap, c1 + rate
         elif not node.sticking:
-            q, w = move(self.lane, node.q, node.w, self.grid[j] - node.s)
+            q, w = move(self.const, node.q, node.w, self.grid[j] - node.s)
         return (
             (TURN * p + self.grid[j]) / self.omega,
             theta * (180.0 / pi),
@@ -207,5 +207,5 @@ class _Sampler:
     def _rested(self, node: _Node) -> _Node:
         """The node with its contact decided: on the cam, at its velocity and pressed to it."""
         theta, c, c1 = self._lift(node.s)
-        pressed = contact_accel(self.cam, self.lane, stretch_at(self.cam, theta), theta)[0] < 0.0
+        pressed = contact_accel(self.cam, self.const, stretch_at(self.cam, theta), theta)[0] < 0.0
         return _Node(node.s, node.q, node.w, node.q == c and node.w == c1 and pressed)

@@ -125,18 +125,18 @@ class _Task:
     def _at(self, rpm: float, start: Start | None) -> tuple[Speed, Orbit]:
         backend.for_work(self.turns)
         orbit = Orbit(self.system, rpm, self.settings, start)
-        tape = orbit.run(events=self.impacts or self.lyapunov)
-        n, to_mps = tape.periods, orbit.omega
-        strobe = (range(n), tape.strobe_q[:n], _scaled(tape.strobe_w[:n], to_mps))
+        record = orbit.run(events=self.impacts or self.lyapunov)
+        n, to_mps = record.periods, orbit.omega
+        strobe = (range(n), record.strobe_q[:n], _scaled(record.strobe_w[:n], to_mps))
         speed = Speed(
             rpm=rpm,
-            label=label(tape),
-            impact_count=int(sum(tape.impacts[:n])),
-            status=tape.status,
-            impacts=_impact_rows(tape, to_mps) if self.impacts else None,
-            strobe=(*strobe, tape.impacts[:n], tape.chatter[:n]) if self.strobe else None,
-            cost=tape.cost,
-            exponent=_exponent(self.system, rpm, tape) if self.lyapunov else None,
+            label=label(record),
+            impact_count=int(sum(record.impacts[:n])),
+            status=record.status,
+            impacts=_impact_rows(record, to_mps) if self.impacts else None,
+            strobe=(*strobe, record.impacts[:n], record.chatter[:n]) if self.strobe else None,
+            cost=record.cost,
+            exponent=_exponent(self.system, rpm, record) if self.lyapunov else None,
         )
         return speed, orbit
 
@@ -174,38 +174,38 @@ def _load(stored: list) -> Speed:
 CODEC = Codec(_store, _load)
 
 
-def _exponent(system: System, rpm: float, tape: Record) -> float | None:
+def _exponent(system: System, rpm: float, record: Record) -> float | None:
     """Largest exponent of a record: of its solved orbit, else of its impacts."""
     from camcli.analysis.exponents import of_orbit, of_record
     from camcli.analysis.orbits.identify import identify
 
-    if tape.status != Status.OK:
+    if record.status != Status.OK:
         return None
-    orbit = identify(system, rpm, tape)
-    found = of_record(system, rpm, tape) if orbit is None else of_orbit(system, orbit)
+    orbit = identify(system, rpm, record)
+    found = of_record(system, rpm, record) if orbit is None else of_orbit(system, orbit)
     return None if found is None else found.largest
 
 
-def _impact_rows(tape, omega: float) -> tuple:
+def _impact_rows(record, omega: float) -> tuple:
     """(period, theta_deg, q_m, u_minus_m_per_s) of the impacts of whole recorded periods."""
-    if isinstance(tape.kind, list):
+    if isinstance(record.kind, list):
         keep = [
             k
-            for k, (kind, period) in enumerate(zip(tape.kind, tape.period, strict=True))
+            for k, (kind, period) in enumerate(zip(record.kind, record.period, strict=True))
             if kind == EventKind.IMPACT and period >= 0
         ]
         return (
-            [tape.period[k] for k in keep],
-            [tape.theta[k] * (180.0 / pi) for k in keep],
-            [tape.q[k] for k in keep],
-            [tape.u[k] * omega for k in keep],
+            [record.period[k] for k in keep],
+            [record.theta[k] * (180.0 / pi) for k in keep],
+            [record.q[k] for k in keep],
+            [record.u[k] * omega for k in keep],
         )
-    keep = (tape.kind == EventKind.IMPACT) & (tape.period >= 0)
+    keep = (record.kind == EventKind.IMPACT) & (record.period >= 0)
     return (
-        tape.period[keep],
-        tape.theta[keep] * (180.0 / pi),
-        tape.q[keep],
-        tape.u[keep] * omega,
+        record.period[keep],
+        record.theta[keep] * (180.0 / pi),
+        record.q[keep],
+        record.u[keep] * omega,
     )
 
 

@@ -148,9 +148,9 @@ def _draw_key(figure: Figure, scene: _Scene) -> None:
 
 def _impact_phases(motion: Motion) -> np.ndarray:
     """Of the record, deg."""
-    tape = motion.record
-    keep = (np.asarray(tape.kind) == EventKind.IMPACT) & (np.asarray(tape.period) >= 0)
-    return np.degrees(np.asarray(tape.theta, dtype=float)[keep]) % TURN_DEG
+    record = motion.record
+    keep = (np.asarray(record.kind) == EventKind.IMPACT) & (np.asarray(record.period) >= 0)
+    return np.degrees(np.asarray(record.theta, dtype=float)[keep]) % TURN_DEG
 
 
 def _draw_phases(axes: Axes, scene: _Scene, system: System | None) -> None:

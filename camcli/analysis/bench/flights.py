@@ -92,8 +92,8 @@ def first_impact(f: Flight) -> float | None:
     """Phase of our first impact from the start, None if there is none."""
     omega = f.rpm * (pi / 30)
     start = Start(None if f.contact else f.q, f.w * omega, f.theta_deg)
-    tape = Orbit(f.system, f.rpm, Settings(0, 3, 1e-16, 1, start)).run()
-    found = (e for e in events(tape, 0 if f.theta == 0 else 1) if e.kind == "impact")
+    record = Orbit(f.system, f.rpm, Settings(0, 3, 1e-16, 1, start)).run()
+    found = (e for e in events(record, 0 if f.theta == 0 else 1) if e.kind == "impact")
     return next((e.theta + 2.0 * pi * e.turn - f.theta for e in found), None)
 
 
@@ -146,8 +146,8 @@ def verdict(f: Flight, found: float | None) -> tuple[str, float | None]:
         return MISSED, at
     if true is None:
         return INVENTED, None
-    lane = f.system.constants(f.rpm, 0.0, 1)
-    size = abs(f.q) + abs(f.w) + lane.G * at**2 + lane.G / lane.W2
+    const = f.system.constants(f.rpm, 0.0, 1)
+    size = abs(f.q) + abs(f.w) + const.G * at**2 + const.G / const.W2
     if abs(late) <= 1e-12 * size / max(u, 1e-7) + 2e-12:
         return RIGHT, at
     return (MISSED if late > 0.0 else INVENTED), at

@@ -70,22 +70,22 @@ def settings(
 
 
 def run(system: System, rpm: float, **wanted) -> Record:
-    """The tape of one orbit; `wanted` as for `settings`."""
+    """The record of one orbit; `wanted` as for `settings`."""
     return Orbit(system, rpm, settings(**wanted)).run()
 
 
-def events(tape: Record, first: int = 0) -> list[Event]:
+def events(record: Record, first: int = 0) -> list[Event]:
     """Every logged event; `first`: 1 for a start off the strobe."""
-    columns = zip(tape.kind, tape.period, tape.theta, tape.q, tape.u, strict=True)
+    columns = zip(record.kind, record.period, record.theta, record.q, record.u, strict=True)
     return [
         Event(EventKind(int(k)).text, int(p) + first, float(t), float(q), float(u))
         for k, p, t, q, u in columns
     ]
 
 
-def phases(tape: Record, kind: str = "impact") -> list[float]:
+def phases(record: Record, kind: str = "impact") -> list[float]:
     """Phases of the events of a kind, rad."""
-    return [event.theta for event in events(tape) if event.kind == kind]
+    return [event.theta for event in events(record) if event.kind == kind]
 
 
 def command(words: Sequence[str], seconds: float = LONGEST, program: Sequence[str] = ()):

@@ -255,9 +255,9 @@ def method_of(point: Point) -> Method:
 def run_core(system: System, case: Case, tolerance: float) -> Trace:
     """Our own kernel at a chatter tolerance in turns, every event logged."""
     orbit = Orbit(system, case.rpm, Settings(0, case.turns, tolerance, 10**6, Start(*case.start)))
-    tape = orbit.run(strobes=False)
+    record = orbit.run(strobes=False)
     q, w = orbit.position()
-    rows = list(zip(tape.kind, tape.period, tape.theta, tape.u, strict=True))
+    rows = list(zip(record.kind, record.period, record.theta, record.u, strict=True))
     return Trace(
         hits=[
             (int(p), float(x), float(u) * orbit.omega)
@@ -266,7 +266,7 @@ def run_core(system: System, case: Case, tolerance: float) -> Trace:
         ],
         rests=[(int(p), float(x)) for k, p, x, _ in rows if k == EventKind.CHATTER],
         final=(q, w * orbit.omega),
-        evaluations=tape.cost.evaluations,
+        evaluations=record.cost.evaluations,
     )
 
 

@@ -91,14 +91,14 @@ def need(holds: bool, seen: str) -> None:
         raise MismatchError(seen)
 
 
-def kinds(tape: Record) -> list[str]:
+def kinds(record: Record) -> list[str]:
     """Kinds of the logged events, in order."""
-    return [event.kind for event in events(tape)]
+    return [event.kind for event in events(record)]
 
 
-def name_of(tape: Record) -> str:
+def name_of(record: Record) -> str:
     """Name of the status of a run."""
-    return Status(tape.status).text
+    return Status(record.status).text
 
 
 def said(words: str, *texts: str, code: int = 0) -> str:
@@ -117,14 +117,14 @@ def said(words: str, *texts: str, code: int = 0) -> str:
 def plastic(machines: Machines) -> str:
     """Sticks after one impact where a < 0, leaves at once where a > 0."""
     machine = machines.example(restitution=0.0)
-    tape = run(machine, 190.0, record=4)
-    need(kinds(tape)[:3] == ["detachment", "impact", "detachment"], f"events {kinds(tape)[:3]}")
-    need(list(tape.impacts) == [2] * 4, f"impacts per turn {list(tape.impacts)}")
-    need(not any(tape.chatter), "a chatter was recorded")
+    record = run(machine, 190.0, record=4)
+    need(kinds(record)[:3] == ["detachment", "impact", "detachment"], f"events {kinds(record)[:3]}")
+    need(list(record.impacts) == [2] * 4, f"impacts per turn {list(record.impacts)}")
+    need(not any(record.chatter), "a chatter was recorded")
     pushed = run(machine, 700.0, record=20)
     order = [event[1:3] for event in events(pushed)]
     need(pushed.status == Status.OK and order == sorted(order), f"{name_of(pushed)} at 700 rpm")
-    return f"{label(tape)}; {len(order)} events in order at 700 rpm; no chatter"
+    return f"{label(record)}; {len(order)} events in order at 700 rpm; no chatter"
 
 
 @row(2, "r = 1", "runs; warning")
@@ -135,8 +135,11 @@ def elastic(machines: Machines) -> str:
     speeds = [e.u for e in rows if e.kind == "impact" and e.theta < 1.5]  # rad: on the dwell
     drift = max(abs(u / speeds[0] - 1.0) for u in speeds)
     need(len(speeds) > 1000 and drift < 1e-11, f"{len(speeds)} bounces; drift {drift:.1e}")
-    tape = run(machines.example(restitution=1.0), 130.0, record=1)
-    need(tape.status == Status.OK and "chatter" not in kinds(tape), f"{name_of(tape)} at 130 rpm")
+    record = run(machines.example(restitution=1.0), 130.0, record=1)
+    need(
+        record.status == Status.OK and "chatter" not in kinds(record),
+        f"{name_of(record)} at 130 rpm",
+    )
     said(
         "simulate --no-plot --rpm 190 --set follower.restitution=1 --set run.transient=0"
         " --set run.record=1",
@@ -149,10 +152,10 @@ def elastic(machines: Machines) -> str:
 def nearly_elastic(machines: Machines) -> str:
     """The budget of impacts ends the run, or the chatter map may be used."""
     system = machines.example(restitution=0.999999, gravity=9.81)
-    tape = run(system, 2.0, record=2, budget=5000, q=0.1001, v=0.0)
-    seen = f"{name_of(tape)} after {tape.cost.impacts} impacts"
-    ended = tape.status == Status.IMPACT_BUDGET and tape.cost.impacts == 5000
-    need(ended or (tape.status == Status.OK and any(tape.chatter)), seen)
+    record = run(system, 2.0, record=2, budget=5000, q=0.1001, v=0.0)
+    seen = f"{name_of(record)} after {record.cost.impacts} impacts"
+    ended = record.status == Status.IMPACT_BUDGET and record.cost.impacts == 5000
+    need(ended or (record.status == Status.OK and any(record.chatter)), seen)
     return seen
 
 
@@ -165,10 +168,10 @@ def dropped_ball(machines: Machines) -> str:
     exact = sqrt(2.0 * h / g) * (1.0 + r) / (1.0 - r)
     worst, rest = 0.0, 0.0
     for tolerance in (1e-3, 1e-9, 1e-15, 1e-18):
-        tape = run(system, 1.0, record=1, tolerance=tolerance, q=start, v=0.0)
-        rest = phases(tape, "chatter")[0] / (pi / 30.0)
+        record = run(system, 1.0, record=1, tolerance=tolerance, q=start, v=0.0)
+        rest = phases(record, "chatter")[0] / (pi / 30.0)
         worst = max(worst, abs(rest / exact - 1.0))
-        need(kinds(tape).count("impact") == 1, "a hop was followed that the map gives exactly")
+        need(kinds(record).count("impact") == 1, "a hop was followed that the map gives exactly")
     need(abs(rest - 4.06371277) < 5e-9 and worst < 1e-13, f"rests at {rest!r} s")
     return f"rests at {rest:.10f} s; relative error {worst:.1e}"
 
@@ -178,9 +181,9 @@ def flown_off(machines: Machines) -> str:
     """Leaving, with and without a damper, and thrown off by the lobe."""
     free, damped = (machines.example(stiffness=0.0, damping=b) for b in (0.0, 5.0))
     for system in (free, damped):
-        tape = run(system, 500.0, record=50, q=0.5, v=30.0)
-        seen = f"{name_of(tape)}; {len(kinds(tape))} events"
-        need(tape.status == Status.NO_RETURN and not kinds(tape), seen)
+        record = run(system, 500.0, record=50, q=0.5, v=30.0)
+        seen = f"{name_of(record)}; {len(kinds(record))} events"
+        need(record.status == Status.NO_RETURN and not kinds(record), seen)
     thrown = run(free, 500.0, record=50)
     need(thrown.status == Status.NO_RETURN, f"from rest: {name_of(thrown)}")
     return "no-return; no event invented"
@@ -213,10 +216,10 @@ def tiny_restitution(machines: Machines) -> str:
     """r down to 5e-324: speeds whose products underflow; the run is that of r = 0."""
     zero = phases(run(machines.example(restitution=0.0), 190.0))
     for r in (1e-200, 1e-300, 5e-324):
-        tape = run(machines.example(restitution=r), 190.0)
+        record = run(machines.example(restitution=r), 190.0)
         need(
-            tape.status == Status.OK and phases(tape) == zero,
-            f"r = {r}: {len(phases(tape))} impacts",
+            record.status == Status.OK and phases(record) == zero,
+            f"r = {r}: {len(phases(record))} impacts",
         )
     rows = events(run(machines.example(), 130.0, record=1, tolerance=0.0))
     slow = [e.u for e in rows if e.kind == "impact" and abs(e.u) < 1e-100]
@@ -296,9 +299,9 @@ def against_oracle(machines: Machines, name: str) -> tuple[float, float, int]:
     stored = reference("stability")["heavy"][name]
     system = machines.example(damping=stored["damping"])
     orbit = Orbit(system, stored["rpm"], settings(stored["turns"], tolerance=1e-13))
-    tape = orbit.run()
-    need(tape.status == Status.OK, f"{name_of(tape)} with b = {stored['damping']:g}")
-    rows = events(tape)
+    record = orbit.run()
+    need(record.status == Status.OK, f"{name_of(record)} with b = {stored['damping']:g}")
+    rows = events(record)
     found = [  # departures, and the landing that follows each
         e
         for before, e in zip([None, *rows], rows, strict=False)
@@ -313,7 +316,7 @@ def against_oracle(machines: Machines, name: str) -> tuple[float, float, int]:
             height = max(height, off * abs(e.u))
         else:
             phase = max(phase, off)
-    return height, phase, tape.cost.evaluations
+    return height, phase, record.cost.evaluations
 
 
 # --- powers of two, a thousandth and a million turns per minute, a stiff spring
@@ -351,20 +354,23 @@ def heavier(machines: Machines) -> str:
 def slow(machines: Machines) -> str:
     """1e-3 rpm sticks; at 150 rpm a late turn has the bits of an early one."""
     machine = machines.example()
-    tape = run(machine, 1e-3, record=2000)
-    need(tape.status == Status.OK and label(tape) == "contact", f"{label(tape)}; {name_of(tape)}")
+    record = run(machine, 1e-3, record=2000)
+    need(
+        record.status == Status.OK and label(record) == "contact",
+        f"{label(record)}; {name_of(record)}",
+    )
     early, late = (run(machine, 150.0, record=1, transient=n) for n in (10, 2000))
     need(phases(early) == phases(late), "phases drift with the turns")
-    return f"contact for {tape.periods} turns; phases of turn 2000 those of turn 10"
+    return f"contact for {record.periods} turns; phases of turn 2000 those of turn 10"
 
 
 @row(13, "1e6 rpm", "bounded cost; warning")
 def fast(machines: Machines) -> str:
     """Flights of thousands of turns cost little, and the command warns of the height."""
-    tape = run(machines.example(), 1e6, record=20_000)
-    cost = tape.cost
+    record = run(machines.example(), 1e6, record=20_000)
+    cost = record.cost
     seen = f"{cost.impacts} impacts; {cost.evaluations} evaluations; {cost.crossings} crossings"
-    need(tape.status == Status.OK and 5 < cost.impacts < 100, seen)
+    need(record.status == Status.OK and 5 < cost.impacts < 100, seen)
     need(cost.evaluations < 20 * cost.impacts and cost.crossings < 40_000, seen)
     said(
         "simulate --no-plot --rpm 1e6 --set simulate.samples=1 --set run.transient=0"
@@ -450,9 +456,9 @@ def on_the_strobe(machines: Machines) -> str:
     example = machines.example()
     phase = phases(run(example, 700.0, record=1, transient=2000))[0] * 180.0 / pi
     for strobe in (around := neighbours(phase, 8)):
-        tape = run(machines.example(strobe), 700.0, record=50, transient=2000)
-        total, logged = int(sum(tape.impacts)), len(phases(tape))
-        fits = tape.status == Status.OK and total == logged and 49 <= total <= 51
+        record = run(machines.example(strobe), 700.0, record=50, transient=2000)
+        total, logged = int(sum(record.impacts)), len(phases(record))
+        fits = record.status == Status.OK and total == logged and 49 <= total <= 51
         need(fits, f"{total} counted; {logged} logged")
     first = events(run(example, 190.0, record=1, theta_deg=0.0, v=-3.0))[0][:3]
     need(first == ("impact", 0, 0.0), f"first event {first}")
@@ -479,11 +485,11 @@ def graze(machines: Machines) -> str:
     machine, flights, found = machines.example(), reference("stability")["grazes"], []
     for flight in flights:
         start = {key: flight[key] for key in ("theta_deg", "q", "v")}
-        tape = run(machine, flight["rpm"], record=1, tolerance=1e-16, budget=4, **start)
-        hits = [e for e in events(tape, 1) if e.kind == "impact"]
+        record = run(machine, flight["rpm"], record=1, tolerance=1e-16, budget=4, **start)
+        hits = [e for e in events(record, 1) if e.kind == "impact"]
         near = [abs(e.u) for e in hits if abs(e.theta - flight["at"]) < 1e-4]  # rad
         need(
-            len(near) <= 1 and tape.status in (Status.OK, Status.IMPACT_BUDGET),
+            len(near) <= 1 and record.status in (Status.OK, Status.IMPACT_BUDGET),
             f"{len(near)} contacts",
         )
         found += near
@@ -498,8 +504,8 @@ def at_rest(machines: Machines) -> str:
     """On the cam at its velocity: sticks where pressed, leaves where pulled."""
     machine = machines.example()
     for degrees in (0.0, 100.0, 150.17, 170.0, 250.0):
-        tape = run(machine, 100.0, record=1, theta_deg=degrees)
-        need(not events(tape) and tape.resting, f"does not stick at {degrees} deg")
+        record = run(machine, 100.0, record=1, theta_deg=degrees)
+        need(not events(record) and record.resting, f"does not stick at {degrees} deg")
     for degrees in (151.0, 155.0, 159.0):
         first = events(run(machine, 190.0, record=1, theta_deg=degrees), 1)[0]
         later = first.kind == "impact" and first.theta > degrees * pi / 180.0 + 0.01
@@ -518,8 +524,8 @@ def at_rest(machines: Machines) -> str:
 def into_the_cam(machines: Machines) -> str:
     """One impact at t = 0, then something else."""
     for degrees in (0.0, 100.0, 155.0, 300.0):
-        tape = run(machines.example(), 190.0, record=1, theta_deg=degrees, v=-20.0)
-        rows: list[Event] = events(tape, 0 if degrees == 0.0 else 1)
+        record = run(machines.example(), 190.0, record=1, theta_deg=degrees, v=-20.0)
+        rows: list[Event] = events(record, 0 if degrees == 0.0 else 1)
         first = rows[0].kind == "impact" and rows[0].theta == degrees * (pi / 180.0)
         need(first and rows[1][1:3] > rows[0][1:3], f"{rows[:2]} from {degrees} deg")
     return "one impact at t = 0 from each of 4 phases"

@@ -52,7 +52,7 @@ class Burst:
 
 def timeline(system: System, orbit: Orbit, record: Record) -> list[tuple[int, float, float]]:
     """(kind, theta, phase counted on from the first recorded strobe) of every event, in rad."""
-    strobe, cam, lane = system.strobe, system.cam, orbit.const
+    strobe, cam, const = system.strobe, system.cam, orbit.const
     rows = []
     for kind, period, theta, u in zip(
         record.kind, record.period, record.theta, record.u, strict=True
@@ -61,8 +61,8 @@ def timeline(system: System, orbit: Orbit, record: Record) -> list[tuple[int, fl
         since = theta - strobe if theta >= strobe else theta - strobe + TURN
         rows.append((kind, theta, TURN * int(period) + since))
         # with restitution 0 the follower rests where it lands, if it is pressed on
-        dead = kind == EventKind.IMPACT and lane.r * u == 0.0
-        if dead and contact_accel(cam, lane, stretch_at(cam, theta), theta)[0] < 0.0:
+        dead = kind == EventKind.IMPACT and const.r * u == 0.0
+        if dead and contact_accel(cam, const, stretch_at(cam, theta), theta)[0] < 0.0:
             rows.append((EventKind.CHATTER, *rows[-1][1:]))
     return rows
 

@@ -98,9 +98,9 @@ class Force:
 
     def held(self, region: Region, rpm: float) -> bool:
         """True where the kernel's own certified step finds no zero of N in the region."""
-        lane = self.system.constants(rpm, 1e-9, 1)
+        const = self.system.constants(rpm, 1e-9, 1)
         return not any(
-            find_detachment(self.cam, lane, i, self.starts[i])[0] for i in region.stretches
+            find_detachment(self.cam, const, i, self.starts[i])[0] for i in region.stretches
         )
 
     def region_of(self, stretch: int) -> Region:

@@ -21,7 +21,7 @@ TOO_LARGE = 7e10  # growth of a phase error that leaves five digits of a turn
 
 def largest_growth(system: System, rpm: float, record: Record, window: range) -> float:
     """Largest factor between a phase error after a rest and one before the next, in these turns."""
-    cam, lane, strobe = system.cam, system.constants(rpm, 1.0, 1), system.strobe
+    cam, const, strobe = system.cam, system.constants(rpm, 1.0, 1), system.strobe
     largest = 0.0
     last: float | None = None  # rad since period 0, of the last event of a motion from rest
     pair: tuple[float, float] | None = None  # its difference; none before the first impact
@@ -39,9 +39,9 @@ def largest_growth(system: System, rpm: float, record: Record, window: range) ->
         if pair is None:
             dq, dw = -u, -u / s if s > 0.0 else 0.0
         else:
-            dq, _, dw, _ = after_flight(lane, s, pair[0], 0.0, pair[1], 0.0)
+            dq, _, dw, _ = after_flight(const, s, pair[0], 0.0, pair[1], 0.0)
         largest = max(largest, abs(dq / u))
         lifts = lift_at(cam, stretch_at(cam, theta), theta)
-        dq, _, dw, _ = after_impact(lane, lifts, u, dq, 0.0, dw, 0.0)
+        dq, _, dw, _ = after_impact(const, lifts, u, dq, 0.0, dw, 0.0)
         last, pair = place, (dq, dw)
     return largest

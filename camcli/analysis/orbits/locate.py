@@ -315,16 +315,16 @@ def _flip_vector(shooter: Shooter, root: Root) -> list[float] | None:
 
 def _impact_map(shooter: Shooter, root: Root, k: int) -> list[list[float]]:
     """Derivative of (theta, v) at impact k + 1 by those at impact k; equations in the kernel."""
-    cam, lane, n = shooter.system.cam, constants_of(root.machine, 0.0, 0), root.count
+    cam, const, n = shooter.system.cam, constants_of(root.machine, 0.0, 0), root.count
     j = (k + 1) % n
     turns = root.whole[2 * j + 1] - root.whole[2 * k + 1] + (root.turns if k == n - 1 else 0)
-    v, u, r = root.x[2 * k + 1], root.rates[j], lane.r
+    v, u, r = root.x[2 * k + 1], root.rates[j], const.r
     c, c1, c2 = lift(cam, root.whole[2 * k], root.theta[k])
-    start = gap_accel(lane, c, c1 + v, c2)
+    start = gap_accel(const, c, c1 + v, c2)
     c, c1, c2 = lift(cam, root.whole[2 * j], root.theta[j])
-    stop = gap_accel(lane, c, c1 + u, c2)
-    b, b1, p = flow(lane, root.theta[j] - root.theta[k] + TURN * turns)
-    gap = (-(v * (1.0 - lane.W2 * p) + b * start), b)
-    rate = (lane.W2 * b * v - b1 * start, b1)
+    stop = gap_accel(const, c, c1 + u, c2)
+    b, b1, p = flow(const, root.theta[j] - root.theta[k] + TURN * turns)
+    gap = (-(v * (1.0 - const.W2 * p) + b * start), b)
+    rate = (const.W2 * b * v - b1 * start, b1)
     theta = [-g / u for g in gap]
     return [theta, [-r * (rate[i] + stop * theta[i]) for i in range(2)]]

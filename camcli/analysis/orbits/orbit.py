@@ -124,7 +124,7 @@ def region_names(system: System) -> dict[int, str]:
 
 def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]], list[float]]:
     """(states, symbols): (q, dq/dtheta) at every strobe, and the impacts in the turn after it."""
-    lane = constants_of(root.machine, 0.0, 0)
+    const = constants_of(root.machine, 0.0, 0)
     since = _since_strobe(system, root)
     states, symbols = [], []
     for j in range(root.turns):
@@ -134,7 +134,7 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
         place, k = before[-1] if before else since[-1]
         ago = at - place if before else at - place + TURN * root.turns
         c, c1, _ = lift(system.cam, root.whole[2 * k], root.theta[k])
-        states.append(move(lane, c, c1 + root.x[2 * k + 1], ago))
+        states.append(move(const, c, c1 + root.x[2 * k + 1], ago))
     return states, symbols
 
 

@@ -102,10 +102,10 @@ def with_machine(system: System, machine: Sequence[float]) -> tuple[System, floa
 
 def determinant(machine: Sequence[float], impacts: int, turns: int) -> float:
     """Determinant of the monodromy matrix: r^2 from an impact, exp(-2 Z s) from s rad of flight."""
-    lane = constants_of(machine, 0.0, 0)
-    value = exp_decay(2.0 * lane.Z * TURN * turns)
+    const = constants_of(machine, 0.0, 0)
+    value = exp_decay(2.0 * const.Z * TURN * turns)
     for _ in range(impacts):
-        value *= lane.r * lane.r
+        value *= const.r * const.r
     return value
 
 

@@ -41,16 +41,16 @@ class _Equation:
 
     def __init__(self, shooter: Shooter, value: float, turns: int):
         self.cam = shooter.system.cam
-        self.lane = lane = constants_of(shooter.at(value), 0.0, 0)
-        self.r, self.reach = lane.r, TURN * turns
-        self.B, self.slope_b, self.P = flow(lane, self.reach)
-        self.K = self.P * (1.0 + lane.r * self.slope_b) - lane.r * self.B * self.B
-        self.turn = (1.0 + lane.r) * self.B
+        self.const = const = constants_of(shooter.at(value), 0.0, 0)
+        self.r, self.reach = const.r, TURN * turns
+        self.B, self.slope_b, self.P = flow(const, self.reach)
+        self.K = self.P * (1.0 + const.r * self.slope_b) - const.r * self.B * self.B
+        self.turn = (1.0 + const.r) * self.B
 
     def rate(self, i: int, theta: float) -> float:
         """Outgoing relative rate of the orbit that impacts at theta, m/rad."""
         c, c1, _ = lift(self.cam, i, theta)
-        force = self.lane.G + self.lane.W2 * c
+        force = self.const.G + self.const.W2 * c
         if abs(self.B) > FOCUS * self.reach:
             return force * self.P / self.B - c1
         # after half a natural period every flight is back, whatever its v: the reset map tells
@@ -59,7 +59,7 @@ class _Equation:
     def h(self, i: int, theta: float) -> float:
         """The module's equation; zero at an orbit."""
         c, c1, _ = lift(self.cam, i, theta)
-        return self.K * (self.lane.G + self.lane.W2 * c) - self.turn * c1
+        return self.K * (self.const.G + self.const.W2 * c) - self.turn * c1
 
     def roots(self, i: int) -> Iterator[float]:
         """Every zero of h on stretch i, ends included, in ascending order."""
@@ -67,14 +67,14 @@ class _Equation:
             return
         stretch = self.cam.stretches[i]
         accel = max(abs(stretch.accel_min), abs(stretch.accel_max))
-        bend = abs(self.K) * self.lane.W2 * accel + abs(self.turn) * stretch.jerk_max
+        bend = abs(self.K) * self.const.W2 * accel + abs(self.turn) * stretch.jerk_max
         yield from self._within(i, stretch.start, stretch.end, bend)
 
     def _within(self, i: int, low: float, high: float, bend: float) -> Iterator[float]:
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         c, c1, c2 = lift(self.cam, i, middle)
-        h, slope = self.h(i, middle), self.K * self.lane.W2 * c1 - self.turn * c2
-        force = abs(self.lane.G) + abs(self.lane.W2 * c)
+        h, slope = self.h(i, middle), self.K * self.const.W2 * c1 - self.turn * c2
+        force = abs(self.const.G) + abs(self.const.W2 * c)
         size = (abs(self.P) + self.B * self.B) * force + abs(self.turn * c1)  # of the terms of h
         change = abs(slope) * half + 0.5 * bend * half * half
         if abs(h) > change or abs(h) + change <= ROUNDING * size:

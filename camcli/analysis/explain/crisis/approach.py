@@ -81,7 +81,7 @@ def low_gap(carried: Carried, rpm: float, record: Record) -> float:
     0 where impacts already fade, inf where no flight has a minimum.
     """
     cam, strobe = carried.system.cam, carried.system.strobe
-    lane = carried.system.constants(rpm, 1e-9, 1)
+    const = carried.system.constants(rpm, 1e-9, 1)
     theta, u, period = (column[: FLIGHTS + 1] for column in impacts_of(record))
     if min(abs(u)) <= FADED * max(abs(u)):
         return 0.0
@@ -90,8 +90,8 @@ def low_gap(carried: Carried, rpm: float, record: Record) -> float:
     for begin, rate, span in zip(at.tolist(), u.tolist(), np.diff(at).tolist(), strict=False):
         steps = [span * j / POINTS for j in range(POINTS)]
         lifts = [lift(cam, stretch_at(cam, x % TURN), x % TURN) for x in (begin + s for s in steps)]
-        q, w = lifts[0][0], lifts[0][1] - lane.r * rate
-        gap = [move(lane, q, w, s)[0] - c[0] for s, c in zip(steps, lifts, strict=True)]
+        q, w = lifts[0][0], lifts[0][1] - const.r * rate
+        gap = [move(const, q, w, s)[0] - c[0] for s, c in zip(steps, lifts, strict=True)]
         inner = zip(gap, gap[1:], gap[2:], strict=False)
         lows += [here for before, here, after in inner if before > here < after and here > 0.0]
     return min(lows)

@@ -75,7 +75,7 @@ def monodromy(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> np.nda
     motion from x ends early or lies below the cam.
     """
     system = carried.system
-    cam, lane = system.cam, system.constants(rpm, 1e-9, 1)
+    cam, const = system.cam, system.constants(rpm, 1e-9, 1)
     try:
         record = carried.motion(rpm, x, turns, True)
     except StartError:
@@ -88,14 +88,14 @@ def monodromy(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> np.nda
     for place, phase, rate in zip(at.tolist(), theta.tolist(), u.tolist(), strict=True):
         if place < TURN * turns:
             lifts = lift_at(cam, stretch_at(cam, phase), phase)
-            bounce = [[-lane.r, 0.0], [saltation_entry(lane, lifts, rate), -lane.r]]
-            matrix = bounce @ _flight(lane, place - last) @ matrix
+            bounce = [[-const.r, 0.0], [saltation_entry(const, lifts, rate), -const.r]]
+            matrix = bounce @ _flight(const, place - last) @ matrix
             last = place
-    return _flight(lane, TURN * turns - last) @ matrix
+    return _flight(const, TURN * turns - last) @ matrix
 
 
-def _flight(lane, span: float) -> np.ndarray:
-    return np.reshape(flight_tangent(lane, span), (2, 2))
+def _flight(const, span: float) -> np.ndarray:
+    return np.reshape(flight_tangent(const, span), (2, 2))
 
 
 def find_saddles(carried: Carried, rpm: float, record: Record) -> list[PeriodicOrbit]:
