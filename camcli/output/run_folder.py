@@ -128,7 +128,7 @@ def run_folder(
     """
     run = RunFolder(folder, Work(threads, shard=shard))
     with ExitStack() as stack:
-        _prepare(folder)
+        stack.callback(_remove_empty, _prepare(folder))
         if shard is None:
             stack.enter_context(_locked(folder))
             stack.callback(run.close)
@@ -151,8 +151,12 @@ def run_folder(
             checkpoint.discard()
 
 
-def _prepare(folder: Path) -> None:
-    """Create the folder, or raise SceneError where nothing could be written into it."""
+def _prepare(folder: Path) -> list[Path]:
+    """Create the folder, or raise SceneError where nothing could be written into it.
+
+    Returns what was not there before, the folder itself first.
+    """
+    made = [path for path in (folder, *folder.parents) if not os.path.lexists(path)]
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
@@ -161,6 +165,14 @@ def _prepare(folder: Path) -> None:
         raise _refused(folder, f"found no way to create it ({error.strerror})") from None
     if not os.access(folder, os.W_OK | os.X_OK):
         raise _refused(folder, "found a folder that may not be written")
+    return made
+
+
+def _remove_empty(made: list[Path]) -> None:
+    """Leave no empty folder behind where a run has ended before anything was written."""
+    with suppress(OSError):
+        for path in made:
+            path.rmdir()
 
 
 def _checkpoint(

@@ -209,4 +209,4 @@ def test_excursions_that_settle_are_no_attractor(chapter):
 def test_doubles_are_believed_where_they_remember(chapter):
     assert set(finder_at(chapter, 190.0).rests.ends) == {GOES_ON}
     free = AttractorFinder(CellBatches(chapter_system(restitution=1.0), 358.0, settings()), 10)
-    assert free.targets.rests == -1
+    assert not free.targets.watch_rests
