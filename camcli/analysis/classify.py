@@ -16,7 +16,7 @@ from camcli.analysis.orbits.same_orbit import SAME, distance_to, same_orbit
 from camcli.analysis.orbits.search import RECORD, cloud
 from camcli.errors import Status
 from camcli.kernel import backend
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.parallel import in_threads
 from camcli.system import System
 
@@ -199,7 +199,7 @@ def _chatter(record: Record) -> str:
         return COMPLETE
     before, row = inf, 0
     for kind, u in zip(record.kind, record.u, strict=True):
-        if kind != EventKind.IMPACT:
+        if kind != IMPACT:
             continue
         row = row + 1 if -u < before else 0
         before = -u

@@ -12,7 +12,7 @@ from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.flow import move
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import CHATTER, IMPACT, EventKind
 from camcli.kernel.sticking import contact_accel
 from camcli.system import System
 
@@ -78,7 +78,7 @@ def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
     for kind, period, theta, q, u in zip(
         record.kind, record.period, record.theta, record.q, record.u, strict=True
     ):
-        after = -r * u if kind == EventKind.IMPACT and u != 0.0 else 0.0
+        after = -r * u if kind == IMPACT and u != 0.0 else 0.0
         yield (
             (TURN * period + _since(theta, strobe)) / omega,
             period,
@@ -167,18 +167,14 @@ class _Sampler:
             _, _c, c1 = self._lift(s)
             at = (TURN * p + s) / self.omega, theta * (180.0 / pi), q
             cam_now = q, c1 * self.omega
-            if kind == EventKind.IMPACT:
+            if kind == IMPACT:
                 yield (*at, (c1 + u) * self.omega, *cam_now, FLIGHT)
-            w = c1 - self.const.r * u if kind == EventKind.IMPACT else c1
-            node = _Node(s, q, w, kind == EventKind.CHATTER)
-            if (
-                kind == EventKind.IMPACT
-                and n + 1 < len(events)
-                and events[n + 1][0] == EventKind.CHATTER
-            ):
+            w = c1 - self.const.r * u if kind == IMPACT else c1
+            node = _Node(s, q, w, kind == CHATTER)
+            if kind == IMPACT and n + 1 < len(events) and events[n + 1][0] == CHATTER:
                 length = _since(events[n + 1][2], self.strobe) - s
                 node = replace(node, chatter=(-self.const.r * u, length))
-            elif kind == EventKind.IMPACT and self.const.r * u == 0.0:
+            elif kind == IMPACT and self.const.r * u == 0.0:
                 node = self._rested(node)
             yield (*at, w * self.omega, *cam_now, STICKING if node.sticking else FLIGHT)
         while j < len(self.grid) and self.grid[j] < stop:

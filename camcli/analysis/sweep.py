@@ -10,7 +10,7 @@ from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start
 from camcli.analysis.labels import label
 from camcli.errors import Status
 from camcli.kernel import backend
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.parallel import Codec, Work
 from camcli.system import System
 
@@ -192,7 +192,7 @@ def _impact_rows(record, omega: float) -> tuple:
         keep = [
             k
             for k, (kind, period) in enumerate(zip(record.kind, record.period, strict=True))
-            if kind == EventKind.IMPACT and period >= 0
+            if kind == IMPACT and period >= 0
         ]
         return (
             [record.period[k] for k in keep],
@@ -200,7 +200,7 @@ def _impact_rows(record, omega: float) -> tuple:
             [record.q[k] for k in keep],
             [record.u[k] * omega for k in keep],
         )
-    keep = (record.kind == EventKind.IMPACT) & (record.period >= 0)
+    keep = (record.kind == IMPACT) & (record.period >= 0)
     return (
         record.period[keep],
         record.theta[keep] * (180.0 / pi),

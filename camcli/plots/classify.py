@@ -19,7 +19,7 @@ from camcli.analysis.exponents import Exponents
 from camcli.analysis.labels import APERIODIC, UNDECIDED
 from camcli.analysis.sweep import status_name
 from camcli.errors import Status
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.plots import style
 from camcli.plots.axes import (
     TURN_DEG,
@@ -149,7 +149,7 @@ def _draw_key(figure: Figure, scene: _Scene) -> None:
 def _impact_phases(motion: Motion) -> np.ndarray:
     """Of the record, deg."""
     record = motion.record
-    keep = (np.asarray(record.kind) == EventKind.IMPACT) & (np.asarray(record.period) >= 0)
+    keep = (np.asarray(record.kind) == IMPACT) & (np.asarray(record.period) >= 0)
     return np.degrees(np.asarray(record.theta, dtype=float)[keep]) % TURN_DEG
 
 

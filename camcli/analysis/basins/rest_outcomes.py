@@ -24,7 +24,7 @@ from camcli.analysis.orbits.error_growth import TOO_LARGE, largest_growth
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST, Rest, Targets
 from camcli.kernel.flight import FREE
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 
 if TYPE_CHECKING:
     from camcli.analysis.basins.attractor_finder import AttractorFinder
@@ -170,11 +170,11 @@ def departure(batches: CellBatches, start: State, turns: int) -> float | None:
     """Phase (rad) at which a start leaves its rest, whose chatter ends in turn `turns`."""
     tape = record_of(batches, start, turns - 1, 1 + AFTER)
     events = list(zip(tape.kind, tape.period, tape.theta, strict=True))
-    chatters = [k for k, event in enumerate(events) if event[:2] == (EventKind.CHATTER, 0)]
+    chatters = [k for k, event in enumerate(events) if event[:2] == (CHATTER, 0)]
     if not chatters or chatters[-1] + 1 == len(events):
         return None
     kind, _, theta = events[chatters[-1] + 1]
-    return float(theta) if kind in (EventKind.DETACHMENT, EventKind.IMPACT) else None
+    return float(theta) if kind in (DETACHMENT, IMPACT) else None
 
 
 def record_of(batches: CellBatches, state: State, transient: int, record: int) -> Record:

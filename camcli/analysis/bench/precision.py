@@ -30,7 +30,7 @@ from camcli.analysis.bench.peers import (
 from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK
 from camcli.analysis.integrate import Orbit, Settings, Start
 from camcli.kernel import backend
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import CHATTER, IMPACT
 from camcli.system import Follower, System, omega_of
 
 CORE, RK4, HEYOKA = "core", "rk4", "heyoka"
@@ -259,12 +259,8 @@ def run_core(system: System, case: Case, tolerance: float) -> Trace:
     q, w = orbit.position()
     rows = list(zip(record.kind, record.period, record.theta, record.u, strict=True))
     return Trace(
-        hits=[
-            (int(p), float(x), float(u) * orbit.omega)
-            for k, p, x, u in rows
-            if k == EventKind.IMPACT
-        ],
-        rests=[(int(p), float(x)) for k, p, x, _ in rows if k == EventKind.CHATTER],
+        hits=[(int(p), float(x), float(u) * orbit.omega) for k, p, x, u in rows if k == IMPACT],
+        rests=[(int(p), float(x)) for k, p, x, _ in rows if k == CHATTER],
         final=(q, w * orbit.omega),
         evaluations=record.cost.evaluations,
     )

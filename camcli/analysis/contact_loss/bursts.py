@@ -18,7 +18,7 @@ from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start
 from camcli.cams.regions import SAME_PHASE
 from camcli.errors import Status
 from camcli.kernel.cam_table import TURN, stretch_at
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 from camcli.kernel.sticking import contact_accel
 from camcli.system import System, omega_of
 
@@ -61,9 +61,9 @@ def timeline(system: System, orbit: Orbit, record: Record) -> list[tuple[int, fl
         since = theta - strobe if theta >= strobe else theta - strobe + TURN
         rows.append((kind, theta, TURN * int(period) + since))
         # with restitution 0 the follower rests where it lands, if it is pressed on
-        dead = kind == EventKind.IMPACT and const.r * u == 0.0
+        dead = kind == IMPACT and const.r * u == 0.0
         if dead and contact_accel(cam, const, stretch_at(cam, theta), theta)[0] < 0.0:
-            rows.append((EventKind.CHATTER, *rows[-1][1:]))
+            rows.append((CHATTER, *rows[-1][1:]))
     return rows
 
 
@@ -72,15 +72,15 @@ def bursts_of(events: Sequence[tuple[int, float, float]]) -> list[Burst]:
     found: list[Burst] = []
     for kind, theta, phase in events:
         open_ = bool(found) and found[-1].end == inf
-        if kind == EventKind.DETACHMENT:
+        if kind == DETACHMENT:
             if open_:  # it rested unseen, below the kernel's resolution
                 found[-1].end = found[-1].impacts[-1] if found[-1].impacts else found[-1].begin
             found.append(Burst(theta, phase))
-        elif kind == EventKind.IMPACT:
+        elif kind == IMPACT:
             if not found:
                 found.append(Burst(inf, phase))
             found[-1].impacts.append(phase)
-        elif kind == EventKind.CHATTER and open_:
+        elif kind == CHATTER and open_:
             found[-1].end = phase
     return found
 
@@ -223,9 +223,7 @@ def settled(
         bursts = bursts_of(events)
         if record.status == Status.OK:  # of the first turn; one from before it if none begins
             bursts = [b for b in bursts if b.release < inf and b.begin < TURN] or bursts[:1]
-        impacts = [
-            theta * DEG for kind, theta, at in events if kind == EventKind.IMPACT and at < TURN
-        ]
+        impacts = [theta * DEG for kind, theta, at in events if kind == IMPACT and at < TURN]
         rows = tuple(_settled_burst(force, system.strobe, burst) for burst in bursts)
         result.append(Settled(rpm, rows, tuple(impacts), record.status, record.cost))
         on_speed()

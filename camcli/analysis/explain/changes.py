@@ -16,7 +16,7 @@ from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.sticking_orbits import follow_sticking
 from camcli.analysis.orbits.study import Bifurcation
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.system import System
 
 ENLARGED = 1.25  # ratio of the widths of the impact phases that counts as another attractor
@@ -96,7 +96,7 @@ def extent(motion: Motion) -> tuple[float, float]:
     thetas = [
         float(theta) * DEG
         for kind, theta in zip(motion.record.kind, motion.record.theta, strict=True)
-        if kind == EventKind.IMPACT
+        if kind == IMPACT
     ]
     return (min(thetas), max(thetas)) if thetas else (inf, -inf)
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from camcli.analysis.integrate import Record
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import DETACHMENT, IMPACT
 from camcli.kernel.variational import after_flight, after_impact
 from camcli.system import System
 
@@ -32,8 +32,8 @@ def largest_growth(system: System, rpm: float, record: Record, window: range) ->
             continue
         theta, u = float(phase), float(rate)
         place = theta - strobe + (TURN if theta < strobe else 0.0) + TURN * int(period)
-        if kind != EventKind.IMPACT or last is None:
-            last, pair = place if kind == EventKind.DETACHMENT else None, None
+        if kind != IMPACT or last is None:
+            last, pair = place if kind == DETACHMENT else None, None
             continue
         s = place - last
         if pair is None:

@@ -14,7 +14,7 @@ from camcli.analysis.orbits.same_orbit import CLOSE, distance, distance_to, shor
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.errors import Status
 from camcli.kernel.cam_table import TURN, stretch_at
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 from camcli.system import System
 
 CLOSED = 1e-12  # relative distance of two passages of an orbit that rests on the way
@@ -77,7 +77,7 @@ def impacts_of(record: Record, window: range) -> list[Impact]:
         for kind, period, theta, u in zip(
             record.kind, record.period, record.theta, record.u, strict=True
         )
-        if kind == EventKind.IMPACT and period in window
+        if kind == IMPACT and period in window
     ]
 
 
@@ -88,9 +88,9 @@ def departures(record: Record) -> list[tuple[int, float]]:
     """
     leaves, rests = [], False
     for kind, period, theta in zip(record.kind, record.period, record.theta, strict=True):
-        if kind == EventKind.DETACHMENT or (kind == EventKind.IMPACT and rests):
+        if kind == DETACHMENT or (kind == IMPACT and rests):
             leaves.append((int(period), float(theta)))
-        rests = kind == EventKind.CHATTER
+        rests = kind == CHATTER
     return leaves
 
 
@@ -108,7 +108,7 @@ def _candidates(record: Record, longest: int) -> Iterator[tuple[int, float]]:
 def _rests(record: Record, window: range) -> bool:
     """True where the follower chatters to rest, or leaves from rest, in one of these turns."""
     return any(record.chatter[k] for k in window) or any(
-        kind == EventKind.DETACHMENT and period in window
+        kind == DETACHMENT and period in window
         for kind, period in zip(record.kind, record.period, strict=True)
     )
 

@@ -11,7 +11,7 @@ from math import degrees
 import numpy as np
 
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
-from camcli.kernel.orbit_loop import EventKind
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.system import System, omega_of
 
 MARGIN = 0.05  # of the box, in widths of all states seen at both ends
@@ -28,7 +28,7 @@ def states_of(record: Record) -> np.ndarray:
 
 def impacts_of(record: Record) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(phase rad, incoming m/rad, turn) of every impact of a record with events, as arrays."""
-    kept = (np.asarray(record.kind) == EventKind.IMPACT) & (np.asarray(record.period) >= 0)
+    kept = (np.asarray(record.kind) == IMPACT) & (np.asarray(record.period) >= 0)
     theta, u, period = (
         np.asarray(column)[kept] for column in (record.theta, record.u, record.period)
     )
