@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from camcli.api.simulate import simulate
     from camcli.api.sweep import sweep
     from camcli.errors import Fault, SceneError
+    from camcli.parallel import Work
     from camcli.scene import Scene, load_scene
     from camcli.system import Follower, System
 
@@ -33,6 +34,7 @@ _PLACES = {
     "Scene": "camcli.scene",
     "SceneError": "camcli.errors",
     "System": "camcli.system",
+    "Work": "camcli.parallel",
     "basins": "camcli.api.basins",
     "classify": "camcli.api.classify",
     "detach": "camcli.api.detach",
@@ -44,7 +46,7 @@ _PLACES = {
 }
 
 __all__ = [
-    "Fault", "Follower", "Result", "Scene", "SceneError", "System", "__version__", "basins",
+    "Fault", "Follower", "Result", "Scene", "SceneError", "System", "Work", "__version__", "basins",
     "classify", "detach", "load_scene", "orbits", "plot", "simulate", "sweep",
 ]  # fmt: skip
 

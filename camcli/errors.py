@@ -98,7 +98,3 @@ class SceneError(CamError, ValueError):
     def __init__(self, *faults: Fault):
         self.faults = faults
         super().__init__("\n".join(str(fault) for fault in faults))
-
-
-class NumericsError(CamError):
-    """A guarantee could not be kept; finished rows are kept (exit code 3)."""

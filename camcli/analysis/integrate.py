@@ -20,7 +20,7 @@ from camcli.kernel.orbit_loop import RESTING, Log, Plan, State, Strobe
 from camcli.system import System, omega_of
 
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
-EVERYTHING = 1 << 62
+SLICE = 2_000_000  # steps of a call of the compiled kernel, less than half a second
 FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
 
 
@@ -120,8 +120,10 @@ class Orbit:
             logs.append(tuple(column[: self.state.logged] for column in log[:5]))
             if status == Status.LOG_FULL:
                 capacity = min(2 * capacity, MOST_CAPACITY)
-            elif status == Status.PAUSED:
+            elif status == Status.PAUSED and not kernel.compiled:
                 kernel = backend.compiled()
+            elif status == Status.PAUSED:
+                continue  # an interrupt is seen between two slices
             else:
                 return self._record(logs, strobe, status)
 
@@ -143,7 +145,7 @@ class Orbit:
         cam = self.system.cam_for(kernel)
         first = 0 if self.settings.transient else -1
         limited = not kernel.compiled and backend.may_compile()
-        plan = Plan(first, self.settings.record, PLAIN_STEPS if limited else EVERYTHING)
+        plan = Plan(first, self.settings.record, PLAIN_STEPS if limited else SLICE)
         self.state.logged = 0
         states, works = kernel.table(State, [self.state]), kernel.table(Tally, [self.work])
         strobe = strobe._replace(

@@ -78,7 +78,7 @@ def sweep(
 ) -> Sweep:
     """Run every speed; `up` and `down` carry the state from each speed to the next.
 
-    Where `work` has a journal, the speeds are kept in it and read from it. `on_speed` is called
+    Where `work` has a checkpoint, the speeds are kept in it and read from it. `on_speed` is called
     with each finished speed, in order. Raises StartError before any work if the start lies below
     the cam.
     """

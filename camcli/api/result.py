@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,8 +48,15 @@ class Result:
         Impacts and gap evaluations, those of transients included.
     seconds : float
         Time of the analysis, without that of compiling the kernel.
+    pictures : Mapping[str, Callable]
+        Functions that draw the pictures, by the names of their files; see `plot`.
+    system : System
+        The machine: follower and compiled cam.
     values : object
-        The frozen dataclass of the analysis, from which all of this was made.
+        What the analysis returned, from which all of this was made: a frozen dataclass, or a tuple
+        of two where an explanation or a question belongs to it.
+    options : Mapping[str, Any]
+        Arguments beside the scene, as run.json keeps them.
     """
 
     command: str
@@ -152,7 +160,8 @@ def plot(result: Result, picture: str | None = None) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        A figure of its own: nothing is written, pyplot and its settings are not touched.
+        A figure of its own: nothing is written, pyplot is not touched. matplotlib's rcParams are
+        ours while it draws, and as before when it is done.
 
     Raises
     ------
@@ -171,9 +180,9 @@ class Machine:
     settings: Settings
 
 
-def machine_of(scene: Scene | None) -> Machine:
-    """The compiled machine of a scene (None: the default scene) and the settings of its runs."""
-    scene = load_scene(None) if scene is None else scene
+def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Machine:
+    """The compiled machine of a scene, or of what `load_scene` takes, and its runs' settings."""
+    scene = scene if isinstance(scene, Scene) else load_scene(scene)
     run = scene.run
     follower = Follower(**scene.follower.model_dump())
     settings = Settings(

@@ -31,7 +31,7 @@ for _command in (simulate, sweep, detach, orbits, basins, classify, bench):
     register(app, _command)
 register(app, figures, without=("config", "rpm", "points", "no_plot"))
 register(app, merge, without=REPEATED)
-register(app, rerun, without=REPEATED)
+register(app, rerun, without=(*REPEATED, "no_plot"))  # the record says whether it drew
 
 
 @app.command("schema", help="Print the scene's JSON Schema, for editors.")

@@ -18,7 +18,7 @@ from camcli.analysis.integrate import Cost
 from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
 from camcli.cli.report import progress_bar, table
-from camcli.cli.run import given, open_folder
+from camcli.cli.run import compiling, given, open_folder
 from camcli.errors import Fault, SceneError
 from camcli.output.run_folder import RunFolder
 from camcli.output.run_record import cost_record, run_record, to_text
@@ -165,7 +165,7 @@ def run(request: Request, part: str | None, quick: bool, flights: int | None) ->
             table("cam bench, planned", ["part", "runs", "seconds (at most)"], lines)
         return DONE
     began = perf_counter()
-    with open_folder(NAME, scene, request) as folder:
+    with compiling(request), open_folder(NAME, scene, request) as folder:
         here.folder = folder
         for part in parts:
             PARTS[part][0](here)

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 
-from camcli.errors import Fault, NumericsError, SceneError, printable
+from camcli.errors import Fault, SceneError, printable
 
 DONE, INTERNAL, USAGE, NUMERICS, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -24,9 +24,6 @@ def guarded(call: Callable[[], object]) -> int:
         for fault in error.faults:
             note(str(fault))
         return USAGE
-    except NumericsError as error:
-        note(str(error))
-        return NUMERICS
     except KeyboardInterrupt:
         note("interrupted")
         return INTERRUPTED

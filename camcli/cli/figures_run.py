@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from camcli.cli.exit_codes import DONE, NUMERICS, note
+from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request
 from camcli.cli.parent_watch import PARENT
 from camcli.cli.report import progress_bar, table
@@ -334,7 +334,10 @@ def _run(figure: Figure, options: list[str]) -> Done:
         check=False,
     )
     seconds = round(perf_counter() - began, 3)
-    return Done(figure.name, process.returncode, process.stderr.splitlines(), seconds)
+    notes, code = process.stderr.splitlines(), process.returncode
+    if code < 0:
+        notes, code = [*notes, f"ended by signal {-code}"], INTERNAL
+    return Done(figure.name, code, notes, seconds)
 
 
 def _state(figure: Figure, folder: Path, done: Done) -> State:

@@ -66,7 +66,7 @@ def size_of(command: str, scene: Scene) -> Size:
             key = "run.record" if run.record > speeds else "classify.rpm.num"
             what = f"{speeds} speeds x {starts} starts x {run.record} recorded turns"
             orbits, memory = speeds * starts, 45.0 * speeds * run.record
-            return Size(key, what, speeds, orbits, orbits * turns, memory, 790.0 * speeds)
+            return Size(key, what, orbits, orbits, orbits * turns, memory, 790.0 * speeds)
         case "basins":
             (nq, nv), levels, span = scene.basins.cells, scene.basins.refine, scene.basins.rpm
             cells, speeds = nq * nv, 1 if span.start == span.stop else span.num
@@ -90,8 +90,9 @@ def sample_of(command: str, scene: Scene, n: int, whole: int) -> tuple[int, dict
         case "sweep":
             return min(n, whole), few | {"sweep.rpm.num": min(n, whole)}
         case "classify":
+            speeds = min(n, scene.classify.rpm.num)
             values = {"classify.starts": 0, "classify.explain": False}
-            return min(n, whole), values | {"classify.rpm.num": min(n, whole)}
+            return speeds, values | {"classify.rpm.num": speeds}
         case "basins":
             sides = tuple(min(8 * n, side) for side in scene.basins.cells)
             one = {"basins.rpm.num": 1, "basins.rpm.stop": scene.basins.rpm.start}

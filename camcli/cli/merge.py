@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
 from dataclasses import replace
@@ -64,6 +63,8 @@ def _record(paths: Sequence[Path]) -> Record:
 
     A part that is there twice, or one of another division of the same run, does no harm.
     """
+    import json
+
     from camcli.cli.record import record_of
     from camcli.output.program import program_hash
     from camcli.parallel.checkpoint import key_of

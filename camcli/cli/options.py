@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -52,7 +53,6 @@ class Request:
         return self.out if self.out is not None else Path("out") / command
 
 
-SHARED = tuple(f.name for f in fields(Request) if f.name != "extra")
 Shard = Annotated[
     str | None,
     Option("--shard", help="Only part I of N; cam merge joins them.", metavar="I/N"),
@@ -68,13 +68,8 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
 
     Its docstring is the help text. `without` names shared options that mean nothing to it.
     """
-    own = list(inspect.signature(run, eval_str=True).parameters.values())[1:]
-    shared = [
-        parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY)
-        for parameter in inspect.signature(Request, eval_str=True).parameters.values()
-        if parameter.name in SHARED and parameter.name not in without
-    ]
-    parameters = [*shared, *(p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in own)]
+    shared = [p for p in _parameters(Request) if p.name not in {"extra", *without}]
+    parameters = [*shared, *_parameters(run)[1:]]
 
     def call(**values: Any) -> None:
         request = Request(**{p.name: values.pop(p.name) for p in shared})
@@ -84,6 +79,13 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
     call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     call.__annotations__ = {p.name: p.annotation for p in parameters}
     app.command(run.__name__, help=run.__doc__)(call)
+
+
+@cache
+def _parameters(function: Callable) -> list[inspect.Parameter]:
+    """The parameters with their annotations evaluated, to be given by name."""
+    parameters = inspect.signature(function, eval_str=True).parameters.values()
+    return [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
 
 
 def _refuse_threads(threads: int | None) -> None:

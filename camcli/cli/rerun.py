@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option
@@ -34,6 +32,8 @@ def rerun(
     Exit code 3 where a CSV differs. Artefacts go to a temporary folder, or to -o. For all commands
     but bench and figures. A lift table is looked for beside FILE, or in --folder.
     """
+    from tempfile import TemporaryDirectory
+
     from camcli.cli.record import read_record, refusal
 
     found = read_record(record)
@@ -47,14 +47,16 @@ def rerun(
 
 
 def _compare(request: Request, record: Record, out: Path, home: Path) -> int:
+    import json
+
     from camcli.cli.report import progress_bar, table
-    from camcli.cli.run import IN_PIECES, IN_THREADS, analysis, key_of
+    from camcli.cli.run import IN_PIECES, IN_THREADS, analysis, compiling, key_of
     from camcli.output.program import program_hash
     from camcli.output.run_folder import run_folder
 
     scene, more = record.load(home), record.options.arguments()
     key = key_of(record.command, scene) if record.command in IN_PIECES else None
-    with run_folder(out, key, threads=request.threads) as folder:
+    with compiling(request), run_folder(out, key, threads=request.threads) as folder:
         if record.command in IN_THREADS:
             more["work"] = folder.work
         with progress_bar(request.quiet) as progress:

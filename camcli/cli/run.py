@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
 from camcli.errors import Fault, SceneError
-from camcli.kernel.backend import stopwatch
+from camcli.kernel.backend import Stopwatch, stopwatch
 from camcli.scene import Scene, load_scene, parse_rpm, resolved
 
 if TYPE_CHECKING:
@@ -79,7 +79,8 @@ def run(
     part = shard_of(shard)
     refuse_too_large(command, scene, request.folder(command), part)
     if request.dry_run:
-        forecast(command, scene, request, part, options or {})
+        with compiling(request):
+            forecast(command, scene, request, part, options or {})
         return DONE
     return execute(command, scene, request, show, shard=part, cluster=cluster, options=options)
 
@@ -99,9 +100,8 @@ def execute(
     from camcli.cli.report import progress_bar
 
     more: dict[str, Any] = dict(options or {})
-    compiling = "compiling the kernel for this machine: some 20 to 60 s, once ..."
     with (
-        stopwatch(None if request.quiet else lambda: note(compiling)),
+        compiling(request),
         open_folder(command, scene, request, shard, cluster, parts) as folder,
         progress_bar(request.quiet) as progress,
     ):
@@ -169,6 +169,12 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
     for text in result.notes:
         if not (request.quiet and text.startswith("warning")):
             note(text)
+
+
+def compiling(request: Request) -> AbstractContextManager[Stopwatch]:
+    """Say so before the kernel is compiled."""
+    text = "compiling the kernel for this machine: some 20 to 60 s, once ..."
+    return stopwatch(None if request.quiet else lambda: note(text))
 
 
 def analysis(command: str) -> Callable[..., Result]:

@@ -183,7 +183,9 @@ def source_hash() -> str:
 
 def cache_dir() -> Path:
     """Folder of the compiled kernel: one per state of the sources."""
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    if home.startswith("~"):
+        home = os.devnull  # a user without a home: nothing is kept, which only costs time
     return Path(home) / "camcli" / f"kernel-{source_hash()}"
 
 

@@ -22,6 +22,7 @@ PACKAGES = (
     "typer",
     "rich",
     "pyyaml",
+    "python-flint",
 )
 ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
 

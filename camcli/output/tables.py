@@ -24,7 +24,8 @@ class Table:
     """Named columns of equal length, made anew from the result each time they are read.
 
     ``table["rpm"]`` is a column as a NumPy array: numbers as float64 or int64, with NaN where a
-    number is not known, texts as strings. ``table.columns`` are the names, as in the CSV file.
+    number is not known, texts as strings; columns of an empty table are float64.
+    ``table.columns`` are the names, as in the CSV file.
     """
 
     columns: tuple[str, ...]
@@ -49,7 +50,8 @@ class Table:
             raise KeyError(column)
         k = self.columns.index(column)
         parts = [np.asarray(_missing(_spread(block, k))) for block in self.blocks()]
-        return np.concatenate(parts) if parts else np.empty(0)
+        found = np.concatenate(parts) if parts else np.empty(0)
+        return found.astype(np.int64) if found.dtype.kind in "iu" else found
 
     def __len__(self) -> int:
         return sum(_length(block) for block in self.blocks())

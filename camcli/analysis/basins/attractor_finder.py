@@ -192,11 +192,11 @@ class AttractorFinder:
             return False
         settings = with_turns(batches.settings, 0, RECORD)
         start = batches.start(float(ends.gap[0]), float(ends.rate[0]), int(ends.mode[0]))
-        tape = Orbit(batches.system, batches.rpm, settings, start).run(events=False)
-        n = tape.periods
-        points = np.column_stack((tape.strobe_q[:n], tape.strobe_w[:n]))
+        record = Orbit(batches.system, batches.rpm, settings, start).run(events=False)
+        n = record.periods
+        points = np.column_stack((record.strobe_q[:n], record.strobe_w[:n]))
         points = points - np.array(batches.lift)
-        if tape.status != Status.OK or not recurrence.is_recurrent(points):
+        if record.status != Status.OK or not recurrence.is_recurrent(points):
             return False
         return self.take_up(points)
 

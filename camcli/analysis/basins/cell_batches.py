@@ -43,7 +43,6 @@ class CellBatches:
     settings: Settings
     work: Work = field(default_factory=Work)
     cost: Cost = field(default_factory=Cost)
-    turns: int = 0
 
     @property
     def omega(self) -> float:
@@ -56,13 +55,6 @@ class CellBatches:
         cam = self.system.cam
         strobe = cam.stretches[cam.strobe]
         return strobe.start_c, strobe.start_c1
-
-    @cached_property
-    def lane(self):
-        """The kernel's constants of this speed."""
-        return self.system.constants(
-            self.rpm, self.settings.chatter_tolerance, self.settings.impact_budget
-        )
 
     def states(self, q, v) -> tuple[np.ndarray, np.ndarray]:
         """(gap, rate) of positions (m) and velocities (m/s); a gap below zero is below the cam."""
@@ -92,7 +84,6 @@ class CellBatches:
         self.cost += Cost(*(sum(part[2][k] for part in done) for k in range(3)))
         real = np.concatenate([part[0] for part in done]) if done else np.zeros((0, 2))
         whole = np.concatenate([part[1] for part in done]) if done else np.zeros((0, 5), int)
-        self.turns += int(whole[:, 2].sum(dtype=np.int64))
         return Ends(*real.T, *whole.T)
 
 
@@ -112,22 +103,22 @@ class _Task:
 
     @cached_property
     def _tables(self):
-        """(kernel, cam, lane, flows over stretches, targets in the kernel's form)."""
+        """(kernel, cam, const, flows over stretches, targets in the kernel's form)."""
         settings, kernel = self.settings, backend.for_work(self.count, FEW)
-        lane = self.system.constants(self.rpm, settings.chatter_tolerance, settings.impact_budget)
+        const = self.system.constants(self.rpm, settings.chatter_tolerance, settings.impact_budget)
         cam = self.system.cam_for(kernel)
-        return kernel, cam, lane, kernel.stretch_flows(cam, lane), _native(self.targets, kernel)
+        return kernel, cam, const, kernel.stretch_flows(cam, const), _native(self.targets, kernel)
 
     def __call__(self, block) -> tuple[np.ndarray, np.ndarray, list[int]]:
         """((gap, rate), (mode, outcome, turns, stay, symbol), `Cost`) of a block."""
-        kernel, cam, lane, flows, known = self._tables
+        kernel, cam, const, flows, known = self._tables
         gap, rate, mode = (np.asarray(column).tolist() for column in block)
         real = (kernel.numbers(gap), kernel.numbers(rate))
         whole = (kernel.zeros(len(gap), int) for _ in range(5))
         cells = Cells(*real, kernel.numbers(mode, int), *whole)
         works = kernel.room(Tally, 1)
         room = Room(kernel.room(State, 1), works, kernel.log(0), kernel.strobe(1))
-        kernel.settle_cells(cam, lane, flows, known, cells, self.budget, room)
+        kernel.settle_cells(cam, const, flows, known, cells, self.budget, room)
         return (
             np.column_stack(cells[:2]),
             np.column_stack(cells[2:7]).astype(np.int32),

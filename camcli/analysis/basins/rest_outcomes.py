@@ -93,8 +93,8 @@ class RestOutcomes:
         if ends.outcome[0] != NEW_REST:
             return True
         turns = 2 * int(ends.turns[0]) + AFTER
-        tape = record_of(batches, state, 0, turns)
-        return largest_growth(batches.system, batches.rpm, tape, range(turns)) <= TOO_LARGE
+        record = record_of(batches, state, 0, turns)
+        return largest_growth(batches.system, batches.rpm, record, range(turns)) <= TOO_LARGE
 
     def _after(self, start: State, turns: int) -> After:
         """Where the motion ends after the rest of a start whose chatter ends in turn `turns`."""
@@ -149,8 +149,8 @@ class RestOutcomes:
         batches = self.finder.batches
         low = np.array(batches.lift)
 
-        def passages(tape: Record) -> np.ndarray:
-            return np.column_stack((tape.strobe_q, tape.strobe_w)) - low
+        def passages(record: Record) -> np.ndarray:
+            return np.column_stack((record.strobe_q, record.strobe_w)) - low
 
         ahead = passages(record_of(batches, state, 0, AFTER))
         free = ahead[ahead[:, 0] > batches.system.cam.top * SPREAD]
@@ -168,8 +168,8 @@ class RestOutcomes:
 
 def departure(batches: CellBatches, start: State, turns: int) -> float | None:
     """Phase (rad) at which a start leaves its rest, whose chatter ends in turn `turns`."""
-    tape = record_of(batches, start, turns - 1, 1 + AFTER)
-    events = list(zip(tape.kind, tape.period, tape.theta, strict=True))
+    record = record_of(batches, start, turns - 1, 1 + AFTER)
+    events = list(zip(record.kind, record.period, record.theta, strict=True))
     chatters = [k for k, event in enumerate(events) if event[:2] == (CHATTER, 0)]
     if not chatters or chatters[-1] + 1 == len(events):
         return None

@@ -207,6 +207,6 @@ def largest_exponent(
         return -inf
     q, w = attractor.states[0]
     start = Start(q, w * omega_of(rpm), system.strobe_deg)
-    tape = Orbit(system, rpm, with_turns(settings, 0, EXPONENT_RECORD), start).run()
-    found = of_record(system, rpm, tape) if tape.status == Status.OK else None
+    record = Orbit(system, rpm, with_turns(settings, 0, EXPONENT_RECORD), start).run()
+    found = of_record(system, rpm, record) if record.status == Status.OK else None
     return None if found is None else found.largest

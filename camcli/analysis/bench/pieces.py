@@ -2,7 +2,7 @@
 
 A piece of work is never stopped from outside: it is given seconds and keeps to them, and where none
 are left it is not begun and says so (NOT_REACHED). So a part overruns by one piece at the most.
-Measured pieces are kept where there is a journal, as the timings they are.
+Measured pieces are kept where there is a checkpoint, as the timings they are.
 """
 
 from __future__ import annotations
