@@ -54,7 +54,8 @@ def basins(
     Returns
     -------
     Result
-        Tables ``attractors`` and, of one speed, ``basins`` (a row per cell; 0 is undecided, a
+        Table ``attractors``: attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm.
+        Of one speed also ``basins``, a row per cell: q_m, v_m_per_s, attractor (0 is undecided, a
         negative number a status). In ``summary`` basin entropy, boundary entropy and, with
         ``basins.boundary``, the uncertainty exponent.
 

@@ -50,8 +50,10 @@ def classify(
     Returns
     -------
     Result
-        Tables ``classify`` (a row per attractor found at a speed) and ``corners`` (corner impacts
-        behind the changes, with ``classify.explain``).
+        Table ``classify``, a row per attractor found at a speed: rpm, label, period (turns, 0
+        where it does not repeat), impacts, chatter (complete, incomplete, none), stable,
+        lyapunov_per_period, status.
+        Table ``corners``: corner impacts behind the changes, with ``classify.explain``.
 
     Raises
     ------

@@ -38,9 +38,11 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     Returns
     -------
     Result
-        Tables ``detach`` (critical speeds; infinite where contact is never lost), ``accumulation``
-        (phases at which chatter ends), ``corner_hits`` (speeds at which the n-th impact lands on a
-        corner) and ``force``.
+        Table ``detach``, the critical speeds: quantity, region, theta_deg, rpm (infinite where
+        contact is never lost), omega_rad_per_s. Their brackets stand in ``summary``.
+        Table ``accumulation``, where chatter ends: rpm, theta_deg.
+        Table ``corner_hits``, where the n-th impact lands on a corner: impact, corner, rpm.
+        Table ``force``, of a follower kept on the cam: rpm, theta_deg, force_n.
 
     References
     ----------

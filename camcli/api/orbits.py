@@ -50,15 +50,21 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     Parameters
     ----------
     scene : Scene, optional
-        The machine and the section ``orbits``; the default scene if left out.
+        The machine and the section ``orbits``: ``rpm.start`` and ``rpm.stop`` (one speed where
+        they are equal), ``at``, ``label``, ``parameter`` and ``range``, ``curve`` and ``curve_in``.
+        The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
 
     Returns
     -------
     Result
-        Tables ``branch`` (a row per point; of one speed, a row per orbit) and ``bifurcations``;
-        with ``orbits.curve`` also ``curve``, a bifurcation in two parameters.
+        Table ``branch``, a row per point (of one speed, a row per orbit): branch, label, rpm,
+        stable, region, theta_deg_1 and so on (phases of the impacts), q_m and v_m_per_s at the
+        strobe, multiplier_1_re to multiplier_2_im, trace, det.
+        Table ``bifurcations``: branch, label, kind, rpm, rpm_error, corner, trace_left, det_left,
+        trace_right, det_right, classification.
+        With ``orbits.curve`` also ``curve``, a bifurcation in two parameters.
 
     Raises
     ------

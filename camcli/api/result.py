@@ -24,7 +24,7 @@ Progress = Callable[[str, int, int], None]  # what is counted, how many are done
 SHOWN = 5  # speeds named in a note
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """The result of one analysis of one scene.
 
@@ -71,6 +71,9 @@ class Result:
     notes: tuple[str, ...] = ()
     complete: bool = True
     options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"<Result of {self.command}: tables {', '.join(self.tables)}>"
 
     def save(self, folder: str | Path, *, plot: bool = True) -> Mapping[str, Any]:
         """Write the files of the command `cam COMMAND -o folder`, byte for byte.

@@ -48,7 +48,12 @@ def simulate(
     Returns
     -------
     Result
-        Tables ``trajectory`` and ``events``; with ``profile_only`` the table ``profile``.
+        Table ``trajectory``: t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact (flight or
+        sticking); an impact has two rows, just before and just after.
+        Table ``events``: t_s, period, theta_deg, event (impact, chatter, detachment), q_m,
+        u_minus_m_per_s, u_plus_m_per_s.
+        With ``profile_only`` only the table ``profile``: theta_deg, c_m, c_theta_m_per_rad,
+        c_thetatheta_m_per_rad2, force_n; two rows at a corner.
 
     Raises
     ------

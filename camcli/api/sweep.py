@@ -34,7 +34,9 @@ def sweep(
     Parameters
     ----------
     scene : Scene, optional
-        The machine and the section ``sweep``; the default scene if left out.
+        The machine, the number of turns (``run.transient``, ``run.record``) and the section
+        ``sweep``: ``rpm.start``, ``rpm.stop``, ``rpm.num``, ``direction`` (fixed, or up and down
+        to carry the state), ``lyapunov``, ``explain``. The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     work : Work, optional
@@ -44,15 +46,23 @@ def sweep(
     Returns
     -------
     Result
-        Tables ``impacts`` (a row per recorded impact), ``strobe`` (a row per recorded turn) and
-        ``speeds``; with ``sweep.explain`` also ``corners``. ``sweep.sections`` and ``sweep.tables``
-        leave out what is not wanted.
+        Table ``impacts``, a row per recorded impact: rpm, period (recorded turn, from 0),
+        theta_deg, q_m, u_minus_m_per_s (velocity relative to the cam just before).
+        Table ``strobe``, a row per recorded turn: rpm, period, q_m, v_m_per_s at its start,
+        impacts in it, chatter (1 where a complete chatter ended in it).
+        Table ``speeds``: rpm, label, impacts, lyapunov_per_period, status.
+        With ``sweep.explain`` also ``corners``, the corner impacts behind the changes.
+        ``sweep.sections`` and ``sweep.tables`` leave out what is not wanted.
 
     Raises
     ------
     SceneError
         If the start lies below the cam, or changes shall be explained of a sweep that carries its
         state or has one speed only.
+
+    References
+    ----------
+    The diagrams of the default scene: G. Osorio, M. di Bernardo and S. Santini, arXiv:0711.1008.
     """
     machine = machine_of(scene)
     scene, section = machine.scene, machine.scene.sweep

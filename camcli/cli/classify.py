@@ -164,15 +164,14 @@ def _kind(event: Event) -> str:
 
 def _border_collision(request: Request, trace: str | None, det: str | None) -> int:
     """Print the class, the inequalities and what attracts on each side."""
-    import json
-
     from camcli.analysis.border_collision import Side, classify
+    from camcli.output.run_record import to_text
 
     traces, dets = _pair(trace, "--trace"), _pair(det, "--det")
     left, right = (Side(t, d) for t, d in zip(traces, dets, strict=True))
     result = classify(left, right)
     if request.json:
-        print(json.dumps(_record(left, right, result), indent=2))
+        print(to_text(_record(left, right, result)), end="")
     else:
         _show_collision(left, right, result)
     return 0
@@ -235,19 +234,14 @@ def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:
         "kind": result.kind,
         "sides": {
             name: {"trace": s.trace, "det": s.det, "kind": s.kind, "stable": s.stable,
-                   "multipliers": [_complex(z) for z in s.multipliers]}
+                   "multipliers": list(map(complex, s.multipliers))}
             for name, s in (("L", left), ("R", right))
         },
         "inequalities": [vars(i) for i in result.inequalities],
         "cycles": [
             {"word": c.word, "stable": c.stable, "exists_for_mu": c.exists_for,
-             "multipliers": [_complex(z) for z in c.multipliers],
-             "points": [list(point) for point in c.points]}
+             "multipliers": list(map(complex, c.multipliers)), "points": c.points}
             for c in result.cycles
         ],
         "below": vars(result.below), "above": vars(result.above), "words": collision_words(result),
     }  # fmt: skip
-
-
-def _complex(z) -> list[float]:
-    return [complex(z).real, complex(z).imag]

@@ -52,7 +52,8 @@ def _flush() -> None:
 def _other(error: Exception) -> int:
     """Usage errors of the option parser, and faults of the program itself."""
     if hasattr(error, "exit_code") and hasattr(error, "format_message"):
-        note(f"cam: {printable(error.format_message())}")
+        text = error.format_message()
+        note(text if type(error).__name__ == "NoArgsIsHelpError" else f"cam: {printable(text)}")
         return USAGE
     if hasattr(error, "exit_code"):
         return int(error.exit_code)

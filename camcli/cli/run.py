@@ -130,6 +130,7 @@ def open_folder(
     pieces stay, and the same command goes on from them.
     """
     from camcli.output.run_folder import run_folder
+    from camcli.output.run_record import to_text
 
     key = key_of(command, scene) if command in IN_PIECES else None
     place = request.folder(command)
@@ -145,8 +146,11 @@ def open_folder(
             if checkpoint is not None and checkpoint.pieces:
                 note(f"{checkpoint.pieces} pieces are on disk, the same command goes on from them")
             raise
-    if folder.shard_done and checkpoint is not None and not request.quiet:
-        note(f"{checkpoint.path}: complete; once all are, cam merge {place}")
+    if folder.shard_done and checkpoint is not None:
+        if request.json:
+            print(to_text({"command": command, "shard": shard, "pieces": str(checkpoint.path)}))
+        elif not request.quiet:
+            note(f"{checkpoint.path}: complete; when all shards are, run cam merge {place}")
 
 
 def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show) -> None:

@@ -7,6 +7,7 @@ import os
 import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
+from math import isfinite
 from typing import Any
 
 from camcli.analysis.integrate import Cost
@@ -67,8 +68,20 @@ def run_record(**parts: Any) -> dict[str, Any]:
 
 
 def to_text(record: Mapping[str, Any]) -> str:
-    """JSON text; raises ValueError if a NaN or an infinity got in."""
-    return json.dumps(record, indent=2, allow_nan=False) + "\n"
+    """JSON text: infinities are "inf" and "-inf", NaN is null, a complex number [re, im]."""
+    return json.dumps(_plain(record), indent=2, allow_nan=False) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    if isinstance(value, complex):
+        return [_plain(value.real), _plain(value.imag)]
+    if isinstance(value, float) and not isfinite(value):
+        return None if value != value else ("inf" if value > 0.0 else "-inf")
+    return value
 
 
 def _versions() -> dict[str, str]:

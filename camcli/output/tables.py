@@ -19,7 +19,7 @@ ROWS = 1 << 12  # rows that become a block at a time
 KINDS = {float, int, str, type(None)}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Table:
     """Named columns of equal length, made anew from the result each time they are read.
 
@@ -30,6 +30,9 @@ class Table:
 
     columns: tuple[str, ...]
     blocks: Callable[[], Iterator[Block]]
+
+    def __repr__(self) -> str:
+        return f"Table({', '.join(self.columns)})"
 
     @classmethod
     def of_rows(cls, columns: Sequence[str], rows: Callable[[], Iterable[Sequence]]) -> Table:
@@ -47,7 +50,7 @@ class Table:
         import numpy as np
 
         if column not in self.columns:
-            raise KeyError(column)
+            raise KeyError(f"{column}; there are {', '.join(self.columns)}")
         k = self.columns.index(column)
         parts = [np.asarray(_missing(_spread(block, k))) for block in self.blocks()]
         found = np.concatenate(parts) if parts else np.empty(0)
