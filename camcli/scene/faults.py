@@ -253,7 +253,7 @@ def _cure(value: Any, path: Path, kind: str, expected: str) -> str:
     if kind.startswith(("greater", "less")):
         return f"give {name} a value in this range"
     if kind == "literal_error":
-        near = _nearest(str(value), re.findall(r"[\w.-]+", expected))
+        near = _nearest(str(value), re.findall(r"[\w.-]+", expected.partition("one of")[2]))
         return f"did you mean '{near}'?" if near else "choose one of these"
     if isinstance(value, bool):
         return "true and false are neither numbers nor text here"
