@@ -112,7 +112,7 @@ def test_the_api_is_what_it_says():
     assert set(camcli.__all__) <= set(dir(camcli))
     assert all(getattr(camcli, name) is not None for name in camcli.__all__)
     with pytest.raises(AttributeError):
-        _ = camcli.desk
+        _ = camcli.swep
     for name in ("simulate", "sweep", "detach", "orbits", "basins", "classify", "plot"):
         text = getattr(camcli, name).__doc__
         assert all(f"{part}\n    ---" in text for part in ("Parameters", "Returns"))

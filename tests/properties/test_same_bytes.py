@@ -89,11 +89,11 @@ def test_the_room_for_the_log_does_not_change_an_orbit(monkeypatch, capacity):
 
 def test_what_is_logged_does_not_change_an_orbit():
     orbits = [engine.Orbit(system(), 745.0, settings(30)) for _ in range(3)]
-    tapes = [o.run(events=e, strobes=s) for o, (e, s) in zip(
+    records = [o.run(events=e, strobes=s) for o, (e, s) in zip(
         orbits, [(True, True), (False, True), (True, False)], strict=True
     )]  # fmt: skip
-    assert list(tapes[0].strobe_w) == list(tapes[1].strobe_w)
-    assert list(tapes[0].theta) == list(tapes[2].theta)
+    assert list(records[0].strobe_w) == list(records[1].strobe_w)
+    assert list(records[0].theta) == list(records[2].theta)
     first, *others = (replace(orbit.state, logged=0) for orbit in orbits)
     assert others == [first, first]
 
