@@ -190,9 +190,6 @@ def _joined(parts: Sequence):
     return joined
 
 
-ROUNDINGS = 1e-15  # of c, m: a start so little below the cam is on it; 0.1 is c = 0.4 - 0.3
-
-
 def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
     """The kernel's state at the start; raises StartError below the cam."""
     theta = (start.theta_deg % 360.0) * (pi / 180.0)
@@ -200,8 +197,6 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
     c, c1, _ = lift_at(cam, i, theta)
     gap = 0.0 if start.q is None else start.q - c
     rate = 0.0 if start.v is None else start.v / omega - c1
-    if -ROUNDINGS * abs(c) <= gap < 0.0:
-        gap = 0.0
     if gap < 0.0:
         found = f"found q = {start.q!r} m, {-gap:.6g} m below the cam"
         expected = f"expected at least c = {c!r} m at {start.theta_deg!r} deg"

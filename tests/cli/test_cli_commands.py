@@ -15,11 +15,6 @@ def rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def test_a_start_on_the_base_circle_is_not_below_it_by_rounding(cam):
-    done = cam("simulate", "--set", "run.start.q=0.1", *SMALL)  # c = 0.4 - 0.3 > 0.1
-    assert done.returncode == 0, done.stderr
-
-
 def test_help_names_every_command(cam):
     done = cam("--help")
     assert done.returncode == 0
