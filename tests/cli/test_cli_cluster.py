@@ -110,7 +110,9 @@ def clean(said: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("words", [SWEEP, BASINS], ids=["sweep", "basins"])
+@pytest.mark.parametrize(
+    "words", [SWEEP, pytest.param(BASINS, marks=pytest.mark.soak)], ids=["sweep", "basins"]
+)
 def test_processes_of_this_machine(tmp_path, whole, words):
     local = (*words, "--cluster", "local", "--threads", "2", "-o", str(tmp_path / "out"))
     assert ended(begin(command(*local), tmp_path)) == (0, "")
@@ -132,6 +134,7 @@ def test_workers_elsewhere_and_one_that_dies(tmp_path, cluster, whole):
     assert but_record(files(tmp_path / "out")) == whole["sweep"]
 
 
+@pytest.mark.soak
 @pytest.mark.slow
 def test_all_workers_die_then_an_interrupt_then_the_scheduler(tmp_path, cluster, whole):
     words = (*SWEEP, "--cluster", cluster.address, "-o", "out")
@@ -166,7 +169,7 @@ def test_all_workers_die_then_an_interrupt_then_the_scheduler(tmp_path, cluster,
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("address", [None, "", "nonsense"])
+@pytest.mark.parametrize("address", [pytest.param(None, marks=pytest.mark.soak), "", "nonsense"])
 def test_no_scheduler_is_said_soon(tmp_path, address):
     address = f"127.0.0.1:{free_port()}" if address is None else address
     code, said = ended(begin(command(*SWEEP, "--cluster", address, "-o", "out"), tmp_path))

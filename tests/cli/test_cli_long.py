@@ -137,6 +137,7 @@ def test_figures_killed_at_any_moment_end_the_same_and_leave_no_children(tmp_pat
         assert code in (0, 130, -how)
         met += code != 0
     assert met >= 1
-    assert cam((*words, "-o", "out"), tmp_path)[0] == 0
+    code, said = cam((*words, "-o", "out"), tmp_path)
+    assert code == 0, said
     assert but_record(files(tmp_path / "out")) == but_record(new)
     assert len(but_record(new)) == 3

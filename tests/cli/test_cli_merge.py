@@ -38,7 +38,7 @@ def refused(done, *said: str) -> None:
         ),
         pytest.param(
             2, ("basins", "--cells", "30", "--boundary", "--no-plot", *TURNS[:-1]),
-            marks=pytest.mark.slow,
+            marks=(pytest.mark.slow, pytest.mark.soak),
         ),
         (2, ("basins", "--rpm", "359:360", "--points", "2", "--cells", "16", "--no-plot")),
     ],

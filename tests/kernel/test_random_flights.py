@@ -28,6 +28,7 @@ def test_random_flights(seed):
     assert outcomes(seed, 600) > 450
 
 
+@pytest.mark.soak
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10, 12))
 def test_many_random_flights(seed):

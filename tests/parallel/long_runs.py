@@ -206,7 +206,7 @@ class Case:
         code, said = cam((*self.words, "-o", "out"), self.cwd)
         assert code == 0, said
         assert but_record(files(self.folder)) == but_record(self.new)
-        assert not list(self.folder.glob(".*"))
+        assert list(self.folder.glob(".*")) == []
         return said
 
     def soak(self, seed: int, count: int) -> None:
