@@ -15,8 +15,8 @@ Smoothing bends: how much, shows in what twice the smoothing length changes. Whe
 c_thetatheta has corners the bending falls by half with half the length; where it jumps, it does
 not, and its bound is wider.
 
-All of it is plain floats in a fixed order: LAPACK may give other last bits on another machine, IEEE
-add, multiply and divide do not. No `sum` of floats: its rounding depends on the version of Python.
+The coefficients come from additions, multiplications and divisions in a fixed order, element by
+element: LAPACK and BLAS may give other last bits on another machine, these do not.
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
-from fractions import Fraction
 from functools import cache, cached_property
-from math import sqrt
-from statistics import median_low
+from math import factorial, sqrt
+from typing import Any
+
+import numpy as np
 
 from camcli.cams.compile import Piece
 from camcli.cams.decimals import DIGITS, pi
@@ -39,9 +40,9 @@ WIDTH = DEGREE + 1  # coefficients of an interval
 CENTER = 3  # coefficient j weighs most at u = j - CENTER
 MOST_KNOTS, LEAST_KNOTS = 720, 32
 MARGIN = 1.0  # knot spacings of a dwell's ends where coefficients stay free
-PENALTY = (1.0, -4.0, 6.0, -4.0, 1.0)
+PENALTY = np.array([[1.0, -4.0, 6.0, -4.0, 1.0]])
 STEP = 4.0  # between weights; the smoothing length grows by its eighth root
-OCTAVE = 4  # steps that double the smoothing length
+DOUBLE = STEP**4  # doubles the smoothing length
 LOWEST, HIGHEST = -4, 17  # powers of STEP
 BALANCE = 4.0
 GIVE_UP = 10.0  # standard errors: no larger weight can balance
@@ -56,6 +57,8 @@ JUMP = 1.5  # a smaller ratio speaks of a jump
 NEAR = 2.0  # smoothing lengths around a phase in which bending counts there
 SHARES = 90  # of the turn, each with its own bound
 
+Rows = list[list[float]]
+
 
 def noise(turn: Turn) -> float:
     """Standard deviation of the rows, m: of the rounding, or more where rows scatter more.
@@ -63,23 +66,15 @@ def noise(turn: Turn) -> float:
     The scatter is the least of three estimates from polynomials of rising degree: where the lift
     itself bends between rows, the higher ones see less of it.
     """
-    n = len(turn.lift)
-    moving = [
-        k
-        for k in range(n)
-        if turn.line[k] and any(turn.lift[(k + j) % n] != turn.lift[k] for j in (-1, 1))
-    ]
-    estimates = []
-    for reach in (2, 3, 4):
-        found = []
-        for k in moving[:: 1 + len(moving) // SAMPLE]:
-            d, weights = turn.deviation(k, reach)
-            square = 1.0
-            for weight in weights:
-                square += weight * weight
-            found.append(abs(d) / sqrt(square))
-        estimates.append(median_low(found) / NORMAL if found else 0.0)
-    return max(turn.rounding, min(estimates))
+    level = (np.roll(turn.lift, 1) == turn.lift) & (np.roll(turn.lift, -1) == turn.lift)
+    moving = np.flatnonzero((turn.line > 0) & ~level)
+    moving = moving[:: 1 + len(moving) // SAMPLE]
+    estimates = [0.0] if len(moving) == 0 else []
+    for reach in (2, 3, 4) if len(moving) else ():
+        off, weights = turn.deviations(reach)
+        scatter = np.sort((np.abs(off) / np.sqrt(1.0 + (weights * weights).sum(axis=0)))[moving])
+        estimates.append(float(scatter[(len(moving) - 1) // 2]) / NORMAL)
+    return max(turn.quantum / sqrt(12.0), min(estimates))
 
 
 # -- B-splines of degree 7 on equal knots ------------------------------------------------------
@@ -88,117 +83,96 @@ def noise(turn: Turn) -> float:
 
 
 @cache
-def _weights() -> tuple[tuple[Fraction, ...], ...]:
-    """Power coefficients in t = u - i of the weight of coefficient i + k, k = 0 ... 7."""
-    pieces = [[Fraction(1)]]  # of degree 0; piece r of a basis function holds [r, r + 1]
+def _weights() -> list[list[int]]:
+    """7! times the power coefficients in t = u - i of the weight of coefficient i + k, by k."""
+    pieces = [[1]]  # p! times those of degree p; piece r of a basis function holds [r, r + 1]
     for p in range(1, WIDTH):
-        raised = [[Fraction(0)] * (p + 1) for _ in range(p + 1)]
+        raised = [[0] * (p + 1) for _ in range(p + 1)]
         for r, old in enumerate(pieces):
             for j, value in enumerate(old):
-                raised[r][j] += value * r / p
-                raised[r][j + 1] += value / p
-                raised[r + 1][j] += value * (p - r) / p
-                raised[r + 1][j + 1] -= value / p
+                raised[r][j] += value * r
+                raised[r][j + 1] += value
+                raised[r + 1][j] += value * (p - r)
+                raised[r + 1][j + 1] -= value
         pieces = raised
-    return tuple(tuple(piece) for piece in reversed(pieces))
+    return pieces[::-1]
 
 
-@cache
-def _floats(order: int) -> tuple[tuple[float, ...], ...]:
-    """`_weights` derived `order` times by u, in floats, highest power first."""
-    rows = []
+def basis(t: Any, order: int = 0) -> np.ndarray:
+    """Weights of the eight coefficients, or of a derivative by u, at t in [0, 1]; (..., 8)."""
+    found = []
     for row in _weights():
-        for _ in range(order):
-            row = tuple(value * j for j, value in enumerate(row))[1:]
-        rows.append(tuple(float(value) for value in reversed(row)))
-    return tuple(rows)
+        value = 0.0 * t
+        for j in range(DEGREE, order - 1, -1):
+            value = value * t + row[j] * (factorial(j) // factorial(j - order)) / factorial(DEGREE)
+        found.append(value)
+    return np.stack(found, axis=-1)
 
 
-def basis(t: float, order: int = 0) -> list[float]:
-    """Weights of the eight coefficients at t in [0, 1] of an interval, or of a derivative by u."""
-    result = []
-    for row in _floats(order):
-        value = 0.0
-        for factor in row:
-            value = value * t + factor
-        result.append(value)
-    return result
+def at(coefficients: np.ndarray, i: np.ndarray, weights: np.ndarray) -> Any:
+    """The spline (or a derivative) in the intervals i (n,) with their weights (n, 8).
 
-
-def at(coefficients: Sequence[float], i: int, row: Sequence[float]) -> float:
-    """The spline (or a derivative) in interval i with the weights `row`."""
-    count = len(coefficients)
+    Of coefficients (count,), or of several splines (count, m) at once: (n, m).
+    """
     value = 0.0
     for k in range(WIDTH):
-        value += row[k] * coefficients[(i + k) % count]
+        value = value + (weights[:, k] * coefficients[(i + k) % len(coefficients)].T).T
     return value
 
 
-def piece(coefficients: Sequence[float], i: int, base: float = 0.0) -> Piece:
+def piece(coefficients: np.ndarray, i: int, base: float = 0.0) -> Piece:
     """Interval i, plus a base, as a piece of the kernel's table, rounded once from 40 digits."""
     count = len(coefficients)
-    scale = max(value.denominator for row in _weights() for value in row)  # 7!
     with localcontext() as context:
         context.prec = DIGITS
         width = 2 * pi() / count
         low, high = float(width * i), float(width * (i + 1))
         center = (low + high) / 2
-        powers = [Decimal(0)] * WIDTH
+        powers = [Decimal(base) * factorial(DEGREE), *[Decimal(0)] * DEGREE]
         for k, row in enumerate(_weights()):
-            value = Decimal(coefficients[(i + k) % count])
             for j, factor in enumerate(row):
-                powers[j] += value * int(factor * scale)
-        powers[0] += Decimal(base) * scale
+                powers[j] += Decimal(float(coefficients[(i + k) % count])) * factor
         t = Decimal(center) / width - i  # about a half: the centre in doubles
         for k in range(DEGREE):  # synthetic division: powers of t - center
             for j in range(DEGREE - 1, k - 1, -1):
                 powers[j] += t * powers[j + 1]
-        values = [float(value / scale / width**j) for j, value in enumerate(powers)]
+        values = [float(v / factorial(DEGREE) / width**j) for j, v in enumerate(powers)]
     return Piece(center, (high - low) / 2, tuple(values + [0.0] * (TERMS - WIDTH)))
 
 
 class Factors:
     """LDL' of a symmetric positive definite band matrix; `rows[i][k]` is its (i, i - k)."""
 
-    def __init__(self, rows: Sequence[Sequence[float]]):
-        self.band = len(rows[0]) - 1
-        self.lower: list[list[float]] = []
+    def __init__(self, rows: Rows):
+        self.lower: Rows = []  # (i, i - k) of L
         self.pivots: list[float] = []
         for i, row in enumerate(rows):
-            self._eliminate(i, list(row))
+            reach = min(i, len(row) - 1)
+            scaled = [0.0] * len(row)  # L(i, j) D(j)
+            for k in range(reach, 0, -1):
+                value, above = row[k], self.lower[i - k]
+                for m in range(1, reach - k + 1):
+                    value -= scaled[k + m] * above[m]
+                scaled[k] = value
+            lower, pivot = [1.0] + [0.0] * (len(row) - 1), row[0]
+            for k in range(1, reach + 1):
+                lower[k] = scaled[k] / self.pivots[i - k]
+                pivot -= scaled[k] * lower[k]
+            self.lower.append(lower)
+            self.pivots.append(pivot)
 
-    def _eliminate(self, i: int, row: list[float]) -> None:
-        """Turn row i into factors: lower[i][k] = L(i, i - k) and the pivot."""
-        reach = min(i, self.band)
-        scaled = [0.0] * (self.band + 1)  # L(i, j) D(j)
-        for k in range(reach, 0, -1):
-            value, above = row[k], self.lower[i - k]
-            for m in range(1, reach - k + 1):
-                value -= scaled[k + m] * above[m]
-            scaled[k] = value
-        pivot = row[0]
-        for k in range(1, reach + 1):
-            row[k] = scaled[k] / self.pivots[i - k]
-            pivot -= scaled[k] * row[k]
-        self.lower.append(row)
-        self.pivots.append(pivot)
-
-    def solve(self, right: Sequence[float]) -> list[float]:
-        """The solution for one right-hand side."""
-        x = list(right)
-        n = len(x)
-        for i in range(n):
-            value, row = x[i], self.lower[i]
-            for k in range(1, min(i, self.band) + 1):
-                value -= row[k] * x[i - k]
-            x[i] = value
-        for i in range(n):
-            x[i] /= self.pivots[i]
+    def solve(self, right: Sequence) -> np.ndarray:
+        """The solution for one right-hand side, or for every column of several."""
+        x, n = list(right), len(right)
+        for i, row in enumerate(self.lower):
+            for k in range(1, min(i, len(row) - 1) + 1):
+                x[i] = x[i] - row[k] * x[i - k]
+        x = [value / pivot for value, pivot in zip(x, self.pivots, strict=True)]
         for i in range(n - 1, -1, -1):
-            value, row = x[i], self.lower[i]
-            for k in range(1, min(i, self.band) + 1):
-                x[i - k] -= row[k] * value
-        return x
+            row = self.lower[i]
+            for k in range(1, min(i, len(row) - 1) + 1):
+                x[i - k] = x[i - k] - row[k] * x[i]
+        return np.array(x)
 
 
 # -- the fit -----------------------------------------------------------------------------------
@@ -209,44 +183,44 @@ class Fit:
     """Coefficients of one weight and what solves for others."""
 
     weight: float
-    coefficients: list[float]
+    coefficients: np.ndarray
     factors: Factors
 
 
 class Smoother:
     """Normal equations of one table; `count` knots a turn, u = theta count/360 deg.
 
-    `moving` are the intervals that are not held flat.
+    `moving` are the intervals that are not held flat; `halves` their knots and middles.
     """
 
     def __init__(self, turn: Turn):
         self.turn = turn
         self.count = n = max(LEAST_KNOTS, min(MOST_KNOTS, int(360.0 / turn.spacing + 0.5)))
-        self.levels = self._levels()
-        held = self.levels
-        self.moving = [i for i in range(n) if any((i + k) % n not in held for k in range(WIDTH))]
+        self.per_square = (n * DEG / 360.0) ** 2  # from knot spacings to rad
+        self.levels = held = self._levels()
         # unknowns in an order with a narrow band: behind a dwell, or folded round the turn
-        if held:
-            start = next(j for j in held if (j + 1) % n not in held)
+        start = next((j for j in held if (j + 1) % n not in held), None)
+        order = [k // 2 if k % 2 == 0 else n - 1 - k // 2 for k in range(n)]
+        if start is not None:
             order = [(start + k) % n for k in range(n)]
-        else:
-            order = [k // 2 if k % 2 == 0 else n - 1 - k // 2 for k in range(n)]
-        self.order = [j for j in order if j not in held]
-        self.position = {j: k for k, j in enumerate(self.order)}
-        self.band = DEGREE if held else 2 * DEGREE
-        self.squares = []  # interval and weights of every row
-        self.normal, self.right = self._empty()
-        for theta, lift in zip(turn.theta, turn.lift, strict=True):
-            u = theta * n / 360.0
-            i = min(int(u), n - 1)
-            weights = basis(u - i)
-            self.squares.append((i, weights))
-            self._add(self.normal, self.right, i, weights, lift)
-        self.penalty, self.penalty_right = self._empty()
-        for i in range(n):
-            self._add(self.penalty, self.penalty_right, i, PENALTY, 0.0)
+        self.band = 2 * DEGREE if start is None else DEGREE
+        self.order = np.array([j for j in order if j not in held])
+        self.position = np.full(n, -1)
+        self.position[self.order] = np.arange(len(self.order))
+        free = self.position >= 0
+        spread = np.arange(n)[:, None] + np.arange(WIDTH)
+        self.moving = np.flatnonzero(free[spread % n].any(axis=1))
+        knot_and_middle = basis(np.array([0.0, 0.5]), 2)
+        self.halves = np.repeat(self.moving, 2), np.tile(knot_and_middle, (len(self.moving), 1))
+        u = turn.theta * n / 360.0
+        self.interval = np.minimum(u.astype(int), n - 1)
+        self.weights = basis(u - self.interval)
+        self.normal, self.right = self._equations(self.interval, self.weights, turn.lift)
+        every = np.arange(n)
+        penalty = np.repeat(PENALTY, n, axis=0)
+        self.penalty, self.penalty_right = self._equations(every, penalty, np.zeros(n))
         self.rows_per_knot = len(turn.lift) / n
-        self.fits: dict[int, Fit] = {}
+        self.fits: dict[float, Fit] = {}
 
     def _levels(self) -> dict[int, float]:
         """Coefficients held at the level of a dwell."""
@@ -254,153 +228,108 @@ class Smoother:
         scale = self.count / 360.0
         for dwell in self.turn.dwells:
             low, high = dwell.start * scale + MARGIN, dwell.end * scale - MARGIN
-            j = int(low + CENTER) + 1
-            run = []
-            while j - CENTER <= high:
-                run.append(j % self.count)
-                j += 1
+            run = range(int(low + CENTER) + 1, int(np.floor(high + CENTER)) + 1)
             if len(run) >= WIDTH:
-                held.update(dict.fromkeys(run, dwell.level))
+                held.update((j % self.count, dwell.level) for j in run)
         return held
 
-    def _empty(self) -> tuple[list[list[float]], list[float]]:
-        return [[0.0] * (self.band + 1) for _ in self.order], [0.0] * len(self.order)
-
-    def _add(self, rows, right, i: int, factors: Sequence[float], value: float) -> None:
-        """Add the normal equations of the equation sum over k of factors[k] x[i + k] = value."""
-        indices = [(i + k) % self.count for k in range(len(factors))]
-        for a, j in enumerate(indices):
-            p = self.position.get(j)
-            if p is None:
-                continue
-            right[p] += factors[a] * value
-            for b, other in enumerate(indices):
-                q = self.position.get(other)
-                if q is None:
-                    right[p] -= factors[a] * factors[b] * self.levels[other]
-                elif q <= p:
-                    rows[p][p - q] += factors[a] * factors[b]
-
-    def fit(self, power: int) -> Fit:
-        """The fit of the weight STEP^power."""
-        if power not in self.fits:
-            weight = self.rows_per_knot
-            for _ in range(abs(power)):
-                weight = weight * STEP if power > 0 else weight / STEP
-            self.fits[power] = self.fit_of(weight)
-        return self.fits[power]
-
-    def fit_of(self, weight: float) -> Fit:
-        """The fit of any weight."""
-        factors = Factors(
-            [
-                [a + weight * b for a, b in zip(row, other, strict=True)]
-                for row, other in zip(self.normal, self.penalty, strict=True)
-            ]
+    def _equations(self, first: np.ndarray, factors: np.ndarray, values: np.ndarray):
+        """Normal equations of sum over k of factors[., k] x[first + k] = values: band, right."""
+        size = factors.shape[1]
+        columns = (first[:, None] + np.arange(size)) % self.count
+        places = self.position[columns]
+        level = np.zeros(self.count)
+        level[list(self.levels)] = list(self.levels.values())
+        products = factors[:, :, None] * factors[:, None, :]
+        given = np.concatenate(
+            [(factors * values[:, None])[..., None], -products * level[columns][:, None, :]], axis=2
         )
-        right = [a + weight * b for a, b in zip(self.right, self.penalty_right, strict=True)]
-        solved = self._whole(factors.solve(right))
-        for j, level in self.levels.items():
-            solved[j] = level
-        return Fit(weight, solved, factors)
+        free = places >= 0
+        right = np.zeros(len(self.order))
+        np.add.at(right, np.repeat(places[free], size + 1), given[free].ravel())
+        down = places[:, :, None] - places[:, None, :]
+        pair = free[:, :, None] & free[:, None, :] & (down >= 0)
+        band = np.zeros((len(self.order), self.band + 1))
+        row = np.broadcast_to(places[:, :, None], down.shape)
+        np.add.at(band, (row[pair], down[pair]), products[pair])
+        return band, right
 
-    def _whole(self, unknowns: list[float]) -> list[float]:
-        """Coefficients from the unknowns in their order; zero where held."""
-        whole = [0.0] * self.count
-        for j, value in zip(self.order, unknowns, strict=True):
-            whole[j] = value
-        return whole
+    def fit(self, weight: float) -> Fit:
+        """The fit of a weight."""
+        if weight not in self.fits:
+            factors = Factors((self.normal + weight * self.penalty).tolist())
+            solved = np.zeros(self.count)
+            solved[self.order] = factors.solve((self.right + weight * self.penalty_right).tolist())
+            solved[list(self.levels)] = list(self.levels.values())
+            self.fits[weight] = Fit(weight, solved, factors)
+        return self.fits[weight]
 
     def balanced(self, sigma: float) -> Fit:
         """The fit whose weight balances bending and rounding (see the module)."""
         best = LOWEST
         for power in range(LOWEST, HIGHEST):
-            error = sigma * self.error(self.fit(power))
-            change = max(self.changes(self.fit(power), self.fit(power + OCTAVE)))
+            fit = self.fit(self.rows_per_knot * STEP**power)
+            error = sigma * self.error(fit)
+            change = max(self.changes(fit))
             if change <= BALANCE * error:
                 best = power
             elif change > GIVE_UP * error:
                 break
-        return self.fit(best)
+        return self.fit(self.rows_per_knot * STEP**best)
 
     def with_rms(self, wanted: float) -> Fit:
         """The fit whose root mean square deviation is `wanted`, or the nearest there is."""
-        low, high = self.fit(LOWEST), self.fit(HIGHEST + OCTAVE)
+        low = self.fit(self.rows_per_knot * STEP**LOWEST)
+        high = self.fit(self.rows_per_knot * STEP**HIGHEST * DOUBLE)
         if self.rms(low) >= wanted:
             return low
         if self.rms(high) <= wanted:
             return high
         for _ in range(HALVINGS):
-            middle = self.fit_of(sqrt(low.weight) * sqrt(high.weight))
+            middle = self.fit(sqrt(low.weight) * sqrt(high.weight))
             if self.rms(middle) < wanted:
                 low = middle
             else:
                 high = middle
         return low
 
-    def residuals(self, fit: Fit) -> list[float]:
+    def residuals(self, fit: Fit) -> np.ndarray:
         """Spline minus table, m, at every row."""
-        return [
-            at(fit.coefficients, i, weights) - lift
-            for (i, weights), lift in zip(self.squares, self.turn.lift, strict=True)
-        ]
+        return at(fit.coefficients, self.interval, self.weights) - self.turn.lift
 
     def rms(self, fit: Fit) -> float:
         """Root mean square deviation from the rows that move, m."""
-        total, count = 0.0, 0
-        rows = zip(self.residuals(fit), self.turn.lift, self.turn.line, strict=True)
-        for deviation, lift, line in rows:
-            if line and lift != 0.0:
-                total += deviation * deviation
-                count += 1
-        return sqrt(total / max(1, count))
+        off = self.residuals(fit)[(self.turn.line > 0) & (self.turn.lift != 0.0)]
+        return sqrt(float((off * off).sum()) / max(1, len(off)))
 
-    def accels(self, fit: Fit) -> list[float]:
-        """c_thetatheta per knot spacing squared, at the knot and the middle of moving intervals."""
-        knot, middle = basis(0.0, 2), basis(0.5, 2)
-        values = []
-        for i in self.moving:
-            values += [at(fit.coefficients, i, knot), at(fit.coefficients, i, middle)]
-        return values
+    def accels(self, fit: Fit) -> np.ndarray:
+        """c_thetatheta at `halves`, m/rad2."""
+        return at(fit.coefficients, *self.halves) * self.per_square
 
-    def changes(self, fit: Fit, other: Fit) -> list[float]:
-        """|change| of `accels` from one fit to another."""
-        pairs = zip(self.accels(fit), self.accels(other), strict=True)
-        return [abs(b - a) for a, b in pairs]
+    def changes(self, fit: Fit) -> np.ndarray:
+        """|change| of `accels` when the smoothing length doubles."""
+        return np.abs(self.accels(self.fit(fit.weight * DOUBLE)) - self.accels(fit))
 
-    def _response(self, fit: Fit, i: int, row: list[float]) -> list[float]:
-        """How a derivative in interval i answers to the right-hand side, by unknown."""
-        right = [0.0] * len(self.order)
+    def response(self, fit: Fit, intervals: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """How derivatives answer to the right-hand side: (count, places), zero where held."""
+        right = np.zeros((self.count, len(intervals)))
         for k in range(WIDTH):
-            p = self.position.get((i + k) % self.count)
-            if p is not None:
-                right[p] = row[k]
-        return fit.factors.solve(right)
+            right[(intervals + k) % self.count, np.arange(len(intervals))] = weights[..., k]
+        whole = np.zeros_like(right)
+        whole[self.order] = fit.factors.solve(right[self.order])
+        return whole
 
-    def spread(self, fit: Fit, i: int, row: list[float]) -> float:
-        """Standard error of a derivative in interval i per standard deviation of the rows."""
-        z = self._response(fit, i, row)
-        total = 0.0
-        for p, line in enumerate(self.normal):
-            total += line[0] * z[p] * z[p]
-            for k in range(1, min(p, self.band) + 1):
-                total += 2.0 * line[k] * z[p] * z[p - k]
-        return sqrt(max(0.0, total))
+    def spread(self, fit: Fit, intervals: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Standard errors of c_thetatheta at places per standard deviation of the rows, 1/rad2."""
+        rows = at(self.response(fit, intervals, weights), self.interval, self.weights)
+        return np.sqrt((rows * rows).sum(axis=0)) * self.per_square
 
     def error(self, fit: Fit) -> float:
-        """Largest standard error of c_thetatheta per standard deviation, at some phases."""
+        """Largest of these at some phases."""
         stride = max(1, len(self.moving) // PLACES)
-        rows = basis(0.0, 2), basis(0.5, 2)
-        places = enumerate(self.moving[stride // 2 :: stride])
-        return max([0.0, *(self.spread(fit, i, rows[k % 2]) for k, i in places)])
-
-    def worst(self, fit: Fit, i: int, row: list[float]) -> float:
-        """Largest change of a derivative when no row changes by more than one."""
-        whole = self._whole(self._response(fit, i, row))
-        total = 0.0
-        for (j, weights), line in zip(self.squares, self.turn.line, strict=True):
-            total += abs(at(whole, j, weights)) if line else 0.0
-        return total
+        places = self.moving[stride // 2 :: stride]
+        weights = basis(np.array([0.0, 0.5]), 2)[np.arange(len(places)) % 2]
+        return max(self.spread(fit, places, weights), default=0.0)
 
 
 # -- its error ---------------------------------------------------------------------------------
@@ -436,90 +365,70 @@ class Errors:
 
     def __init__(self, smoother: Smoother, fit: Fit, noise: float):
         self.smoother, self.fit, self.noise = smoother, fit, noise
-        knot = 360.0 / smoother.count / DEG
-        self.per_square = 1.0 / (knot * knot)
 
     @cached_property
-    def _smoother_fits(self) -> tuple[Fit, Fit]:
-        """Fits with twice and four times the smoothing length."""
-        weight, fits = self.fit.weight, []
-        for _ in range(2):
-            for _ in range(OCTAVE):
-                weight *= STEP
-            fits.append(self.smoother.fit_of(weight))
-        return fits[0], fits[1]
-
-    @cached_property
-    def changes(self) -> list[float]:
-        """|change| of c_thetatheta at `Smoother.accels` when the length doubles, m/rad2."""
-        changes = self.smoother.changes(self.fit, self._smoother_fits[0])
-        return [change * self.per_square for change in changes]
+    def changes(self) -> np.ndarray:
+        """|change| of c_thetatheta at `Smoother.halves` when the length doubles, m/rad2."""
+        return self.smoother.changes(self.fit)
 
     @cached_property
     def ratio(self) -> float:
         """How the bending grows when the length doubles."""
-        twice, four = self._smoother_fits
-        first = max(self.smoother.changes(self.fit, twice))
-        return max(self.smoother.changes(twice, four)) / first if first > 0.0 else MOST_RATIO
+        twice = self.smoother.fit(self.fit.weight * DOUBLE)
+        first = max(self.changes)
+        return float(max(self.smoother.changes(twice)) / first) if first > 0.0 else MOST_RATIO
 
     @property
-    def _factor(self) -> float:
+    def factor(self) -> float:
+        """Of the bending over what it changes when the length doubles."""
         return SAFETY / (min(max(self.ratio, LEAST_RATIO), MOST_RATIO) - 1.0)
 
     @property
     def length(self) -> float:
         """Smoothing length in knot spacings: the eighth root of the weight per row."""
-        length = self.fit.weight / self.smoother.rows_per_knot
-        for _ in range(3):
-            length = sqrt(length)
-        return max(1.0, length)
-
-    def near(self, theta_deg: float) -> float:
-        """Bound on the error of c_thetatheta about a phase, m/rad2; 0 in the middle of a dwell."""
-        s, count = self.smoother, self.smoother.count
-        u = (theta_deg % 360.0) * count / 360.0
-        i = min(int(u), count - 1)
-        if i not in s.moving:
-            return 0.0
-        standard = self.noise * self.per_square * s.spread(self.fit, i, basis(u - i, 2))
-        reach, bending = NEAR * self.length, 0.0
-        for k, place in enumerate(s.moving):
-            apart = abs((place + 0.5 - u + count / 2) % count - count / 2)
-            if apart <= reach + 0.5:
-                bending = max(bending, self.changes[2 * k], self.changes[2 * k + 1])
-        return ERRORS * standard + self._factor * bending
+        return max(1.0, (self.fit.weight / self.smoother.rows_per_knot) ** 0.125)
 
     @cached_property
     def bounds(self) -> list[float]:
-        """`near` over SHARES equal shares of the turn: the larger value of its two ends."""
-        ends = [self.near(360.0 * k / SHARES) for k in range(SHARES)]
-        return [max(ends[k], ends[(k + 1) % SHARES]) for k in range(SHARES)]
+        """Bound on the error of c_thetatheta in SHARES equal shares of the turn, m/rad2.
+
+        The larger value of its two ends; 0 in the middle of a dwell.
+        """
+        s, count = self.smoother, self.smoother.count
+        u = np.arange(SHARES) * (count / SHARES)
+        i = u.astype(int)
+        standard = self.noise * s.spread(self.fit, i, basis(u - i, 2))
+        apart = np.abs((s.moving + 0.5 - u[:, None] + count / 2) % count - count / 2)
+        nearby = apart <= NEAR * self.length + 0.5
+        bending = np.where(nearby, self.changes.reshape(-1, 2).max(axis=1), 0.0).max(axis=1)
+        ends = np.where(np.isin(i, s.moving), ERRORS * standard + self.factor * bending, 0.0)
+        return np.maximum(ends, np.roll(ends, -1)).tolist()
 
     def accuracy(self) -> Accuracy:
         """Everything about the fit as a whole."""
         s, turn = self.smoother, self.smoother.turn
-        rows = zip(s.residuals(self.fit), turn.line, strict=True)
-        residuals = [abs(r) if line else 0.0 for r, line in rows]
-        largest = max(residuals)
-        accels = [abs(value) * self.per_square for value in s.accels(self.fit)]
-        at = self.changes.index(max(self.changes))
-        middle = s.moving[accels.index(max(accels)) // 2]
-        worst = s.worst(self.fit, middle, basis(0.5, 2))
-        standard = self.noise * self.per_square * s.error(self.fit)
-        jump = max(self.changes) > ERRORS * standard and self.ratio < JUMP
+        off = np.where(turn.line > 0, np.abs(s.residuals(self.fit)), 0.0)
+        accels, most = np.abs(s.accels(self.fit)), int(np.argmax(self.changes))
+        middle = s.moving[[np.argmax(accels) // 2]]
+        answer = s.response(self.fit, middle, basis(np.array([0.5]), 2))
+        answer = at(answer, s.interval, s.weights)[turn.line > 0]
+        standard = self.noise * s.error(self.fit)
+        jump = self.changes[most] > ERRORS * standard and self.ratio < JUMP
         return Accuracy(
-            rows=len([line for line in turn.line if line]),
+            rows=int((turn.line > 0).sum()),
             knots=s.count,
-            lift=max(turn.lift) - min(turn.lift),
+            lift=float(max(turn.lift) - min(turn.lift)),
             quantum=turn.quantum,
             noise=self.noise,
             rms=s.rms(self.fit),
-            largest=largest,
-            line=turn.line[residuals.index(largest)],
+            largest=float(max(off)),
+            line=int(turn.line[np.argmax(off)]),
             length_deg=self.length * 360.0 / s.count,
-            accel=max(accels),
-            standard=standard,
-            worst=0.5 * turn.quantum * self.per_square * worst,
-            bending=self._factor * max(self.changes),
-            jump_deg=(s.moving[at // 2] + 0.5 * (at % 2)) * 360.0 / s.count if jump else None,
+            accel=float(max(accels)),
+            standard=float(standard),
+            worst=float(0.5 * turn.quantum * s.per_square * np.abs(answer).sum()),
+            bending=float(self.factor * self.changes[most]),
+            jump_deg=float(s.moving[most // 2] + 0.5 * (most % 2)) * 360.0 / s.count
+            if jump
+            else None,
         )

@@ -13,8 +13,9 @@ import hashlib
 import os
 from decimal import Decimal
 from functools import cached_property
+from itertools import groupby
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, model_validator
 
@@ -22,14 +23,16 @@ from camcli.cams import decimals
 from camcli.cams.compile import Part
 from camcli.cams.decimals import Numbers
 from camcli.cams.files import read_bytes, refused
-from camcli.cams.lift_fit import Accuracy, Errors, Fit, Smoother, noise, piece
-from camcli.cams.lift_reading import Reading, Turn, read_turn
+
+if TYPE_CHECKING:
+    from camcli.cams.lift_fit import Accuracy, Errors
+    from camcli.cams.lift_reading import Turn
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Column = Annotated[int, Field(strict=True, ge=1)] | Annotated[str, Field(min_length=1)]
+Flag = Annotated[bool, Field(strict=True)]
 UNITS = {"m": 1.0, "mm": 1e-3, "inch": 0.0254}
 MAX_BYTES = 10_000_000
-EXPECTED = "expected a table of angles and lifts"
 CHUNK = 8  # pieces of a stretch: its bounds are tighter than those of a whole flank
 
 
@@ -42,9 +45,7 @@ class TableCam(BaseModel):
     file: Annotated[str, Field(min_length=1, max_length=1000)] = Field(
         description="text file of the table, from the scene's folder"
     )
-    header: Annotated[bool, Field(strict=True)] = Field(
-        description="whether its first line names the columns"
-    )
+    header: Flag = Field(description="whether its first line names the columns")
     angle_column: Column = Field(description="column of the angle: number from 1, or name")
     lift_column: Column = Field(description="column of the lift: number from 1, or name")
     angle: Literal["cam", "crank"] = Field(
@@ -72,9 +73,7 @@ class TableCam(BaseModel):
     smoothing: Annotated[Number, Field(ge=0, le=1e6)] | None = Field(
         None, description="rms deviation of the cam from the table, m; null: as its rounding asks"
     )
-    allow_outside: Annotated[bool, Field(strict=True)] = Field(
-        False, description="allow a file outside the scene's folder"
-    )
+    allow_outside: Flag = Field(False, description="allow a file outside the scene's folder")
     sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = Field(
         None, description="SHA-256 the file must have; null: any"
     )
@@ -87,34 +86,32 @@ class TableCam(BaseModel):
             raise ValueError("lift: fraction and max_lift belong together: give both, or neither")
         folder = Path((info.context or {}).get("folder", Path()))
         name = str(folder / self.file)
-        self._inside(folder, name)
+        try:
+            home, place = os.path.realpath(folder), os.path.realpath(folder / self.file)
+            self._outside = "" if os.path.commonpath([home, place]) == home else place
+        except ValueError:  # a name no file can have
+            pass
+        if self._outside and not self.allow_outside:
+            found = "found a file outside the scene's folder"
+            cure = "copy it beside the scene, or write allow_outside: true"
+            raise refused(name, "file", found, "expected a file beside the scene", cure)
+        expected = "expected a table of angles and lifts"
         cure = "check the name; it is looked for beside the scene"
-        data = read_bytes(folder / self.file, name, MAX_BYTES, EXPECTED, cure, "file")
+        data = read_bytes(folder / self.file, name, MAX_BYTES, expected, cure, "file")
         digest = hashlib.sha256(data).hexdigest()
         if self.sha256 not in (None, digest):
             found = f"found a file with the SHA-256 {digest}"
             cure = "this is not the file the scene was made for; remove sha256 to use it"
             raise refused(name, "sha256", found, f"expected {self.sha256}", cure)
         object.__setattr__(self, "sha256", digest)  # the scene's hash depends on the file's bytes
-        self._turn = read_turn(data, name, self._reading())
+        self._turn = self._read(data, name)
         return self
 
-    def _inside(self, folder: Path, name: str) -> None:
-        """Refuse a file outside the scene's folder unless the scene allows it."""
-        try:
-            home, place = os.path.realpath(folder), os.path.realpath(folder / self.file)
-            inside = os.path.commonpath([home, place]) == home
-        except ValueError:  # a name no file can have
-            inside = True
-        if not inside and not self.allow_outside:
-            found = "found a file outside the scene's folder"
-            cure = "copy it beside the scene, or write allow_outside: true"
-            raise refused(name, "file", found, "expected a file beside the scene", cure)
-        self._outside = "" if inside else place
+    def _read(self, data: bytes, name: str) -> Turn:
+        from camcli.cams.lift_reading import Reading, read_turn
 
-    def _reading(self) -> Reading:
         unit = self.max_lift if self.max_lift is not None else UNITS[self.lift]
-        return Reading(
+        reading = Reading(
             angle_column=self.angle_column,
             lift_column=self.lift_column,
             header=self.header,
@@ -123,18 +120,17 @@ class TableCam(BaseModel):
             zero_deg=self.zero_deg,
             reversed=self.direction == "reversed",
         )
-
-    @cached_property
-    def _fitted(self) -> tuple[Smoother, Fit, float]:
-        smoother, sigma = Smoother(self._turn), noise(self._turn)
-        if self.smoothing is None:
-            return smoother, smoother.balanced(sigma), sigma
-        return smoother, smoother.with_rms(self.smoothing), sigma
+        return read_turn(data, name, reading)
 
     @cached_property
     def errors(self) -> Errors:
-        """What the fit may have changed."""
-        return Errors(*self._fitted)
+        """The fit, and what it may have changed."""
+        from camcli.cams.lift_fit import Errors, Smoother, noise
+
+        smoother, sigma = Smoother(self._turn), noise(self._turn)
+        smoothing = self.smoothing
+        fit = smoother.balanced(sigma) if smoothing is None else smoother.with_rms(smoothing)
+        return Errors(smoother, fit, sigma)
 
     @cached_property
     def accuracy(self) -> Accuracy:
@@ -153,29 +149,20 @@ class TableCam(BaseModel):
 
     def parts(self, numbers: Numbers = decimals) -> list[Part]:
         """Dwells, and between them the spline in chunks of equal pieces."""
-        smoother, fit, _ = self._fitted
-        moving = set(smoother.moving)
-        parts, i = [], 0
-        while i < smoother.count:
-            j = i
-            while j < smoother.count and (j in moving) == (i in moving):
-                j += 1
-            parts += self._chunks(fit.coefficients, i, j, i in moving, numbers)
-            i = j
+        from camcli.cams.lift_fit import piece
+
+        smoother, coefficients = self.errors.smoother, self.errors.fit.coefficients
+        count, moving = smoother.count, set(smoother.moving.tolist())
+        parts = []
+        for moves, group in groupby(range(count), moving.__contains__):
+            run = list(group)
+            for first in range(run[0], run[-1] + 1, CHUNK if moves else count):
+                chunk = run[first - run[0] :][: CHUNK if moves else count]
+                low, high = (2 * numbers.pi() * i / count for i in (chunk[0], chunk[-1] + 1))
+                if moves:
+                    pieces = tuple(piece(coefficients, i, self.base) for i in chunk)
+                    parts.append(Part(low, high, None, pieces=pieces))
+                else:
+                    level = numbers.number(self.base) + numbers.number(float(coefficients[first]))
+                    parts.append(Part(low, high, None, level))
         return parts
-
-    def _chunks(self, coefficients, low: int, high: int, moves: bool, numbers) -> list[Part]:
-        count = len(coefficients)
-
-        def phase(i: int) -> Any:
-            return 2 * numbers.pi() * i / count
-
-        if not moves:
-            level = numbers.number(self.base) + numbers.number(coefficients[low])
-            return [Part(phase(low), phase(high), None, level)]
-        chunks = []
-        for a in range(low, high, CHUNK):
-            b = min(a + CHUNK, high)
-            pieces = tuple(piece(coefficients, i, self.base) for i in range(a, b))
-            chunks.append(Part(phase(a), phase(b), None, pieces=pieces))
-        return chunks

@@ -223,8 +223,9 @@ def test_every_way_to_write_a_table_means_the_same(tmp_path):
         (body, numbered),
         (swapped, {**numbered, "angle_column": 2, "lift_column": 1}),
     ):
-        assert scene(tmp_path, written, **changes).cam.measured.lift == plain.measured.lift
-        assert scene(tmp_path, written, **changes).cam.measured.theta == plain.measured.theta
+        measured = scene(tmp_path, written, **changes).cam.measured
+        assert (measured.lift == plain.measured.lift).all()
+        assert (measured.theta == plain.measured.theta).all()
 
 
 def test_units_angles_and_directions(tmp_path):
