@@ -9,8 +9,8 @@ from math import inf
 
 from camcli.analysis.exponents import Exponents, of_orbit, of_record
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
-from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, UNDECIDED
-from camcli.analysis.orbits.identify import identify, passages
+from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, UNDECIDED, passages
+from camcli.analysis.orbits.identify import identify
 from camcli.analysis.orbits.orbit import PeriodicOrbit, resting_orbit
 from camcli.analysis.orbits.same_orbit import SAME, distance_to, same_orbit
 from camcli.analysis.orbits.search import RECORD, cloud

@@ -6,12 +6,12 @@ complete chatter. Of its m rotations the one that is largest in lexical order is
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from math import inf
 
 from camcli.analysis.integrate import Record
-from camcli.analysis.orbits.same_orbit import CLOSE, SAME
+from camcli.analysis.orbits.same_orbit import CLOSE, SAME, State, distance, size_of
 from camcli.errors import Status
 
 CONTACT, APERIODIC, UNDECIDED = "contact", "aperiodic", "undecided"  # labels without symbols
@@ -60,50 +60,46 @@ def rotation(symbols: Sequence[float], tie: Callable[[int], tuple] = lambda firs
     return max(range(len(symbols)), key=lambda k: ((*symbols[k:], *symbols[:k]), tie(k)))
 
 
+def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
+    """States at the strobes that begin its whole turns (m, m/rad), and the symbols of these."""
+    n = record.periods
+    states = [(float(record.strobe_q[k]), float(record.strobe_w[k])) for k in range(n)]
+    return states, [inf if record.chatter[k] else float(record.impacts[k]) for k in range(n)]
+
+
 def label(record: Record) -> str:
     """The label of the attractor a record ends on.
 
     `aperiodic` where no period fits, `undecided` where the record is too short to say even that.
     """
-    n = record.periods
-    if n == 0:
-        return UNDECIDED
-    if record.status == Status.OK and not record.touches:
+    if record.periods and record.status == Status.OK and not record.touches:
         return CONTACT
-    q, w = _plain(record.strobe_q)[:n], _plain(record.strobe_w)[:n]
-    symbols = [
-        inf if full else count
-        for count, full in zip(_plain(record.impacts)[:n], _plain(record.chatter)[:n], strict=True)
-    ]
-    m = find_period(q, w, symbols)
+    states, symbols = passages(record)
+    m = find_period(states, symbols)
     if m == 0:
-        return APERIODIC if sum(_plain(record.impacts)[:n]) >= FEWEST_IMPACTS else UNDECIDED
+        impacts = sum(int(record.impacts[k]) for k in range(record.periods))
+        return APERIODIC if impacts >= FEWEST_IMPACTS else UNDECIDED
     return Label(symbols[-m:])
 
 
-def find_period(q: Sequence[float], w: Sequence[float], symbols: Sequence[float]) -> int:
+def find_period(states: Sequence[State], symbols: Sequence[float]) -> int:
     """Smallest m whose shift repeats the record, or 0.
 
     A shift repeats where the symbols do and the states agree to SAME of their size, or approach
     each other geometrically with an extrapolated limit of nothing (slow multipliers).
     """
-    n = len(q)
-    size_q = max(abs(value) for value in q) or 1.0
-    size_w = max(abs(value) for value in w) or 1.0
+    n, size = len(states), size_of(states) if states else (1.0, 1.0)
     for m in range(1, min(LONGEST_PERIOD, n // 2) + 1):
         window = min(n - m, max(2 * m, WINDOW))
         if symbols[n - window :] != symbols[n - window - m : n - m]:
             continue
-
-        def distance(k: int, m: int = m) -> float:
-            return max(abs(q[k] - q[k - m]) / size_q, abs(w[k] - w[k - m]) / size_w)
-
-        last = distance(n - 1)
-        if last <= SAME and all(distance(k) <= SAME for k in range(n - window, n)):
-            return m
-        if last > CLOSE or last > SLOWEST * distance(m + (n - m) // 4):
+        if distance(states[-1], states[-1 - m], size) > CLOSE:
             continue
-        if symbols[m:] == symbols[:-m] and _shrinks([distance(k) for k in range(m, n)], m):
+        apart = [distance(a, b, size) for a, b in zip(states[m:], states, strict=False)]
+        if max(apart[-window:]) <= SAME:
+            return m
+        slow = apart[-1] <= SLOWEST * apart[(n - m) // 4]
+        if slow and symbols[m:] == symbols[:-m] and _shrinks(apart, m):
             return m
     return 0
 
@@ -114,12 +110,8 @@ def _shrinks(distances: list[float], m: int) -> bool:
     if quarter < 2 * m:
         return False
     d = [max(distances[k * quarter : (k + 1) * quarter]) for k in range(4)]
-    if not all(after <= SLOWEST * before for before, after in itertools.pairwise(d)):
+    if not all(after <= SLOWEST * before for before, after in pairwise(d)):
         return False
     bend = (d[3] - d[2]) - (d[2] - d[1])
     limit = d[3] - (d[3] - d[2]) ** 2 / bend if bend > 0.0 else d[3]
     return abs(limit) <= LIMIT_SHARE * d[3]
-
-
-def _plain(values) -> list:
-    return values.tolist() if hasattr(values, "tolist") else list(values)

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import starmap
 from math import pi
 from typing import Any
+
+from pydantic import ValidationError
 
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Curve, Plane
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult, Question
+from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
-from camcli.api.result import Machine, Progress, Result, machine_of, ticks
+from camcli.api.result import Progress, Result, machine_of, ticks
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
@@ -22,8 +25,10 @@ from camcli.scene import Scene
 from camcli.system import omega_of
 
 DEG = 180.0 / pi
-NATURAL = {"restitution": (0.0, 1.0)}
 AROUND = 0.1  # relative range of a parameter where none is given
+NEUTRAL = (
+    "det reaches 1 where nothing dissipates: there orbits are centres or saddles, none attracts"
+)
 MULTIPLIERS = ("multiplier_1_re", "multiplier_1_im", "multiplier_2_re", "multiplier_2_im")
 UNITS = {
     "mass": "mass_kg",
@@ -81,14 +86,10 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     """
     machine = machine_of(scene)
     scene, section, system = machine.scene, machine.scene.orbits, machine.system
-    question = _question(machine)
+    question = _question(scene)
     with stopwatch() as watch:
         tick = ticks(progress, "branches", question.branches + 2)
         found = run(system, machine.settings, question, tick)
-    tables = {
-        "branch": _branch_table(found),
-        "bifurcations": _bifurcations_table(found),
-    }
 
     def draw():
         from camcli.plots.orbits import draw_orbits
@@ -100,6 +101,7 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
 
         return draw_curves(found.curves, section.curve_in)
 
+    tables = {"branch": _branch_table(found), "bifurcations": _bifurcations_table(found)}
     pictures = {"orbits": draw}
     if section.curve is not None:
         tables["curve"] = _curve_table(found.curves, section.curve_in)
@@ -135,104 +137,86 @@ def _notes(found: OrbitsResult) -> list[str]:
     return notes
 
 
-def _question(machine: Machine) -> Question:
-    section, parameter = machine.scene.orbits, machine.scene.orbits.parameter
+def _question(scene: Scene) -> Question:
+    section, parameter, curve = scene.orbits, scene.orbits.parameter, scene.orbits.curve
     low, high = sorted((section.rpm.start, section.rpm.stop))
     at = section.at
     if at is None:
-        inside = low <= machine.scene.run.rpm <= high
-        at = machine.scene.run.rpm if inside else 0.5 * (low + high)
-    span = None
-    if parameter != "rpm" and section.curve is None:
-        low, high = _range(machine, parameter)
-    if low < high:
-        span = Span(low, high, (high - low) / max(1, section.rpm.num - 1))
-        _check_inside(machine, parameter if section.curve is None else "rpm", at, span)
+        at = scene.run.rpm if low <= scene.run.rpm <= high else 0.5 * (low + high)
+    label = None
+    if section.label is not None:
+        try:
+            label = Label.parse(section.label)
+        except ValueError as error:
+            expected = "P(m;s1:...:sm) with one count or inf for each of the m turns"
+            raise _refusal("label", str(error), expected, "quote it: 'P(3;3:3:2)'") from None
+    if curve is not None:
+        parameter = "rpm"
+        if section.curve_in == "rpm":
+            found, cure = "found rpm as the second parameter", "the first one is rpm already"
+            raise _refusal("curve_in", found, "another constant of the follower", cure)
+        if low == high:
+            raise _refusal("rpm", "found one speed", "a range for a curve", "give --rpm LO:HI")
+    value, path = at, "at"
+    if parameter != "rpm":
+        (low, high), value, path = (
+            _range(scene, parameter),
+            getattr(scene.follower, parameter),
+            "range",
+        )
+    if low < high and not low <= value <= high:
+        found = f"found {parameter} = {value!r} where orbits are looked for"
+        expected = f"a value from {low!r} to {high!r}, the range followed"
+        raise _refusal(path, found, expected, "choose another range, or --at")
+    plane = None
+    if curve is not None:
+        second = _range(scene, section.curve_in)
+        plane = Plane(
+            ("rpm", section.curve_in), ((low, high), second), max(2, section.rpm.num // 4)
+        )
     return Question(
-        rpm=at, parameter=parameter if section.curve is None else "rpm", span=span,
-        label=_label(section.label), branches=section.branches, starts=section.starts,
-        curve=section.curve, plane=_plane(machine, span),
+        rpm=at,
+        parameter=parameter,
+        span=Span(low, high, (high - low) / max(1, section.rpm.num - 1)) if low < high else None,
+        label=label,
+        branches=section.branches,
+        starts=section.starts,
         stable={"any": None, "stable": True, "unstable": False}[section.stability],
-    )  # fmt: skip
+        curve=curve,
+        plane=plane,
+    )
 
 
-def _check_inside(machine: Machine, parameter: str, rpm: float, span: Span) -> None:
-    """Orbits are found at a value that lies in the range followed."""
-    value = rpm if parameter == "rpm" else getattr(machine.scene.follower, parameter)
-    if span.holds(value):
-        return
-    path = "orbits.at" if parameter == "rpm" else "orbits.range"
-    found = f"found {parameter} = {value!r} where orbits are looked for"
-    expected = f"expected a value from {span.low!r} to {span.high!r}, the range followed"
-    raise SceneError(Fault("", path, found, expected, "choose another range, or --at"))
+def _refusal(key: str, found: str, expected: str, cure: str) -> SceneError:
+    return SceneError(Fault("", f"orbits.{key}", found, f"expected {expected}", cure))
 
 
-def _label(text: str | None) -> Label | None:
-    if text is None:
-        return None
-    try:
-        return Label.parse(text)
-    except ValueError as error:
-        expected = "expected P(m;s1:...:sm) with one count or inf for each of the m turns"
-        cure = "quote it for the shell: 'P(3;3:3:2)'"
-        raise SceneError(Fault("", "orbits.label", str(error), expected, cure)) from None
+def _range(scene: Scene, name: str) -> tuple[float, float]:
+    """The range of a constant that was asked for, or one around the scene's value, which it holds.
 
-
-def _range(machine: Machine, name: str) -> tuple[float, float]:
-    """The range asked for, or one around the scene's value."""
-    given = machine.scene.orbits.range
-    if given is not None:
-        if not given[0] < given[1]:
-            found = f"found {given[0]!r} to {given[1]!r}"
-            expected = "expected the lower end first, and two different ends"
-            raise SceneError(Fault("", "orbits.range", found, expected, "exchange them"))
-        _check_range(name, given)
-        return given
-    value = getattr(machine.scene.follower, name)
-    if value == 0.0:
-        found = f"found no range for {name}, which is 0 in the scene"
-        cure = "give one, e.g. --range 0:2"
-        raise SceneError(Fault("", "orbits.range", found, "expected LO:HI", cure))
-    low, high = sorted((value * (1.0 - AROUND), value * (1.0 + AROUND)))
-    least, most = NATURAL.get(name, (low, high))
-    return max(low, least), min(high, most)
-
-
-def _check_range(name: str, given: tuple[float, float]) -> None:
-    """No constant outside what a scene may hold."""
-    least = {"mass": 0.0, "stiffness": 0.0, "damping": 0.0, "restitution": 0.0}.get(name)
-    bad = (least is not None and given[0] < least) or (name == "mass" and given[0] == 0.0)
-    if bad or (name == "restitution" and given[1] > 1.0):
-        found = f"found {given[0]!r} to {given[1]!r}"
-        expected = {
-            "restitution": "expected values from 0 to 1",
-            "mass": "expected a positive mass",
-        }.get(name, f"expected {name} of 0 or more")
-        raise SceneError(Fault("", "orbits.range", found, expected, "correct the range"))
-
-
-def _plane(machine: Machine, span: Span | None) -> Plane | None:
-    """The plane of a two-parameter curve, if one is asked for."""
-    section = machine.scene.orbits
-    if section.curve is None:
-        return None
-    if section.curve_in == "rpm":
-        found = "found rpm as the second parameter"
-        cure = "the first one is rpm already"
-        expected = "expected another constant of the follower"
-        raise SceneError(Fault("", "orbits.curve_in", found, expected, cure))
-    if span is None:
-        found = "found one speed"
-        cure = "give --rpm LO:HI"
-        raise SceneError(Fault("", "orbits.rpm", found, "expected a range for a curve", cure))
-    second = _range(machine, section.curve_in)
-    value = getattr(machine.scene.follower, section.curve_in)
-    if not second[0] <= value <= second[1]:
-        found = f"found {section.curve_in} = {value!r} in the scene"
-        expected = f"expected a value within the curve's range, {second[0]!r} to {second[1]!r}"
-        raise SceneError(Fault("", "orbits.range", found, expected, "choose another range"))
-    ranges = (span.low, span.high), second
-    return Plane(("rpm", section.curve_in), ranges, max(2, section.rpm.num // 4))
+    Raises SceneError for constants that no follower has.
+    """
+    value, given = getattr(scene.follower, name), scene.orbits.range
+    if given is None:
+        if value == 0.0:
+            found, cure = f"found no range for {name}, which is 0", "give one, e.g. --range 0:2"
+            raise _refusal("range", found, "LO:HI", cure)
+        low, high = sorted((value * (1.0 - AROUND), value * (1.0 + AROUND)))
+        return low, min(high, 1.0) if name == "restitution" else high
+    low, high = given
+    found = f"found {low!r} to {high!r}"
+    if not low < high:
+        raise _refusal("range", found, "the lower end first, two different ends", "exchange them")
+    for end in given:
+        try:
+            type(scene.follower).model_validate({**dict(scene.follower), name: end})
+        except ValidationError as error:
+            expected = f"{name} as in a scene: {error.errors()[0]['msg']}"
+            raise _refusal("range", found, expected, "correct the range") from None
+    if not low <= value <= high:
+        expected = f"a range that holds {name} = {value!r} of the scene"
+        raise _refusal("range", found, expected, "choose another range")
+    return given
 
 
 def _branch_table(found: OrbitsResult) -> Table:
@@ -240,15 +224,29 @@ def _branch_table(found: OrbitsResult) -> Table:
     other = found.question.parameter
     rows = [(0, orbit) for orbit in found.orbits] if found.question.span is None else []
     rows += [(branch.number, orbit) for branch in found.branches for orbit in branch.points]
-    most = max((len(orbit.theta) for _, orbit in rows), default=1)
-    thetas = [f"theta_deg_{k}" for k in range(1, max(most, 1) + 1)]
+    most = max((len(orbit.theta) for _, orbit in rows), default=1) or 1
+    thetas = (f"theta_deg_{k + 1}" for k in range(most))
     columns = [
         "branch", "label", "rpm", "stable", "region", *thetas, "q_m", "v_m_per_s", *MULTIPLIERS,
         "trace", "det", *([UNITS[other]] if other != "rpm" else []),
     ]  # fmt: skip
-    return Table.of_rows(
-        columns, lambda: (_point(number, orbit, len(thetas), other) for number, orbit in rows)
-    )
+
+    def row(number: int, orbit: PeriodicOrbit) -> list:
+        q, w = orbit.states[0]
+        thetas = [theta * DEG for theta in orbit.theta]
+        return [
+            number, orbit.label, orbit.rpm, int(orbit.stable), ":".join(orbit.regions),
+            *thetas, *[None] * (most - len(thetas)), q, w * omega_of(orbit.rpm),
+            *multiplier_columns(orbit.multipliers), orbit.trace, orbit.det,
+            *([orbit.value] if other != "rpm" else []),
+        ]  # fmt: skip
+
+    return Table.of_rows(columns, lambda: starmap(row, rows))
+
+
+def multiplier_columns(pair: tuple[complex, complex]) -> list[float]:
+    """The entries of the columns MULTIPLIERS."""
+    return [part for z in pair for part in (z.real + 0.0, z.imag + 0.0)]
 
 
 def _bifurcations_table(found: OrbitsResult) -> Table:
@@ -258,6 +256,22 @@ def _bifurcations_table(found: OrbitsResult) -> Table:
     return Table.of_rows(
         (*BIFURCATIONS, *more), lambda: (bifurcation_row(b, other) for b in found.bifurcations)
     )
+
+
+def bifurcation_row(b: Bifurcation, parameter: str) -> list:
+    """A row of bifurcations.csv, with value and error of another parameter at the end.
+
+    One-sided traces and determinants; of a smooth event both sides are the same.
+    """
+    error, more = (b.error, []) if parameter == "rpm" else (0.0, [b.value, b.error])
+    own = [b.orbit.trace, b.orbit.det]
+    sides: list[float | None] = [*own, *own]
+    if b.left is not None and b.right is not None:
+        sides = [b.left.trace, b.left.det, b.right.trace, b.right.det]
+    elif b.kind in (Kind.GRAZING, Kind.CORNER_IMPACT) or b.orbit.resting:
+        sides = [*own, None, None]
+    row = [b.branch, b.label, b.kind, b.orbit.rpm, error, b.corner, *sides, b.classification]
+    return row + more
 
 
 def _curve_table(curves: list[Curve], second: str) -> Table:
@@ -274,50 +288,40 @@ def _curve_table(curves: list[Curve], second: str) -> Table:
     return Table.of_rows(("curve", "kind", "label", "corner", "rpm", UNITS[second], *CURVE), rows)
 
 
-def _point(number: int, orbit: PeriodicOrbit, most: int, parameter: str) -> list:
-    q, w = orbit.states[0]
-    thetas = [theta * DEG for theta in orbit.theta]
-    return [
-        number, orbit.label, orbit.rpm, int(orbit.stable), ":".join(orbit.regions),
-        *thetas, *[None] * (most - len(thetas)), q, w * omega_of(orbit.rpm),
-        *(part for z in orbit.multipliers for part in (z.real + 0.0, z.imag + 0.0)),
-        orbit.trace, orbit.det, *([orbit.value] if parameter != "rpm" else []),
-    ]  # fmt: skip
-
-
-def bifurcation_row(b: Bifurcation, parameter: str) -> list:
-    """A row of bifurcations.csv, with value and error of another parameter at the end."""
-    error = b.error if parameter == "rpm" else 0.0
-    row = [b.branch, b.label, b.kind, b.orbit.rpm, error, b.corner, *_sides(b)]
-    return [*row, b.classification, *([b.value, b.error] if parameter != "rpm" else [])]
-
-
-def _sides(b: Bifurcation) -> list:
-    """One-sided traces and determinants; of a smooth event both sides are the same."""
-    if b.kind == Kind.CORNER_IMPACT and b.left is not None and b.right is not None:
-        return [b.left.trace, b.left.det, b.right.trace, b.right.det]
-    own = [b.orbit.trace, b.orbit.det]
-    one_sided = b.kind in (Kind.GRAZING, Kind.CORNER_IMPACT) or b.orbit.resting
-    return [*own, None, None] if one_sided else [*own, *own]
-
-
 def remarks(result: OrbitsResult) -> list[str]:
     """Sentences: absent labels, virtual orbits, corner impacts, what is impossible."""
-    said = _absence(result)
+    said, absent = [], result.absent
+    if absent is not None:
+        text = f"{result.question.label} was not found at {absent.rpm:.10g} rpm"
+        if absent.nearest is None:
+            said.append(
+                f"{text}, nor at 24 speeds from {absent.low:.10g} to {absent.high:.10g} rpm"
+            )
+        else:
+            speed, cause = absent.nearest[0], absent.nearest[1].replace("-", " ")
+            nearest = f"the nearest speed at which it was found is {speed:.13g} rpm"
+            said.append(f"{text}; {nearest} ({cause})")
+    elif not result.orbits:
+        said.append(f"no periodic orbit found at {result.question.rpm:.10g} rpm")
     if result.virtual:
         said.append(
             f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
             "they penetrate the cam or would pull (run.json)"
         )
-    told = set()
+    events: dict[str, str] = {}  # what several branches share is told once
     for b in result.bifurcations:
-        key = (b.kind, b.label, f"{b.value:.10g}")
-        words = event_words(b)
-        if words and key not in told:
-            told.add(key)
-            said.append(f"{b.kind} of {b.label} at {b.value:.10g}: {' '.join(words)}{_rests_on(b)}")
+        if words := event_words(b):
+            event = f"{b.kind} of {b.label} at {b.value:.10g}"
+            events.setdefault(event, f": {' '.join(words)}{_rests_on(b)}")
+    said += [event + words for event, words in events.items()]
     if result.branches:
-        said.append(_no_torus(result))
+        largest = max(orbit.det for branch in result.branches for orbit in branch.points)
+        said.append(
+            "Neimark-Sacker bifurcations are impossible: det = r^(2 impacts) exp(-b T/m) is at "
+            f"most {largest:.6g} on these branches, below 1"
+            if largest < 1.0
+            else NEUTRAL
+        )
     if result.question.curve and not result.curves:
         said.append(f"no {result.question.curve} was located, so there is no curve to continue")
     said += [f"curve {n} ends: {c.ends[0]}; {c.ends[1]}" for n, c in enumerate(result.curves, 1)]
@@ -326,36 +330,13 @@ def remarks(result: OrbitsResult) -> list[str]:
 
 def _rests_on(b: Bifurcation) -> str:
     """The two inequalities that decide between the classes, with their numbers."""
-    if not b.inequalities:
+    if b.corner_impact is None:
         return ""
     told = [
-        f"{i.text} {'holds' if i.holds else 'fails'} ({i.left:.6g})" for i in b.inequalities[:2]
+        f"{i.text} {'holds' if i.holds else 'fails'} ({i.left:.6g})"
+        for i in b.corner_impact.collision.inequalities[:2]
     ]
     return f" Rests on: {'; '.join(told)}."
-
-
-def _no_torus(result: OrbitsResult) -> str:
-    largest = max(orbit.det for branch in result.branches for orbit in branch.points)
-    if largest < 1.0:
-        return (
-            f"Neimark-Sacker bifurcations are impossible: det = r^(2 impacts) exp(-b T/m) is at "
-            f"most {largest:.6g} on these branches, below 1"
-        )
-    return (
-        "det reaches 1 where nothing dissipates: there orbits are centres or saddles, none attracts"
-    )
-
-
-def _absence(result: OrbitsResult) -> list[str]:
-    absent = result.absent
-    if absent is None:
-        at = result.question.rpm
-        return [] if result.orbits else [f"no periodic orbit found at {at:.10g} rpm"]
-    text = f"{result.question.label} was not found at {absent.rpm:.10g} rpm"
-    if absent.nearest is None:
-        return [f"{text}, nor at 24 speeds from {absent.low:.10g} to {absent.high:.10g} rpm"]
-    value, cause = absent.nearest[0], absent.nearest[1].replace("-", " ")
-    return [f"{text}; the nearest speed at which it was found is {value:.13g} rpm ({cause})"]
 
 
 def _summary(result: OrbitsResult) -> dict[str, Any]:
@@ -364,7 +345,12 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
         "words": remarks(result),
         "orbits": [_orbit(orbit) for orbit in result.orbits],
         "virtual": [_orbit(orbit) for orbit in result.virtual],
-        "branches": [_branch(branch) for branch in result.branches],
+        "branches": [
+            {"branch": branch.number, "origin": branch.origin, "labels": branch.labels,
+             "from": branch.points[0].value, "to": branch.points[-1].value,
+             "points": len(branch.points), "ends": list(branch.ends)}
+            for branch in result.branches
+        ],
         "bifurcations": [_event(b) for b in result.bifurcations],
         "curves": [
             {"kind": c.kind, "label": c.label, "corner": c.corner, "points": len(c.points),
@@ -383,21 +369,13 @@ def _orbit(orbit: PeriodicOrbit) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _branch(branch: Branch) -> dict[str, Any]:
-    return {
-        "branch": branch.number, "origin": branch.origin, "labels": branch.labels,
-        "from": branch.points[0].value, "to": branch.points[-1].value,
-        "points": len(branch.points), "ends": list(branch.ends),
-    }  # fmt: skip
-
-
 def _event(b: Bifurcation) -> dict[str, Any]:
+    rests_on = () if b.corner_impact is None else b.corner_impact.collision.inequalities
     return {
         "branch": b.branch, "label": b.label, "kind": b.kind, "value": b.value, "error": b.error,
         "status": b.status, "corner": b.corner, "classification": b.classification,
         "continues_as_branch": b.continues, "prediction_agrees": b.agrees, "words": event_words(b),
         "inequalities": [
-            {"text": i.text, "left": i.left, "right": i.right, "holds": i.holds}
-            for i in b.inequalities
+            {"text": i.text, "left": i.left, "right": i.right, "holds": i.holds} for i in rests_on
         ],
     }  # fmt: skip

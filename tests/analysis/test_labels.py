@@ -6,7 +6,8 @@ from math import cos, exp, inf
 import pytest
 from conftest import settings
 
-from camcli.analysis.labels import Label, find_period
+from camcli.analysis import labels
+from camcli.analysis.labels import Label
 from camcli.analysis.sweep import sweep
 
 
@@ -40,6 +41,10 @@ BAD = [
 def test_what_is_no_label_is_refused(text):
     with pytest.raises(ValueError, match="found"):
         Label.parse(text)
+
+
+def find_period(q, w, symbols):
+    return labels.find_period(list(zip(q, w, strict=True)), symbols)
 
 
 def test_the_period_is_the_least_shift_of_states_and_symbols():

@@ -127,7 +127,7 @@ def test_only_stable_or_unstable_orbits_are_followed(cam, tmp_path, which, stabl
         (["--label", "hello"], "expected P(m;s1:...:sm)"),
         (["--rpm", "700", "--parameter", "damping"], "give one, e.g. --range 0:2"),
         (["--range", "3", "--parameter", "mass"], "expected two numbers LO:HI"),
-        (["--parameter", "restitution", "--range", "0.5:1.5"], "expected values from 0 to 1"),
+        (["--parameter", "restitution", "--range", "0.5:1.5"], "less than or equal to 1"),
         (["--parameter", "restitution", "--range", "0.9:0.5"], "exchange them"),
         (["--curve", "fold", "--in", "rpm"], "orbits.curve_in"),
         (["--curve", "fold", "--rpm", "700"], "give --rpm LO:HI"),

@@ -20,7 +20,7 @@ from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.integrate import Orbit, Record, with_turns
 from camcli.analysis.labels import Label
-from camcli.analysis.orbits.error_growth import TOO_LARGE, largest_growth
+from camcli.analysis.orbits.identify import TOO_LARGE, largest_growth
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST, Rest, Targets
 from camcli.kernel.flight import FREE

@@ -37,7 +37,6 @@ class Span:
 
     @property
     def width(self) -> float:
-        """high - low."""
         return self.high - self.low
 
     def holds(self, value: float) -> bool:

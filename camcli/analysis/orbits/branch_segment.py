@@ -26,12 +26,20 @@ POINTS_PER_SPACING = 30  # times the range over the spacing: a branch longer tha
 
 @dataclass
 class Segment:
-    """Points in order, events in order, and the reason for the end (a kind of event, or `lost`)."""
+    """Points in order, events in order, and the reason for the end (a kind of event, or `lost`).
+
+    turned: a nonsmooth fold, from which another branch leaves.
+    """
 
     points: list[Root] = field(default_factory=list)
     events: list[tuple[Located, Crossing | None]] = field(default_factory=list)
     end: Kind = Kind.LOST
-    turned: Crossing | None = None  # a nonsmooth fold: another branch leaves from here
+    turned: Crossing | None = None
+
+    def close(self, end: Kind, *events: tuple[Located, Crossing | None]) -> None:
+        """End here, with the events that end it."""
+        self.end = end
+        self.events += events
 
 
 def both_ways(shooter: Shooter, root: Root, span: Span) -> tuple[Segment, Segment]:
@@ -46,24 +54,20 @@ def both_ways(shooter: Shooter, root: Root, span: Span) -> tuple[Segment, Segmen
 
 def follow(shooter: Shooter, root: Root, along: Vector, span: Span) -> Segment:
     """Follow a branch from `root` in the direction `along` to the end of range or of motion."""
-    segment = Segment(points=[root])
-    metric = Metric.of(root, span.width)
+    segment, metric = Segment(points=[root]), Metric.of(root, span.width)
     most = POINTS_PER_SPACING * span.width / span.spacing
     while True:
         heading = metric.oriented(root, along)[-1]
-        if (root.value <= span.low and heading < 0.0) or (
-            root.value >= span.high and heading > 0.0
-        ):
-            segment.end = Kind.END_OF_RANGE
+        if not span.low < root.value < span.high and (root.value <= span.low) == (heading < 0.0):
+            segment.close(Kind.END_OF_RANGE)
             return segment
         for step in steps(shooter, root, along, metric, span):
             if step is None or len(segment.points) > most:
                 return segment
             crossing = _advance(shooter, segment, step, span)
+            if segment.end == Kind.LOST and _closes(segment, step):
+                segment.close(Kind.CLOSED)
             if segment.end != Kind.LOST:
-                return segment
-            if _closes(segment, step):
-                segment.end = Kind.CLOSED
                 return segment
             if crossing is not None:
                 root, along = crossing.far, crossing.ahead
@@ -71,7 +75,7 @@ def follow(shooter: Shooter, root: Root, along: Vector, span: Span) -> Segment:
 
 
 def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Crossing | None:
-    """Take a step up to the first thing that cuts it; sets segment.end where the branch ends."""
+    """Take a step up to the first thing that cuts it; closes the segment where the branch ends."""
     if collapses(shooter, step.after):
         _born(shooter, segment, step)
         return None
@@ -81,7 +85,7 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
         step, reached = step.cut(corner.root), False
     if corner is not None and collapses(shooter, corner.root):
         # it shrinks to an orbit of a shorter period: the 2-cycle of that orbit's corner impact
-        segment.end = Kind.CORNER_IMPACT
+        segment.close(Kind.CORNER_IMPACT)
         return None
     graze = graze_on(shooter, step)
     if graze is not None:
@@ -95,18 +99,17 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
         return None
     for found in smooth:
         born = parent_of(shooter, found) if found.kind == Kind.FOLD else None
-        segment.events.append((born or found, None))
         segment.points.append(found.root)
         if born is not None:
-            segment.end = Kind.PERIOD_DOUBLING
+            segment.close(Kind.PERIOD_DOUBLING, (born, None))
             return None
+        segment.events.append((found, None))
     if step.length > 0.0:
         segment.points.append(step.after)
     if graze is not None:
-        segment.events.append((graze, None))
-        segment.end = Kind.GRAZING
+        segment.close(Kind.GRAZING, (graze, None))
     elif reached:
-        segment.end = Kind.END_OF_RANGE
+        segment.close(Kind.END_OF_RANGE)
     elif corner is not None:
         return _pass_corner(shooter, segment, corner)
     return None
@@ -114,27 +117,22 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
 
 def _born(shooter: Shooter, segment: Segment, step: Step) -> None:
     """The step led past the period doubling where the branch was born, onto the single orbit."""
-    segment.end = Kind.PERIOD_DOUBLING
     far = 2.0 * abs(step.after.value - step.before.value)
     born = parent_of(shooter, Located(Kind.FOLD, step.after, step.length, 0.0, Bracket.OK), far)
-    if born is not None:
-        segment.events.append((born, None))
+    segment.close(Kind.PERIOD_DOUBLING, *([] if born is None else [(born, None)]))
 
 
 def _pass_corner(shooter: Shooter, segment: Segment, found: Located) -> Crossing | None:
     """Record a corner impact and go on behind it; a nonsmooth fold or a kink ends the branch."""
     crossing = cross(shooter, found)
-    if crossing is None:
-        segment.end = Kind.CORNER_IMPACT
-        segment.events.append((found, None))
+    if crossing is not None and not crossing.corner:
+        return crossing
+    if crossing is None or crossing.turns_back or crossing.kink:
+        segment.turned = crossing if crossing is not None and not crossing.kink else None
+        segment.close(Kind.CORNER_IMPACT, (found, crossing))
         return None
-    if crossing.corner:
-        segment.events.append((found, crossing))
-        if crossing.turns_back or crossing.kink:
-            segment.end = Kind.CORNER_IMPACT
-            segment.turned = None if crossing.kink else crossing
-            return None
-        segment.points.append(crossing.far)
+    segment.events.append((found, crossing))
+    segment.points.append(crossing.far)
     return crossing
 
 

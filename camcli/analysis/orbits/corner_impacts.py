@@ -16,8 +16,8 @@ from math import hypot
 from camcli.analysis.border_collision import Collision, Prediction, Side, classify
 from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Settings, Start, with_turns
-from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, UNDECIDED, Label, label
-from camcli.analysis.orbits.identify import identify, passages, settled
+from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, UNDECIDED, Label, label, passages
+from camcli.analysis.orbits.identify import identify, settled
 from camcli.analysis.orbits.locate import Crossing
 from camcli.analysis.orbits.orbit import section_states
 from camcli.analysis.orbits.same_orbit import distance_to
@@ -52,7 +52,10 @@ class OneSide:
 
 @dataclass(frozen=True)
 class CornerImpact:
-    """Both one-sided linear parts, the classification, and the check on both sides."""
+    """Both one-sided linear parts, the classification, and the check on both sides.
+
+    agrees: whether the simulations on both sides are as predicted; None where one cannot tell.
+    """
 
     left: Side
     right: Side
@@ -60,95 +63,74 @@ class CornerImpact:
     below: OneSide
     above: OneSide
 
+    @property
+    def agrees(self) -> bool | None:
+        agree = (self.below.agrees, self.above.agrees)
+        return None if None in agree else all(agree)
+
 
 def corner_impact(shooter: Shooter, crossing: Crossing, settings: Settings) -> CornerImpact:
     """Classify a corner impact and compare it with simulations on both sides of it."""
-    left = Side(crossing.left.trace, crossing.left.det)
-    right = Side(crossing.right.trace, crossing.right.det)
+    left, right = (Side(root.trace, root.det) for root in (crossing.left, crossing.right))
     collision = classify(left, right)
-    below, above = (_one_side(shooter, crossing, collision, settings, side) for side in (-1, 1))
-    return CornerImpact(left, right, collision, below, above)
-
-
-def mu_sign(crossing: Crossing, side: int) -> int:
-    """Sign of mu where the parameter is above (side 1) or below (-1) its value at the corner."""
     root = crossing.left
     rising = (root.tangent[2 * crossing.impact] < 0.0) == (root.tangent[-1] < 0.0)
-    gain = 1.0 - root.trace + root.det
-    sign = (1 if rising else -1) * (1 if gain > 0.0 else -1)
-    return sign * side
+    mu = 1 if rising == (1.0 - root.trace + root.det > 0.0) else -1  # above the corner's value
 
+    def one(side: int) -> OneSide:
+        predicted = collision.above if mu * side > 0 else collision.below
+        value, name, far = _simulated(shooter, crossing, settings, side * ASIDE)
+        stays = far <= REACH
+        agrees = _agree(predicted, name, stays, root.turns)
+        if agrees is False and stays:  # what shrinks with the distance is of the corner's making
+            _, _, nearer = _simulated(shooter, crossing, settings, side * ASIDE / CLOSER)
+            if nearer * SHRINKS > far:
+                stays = False
+                agrees = _agree(predicted, name, stays, root.turns)
+        return OneSide(value, mu * side, predicted, name, stays, agrees)
 
-def _one_side(
-    shooter: Shooter, crossing: Crossing, collision: Collision, settings: Settings, side: int
-) -> OneSide:
-    """The prediction and the simulation on one side of the parameter."""
-    mu = mu_sign(crossing, side)
-    predicted = collision.above if mu > 0 else collision.below
-    turns = crossing.left.turns
-    seen = _simulated(shooter, crossing, settings, side * ASIDE)
-    stays, agrees = seen.stays, _agree(predicted, seen.label, seen.stays, turns)
-    if agrees is False and stays:  # what shrinks with the distance is of the corner's making
-        closer = _simulated(shooter, crossing, settings, side * ASIDE / CLOSER)
-        if closer.far * SHRINKS > seen.far:
-            stays = False
-            agrees = _agree(predicted, seen.label, stays, turns)
-    return OneSide(seen.value, mu, predicted, seen.label, stays, agrees)
-
-
-@dataclass(frozen=True)
-class _Simulated:
-    """A simulation beside the corner, and its largest distance from the corner's orbit."""
-
-    value: float
-    label: str
-    far: float
-    stays: bool
+    return CornerImpact(left, right, collision, one(-1), one(1))
 
 
 def _simulated(
     shooter: Shooter, crossing: Crossing, settings: Settings, aside: float
-) -> _Simulated:
-    """Simulate at a relative distance `aside` of the parameter from the corner impact."""
+) -> tuple[float, str, float]:
+    """(value, label, largest distance from the corner's orbit) of a run, relatively `aside`."""
     at = crossing.left.value
     value = at + aside * max(abs(at), shooter.scale)
     start = _start(shooter, crossing, value)
     system, rpm = with_machine(shooter.system, shooter.at(value))
     run = with_turns(settings, SETTLE, 2 * LONGEST_PERIOD + 2)
     record = shooter.simulate(system, rpm, run, start)
-    orbit = identify(system, rpm, record)
-    name = _unsolved(system, rpm, record) if orbit is None else orbit.label
+    orbit, ok = identify(system, rpm, record), record.status == Status.OK
+    if orbit is not None:
+        name = orbit.label
+    else:  # chaos may be very small beside a corner
+        exponents = of_record(system, rpm, record) if ok else None
+        chaotic = exponents is not None and exponents.chaotic
+        resting = UNDECIDED if any(record.chatter) else label(record)
+        name = APERIODIC if chaotic else resting
     states = section_states(shooter.system, crossing.left)[0]
     far = max((distance_to(state, states) for state in passages(record)[0]), default=1.0)
-    return _Simulated(value, name, far, record.status == Status.OK and far <= REACH)
+    return value, name, far if ok else float("inf")
 
 
 def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
     """Beside an attracting orbit at this value if there is one, else beside the corner's orbit."""
     corner = section_states(shooter.system, crossing.left)[0][0]
-    best = None
-    for root in (crossing.left, crossing.right):
-        beside = shooter.moved(root, value)
-        beside = None if beside is None else settled(shooter, beside)
+    best, root = -1, crossing.left
+    for guess in (crossing.left, crossing.right):
+        beside = settled(shooter, shooter.moved(guess, value))
         if beside is None or not shooter.admits(beside):
             continue
         side = Side(beside.trace, beside.det)
         rank = 2 if side.stable else int(side.at_one > 0.0)  # the far side of a saddle leads away
-        if best is None or rank > best[0]:
-            best = rank, beside
-    root = crossing.left if best is None else best[1]
+        if rank > best:
+            best, root = rank, beside
     q, w = section_states(shooter.system, root)[0][0]
     omega = omega_of(shooter.at(value)[RPM])
     shift = max(NUDGE * hypot(q - corner[0], w - corner[1]), 1e-13 * abs(q))
     return Start(q + shift, w * omega, shooter.system.strobe_deg)
-
-
-def _unsolved(system, rpm: float, record) -> str:
-    """The label of a record without a solved orbit; chaos may be very small beside a corner."""
-    exponents = of_record(system, rpm, record) if record.status == Status.OK else None
-    if exponents is not None and exponents.chaotic:
-        return APERIODIC
-    return UNDECIDED if any(record.chatter) else label(record)
 
 
 def _agree(predicted: Prediction, simulated: str, stays: bool, turns: int) -> bool | None:

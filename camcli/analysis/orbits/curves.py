@@ -13,7 +13,7 @@ from math import sqrt
 
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.orbits.kinds import Kind
-from camcli.analysis.orbits.locate import MOST_SECANTS, Located, cross, flip_test, secant
+from camcli.analysis.orbits.locate import MOST_SECANTS, Located, cross, doubling_near, secant
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.shooter import PARAMETERS, Root, Shooter, with_machine
 from camcli.system import System
@@ -61,11 +61,12 @@ def curve(system: System, located: Located, plane: Plane, label: str, corner: st
     """Continue a bifurcation of a branch in plane.names[0] through the plane."""
     tracer = _Tracer(system, located, plane)
     start = tracer.solve(located.root, located.root.x, 0, tracer.values(located.root)[1])
-    down, end_down = tracer.trace(start, -1.0)
-    up, end_up = tracer.trace(start, 1.0)
-    roots = [*reversed(down), *([start] if start else []), *up]
+    roots, ends = [], (Kind.LOST, Kind.LOST)
+    if start is not None:
+        (down, end_down), (up, end_up) = tracer.trace(start, -1.0), tracer.trace(start, 1.0)
+        roots, ends = [*reversed(down), start, *up], (end_down, end_up)
     points = tuple(tracer.point(root) for root in roots)
-    return Curve(located.kind, label, corner, *plane.names, points, (end_down, end_up))
+    return Curve(located.kind, label, corner, *plane.names, points, ends)
 
 
 class _Tracer:
@@ -91,21 +92,28 @@ class _Tracer:
         """The event near `guess` with the other parameter at `value`."""
         shooter = self.shooter(root, free, value)
         beside = replace(root, x=guess, parameter=shooter.parameter)
-        if self.located.kind == Kind.CORNER_IMPACT:
-            return shooter.at_corner(beside, self.located.impact, self.located.side)
-        solvers = {Kind.PERIOD_DOUBLING: _flip, Kind.FOLD: _fold, Kind.GRAZING: _graze}
-        return solvers[self.located.kind](shooter, beside)
+        match self.located.kind:
+            case Kind.CORNER_IMPACT:
+                return shooter.at_corner(beside, self.located.impact, self.located.side)
+            case Kind.PERIOD_DOUBLING:
+                return doubling_near(shooter, beside, 1e-6)
+            case Kind.FOLD:
+                return _fold(shooter, beside)
+            case _:
+                return _graze(shooter, beside)
 
-    def trace(self, start: Root | None, sign: float) -> tuple[list[Root], Kind]:
+    def trace(self, start: Root, sign: float) -> tuple[list[Root], Kind]:
         """Roots from the start on, towards smaller (-1) or larger second parameters first."""
-        if start is None:
-            return [], Kind.LOST
         step = 1.0 / self.plane.steps
         roots, slope, share = [start], [0.0, sign], 1.0
         while len(roots) < LONGEST * self.plane.steps:
             given = 1 if abs(slope[1]) >= abs(slope[0]) else 0
-            here = self.values(roots[-1])
-            value, last = self._next(here[given], given, slope[given], share * step)
+            here, (low, high) = self.values(roots[-1]), self.plane.ranges[given]
+            way = share * step if slope[given] >= 0.0 else -share * step
+            value = here[given] + way * self.spans[given]
+            last = not low < value < high
+            if last:
+                value = high if slope[given] >= 0.0 else low
             after = self._advance(roots, 1 - given, value, step)
             if isinstance(after, Kind):
                 share *= 0.5
@@ -120,14 +128,6 @@ class _Tracer:
             if last or not low <= there[1 - given] <= high:
                 return roots[1:], Kind.END_OF_RANGE
         return roots[1:], Kind.LOST
-
-    def _next(self, here: float, given: int, slope: float, length: float) -> tuple[float, bool]:
-        """The next value of the given parameter, and whether it is the end of its range."""
-        low, high = self.plane.ranges[given]
-        value = here + (length if slope >= 0.0 else -length) * self.spans[given]
-        if value >= high or value <= low:
-            return (high if slope >= 0.0 else low), True
-        return value, False
 
     def _advance(self, roots: list[Root], free: int, value: float, step: float) -> Root | Kind:
         """The next root, or the reason why there is none."""
@@ -157,28 +157,15 @@ class _Tracer:
 
     def point(self, root: Root) -> CurvePoint:
         """The root as a point of the curve, with both sides of a corner."""
-        values = self.values(root)
-        orbit = from_root(self.system, root)
-        if self.located.kind != Kind.CORNER_IMPACT:
-            return CurvePoint(*values, orbit)
-        free = 0 if PARAMETERS[self.plane.names[0]] == root.parameter else 1
-        shooter = self.shooter(root, free, values[1 - free])
-        crossing = cross(shooter, replace(self.located, root=root))
-        if crossing is None:
-            return CurvePoint(*values, orbit)
-        left, right = crossing.left, crossing.right
-        return CurvePoint(*values, orbit, (left.trace, left.det), (right.trace, right.det))
-
-
-def _flip(shooter: Shooter, beside: Root) -> Root | None:
-    """Where a multiplier is -1."""
-
-    def at(value: float) -> tuple[float, Root | None]:
-        root = shooter.moved(beside, value)
-        return (0.0, None) if root is None else (flip_test(root), root)
-
-    size = abs(beside.value) + shooter.scale
-    return secant(at, beside.value, 1e-6 * size, size)
+        values, orbit = self.values(root), from_root(self.system, root)
+        if self.located.kind == Kind.CORNER_IMPACT:
+            free = 0 if PARAMETERS[self.plane.names[0]] == root.parameter else 1
+            shooter = self.shooter(root, free, values[1 - free])
+            crossing = cross(shooter, replace(self.located, root=root))
+            if crossing is not None:
+                left, right = crossing.left, crossing.right
+                return CurvePoint(*values, orbit, (left.trace, left.det), (right.trace, right.det))
+        return CurvePoint(*values, orbit)
 
 
 def _fold(shooter: Shooter, beside: Root) -> Root | None:

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import inf
 
 from camcli.analysis.integrate import Orbit, Record, Settings, Start, with_turns
-from camcli.analysis.labels import LONGEST_PERIOD
-from camcli.analysis.orbits.error_growth import TOO_LARGE, largest_growth
+from camcli.analysis.labels import LONGEST_PERIOD, passages
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root, resting_orbit, section_states
 from camcli.analysis.orbits.same_orbit import CLOSE, distance, distance_to, shortest_period, size_of
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.errors import Status
-from camcli.kernel.cam_table import TURN, stretch_at
+from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
+from camcli.kernel.variational import after_flight, after_impact
 from camcli.system import System
 
 CLOSED = 1e-12  # relative distance of two passages of an orbit that rests on the way
 DRIFT = 3.0  # how much farther than the last two passages a solved orbit may lie from the record
 MOST_IMPACTS = 2000  # in one period of an orbit to be solved
+TOO_LARGE = 7e10  # growth of a phase error that leaves five digits of a turn
 
 Impact = tuple[int, float, float]  # period, theta (rad), incoming u (m/rad)
 
@@ -31,54 +31,56 @@ def solve_from(
     start: Start | None = None,
     longest: int = LONGEST_PERIOD,
 ) -> PeriodicOrbit | None:
-    """The stable orbit a motion from `start` has come close to after settings.transient turns.
-
-    Its period is the shortest one whose Newton iteration converges to an admissible, attracting
-    orbit that the record approaches; None where no period up to `longest` has one.
-    """
+    """The stable orbit a motion from `start` has come close to after settings.transient turns."""
     run = with_turns(settings, settings.transient, 2 * longest + 2)
-    record = Orbit(system, rpm, run, start).run()
-    return identify(system, rpm, record, longest)
+    return identify(system, rpm, Orbit(system, rpm, run, start).run(), longest)
 
 
 def identify(
     system: System, rpm: float, record: Record, longest: int = LONGEST_PERIOD
 ) -> PeriodicOrbit | None:
-    """The attracting orbit at the end of a record with events and strobes, or None."""
-    if record.status != Status.OK or record.periods < 2:
+    """The attracting orbit at the end of a record with events and strobes, or None.
+
+    Its period is the shortest one whose Newton iteration converges to an admissible, attracting
+    orbit that the record approaches. A motion through a rest closes by itself: the cam alone
+    decides where it leaves.
+    """
+    n = record.periods
+    if record.status != Status.OK or n < 2:
         return None
+    states, symbols = passages(record)
     if not record.touches:
-        return _resting(system, rpm, record, 1)
-    shooter = Shooter(system, rpm)
-    for m, gap in _candidates(record, longest):
-        window = range(record.periods - m, record.periods)
-        orbit = None
-        if not _rests(record, window):
-            orbit = _bouncing(shooter, record, m, gap)
-        elif gap <= CLOSED and not _accidental(system, rpm, record, m):
-            orbit = _resting(system, rpm, record, m)
+        return resting_orbit(system, rpm, states[-1:], symbols[-1:], [])
+    shooter, size = Shooter(system, rpm), size_of(states)
+    for m in range(1, min(longest, n // 2) + 1):
+        if symbols[n - m :] != symbols[n - 2 * m : n - m]:
+            continue
+        gap = distance(states[n - 1], states[n - 1 - m], size)
+        if gap > CLOSE:
+            continue
+        orbit, window = None, range(n - m, n)
+        lifts_off = any(kind == DETACHMENT for kind, *_ in _events(record, window))
+        if not lifts_off and not any(record.chatter[k] for k in window):
+            orbit = _bouncing(shooter, impacts_of(record, window), m, gap, states[-1], symbols[-m:])
+        elif gap <= CLOSED:
+            grown = largest_growth(system, rpm, record, range(max(0, n - 2 * m), n))
+            if grown <= TOO_LARGE:  # else rounding, not the machine, closed the cycle
+                leaves = [(at - window.start, x) for at, x in departures(record) if at in window]
+                orbit = resting_orbit(system, rpm, states[-m:], symbols[-m:], leaves)
         if orbit is not None:
             return orbit
     return None
 
 
-def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
-    """States at the strobes (m, m/rad), and the symbol of each whole turn."""
-    n = record.periods
-    states = [(float(record.strobe_q[k]), float(record.strobe_w[k])) for k in range(n)]
-    symbols = [inf if record.chatter[k] else float(record.impacts[k]) for k in range(n)]
-    return states, symbols
+def _events(record: Record, window: range) -> Iterator[tuple[int, int, float, float]]:
+    """(kind, period, theta, u) of what was logged in these turns."""
+    rows = zip(record.kind, record.period, record.theta, record.u, strict=True)
+    return ((int(a), int(n), float(x), float(u)) for a, n, x, u in rows if n in window)
 
 
 def impacts_of(record: Record, window: range) -> list[Impact]:
     """The impacts in these turns."""
-    return [
-        (int(period), float(theta), float(u))
-        for kind, period, theta, u in zip(
-            record.kind, record.period, record.theta, record.u, strict=True
-        )
-        if kind == IMPACT and period in window
-    ]
+    return [event[1:] for event in _events(record, window) if event[0] == IMPACT]
 
 
 def departures(record: Record) -> list[tuple[int, float]]:
@@ -94,82 +96,84 @@ def departures(record: Record) -> list[tuple[int, float]]:
     return leaves
 
 
-def _candidates(record: Record, longest: int) -> Iterator[tuple[int, float]]:
-    """(m, relative distance) for every period that the end of the record suggests, ascending."""
-    states, symbols = passages(record)
-    n, size = len(states), size_of(states)
-    for m in range(1, min(longest, n // 2) + 1):
-        if symbols[n - m :] == symbols[n - 2 * m : n - m]:
-            gap = distance(states[n - 1], states[n - 1 - m], size)
-            if gap <= CLOSE:
-                yield m, gap
+def largest_growth(system: System, rpm: float, record: Record, window: range) -> float:
+    """Largest factor between a phase error after a rest and one before the next, in these turns.
+
+    An orbit that rests on the cam leaves it at a phase known to rounding. If an error of that phase
+    grows by more than doubles have digits, the next impacts are an accident of rounding, and that
+    such a run closes on itself says nothing about the machine. An error dtheta at the first impact,
+    a hop of s rad and incoming rate u after lift-off, is a difference (u, u/s) dtheta of position
+    and velocity; flights and impacts carry it on (saltation matrices: Leine & Nijmeijer, Dynamics
+    and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7), and at an impact it is a phase
+    error again, |dq/u|.
+    """
+    cam, const, strobe = system.cam, system.constants(rpm, 1.0, 1), system.strobe
+    largest = 0.0
+    last: float | None = None  # rad since period 0, of the last event of a motion from rest
+    pair: tuple[float, float] | None = None  # its difference; none before the first impact
+    for kind, period, theta, u in _events(record, window):
+        place = theta - strobe + (TURN if theta < strobe else 0.0) + TURN * period
+        if kind != IMPACT or last is None:
+            last, pair = place if kind == DETACHMENT else None, None
+            continue
+        s = place - last
+        if pair is None:
+            dq, dw = -u, -u / s if s > 0.0 else 0.0
+        else:
+            dq, _, dw, _ = after_flight(const, s, pair[0], 0.0, pair[1], 0.0)
+        largest = max(largest, abs(dq / u))
+        lifts = lift_at(cam, stretch_at(cam, theta), theta)
+        dq, _, dw, _ = after_impact(const, lifts, u, dq, 0.0, dw, 0.0)
+        last, pair = place, (dq, dw)
+    return largest
 
 
-def _rests(record: Record, window: range) -> bool:
-    """True where the follower chatters to rest, or leaves from rest, in one of these turns."""
-    return any(record.chatter[k] for k in window) or any(
-        kind == DETACHMENT and period in window
-        for kind, period in zip(record.kind, record.period, strict=True)
-    )
-
-
-def _accidental(system: System, rpm: float, record: Record, turns: int) -> bool:
-    """True where rounding, not the machine, closed the cycle that ends a record."""
-    window = range(max(0, record.periods - 2 * turns), record.periods)
-    return largest_growth(system, rpm, record, window) > TOO_LARGE
-
-
-def _resting(system: System, rpm: float, record: Record, m: int) -> PeriodicOrbit:
-    """An orbit that sticks: the cam alone decides where it leaves, so simulation closes exactly."""
-    window = range(record.periods - m, record.periods)
-    leaves = [(n - window.start, theta) for n, theta in departures(record) if n in window]
-    states, symbols = passages(record)
-    return resting_orbit(system, rpm, states[-m:], symbols[-m:], leaves)
-
-
-def _bouncing(shooter: Shooter, record: Record, m: int, gap: float) -> PeriodicOrbit | None:
-    """The orbit of m turns near the end of the record, if it is one and attracts."""
-    window = range(record.periods - m, record.periods)
-    root = newton_from(shooter, impacts_of(record, window), m)
-    root = None if root is None else _gone_once(shooter, root)
+def _bouncing(
+    shooter: Shooter, impacts: Sequence[Impact], m: int, gap: float, last, symbols: Sequence[float]
+) -> PeriodicOrbit | None:
+    """The orbit of m turns near the end of a record, if it is one, attracts and is approached."""
+    root = newton_from(shooter, impacts, m)
+    if root is None:
+        return None
+    turns = shortest_period(section_states(shooter.system, root)[0])
+    if turns < m:  # the orbit itself, which the root goes through several times
+        n = root.count * turns // m
+        root = shooter.at_value(
+            [*root.x[: 2 * n], root.value], root.whole[: 2 * n], turns, root.value
+        )
     if root is None or not shooter.admits(root):
         return None
     orbit = from_root(shooter.system, root)
-    states, symbols = passages(record)
-    alike = sorted(orbit.symbols * (m // orbit.turns)) == sorted(symbols[-m:])
+    alike = sorted(orbit.symbols * (m // orbit.turns)) == sorted(symbols)
     slow = 1.0 / max(1e-6, 1.0 - abs(orbit.multipliers[0]))
-    approached = distance_to(states[-1], orbit.states) <= DRIFT * (gap * slow + 1e-9)
+    approached = distance_to(last, orbit.states) <= DRIFT * (gap * slow + 1e-9)
     return orbit if orbit.stable and alike and approached else None
 
 
-def newton_from(shooter: Shooter, events: Sequence[Impact], turns: int) -> Root | None:
+def newton_from(shooter: Shooter, impacts: Sequence[Impact], turns: int) -> Root | None:
     """Newton's method from the impacts of `turns` turns; None where it fails."""
-    if not 0 < len(events) <= MOST_IMPACTS:
+    if not 0 < len(impacts) <= MOST_IMPACTS:
         return None
-    system, value = shooter.system, shooter.value
-    first, r = events[0][0], system.follower.restitution
+    system, r = shooter.system, shooter.system.follower.restitution
     whole, guess = [], []
-    for period, theta, u in events:
-        turn = period - first + (1 if theta < system.strobe else 0)
+    for period, theta, u in impacts:
+        turn = period - impacts[0][0] + (1 if theta < system.strobe else 0)
         whole += [stretch_at(system.cam, theta), turn]
         guess += [theta, -r * u]
-    root = shooter.at_value([*guess, value], whole, turns, value)
-    return None if root is None else settled(shooter, root)
+    root = shooter.at_value([*guess, shooter.value], whole, turns, shooter.value)
+    return settled(shooter, root)
 
 
-def settled(shooter: Shooter, root: Root, rounds: int = 4) -> Root | None:
+def settled(shooter: Shooter, root: Root | None, rounds: int = 4) -> Root | None:
     """The root with every impact on the stretch it lies on, solved again where one has moved."""
     for _ in range(rounds):
-        moved = _placed(shooter.system, root)
-        if moved is None:
+        moved = None if root is None else _placed(shooter.system, root)
+        if root is None or moved is None:
             return None
         x, whole = moved
         if whole == root.whole:
             return root if _in_order(root) else None
-        again = shooter.at_value(x, whole, root.turns, root.value)
-        if again is None:
-            return None
-        root = again
+        root = shooter.at_value(x, whole, root.turns, root.value)
     return None
 
 
@@ -193,12 +197,3 @@ def _in_order(root: Root) -> bool:
     """True where the impacts follow each other in time."""
     places = [theta + TURN * root.whole[2 * k + 1] for k, theta in enumerate(root.theta)]
     return all(a < b for a, b in pairwise([*places, places[0] + TURN * root.turns]))
-
-
-def _gone_once(shooter: Shooter, root: Root) -> Root | None:
-    """The orbit itself where the root goes through it several times."""
-    turns = shortest_period(section_states(shooter.system, root)[0])
-    if turns == root.turns:
-        return root
-    n = root.count * turns // root.turns
-    return shooter.at_value([*root.x[: 2 * n], root.value], root.whole[: 2 * n], turns, root.value)

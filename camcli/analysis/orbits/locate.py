@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from math import sqrt, ulp
 
 from camcli.analysis.bracketing import bracket
@@ -36,6 +35,8 @@ HALVES = 0.05  # rad, between the halves of an orbit that is about to be a singl
 SAME_VALUE = 1e-6  # relative distance of the parameters of a fold and of its period doubling
 ERRORS = (1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # relative half widths tried for a bracket
 AMPLITUDES = (1e-3, 1e-4, 1e-5, 1e-2)  # rad, tried between a doubled orbit and the single one
+
+Test = Callable[[Root], float]
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ class Crossing:
 
     left, right: roots with the impact at the end of the one stretch and the start of the next;
     corner: name of the boundary, empty where the cam is smooth there; kink: c_theta jumps.
-    `ahead`: direction of the branch on the far side.
+    `ahead`: direction of the branch on the far side, the one it goes to.
     """
 
     left: Root
@@ -77,7 +78,6 @@ class Crossing:
 
     @property
     def far(self) -> Root:
-        """The side the branch goes to."""
         return self.right if self.upward else self.left
 
     @property
@@ -99,21 +99,16 @@ def collapses(shooter: Shooter, root: Root) -> bool:
 
 def corner_on(shooter: Shooter, step: Step) -> Located | None:
     """The first place on the step where an impact reaches the end of its region."""
-    found = []
-    for _, k, side in shooter.beyond(step.after):
+
+    def located(k: int, side: int) -> Located | None:
         root = shooter.at_corner(step.after, k, side)
-        if root is None:
-            continue
-        reach = step.reach(root)
-        if -1e-9 * step.length <= reach <= step.length:
-            error, status = _bracket(shooter, root, partial(_ahead, root.theta[k], k))
-            found.append(Located(Kind.CORNER_IMPACT, root, max(reach, 0.0), error, status, k, side))
-    return min(found, key=lambda f: f.reach, default=None)
+        if root is None or not -1e-9 * step.length <= step.reach(root) <= step.length:
+            return None
+        sure = _bracket(shooter, root, lambda beside: beside.theta[k] - root.theta[k])
+        return Located(Kind.CORNER_IMPACT, root, max(step.reach(root), 0.0), *sure, k, side)
 
-
-def _ahead(corner: float, k: int, root: Root) -> float:
-    """rad by which impact k lies beyond the corner."""
-    return root.theta[k] - corner
+    found = (located(k, side) for _, k, side in shooter.beyond(step.after))
+    return min((f for f in found if f is not None), key=lambda f: f.reach, default=None)
 
 
 def smooth_events(shooter: Shooter, step: Step, turned: bool) -> list[Located]:
@@ -129,12 +124,7 @@ def smooth_events(shooter: Shooter, step: Step, turned: bool) -> list[Located]:
 
 
 def _root_of(
-    shooter: Shooter,
-    step: Step,
-    kind: Kind,
-    test: Callable[[Root], float],
-    before: float,
-    after: float,
+    shooter: Shooter, step: Step, kind: Kind, test: Test, before: float, after: float
 ) -> Located | None:
     """The place on a step where `test` changes sign."""
     sign = 1.0 if before < 0.0 else -1.0
@@ -150,13 +140,13 @@ def _root_of(
     if kind == Kind.FOLD:
         sides = [step.at(shooter, end) for end in (low, high)]
         width = max((abs(r.value - root.value) for r in sides if r is not None), default=0.0)
-        error, status = max(width, 8.0 * ulp(root.value)), Bracket.OK
+        sure = max(width, 8.0 * ulp(root.value)), Bracket.OK
     else:
-        error, status = _bracket(shooter, root, test)
-    return Located(kind, root, 0.5 * (low + high), error, status)
+        sure = _bracket(shooter, root, test)
+    return Located(kind, root, 0.5 * (low + high), *sure)
 
 
-def _bracket(shooter: Shooter, root: Root, test: Callable[[Root], float]) -> tuple[float, Bracket]:
+def _bracket(shooter: Shooter, root: Root, test: Test) -> tuple[float, Bracket]:
     """Smallest half width of the parameter around the root at whose ends `test` differs in sign."""
     for relative in ERRORS:
         width = relative * abs(root.value)
@@ -173,6 +163,17 @@ def doubling_at(shooter: Shooter, root: Root) -> Located | None:
     return Located(Kind.PERIOD_DOUBLING, root, 0.0, *_bracket(shooter, root, flip_test))
 
 
+def doubling_near(shooter: Shooter, beside: Root, width: float) -> Root | None:
+    """The orbit beside a root whose multiplier is -1; first step of the parameter: a width."""
+
+    def at(value: float) -> tuple[float, Root | None]:
+        root = shooter.moved(beside, value)
+        return (0.0, None) if root is None else (flip_test(root), root)
+
+    size = abs(beside.value) + shooter.scale
+    return secant(at, beside.value, width * size, size)
+
+
 def parent_of(shooter: Shooter, found: Located, within: float = 0.0) -> Located | None:
     """The period doubling from which a branch was born, where it turns round at a fold there.
 
@@ -180,20 +181,16 @@ def parent_of(shooter: Shooter, found: Located, within: float = 0.0) -> Located 
     `within`: how far from the root's parameter it may lie, where the root is past it already.
     """
     root = found.root
-    n, turns = root.count // 2, root.turns // 2
+    n = root.count // 2
     if root.count % 2 or root.turns % 2:
         return None
     halves = list(zip(root.x[: 2 * n], root.x[2 * n : -1], strict=True))
     if within == 0.0 and any(abs(a - b) > HALVES for a, b in halves[::2]):
         return None
-    single = [0.5 * (a + b) for a, b in halves]
-
-    def at(value: float) -> tuple[float, Root | None]:
-        parent = shooter.at_value([*single, value], root.whole[: 2 * n], turns, value)
-        return (0.0, None) if parent is None else (flip_test(parent), parent)
-
+    x = [*(0.5 * (a + b) for a, b in halves), root.value]
+    single = replace(root, x=x, whole=root.whole[: 2 * n], turns=root.turns // 2)
+    parent = doubling_near(shooter, single, 1e-7)
     size = abs(root.value) + shooter.scale
-    parent = secant(at, root.value, 1e-7 * size, size)
     if parent is None or abs(parent.value - root.value) > max(SAME_VALUE * size, within):
         return None
     return Located(Kind.PERIOD_DOUBLING, parent, found.reach, *_bracket(shooter, parent, flip_test))
@@ -209,9 +206,8 @@ def graze_on(shooter: Shooter, step: Step) -> Located | None:
         return -1.0 if root is not None and shooter.admits(root) else 1.0
 
     low, high, _, _ = bracket(value, 0.0, step.length, -1.0, 1.0)
-    last, first = step.at(shooter, low), step.at(shooter, high)
-    last = last if last is not None else step.before
-    first = first if first is not None else step.after
+    last = step.at(shooter, low) or step.before
+    first = step.at(shooter, high) or step.after
     _, impact, phase = shooter.verdict(first)
     error = max(abs(first.value - last.value), 8.0 * ulp(last.value))
     slowest = min(range(last.count), key=lambda k: abs(last.rates[k]))
@@ -239,17 +235,11 @@ def secant(
 
 def cross(shooter: Shooter, found: Located) -> Crossing | None:
     """The other side of a corner impact, or None where no orbit is found there."""
-    before, k, side, stretches = (
-        found.root,
-        found.impact,
-        found.side,
-        len(shooter.cam.stretches),
-    )
-    i = before.whole[2 * k]
-    j = (i + side) % stretches
-    whole = list(before.whole)
-    whole[2 * k] = j
-    whole[2 * k + 1] += (i + side) // stretches  # -1 or 1 past the end of a turn
+    before, k, side = found.root, found.impact, found.side
+    stretches, whole = shooter.cam.stretches, list(before.whole)
+    i = whole[2 * k]
+    turns, j = divmod(i + side, len(stretches))
+    whole[2 * k], whole[2 * k + 1] = j, whole[2 * k + 1] + turns
     far = shooter.at_corner(replace(before, whole=tuple(whole)), k, -side)
     if far is None:
         return None
@@ -262,7 +252,7 @@ def cross(shooter: Shooter, found: Located) -> Crossing | None:
         impact=k,
         upward=side > 0,
         corner=names.get(boundary, ""),
-        kink=shooter.cam.stretches[boundary].slope_jump != 0.0,
+        kink=stretches[boundary].slope_jump != 0.0,
         ahead=[side * d for d in far.tangent],
     )
 
@@ -287,7 +277,7 @@ def doubled(shooter: Shooter, found: Located) -> tuple[Root, list[float]] | None
     for amplitude in AMPLITUDES:
         guess = [x + amplitude * d for x, d in zip(origin, twice, strict=True)]
         orbit = shooter.correct(guess, whole, 2 * root.turns, twice, origin, amplitude * square)
-        orbit = None if orbit is None else settled(shooter, orbit)
+        orbit = settled(shooter, orbit)
         if orbit is not None and shooter.admits(orbit) and not collapses(shooter, orbit):
             return orbit, twice
     return None
@@ -295,22 +285,26 @@ def doubled(shooter: Shooter, found: Located) -> tuple[Root, list[float]] | None
 
 def _flip_vector(shooter: Shooter, root: Root) -> list[float] | None:
     """(dtheta_k, dv_k) of all impacts in the direction of the multiplier -1, largest phase 1."""
-    steps = [_impact_map(shooter, root, k) for k in range(root.count)]
-    m = [[1.0, 0.0], [0.0, 1.0]]
-    for s in steps:
-        m = [[s[i][0] * m[0][j] + s[i][1] * m[1][j] for j in range(2)] for i in range(2)]
-    rows = [[m[0][0] + 1.0, m[0][1]], [m[1][0], m[1][1] + 1.0]]
+    maps = [_impact_map(shooter, root, k) for k in range(root.count)]
+    columns = [[1.0, 0.0], [0.0, 1.0]]
+    for one in maps:
+        columns = [_times(one, column) for column in columns]
+    rows = [[columns[0][0] + 1.0, columns[1][0]], [columns[0][1], columns[1][1] + 1.0]]
     a, b = max(rows, key=lambda row: abs(row[0]) + abs(row[1]))
     size = sqrt(a * a + b * b)
     if size == 0.0:
         return None
     d = [-b / size, a / size]
-    vector = []
-    for s in steps:
+    vector: list[float] = []
+    for one in maps:
         vector += d
-        d = [s[i][0] * d[0] + s[i][1] * d[1] for i in range(2)]
+        d = _times(one, d)
     largest = max(abs(x) for x in vector[::2])
     return [x / largest for x in vector] if largest > 0.0 else None
+
+
+def _times(a: list[list[float]], x: list[float]) -> list[float]:
+    return [row[0] * x[0] + row[1] * x[1] for row in a]
 
 
 def _impact_map(shooter: Shooter, root: Root, k: int) -> list[list[float]]:

@@ -129,7 +129,7 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
     states, symbols = [], []
     for j in range(root.turns):
         at = TURN * j
-        symbols.append(float(sum(1 for place, _ in since if at <= place < at + TURN)))
+        symbols.append(float(sum(at <= place < at + TURN for place, _ in since)))
         before = [pair for pair in since if pair[0] <= at]
         place, k = before[-1] if before else since[-1]
         ago = at - place if before else at - place + TURN * root.turns
@@ -140,12 +140,11 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
 
 def _since_strobe(system: System, root: Root) -> list[tuple[float, int]]:
     """(rad since the first strobe, impact) of every impact in one period, ascending."""
-    strobe, period = system.strobe, TURN * root.turns
     since = []
     for k, theta in enumerate(root.theta):
-        place = TURN * root.whole[2 * k + 1] + (theta - strobe)
-        turns = root.whole[2 * k + 1] + (-1 if theta < strobe else 0)
-        since.append((place - period * (turns // root.turns), k))
+        turns = root.whole[2 * k + 1] + (-1 if theta < system.strobe else 0)
+        place = TURN * root.whole[2 * k + 1] + (theta - system.strobe)
+        since.append((place - TURN * root.turns * (turns // root.turns), k))
     return sorted(since)
 
 
@@ -159,5 +158,4 @@ def _first_turn(symbols: Sequence[float], states: Sequence[tuple[float, float]])
 
 
 def _rotated(items: Sequence, first: int) -> tuple:
-    """The items from `first` on, then those before."""
     return (*items[first:], *items[:first])

@@ -24,8 +24,7 @@ def size_of(states: Sequence[State]) -> tuple[float, float]:
     return q, w
 
 
-def distance(a: State, b: State, size: tuple[float, float]) -> float:
-    """The relative distance of two states."""
+def distance(a: State, b: State, size: State) -> float:
     return max(abs(a[0] - b[0]) / size[0], abs(a[1] - b[1]) / size[1])
 
 
@@ -37,12 +36,9 @@ def distance_to(state: State, states: Sequence[State]) -> float:
 
 def shortest_period(states: Sequence[State]) -> int:
     """The least number of turns after which the states of an orbit repeat."""
-    turns, size = len(states), size_of(states)
-    for m in range(1, turns // 2 + 1):
-        repeats = (distance(states[k], states[k - m], size) <= SAME for k in range(turns))
-        if turns % m == 0 and all(repeats):
-            return m
-    return turns
+    turns = len(states)
+    shifts = (m for m in range(1, turns) if turns % m == 0)
+    return next((m for m in shifts if same_states(states, [*states[m:], *states[:m]])), turns)
 
 
 def same_states(a: Sequence[State], b: Sequence[State]) -> bool:

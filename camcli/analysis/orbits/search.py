@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import inf
 
 from camcli.analysis.integrate import Cost, Record, Settings, Start
-from camcli.analysis.labels import LONGEST_PERIOD, Label
-from camcli.analysis.orbits.identify import identify, impacts_of, newton_from, passages
+from camcli.analysis.labels import LONGEST_PERIOD, Label, passages
+from camcli.analysis.orbits.identify import Impact, identify, impacts_of, newton_from
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import distance, same_orbit, size_of
 from camcli.analysis.orbits.shooter import Shooter
@@ -57,16 +57,24 @@ def find(
     simulated motions as guesses for an unstable one.
     """
     found, shooter = OrbitsFound(), Shooter(system, rpm)
-    turns: Sequence[int] = range(1, MOST_SINGLE + 1)
+    turns = list(range(1, MOST_SINGLE + 1))
     if label is not None:
         turns = [len(label.symbols)] if sum(label.symbols) == 1.0 else []
     for m in turns:
         for root in single_impact_roots(shooter, rpm, m):
             found.add(from_root(system, root, shooter.verdict(root)[0]))
-    if label is None:
-        _simulate(shooter, rpm, settings, starts, found)
-    elif not found.orbits:
-        _simulate(shooter, rpm, settings, max(starts, most), found, label)
+    if label is None or not found.orbits:
+        run, count = (
+            replace(settings, record=RECORD),
+            starts if label is None else max(starts, most),
+        )
+        for start in (settings.start, *islice(cloud(system, rpm), count)):
+            orbit = identify(system, rpm, shooter.simulate(system, rpm, run, start))
+            if orbit is not None:
+                found.add(orbit)
+                if orbit.label == label:
+                    break
+    if label is not None:
         found.orbits = [orbit for orbit in found.orbits if orbit.label == label]
         if not found.orbits and inf not in label.symbols:
             _try_returns(shooter, rpm, settings, max(starts, 4), label, found)
@@ -75,18 +83,11 @@ def find(
     return found
 
 
-def starts_of(system: System, rpm: float, settings: Settings, count: int) -> Iterator[Start]:
-    """The scene's start, then `count` of the cloud."""
-    yield settings.start
-    yield from islice(cloud(system, rpm), count)
-
-
 def cloud(system: System, rpm: float) -> Iterator[Start]:
     """Starts at the strobe spread over WINDOW lifts: Halton's points in bases 2 and 3."""
     cam, omega = system.cam, omega_of(rpm)
     strobe = cam.stretches[cam.strobe]
-    low = min(cam.stretches[i].start_c for i in range(len(cam.stretches)))
-    reach = WINDOW * (cam.top - low)
+    reach = WINDOW * (cam.top - min(stretch.start_c for stretch in cam.stretches))
     n = 0
     while True:
         n += 1
@@ -105,58 +106,30 @@ def halton(n: int, base: int) -> float:
     return value
 
 
-def _simulate(
-    shooter: Shooter,
-    rpm: float,
-    settings: Settings,
-    starts: int,
-    found: OrbitsFound,
-    label: Label | None = None,
-) -> None:
-    """Add what the scene's start and `starts` others settle on, up to the first of the label."""
-    system, run = shooter.system, replace(settings, record=RECORD)
-    for start in starts_of(system, rpm, settings, starts):
-        orbit = identify(system, rpm, shooter.simulate(system, rpm, run, start))
-        if orbit is not None:
-            found.add(orbit)
-            if orbit.label == label:
-                return
-
-
 def _try_returns(
-    shooter: Shooter,
-    rpm: float,
-    settings: Settings,
-    starts: int,
-    label: Label,
-    found: OrbitsFound,
+    shooter: Shooter, rpm: float, settings: Settings, starts: int, label: Label, found: OrbitsFound
 ) -> None:
     """Newton's method from the closest returns with the label's symbols."""
-    system, m = shooter.system, len(label.symbols)
-    run = replace(settings, transient=0, record=settings.transient + RECORD)
-    tries: list[tuple[float, list]] = []
-    for start in starts_of(system, rpm, settings, starts):
+    system, run = shooter.system, replace(settings, transient=0, record=settings.transient + RECORD)
+    tries: list[tuple[float, list[Impact]]] = []
+    for start in (settings.start, *islice(cloud(system, rpm), starts)):
         record = shooter.simulate(system, rpm, run, start)
         if record.status == Status.OK:
             tries += _close_returns(record, label)
-    for _, events in sorted(tries, key=lambda pair: pair[0])[:MOST_RETURNS]:
-        root = newton_from(shooter, events, m)
+    for _, impacts in sorted(tries, key=lambda pair: pair[0])[:MOST_RETURNS]:
+        root = newton_from(shooter, impacts, len(label.symbols))
         if root is not None:
             orbit = from_root(system, root, shooter.verdict(root)[0])
             if orbit.label == label and found.add(orbit) and orbit.admissible:
                 return
 
 
-def _close_returns(record: Record, label: Label) -> Iterator[tuple[float, list]]:
+def _close_returns(record: Record, label: Label) -> Iterator[tuple[float, list[Impact]]]:
     """(distance, impacts) of every window with the label's symbols that nearly closes."""
     states, symbols = passages(record)
     m, size = len(label.symbols), size_of(states)
-    by_turn: dict[int, list] = {}
-    for event in impacts_of(record, range(record.periods)):
-        by_turn.setdefault(event[0], []).append(event)
+    impacts = impacts_of(record, range(record.periods))
     for k in range(len(states) - m):
-        if Label(symbols[k : k + m]) != label:
-            continue
         gap = distance(states[k + m], states[k], size)
-        if gap <= RETURN:
-            yield gap, [event for turn in range(k, k + m) for event in by_turn.get(turn, [])]
+        if gap <= RETURN and Label(symbols[k : k + m]) == label:
+            yield gap, [impact for impact in impacts if k <= impact[0] < k + m]

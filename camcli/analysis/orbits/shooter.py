@@ -9,7 +9,6 @@ from math import sqrt
 import numpy as np
 
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start
-from camcli.cams.compile import column
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import exp_decay
@@ -82,14 +81,21 @@ class Root:
         return self.x[-1]
 
     @property
-    def det(self) -> float:
-        """r^(2 n) exp(-b m T/mass), exact for every orbit without sticking."""
-        return determinant(self.machine, self.count, self.turns)
-
-    @property
     def theta(self) -> list[float]:
         """Impact phases within the turn, rad."""
         return self.x[:-1:2]
+
+    @property
+    def det(self) -> float:
+        """Determinant of the monodromy matrix, exact: r^2 from an impact, exp(-2 Z s) from s rad.
+
+        That is r^(2 n) exp(-b m T/mass) for n impacts in m turns.
+        """
+        const = constants_of(self.machine, 0.0, 0)
+        value = exp_decay(2.0 * const.Z * TURN * self.turns)
+        for _ in range(self.count):
+            value *= const.r * const.r
+        return value
 
 
 def with_machine(system: System, machine: Sequence[float]) -> tuple[System, float]:
@@ -98,15 +104,6 @@ def with_machine(system: System, machine: Sequence[float]) -> tuple[System, floa
     names = [name for name in PARAMETERS if name != "rpm"]
     follower = replace(system.follower, **dict(zip(names, constants, strict=True)))
     return replace(system, follower=follower), rpm
-
-
-def determinant(machine: Sequence[float], impacts: int, turns: int) -> float:
-    """Determinant of the monodromy matrix: r^2 from an impact, exp(-2 Z s) from s rad of flight."""
-    const = constants_of(machine, 0.0, 0)
-    value = exp_decay(2.0 * const.Z * TURN * turns)
-    for _ in range(impacts):
-        value *= const.r * const.r
-    return value
 
 
 def multipliers(trace: float, det: float) -> tuple[complex, complex]:
@@ -131,7 +128,9 @@ class Shooter:
         self.machine = tuple(system.machine(rpm))
         self.parameter = PARAMETERS[parameter]
         self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
-        self.rate = SMALL * _lift(system)
+        top = system.cam.top
+        lift = top - min(stretch.c_min for stretch in system.cam.stretches)
+        self.rate = SMALL * (lift or abs(top) or 1.0)
         self.simulated = Cost()
         self.kernel = backend.compiled() if backend.must_compile() else backend.PLAIN
         self.cam = system.cam_for(self.kernel)
@@ -226,14 +225,11 @@ class Shooter:
 
     def beyond(self, root: Root) -> list[tuple[float, int, int]]:
         """(rad beyond, impact, +1 at the end or -1 at the start) of impacts off their stretch."""
-        out = []
+        found = []
         for k, theta in enumerate(root.theta):
             stretch = self.cam.stretches[root.whole[2 * k]]
-            if theta < stretch.start:
-                out.append((stretch.start - theta, k, -1))
-            elif theta > stretch.end:
-                out.append((theta - stretch.end, k, 1))
-        return out
+            found += [(stretch.start - theta, k, -1), (theta - stretch.end, k, 1)]
+        return [place for place in found if place[0] > 0.0]
 
     def admits(self, root: Root) -> bool:
         """True for a motion, False for a root that is none."""
@@ -241,33 +237,24 @@ class Shooter:
 
     def verdict(self, root: Root) -> tuple[int, int, float]:
         """(verdict, impact, phase): `certify`'s code, and where the root fails (0-based, rad)."""
-        n = root.count
-        _, (_, _, flows, found, works) = self._room(n)
+        _, (_, _, flows, found, works) = self._room(root.count)
         machine, places = self._table(root.machine), self._table(root.whole, int)
         x, rates = self._table(root.x), self._table(root.rates)
         code = self.kernel.certify_orbit(
-            self.cam, machine, n, root.turns, places, x, rates, flows, found, works
+            self.cam, machine, root.count, root.turns, places, x, rates, flows, found, works
         )
         return int(code), int(found[0]), float(found[1])
-
-
-def _lift(system: System) -> float:
-    """Height of the cam's lobe, m; of a cam without one its height."""
-    low = min(column(system.cam, "c_min"))
-    return (system.cam.top - low) or abs(system.cam.top) or 1.0
 
 
 def _natural(parameter: int, mass: float, omega: float) -> float:
     """A size of the parameter that matters: inertia forces of a metre at the cam's frequency."""
     return {
-        RPM: 0.0,
-        MASS: 0.0,
         STIFFNESS: mass * omega * omega,
         DAMPING: mass * omega,
         GRAVITY: omega * omega,
         PRELOAD: mass * omega * omega,
         RESTITUTION: 1.0,
-    }[parameter]
+    }.get(parameter, 0.0)
 
 
 def _plain(values) -> list[float]:

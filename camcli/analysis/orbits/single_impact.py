@@ -57,7 +57,6 @@ class _Equation:
         return self.r * (c1 * (1.0 - self.slope_b) + force * self.B) / (1.0 + self.r * self.slope_b)
 
     def h(self, i: int, theta: float) -> float:
-        """The module's equation; zero at an orbit."""
         c, c1, _ = lift(self.cam, i, theta)
         return self.K * (self.const.G + self.const.W2 * c) - self.turn * c1
 
@@ -71,6 +70,7 @@ class _Equation:
         yield from self._within(i, stretch.start, stretch.end, bend)
 
     def _within(self, i: int, low: float, high: float, bend: float) -> Iterator[float]:
+        """The zeros between two angles; `bend` bounds |h''|."""
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         c, c1, c2 = lift(self.cam, i, middle)
         h, slope = self.h(i, middle), self.K * self.const.W2 * c1 - self.turn * c2
@@ -79,20 +79,18 @@ class _Equation:
         change = abs(slope) * half + 0.5 * bend * half * half
         if abs(h) > change or abs(h) + change <= ROUNDING * size:
             return  # no zero, or nothing but zeros: a dwell on which any phase would do
-        if abs(slope) > bend * half:
-            yield from self._single(i, low, high)
-        elif half < NARROWEST:
-            yield middle
-        else:
+        if abs(slope) <= bend * half and half >= NARROWEST:
             yield from self._within(i, low, middle, bend)
             yield from self._within(i, middle, high, bend)
-
-    def _single(self, i: int, low: float, high: float) -> Iterator[float]:
-        """The zero of a monotone h, if its signs differ; one at an end is the next interval's."""
-        before, after = self.h(i, low), self.h(i, high)
-        if before == 0.0:
-            yield low
-        elif (before < 0.0) != (after < 0.0) and after != 0.0:
-            sign = 1.0 if before < 0.0 else -1.0
-            ends = bracket(lambda x: sign * self.h(i, x), low, high, sign * before, sign * after)
-            yield 0.5 * (ends[0] + ends[1])
+        elif abs(slope) <= bend * half:
+            yield middle
+        else:  # h is monotone; a zero at the upper end is the next interval's
+            before, after = self.h(i, low), self.h(i, high)
+            if before == 0.0:
+                yield low
+            elif (before < 0.0) != (after < 0.0) and after != 0.0:
+                sign = 1.0 if before < 0.0 else -1.0
+                ends = bracket(
+                    lambda x: sign * self.h(i, x), low, high, sign * before, sign * after
+                )
+                yield 0.5 * (ends[0] + ends[1])

@@ -20,8 +20,7 @@ from camcli.analysis.orbits.identify import identify
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
-from camcli.cams.compile import column
-from camcli.system import System, omega_of
+from camcli.system import omega_of
 
 SETTLE = 40  # turns from the orbit at the neighbouring speed
 LONGEST = 8  # periods longer than the orbit's own are not looked for
@@ -33,33 +32,36 @@ Same = Callable[[PeriodicOrbit, PeriodicOrbit | None], bool]
 
 @dataclass(frozen=True)
 class Change:
-    """Where the motion changes: kind of event, bracket of the parameter, label behind it."""
+    """Where the motion changes: kind of event, bracket of the parameter.
+
+    orbit: the last one before; beyond: what a run settles on behind it.
+    """
 
     kind: Kind
     value: float
     error: float
-    orbit: PeriodicOrbit  # the last one before
-    beyond: PeriodicOrbit | None  # what a run settles on behind it
+    orbit: PeriodicOrbit
+    beyond: PeriodicOrbit | None
 
 
 @dataclass
 class StickingSegment:
     """Points in order, changes in order; `end`: what ends the branch."""
 
-    points: list[PeriodicOrbit] = field(default_factory=list)
+    points: list[PeriodicOrbit]
     changes: list[Change] = field(default_factory=list)
-    end: Kind = Kind.LOST
+    end: Kind = Kind.END_OF_RANGE
 
 
 def follow_sticking(
     shooter: Shooter, settings: Settings, orbit: PeriodicOrbit, span: Span, up: bool
 ) -> StickingSegment:
     """Follow an orbit that rests on the cam towards one end of the range."""
-    segment = StickingSegment(points=[orbit])
-    for value in _grid(orbit.value, span, up):
+    segment = StickingSegment([orbit])
+    for value in _grid(orbit.value, span.high if up else span.low, span.spacing):
         last = segment.points[-1]
         after = _orbit_at(shooter, settings, last, value)
-        if after is None or not _same_motion(last, after):
+        if not _same_motion(last, after):
             change = _change(shooter, settings, last, value, _same_motion)
             segment.changes.append(change)
             segment.points.append(change.orbit)
@@ -70,14 +72,12 @@ def follow_sticking(
             change = replace(change, kind=Kind.DEPARTURE, beyond=change.beyond or after)
             segment.changes.append(change)
             segment.points.append(change.orbit)
-        segment.points.append(after)
-    segment.end = Kind.END_OF_RANGE
+        segment.points.append(after)  # type: ignore[arg-type]  # the same motion is one
     return segment
 
 
-def _grid(start: float, span: Span, up: bool) -> Iterator[float]:
-    end = span.high if up else span.low
-    count = max(1, round(abs(end - start) / span.spacing)) if end != start else 0
+def _grid(start: float, end: float, spacing: float) -> Iterator[float]:
+    count = max(1, round(abs(end - start) / spacing)) if end != start else 0
     for k in range(1, count + 1):
         yield end if k == count else start + (end - start) * (k / count)
 
@@ -85,21 +85,16 @@ def _grid(start: float, span: Span, up: bool) -> Iterator[float]:
 def _orbit_at(
     shooter: Shooter, settings: Settings, orbit: PeriodicOrbit, value: float
 ) -> PeriodicOrbit | None:
-    """What a run from the orbit settles on at another value of the parameter."""
+    """What a run from the orbit's own state settles on at another value of the parameter."""
     system, rpm = with_machine(shooter.system, shooter.at(value))
+    (q, w), cam = orbit.states[0], system.cam
+    start = Start(q, w * omega_of(rpm), system.strobe_deg)
+    if q <= cam.stretches[cam.strobe].start_c:
+        start = Start(theta_deg=system.strobe_deg)
     longest = max(LONGEST, orbit.turns)
-    run = with_turns(settings, SETTLE, 2 * longest + 2)
-    record = shooter.simulate(system, rpm, run, _start(system, orbit, rpm))
+    record = shooter.simulate(system, rpm, with_turns(settings, SETTLE, 2 * longest + 2), start)
     found = identify(system, rpm, record, longest)
     return None if found is None else replace(found, rpm=rpm, value=value)
-
-
-def _start(system: System, orbit: PeriodicOrbit, rpm: float) -> Start:
-    """The orbit's own state at the strobe; at rest on the cam where that lies on it."""
-    q, w = orbit.states[0]
-    if q <= column(system.cam, "start_c")[system.cam.strobe]:
-        return Start(theta_deg=system.strobe_deg)
-    return Start(q, w * omega_of(rpm), system.strobe_deg)
 
 
 def _same_motion(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
@@ -138,6 +133,6 @@ def _change(
 def _kind(last: PeriodicOrbit, after: PeriodicOrbit | None) -> Kind:
     if CONTACT in (last.label, "" if after is None else after.label):
         return Kind.DETACHMENT
-    complete = last.symbols.count(inf) / last.turns
     left = 0.0 if after is None else after.symbols.count(inf) / after.turns
+    complete = last.symbols.count(inf) / last.turns
     return Kind.CHATTER_COMPLETION if left < complete else Kind.ITINERARY

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from camcli.analysis.border_collision import Inequality, Side
+from camcli.analysis.border_collision import Side
 from camcli.analysis.integrate import Cost, Settings
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
@@ -17,13 +17,12 @@ from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import Crossing, Located, doubled
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import same_orbit
-from camcli.analysis.orbits.search import MOST_STARTS, RECORD, OrbitsFound, find
+from camcli.analysis.orbits.search import MOST_STARTS, RECORD, find
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.analysis.orbits.sticking_orbits import (
     BRACKETS,
     RUN,
     Change,
-    StickingSegment,
     follow_sticking,
 )
 from camcli.cams.regions import corner_list
@@ -36,6 +35,8 @@ LEAST_WORK = 500  # turns in all that plain Python does where a compiled kernel 
 SPEEDS = 24  # tried, spread over the range, where a label is not found at its own speed
 FEW_STARTS = 8  # motions simulated at each
 AROUND = 0.2  # relative range where none is given
+
+Tick = Callable[[], None]
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,10 @@ class Bifurcation:
     empty; located: how it was found on a branch of bouncing orbits; corner_impact: both linear
     parts and the check by simulation; beyond: label behind a change of a resting orbit, empty where
     nothing was solved there; continues: number of the branch that leaves here, 0 for none.
+
+    Of a corner impact left and right are trace and determinant on the sides before and behind the
+    corner, classification is the border collision's kind, and agrees whether the simulations on
+    both sides are as predicted (None where one cannot tell).
     """
 
     branch: int
@@ -83,41 +88,31 @@ class Bifurcation:
 
     @property
     def label(self) -> str:
-        """Label of the orbit at the event."""
         return self.orbit.label
 
     @property
     def left(self) -> Side | None:
-        """Trace and determinant on the side before a corner."""
         return None if self.corner_impact is None else self.corner_impact.left
 
     @property
     def right(self) -> Side | None:
-        """Trace and determinant on the side behind a corner."""
         return None if self.corner_impact is None else self.corner_impact.right
 
     @property
-    def classification(self) -> str:
-        """The border collision's kind; empty of other events."""
-        return "" if self.corner_impact is None else self.corner_impact.collision.kind
-
-    @property
-    def inequalities(self) -> tuple[Inequality, ...]:
-        """What the classification rests on."""
-        return () if self.corner_impact is None else self.corner_impact.collision.inequalities
-
-    @property
     def agrees(self) -> bool | None:
-        """Whether the simulations on both sides are as predicted; None where one cannot tell."""
-        if self.corner_impact is None:
-            return None
-        agree = [side.agrees for side in (self.corner_impact.below, self.corner_impact.above)]
-        return None if None in agree else all(agree)
+        return None if self.corner_impact is None else self.corner_impact.agrees
+
+    @property
+    def classification(self) -> str:
+        return "" if self.corner_impact is None else self.corner_impact.collision.kind
 
 
 @dataclass(frozen=True)
 class Branch:
-    """Orbits in order along the branch; ends: what ends it at the first and at the last point."""
+    """Orbits in order along the branch; ends: what ends it at the first and at the last point.
+
+    labels: those on the way, in order, without repetition.
+    """
 
     number: int
     origin: str
@@ -126,7 +121,6 @@ class Branch:
 
     @property
     def labels(self) -> list[str]:
-        """The labels on the way, in order, without repetition."""
         return list(dict.fromkeys(orbit.label for orbit in self.points))
 
 
@@ -168,15 +162,14 @@ def orbits(
     system: System,
     settings: Settings,
     question: Question,
-    on_branch: Callable[[], None] = lambda: None,
+    on_branch: Tick = lambda: None,
 ) -> OrbitsResult:
     """Find, follow and classify; `on_branch` is called after each branch.
 
     Raises ValueError where the range is empty or does not hold the parameter's value.
     """
     starts = question.starts if question.label is None else max(question.starts, MOST_STARTS)
-    turns = (starts + 1) * (settings.transient + RECORD)
-    backend.for_work(turns, 2 * LITTLE_WORK)
+    backend.for_work((starts + 1) * (settings.transient + RECORD), 2 * LITTLE_WORK)
     found = find(system, question.rpm, settings, question.starts, question.label)
     span, absent = question.span, None
     if question.stable is not None:
@@ -189,12 +182,7 @@ def orbits(
     shooter = Shooter(system, question.rpm, question.parameter)
     diagram = Diagram(shooter, settings)
     if span is not None:
-        if not span.width > 0.0:
-            raise ValueError("a range needs two different ends; leave the span out for one value")
-        if not span.holds(shooter.value):
-            raise ValueError(f"{question.parameter} where orbits are found lies outside the range")
-        _prepare(system, found, span)
-        _follow_all(diagram, found, span, question.branches, on_branch)
+        _follow_all(diagram, found.orbits, span, question.branches, on_branch)
     return OrbitsResult(
         question,
         shooter.value,
@@ -208,26 +196,21 @@ def orbits(
     )
 
 
-def _prepare(system: System, found: OrbitsFound, span: Span) -> None:
-    """Compile for branches of resting orbits: each of their points is a simulation."""
-    resting = sum(orbit.resting for orbit in found.orbits)
-    turns = resting * RUN * (span.width / span.spacing + BRACKETS)
-    backend.for_work(turns, LEAST_WORK if backend.is_cached() else LITTLE_WORK)
-
-
 def _follow_all(
-    diagram: Diagram, found: OrbitsFound, span: Span, most: int, on_branch: Callable[[], None]
+    diagram: Diagram, found: Sequence[PeriodicOrbit], span: Span, most: int, on_branch: Tick
 ) -> None:
     """Branches through the orbits found, then up to `most` that leave from events on them."""
     shooter = diagram.shooter
-    for orbit in found.orbits:
+    if not span.width > 0.0:
+        raise ValueError("a range needs two different ends; leave the span out for one value")
+    if not span.holds(shooter.value):
+        raise ValueError("the parameter where orbits are found lies outside the range")
+    # each point of a branch of resting orbits is a simulation
+    runs = sum(orbit.resting for orbit in found) * (span.width / span.spacing + BRACKETS)
+    backend.for_work(RUN * runs, LEAST_WORK if backend.is_cached() else LITTLE_WORK)
+    for orbit in found:
         if orbit.root is None:
-            start = replace(orbit, value=shooter.value)
-            down, up = (
-                follow_sticking(shooter, diagram.settings, start, span, way)
-                for way in (False, True)
-            )
-            diagram.add_sticking(down, up, "found")
+            diagram.add_sticking(replace(orbit, value=shooter.value), span)
         else:
             root = shooter.moved(orbit.root, shooter.value)  # its tangent is in another parameter
             if root is None or diagram.holds(root):
@@ -244,11 +227,11 @@ def _follow_all(
 def _curves(system: System, bifurcations: Sequence[Bifurcation], question: Question) -> list[Curve]:
     """Every located bifurcation of the kind asked for, continued; the same curve only once."""
     found: dict[tuple, Curve] = {}
-    for b in bifurcations:
+    plane = question.plane
+    for b in bifurcations if plane is not None else ():
         key = (b.label, b.corner, f"{b.value:.9g}")
-        wanted = question.plane is not None and b.kind == question.curve and key not in found
-        if wanted and question.plane is not None and b.located is not None:
-            found[key] = curve(system, b.located, question.plane, b.label, b.corner)
+        if plane and b.kind == question.curve and b.located is not None and key not in found:
+            found[key] = curve(system, b.located, plane, b.label, b.corner)
     return list(found.values())
 
 
@@ -267,19 +250,17 @@ class Diagram:
 
     def holds(self, root: Root) -> bool:
         """True where some branch passes through the root."""
-        orbit = from_root(self.shooter.system, root)
-        return any(self._passes(branch, orbit, root.value) for branch in self.branches)
-
-    def _passes(self, branch: Branch, orbit: PeriodicOrbit, value: float) -> bool:
-        for a, b in pairwise(branch.points):
-            if not min(a.value, b.value) <= value <= max(a.value, b.value):
-                continue
-            for point in (a, b):
-                if point.root is None or point.root.count != orbit.impacts:
+        system, orbit = self.shooter.system, from_root(self.shooter.system, root)
+        for branch in self.branches:
+            for a, b in pairwise(branch.points):
+                if not min(a.value, b.value) <= root.value <= max(a.value, b.value):
                     continue
-                there = self.shooter.moved(point.root, value)
-                if there is not None and same_orbit(from_root(self.shooter.system, there), orbit):
-                    return True
+                for beside in (a.root, b.root):
+                    if beside is None or beside.count != root.count:
+                        continue
+                    there = self.shooter.moved(beside, root.value)
+                    if there is not None and same_orbit(from_root(system, there), orbit):
+                        return True
         return False
 
     def switch(self, index: int, event: Located | Crossing, span: Span) -> None:
@@ -300,36 +281,32 @@ class Diagram:
 
     def add_bouncing(self, segments: Sequence[Segment], origin: str) -> None:
         """A branch from one segment, or from two that begin at the same root."""
-        number = len(self.branches) + 1
+        system, number = self.shooter.system, len(self.branches) + 1
         roots, ends = segments[0].points, (origin, segments[0].end)
         if len(segments) == 2:
             down, up = segments
             roots, ends = down.points[:0:-1] + up.points, (down.end, up.end)
-        points = tuple(from_root(self.shooter.system, root) for root in roots)
+        points = tuple(from_root(system, root) for root in roots)
         self.branches.append(Branch(number, origin, points, ends))
         for segment in segments:
             for found, crossing in segment.events:
-                self._add_event(number, found, crossing)
-                index = len(self.bifurcations) - 1
                 if found.kind == Kind.PERIOD_DOUBLING:
-                    self.branch_points.append((index, found))
+                    self.branch_points.append((len(self.bifurcations), found))
                 elif crossing is not None and crossing is segment.turned:
-                    self.branch_points.append((index, crossing))
-
-    def _add_event(self, number: int, found: Located, crossing: Crossing | None) -> None:
-        self.bifurcations.append(
-            Bifurcation(
-                number,
-                found.kind,
-                found.root.value,
-                found.error,
-                found.status,
-                from_root(self.shooter.system, found.root),
-                corner="" if crossing is None else crossing.corner,
-                located=found,
-                corner_impact=None if crossing is None else self._corner_impact(crossing),
-            )
-        )
+                    self.branch_points.append((len(self.bifurcations), crossing))
+                self.bifurcations.append(
+                    Bifurcation(
+                        number,
+                        found.kind,
+                        found.root.value,
+                        found.error,
+                        found.status,
+                        from_root(system, found.root),
+                        corner="" if crossing is None else crossing.corner,
+                        located=found,
+                        corner_impact=None if crossing is None else self._corner_impact(crossing),
+                    )
+                )
 
     def _corner_impact(self, crossing: Crossing) -> CornerImpact:
         """The study of a corner impact, made once for both branches that end in it."""
@@ -338,11 +315,14 @@ class Diagram:
             self._corner_impacts[key] = corner_impact(self.shooter, crossing, self.settings)
         return self._corner_impacts[key]
 
-    def add_sticking(self, down: StickingSegment, up: StickingSegment, origin: str) -> None:
-        """A branch of orbits that rest on the cam."""
-        number = len(self.branches) + 1
+    def add_sticking(self, start: PeriodicOrbit, span: Span) -> None:
+        """A branch of orbits that rest on the cam, both ways from one of them."""
+        number, system = len(self.branches) + 1, self.shooter.system
+        down, up = (
+            follow_sticking(self.shooter, self.settings, start, span, way) for way in (False, True)
+        )
         points = (*down.points[:0:-1], *up.points)
-        self.branches.append(Branch(number, origin, points, (down.end, up.end)))
+        self.branches.append(Branch(number, "found", points, (down.end, up.end)))
         self.bifurcations += [
             Bifurcation(
                 number,
@@ -351,7 +331,7 @@ class Diagram:
                 change.error,
                 Bracket.OK,
                 change.orbit,
-                corner=_corner_of(self.shooter.system, change),
+                corner=_corner_of(system, change),
                 beyond="" if change.beyond is None else change.beyond.label,
             )
             for change in (*down.changes, *up.changes)
@@ -384,14 +364,14 @@ def _look_around(
         found = find(system, speed, settings, FEW_STARTS, label, FEW_STARTS)
         if found.orbits:
             orbit = found.orbits[0]
-            return Absence(rpm, low, high, orbit, _reach(system, settings, orbit, rpm, label))
+            return Absence(rpm, low, high, orbit, _reach(system, settings, orbit, rpm))
     return Absence(rpm, low, high)
 
 
 def _reach(
-    system: System, settings: Settings, orbit: PeriodicOrbit, rpm: float, label: Label
+    system: System, settings: Settings, orbit: PeriodicOrbit, rpm: float
 ) -> tuple[float, str]:
-    """The speed nearest to `rpm` on the orbit's branch with this label, and what ends it."""
+    """The speed nearest to `rpm` on the orbit's branch with its label, and what ends it."""
     shooter, up = Shooter(system, orbit.rpm), rpm > orbit.rpm
     low, high = sorted((rpm, orbit.rpm))
     span = Span(low, high, (high - low) / SPEEDS)
@@ -403,5 +383,5 @@ def _reach(
         ahead = tangent if (tangent[-1] > 0.0) == up else [-x for x in tangent]
         segment = follow(shooter, orbit.root, ahead, span)
         points, end = [from_root(system, root) for root in segment.points], segment.end
-    same = [point for point in points if point.label == label]
-    return min(same, key=lambda point: abs(point.value - rpm)).value, end
+    same = (point.value for point in points if point.label == orbit.label)
+    return min(same, key=lambda value: abs(value - rpm)), end
