@@ -5,11 +5,10 @@ from math import log, pi, sqrt
 import numpy as np
 import pytest
 
-from camcli.analysis.basins import uncertainty as uncertainty_module
+from camcli.analysis.basins import measures
 from camcli.analysis.basins.attractor_finder import BELOW
 from camcli.analysis.basins.cell_mapping import leaves, refine
-from camcli.analysis.basins.measures import BOX, boundary, entropies, fractions
-from camcli.analysis.basins.uncertainty import uncertainty
+from camcli.analysis.basins.measures import BOX, boundary, entropies, fractions, uncertainty
 from camcli.analysis.basins.window import Window
 
 UNIT = Window((0.0, 1.0), (0.0, 1.0), 16, 16)
@@ -81,7 +80,7 @@ def test_uncertainty_exponents_of_a_line_and_of_a_cantor_set(monkeypatch):
     assert smooth.dimension == pytest.approx(2.0 - smooth.exponent)
     for nothing in (0, -1):  # no boundary; nothing decided
         assert uncertainty(Painted(lambda q, v, n=nothing: np.full(len(q), n)), UNIT) is None
-    monkeypatch.setattr(uncertainty_module, "STARTS", 60_000)
+    monkeypatch.setattr(measures, "STARTS", 60_000)
     cantor = uncertainty(Painted(lambda q, v: _gap_level(q) % 2), UNIT)
     assert cantor.exponent == pytest.approx(1.0 - log(2.0) / log(3.0), abs=0.04)
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from camcli.analysis.basins import recurrence
 from camcli.analysis.basins.attractor import Attractor
-from camcli.analysis.basins.cell_batches import NOTHING, CellBatches, Ends
+from camcli.analysis.basins.cell_batches import NOTHING, CellBatches, Ends, mode_of
 from camcli.analysis.basins.region import Region, parted, region_of, targets_of
 from camcli.analysis.basins.rest_outcomes import RestOutcomes
 from camcli.analysis.basins.window import Window
@@ -24,7 +24,6 @@ from camcli.analysis.integrate import Orbit, with_turns
 from camcli.analysis.orbits.identify import solve_from
 from camcli.errors import Status
 from camcli.kernel.cells import FORGOTTEN, NEW_REST, UNDECIDED, Targets
-from camcli.kernel.flight import BOUNCED, FREE
 from camcli.parallel import ShardDone
 
 CHUNK = 1 << 17  # cells in memory with their states
@@ -117,9 +116,7 @@ class AttractorFinder:
 
     def _run(self, gap, rate, budget: int, mode=None, share: bool = False) -> Ends:
         """Follow starts, and those that stop at an unknown rest again once that is known."""
-        gap, rate = np.asarray(gap, dtype=float), np.asarray(rate, dtype=float)
-        if mode is None:
-            mode = np.where((gap > 0.0) | (rate < 0.0), FREE, BOUNCED)
+        mode = mode_of(gap, rate) if mode is None else mode
         ends = self.batches.run(gap, rate, self.targets, budget, mode, share)
         while len(stopped := np.flatnonzero(ends.outcome == NEW_REST)):
             states = np.column_stack((ends.gap, ends.rate))[stopped]
@@ -156,27 +153,23 @@ class AttractorFinder:
         return any(self.identify(*ranked[k].tolist()) for k in dict.fromkeys(picks))
 
     def identify(self, gap: float, rate: float, mode: float) -> bool:
+        """Solve the orbit that a state settles on, or recognise chaos; True where it is new."""
         batches = self.batches
-        settings, start = (
-            with_turns(batches.settings, SETTLE, 1),
-            batches.start(gap, rate, int(mode)),
-        )
-        found = solve_from(batches.system, batches.rpm, settings, start)
-        if found is None:
+        settings = with_turns(batches.settings, SETTLE, 1)
+        start = batches.start(gap, rate, int(mode))
+        one = solve_from(batches.system, batches.rpm, settings, start)
+        if one is None:
             return self._recognise(gap, rate, int(mode))
-        if not found.stable or found.verdict != "admissible":
-            return False
-        orbit = (found.label, found.states, found.symbols, found.multipliers)
-        return self.admit(Attractor.periodic_of(*orbit))
+        return self.admit(
+            Attractor.periodic_of(one.label, one.states, one.symbols, one.multipliers)
+        )
 
     def admit(self, attractor: Attractor) -> bool:
         """Take up a periodic attractor unless it is known or starts about it do not come back."""
         if any(attractor.is_same(known) for known in self.attractors):
             return False
         region = region_of(self.batches, attractor)
-        if region is None:
-            return False
-        apart = parted(self.regions, region)
+        apart = None if region is None else parted(self.regions, region)
         if apart is None:
             return False
         self.attractors.append(attractor)
@@ -193,12 +186,9 @@ class AttractorFinder:
         settings = with_turns(batches.settings, 0, RECORD)
         start = batches.start(float(ends.gap[0]), float(ends.rate[0]), int(ends.mode[0]))
         record = Orbit(batches.system, batches.rpm, settings, start).run(events=False)
-        n = record.periods
-        points = np.column_stack((record.strobe_q[:n], record.strobe_w[:n]))
-        points = points - np.array(batches.lift)
-        if record.status != Status.OK or not recurrence.is_recurrent(points):
-            return False
-        return self.take_up(points)
+        points = batches.passages(record)[: record.periods]
+        settled = record.status == Status.OK and recurrence.is_recurrent(points)
+        return settled and self.take_up(points)
 
     def take_up(self, points: np.ndarray) -> bool:
         """Add an aperiodic record, joined to the attractor whose boxes it meets."""
@@ -233,9 +223,8 @@ class AttractorFinder:
     def _stays(self, boxes: recurrence.Boxes) -> list[int]:
         """Follow a start from every box, to learn how long a stay in the boxes decides."""
         tried = np.flatnonzero(boxes.owner)
-        starts = boxes.grid.centres(tried)
         targets = targets_of(self.regions, boxes)
-        ends = self.batches.run(starts[:, 0], starts[:, 1], targets, TRIAL)
+        ends = self.batches.run(*boxes.grid.centres(tried).T, targets, TRIAL)
         at = boxes.owner[boxes.grid.boxes(np.column_stack((ends.gap, ends.rate)))]
         ended = np.where(at == 0, boxes.owner[tried], at)
         ended = np.where(ends.outcome == UNDECIDED, ended, 0)

@@ -7,9 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from camcli.analysis.integrate import Cost, Settings, Start
+from camcli.analysis.integrate import Cost, Record, Settings, Start
 from camcli.kernel import backend
-from camcli.kernel.backend import Kernel
 from camcli.kernel.cells import Cells, Point, Rest, Room, Targets
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import BOUNCED, FREE
@@ -46,7 +45,6 @@ class CellBatches:
 
     @property
     def omega(self) -> float:
-        """rad/s."""
         return omega_of(self.rpm)
 
     @property
@@ -60,6 +58,10 @@ class CellBatches:
         """(gap, rate) of positions (m) and velocities (m/s); a gap below zero is below the cam."""
         c, c1 = self.lift
         return np.asarray(q, dtype=float) - c, np.asarray(v, dtype=float) / self.omega - c1
+
+    def passages(self, record: Record) -> np.ndarray:
+        """(n, 2) states (gap, rate) at the strobes of a record."""
+        return np.column_stack((record.strobe_q, record.strobe_w)) - np.array(self.lift)
 
     def start(self, gap: float, rate: float, mode: int) -> Start:
         """A state at the strobe as a start of `integrate.Orbit`."""
@@ -75,19 +77,21 @@ class CellBatches:
         Raises ShardDone where the cells may be shared and this is one shard of many.
         """
         gap, rate = np.asarray(gap, dtype=float), np.asarray(rate, dtype=float)
-        if mode is None:
-            mode = np.where((gap > 0.0) | (rate < 0.0), FREE, BOUNCED)
+        mode = mode_of(gap, rate) if mode is None else mode
         task = _Task(self.system, self.rpm, self.settings, targets, budget, len(gap))
         slices = [slice(begin, begin + BLOCK) for begin in range(0, len(gap), BLOCK)]
         blocks = [(gap[some], rate[some], mode[some]) for some in slices]
-        done = list(self.work.run(task, blocks, PLAIN, share))
+        plain = Codec(lambda result: result, lambda stored: stored)
+        done = list(self.work.run(task, blocks, plain, share))
         self.cost += Cost(*(sum(part[2][k] for part in done) for k in range(3)))
         real = np.concatenate([part[0] for part in done]) if done else np.zeros((0, 2))
         whole = np.concatenate([part[1] for part in done]) if done else np.zeros((0, 5), int)
         return Ends(*real.T, *whole.T)
 
 
-PLAIN = Codec(lambda result: result, lambda stored: stored)
+def mode_of(gap: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """The kernel's mode of starts: free, or just bounced where they lie on the cam."""
+    return np.where((gap > 0.0) | (rate < 0.0), FREE, BOUNCED)
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,13 @@ class _Task:
         settings, kernel = self.settings, backend.for_work(self.count, FEW)
         const = self.system.constants(self.rpm, settings.chatter_tolerance, settings.impact_budget)
         cam = self.system.cam_for(kernel)
-        return kernel, cam, const, kernel.stretch_flows(cam, const), _native(self.targets, kernel)
+        known = self.targets._replace(
+            points=kernel.table(Point, self.targets.points),
+            boxes=kernel.numbers(self.targets.boxes, int),
+            stay=kernel.numbers(self.targets.stay, int),
+            rests=kernel.table(Rest, self.targets.rests),
+        )
+        return kernel, cam, const, kernel.stretch_flows(cam, const), known
 
     def __call__(self, block) -> tuple[np.ndarray, np.ndarray, list[int]]:
         """((gap, rate), (mode, outcome, turns, stay, symbol), `Cost`) of a block."""
@@ -124,16 +134,6 @@ class _Task:
             np.column_stack(cells[2:7]).astype(np.int32),
             [int(sum(cells.impacts)), int(works[0].evaluations), int(works[0].crossings)],
         )
-
-
-def _native(targets: Targets, kernel: Kernel) -> Targets:
-    """The targets in the form of this kernel."""
-    return targets._replace(
-        points=kernel.table(Point, targets.points),
-        boxes=kernel.numbers(targets.boxes, int),
-        stay=kernel.numbers(targets.stay, int),
-        rests=kernel.table(Rest, targets.rests),
-    )
 
 
 # No attractor is known, and rests are of no interest.

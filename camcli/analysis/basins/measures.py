@@ -1,12 +1,23 @@
-"""What a grid of basins says in numbers: fractions with their errors, entropies."""
+"""What a grid of basins says in numbers: fractions with their errors, entropies, uncertainty."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import fsum, log, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camcli.analysis.basins.window import Window
+
+if TYPE_CHECKING:
+    from camcli.analysis.basins.attractor_finder import AttractorFinder
+
 BOX = 5  # cells along a box of the entropies
+STARTS = 8192
+FINEST, COARSEST = 11, 4  # errors of a start are 2^-n of the window's sides
+LEAST = 10  # starts in doubt, for an error to count
+PLASTIC = 1.324717957244746  # real root of x^3 = x + 1: its powers fill the plane evenly
 
 
 def fractions(codes: np.ndarray, attractors: list[int]) -> dict[int, tuple[float, float]]:
@@ -84,3 +95,49 @@ def entropies(codes: np.ndarray) -> dict[str, float | int]:
         "boxes": len(total),
         "boundary_boxes": int(mixed.sum()),
     }
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Exponent alpha of f ~ error^alpha, and the boundary dimension 2 - alpha."""
+
+    exponent: float
+    error: float  # standard
+    rows: tuple[tuple[float, float, int], ...]  # error, share in doubt, starts in doubt
+
+    @property
+    def dimension(self) -> float:
+        return 2.0 - self.exponent
+
+
+def uncertainty(finder: AttractorFinder, window: Window) -> Uncertainty | None:
+    """How the share of starts in doubt falls with the error of the start.
+
+    S. W. McDonald, C. Grebogi, E. Ott, J. A. Yorke, Fractal basin boundaries, Physica D 17 (1985).
+
+    Starts are spread over the window, each with two others an error away in both coordinates. One
+    is in doubt where one of the three ends elsewhere; those with an undecided or impossible one do
+    not count. None where fewer than three errors leave at least LEAST starts in doubt.
+    """
+    n = np.arange(STARTS)
+    x = (0.5 + n / PLASTIC) % 1.0
+    y = (0.5 + n / (PLASTIC * PLASTIC)) % 1.0
+    (q0, q1), (v0, v1) = window.q, window.v
+
+    def ends(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return finder.settle(q0 + (q1 - q0) * x, v0 + (v1 - v0) * y)[0]
+
+    middle = ends(x, y)
+    rows = []
+    for power in range(COARSEST, FINEST + 1):
+        error = 0.5**power
+        high, low = ends(x + error, y + error), ends(x - error, y - error)
+        known = (middle >= 0) & (high >= 0) & (low >= 0)
+        doubt = known & ((middle != high) | (middle != low))
+        if doubt.sum() >= LEAST:
+            rows.append((error, float(doubt.sum() / known.sum()), int(doubt.sum())))
+    if len(rows) < 3:
+        return None
+    error, share, count = np.array(rows).T  # a line of logarithms, weighted by the starts in doubt
+    (slope, _), cov = np.polyfit(np.log(error), np.log(share), 1, w=np.sqrt(count), cov="unscaled")
+    return Uncertainty(float(slope), sqrt(cov[0, 0]), tuple(rows))

@@ -107,22 +107,18 @@ def _turn_maps(batches: CellBatches, points: np.ndarray, symbols, size: float) -
 
 
 def _spectral_radius(maps: np.ndarray) -> float:
-    whole = _product(maps)
+    """Of the map of the whole period."""
+    whole = [[1.0, 0.0], [0.0, 1.0]]
+    for a in maps.tolist():
+        whole = _times(a, whole)
     trace = whole[0][0] + whole[1][1]
     det = whole[0][0] * whole[1][1] - whole[0][1] * whole[1][0]
     disc = 0.25 * trace * trace - det
     return sqrt(det) if disc < 0.0 else abs(0.5 * trace) + sqrt(disc)
 
 
-def _product(maps) -> list[list[float]]:
-    """The map of the whole period, in plain numbers."""
-    whole = [[1.0, 0.0], [0.0, 1.0]]
-    for a in maps.tolist():
-        whole = _times(a, whole)
-    return whole
-
-
 def _times(a, b):
+    """Product of 2 x 2 matrices by IEEE arithmetic."""
     rows = range(2)
     return [[a[i][0] * b[0][k] + a[i][1] * b[1][k] for k in rows] for i in rows]
 

@@ -147,20 +147,16 @@ class RestOutcomes:
     def _excursions(self, state: State) -> tuple[np.ndarray, np.ndarray]:
         """(outcomes, states at strobes) of starts a little beside one, to the next rest."""
         batches = self.finder.batches
-        low = np.array(batches.lift)
-
-        def passages(record: Record) -> np.ndarray:
-            return np.column_stack((record.strobe_q, record.strobe_w)) - low
-
-        ahead = passages(record_of(batches, state, 0, AFTER))
+        ahead = batches.passages(record_of(batches, state, 0, AFTER))
         free = ahead[ahead[:, 0] > batches.system.cam.top * SPREAD]
         if len(free) == 0:
             return np.array([FORGOTTEN]), np.zeros((0, 2))
         starts = free[0] * (1.0 + SPREAD * np.arange(1, EXCURSIONS + 1))[:, None]
-        ends = batches.run(starts[:, 0], starts[:, 1], self._blind(), LONGEST)
+        ends = batches.run(*starts.T, self._blind(), LONGEST)
         found = []
         for (gap, rate), turns in zip(starts.tolist(), ends.turns.tolist(), strict=True):
-            found.append(passages(record_of(batches, (gap, rate, FREE), 0, turns))[:turns])
+            record = record_of(batches, (gap, rate, FREE), 0, turns)
+            found.append(batches.passages(record)[:turns])
             if sum(map(len, found)) >= RECORD:
                 break
         return ends.outcome, np.concatenate(found)

@@ -17,9 +17,8 @@ from camcli.analysis.basins.attractor_finder import BELOW, AttractorFinder
 from camcli.analysis.basins.branches import Branches
 from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.basins.cell_mapping import refine, settle_by_cells
-from camcli.analysis.basins.measures import entropies, fractions
+from camcli.analysis.basins.measures import Uncertainty, entropies, fractions, uncertainty
 from camcli.analysis.basins.region import Region
-from camcli.analysis.basins.uncertainty import Uncertainty, uncertainty
 from camcli.analysis.basins.window import Window
 from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Cost, Orbit, Settings, Start, with_turns
