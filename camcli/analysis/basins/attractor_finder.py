@@ -224,7 +224,8 @@ class AttractorFinder:
         """Follow a start from every box, to learn how long a stay in the boxes decides."""
         tried = np.flatnonzero(boxes.owner)
         targets = targets_of(self.regions, boxes)
-        ends = self.batches.run(*boxes.grid.centres(tried).T, targets, TRIAL)
+        gap, rate = boxes.grid.centres(tried).T
+        ends = self.batches.run(gap, rate, targets, TRIAL)
         at = boxes.owner[boxes.grid.boxes(np.column_stack((ends.gap, ends.rate)))]
         ended = np.where(at == 0, boxes.owner[tried], at)
         ended = np.where(ends.outcome == UNDECIDED, ended, 0)

@@ -152,7 +152,7 @@ class RestOutcomes:
         if len(free) == 0:
             return np.array([FORGOTTEN]), np.zeros((0, 2))
         starts = free[0] * (1.0 + SPREAD * np.arange(1, EXCURSIONS + 1))[:, None]
-        ends = batches.run(*starts.T, self._blind(), LONGEST)
+        ends = batches.run(starts[:, 0], starts[:, 1], self._blind(), LONGEST)
         found = []
         for (gap, rate), turns in zip(starts.tolist(), ends.turns.tolist(), strict=True):
             record = record_of(batches, (gap, rate, FREE), 0, turns)
