@@ -104,7 +104,7 @@ class Result:
         self, folder: RunFolder, *, plot: bool = True, from_disk: int = 0
     ) -> Mapping[str, Any]:
         """`save` into an open folder; from_disk: pieces that an interrupted run had computed."""
-        from camcli.output.run_record import to_text
+        from camcli.output.run_record import cost_record, error_record, run_record, to_text
 
         binary = self.command == "sweep" and self.scene.sweep.tables == "npz"
         for name, table in self.tables.items():
@@ -116,38 +116,24 @@ class Result:
             from camcli.output.pictures import write_png
 
             folder.write(f"{name}.png", partial(write_png, draw()))
-        record = self.record({**self.options, "plot": plot}, dict(folder.hashes), from_disk)
-        folder.write_text("run.json", [to_text(record)])
-        folder.commit()
-        return record
-
-    def record(
-        self, options: Mapping[str, Any], artefacts: Mapping[str, str], from_disk: int = 0
-    ) -> dict[str, Any]:
-        """The content of run.json."""
-        from camcli.output.run_record import cost_record, run_record
-
-        return run_record(
-            command=self.command,
-            scene=resolved(self.scene),
-            scene_sha256=scene_hash(self.scene),
-            options=options,
-            cost=cost_record(self.cost, self.seconds, from_disk),
-            error=self.errors(),
-            result=self.summary,
-            artefacts=artefacts,
-        )
-
-    def errors(self) -> dict[str, Any]:
-        """Bounds on the error of one event, and what a measured cam leaves open."""
-        from camcli.output.run_record import error_record
-
         errors = error_record(self.scene.run.chatter_tolerance, self.system.cam.top)
         if self.scene.cam.kind == "table":
             from camcli.api.lift_table import table_record
 
             errors["lift_table"] = table_record(self.scene.cam, self.system)
-        return errors
+        record = run_record(
+            command=self.command,
+            scene=resolved(self.scene),
+            scene_sha256=scene_hash(self.scene),
+            options={**self.options, "plot": plot},
+            cost=cost_record(self.cost, self.seconds, from_disk),
+            error=errors,
+            result=self.summary,
+            artefacts=dict(folder.hashes),
+        )
+        folder.write_text("run.json", [to_text(record)])
+        folder.commit()
+        return record
 
 
 def plot(result: Result, picture: str | None = None) -> Figure:

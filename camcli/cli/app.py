@@ -48,8 +48,7 @@ def main() -> None:
     """Run `cam`, turning every failure into words and an exit code."""
     import signal
 
-    from camcli.cli.exit_codes import INTERRUPTED, guarded
-    from camcli.cli.held_output import hold_output
+    from camcli.cli.exit_codes import INTERRUPTED, guarded, hold_output
 
     if "CAMCLI_PARENT" in os.environ:
         from camcli.cli.parent_watch import end_with_parent

@@ -1,4 +1,5 @@
-"""Failures as a user sees them: one clear message per fault on stderr, and the exit code."""
+"""What a user sees at the end: the result once the artefacts are in place, a message per fault, the
+exit code."""
 
 from __future__ import annotations
 
@@ -6,6 +7,8 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from io import BytesIO, TextIOWrapper
+from typing import TextIO
 
 from camcli.errors import Fault, SceneError, printable
 
@@ -16,7 +19,7 @@ def guarded(call: Callable[[], object]) -> int:
     """Run `call`; the exit code it returns, or the one of its failure after saying what failed."""
     try:
         code = call()
-        _flush()
+        _release()
         if code == INTERRUPTED:  # the option parser has caught the interrupt
             note("interrupted")
         return code if isinstance(code, int) else DONE
@@ -33,20 +36,8 @@ def guarded(call: Callable[[], object]) -> int:
     except Exception as error:
         return _other(error)
     finally:
-        with suppress(OSError, SceneError):
-            _flush()
-
-
-def _flush() -> None:
-    """Let stdout go; a reader that has left is no fault, a full disk is one of stdout alone."""
-    from camcli.cli.held_output import release_output
-
-    try:
-        release_output()
-    except OSError as error:
-        if not isinstance(error, BrokenPipeError):
-            found = f"could not be written ({error.strerror})"
-            raise SceneError(Fault("stdout", "", found, "", "the artefacts are complete")) from None
+        with suppress(SceneError):
+            _release()
 
 
 def _other(error: Exception) -> int:
@@ -68,5 +59,55 @@ def _other(error: Exception) -> int:
 
 
 def note(text: str) -> None:
-    """A line on stderr."""
-    print(text, file=sys.stderr, flush=True)
+    """A line on stderr; one that cannot be written is dropped."""
+    try:
+        print(text, file=sys.stderr, flush=True)
+    except OSError:
+        _to_nowhere(sys.stderr)
+
+
+class Held(TextIOWrapper):
+    """Text for a stdout that nobody watches; its encoding decides how tables are drawn."""
+
+    def __init__(self, real: TextIO):
+        self.bytes = BytesIO()
+        super().__init__(self.bytes, encoding=real.encoding, errors=real.errors)
+        self.real = real
+
+
+def hold_output() -> None:
+    """Hold stdout back until the artefacts are in place, unless a person watches.
+
+    A stream that is closed takes everything and shows nothing.
+    """
+    if sys.stdout is None:
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - for the rest of the process
+    elif not sys.stdout.isatty():
+        sys.stdout = Held(sys.stdout)
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115
+
+
+def _release() -> None:
+    """Let stdout go; a reader that has left is no fault, a full disk is one of stdout alone."""
+    sys.stdout.flush()
+    if not isinstance(sys.stdout, Held):
+        return
+    held, real = sys.stdout.bytes.getvalue(), sys.stdout.real
+    sys.stdout.bytes.seek(0)
+    sys.stdout.bytes.truncate()
+    try:
+        real.buffer.write(held)
+        real.flush()
+    except OSError as error:
+        _to_nowhere(real)
+        if not isinstance(error, BrokenPipeError):
+            found = f"could not be written ({error.strerror})"
+            raise SceneError(Fault("stdout", "", found, "", "the artefacts are complete")) from None
+
+
+def _to_nowhere(stream: TextIO) -> None:
+    """Drop what the stream still holds, and all that comes."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)

@@ -8,16 +8,15 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from functools import reduce
 from math import ceil
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from camcli.api.result import Result
 from camcli.cli.options import Request
 from camcli.cli.report import table
-from camcli.cli.run import analysis
+from camcli.cli.run import IN_THREADS, analysis
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import LITTLE_WORK, for_work
 from camcli.parallel import Shard, Work
@@ -29,8 +28,7 @@ COMPILED, DRAWING = 130e6, 125e6  # and with the compiled kernel, and with a pic
 PICTURE, RECORD = 250e3, 5e3  # bytes of a PNG and of run.json
 ENOUGH = 1.0  # s after which no larger sample is run
 SHORT = 100  # turns of transient and of record in a sample; the rest is taken to be like them
-LINEAR = ("simulate", "sweep", "classify")  # one piece costs what another costs
-FIRST, LAST = 2, 32  # pieces of the first sample, each is twice the one before; the most
+LARGEST = 32  # the largest sample; the first is 2, each is twice the one before
 
 
 class Size(NamedTuple):
@@ -58,7 +56,7 @@ def size_of(command: str, scene: Scene) -> Size:
             speeds, rows = scene.sweep.rpm.num, run.record * len(scene.sweep.sections)
             key = "run.record" if run.record > speeds else "sweep.rpm.num"
             what = f"{speeds} speeds x {run.record} recorded turns"
-            memory, disk = 500.0 * speeds + 32.0 * rows, 32.0 * rows * speeds
+            memory, disk = 700.0 * speeds + 32.0 * rows, 43.0 * rows * speeds
             disk *= 1 if scene.sweep.tables == "none" else 2
             return Size(key, what, speeds, speeds, speeds * turns, memory, disk)
         case "classify":
@@ -80,84 +78,82 @@ def size_of(command: str, scene: Scene) -> Size:
             return Size(key, f"{runs} runs", runs, runs, 0.0, 300.0 * runs, 300.0 * runs)
 
 
-def sample_of(command: str, scene: Scene, n: int, whole: int) -> tuple[int, dict[str, Any]]:
-    """(pieces, values of the scene) of a sample: some of the pieces, few turns each."""
-    run = scene.run
-    few = {"run.transient": min(SHORT, run.transient), "run.record": min(SHORT, run.record)}
+def sample_of(command: str, scene: Scene, n: int) -> Scene:
+    """The scene with few of its pieces, of few turns each."""
+    values: dict[str, Any] = {
+        "run.transient": min(SHORT, scene.run.transient),
+        "run.record": min(25 * n if command == "simulate" else SHORT, scene.run.record),
+    }
     match command:
-        case "simulate":
-            return min(25 * n, whole), few | {"run.record": min(25 * n, whole)}
         case "sweep":
-            return min(n, whole), few | {"sweep.rpm.num": min(n, whole)}
+            values["sweep.rpm.num"] = min(n, scene.sweep.rpm.num)
         case "classify":
-            speeds = min(n, scene.classify.rpm.num)
             values = {"classify.starts": 0, "classify.explain": False}
-            return speeds, values | {"classify.rpm.num": speeds}
+            values["classify.rpm.num"] = min(n, scene.classify.rpm.num)
         case "basins":
-            sides = tuple(min(8 * n, side) for side in scene.basins.cells)
-            one = {"basins.rpm.num": 1, "basins.rpm.stop": scene.basins.rpm.start}
-            return sides[0] * sides[1], one | {"basins.cells": sides, "basins.refine": 0}
-        case _:
-            return min(25 * n, whole), {"detach.rpm.num": min(25 * n, whole)}
+            values = {"basins.rpm.stop": scene.basins.rpm.start, "basins.refine": 0}
+            values["basins.cells"] = tuple(min(8 * n, side) for side in scene.basins.cells)
+        case "detach":
+            values = {"detach.rpm.num": min(25 * n, scene.detach.rpm.num)}
+    return reduce(lambda scene, pair: _with(scene, *pair), values.items(), scene)
+
+
+def _with(model: Any, path: str, value: Any) -> Any:
+    first, _, rest = path.partition(".")
+    return model.model_copy(
+        update={first: _with(getattr(model, first), rest, value) if rest else value}
+    )
 
 
 def refuse_too_large(command: str, scene: Scene, folder: Path, shard: Shard | None) -> None:
     """Raise SceneError for a run whose least need is more than this machine has."""
     need, share = size_of(command, scene), 1 if shard is None else shard.total
-    room, free = SHARE_OF_MEMORY * memory(), free_disk(folder)
-    found, cure, faults = f"found {need.what}, at least", "ask for fewer", []
-    if need.memory > room:
-        limit = f"expected at most {in_words(room)}, {SHARE_OF_MEMORY:.0%} of this machine's"
-        text = f"{found} {in_words(need.memory)} of memory"
-        faults.append(Fault("", need.key, text, limit, cure))
-    if need.disk / share > free:
-        limit = f"expected at most {in_words(free)}, free on the disk of {folder}"
-        text = f"{found} {in_words(need.disk / share)} of files"
-        faults.append(Fault("", need.key, text, limit, f"{cure}, or choose another -o"))
+    faults = []
+    for have, needed, of, where, cure in (
+        (SHARE_OF_MEMORY * memory(), need.memory, "memory", "80% of this machine's", ""),
+        (free_disk(folder), need.disk / share, "files", f"free on the disk of {folder}",
+         ", or choose another -o"),
+    ):  # fmt: skip
+        if needed > have:
+            found = f"found {need.what}, at least {in_words(needed)} of {of}"
+            limit = f"expected at most {in_words(have)}, {where}"
+            faults.append(Fault("", need.key, found, limit, f"ask for fewer{cure}"))
     if faults:
         raise SceneError(*faults)
 
 
 def forecast(
-    command: str, scene: Scene, request: Request, shard: Shard | None, options: Mapping[str, Any]
+    command: str, scene: Scene, request: Request, shard: Shard | None, profile_only: bool
 ) -> None:
     """Print what the run would do and cost; nothing is written."""
     size, share = size_of(command, scene), 1 if shard is None else shard.total
     notes = [f"shard {shard.number} of {shard.total}: pieces only, no tables"] if shard else []
-    section = getattr(scene, command)
-    if getattr(section, "explain", False):
+    if getattr(getattr(scene, command), "explain", False):
         notes.append("what --explain takes is not known before: 5 to 15 s for many a change")
-    costs: dict[str, float | None] = {"impacts": None, "seconds": None, "tables": None}
+    impacts = seconds = tables = None
     if command == "orbits":
         notes.append("how many branches there are, and so the time, is not known before")
-    elif options.get("profile_only"):
-        costs = {"impacts": 0.0, "seconds": None, "tables": 100.0 * scene.simulate.samples}
+    elif profile_only:
+        impacts, tables = 0.0, 100.0 * scene.simulate.samples
     else:
-        costs = _extrapolated(command, scene, request, size)
-    artefacts = None if costs["tables"] is None else costs["tables"] + RECORD
-    if artefacts is not None and not request.no_plot:
-        artefacts += PICTURE
+        impacts, seconds, tables = _extrapolated(command, scene, request, size)
+    files = None if tables is None else ceil(tables + RECORD + (0 if request.no_plot else PICTURE))
     plan = {
         "orbits": ceil(size.orbits / share),
         "periods": ceil(size.turns / share) or None,
-        "impacts": _shared(costs["impacts"], share),
-        "seconds": None if costs["seconds"] is None else costs["seconds"] / share,
-        "bytes": 0 if shard else _shared(artefacts, 1),
-        "disk": ceil(size.disk / share) if shard else _shared(artefacts, 1, size.disk / 2),
+        "impacts": None if impacts is None else ceil(impacts / share),
+        "seconds": None if seconds is None else seconds / share,
+        "bytes": 0 if shard else files,
+        "disk": ceil(size.disk / share) if shard else files and files + ceil(size.disk / 2),
         "memory": round(PROGRAM + COMPILED + (0 if request.no_plot else DRAWING) + size.memory),
-        "notes": notes,
     }
     if request.json:
-        print(json.dumps({"command": command, "plan": plan}, indent=2))
+        print(json.dumps({"command": command, "plan": {**plan, "notes": notes}}, indent=2))
         return
-    rows = [[name, _cell(name, value)] for name, value in plan.items() if name != "notes"]
+    rows = [[name, _cell(name, value)] for name, value in plan.items()]
     table(f"cam {command}, planned", ["what", "estimate"], rows)
     for text in notes:
         print(text)
-
-
-def _shared(value: float | None, share: int, more: float = 0.0) -> int | None:
-    return None if value is None else ceil((value + more) / share)
 
 
 def _cell(name: str, value: Any) -> str:
@@ -168,63 +164,37 @@ def _cell(name: str, value: Any) -> str:
     return f"{value:.2g} s" if name == "seconds" else f"{value:.6g}"
 
 
-def _extrapolated(
-    command: str, scene: Scene, request: Request, size: Size
-) -> dict[str, float | None]:
-    """Impacts, seconds and bytes of the tables from samples of growing size.
+def _extrapolated(command: str, scene: Scene, request: Request, size: Size) -> list[float]:
+    """Impacts, seconds and bytes of the tables, from samples of growing size.
 
-    cost = fixed + pieces * each, from the two largest samples; a piece with few turns stands for
-    one with all of its turns.
+    In proportion to the turns where their number is known, else fixed + pieces * each, from the
+    two largest samples: a cost that comes once must be told from the rest.
     """
-    for_work(size.turns if size.turns else LITTLE_WORK + 1)  # a sample runs as the whole will
-    samples: list[dict[str, float]] = []
-    began, n, pieces = perf_counter(), FIRST, 0
-    enough = 1 if command in LINEAR else 2  # a cost that comes once must be told from the rest
-    while n <= LAST and pieces < size.pieces:
-        if len(samples) >= enough and perf_counter() - began > ENOUGH:
-            break
-        pieces, values = sample_of(command, scene, n, size.pieces)
-        small = _with(scene, values)
-        result = _run(command, small, request)
+    for_work(size.turns or LITTLE_WORK + 1)  # a sample runs as the whole will
+    samples: list[tuple[Scene, list[float]]] = []
+    began, n, enough = perf_counter(), 2, 1 if size.turns else 2
+    while n <= LARGEST and (len(samples) < enough or perf_counter() - began < ENOUGH):
+        small = sample_of(command, scene, n)
+        more = {"work": Work(request.threads)} if command in IN_THREADS else {}
+        result = analysis(command)(small, **more)
         text = sum(len(line) for t in result.tables.values() for line in t.csv())
-        text += len(json.dumps(result.summary))
-        cost = {"impacts": result.cost.impacts, "seconds": result.seconds, "tables": text}
-        samples.append({"pieces": pieces, **cost})
+        costs = [result.cost.impacts, result.seconds, text + len(json.dumps(result.summary))]
+        samples.append((small, costs))
+        if size_of(command, small).pieces == size.pieces:
+            break
         n *= 2
-    last, before = samples[-1], samples[-2] if len(samples) > 1 else None
-    longer = (scene.run.transient + scene.run.record) / (small.run.transient + small.run.record)
-    recorded = scene.run.record / small.run.record
-    costs: dict[str, float | None] = {}
-    for name in ("impacts", "seconds", "tables"):
-        scale, fixed = size.pieces / last["pieces"], 0.0
-        if command in ("sweep", "simulate"):
-            one = 1.0 if command == "sweep" else 1.0 / scale  # a simulation is made shorter only
-            scale *= one * (recorded if name == "tables" else longer)
-        elif before is not None and command not in LINEAR:
-            each = (last[name] - before[name]) / max(1, last["pieces"] - before["pieces"])
-            fixed = min(last[name], max(0.0, last[name] - each * last["pieces"]))
-        costs[name] = fixed + (last[name] - fixed) * scale
-    return costs
-
-
-def _run(command: str, scene: Scene, request: Request) -> Result:
-    if command in ("sweep", "basins", "classify"):
-        return analysis(command)(scene, work=Work(request.threads))
-    return analysis(command)(scene)
-
-
-def _with(scene: Any, values: Mapping[str, Any]) -> Any:
-    """The scene with some values replaced; a path that it does not have is left out."""
-    for path, value in values.items():
-        scene = _replaced(scene, path.split("."), value)
-    return scene
-
-
-def _replaced(model: Any, keys: list[str], value: Any) -> Any:
-    first, *rest = keys
-    return model.model_copy(
-        update={first: _replaced(getattr(model, first), rest, value) if rest else value}
-    )
+    small, last = samples[-1]
+    part = size_of(command, small)
+    if size.turns:
+        recorded = size.orbits * scene.run.record / (part.orbits * small.run.record)
+        scales = [size.turns / part.turns, size.turns / part.turns, recorded]
+        return [cost * scale for cost, scale in zip(last, scales, strict=True)]
+    fixed = [0.0] * len(last)
+    if len(samples) > 1:
+        before, earlier = samples[-2]
+        share = part.pieces / (part.pieces - size_of(command, before).pieces)
+        fixed = [min(b, max(0.0, b - share * (b - a))) for a, b in zip(earlier, last, strict=True)]
+    return [f + (c - f) * size.pieces / part.pieces for f, c in zip(fixed, last, strict=True)]
 
 
 def in_words(count: float) -> str:

@@ -73,7 +73,10 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
 
     def call(**values: Any) -> None:
         request = Request(**{p.name: values.pop(p.name) for p in shared})
-        _refuse_threads(request.threads)
+        threads = request.threads
+        if threads is not None and not 1 <= threads <= MOST_THREADS:
+            found, expected = f"found {threads}", f"expected 1 or more, at most {MOST_THREADS}"
+            raise SceneError(Fault("--threads", "", found, expected, "leave it out for all"))
         raise typer.Exit(run(request, **values))
 
     call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
@@ -86,10 +89,3 @@ def _parameters(function: Callable) -> list[inspect.Parameter]:
     """The parameters with their annotations evaluated, to be given by name."""
     parameters = inspect.signature(function, eval_str=True).parameters.values()
     return [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]
-
-
-def _refuse_threads(threads: int | None) -> None:
-    """Raise SceneError for no threads, and for more than any machine has."""
-    if threads is not None and not 1 <= threads <= MOST_THREADS:
-        found, expected = f"found {threads}", f"expected 1 or more, at most {MOST_THREADS}"
-        raise SceneError(Fault("--threads", "", found, expected, "leave it out for all"))

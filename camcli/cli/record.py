@@ -26,9 +26,7 @@ class Options(BaseModel):
 
     def arguments(self) -> dict[str, Any]:
         """Arguments of the API function."""
-        if not self.profile_only:
-            return {}
-        return {"profile_only": True, "base_radius": self.base_radius}
+        return self.model_dump(exclude={"plot"}) if self.profile_only else {}
 
 
 class Record(BaseModel):
@@ -45,13 +43,13 @@ class Record(BaseModel):
         try:
             return load_scene(self.scene, folder=home)
         except SceneError as error:
-            raise SceneError(*map(_say_where, error.faults)) from None
-
-
-def _say_where(fault: Fault) -> Fault:
-    """Where a file that the scene names is missing, --folder is the cure."""
-    lost = fault.path == "cam.file" and "no such file" in fault.found
-    return replace(fault, cure="say with --folder where it is") if lost else fault
+            faults = [
+                replace(fault, cure="say with --folder where it is")
+                if fault.path == "cam.file" and "no such file" in fault.found
+                else fault
+                for fault in error.faults
+            ]
+            raise SceneError(*faults) from None
 
 
 def record_of(text: str | bytes, path: Path) -> Record:
@@ -61,24 +59,26 @@ def record_of(text: str | bytes, path: Path) -> Record:
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         said = ": ".join([*(shown(str(key)) for key in first["loc"]), first["msg"]])
-        raise refusal(path, f"cannot be read ({said})") from None
+        raise _refusal(path, f"cannot be read ({said})") from None
 
 
 def read_record(path: Path) -> Record:
-    """The record in a file; raises SceneError where it is none, or a giant."""
+    """The record in a file; raises SceneError where it is none of artefacts, or a giant."""
     try:
         if not path.is_file():
             path.stat()  # says what is wrong where there is nothing
-            raise refusal(path, "cannot be read (no file)")
+            raise _refusal(path, "cannot be read (no file)")
         with open(path, "rb") as file:
             data = file.read(MOST_BYTES + 1)
     except OSError as error:
-        raise refusal(path, f"cannot be read ({error.strerror})") from None
+        raise _refusal(path, f"cannot be read ({error.strerror})") from None
     if len(data) > MOST_BYTES:
-        raise refusal(path, "cannot be read (too large)")
-    return record_of(data, path)
+        raise _refusal(path, "cannot be read (too large)")
+    record = record_of(data, path)
+    if not record.artefacts:
+        raise _refusal(path, "found no artefacts in it")
+    return record
 
 
-def refusal(path: Path, found: str) -> SceneError:
-    """The refusal of a file that is no record."""
+def _refusal(path: Path, found: str) -> SceneError:
     return SceneError(Fault("FILE", str(path), found, "expected the run.json of a run", ""))

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from tempfile import TemporaryDirectory
+from typing import Annotated
 
 from typer import Argument, Option
 
 from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
-
-if TYPE_CHECKING:
-    from camcli.cli.record import Record
 
 HomeFolder = Annotated[
     Path | None,
@@ -32,48 +31,36 @@ def rerun(
     Exit code 3 where a CSV differs. Artefacts go to a temporary folder, or to -o. For all commands
     but bench and figures. A lift table is looked for beside FILE, or in --folder.
     """
-    from tempfile import TemporaryDirectory
-
-    from camcli.cli.record import read_record, refusal
-
-    found = read_record(record)
-    if not found.artefacts:
-        raise refusal(record, "found no artefacts in it")
-    home = folder or record.parent
-    if request.out is not None:
-        return _compare(request, found, request.out, home)
-    with TemporaryDirectory(prefix="cam-rerun-") as place:
-        return _compare(request, found, Path(place), home)
-
-
-def _compare(request: Request, record: Record, out: Path, home: Path) -> int:
     import json
 
-    from camcli.cli.report import progress_bar, table
-    from camcli.cli.run import IN_PIECES, IN_THREADS, analysis, compiling, key_of
+    from camcli.cli.record import read_record
+    from camcli.cli.report import table
+    from camcli.cli.run import compute
     from camcli.output.program import program_hash
     from camcli.output.run_folder import run_folder
 
-    scene, more = record.load(home), record.options.arguments()
-    key = key_of(record.command, scene) if record.command in IN_PIECES else None
-    with compiling(request), run_folder(out, key, threads=request.threads) as folder:
-        if record.command in IN_THREADS:
-            more["work"] = folder.work
-        with progress_bar(request.quiet) as progress:
-            result = analysis(record.command)(scene, progress, **more)
-        now = result.write(folder, plot=record.options.plot)["artefacts"]
+    found = read_record(record)
+    scene = found.load(folder or record.parent)
+    with ExitStack() as stack:
+        out = request.out
+        if out is None:
+            out = Path(stack.enter_context(TemporaryDirectory(prefix="cam-rerun-")))
+        place = stack.enter_context(run_folder(out, threads=request.threads))
+        options = found.options.arguments()
+        result, made = compute(found.command, scene, request, place, options, found.options.plot)
+    now = made["artefacts"]
     verdicts = {
         name: MISSING if name not in now else SAME if now[name] == digest else OTHER
-        for name, digest in record.artefacts.items()
+        for name, digest in found.artefacts.items()
     }
     differ = [name for name, verdict in verdicts.items() if verdict != SAME]
     if request.json:
-        said = {"command": record.command, "same": not differ, "artefacts": verdicts}
+        said = {"command": found.command, "same": not differ, "artefacts": verdicts}
         print(json.dumps(said, indent=2))
     else:
-        title = f"cam {record.command} again: {'bytes differ' if differ else 'the same bytes'}"
+        title = f"cam {found.command} again: {'bytes differ' if differ else 'the same bytes'}"
         table(title, ["artefact", "verdict"], [list(row) for row in verdicts.items()])
-    if differ and record.program_sha256 != program_hash():
+    if differ and found.program_sha256 != program_hash():
         note("the record is of another version of this program")
     if any(not name.endswith(".png") for name in differ):
         return NUMERICS

@@ -17,7 +17,7 @@ from camcli.scene import Scene, load_scene, parse_rpm, resolved
 if TYPE_CHECKING:
     from camcli.api.result import Result
     from camcli.output.run_folder import RunFolder
-    from camcli.parallel import Checkpoint, Shard
+    from camcli.parallel import Shard
 
 Values = dict[str, tuple[Any, str]]  # scene path -> (value, option it came from)
 Show = Callable[["Result"], None]
@@ -80,39 +80,39 @@ def run(
     refuse_too_large(command, scene, request.folder(command), part)
     if request.dry_run:
         with compiling(request):
-            forecast(command, scene, request, part, options or {})
+            forecast(command, scene, request, part, profile_only=bool(options))
         return DONE
     return execute(command, scene, request, show, shard=part, cluster=cluster, options=options)
 
 
 def execute(
+    command: str, scene: Scene, request: Request, show: Show, *,
+    options: Mapping[str, Any] | None = None, **pieces: Any,
+) -> int:  # fmt: skip
+    """Run an analysis of a scene, and say what came out; pieces: see `open_folder`."""
+    with open_folder(command, scene, request, **pieces) as folder:
+        result, record = compute(
+            command, scene, request, folder, options or {}, not request.no_plot
+        )
+        _say(result, record, request, show)
+    return DONE if folder.shard_done or result.complete else NUMERICS
+
+
+def compute(
     command: str,
     scene: Scene,
     request: Request,
-    show: Show,
-    *,
-    shard: Shard | None = None,
-    cluster: str | None = None,
-    parts: tuple[Path, ...] = (),
-    options: Mapping[str, Any] | None = None,
-) -> int:
-    """Run an analysis of a scene and write its artefacts; `parts`: files of shards to read."""
+    folder: RunFolder,
+    options: Mapping[str, Any],
+    plot: bool,
+) -> tuple[Result, Mapping[str, Any]]:
+    """The result of an analysis and its run.json, after its artefacts are written."""
     from camcli.cli.report import progress_bar
 
-    more: dict[str, Any] = dict(options or {})
-    with (
-        compiling(request),
-        open_folder(command, scene, request, shard, cluster, parts) as folder,
-        progress_bar(request.quiet) as progress,
-    ):
-        if command in IN_THREADS:
-            more["work"] = folder.work
-        result = analysis(command)(scene, progress, **more)
-        record = result.write(folder, plot=not request.no_plot, from_disk=folder.resumed)
-        _say(result, record, request, show)
-    if folder.shard_done:
-        return DONE
-    return DONE if result.complete else NUMERICS
+    work = {"work": folder.work} if command in IN_THREADS else {}
+    with compiling(request), progress_bar(request.quiet) as progress:
+        result = analysis(command)(scene, progress, **options, **work)
+        return result, result.write(folder, plot=plot, from_disk=folder.resumed)
 
 
 @contextmanager
@@ -120,6 +120,7 @@ def open_folder(
     command: str,
     scene: Scene,
     request: Request,
+    *,
     shard: Shard | None = None,
     cluster: str | None = None,
     parts: tuple[Path, ...] = (),
@@ -127,19 +128,19 @@ def open_folder(
     """The run folder of a command, with a word on the pieces in it.
 
     The block ends early where only a shard was asked for. Where it is interrupted the finished
-    pieces stay, and the same command goes on from them.
+    pieces stay, and the same command goes on from them. `parts`: files of shards to read.
     """
     from camcli.output.run_folder import run_folder
-    from camcli.output.run_record import to_text
 
-    key = key_of(command, scene) if command in IN_PIECES else None
-    place = request.folder(command)
+    values, place = resolved(scene), request.folder(command)
+    read = {section: values[section] for section in ("follower", "cam", "run", command)}
+    key = {"command": command, "scene": read} if command in IN_PIECES else None
     with run_folder(
         place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts
     ) as folder:
         checkpoint = folder.work.checkpoint
         if checkpoint is not None and not request.quiet:
-            _tell_of_pieces(folder, checkpoint, bool(parts))
+            _tell_of_pieces(folder, bool(parts))
         try:
             yield folder
         except KeyboardInterrupt:
@@ -148,6 +149,8 @@ def open_folder(
             raise
     if folder.shard_done and checkpoint is not None:
         if request.json:
+            from camcli.output.run_record import to_text
+
             print(to_text({"command": command, "shard": shard, "pieces": str(checkpoint.path)}))
         elif not request.quiet:
             note(f"{checkpoint.path}: complete; when all shards are, run cam merge {place}")
@@ -155,13 +158,13 @@ def open_folder(
 
 def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show) -> None:
     """The result on stdout, warnings and troubles on stderr."""
-    from camcli.cli.report import cost_line
-
     if request.json:
         from camcli.output.run_record import to_text
 
         print(to_text(record), end="")
     else:
+        from camcli.cli.report import cost_line
+
         show(result)
         print(f"{request.folder(result.command)}/: {', '.join(record['artefacts'])}, run.json")
         if result.cost.impacts:
@@ -184,13 +187,6 @@ def compiling(request: Request) -> AbstractContextManager[Stopwatch]:
 def analysis(command: str) -> Callable[..., Result]:
     """The API function of a command."""
     return getattr(import_module(f"camcli.api.{command}"), command)
-
-
-def key_of(command: str, scene: Scene) -> dict[str, Any]:
-    """Everything beside the program that decides a result."""
-    values = resolved(scene)
-    sections = ("follower", "cam", "run", command)
-    return {"command": command, "scene": {key: values[key] for key in sections}}
 
 
 def shard_of(text: str | None) -> Shard | None:
@@ -219,8 +215,10 @@ def _tell(scene: Scene) -> None:
         note("warning: restitution 1 and no damping: nothing dissipates, no orbit attracts another")
 
 
-def _tell_of_pieces(folder: RunFolder, checkpoint: Checkpoint, merging: bool) -> None:
+def _tell_of_pieces(folder: RunFolder, merging: bool) -> None:
     """Note the pieces that are on disk: ours, a torn one, and those of other runs."""
+    checkpoint = folder.work.checkpoint
+    assert checkpoint is not None
     others = [p for p in folder.folder.glob(f".*{checkpoint.path.suffix}") if p != checkpoint.path]
     if others:
         size = sum(p.stat().st_size for p in others) / 1e6

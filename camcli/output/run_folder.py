@@ -34,7 +34,6 @@ class RunFolder:
         self.hashes: dict[str, str] = {}  # of what was written, in this order
         self.committed = False
         self.shard_done = False
-        self._waiting: list[str] = []  # written, not yet in its place
 
     @property
     def resumed(self) -> int:
@@ -49,14 +48,13 @@ class RunFolder:
                 fill(file)
                 file.flush()
                 os.fsync(file.fileno())
+            self.hashes.pop(name, None)
             self.hashes[name] = _hash(part)
-        except OSError as error:
+        except BaseException as error:
             part.unlink(missing_ok=True)
-            raise _unwritable(self.folder, name, error) from None
-        except BaseException:
-            part.unlink(missing_ok=True)
+            if isinstance(error, OSError):
+                raise _unwritable(self.folder, name, error) from None
             raise
-        self._waiting = [other for other in self._waiting if other != name] + [name]
 
     def write_text(self, name: str, chunks: Iterable[str]) -> None:
         """Write `name` from pieces of text."""
@@ -65,19 +63,24 @@ class RunFolder:
     def commit(self) -> None:
         """Put everything written in its place, run.json last: by renames, so each file is whole.
 
-        With a new run.json the artefacts go that only the run before had; see `_outdated`.
+        With a new run.json the artefacts go that only the run before had.
         """
-        outdated = self._outdated() if RECORD in self._waiting else []
+        outdated = self._outdated() if RECORD in self.hashes else []
         try:
-            for name in sorted(self._waiting, key=lambda name: name == RECORD):
+            for name in sorted(self.hashes, key=lambda name: name == RECORD):
                 if name == RECORD:
                     for other in outdated:
                         _remove(self.folder / other)
                 os.replace(self._part(name), self.folder / name)
         except OSError as error:
             raise _unwritable(self.folder, name, error) from None
-        _sync(self.folder)
-        self._waiting, self.committed = [], True
+        with suppress(OSError):  # not every system opens folders, not every file system syncs them
+            handle = os.open(self.folder, os.O_RDONLY)
+            try:
+                os.fsync(handle)  # the renames are on disk before the pieces are forgotten
+            finally:
+                os.close(handle)
+        self.committed = True
 
     def _outdated(self) -> list[str]:
         """Files that the run.json of the run before lists, as they were, and we do not make.
@@ -99,7 +102,7 @@ class RunFolder:
 
     def close(self) -> None:
         """Forget what was not committed."""
-        for name in self._waiting:
+        for name in self.hashes:
             self._part(name).unlink(missing_ok=True)
 
     def _part(self, name: str) -> Path:
@@ -135,8 +138,16 @@ def run_folder(
             for part in folder.glob(f".*{PART}"):  # of a run that was killed
                 _remove(part)
         if key is not None:
-            checkpoint = _checkpoint(stack, folder, key, shard, parts)
-            run.work.checkpoint = checkpoint
+            text = json.dumps({**key, "program_sha256": program_hash()}, sort_keys=True)
+            path = folder / _name_of_pieces(key.get("command", "run"), text, shard)
+            try:
+                if shard is not None:  # other shards may be at work in the same folder
+                    path.touch()
+                    stack.enter_context(_locked(path))
+                checkpoint = run.work.checkpoint = Checkpoint(path, text, parts)
+            except OSError as error:
+                raise _unwritable(folder, path.name, error) from None
+            stack.callback(checkpoint.close)
         if cluster is not None:
             from camcli.parallel.dask_cluster import DaskCluster
 
@@ -149,6 +160,12 @@ def run_folder(
             run.shard_done = True
         if run.committed and key is not None:
             checkpoint.discard()
+
+
+def _name_of_pieces(command: str, key: str, shard: Shard | None) -> str:
+    if shard is not None:
+        return f"{command}-{shard.number}-of-{shard.total}{PIECES}"
+    return f".{command}-{sha256(key.encode()).hexdigest()[:12]}{PIECES}"
 
 
 def _prepare(folder: Path) -> list[Path]:
@@ -175,30 +192,6 @@ def _remove_empty(made: list[Path]) -> None:
             path.rmdir()
 
 
-def _checkpoint(
-    stack: ExitStack,
-    folder: Path,
-    key: Mapping[str, Any],
-    shard: Shard | None,
-    parts: tuple[Path, ...],
-) -> Checkpoint:
-    text = json.dumps({**key, "program_sha256": program_hash()}, sort_keys=True, default=str)
-    command = key.get("command", "run")
-    if shard is None:
-        path = folder / f".{command}-{sha256(text.encode()).hexdigest()[:12]}{PIECES}"
-    else:
-        path = folder / f"{command}-{shard.number}-of-{shard.total}{PIECES}"
-    try:
-        if shard is not None:  # other shards may be at work in the same folder
-            path.touch()
-            stack.enter_context(_locked(path))
-        checkpoint = Checkpoint(path, text, parts)
-    except OSError as error:
-        raise _unwritable(folder, path.name, error) from None
-    stack.callback(checkpoint.close)
-    return checkpoint
-
-
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
     """Hold a lock on a folder or file, where the system has locks.
@@ -206,25 +199,23 @@ def _locked(path: Path) -> Iterator[None]:
     It belongs to the open file, not to the process: of two runs in one process one is refused.
     Raises SceneError where another run has it.
     """
+    handle = None
     try:
         import fcntl
 
         handle = os.open(path, os.O_RDONLY)
-    except (ImportError, OSError):
-        yield
-        return
-    try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(handle)
         found, cure = "found another run at work here", "wait for it, or choose another"
         raise SceneError(Fault("-o", str(path), found, "expected it free", cure)) from None
-    except OSError:
-        pass  # a file system without locks
+    except (ImportError, OSError):
+        pass  # a system, or a file system, without locks
     try:
         yield
     finally:
-        os.close(handle)
+        if handle is not None:
+            os.close(handle)
 
 
 def _remove(path: Path) -> None:
@@ -233,16 +224,6 @@ def _remove(path: Path) -> None:
     except OSError as error:
         found = f"{path.name} could not be removed ({error.strerror})"
         raise _refused(path.parent, found) from None
-
-
-def _sync(folder: Path) -> None:
-    """Wait until the renames are on disk, before the pieces are forgotten."""
-    with suppress(OSError):  # not every system opens folders, not every file system syncs them
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
 
 
 def _hash(path: Path) -> str:

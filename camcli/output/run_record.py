@@ -6,6 +6,7 @@ import json
 import os
 import platform
 from collections.abc import Mapping
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from typing import Any
@@ -14,17 +15,9 @@ from camcli.analysis.integrate import Cost
 from camcli.output.program import program_hash
 
 PACKAGES = (
-    "camcli",
-    "numpy",
-    "numba",
-    "scipy",
-    "pydantic",
-    "matplotlib",
-    "typer",
-    "rich",
-    "pyyaml",
+    "camcli", "numpy", "numba", "scipy", "pydantic", "matplotlib", "typer", "rich", "pyyaml",
     "python-flint",
-)
+)  # fmt: skip
 ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
 
 
@@ -55,10 +48,14 @@ def error_record(tolerance: float, top: float) -> dict[str, Any]:
 def run_record(**parts: Any) -> dict[str, Any]:
     """The record: command, scene, scene_sha256, options, cost, error, result and artefacts (the
     SHA-256 of each file), then the program, the versions and the machine."""
+    versions = {}
+    for package in PACKAGES:
+        with suppress(PackageNotFoundError):
+            versions[package] = version(package)
     return {
         **parts,
         "program_sha256": program_hash(),
-        "versions": {"python": platform.python_version(), **_versions()},
+        "versions": {"python": platform.python_version(), **versions},
         "machine": {
             "system": platform.system(),
             "processor": platform.machine(),
@@ -82,13 +79,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and not isfinite(value):
         return None if value != value else ("inf" if value > 0.0 else "-inf")
     return value
-
-
-def _versions() -> dict[str, str]:
-    found = {}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            continue
-    return found

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice, repeat
+from itertools import islice
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 if TYPE_CHECKING:
@@ -66,15 +66,11 @@ class Table:
         texts: list[Any] = []
         for block in self.blocks():
             texts = [
-                texts[k] if _is_column(entry) and entry is before[k] else _texts(entry)
+                texts[k] if _is_column(entry) and entry is before[k] else _texts(_spread(block, k))
                 for k, entry in enumerate(block)
             ]
             before = block
-            single = not any(map(_is_column, block))
-            lines = "\n".join(
-                map(",".join, islice(zip(*texts, strict=False), 1 if single else None))
-            )
-            if lines:
+            if lines := "\n".join(map(",".join, zip(*texts, strict=True))):
                 yield lines + "\n"
 
     def npz(self, file: BinaryIO) -> None:
@@ -116,28 +112,16 @@ def _missing(column: Any) -> Any:
     return [empty if value is None else value for value in column]
 
 
-def _texts(entry: Any) -> Iterable[str]:
+def _texts(column: Any) -> list[str]:
     """Texts of a column; a periodic orbit repeats few values, so each is formatted once.
 
     Raises TypeError for a value of another kind than Python's own numbers and texts.
     """
-    if not _is_column(entry):
-        return repeat(_text(entry))
-    values = entry.tolist() if hasattr(entry, "tolist") else list(entry)
+    values = column.tolist() if hasattr(column, "tolist") else list(column)
     kinds = set(map(type, values))
     if strange := [k.__name__ for k in kinds - KINDS if not issubclass(k, str)]:
         raise TypeError(f"a table cannot hold {', '.join(sorted(strange))}")
-    if len(kinds) == 1 and kinds <= {float, int}:
-        distinct = set(values)
-        if 2 * len(distinct) > len(values):
-            return repr(values)[1:-1].split(", ")
-        if kinds == {int} or 0.0 not in distinct:  # 0.0 and -0.0 are one key, and two texts
-            known = {value: repr(value) for value in distinct}
-            return [known[value] for value in values]
-    return list(map(_text, values))
-
-
-def _text(value: Any) -> str:
-    if value is None:
-        return ""
-    return repr(value) if isinstance(value, float) else str(value)
+    if kinds == {float} and 0.0 not in (distinct := set(values)):  # 0.0 and -0.0 are equal
+        known = {value: repr(value) for value in distinct}
+        return [known[value] for value in values]
+    return ["" if value is None else str(value) for value in values]

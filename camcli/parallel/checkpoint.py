@@ -1,25 +1,21 @@
-"""Finished pieces on disk: an append-only file of records, each with its sum.
+"""Finished pieces on disk: a plain file that is only appended to, a piece in each line.
 
-    record   MAGIC, CRC-32 and length of the payload; payload: `pack([place, number, value])`
+    CRC-32 of the rest, [place, number, value] as JSON; see `pack`
 
-The first record says what the others belong to. A record is appended by one write, so that a kill
-at any moment, a full disk or a power cut leaves whole records and at most one torn one at the end,
-which is cut off when the file is opened again. The newest record of a name counts.
-
-Why no database: pieces are large arrays (25 kB a speed), which SQLite writes twice and whose bits
-it does not check; its locks fail on many network folders; and the sum and the codec below would be
-needed all the same.
+The first line says what the others belong to. A line is appended by one write, so that a kill at
+any moment, a full disk or a power cut leaves whole lines and at most one torn one at the end, which
+is cut off when the file is opened again. The newest line of a name counts.
 """
 
 from __future__ import annotations
 
+import errno
 import json
 import os
-import struct
-from array import array
+from base64 import b64decode, b64encode
 from collections.abc import Iterator
-from math import prod
 from pathlib import Path
+from stat import S_ISREG
 from threading import Lock
 from time import monotonic
 from typing import Any, BinaryIO
@@ -27,88 +23,84 @@ from zlib import crc32
 
 from camcli.errors import Fault, SceneError
 
-MAGIC = b"camp"
-HEAD = struct.Struct("<4sIQ")
 DTYPES = ("<f8", "<i8", "<i4", "<i2", "|i1", "|b1", "|u1")
-MOST_PIECES = 1 << 26  # numbers of one place: a damaged one must not ask for all memory
-MOST_KEY = 1 << 24  # bytes of the first record
+MOST_KEY = 1 << 24  # bytes of the first line
+CAUTIOUS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+APPENDING = os.O_WRONLY | os.O_CREAT | os.O_APPEND
 SYNC = 1.0  # s between two waits for the disk: what a power cut costs
-KEY, END = "key", "end"  # places of the first record, and of the one that completes a shard
+KEY, END = "key", "end"  # places of the first line, and of the one that completes a shard
 
 
 class Checkpoint:
     """Values by (place, number); `path` is appended to, `parts` (those of shards) are only read.
 
-    Memory: eight bytes a piece, which say where it is. Threads may share one.
+    In memory is only where each piece is. Threads may share a checkpoint.
     """
 
     def __init__(self, path: Path, key: str, parts: tuple[Path, ...] = ()):
         """Open or create; raises SceneError for a file with pieces of another key, OSError."""
         self.path = path
         self.pieces = 0
-        self._files = (path, *parts)
-        self._found: dict[str, array] = {}  # place -> 1 + file + len(files) * offset, 0: none
+        self._found: dict[tuple[str, int], tuple[Path, int]] = {}
         self._lock = Lock()
-        for n, part in enumerate(parts, 1):
-            with open(part, "rb") as file:
-                self._read(file, key, n)
-        self._file = open(path, "a+b", buffering=0)  # noqa: SIM115 - see close()
+        for part in parts:
+            with open_pieces(part) as file:
+                self._read(file, key, part)
+        self._file = open_pieces(path, "ab")
         try:
-            with open(path, "rb") as file:
-                end, size = self._read(file, key, 0), os.fstat(file.fileno()).st_size
-            self.torn = size - end  # bytes
+            with open_pieces(path) as file:
+                end = self._read(file, key, path)
+            self.torn = self._file.seek(0, os.SEEK_END) - end  # bytes
             self._file.truncate(end)
             if end == 0:
-                self._file.write(_record(KEY, 0, key))
+                self._file.write(_line(KEY, 0, key))
         except BaseException:
             self._file.close()
             raise
         self._synced = monotonic()
         self.resumed = self.pieces  # pieces there were at the beginning
 
-    def _read(self, file: BinaryIO, key: str, n: int) -> int:
-        """Take note of the whole records of a file; where they end."""
+    def _read(self, file: BinaryIO, key: str, path: Path) -> int:
+        """Take note of the whole lines of a file; where they end."""
         end, first = 0, None
-        for place, number, value, begin, after in records(file, MOST_KEY):
+        for place, number, value, begin, after in records(file):
             if begin:
-                self._take_note(place, number, n, begin)
+                self._take_note(place, number, path, begin)
             else:
                 first = place, number, value
             end = after
-        if first is None and n == 0:  # nothing, or a first record that was torn
+        if first is None and path == self.path:
             file.seek(0)
-            if _record(KEY, 0, key).startswith(file.read(MOST_KEY)):
+            head = file.read(MOST_KEY)
+            # Nothing, or a first line that was torn, or that a power cut has left as zeros.
+            if _line(KEY, 0, key).startswith(head) or head.startswith(bytes(8)):
                 return 0
         if first != (KEY, 0, key):
-            raise refused(self._files[n], "found no pieces of this run", "expected them")
+            raise refused(path, "found no pieces of this run", "expected them")
         return end
 
-    def _take_note(self, place: str, number: int, n: int, begin: int) -> None:
-        places = self._found.setdefault(place, array("q"))
-        if number >= len(places):
-            places.frombytes(bytes(places.itemsize * (number + 1 - len(places))))
-        self.pieces += place != END and places[number] == 0
-        places[number] = 1 + n + len(self._files) * begin
+    def _take_note(self, place: str, number: int, path: Path, begin: int) -> None:
+        self.pieces += place != END and (place, number) not in self._found
+        self._found[place, number] = path, begin
 
     def __contains__(self, name: tuple[str, int]) -> bool:
-        place, number = name
-        places = self._found.get(place, ())
-        return number < len(places) and places[number] != 0
+        return name in self._found
 
     def get(self, place: str, number: int) -> Any:
         """The value of a piece that is there; raises SceneError where it is damaged, OSError."""
-        begin, n = divmod(self._found[place][number] - 1, len(self._files))
-        with open(self._files[n], "rb") as file:
+        path, begin = self._found[place, number]
+        with open_pieces(path) as file:
             file.seek(begin)
             for *name, value, _, _ in records(file):
                 if name == [place, number]:
                     return value
                 break
-        raise refused(self._files[n], f"piece {place}/{number} was damaged", "expected it whole")
+        found = f"piece {place}/{number} was changed or damaged while the run was at work"
+        raise refused(path, found, "expected it whole")
 
     def put(self, place: str, number: int, value: Any) -> None:
         """Append a piece; raises SceneError where there is no room, the file is then as before."""
-        rest = memoryview(_record(place, number, value))
+        rest = memoryview(_line(place, number, value))
         with self._lock:
             begin = self._file.seek(0, os.SEEK_END)
             try:
@@ -125,7 +117,7 @@ class Checkpoint:
             except BaseException:  # an interrupt
                 self._file.truncate(begin)
                 raise
-            self._take_note(place, number, 0, begin)
+            self._take_note(place, number, self.path, begin)
 
     def close(self) -> None:
         """Close; a thread that is still at work puts nothing more. A file without a piece goes."""
@@ -140,11 +132,21 @@ class Checkpoint:
         self.close()
 
 
+def open_pieces(path: Path, mode: str = "rb") -> Any:
+    """Open a file of pieces, and nothing else: no link is followed, no pipe waited for."""
+
+    handle = os.open(path, CAUTIOUS | (os.O_RDONLY if mode == "rb" else APPENDING), 0o666)
+    if not S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        raise OSError(errno.EINVAL, "no plain file")
+    return open(handle, mode, buffering=-1 if mode == "rb" else 0)
+
+
 def key_of(path: Path) -> tuple[str, list | None]:
-    """(key, value of the record END or None) of a file of pieces; raises SceneError, OSError."""
+    """(key, value of the line END or None) of a file of pieces; raises SceneError, OSError."""
     key, end = None, None
-    with open(path, "rb") as file:
-        for place, _, value, begin, _ in records(file, MOST_KEY):
+    with open_pieces(path) as file:
+        for place, _, value, begin, _ in records(file):
             if begin == 0:
                 key = value if place == KEY else None
             elif place == END:
@@ -154,34 +156,32 @@ def key_of(path: Path) -> tuple[str, list | None]:
     return key, end
 
 
-def records(
-    file: BinaryIO, most_first: int | None = None
-) -> Iterator[tuple[str, int, Any, int, int]]:
-    """(place, number, value, begin, end) of each record from here, up to the first damaged one."""
-    end, total = file.tell(), os.fstat(file.fileno()).st_size
-    while len(head := file.read(HEAD.size)) == HEAD.size:
-        begin = end
-        magic, check, size = HEAD.unpack(head)
-        end += HEAD.size + size
-        if magic != MAGIC or end > total or (most_first and begin == 0 and size > most_first):
-            return
-        payload = file.read(size)
-        if crc32(payload) != check:
+def records(file: BinaryIO) -> Iterator[tuple[str, int, Any, int, int]]:
+    """(place, number, value, begin, end) of each line from here, up to the first damaged one."""
+    end = file.tell()
+    while line := file.readline(MOST_KEY if end == 0 else -1):
+        begin, end = end, end + len(line)
+        check, _, data = line[:-1].partition(b" ")
+        if line[-1:] != b"\n" or check != _check(data):
             return
         try:
-            named = unpack(payload)
+            named = unpack(data)
         except ValueError:
             return
         match named:
-            case [str(place), int(number), value] if 0 <= number < MOST_PIECES:
+            case [str(place), int(number), value]:
                 yield place, number, value, begin, end
             case _:
                 return
 
 
-def _record(place: str, number: int, value: Any) -> bytes:
-    payload = pack([place, number, value])
-    return HEAD.pack(MAGIC, crc32(payload), len(payload)) + payload
+def _line(place: str, number: int, value: Any) -> bytes:
+    data = pack([place, number, value])
+    return _check(data) + b" " + data + b"\n"
+
+
+def _check(data: bytes) -> bytes:
+    return b"%08x" % crc32(data)
 
 
 def refused(path: Path, found: str, expected: str) -> SceneError:
@@ -192,53 +192,40 @@ def refused(path: Path, found: str, expected: str) -> SceneError:
 
 
 def pack(value: Any) -> bytes:
-    """The bytes of a plain value: a line of JSON, then its arrays (little-endian, C order).
+    """JSON of a plain value; an array in it is {"dtype", "shape", "base64"}.
 
-    In the JSON an array is {"dtype", "shape"}. Floats keep every bit (of a NaN outside an array,
-    that it is one); tuples and ranges come back as lists, arrays as views that may not be written.
-    Raises TypeError for what is none of this: nothing is pickled, nothing read can run code.
+    Floats keep every bit (of a NaN outside an array, that it is one); tuples and ranges come back
+    as lists, arrays as views that may not be written. Raises TypeError for what is none of this:
+    nothing is pickled, nothing read can run code.
     """
-    arrays: list[bytes] = []
+    return json.dumps(value, default=_outline, separators=(",", ":")).encode()
 
-    def outline(value: Any) -> Any:
-        if isinstance(value, range):
-            return list(value)
-        if hasattr(value, "dtype") and value.ndim == 0:
-            return value.item()
-        if hasattr(value, "dtype"):
-            little = value.astype(value.dtype.newbyteorder("<"), copy=False)
-            if little.dtype.str in DTYPES:
-                arrays.append(little.tobytes())
-                return {"dtype": little.dtype.str, "shape": little.shape}
-        raise TypeError(f"a {type(value).__name__} cannot be kept")
 
-    text = json.dumps(value, default=outline, separators=(",", ":"))
-    return b"".join([text.encode(), b"\n", *arrays])
+def _outline(value: Any) -> Any:
+    if isinstance(value, range):
+        return list(value)
+    if hasattr(value, "dtype") and value.ndim == 0:
+        return value.item()
+    if hasattr(value, "dtype"):
+        little = value.astype(value.dtype.newbyteorder("<"), copy=False)
+        if little.dtype.str in DTYPES:
+            text = b64encode(little.tobytes()).decode()
+            return {"dtype": little.dtype.str, "shape": little.shape, "base64": text}
+    raise TypeError(f"a {type(value).__name__} cannot be kept")
 
 
 def unpack(data: bytes) -> Any:
     """The value of these bytes; raises ValueError where they are not from `pack`."""
-    end = data.index(b"\n")
-    rest, at = memoryview(data)[end + 1 :], 0
-
-    def array_of(outline: dict) -> Any:
-        nonlocal at
-        if outline.keys() != {"dtype", "shape"}:
-            return outline
-        import numpy as np
-
-        name, shape = outline["dtype"], outline["shape"]
-        if name not in DTYPES:
-            raise ValueError(f"an array of {name!r}")
-        dtype = np.dtype(name)
-        size = prod(shape) * dtype.itemsize
-        taken, at = rest[at : at + size], at + size
-        return np.frombuffer(taken, dtype).reshape(shape)
-
     try:
-        value = json.loads(data[:end], object_hook=array_of)
+        return json.loads(data, object_hook=_array)
     except (TypeError, OverflowError, RecursionError) as error:
         raise ValueError(f"no value ({error})") from None
-    if at != len(rest):
-        raise ValueError("more or fewer bytes than its arrays take")
-    return value
+
+
+def _array(outline: dict) -> Any:
+    match outline:
+        case {"dtype": str(name), "shape": list(shape), "base64": str(text)} if name in DTYPES:
+            import numpy as np
+
+            return np.frombuffer(b64decode(text, validate=True), name).reshape(shape)
+    return outline

@@ -73,8 +73,7 @@ class Work:
         Without `codec` nothing is kept. Where `share` and this is a shard, the others' pieces are
         left out and ShardDone is raised at the end. A task for a cluster must pickle.
         """
-        shard = self.shard if share else None
-        return self._run(self._kept(codec, len(pieces)), task, pieces, shard)
+        return self._run(self._kept(codec, len(pieces)), task, pieces, share)
 
     def collect(
         self,
@@ -88,7 +87,7 @@ class Work:
         `on_result` is called with each, in order. A shard does its own pieces: see `run`.
         """
         kept = self._kept(codec, len(pieces))
-        return _collected(kept, self._run(kept, task, pieces, self.shard), on_result)
+        return _collected(kept, self._run(kept, task, pieces, True), on_result)
 
     def collect_chain(
         self,
@@ -119,12 +118,13 @@ class Work:
     def _kept(self, codec: Codec | None, count: int) -> Kept:
         """The place of the next call in the checkpoint."""
         number, self.calls = self.calls, self.calls + 1
-        checkpoint = self.checkpoint if codec is not None else None
-        return Kept(checkpoint, codec, f"{self.place}{number}", count)
+        return Kept(self.checkpoint if codec else None, codec, f"{self.place}{number}", count)
 
-    def _run(self, kept: Kept, task: Callable, pieces: Sequence, shard: Shard | None) -> Iterator:
-        count = len(pieces)
-        ours = range(count) if shard is None else range(shard.number - 1, count, shard.total)
+    def _run(self, kept: Kept, task: Callable, pieces: Sequence, share: bool) -> Iterator:
+        first, step = 0, 1
+        if share and self.shard is not None:
+            first, step = self.shard.number - 1, self.shard.total
+        ours = range(first, len(pieces), step)
         missing = array("q", (k for k in ours if not kept.has(k)))
         if self.cluster is not None:
             todo = [pieces[k] for k in missing]
@@ -138,7 +138,7 @@ class Work:
                 yield next(fresh)
             else:
                 yield kept[k]
-        if shard is not None:
+        if share and self.shard is not None:
             raise ShardDone
 
 
@@ -170,13 +170,13 @@ class Kept(Sequence):
     def __getitem__(self, k):
         if isinstance(k, slice):
             return [self[n] for n in range(*k.indices(self.length))]
-        if not -self.length <= k < self.length:
-            raise IndexError(k)
+        k = range(self.length)[k]
         assert self.checkpoint is not None
         assert self.codec is not None
-        stored = self.checkpoint.get(self.place, k % self.length)
         try:
-            return self.codec.load(stored)
+            return self.codec.load(self.checkpoint.get(self.place, k))
+        except SceneError:
+            raise
         except MISFITS as error:
             found = f"piece {self.place}/{k} holds no result ({error})"
             raise refused(self.checkpoint.path, found, "expected pieces of this run") from None

@@ -4,9 +4,6 @@ import json
 
 import pytest
 
-from tests.parallel.long_runs import cam as forked
-from tests.parallel.long_runs import dying
-
 TURNS = ("--set", "run.transient=10", "--set", "run.record=10", "--no-plot")
 RUNS = {
     "sweep": ("sweep", "--rpm", "690:745", "--points", "5", *TURNS),
@@ -86,8 +83,3 @@ def test_records_that_are_none_are_refused_in_words(cam, tmp_path):
         file.truncate(1 << 40)
     refused(cam("rerun", "huge.json"), "too large")
     (tmp_path / "huge.json").unlink()
-
-
-def test_an_interrupt_promises_nothing_of_a_folder_that_goes(record, tmp_path):
-    code, said = forked(("rerun", str(record)), tmp_path, dying("put", 3, "SIGINT"))
-    assert (code, "interrupted" in said, "on disk" in said) == (130, True, False)
