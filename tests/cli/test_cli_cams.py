@@ -46,40 +46,23 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
-@pytest.fixture
-def here(monkeypatch, capsys, tmp_path):
-    """Run `cam` in this process, in an empty folder; returns what it prints."""
-    from camcli.__main__ import main
-
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["cam", *words])
-        with pytest.raises(SystemExit) as left:
-            main()
-        out, error = capsys.readouterr()
-        assert left.value.code == 0, out + error
-        return out
-
-    return call
-
-
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
-def test_a_file_of_configs_loads_and_plans_every_command(path, here, tmp_path):
+def test_a_file_of_configs_loads_and_plans(path, cam, tmp_path):
     assert "# yaml-language-server: $schema=schema.json" in path.read_text()
     assert load_scene(path).cam.parts()
-    for command in COMMANDS:
-        assert json.loads(here(command, "-c", str(path), "--dry-run", "--json"))
+    done = cam("simulate", "-c", str(path), "--dry-run", "--json")
+    assert json.loads(done.stdout)["plan"]["impacts"] >= 0
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_command_takes_every_kind(here, tmp_path, kind, command):
+def test_every_command_takes_every_kind(cam, tmp_path, kind, command):
     """With pictures for the two that differ most from arcs: without corners, and with kinks."""
     path = write(tmp_path, KINDS[kind])
     words = [] if kind in ("eccentric", "kinks") else ["--no-plot"]
-    here(command, "-c", str(path), "-o", "out", "--quiet", *words)
+    done = cam(command, "-c", str(path), "-o", "out", "--quiet", *words)
+    assert done.returncode == 0, done.stderr
     assert (tmp_path / "out" / f"{command}.png").exists() == (not words)
     assert json.loads((tmp_path / "out" / "run.json").read_text())["result"]
 

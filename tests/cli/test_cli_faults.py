@@ -90,6 +90,7 @@ def test_warning_where_nothing_dissipates(cam):
     assert "nothing dissipates" in done.stderr
 
 
+@pytest.mark.slow
 def test_read_only_cache_only_costs_time(cam_process, tmp_path):
     (tmp_path / "cache").write_text("a file where the cache should be")
     done = cam_process(

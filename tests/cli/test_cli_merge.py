@@ -1,13 +1,14 @@
 """cam merge: parts of a run become its artefacts; what does not belong together is refused."""
 
 import json
+import os
 import shutil
 from pathlib import Path
 from zlib import crc32
 
 import pytest
 
-from camcli.parallel.checkpoint import HEAD, MAGIC, Checkpoint, key_of, pack
+from camcli.parallel.checkpoint import Checkpoint, key_of, pack
 from tests.parallel.long_runs import but_record, files
 
 ROOT = Path(__file__).parents[2]
@@ -103,26 +104,30 @@ def test_nothing_to_merge_or_to_share(cam, tmp_path):
     refused(cam("merge", "absent"), "absent", "No such file")
 
 
-def framed(place: str, value) -> bytes:
-    payload = pack([place, 0, value])
-    return HEAD.pack(MAGIC, crc32(payload), len(payload)) + payload
+def line(place: str, value) -> bytes:
+    data = pack([place, 0, value])
+    return b"%08x %s\n" % (crc32(data), data)
 
 
-END = framed("end", [1, 1])
+END = line("end", [1, 1])
 OLD = {"command": "sweep", "scene": {}, "options": {}, "program_sha256": "0"}
 HOSTILE = [
-    bytes(range(256)) * 4, b"", HEAD.pack(MAGIC, 0, 1 << 62), framed("key", [1, 2]) + END,
-    framed("key", "{") + END, framed("key", "{}") + END, framed("key", "[" * 100_000) + END,
-    framed("key", json.dumps(OLD)) + END, framed("key", json.dumps(OLD)) + framed("end", [1, "x"]),
+    bytes(range(256)) * 4, b"", line("key", [1, 2]) + END, line("key", "{") + END,
+    line("key", "{}") + END, line("key", "[" * 100_000) + END,
+    line("key", json.dumps(OLD)) + END, line("key", json.dumps(OLD)) + line("end", [1, "x"]),
 ]  # fmt: skip
 
 
 def test_hostile_parts_are_refused_in_words(cam, tmp_path):
+    path = tmp_path / "sweep-1-of-1.pieces"
     for data in HOSTILE:
-        (tmp_path / "sweep-1-of-1.pieces").write_bytes(data)
+        path.write_bytes(data)
         done = cam("merge", ".")
-        refused(done, "sweep-1-of-1.pieces")
+        refused(done, path.name)
         assert len(done.stderr) < 1000
+    path.unlink()
+    os.mkfifo(path)
+    refused(cam("merge", "."), path.name, "no plain file")
 
 
 def test_parts_that_ask_for_nonsense_or_hold_no_results(cam, tmp_path):
@@ -133,7 +138,7 @@ def test_parts_that_ask_for_nonsense_or_hold_no_results(cam, tmp_path):
         ("command", "schema"), ("command", ["sweep"]), ("scene", []), ("options", 3),
         ("options", {"explain": "yes"}), ("options", {"lyapunov": {}}), ("scene", {"run": 3}),
     ):  # fmt: skip
-        path.write_bytes(framed("key", json.dumps({**json.loads(text), key: value})) + END)
+        path.write_bytes(line("key", json.dumps({**json.loads(text), key: value})) + END)
         refused(cam("merge", "parts"))
     path.write_bytes(whole)
     checkpoint = Checkpoint(path, text)

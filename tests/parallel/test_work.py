@@ -7,8 +7,6 @@ import weakref
 from typing import ClassVar
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from camcli.errors import SceneError
 from camcli.parallel import Checkpoint, Codec, Shard, ShardDone, Work, in_threads
@@ -37,14 +35,13 @@ class Counted:
         return piece * 10
 
 
-@settings(max_examples=20, deadline=None)
-@given(st.lists(st.integers(0, 20), max_size=60), st.integers(1, 5))
-def test_results_come_in_the_order_of_the_pieces(delays, threads):
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_results_come_in_the_order_of_the_pieces(threads):
     def task(k):
-        time.sleep(delays[k] / 20_000)
+        time.sleep((k * 7919) % 20 / 20_000)
         return k
 
-    assert list(Work(threads).run(task, range(len(delays)))) == list(range(len(delays)))
+    assert list(Work(threads).run(task, range(60))) == list(range(60))
 
 
 @pytest.mark.parametrize("threads", [1, 3])
