@@ -199,23 +199,19 @@ def _locked(path: Path) -> Iterator[None]:
     It belongs to the open file, not to the process: of two runs in one process one is refused.
     Raises SceneError where another run has it.
     """
-    handle = None
-    try:
-        import fcntl
+    with ExitStack() as stack:
+        try:
+            import fcntl
 
-        handle = os.open(path, os.O_RDONLY)
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(handle)
-        found, cure = "found another run at work here", "wait for it, or choose another"
-        raise SceneError(Fault("-o", str(path), found, "expected it free", cure)) from None
-    except (ImportError, OSError):
-        pass  # a system, or a file system, without locks
-    try:
+            handle = os.open(path, os.O_RDONLY)
+            stack.callback(os.close, handle)
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            found, cure = "found another run at work here", "wait for it, or choose another"
+            raise SceneError(Fault("-o", str(path), found, "expected it free", cure)) from None
+        except (ImportError, OSError):
+            pass  # a system, or a file system, without locks
         yield
-    finally:
-        if handle is not None:
-            os.close(handle)
 
 
 def _remove(path: Path) -> None:
