@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from math import gcd, sqrt
 from statistics import median_low
@@ -66,9 +66,9 @@ class Dwell(NamedTuple):
 class Turn:
     """One turn of measured lift, ascending in phase."""
 
-    theta: np.ndarray  # (n,), deg in [0, 360)
-    lift: np.ndarray  # (n,), m above the base
-    line: np.ndarray  # (n,), of the file; 0 where a dwell was filled
+    theta: np.ndarray = field(compare=False)  # (n,), deg in [0, 360)
+    lift: np.ndarray = field(compare=False)  # (n,), m above the base
+    line: np.ndarray = field(compare=False)  # (n,), of the file; 0 where a dwell was filled
     quantum: float  # m, step of the last digit
     spacing: float  # deg, median
     dwells: list[Dwell]

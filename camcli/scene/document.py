@@ -18,6 +18,7 @@ from camcli.errors import Fault, shown
 
 MAX_DEPTH = 32  # levels of maps and lists
 MAX_VALUES = 20_000  # values and keys, each alias counted as all it stands for
+LOADER = getattr(yaml, "CBaseLoader", yaml.BaseLoader)  # constructs nothing, resolves no words
 
 Path = tuple[str, ...]  # keys from the root of the scene, places in a list as text
 
@@ -35,6 +36,12 @@ class Mark(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.name}:{self.line}:{self.column}" if self.line else self.name
+
+    def at(self, spot: yaml.Mark | None) -> Mark:
+        """The place of a mark of PyYAML in the file; on the command line there are no lines."""
+        if spot is None or not self.line:
+            return self
+        return self._replace(line=spot.line + 1, column=spot.column + 1)
 
 
 class Place(NamedTuple):
@@ -59,6 +66,11 @@ class Finding(NamedTuple):
         return Fault(str(self.mark), dotted(self.path), self.found, self.expected, self.cure)
 
 
+class _StopReading(Exception):  # noqa: N818 - control flow inside this file
+    def __init__(self, *finding: Any):
+        self.finding = Finding(*finding)
+
+
 def dotted(path: Sequence[str]) -> str:
     """`('run', 'start', 'q')` as `run.start.q`."""
     return shown(".".join(shown(key, 40) for key in path[:40]), 160)
@@ -70,19 +82,20 @@ class Document:
     `data` is None, with a finding that says why, where reading had to stop.
     """
 
-    def __init__(self, start: Mark, data: Any = None):
-        self.data = data
+    def __init__(self, start: Mark):
+        self.data: Any = None
         self.places: dict[Path, Place] = {(): Place(start, start)}
         self.findings: list[Finding] = []
+        self.size = 0
 
     def value(self, path: Path) -> Any:
         """Value at a path, None where there is none."""
         node = self.data
         for key in path:
-            if isinstance(node, list):
-                node = node[int(key)] if key.isdecimal() and int(key) < len(node) else None
-            else:
-                node = node.get(key) if isinstance(node, dict) else None
+            try:
+                node = node[int(key)] if isinstance(node, list) else node[key]
+            except (LookupError, TypeError, ValueError):
+                return None
         return node
 
     def place(self, path: Path) -> Place:
@@ -104,6 +117,63 @@ class Document:
         self.places = {known: p for known, p in self.places.items() if known[:size] != path}
         self.places |= {(*path, *below): p for below, p in other.places.items()}
 
+    def read(self, node: yaml.Node, path: Path = (), key: Mark | None = None) -> Any:
+        """Plain data of a YAML node and all below it; aliases are copied out."""
+        mark = self.places[()].value.at(node.start_mark)
+        self._count(mark, path)
+        plain = isinstance(node, yaml.ScalarNode) and not node.style
+        self.places[path] = Place(mark, key or mark, node.value if plain else None)
+        kind = {yaml.ScalarNode: "str", yaml.SequenceNode: "seq"}.get(type(node), "map")
+        if node.tag != f"tag:yaml.org,2002:{kind}":
+            tag = shown(node.tag.replace("tag:yaml.org,2002:", "!!", 1))
+            expected = "expected a value without a tag"
+            self.findings.append(Finding(mark, path, f"found the tag {tag}", expected, "remove it"))
+        if isinstance(node, yaml.ScalarNode):
+            _refuse_surrogates(mark, path, node.value)
+            return scalar(node.value) if plain else node.value
+        if isinstance(node, yaml.SequenceNode):
+            return [self.read(child, (*path, str(k))) for k, child in enumerate(node.value)]
+        data: dict[str, Any] = {}
+        for key_node, child in node.value:
+            mark = self.places[()].value.at(key_node.start_mark)
+            if not isinstance(key_node, yaml.ScalarNode):
+                cure = "write 'key: value' with a plain key"
+                found = "found a map or list as a key"
+                raise _StopReading(mark, path, found, "expected a word", cure)
+            name = key_node.value
+            _refuse_surrogates(mark, path, name)
+            self.size += 1
+            if name not in data:
+                data[name] = self.read(child, (*path, name), mark)
+                continue
+            first = self.places[(*path, name)].key
+            twice = f"on lines {first.line} and {mark.line}" if mark.line else "twice"
+            found, expected = f"found key '{shown(name)}' {twice}", "expected each key once"
+            self.findings.append(
+                Finding(mark, (*path, name), found, expected, "keep one of the two")
+            )
+        return data
+
+    def plain(self, value: Any, path: Path = ()) -> Any:
+        """Plain data of a Python value, numbers and arrays of NumPy too."""
+        self._count(self.places[()].value, path)
+        if hasattr(value, "tolist"):  # NumPy
+            value = value.tolist()
+        if isinstance(value, Mapping):
+            words = ((_text(str(key)), child) for key, child in value.items())
+            return {word: self.plain(child, (*path, word)) for word, child in words}
+        if isinstance(value, Sequence) and not isinstance(value, str | bytes):
+            return [self.plain(child, (*path, str(k))) for k, child in enumerate(value)]
+        return (
+            value if value is None or isinstance(value, bool | int | float) else _text(str(value))
+        )
+
+    def _count(self, mark: Mark, path: Path) -> None:
+        self.size += 1
+        if len(path) > MAX_DEPTH or self.size > MAX_VALUES:
+            what = _TOO_DEEP if len(path) > MAX_DEPTH else _TOO_MANY
+            raise _StopReading(mark, path, what, "expected a scene", "is this the right file?")
+
 
 def _replaced(node: Any, path: Path, value: Any) -> Any:
     """Copy of plain data with the value at a path."""
@@ -118,10 +188,10 @@ def _replaced(node: Any, path: Path, value: Any) -> Any:
 
 
 def document_of(value: object, mark: Mark) -> Document:
-    """Document of a Python value (numbers and arrays of NumPy too), all of it at one mark."""
+    """Document of a Python value, all of it at one mark."""
     document = Document(mark)
     try:
-        document.data = _Builder(document).plain(value, (), 0)
+        document.data = document.plain(value)
     except _StopReading as stop:
         document.findings.append(stop.finding)
     return document
@@ -129,160 +199,50 @@ def document_of(value: object, mark: Mark) -> Document:
 
 def parse(text: str, name: str, rank: int = 0, *, numbered: bool = True) -> Document:
     """Document of a YAML text; `numbered`: places are lines and columns of a file."""
-    source = Mark(rank, name)
-    document = Document(source._replace(line=1, column=1) if numbered else source)
+    start = Mark(rank, name, 1, 1) if numbered else Mark(rank, name)
+    document = Document(start)
     try:
-        strange = _UNPRINTABLE.search(text)
-        if strange:
+        if strange := _UNPRINTABLE.search(text):
             before = text[: strange.start()]
-            column = strange.start() - before.rfind("\n")
-            mark = source._replace(line=before.count("\n") + 1, column=column)
+            line, column = before.count("\n") + 1, strange.start() - before.rfind("\n")
+            mark = start._replace(line=line, column=column)
             found = f"found the control character U+{ord(strange[0]):04X}"
-            cure = "is this a binary file?"
-            raise _StopReading(Finding(mark, (), found, "expected text", cure))
-        loader = _LOADER(text)
-        try:
-            root = loader.get_single_node()
-        finally:
-            loader.dispose()
+            raise _StopReading(mark, (), found, "expected text", "is this a binary file?")
+        _limit(text)
+        root = yaml.compose(text, Loader=LOADER)
         if root is not None:
-            builder = _Builder(document)
-            document.data = builder.value(root, (), 0)
+            document.data = document.read(root)
     except _StopReading as stop:
         document.findings.append(stop.finding)
     except (yaml.YAMLError, ValueError, OverflowError) as error:  # the latter from escapes
-        document.findings.append(_syntax_finding(error, text, document.places[()].value))
+        document.findings.append(_syntax_finding(error, text, start))
     return document
 
 
-# -- YAML nodes to plain data ------------------------------------------------------------------
-
 _UNPRINTABLE = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-
-
-class _StopReading(Exception):  # noqa: N818 - control flow inside this file
-    def __init__(self, finding: Finding):
-        self.finding = finding
-
-
-class _Composer(yaml.composer.Composer):
-    """Composes nodes with their marks, within the limits; resolves no tags.
-
-    Nothing is constructed: no text makes an object of Python.
-    """
-
-    depth = count = 0
-
-    def compose_node(self, parent, index):
-        """A node and all below it."""
-        self.depth += 1
-        self.count += 1
-        if self.depth > MAX_DEPTH + 1 or self.count > 2 * MAX_VALUES:
-            what = _TOO_DEEP if self.depth > MAX_DEPTH + 1 else _TOO_MANY
-            raise yaml.MarkedYAMLError(problem=what, problem_mark=self.peek_event().start_mark)
-        node = super().compose_node(parent, index)
-        self.depth -= 1
-        return node
-
-    def resolve(self, kind, value, implicit):
-        """No tag, so that one that was written can be told."""
-        return ""
-
-
-def limited(base: type) -> type:
-    """A loader of the limited composer and the parser of a loader of PyYAML."""
-
-    class Loader(_Composer, base):
-        def __init__(self, text: str):
-            base.__init__(self, text)  # type: ignore[misc]  # PyYAML's own way to join classes
-            _Composer.__init__(self)
-
-    return Loader
-
-
-_LOADER = limited(getattr(yaml, "CBaseLoader", yaml.BaseLoader))
 _TOO_DEEP = f"found maps and lists nested deeper than {MAX_DEPTH} levels"
 _TOO_MANY = f"found more than {MAX_VALUES} values (aliases count as all they stand for)"
 
 
-class _Builder:
-    """Fills a document from YAML nodes or Python values; aliases are copied out."""
+def _limit(text: str) -> None:
+    """Refuse a text that is nested too deep, or too long, before it is made into nodes."""
+    depth = count = documents = 0
+    for event in yaml.parse(text, Loader=LOADER):
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        count += isinstance(event, yaml.NodeEvent)
+        documents += isinstance(event, yaml.DocumentStartEvent)
+        if depth > MAX_DEPTH + 1 or count > 2 * MAX_VALUES:
+            what = _TOO_DEEP if depth > MAX_DEPTH + 1 else _TOO_MANY
+            raise yaml.MarkedYAMLError(problem=what, problem_mark=event.start_mark)  # type: ignore[arg-type]  # or C's
+        if documents > 1:
+            return  # which is a fault of its own
 
-    def __init__(self, document: Document):
-        self.document = document
-        self.source = document.places[()].value
-        self.size = 0
 
-    def value(self, node: yaml.Node, path: Path, depth: int, key: Mark | None = None) -> Any:
-        """Plain data of a node and all below it."""
-        mark = self._mark(node)
-        self._count(mark, path, depth)
-        quoted = not isinstance(node, yaml.ScalarNode) or bool(node.style)
-        self.document.places[path] = Place(mark, key or mark, None if quoted else node.value)
-        if node.tag:
-            tag = shown(node.tag.replace("tag:yaml.org,2002:", "!!", 1))
-            self._note(mark, path, f"found the tag {tag}", "a value without a tag", "remove it")
-        if isinstance(node, yaml.ScalarNode):
-            self._refuse_surrogates(node, path)
-            return node.value if quoted else scalar(node.value)
-        if isinstance(node, yaml.SequenceNode):
-            children = enumerate(node.value)
-            return [self.value(child, (*path, str(k)), depth + 1) for k, child in children]
-        data: dict[str, Any] = {}
-        for key_node, child in node.value:
-            mark = self._mark(key_node)
-            if not isinstance(key_node, yaml.ScalarNode):
-                cure = "write 'key: value' with a plain key"
-                self._stop(mark, path, "found a map or list as a key", "a word", cure)
-            self._refuse_surrogates(key_node, path)
-            word = key_node.value
-            self.size += 1
-            if word not in data:
-                data[word] = self.value(child, (*path, word), depth + 1, mark)
-                continue
-            first = self.document.places[(*path, word)].key
-            twice = f"on lines {first.line} and {mark.line}" if mark.line else "twice"
-            found = f"found key '{shown(word)}' {twice}"
-            self._note(mark, (*path, word), found, "each key once", "keep one of the two")
-        return data
-
-    def plain(self, value: Any, path: Path, depth: int) -> Any:
-        """Plain data of a Python value."""
-        self._count(self.source, path, depth)
-        if hasattr(value, "tolist"):  # NumPy
-            value = value.tolist()
-        if isinstance(value, Mapping):
-            words = ((_text(str(key)), child) for key, child in value.items())
-            return {word: self.plain(child, (*path, word), depth + 1) for word, child in words}
-        if isinstance(value, Sequence) and not isinstance(value, str | bytes):
-            children = enumerate(value)
-            return [self.plain(child, (*path, str(k)), depth + 1) for k, child in children]
-        if value is None or isinstance(value, bool | int | float):
-            return value
-        return _text(str(value))
-
-    def _count(self, mark: Mark, path: Path, depth: int) -> None:
-        self.size += 1
-        if depth > MAX_DEPTH or self.size > MAX_VALUES:
-            what = _TOO_DEEP if depth > MAX_DEPTH else _TOO_MANY
-            self._stop(mark, path, what, "a scene", "is this the right file?")
-
-    def _refuse_surrogates(self, node: yaml.ScalarNode, path: Path) -> None:
-        if not node.value.isascii() and _UNPRINTABLE.search(node.value):
-            found = "found an escape that is no character"
-            self._stop(self._mark(node), path, found, "text", "remove it")
-
-    def _note(self, mark: Mark, path: Path, found: str, expected: str, cure: str) -> None:
-        self.document.findings.append(Finding(mark, path, found, f"expected {expected}", cure))
-
-    def _stop(self, mark: Mark, path: Path, found: str, expected: str, cure: str) -> None:
-        raise _StopReading(Finding(mark, path, found, f"expected {expected}", cure))
-
-    def _mark(self, node: yaml.Node) -> Mark:
-        if not self.source.line:
-            return self.source
-        spot = node.start_mark
-        return self.source._replace(line=spot.line + 1, column=spot.column + 1)
+def _refuse_surrogates(mark: Mark, path: Path, text: str) -> None:
+    if not text.isascii() and _UNPRINTABLE.search(text):
+        found = "found an escape that is no character"
+        raise _StopReading(mark, path, found, "expected text", "remove it")
 
 
 def _text(text: str) -> str:
@@ -292,52 +252,35 @@ def _text(text: str) -> str:
 
 # -- syntax errors in words --------------------------------------------------------------------
 
-_LINE_BREAK = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # as YAML counts lines
 _MEANINGS = (  # part of the parser's message (C or Python), what was found, what to do
-    (_TOO_DEEP, _TOO_DEEP, "is this the right file?"),
-    (_TOO_MANY, _TOO_MANY, "is this the right file?"),
+    (" tab|\\\\t", "found a tab", "indent with spaces"),
+    ("nested|more than", "", "is this the right file?"),
     ("another document", "found a second document", "remove this '---' and what follows"),
     ("undefined alias", "found an alias (*) without its anchor (&)", "put the anchor before it"),
-    (
-        "mapping values are not allowed",
-        "found a second ':'",
-        "put the text in quotes, or start a new line",
-    ),
-    ("found unexpected end of stream", "a quote is not closed", "close it"),
-    ("while scanning a quoted", "a quoted text is not readable", "check its quotes and escapes"),
-    ("while parsing a flow", "a bracket is not closed, or a comma is missing", "close it"),
-    ("did not find expected ',' or", "a bracket is not closed, or a comma is missing", "close it"),
-    ("could not find expected ':'", "a key has no ':'", "write 'key: value'"),
-    ("while parsing a block", "the indentation does not fit the lines above", "align the keys"),
-    ("did not find expected key", "the indentation does not fit the lines above", "align the keys"),
+    ("mapping values", "found a second ':'", "put the text in quotes, or start a new line"),
+    ("unexpected end of stream", "a quote is not closed", "close it"),
+    ("scanning a quoted", "a quoted text is not readable", "check its quotes and escapes"),
+    ("a flow|expected ',' or", "a bracket is not closed, or a comma is missing", "close it"),
+    ("expected ':'", "a key has no ':'", "write 'key: value'"),
+    ("a block|expected key", "the indentation does not fit the lines above", "align the keys"),
+    ("", "", "correct the text at this place"),
 )
 
 
 def _syntax_finding(error: Exception, text: str, start: Mark) -> Finding:
     """Fault of a YAML error, at the place of the problem (falls back on the file's start)."""
     spot = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
-    mark = start
-    if spot and start.line:
-        mark = start._replace(line=spot.line + 1, column=spot.column + 1)
     parts = (getattr(error, "context", ""), getattr(error, "problem", ""))
-    message = " ".join(part for part in parts if part)
-    if _has_tab(text, spot) or " tab" in message:
-        return Finding(mark, (), "found a tab", "expected YAML", "indent with spaces")
-    for part, found, cure in _MEANINGS:
-        if part in message:
-            return Finding(mark, (), found, "expected YAML", cure)
-    found = shown(message or str(error), 120)
-    return Finding(mark, (), found, "expected YAML", "correct the text at this place")
-
-
-def _has_tab(text: str, spot: Any) -> bool:
-    """Whether a tab indents the line of an error, or stands at its place."""
-    lines = _LINE_BREAK.split(text)
-    if spot is None or spot.line >= len(lines):
-        return False
-    line = lines[spot.line]
-    indent = line[: len(line) - len(line.lstrip())]
-    return "\t" in indent or line[spot.column : spot.column + 1] == "\t"
+    message = " ".join(part for part in parts if part) or str(error)
+    if spot is not None:  # a tab in the indentation, or at the place itself
+        lines = re.split("\r\n|[\r\n\x85\u2028\u2029]", text)[: spot.line + 1]
+        line = lines[spot.line] if spot.line < len(lines) else ""
+        indent = line[: len(line) - len(line.lstrip())]
+        if "\t" in indent or line[spot.column : spot.column + 1] == "\t":
+            message = "found a tab"
+    meaning, cure = next((m, c) for part, m, c in _MEANINGS if re.search(part, message))
+    found = meaning or shown(message, 120)
+    return Finding(start.at(spot), (), found, "expected YAML", cure)
 
 
 # -- unquoted words ----------------------------------------------------------------------------

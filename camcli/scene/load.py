@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
@@ -142,11 +142,34 @@ def _read(file: Path) -> Document:
 
 
 def _no_map(document: Document) -> Finding:
-    data = document.data
-    kind = "list" if isinstance(data, list) else "single value"
-    found = "found nothing in this file" if data is None else f"found a {kind}"
+    kind = "list" if isinstance(document.data, list) else "single value"
+    found = "found nothing in this file" if document.data is None else f"found a {kind}"
     expected = f"expected a map with the sections {', '.join(Scene.model_fields)}"
     return Finding(document.place(()).value, (), found, expected, "start from follower: and cam:")
+
+
+def _overriding(
+    overrides: Mapping[str, Any] | Sequence[str], options: Mapping[str, tuple[Any, str]]
+) -> Iterator[tuple[str, Document]]:
+    """(dotted path, value) of every override and then every option, with its own mark."""
+    if isinstance(overrides, Mapping):
+        for rank, (path, value) in enumerate(overrides.items(), 1):
+            yield str(path), document_of(value, Mark(rank, "overrides"))
+    else:
+        for rank, text in enumerate(overrides, 1):
+            name = f"--set {shown(text)}"
+            path, equals, value = text.partition("=")
+            document = parse(value, name, rank, numbered=False)
+            odd = any("\ud800" <= character <= "\udfff" for character in text)
+            if odd or not equals:
+                cure = "write the key, an = and the value without blanks between"
+                found = "found bytes that are no UTF-8 text" if odd else "found no '='"
+                cure = "type it again" if odd else cure
+                document.findings = [Finding(Mark(rank, name), (), found, _FORM, cure)]
+                path = ""
+            yield path, document
+    for rank, (path, (value, name)) in enumerate(options.items(), len(overrides) + 1):
+        yield path, document_of(value, Mark(rank, name))
 
 
 def _override(
@@ -154,59 +177,33 @@ def _override(
     overrides: Mapping[str, Any] | Sequence[str],
     options: Mapping[str, tuple[Any, str]],
 ) -> list[Finding]:
-    """Put every override where it belongs; the faults of those that cannot be read."""
+    """Put every override where it belongs; the faults of those that cannot be read.
+
+    Where overrides change `cam.kind`, keys of the source that the new kind lacks fall away.
+    """
     findings: list[Finding] = []
-    kind = _kind(document.data)
-    if isinstance(overrides, Mapping):
-        for rank, (dotted_path, value) in enumerate(overrides.items(), 1):
-            override = document_of(value, Mark(rank, "overrides"))
-            findings += _put(document, str(dotted_path), override)
-    else:
-        for rank, text in enumerate(overrides, 1):
-            findings += _set(document, text, rank)
-    _drop_foreign_keys(document, kind)
-    for rank, (dotted_path, (value, name)) in enumerate(options.items(), len(overrides) + 1):
-        findings += _put(document, dotted_path, document_of(value, Mark(rank, name)))
-    return findings
-
-
-def _set(document: Document, text: str, rank: int) -> list[Finding]:
-    name = f"--set {shown(text)}"
-    key, equals, value = text.partition("=")
-    if any("\ud800" <= character <= "\udfff" for character in text):  # as Python reads odd bytes
-        found = "found bytes that are no UTF-8 text"
-        return [Finding(Mark(rank, name), (), found, _FORM, "type it again")]
-    if not equals:
-        cure = "write the key, an = and the value without blanks between"
-        return [Finding(Mark(rank, name), (), "found no '='", _FORM, cure)]
-    return _put(document, key, parse(value, name, rank, numbered=False))
-
-
-def _put(document: Document, dotted_path: str, value: Document) -> list[Finding]:
-    path = tuple(key.strip() for key in dotted_path.split("."))
-    if "" in path or len(path) > MAX_DEPTH:
-        found = f"found the path '{shown(dotted_path)}'"
-        mark = value.place(()).value
-        return [Finding(mark, (), found, _FORM, "name a key as in run.rpm")]
-    if not value.findings:
-        document.put(path, value)
-    return [item._replace(path=path + item.path) for item in value.findings]
-
-
-def _kind(data: Any) -> Any:
-    cam = data.get("cam")
-    return cam.get("kind") if isinstance(cam, dict) else None
-
-
-def _drop_foreign_keys(document: Document, before: Any) -> None:
-    """Where overrides changed `cam.kind`, keys of the source that the new kind lacks fall away."""
-    kind = _kind(document.data)
+    before = document.value(("cam", "kind"))
+    for dotted_path, value in _overriding(overrides, options):
+        path = tuple(key.strip() for key in dotted_path.split("."))
+        if path == ("",) and value.findings:
+            findings += value.findings
+        elif "" in path or len(path) > MAX_DEPTH:
+            found, mark = f"found the path '{shown(dotted_path)}'", value.place(()).value
+            findings.append(Finding(mark, (), found, _FORM, "name a key as in run.rpm"))
+        else:
+            if not value.findings:
+                document.put(path, value)
+            findings += [item._replace(path=path + item.path) for item in value.findings]
+    kind, cam = document.value(("cam", "kind")), document.value(("cam",))
     for model in CAMS:
         if kind != before and kind in get_args(model.model_fields["kind"].annotation):
-            cam = document.data["cam"]
-            ours = {key for key in cam if document.place(("cam", key)).key.rank > 0}
-            known = {key: cam[key] for key in cam if key in model.model_fields or key in ours}
+            known = {
+                key: value
+                for key, value in cam.items()
+                if key in model.model_fields or document.place(("cam", key)).key.rank > 0
+            }
             document.data = {**document.data, "cam": known}
+    return findings
 
 
 def _error(findings: Iterable[Finding]) -> SceneError:

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from camcli.scene import document as document_module
-from camcli.scene.document import MAX_DEPTH, limited, oddity, parse, scalar
+from camcli.scene.document import MAX_DEPTH, oddity, parse, scalar
 
 
 @pytest.fixture(params=["CBaseLoader", "BaseLoader"], autouse=True)
@@ -15,7 +15,7 @@ def each_parser(request, monkeypatch):
     loader = getattr(yaml, request.param, None)
     if loader is None:
         pytest.skip("this PyYAML has no compiled parser")
-    monkeypatch.setattr(document_module, "_LOADER", limited(loader))
+    monkeypatch.setattr(document_module, "LOADER", loader)
 
 
 def only(text):
