@@ -12,56 +12,38 @@ from camcli.cli.options import Request
 def bench(
     request: Request,
     part: Annotated[
-        str | None,
-        Argument(help="precision, stability or scenes. Default: all.", metavar="[PART]"),
+        str | None, Argument(help="precision or stability. Default: both.", metavar="[PART]")
     ] = None,
     quick: Annotated[bool, Option("--quick", help="A subset within a minute.")] = False,
-    flights: Annotated[
-        int | None,
-        Option("--flights", help="Random flights to compare.", metavar="N"),
-    ] = None,
 ) -> int:
-    """How exact, how robust and how fast: cam bench [precision|stability|scenes].
+    """How exact, how robust and how fast: cam bench [precision|stability].
 
     \b
     precision.csv  case, method, setting, seconds, error, impacts, evaluations, missed, extra,
-                   first_call_s, bound, of_bound, status: ours and general integrators on the
-                   same motions
+                   bound, of_bound, status: ours and general integrators on the same motions
     precision.png  error against time, a panel per case
     stability.csv  case, expected, observed, status, seconds: the table of extreme cases, run
     stability.png  the same to look at
-    flights.csv    method, asked, flights, compared, missed, invented, seconds: random flights asked
-                   for, flown, and decided in ball arithmetic
-    scenes.csv     scene, status, seconds, ratio, compute_s, modules, heavy: what a scene does not
-                   need costs nothing; each row is a process of its own, ratio is over the cheapest
 
     \b
     Every case of precision has its own machine, start and whole turns; the reference comes from a
     multiple-precision solution stored with the program, not from this kernel. seconds: median of
-    bench.repeats calls after a first one (first_call_s: with imports and compilation), or of the
-    first where that takes more than half of the time there is. error: the largest of impact and
+    bench.repeats calls, or of the first where it takes long. error: the largest of impact and
     accumulation phases (turns) and of the final state (q over the cam's lift, v over omega times
     it). missed, extra: impacts of the reference not found, and found but not there; the last 1e-3
     turn of a complete chatter is not asked of anybody. bound: what is promised for ours where the
     error is largest; of_bound: the largest share of any bound, beyond 1 a failure.
     Status: ok; over-bound (exit code 3); missed or invented (impacts); given-up (time or impacts
-    used up); failed (the method stopped with an error); not-installed; not-reached (see below).
+    used up); failed (the method stopped with an error); not-installed.
     Methods: core (over its chatter tolerance), rk45, dop853, lsoda, radau (scipy's solve_ivp with
     contact events over rtol = atol, without a step limit and with steps of at most 1/16 turn),
     heyoka (Taylor series with terminal events; extra `bench`), rk4 (fixed steps and bisection).
-    All stick, and close a chatter by its map.
+    All integrate the gap from corner to corner of the cam, stick, and close a chatter by its map.
 
     \b
-    --quick       a subset, within a minute
-    --flights N   random flights, 200 unless bench.flights says otherwise: contacts that ours
-                  misses or invents
-    A run ends within ten minutes, a quick one within one: the time a part has left is shared by
-    what it has left to do, and what there is no time for has the status not-reached. More flights
-    than usual take what they take; --dry-run says how long.
     The machine of the scene is not used; section bench chooses cases, methods and repeats. Exit
-    code 3 if a row of stability fails, if an error of ours is beyond its bound, or where one of
-    these was not reached.
+    code 3 if a row of stability fails, or if an error of ours is beyond its bound.
     """
     from camcli.cli.bench_run import run
 
-    return run(request, part, quick, flights)
+    return run(request, part, quick)

@@ -24,6 +24,3 @@ class Bench(Section):
     methods: Names[MethodName] = Field(METHODS, description="methods compared by precision")
     repeats: Whole = Field(3, ge=1, le=1000, description="timings of a point, after a first call")
     quick: Flag = Field(False, description="a subset, within a minute")
-    flights: Whole = Field(
-        200, ge=0, le=10_000_000, description="random flights searched for missed impacts"
-    )

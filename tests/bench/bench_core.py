@@ -14,14 +14,15 @@ import argparse
 import platform
 from collections.abc import Callable
 from dataclasses import replace
+from importlib.util import find_spec
 from statistics import median
 from time import perf_counter
 
 import numpy as np
 
-from camcli.analysis.bench.peers import Heyoka, SolveIvp
-from camcli.analysis.bench.precision import Case, case, heyoka_available, run_peer
-from camcli.analysis.integrate import Orbit, Settings, Start
+from camcli.analysis.bench.machine import orbit
+from camcli.analysis.bench.peers import heyoka_taylor, solve_ivp
+from camcli.analysis.bench.precision import Case, case, run_peer
 from camcli.cli.bench_run import machines
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import EventKind
@@ -32,9 +33,9 @@ TURNS = {  # of a repeat, whatever the scale
     "chatter": {"core": 10_000, "heyoka": 200, "dop853": 11, "rk45": 7},
 }
 PEERS = {  # the published setting of RK45 on this cam has steps of 1 ms
-    "heyoka": Heyoka(1e-13),
-    "dop853": SolveIvp("dop853", 1e-12, 1.0 / 16.0),
-    "rk45": SolveIvp("rk45", 1e-12, 1.0 / 86.0),
+    "heyoka": heyoka_taylor(1e-13),
+    "dop853": solve_ivp("dop853", 1e-12, 1.0 / 16.0),
+    "rk45": solve_ivp("rk45", 1e-12, 1.0 / 86.0),
 }
 METHODS = ("core", *PEERS)
 
@@ -44,11 +45,11 @@ def runner(method: str, some: Case) -> Callable[[int], int]:
     if method == "core":
         system = machines().system(some.follower, some.cam)
         backend.compiled()
-        begin = Start(*some.start)
+        q, v = some.start
 
         def logged(turns: int) -> int:
-            orbit = Orbit(system, some.rpm, Settings(0, turns, CHATTER, 10**6, begin))
-            kinds = np.asarray(orbit.run(strobes=False).kind)
+            ours = orbit(system, some.rpm, turns, tolerance=CHATTER, q=q, v=v)
+            kinds = np.asarray(ours.run(strobes=False).kind)
             return int(np.count_nonzero(kinds == EventKind.IMPACT))
 
         return logged
@@ -63,7 +64,7 @@ def runner(method: str, some: Case) -> Callable[[int], int]:
 def measure(name: str, options: argparse.Namespace) -> None:
     """Print the table of a case."""
     some = case(name)
-    calls = {m: runner(m, some) for m in options.methods if m != "heyoka" or heyoka_available()}
+    calls = {m: runner(m, some) for m in options.methods if m != "heyoka" or find_spec("heyoka")}
     turns = {m: max(1, round(TURNS[name][m] * options.scale)) for m in calls}
     first, times, impacts = {}, {m: [] for m in calls}, {}
     for method, call in calls.items():

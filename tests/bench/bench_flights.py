@@ -2,36 +2,44 @@
 
     python tests/bench/bench_flights.py [--flights 2000]
 
-The flights are those of `cam bench precision --flights N`; two ways of using solve_ivp fly them
-too: RK45 with a terminal contact event and nothing else, and DOP853 as the precision part uses it.
+Two ways of using solve_ivp fly them too: RK45 with a terminal contact event and nothing else, and
+DOP853 as `cam bench precision` uses it. `--ours` leaves them out: a million flights take an hour.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
 from collections import Counter
 from math import inf, pi
+from pathlib import Path
 
 import numpy as np
-from scipy.integrate import solve_ivp
+import scipy.integrate
 
-from camcli.analysis.bench.flights import (
-    BLOCK,
+sys.path.insert(0, str(Path(__file__).parents[2]))
+
+from camcli.analysis.bench.machine import reference
+from camcli.analysis.bench.peers import (
+    TWO_PI,
+    BudgetError,
+    Lift,
+    Machine,
+    State,
+    fly,
+    solve_ivp,
+)
+from tests.random_flights import (
     INVENTED,
     MISSED,
     RIGHT,
     TURNS,
     UNDECIDED,
     Flight,
-    blocks,
     first_impact,
     random_flight,
     verdict,
 )
-from camcli.analysis.bench.lifts import TWO_PI, Lift, lift_of
-from camcli.analysis.bench.machine import reference
-from camcli.analysis.bench.peers import BudgetError, Machine, SolveIvp, State, fly
-from camcli.cli.bench_run import machines
 
 TOLERANCE = 1e-9  # rtol = atol
 APART = 1e-3  # rad: a peer's contact further off is another one
@@ -51,7 +59,9 @@ def plain(lift: Lift, f: Flight) -> float | None:
 
     contact.terminal, contact.direction = True, -1  # type: ignore[attr-defined]
     span = (0.0, TURNS * TWO_PI)
-    sol = solve_ivp(rhs, span, (f.q, f.w), events=contact, rtol=TOLERANCE, atol=TOLERANCE)
+    sol = scipy.integrate.solve_ivp(
+        rhs, span, (f.q, f.w), events=contact, rtol=TOLERANCE, atol=TOLERANCE
+    )
     return float(sol.t_events[0][0]) if sol.t_events[0].size else None
 
 
@@ -62,7 +72,7 @@ def careful(lift: Lift, f: Flight) -> float | None:
     machine = Machine(f.system.follower, lift, omega, TURNS + 1.0, 0.0, SLOWEST)
     start = State(0, f.theta, max(f.q - c, 0.0), (f.w - c1) * omega)
     try:
-        hit, end = fly(machine, SolveIvp("dop853", TOLERANCE, 1.0 / 16.0), start)
+        hit, end = fly(machine, solve_ivp("dop853", TOLERANCE, 1.0 / 16.0), start)
     except (BudgetError, ArithmeticError, ValueError):
         return None
     return end.turn * TWO_PI + end.theta - f.theta if hit else None
@@ -71,22 +81,23 @@ def careful(lift: Lift, f: Flight) -> float | None:
 def main() -> None:
     """Fly and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--flights", type=int, default=2 * BLOCK)
-    lift = lift_of(reference("stability")["cam"])
-    found: dict[str, Counter] = {name: Counter() for name in ("ours", "plain", "careful")}
-    for block in blocks(parser.parse_args().flights):
-        rng = np.random.default_rng([block.seed])
-        for _ in range(block.flights):
-            f = random_flight(rng, machines())
-            outcome, expected = verdict(f, first_impact(f))
-            found["ours"][outcome] += 1
-            if outcome == UNDECIDED:
-                continue
-            for name, peer in (("plain", plain), ("careful", careful)):
-                hit = peer(lift, f)
-                at, true = (inf if x is None else x for x in (hit, expected))
-                wrong = at != true and abs(at - true) > APART
-                found[name][(MISSED if at > true else INVENTED) if wrong else RIGHT] += 1
+    parser.add_argument("--flights", type=int, default=2000)
+    parser.add_argument("--ours", action="store_true", help="ours alone")
+    options = parser.parse_args()
+    lift, rng = Lift(reference("stability")["cam"]), np.random.default_rng(0)
+    others = {} if options.ours else {"plain": plain, "careful": careful}
+    found: dict[str, Counter] = {name: Counter() for name in ("ours", *others)}
+    for _ in range(options.flights):
+        f = random_flight(rng)
+        outcome, expected = verdict(f, first_impact(f))
+        found["ours"][outcome] += 1
+        if outcome == UNDECIDED:
+            continue
+        for name, peer in others.items():
+            hit = peer(lift, f)
+            at, true = (inf if x is None else x for x in (hit, expected))
+            wrong = at != true and abs(at - true) > APART
+            found[name][(MISSED if at > true else INVENTED) if wrong else RIGHT] += 1
     for name, outcomes in found.items():
         print(name, dict(outcomes))
 

@@ -2,14 +2,13 @@
 
 import pytest
 
-from camcli.analysis.bench.pieces import OK
-from camcli.analysis.bench.stability import ROWS, measure
+from camcli.analysis.bench.stability import OK, ROWS, measure
 from camcli.cli.bench_run import machines
 
 
 @pytest.mark.parametrize("number", ROWS)
 def test_row(number):
-    (outcome,) = measure(ROWS[number], machines())
+    outcome = measure(ROWS[number], machines())
     assert outcome.status == OK, outcome.observed
 
 

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from camcli.analysis.bench.flights import first_impact, random_flight, verdict
+from camcli.analysis.bench.machine import reference
+from camcli.analysis.bench.peers import Lift
+from camcli.analysis.bench.precision import case
 from camcli.cli.bench_run import machines
 from tests.kernel.helpers import ORACLE_CAM, events, run, system
+from tests.random_flights import Flight, first_impact, random_flight, verdict
 
 
 def outcomes(seed, count):
@@ -16,7 +19,7 @@ def outcomes(seed, count):
     rng = np.random.default_rng(seed)
     right = 0
     for _ in range(count):
-        flight = random_flight(rng, machines())
+        flight = random_flight(rng)
         outcome, expected = verdict(flight, first_impact(flight))
         assert outcome in ("right", "undecided"), (flight, outcome, expected)
         right += outcome == "right"
@@ -33,6 +36,21 @@ def test_random_flights(seed):
 @pytest.mark.parametrize("seed", range(10, 12))
 def test_many_random_flights(seed):
     assert outcomes(seed, 8000) > 6000
+
+
+def test_the_judge_calls_a_contact_elsewhere_missed_or_invented():
+    """A start on the cam after an impact of the oracle's motion lands where the next one is."""
+    some = case("p3")
+    hits = [e for e in reference("p3")["events"] if e["kind"] == "impact"]
+    before, after = hits[1], hits[2]
+    theta, u = float(before["theta"]), -0.8 * float(before["u"])
+    w = Lift(some.cam).at(theta)[1] + u / (some.rpm * pi / 30)
+    flown = machines().system(some.follower, some.cam)
+    flight = Flight(flown, some.rpm, theta * 180.0 / pi, 0.0, w, True)
+    s = float(after["theta"]) - theta + 2.0 * pi * (after["turn"] - before["turn"])
+    assert verdict(flight, s) == ("right", pytest.approx(s, abs=1e-13))
+    outcomes = [verdict(flight, x)[0] for x in (None, s + 1e-9, s - 0.01)]
+    assert outcomes == ["missed", "missed", "invented"]
 
 
 def toward_graze(rpm, theta, delta, s):

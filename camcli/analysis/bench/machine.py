@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from importlib.resources import files
-from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from camcli.analysis.integrate import Orbit, Record, Settings, Start
 from camcli.cams.compile import Shape
 from camcli.kernel.orbit_loop import EventKind
 from camcli.system import Follower, System
-
-LONGEST = 60.0  # s, beyond which a command is stopped
-STOPPED = 124  # its exit code then
 
 
 class Event(NamedTuple):
@@ -51,8 +45,7 @@ class Machines:
     def example(self, strobe_deg: float = 0.0, **changes: float) -> System:
         """The cam-follower example of Osorio, di Bernardo and Santini (2008), some changed."""
         stored = reference("stability")
-        follower = Follower(**{**stored["follower"], **changes})
-        return self.system(follower, stored["cam"], strobe_deg)
+        return self.system(Follower(**{**stored["follower"], **changes}), stored["cam"], strobe_deg)
 
 
 @cache
@@ -62,16 +55,22 @@ def reference(name: str) -> dict[str, Any]:
     return json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
 
 
-def settings(
-    record: int = 3, transient: int = 0, tolerance: float = 1e-9, budget: int = 1_000_000, **start
-) -> Settings:
-    """Settings with short names; `start` holds q (m), v (m/s), theta_deg."""
-    return Settings(transient, record, tolerance, budget, Start(**start))
+def orbit(
+    system: System,
+    rpm: float,
+    record: int = 3,
+    transient: int = 0,
+    tolerance: float = 1e-9,
+    budget: int = 1_000_000,
+    **start,
+) -> Orbit:
+    """An orbit at its start, `start` with q (m), v (m/s), theta_deg."""
+    return Orbit(system, rpm, Settings(transient, record, tolerance, budget, Start(**start)))
 
 
 def run(system: System, rpm: float, **wanted) -> Record:
-    """The record of one orbit; `wanted` as for `settings`."""
-    return Orbit(system, rpm, settings(**wanted)).run()
+    """The record of one orbit; `wanted` as for `orbit`."""
+    return orbit(system, rpm, **wanted).run()
 
 
 def events(record: Record, first: int = 0) -> list[Event]:
@@ -86,18 +85,3 @@ def events(record: Record, first: int = 0) -> list[Event]:
 def phases(record: Record, kind: str = "impact") -> list[float]:
     """Phases of the events of a kind, rad."""
     return [event.theta for event in events(record) if event.kind == kind]
-
-
-def command(words: Sequence[str], seconds: float = LONGEST, program: Sequence[str] = ()):
-    """`cam WORDS` in a process of its own, in an empty folder: the finished process.
-
-    `program` stands in for `-m camcli`. One stopped after `seconds` has the exit code STOPPED.
-    """
-    given = [sys.executable, *(program or ("-m", "camcli")), *words]
-    with TemporaryDirectory(prefix="cam-bench-") as folder:
-        try:
-            return subprocess.run(
-                given, cwd=folder, capture_output=True, text=True, check=False, timeout=seconds
-            )
-        except subprocess.TimeoutExpired:
-            return subprocess.CompletedProcess(given, STOPPED, "", f"stopped after {seconds:g} s")

@@ -1,16 +1,13 @@
 """General-purpose integrators on the cam and follower, driven as a careful user would.
 
-They share the loop over events (`follow`) and bring nothing but `integrate this until an event`: no
-line of the kernel is used. What care means:
+The gap y = q - c obeys y'' = a(theta) - (k y + b y')/m, with a the relative acceleration at rest on
+the cam: from one breakpoint of the cam to the next its right-hand side is smooth, and a late bounce
+of a chatter is not below the rounding of q. The loop over regions and contacts (`follow`) is
+shared; a method brings `integrate to the next contact`. Nothing of the kernel is used. Care means:
 
-* A flight long enough is integrated in (q, v), whose right-hand side has no breakpoints. One that
-  falls back within GAP_BELOW of a turn is integrated in the gap y = q - c and u = y' up to the next
-  breakpoint of the cam, because q - c of a late chatter bounce is below the rounding of q.
-* A step may enter the cam and leave it again without a change of sign of the gap at its ends;
-  solve_ivp therefore also stops where the gap has a minimum.
-* A contact must not fire again as the flight it starts leaves: the first step ends at half the
-  ballistic time of the flight, or a part of it is flown by an integrator without events (heyoka,
-  whose detection may miss a contact when the gap starts at zero).
+* A contact must not fire again as the flight it starts leaves: a small part of the flight is
+  integrated without events. No step is longer than a ballistic flight would be.
+* A step may enter the cam and leave it again: solve_ivp looks at every minimum of the gap, too.
 * Chatter is closed by its first-order map, 2 r u / ((1 - r) a) after an impact at u < 0 with a < 0,
   once that is below the chatter tolerance; the follower then rests until a becomes positive.
 * Every run has a budget of seconds and impacts: Radau at 1e-6 makes tens of thousands of impacts
@@ -21,21 +18,97 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable
+from bisect import bisect_right
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from time import process_time
 from typing import Any, NamedTuple
 
-from camcli.analysis.bench.lifts import CIRCLE, DWELL, TWO_PI, WAVE, Lift
 from camcli.system import Follower
 
-CONTACT, TURNING = 0, 1  # events: the gap closes; it has a minimum
-CLEAR = 0.02  # m above the top of the cam: no contact up there; from twice that on `above`
-GAP_BELOW = 1e-3  # turns: a flight that falls back sooner is integrated in the gap
+TWO_PI = 2.0 * math.pi
+PART = 1.0 / 16.0  # of the ballistic flight, integrated without events where it leaves the cam
+SHORT = 1e-4  # turns of it where the follower is pulled off
+CLEAR = 0.02  # m above the top of the cam: no contact up there
 GRID = 16  # cells of a region in the search for the end of a sticking
-HALVINGS = 80  # of an interval: down to the last bit
+PER_HOP = 8  # fixed steps of a short flight, at least
+CHECKED = 256  # evaluations of solve_ivp from one look at the clock to the next
+
+
+class Region(NamedTuple):
+    """A smooth piece: c = a cos x + sqrt(b^2 - d^2 sin^2 x) - offset, x = theta - centre.
+
+    A circle of radius b about a point at distance a = d, a dwell (a = d = 0), a harmonic (d = 0).
+    """
+
+    a: float
+    b: float
+    d: float
+    offset: float  # m
+    centre: float  # rad
+    end: float  # rad, of the region
+
+
+class Lift:
+    """Law of motion of a cam (scene section, kind arcs or eccentric) in closed form, in doubles.
+
+    Region 0 begins at theta = 0; the last one runs on past 2 pi to the end of the first, since they
+    are one piece. `sky` is one more, a level clear of the whole cam.
+    """
+
+    def __init__(self, section: Mapping[str, Any]):
+        self.regions = _arcs(section) if section["kind"] == "arcs" else _eccentric(section)
+        self.breaks = [region.end for region in self.regions[:-1]]
+        self.top, self.sky = self.at(math.pi)[0], len(self.regions)
+        self.regions.append(Region(0.0, self.top + CLEAR, 0.0, 0.0, 0.0, math.inf))
+
+    def law(self, index: int, theta: float) -> tuple[float, float, float]:
+        """(c, dc/dtheta, d2c/dtheta2) of a region, its formula continued."""
+        a, b, d, offset, centre, _ = self.regions[index]
+        sin, cos = math.sin(theta - centre), math.cos(theta - centre)
+        root = math.sqrt(b * b - (d * sin) ** 2)
+        slope = -d * d * sin * cos / root
+        bend = (-d * d * (cos * cos - sin * sin) - slope * slope) / root
+        return a * cos + root - offset, slope - a * sin, bend - a * cos
+
+    def region(self, theta: float) -> int:
+        """Index of the region at theta in [0, 2 pi); a breakpoint belongs to the right."""
+        return bisect_right(self.breaks, theta)
+
+    def at(self, theta: float) -> tuple[float, float, float]:
+        """(c, dc/dtheta, d2c/dtheta2) at any angle."""
+        theta %= TWO_PI
+        return self.law(self.region(theta), theta)
+
+
+def _arcs(s: Mapping[str, Any]) -> list[Region]:
+    """Three tangent circles; neighbours touch on the line through their centres."""
+    k1, r1, k2, r2 = (s[x] for x in ("flank_center", "flank_radius", "nose_center", "nose_radius"))
+    cos_centres = (k1 * k1 + k2 * k2 - (r1 - r2) ** 2) / (2.0 * k1 * k2)
+    both = math.pi - math.acos(cos_centres)  # angle from a to c
+    x, y, scale = k2 * math.cos(both), k2 * math.sin(both), r1 / (r1 - r2)
+    c = math.radians(180.0 - 0.5 * s["top_dwell_deg"])
+    a = c - both
+    b = a + math.atan2(scale * y, scale * (x + k1) - k1)
+    d, e, f = TWO_PI - c, TWO_PI - b, TWO_PI - a
+    base, offset = r1 - k1, s["offset"]
+    return [
+        Region(0.0, base, 0.0, offset, 0.0, a),
+        Region(-k1, r1, k1, offset, a, b),
+        Region(k2, r2, k2, offset, c, c),
+        Region(0.0, k2 + r2, 0.0, offset, 0.0, d),
+        Region(k2, r2, k2, offset, d, e),
+        Region(-k1, r1, k1, offset, f, f),
+        Region(0.0, base, 0.0, offset, 0.0, TWO_PI + a),
+    ]
+
+
+def _eccentric(s: Mapping[str, Any]) -> list[Region]:
+    """c = base + lift (1 - cos theta)/2: one region, of two turns."""
+    half = 0.5 * s["lift"]
+    return [Region(-half, s["base"] + half, 0.0, 0.0, 0.0, 2.0 * TWO_PI)]
 
 
 class BudgetError(Exception):
@@ -54,7 +127,7 @@ class Trace:
 
 
 class State(NamedTuple):
-    """Whole turns and theta in [0, 2 pi), gap y (m), relative velocity u (m/s)."""
+    """Whole turns and theta in [0, 2 pi), gap y (m), its rate u (m/s)."""
 
     turn: int
     theta: float
@@ -63,7 +136,10 @@ class State(NamedTuple):
 
 
 class Machine:
-    """A follower on a cam at one speed, from theta = 0 to `turns`, and the budget of one run."""
+    """A follower on a cam at one speed (rad/s) over `turns`, and the budget of one run.
+
+    chatter: its tolerance, turns; seconds: of the processor (a busy machine changes nothing).
+    """
 
     def __init__(
         self,
@@ -71,17 +147,16 @@ class Machine:
         lift: Lift,
         omega: float,
         turns: float,
-        chatter_tolerance: float,
+        chatter: float,
         seconds: float = math.inf,
         most_impacts: int = 10**9,
     ):
-        f = follower
-        self.r, self.lift, self.omega, self.turns = f.restitution, lift, omega, turns
-        self.k, self.b = f.stiffness / f.mass, f.damping / f.mass
-        self.load = f.gravity + f.preload / f.mass
+        self.r, self.lift, self.omega, self.turns = follower.restitution, lift, omega, turns
+        self.k, self.b = follower.stiffness / follower.mass, follower.damping / follower.mass
+        self.load = follower.gravity + follower.preload / follower.mass
         self.period = TWO_PI / omega
-        self.chatter_s = chatter_tolerance * self.period
-        self.deadline = process_time() + seconds  # a busy machine changes nothing
+        self.chatter_s = chatter * self.period
+        self.deadline = process_time() + seconds
         self.most_impacts = most_impacts
         self.trace = Trace()
 
@@ -97,9 +172,12 @@ class Machine:
         return -self.k * c - self.b * omega * slope - self.load - omega * omega * bend
 
     def fall_time(self, at: State) -> float:
-        """Seconds until the gap closes at the present relative acceleration."""
+        """Seconds until the gap closes at the present relative acceleration, inf at a departure."""
         a = self.pushed(self.lift.region(at.theta), at.theta) - self.k * at.y - self.b * at.u
-        return math.inf if a >= 0.0 else (at.u + math.sqrt(at.u * at.u - 2.0 * a * at.y)) / -a
+        if a >= 0.0 or at.y == at.u == 0.0:
+            return math.inf
+        swing = math.sqrt(at.u * at.u - 2.0 * a * at.y)
+        return (at.u + swing) / -a if at.u >= 0.0 else 2.0 * at.y / (swing - at.u)
 
     def end(self, turn: int) -> float:
         """Where the run ends, as an angle counted from the beginning of a turn."""
@@ -118,15 +196,11 @@ class Machine:
 
     def _pulled_off(self, region: int, low: float, high: float) -> float | None:
         """First angle from low to high, on one region, at which the follower is pulled off."""
-
-        def pulled(theta: float) -> bool:
-            return self.pushed(region, theta) > 0.0
-
-        if pulled(low):
+        if self.pushed(region, low) > 0.0:
             return low
         for left, right in pairwise(low + (high - low) * k / GRID for k in range(GRID + 1)):
-            if pulled(right):
-                return bisected(pulled, left, right)
+            if self.pushed(region, right) > 0.0:
+                return root(lambda theta: self.pushed(region, theta), left, right)
         return None
 
     def rebound(self, turn: int, theta: float, u: float) -> State | None:
@@ -143,63 +217,25 @@ class Machine:
         return State(turn, theta, 0.0, -self.r * u)
 
 
-Result = tuple[float, float, float, int | None]  # t, z, z' where it ended, and the event there
+@dataclass(frozen=True)
+class Flight:
+    """A flight over one region from theta; fall: s, of a ballistic flight."""
 
+    machine: Machine
+    region: int
+    theta: float
+    fall: float
 
-class Segment:
-    """One integration of z'' = accel(t, z, z') from (z, z') = start, over `span` seconds.
-
-    z is the gap where the flight falls back soon (`in_gap`), else the position; `above`: it starts
-    clear of the whole cam. In the gap, and `by_region` unless it is above, it ends with its region.
-    """
-
-    def __init__(self, machine: Machine, at: State, by_region: bool):
-        lift = machine.lift
-        self.machine, self.at, self.region = machine, at, lift.region(at.theta)
-        self.fall = machine.fall_time(at)
-        self.in_gap = self.fall < GAP_BELOW * machine.period
-        c, slope, _ = lift.law(self.region, at.theta)
-        self.above = not self.in_gap and c + at.y > lift.top + 2.0 * CLEAR
-        self.stop = min(at.theta + TWO_PI, machine.end(at.turn))
-        if self.in_gap or (by_region and not self.above):
-            self.stop = min(self.stop, lift.regions[self.region].end)
-        self.span = (self.stop - at.theta) / machine.omega
-        self.start = (at.y, at.u) if self.in_gap else (c + at.y, at.u + machine.omega * slope)
-
-    def theta(self, t: float) -> float:
-        """Phase after t seconds, counted on beyond a turn."""
-        return self.stop if t >= self.span else self.at.theta + self.machine.omega * t
-
-    def accel(self, t: float, z: float, w: float) -> float:
-        """z'' in m/s2."""
+    def accel(self, t: float, y: float, u: float) -> float:
+        """y'' in m/s2."""
         m = self.machine
-        push = m.pushed(self.region, self.at.theta + m.omega * t) if self.in_gap else -m.load
-        return push - m.k * z - m.b * w
-
-    def gap(self, t: float, z: float) -> float:
-        """Gap in m."""
-        return z if self.in_gap else z - self.machine.lift.at(self.theta(t))[0]
-
-    def rate(self, t: float, w: float) -> float:
-        """Rate of the gap in m/s."""
-        m = self.machine
-        return w if self.in_gap else w - m.omega * m.lift.at(self.theta(t))[1]
-
-    def end(self, t: float, z: float, w: float, event: int | None) -> State:
-        """The state there; an event makes the gap exact at a contact, its rate at a minimum."""
-        y = 0.0 if event == CONTACT else max(self.gap(t, z), 0.0)
-        u = 0.0 if event == TURNING else self.rate(t, w)
-        return State(*wrapped(self.at.turn, self.theta(t)), y, u)
+        return m.pushed(self.region, self.theta + m.omega * t) - m.k * y - m.b * u
 
 
-class Method:
-    """A method of integration; `by_region`: it knows the cam by one region at a time."""
-
-    by_region = False
-
-    def integrate(self, segment: Segment) -> Result:
-        """Integrate a segment to its first event or its end."""
-        raise NotImplementedError
+Result = tuple[float, float, float, bool]  # t, y, u at the end, and whether it is a contact
+# (flight, (t, y, u) to begin with, last t, whether to look for a contact): y > 0 where it is looked
+# for
+Method = Callable[[Flight, tuple[float, float, float], float, bool], Result]
 
 
 def follow(machine: Machine, method: Method, q: float | None, v: float | None) -> Trace:
@@ -228,12 +264,30 @@ def follow(machine: Machine, method: Method, q: float | None, v: float | None) -
 
 def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
     """(whether on the cam, state) at the next contact or at the end of the run."""
+    lift, omega = machine.lift, machine.omega
     while at.theta < machine.end(at.turn):
         machine.check()
-        segment = Segment(machine, at, method.by_region)
-        t, z, w, event = method.integrate(segment)
-        at = segment.end(t, z, w, event)
-        if event == CONTACT:
+        turn, theta, y, u = at
+        fall, c = machine.fall_time(at), lift.at(theta)
+        above = c[0] + y > lift.top + 2.0 * CLEAR
+        region = lift.sky if above else lift.region(theta)
+        stop = min(lift.regions[region].end, theta + TWO_PI, machine.end(turn))
+        if above:
+            y, u = y + c[0] - lift.top - CLEAR, u + omega * c[1]
+        flight, span = Flight(machine, region, theta, fall), (stop - theta) / omega
+        t, hit = 0.0, False
+        if y <= 0.0:
+            part = SHORT * machine.period if fall == math.inf else PART * fall
+            t, y, u, _ = method(flight, (t, y, u), min(part, span), False)
+        if t < span:
+            t, y, u, hit = method(flight, (t, y, u), span, True)
+        theta = theta + omega * t if hit else stop
+        y = 0.0 if hit else max(y, 0.0)
+        if above:
+            c = lift.at(theta)
+            y, u = y + lift.top + CLEAR - c[0], u - omega * c[1]
+        at = State(*wrapped(turn, theta), y, u)
+        if hit and not above:
             return True, at
     return False, at
 
@@ -244,214 +298,131 @@ def wrapped(turn: int, theta: float) -> tuple[int, float]:
     return turn + whole, theta - whole * TWO_PI
 
 
-def bisected(above: Callable[[float], bool], low: float, high: float) -> float:
-    """Where a condition that is false at low and true at high begins to hold."""
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            break
-        low, high = (low, middle) if above(middle) else (middle, high)
-    return high
+def root(function: Callable[[float], float], low: float, high: float) -> float:
+    """The zero between two numbers with values of different signs, to the last bits."""
+    from scipy.optimize import brentq
+
+    return brentq(function, low, high, xtol=1e-300, rtol=2.0**-50)
 
 
-class RungeKutta4(Method):
-    """Fixed steps of the classical method of order four; contacts by bisection of a step."""
+def runge_kutta_4(steps: int) -> Method:
+    """The classical method of order four: so many fixed steps per turn, contacts inside a step."""
 
-    PER_HOP = 8  # steps of a short flight, at least
+    def step(flight: Flight, t: float, y: float, u: float, h: float) -> tuple[float, float]:
+        flight.machine.trace.evaluations += 4
+        k1 = flight.accel(t, y, u)
+        u2 = u + 0.5 * h * k1
+        k2 = flight.accel(t + 0.5 * h, y + 0.5 * h * u, u2)
+        u3 = u + 0.5 * h * k2
+        k3 = flight.accel(t + 0.5 * h, y + 0.5 * h * u2, u3)
+        u4 = u + h * k3
+        k4 = flight.accel(t + h, y + h * u3, u4)
+        y_after = y + h / 6.0 * (u + 2.0 * (u2 + u3) + u4)
+        return y_after, u + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
 
-    def __init__(self, steps: int):
-        self.steps = steps  # per turn
-
-    def integrate(self, segment: Segment) -> Result:
-        """Steps of h until the gap is negative or the span is over."""
-        machine, accel = segment.machine, segment.accel
-        h = min(machine.period / self.steps, segment.fall / self.PER_HOP)
-        t, (z, w) = 0.0, segment.start
-        while t < segment.span:
-            machine.check()
-            left = segment.span - t
+    def integrate(flight: Flight, begin, until: float, contacts: bool) -> Result:
+        t, y, u = begin
+        h = min(flight.machine.period / steps, flight.fall / PER_HOP)
+        while t < until:
+            flight.machine.check()
+            left = until - t
             size = left if left < (1.0 + 1e-9) * h else h
-            after = runge_kutta_step(accel, t, z, w, size)
-            machine.trace.evaluations += 4
-            if segment.gap(t + size, after[0]) < 0.0:
-                return self._landing(segment, t, z, w, size)
-            t, (z, w) = (segment.span if size == left else t + size), after
-        return t, z, w, None
+            after = step(flight, t, y, u, size)
+            if contacts and after[0] < 0.0:
+                size = root(partial(_height, partial(step, flight, t, y, u)), 0.0, size)
+                return t + size, *step(flight, t, y, u, size), True
+            t, (y, u) = (until if size == left else t + size), after
+        return t, y, u, False
 
-    def _landing(self, segment: Segment, t: float, z: float, w: float, size: float) -> Result:
-        """The contact inside a step: where a shorter one would end on the cam."""
-
-        def inside(s: float) -> bool:
-            segment.machine.trace.evaluations += 4
-            return segment.gap(t + s, runge_kutta_step(segment.accel, t, z, w, s)[0]) <= 0.0
-
-        size = bisected(inside, 0.0, size)
-        return t + size, *runge_kutta_step(segment.accel, t, z, w, size), CONTACT
+    return integrate
 
 
-def runge_kutta_step(
-    accel: Callable[[float, float, float], float], t: float, z: float, w: float, h: float
-) -> tuple[float, float]:
-    """(z, w) after one step of the classical fourth-order method."""
-    k1 = accel(t, z, w)
-    w2 = w + 0.5 * h * k1
-    k2 = accel(t + 0.5 * h, z + 0.5 * h * w, w2)
-    w3 = w + 0.5 * h * k2
-    k3 = accel(t + 0.5 * h, z + 0.5 * h * w2, w3)
-    w4 = w + h * k3
-    k4 = accel(t + h, z + h * w3, w4)
-    return (
-        z + h / 6.0 * (w + 2.0 * (w2 + w3) + w4),
-        w + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4),
-    )
+def _height(step: Callable[[float], tuple[float, float]], size: float) -> float:
+    return step(size)[0]
 
 
-class SolveIvp(Method):
-    """scipy's solve_ivp with rtol = atol, terminal events and steps of at most max_turn turns."""
+def solve_ivp(name: str, tolerance: float, max_turn: float = math.inf) -> Method:
+    """scipy's solve_ivp with rtol = atol, contact events and steps of at most max_turn turns."""
+    method = "Radau" if name == "radau" else name.upper()
 
-    RETRIES = 20
-    TINY = 1e-300  # m, an open gap
-    CHECKED = 256  # evaluations from one look at the clock to the next
+    def contact(t, state):
+        return state[0]
 
-    def __init__(self, name: str, tolerance: float, max_turn: float = math.inf):
-        method = "Radau" if name == "radau" else name.upper()
-        self.options = {"method": method, "rtol": tolerance, "atol": tolerance}
-        self.max_turn = max_turn
+    def dip(t, state):
+        return state[1]
 
-    def integrate(self, segment: Segment) -> Result:
-        """To a contact, or the bottom of a dip of the gap; no contact at its own start."""
-        period = segment.machine.period
-        max_step = self.max_turn * period
-        if segment.in_gap:
-            max_step = min(max_step, segment.fall)
-        first = min(0.5 * segment.fall, max_step, segment.span, period / 64.0)
-        for _ in range(self.RETRIES):
-            try:
-                t, z, w, event = self._solve(segment, segment.span, first, max_step, True)
-            except ValueError:  # LSODA's interpolant does not meet its steps: no root between them
-                first *= 0.7
-                continue
-            if event == TURNING and segment.gap(t, z) < 0.0:  # a dip inside one step: end there
-                t, z, w, event = self._solve(segment, t, first, max_step, False)
-            if event != CONTACT or t > 0.0:
-                return t, z, w, event
-            first /= 8.0  # the first step jumped over the whole flight
-        raise ArithmeticError("the contact event cannot leave its starting point")
+    contact.terminal = True  # type: ignore[attr-defined]
+    contact.direction, dip.direction = -1, 1  # type: ignore[attr-defined]
 
-    def _solve(
-        self, segment: Segment, span: float, first: float, max_step: float, dips: bool
-    ) -> Result:
-        """One call; with `dips` the bottom of a dip is an event too."""
-        from scipy.integrate import solve_ivp
+    def integrate(flight: Flight, begin, until: float, contacts: bool) -> Result:
+        import scipy.integrate
 
-        first = min(first, span)
-        calls = 0
+        machine, calls = flight.machine, 0
 
-        def rhs(t, z):
+        def rhs(t, state):
             nonlocal calls
             calls += 1
-            if not calls % self.CHECKED:
-                segment.machine.check()
-            return z[1], segment.accel(t, z[0], z[1])
+            if not calls % CHECKED:
+                machine.check()
+            return state[1], flight.accel(t, state[0], state[1])
 
-        # LSODA begins with steps much shorter than the one it is given, where a gap that opens with
-        # the cube of time is below the rounding of q - c: before `first` a leaving flight is open
-        leaves = segment.at.u >= 0.0
-
-        def contact(t, z):
-            gap = segment.gap(t, z[0])
-            return max(gap, self.TINY) if leaves and t < first else gap
-
-        def turning(t, z):
-            return 1.0 if leaves and t < first else segment.rate(t, z[1])
-
-        contact.terminal = turning.terminal = True  # type: ignore[attr-defined]
-        contact.direction, turning.direction = -1, 1  # type: ignore[attr-defined]
-        events = [contact, turning] if dips else [contact]
-        steps = {"first_step": first, "max_step": max_step}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            sol = solve_ivp(rhs, (0.0, span), segment.start, events=events, **steps, **self.options)
-        segment.machine.trace.evaluations += sol.nfev
+            sol = scipy.integrate.solve_ivp(
+                rhs,
+                (begin[0], until),
+                begin[1:],
+                method,
+                events=[contact, dip] if contacts else None,
+                max_step=min(max_turn * machine.period, flight.fall),
+                rtol=tolerance,
+                atol=tolerance,
+            )
+        machine.trace.evaluations += sol.nfev
         if sol.status < 0:
             raise ArithmeticError(sol.message)
-        event = None
-        if sol.status == 1:
-            event = CONTACT if sol.t_events[CONTACT].size else TURNING
-        return float(sol.t[-1]), float(sol.y[0, -1]), float(sol.y[1, -1]), event
+        if contacts:  # a step that passed through the cam: look again, up to its lowest point
+            for t, (y, _) in zip(sol.t_events[1], sol.y_events[1], strict=True):
+                if y < 0.0 and t < until:
+                    return integrate(flight, begin, t, True)
+        return float(sol.t[-1]), *map(float, sol.y[:, -1]), sol.status == 1
+
+    return integrate
 
 
-SKY = "sky"  # form of a segment above the whole cam; its event is falling below
-OMEGA, ANGLE, K, B, LOAD, FIRST, SECOND, OFFSET = range(8)  # parameters of heyoka's equations
+def heyoka_taylor(tolerance: float) -> Method:
+    """heyoka's Taylor series with a terminal event."""
 
-
-class Heyoka(Method):
-    """Taylor series with a terminal event, whose equations need one region of the cam at a time."""
-
-    by_region = True
-    PART = 1.0 / 16.0  # of the fall, flown without events where a flight leaves the cam
-    SHORT = 1e-4  # turns of it where the follower is pulled off
-
-    def __init__(self, tolerance: float):
-        self.tolerance = tolerance
-
-    def integrate(self, segment: Segment) -> Result:
-        """One propagation; one that leaves the cam begins with a part without events."""
-        t, (z, w) = 0.0, segment.start
-        if segment.at.y <= 0.0:
-            short = segment.fall == math.inf
-            part = self.SHORT * segment.machine.period if short else self.PART * segment.fall
-            t, z, w, _ = self._propagate(segment, (0.0, z, w), min(part, segment.span), False)
-        if t >= segment.span:
-            return t, z, w, None
-        return self._propagate(segment, (t, z, w), segment.span, True)
-
-    def _propagate(
-        self, segment: Segment, begin: tuple[float, ...], until: float, armed: bool
-    ) -> Result:
-        machine, lift = segment.machine, segment.machine.lift
-        form, first, second, angle = SKY, lift.top + CLEAR, 0.0, 0.0
-        if not segment.above:
-            form, first, second, centre, _ = lift.regions[segment.region]
-            angle = segment.at.theta - centre
-        ta, state, pars = taylor_integrator(form, segment.in_gap, armed, self.tolerance)
-        ta.time = begin[0]
+    def integrate(flight: Flight, begin, until: float, contacts: bool) -> Result:
+        machine = flight.machine
+        taylor, state, pars = _taylor_integrator(tolerance, contacts)
+        a, b, d, offset, centre, _ = machine.lift.regions[flight.region]
+        values = (machine.k, machine.b, machine.load, machine.omega, flight.theta - centre)
+        pars[:] = (*values, a, b, d, offset)
+        taylor.time = begin[0]
         state[:] = begin[1:]
-        values = (machine.omega, angle, machine.k, machine.b, machine.load, first, second)
-        pars[:] = (*values, lift.offset)[: len(pars)]
-        if ta.with_events:
-            ta.reset_cooldowns()
-        outcome = ta.propagate_until(until)
+        if contacts:
+            taylor.reset_cooldowns()
+        outcome = taylor.propagate_until(until)
         machine.trace.evaluations += int(outcome[3])  # steps
-        stopped = int(outcome[0]) == -1  # by its first terminal event
-        event = CONTACT if stopped and form != SKY else None
-        return (ta.time if stopped else until), float(state[0]), float(state[1]), event
+        hit = int(outcome[0]) == -1  # stopped by its first terminal event
+        return (taylor.time if hit else until), float(state[0]), float(state[1]), hit
+
+    return integrate
 
 
 @cache
-def taylor_integrator(form: str, in_gap: bool, armed: bool, tolerance: float) -> tuple[Any, ...]:
+def _taylor_integrator(tolerance: float, contacts: bool) -> tuple[Any, ...]:
     """heyoka's integrator with views of its state and parameters; each is compiled once."""
     import heyoka as hy
 
-    z, w, x = hy.make_vars("z", "w", "x")
-    par = hy.par
-    angle = par[OMEGA] * hy.time + par[ANGLE]
-    if form == CIRCLE:
-        sin = par[FIRST] * hy.sin(x)
-        c = par[FIRST] * hy.cos(x) + hy.sqrt(par[SECOND] * par[SECOND] - sin * sin) - par[OFFSET]
-    elif form == WAVE:
-        c = par[FIRST] - par[SECOND] * hy.cos(x)
-    force = -par[K] * z - par[B] * w - par[LOAD]
-    if form in (DWELL, SKY):
-        gap, accel = (z, force - par[K] * par[FIRST]) if in_gap else (z - par[FIRST], force)
-    elif in_gap:
-        slope = hy.diff(c, x)
-        pushed = -par[K] * c - par[B] * par[OMEGA] * slope
-        pushed -= par[OMEGA] * par[OMEGA] * hy.diff(slope, x)
-        gap, accel = z, force + hy.subs(pushed, {x: angle})
-    else:
-        gap, accel = z - hy.subs(c, {x: angle}), force
-    event = hy.t_event(gap, direction=hy.event_direction.negative)
-    system = [(z, w), (w, accel)]
-    ta = hy.taylor_adaptive(system, [0.0, 0.0], tol=tolerance, t_events=[event] * armed)
-    return ta, ta.state, ta.pars
+    y, u, x = hy.make_vars("y", "u", "x")
+    k, damping, load, omega, angle, a, b, d, offset = (hy.par[n] for n in range(9))
+    c = a * hy.cos(x) + hy.sqrt(b * b - d * d * hy.sin(x) * hy.sin(x)) - offset
+    slope = hy.diff(c, x)
+    pushed = -k * c - damping * omega * slope - omega * omega * hy.diff(slope, x) - load
+    accel = hy.subs(pushed, {x: omega * hy.time + angle}) - k * y - damping * u
+    event = hy.t_event(y, direction=hy.event_direction.negative)
+    system, events = [(y, u), (u, accel)], [event] * contacts
+    taylor = hy.taylor_adaptive(system, [0.0, 0.0], tol=tolerance, t_events=events)
+    return taylor, taylor.state, taylor.pars

@@ -6,36 +6,28 @@ with one setting; it is run on a case, compared with the reference, and timed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache, partial
-from itertools import pairwise
+from importlib.util import find_spec
 from math import inf, isnan, nan, pi
 from statistics import median
 from time import perf_counter
 from typing import NamedTuple
 
-from camcli.analysis.bench.lifts import Lift, lift_of
-from camcli.analysis.bench.machine import Machines, reference
-from camcli.analysis.bench.peers import (
-    Heyoka,
-    Machine,
-    Method,
-    RungeKutta4,
-    SolveIvp,
-    Trace,
-    follow,
-)
-from camcli.analysis.bench.pieces import FAILED, NOT_REACHED, OK
-from camcli.analysis.integrate import Orbit, Settings, Start
+import numpy as np
+
+from camcli.analysis.bench import peers
+from camcli.analysis.bench.machine import Machines, orbit, reference
+from camcli.analysis.bench.peers import Lift, Trace
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import CHATTER, IMPACT
 from camcli.system import Follower, System, omega_of
 
 CORE, RK4, HEYOKA = "core", "rk4", "heyoka"
-OVER, MISSED, INVENTED = "over-bound", "missed", "invented"
-GIVEN_UP, ABSENT = "given-up", "not-installed"
+OK, OVER, MISSED, INVENTED = "ok", "over-bound", "missed", "invented"
+GIVEN_UP, FAILED, ABSENT = "given-up", "failed", "not-installed"
 
 # --- cases
 
@@ -45,12 +37,11 @@ ALLOWANCE = 8  # roundings of ours in one event; how far one goes is `growth`, f
 
 
 class Mark(NamedTuple):
-    """An event of the reference: phase as two doubles (rad), speed (m/s), our bound (turns)."""
+    """An event of the reference: phase as two doubles (rad), our bound (turns)."""
 
     turn: int
     theta: float
     rest: float  # theta - its double
-    u: float
     bound: float
     optional: bool
 
@@ -71,18 +62,12 @@ class Case:
     title: str
     follower: Follower
     cam: dict
-    lift: Lift  # the cam in closed form, for the peers
     rpm: float
     turns: int
     start: tuple[float | None, float | None]
-    hits: list[Mark]
-    rests: list[Mark]  # accumulations
+    hits: Sequence[Mark]
+    rests: Sequence[Mark]  # accumulations
     final: tuple[float, float, float]  # q, v, and our bound there
-
-    @property
-    def omega(self) -> float:
-        """Speed of the cam, rad/s."""
-        return omega_of(self.rpm)
 
 
 @cache
@@ -92,9 +77,8 @@ def case(name: str) -> Case:
     found: dict[str, list[Mark]] = {"impact": [], "chatter": [], "detachment": []}
     for e in reversed(data["events"]):
         exact = Decimal(e["theta"])
-        theta = float(exact)
-        rest = float(exact - Decimal(theta))
-        mark = Mark(e["turn"], theta, rest, float(e["u"]), _bound(e["growth"]), False)
+        rest = float(exact - Decimal(float(exact)))
+        mark = Mark(e["turn"], float(exact), rest, _bound(e["growth"]), False)
         near = any(0.0 <= end.at - mark.at < OPTIONAL for end in found["chatter"])
         found[e["kind"]].insert(0, mark._replace(optional=near))
     end = data["final"]
@@ -102,7 +86,6 @@ def case(name: str) -> Case:
         title=data["title"],
         follower=Follower(**data["follower"]),
         cam=data["cam"],
-        lift=lift_of(data["cam"]),
         rpm=data["rpm"],
         turns=data["turns"],
         start=(data["start"]["q"], data["start"]["v"]),
@@ -119,15 +102,12 @@ def _bound(growth: float) -> float:
 
 # --- a run against the reference
 
-CLOSEST = 1e-6  # turns: impacts closer than this are told apart by their speed too
 WIDEST = 0.05  # turns: an impact further off is another one
-MANY = 2000  # invented impacts beyond which they are not told apart
-SAME_SPEED = 1.1  # ratio: bounces of a chatter differ by 1/r = 1.25 from one to the next
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How a run agrees with the reference; errors in turns, and of the state as for `error`."""
+    """How a run agrees with the reference; errors in turns, of the state q over the cam's top."""
 
     error: float
     missed: int
@@ -137,67 +117,63 @@ class Agreement:
 
 
 def compare(case: Case, trace: Trace, tolerance: float = 0.0) -> Agreement:
-    """Errors of a run, and how they stand to the bound at a chatter tolerance (turns)."""
-    pairs = list(_pairs(case.hits, trace.hits))
-    errors = [(abs(late), case.hits[i].bound) for i, _, late in pairs]
-    closed = _closed(case, trace)
-    errors += [(late, tolerance + mark.bound) for mark, late, _ in closed]
-    if trace.final is not None:
-        q, v, bound = case.final
-        top = abs(case.lift.top)  # q is measured by the lift, v by omega times it
-        off = (abs(trace.final[0] - q) / top, abs(trace.final[1] - v) / (case.omega * top))
-        errors.append((max(off), bound))
-    error, bound = max(errors, default=(nan, nan))
-    missed = _missed(case, trace, {i for i, _, _ in pairs}, closed)
-    extra = _extra(case, trace, {j for _, j, _ in pairs})
-    return Agreement(error, missed, extra, max((e / b for e, b in errors), default=nan), bound)
+    """Errors of a run, and how they stand to the bound at a chatter tolerance (turns).
 
-
-def _pairs(marks: Sequence[Mark], hits: Sequence[tuple]) -> Iterator[tuple[int, int, float]]:
-    """(i, j, late) of impacts that are the same one, in order: none beyond half its neighbours."""
-    gaps = [WIDEST, *(b.at - a.at for a, b in pairwise(marks)), WIDEST]
-    i = j = 0
-    while i < len(marks) and j < len(hits):
-        room = min(WIDEST, max(CLOSEST, 0.45 * min(gaps[i], gaps[i + 1])))
-        late = marks[i].late(*hits[j][:2])
-        ratio = hits[j][2] / marks[i].u if room <= CLOSEST and marks[i].u else 1.0
-        if late > room or (abs(late) <= room and ratio < 1.0 / SAME_SPEED):
-            i += 1
-        elif late < -room or ratio > SAME_SPEED:
-            j += 1
-        else:
-            yield i, j, late
-            i, j = i + 1, j + 1
-
-
-def _closed(case: Case, trace: Trace) -> list[tuple[Mark, float, float]]:
-    """(accumulation, error, last impact followed before it) of every chatter closed, in turns."""
-    found = []
+    An impact and one of the reference are the same where each is the nearest to the other. Impacts
+    that a chatter map has replaced are not missed, and the last ones before an accumulation neither
+    missed nor invented.
+    """
+    marks = np.array([mark.at for mark in case.hits])
+    hits = np.array([turn + theta / (2.0 * pi) for turn, theta, _ in trace.hits])
+    pairs = _pairs(marks, hits)
+    errors = [(abs(case.hits[i].late(*trace.hits[j][:2])), case.hits[i].bound) for i, j in pairs]
+    replaced = np.zeros(len(marks), bool)
     for mark in case.rests:
         late = min((mark.late(*rest) for rest in trace.rests), key=abs, default=inf)
         if abs(late) < WIDEST:
-            before = [x for x in (mark.late(*hit[:2]) for hit in trace.hits) if x <= late]
-            found.append((mark, abs(late), mark.at + before[-1] if before else 0.0))
-    return found
-
-
-def _missed(case: Case, trace: Trace, seen: set[int], closed) -> int:
-    """Impacts not found, but for those that a chatter map has replaced."""
-    last = max(seen, default=-1) if trace.given_up else len(case.hits) - 1
-    lost = [mark for i, mark in enumerate(case.hits[: last + 1]) if i not in seen]
-    return sum(
-        not mark.optional and not any(after < mark.at <= end.at for end, _, after in closed)
-        for mark in lost
+            errors.append((abs(late), tolerance + mark.bound))
+            before = hits[hits <= mark.at + late]
+            replaced |= (marks > (before[-1] if len(before) else 0.0)) & (marks <= mark.at)
+    if trace.final is not None:
+        q, v, bound = case.final
+        top = abs(Lift(case.cam).top)  # q is measured by the lift, v by omega times it
+        off = abs(trace.final[0] - q) / top, abs(trace.final[1] - v) / (omega_of(case.rpm) * top)
+        errors.append((max(off), bound))
+    lost = np.ones(len(marks), bool)
+    lost[[i for i, _ in pairs]] = False
+    if trace.given_up:
+        lost[max((i + 1 for i, _ in pairs), default=0) :] = False
+    new = np.ones(len(hits), bool)
+    new[[j for _, j in pairs]] = False
+    for mark in (*(m for m in case.hits if m.optional), *case.rests):
+        new &= abs(hits - mark.at) >= OPTIONAL
+    error, bound = max(errors, default=(nan, nan))
+    return Agreement(
+        error,
+        int((lost & ~replaced & ~np.array([m.optional for m in case.hits], bool)).sum()),
+        int(new.sum()),
+        max((e / b for e, b in errors), default=nan),
+        bound,
     )
 
 
-def _extra(case: Case, trace: Trace, seen: set[int]) -> int:
-    """Impacts found that are not in the reference, those next to an accumulation apart."""
-    others = [hit for j, hit in enumerate(trace.hits) if j not in seen]
-    if len(others) > MANY:
-        return len(others)
-    marks = [m for m in case.hits if m.optional] + case.rests
-    return sum(all(abs(m.late(*hit[:2])) >= OPTIONAL for m in marks) for hit in others)
+def _pairs(marks: np.ndarray, hits: np.ndarray) -> list[tuple[int, int]]:
+    """(i, j) where marks[i] and hits[j], both in order, are each the nearest to the other."""
+    if not len(marks) or not len(hits):
+        return []
+    there, back = _nearest(hits, marks), _nearest(marks, hits)
+    return [
+        (i, j)
+        for i, j in enumerate(there.tolist())
+        if back[j] == i and abs(hits[j] - marks[i]) < WIDEST
+    ]
+
+
+def _nearest(places: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Index of the place nearest to each of the wanted ones; places in order."""
+    k = np.searchsorted(places, wanted).clip(1, max(len(places) - 1, 1))
+    left, right = places[k - 1], places[k.clip(max=len(places) - 1)]
+    return np.where(wanted - left <= right - wanted, k - 1, k).clip(max=len(places) - 1)
 
 
 # --- methods
@@ -205,10 +181,13 @@ def _extra(case: Case, trace: Trace, seen: set[int]) -> int:
 MAX_TURN = 1.0 / 16.0  # largest step where there is a limit
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)  # rtol = atol; and ours for chatter
 STEPS = (100, 400, 1600, 6400)  # per turn, of the fixed steps
-FREE, LIMITED = (TOLERANCES, TOLERANCES), ((1e-3, 1e-8, 1e-13), (1e-8,))
-SETTINGS = {  # tolerances without and with a limit of steps, of all points and of a quick run
+BOTH = (TOLERANCES, TOLERANCES), ((1e-3, 1e-8, 1e-13), (1e-8,))
+SETTINGS = {  # values without and with a limit of steps, of all points and of a quick run
     CORE: ((TOLERANCES, ()), ((1e-3, 1e-8, 1e-13), ())),
-    "radau": (FREE, ((1e-3, 1e-6), (1e-6,))),  # order 5, implicit: beyond 1e-6 it takes seconds
+    "radau": (
+        (TOLERANCES, TOLERANCES),
+        ((1e-3, 1e-6), (1e-6,)),
+    ),  # order 5, implicit: beyond 1e-6 it takes seconds
     HEYOKA: ((TOLERANCES[1:], ()), ((1e-8, 1e-13), ())),
     RK4: ((STEPS, ()), ((100, 1600), ())),
 }
@@ -222,64 +201,62 @@ class Point(NamedTuple):
     method: str
     setting: str  # in words
     chatter: float
-    value: float  # tolerance, or steps per turn
-    max_turn: float = inf  # largest step, turns
+    peer: peers.Method | None  # None: ours
 
 
 def points(methods: Sequence[str], quick: bool) -> list[Point]:
     """All points of one case, in order."""
-    found = []
-    for method in methods:
-        free, limited = SETTINGS.get(method, (FREE, LIMITED))[quick]
-        for value, most in [*((x, inf) for x in free), *((x, MAX_TURN) for x in limited)]:
-            if method == CORE:
-                setting, chatter = f"chatter {value:.0e}", value
-            elif method == RK4:
-                setting, chatter = f"{value} steps per turn", max(float(value) ** -4, TIGHTEST)
-            else:
-                limit = "" if most == inf else " max_step 1/16 turn"
-                setting, chatter = f"tol {value:.0e}{limit}", max(value, TIGHTEST)
-            found.append(Point(method, setting, chatter, value, most))
-    return found
+    return [
+        _point(method, value, limit)
+        for method in methods
+        for limit, values in zip((inf, MAX_TURN), SETTINGS.get(method, BOTH)[quick], strict=True)
+        for value in values
+    ]
 
 
-def method_of(point: Point) -> Method:
-    """The peer that a point stands for."""
-    if point.method == RK4:
-        return RungeKutta4(int(point.value))
-    if point.method == HEYOKA:
-        return Heyoka(point.value)
-    return SolveIvp(point.method, point.value, point.max_turn)
+def _point(method: str, value: float, limit: float) -> Point:
+    if method == CORE:
+        return Point(method, f"chatter {value:.0e}", value, None)
+    if method == RK4:
+        chatter = max(float(value) ** -4, TIGHTEST)
+        return Point(method, f"{value} steps per turn", chatter, peers.runge_kutta_4(int(value)))
+    setting, chatter = f"tol {value:.0e}", max(value, TIGHTEST)
+    if method == HEYOKA:
+        return Point(method, setting, chatter, peers.heyoka_taylor(value))
+    setting += "" if limit == inf else " max_step 1/16 turn"
+    return Point(method, setting, chatter, peers.solve_ivp(method, value, limit))
 
 
 def run_core(system: System, case: Case, tolerance: float) -> Trace:
     """Our own kernel at a chatter tolerance in turns, every event logged."""
-    orbit = Orbit(system, case.rpm, Settings(0, case.turns, tolerance, 10**6, Start(*case.start)))
-    record = orbit.run(strobes=False)
-    q, w = orbit.position()
+    q, v = case.start
+    ours = orbit(system, case.rpm, case.turns, tolerance=tolerance, q=q, v=v)
+    record = ours.run(strobes=False)
+    q, w = ours.position()
     rows = list(zip(record.kind, record.period, record.theta, record.u, strict=True))
     return Trace(
-        hits=[(int(p), float(x), float(u) * orbit.omega) for k, p, x, u in rows if k == IMPACT],
+        hits=[(int(p), float(x), float(u) * ours.omega) for k, p, x, u in rows if k == IMPACT],
         rests=[(int(p), float(x)) for k, p, x, _ in rows if k == CHATTER],
-        final=(q, w * orbit.omega),
+        final=(q, w * ours.omega),
         evaluations=record.cost.evaluations,
     )
 
 
-def run_peer(method: Method, case: Case, chatter: float, seconds: float = inf) -> Trace:
+def run_peer(method: peers.Method, case: Case, chatter: float, seconds: float = inf) -> Trace:
     """A peer on a case, within a budget of seconds."""
     most = 200 + MOST_IMPACTS * len(case.hits)
-    machine = Machine(case.follower, case.lift, case.omega, case.turns, chatter, seconds, most)
-    return follow(machine, method, *case.start)
+    lift, omega = Lift(case.cam), omega_of(case.rpm)
+    machine = peers.Machine(case.follower, lift, omega, case.turns, chatter, seconds, most)
+    return peers.follow(machine, method, *case.start)
 
 
 # --- measurements
 
 ALLOWED, QUICK_ALLOWED = 1.0, 0.25  # s at most for one run of a peer
-COMPILING = 60.0  # s for heyoka's first call, which may have to compile
+COMPILING = 60.0  # s for a first call, which may import and compile
 SHORT = 5e-3  # s: shorter calls are timed BATCH times more often
 BATCH = 7
-LONG = 0.2  # s: longer calls are repeated once
+LONG = 0.2  # s: longer calls are not repeated
 
 
 @dataclass(frozen=True)
@@ -295,10 +272,9 @@ class Measured:
     evaluations: int = 0
     missed: int = 0
     extra: int = 0
-    first_call_s: float = nan
     bound: float = nan  # promised where the largest error is
     of_bound: float = nan  # largest error over its own bound
-    status: str = NOT_REACHED
+    status: str = ABSENT
 
     @property
     def ours(self) -> bool:
@@ -307,94 +283,61 @@ class Measured:
 
 
 def measure(
-    piece: tuple[str, Point],
-    share: float,
-    left: float,
-    *,
-    machines: Machines,
-    most: float,
-    repeats: int,
-) -> list[Measured]:
-    """The row of a case and a point, with its share of the seconds left, `most` for a run."""
+    piece: tuple[str, Point], *, machines: Machines, allowed: float, repeats: int
+) -> Measured:
+    """The row of a case and a point, `allowed` seconds for a run."""
     name, point = piece
-    some, ours = case(name), point.method == CORE
-    row = partial(Measured, name, point.method, point.setting)
-    if left <= 0.0:
-        return [row()]
-    if point.method == HEYOKA and not heyoka_available():
-        return [row(status=ABSENT)]
-    allowed = min(most, share)
-    began = perf_counter()
+    some, row = case(name), partial(Measured, name, point.method, point.setting)
+    if point.method == HEYOKA and find_spec("heyoka") is None:
+        return row()
+    call: Callable[[float], Trace]
+    if point.peer is None:
+        system = machines.system(some.follower, some.cam)
+        backend.compiled()
+        call = lambda _: run_core(system, some, point.chatter)  # noqa: E731
+    else:
+        call = partial(run_peer, point.peer, some, point.chatter)
     try:
-        call = _ready(some, point, machines)
         if point.method == HEYOKA:
-            call(min(COMPILING, left))
-        prepared = perf_counter()
-        trace = call(allowed)
-    except (ArithmeticError, ValueError):  # solve_ivp: step too small, bracket without a root
-        return [row(status=FAILED)]
-    first_call_s = perf_counter() - began
-    seconds = began + first_call_s - prepared
-    if not trace.given_up:
-        seconds = repeated(call, repeats, seconds, allowed - seconds)
-    found = compare(some, trace, point.chatter)
-    return [
-        row(
-            seconds=seconds,
-            error=found.error,
-            impacts=len(trace.hits),
-            evaluations=trace.evaluations,
-            missed=found.missed,
-            extra=found.extra,
-            first_call_s=first_call_s,
-            bound=found.bound if ours else nan,
-            of_bound=found.excess if ours else nan,
-            status=_status(found, trace, ours),
-        )
-    ]
-
-
-def _ready(some: Case, point: Point, machines: Machines) -> Callable[[float], Trace]:
-    """The run of a point as a function of the seconds allowed.
-
-    What is done once is done here: imports, the cam's table, our compilation.
-    """
-    if point.method != CORE:
-        if isinstance(method := method_of(point), SolveIvp):
-            import scipy.integrate  # noqa: F401
-        return lambda seconds: run_peer(method, some, point.chatter, seconds)
-    system = machines.system(some.follower, some.cam)
-    backend.compiled()
-    return lambda _: run_core(system, some, point.chatter)
-
-
-def _status(found: Agreement, trace: Trace, ours: bool) -> str:
-    if ours and not found.excess <= 1.0:
-        return OVER
-    if trace.given_up:
-        return GIVEN_UP
-    return MISSED if found.missed else INVENTED if found.extra else OK
-
-
-def repeated(call: Callable[[float], object], repeats: int, first: float, left: float) -> float:
-    """Median time of further calls: more of them where one is short, one where it is long.
-
-    `left` are the seconds that they may take; where they do not suffice for one, it is `first`.
-    """
-    wanted = repeats * BATCH if first < SHORT else repeats if first < LONG else 1
-    times: list[float] = []
-    while len(times) < wanted and sum(times) + first <= left:
+            call(COMPILING)
         began = perf_counter()
-        call(COMPILING)
+        trace = call(allowed)
+        seconds = perf_counter() - began
+        if not trace.given_up:
+            seconds = repeated(partial(call, COMPILING), repeats, seconds)
+    except (ArithmeticError, ValueError):  # solve_ivp: step too small, bracket without a root
+        return row(status=FAILED)
+    found = compare(some, trace, point.chatter)
+    ours = point.peer is None
+    if ours and not found.excess <= 1.0:
+        status = OVER
+    elif trace.given_up:
+        status = GIVEN_UP
+    else:
+        status = MISSED if found.missed else INVENTED if found.extra else OK
+    return row(
+        seconds=seconds,
+        error=found.error,
+        impacts=len(trace.hits),
+        evaluations=trace.evaluations,
+        missed=found.missed,
+        extra=found.extra,
+        bound=found.bound if ours else nan,
+        of_bound=found.excess if ours else nan,
+        status=status,
+    )
+
+
+def repeated(call: Callable[[], object], repeats: int, first: float) -> float:
+    """Median time of further calls, more of them where one is short; a long one's is `first`."""
+    if first >= LONG:
+        return first
+    times = []
+    for _ in range(repeats * BATCH if first < SHORT else repeats):
+        began = perf_counter()
+        call()
         times.append(perf_counter() - began)
-    return median(times or [first])
-
-
-def heyoka_available() -> bool:
-    """Whether heyoka is installed; it is not imported."""
-    from importlib.util import find_spec
-
-    return find_spec("heyoka") is not None
+    return median(times)
 
 
 # --- what the rows say
@@ -410,37 +353,27 @@ class Verdict:
     seconds: float
     error_turns: float
     of_bound: float
-    fastest_other: str | None
-    ratio: float | None  # its time over ours
-    most_exact_other: str | None
-    its_error_turns: float | None
+    fastest_other: str | None = None
+    ratio: float | None = None  # its time over ours
+    most_exact_other: str | None = None
+    its_error_turns: float | None = None
 
 
 def verdicts(found: Sequence[Measured]) -> list[Verdict]:
-    """One for each case that ours was measured in, in order; nan seconds: it was not."""
+    """One for each case that ours was measured in, in order."""
     told = []
     for name in dict.fromkeys(m.case for m in found):
         here = [m for m in found if m.case == name and not isnan(m.seconds)]
-        ours = [m for m in here if m.ours]
         peers = [m for m in here if not m.ours and m.status == OK]
         fastest = min((m for m in peers if m.error <= EXACT), key=lambda m: m.seconds, default=None)
         best = min(peers, key=lambda m: m.error, default=None)
-        if ours:
-            told.append(
-                Verdict(
-                    name,
-                    ours[-1].seconds,
-                    ours[-1].error,
-                    ours[-1].of_bound,
-                    None if fastest is None else f"{fastest.method} {fastest.setting}",
-                    None if fastest is None else fastest.seconds / ours[-1].seconds,
-                    None if best is None else f"{best.method} {best.setting}",
-                    None if best is None else best.error,
-                )
-            )
+        for ours in [m for m in here if m.ours][-1:]:
+            others: dict = {}
+            if fastest is not None:
+                others["fastest_other"] = f"{fastest.method} {fastest.setting}"
+                others["ratio"] = fastest.seconds / ours.seconds
+            if best is not None:
+                others["most_exact_other"] = f"{best.method} {best.setting}"
+                others["its_error_turns"] = best.error
+            told.append(Verdict(name, ours.seconds, ours.error, ours.of_bound, **others))
     return told
-
-
-def failures(found: Sequence[Measured]) -> list[Measured]:
-    """Points of ours that break a promise, or that could not be held to it."""
-    return [m for m in found if m.ours and m.status != OK]

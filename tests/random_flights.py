@@ -1,38 +1,28 @@
-"""Random flights: contacts that the kernel misses or invents, judged in ball arithmetic.
+"""Random flights, and contacts that a program misses or invents, judged in ball arithmetic.
 
 The judge (`exact.first_root`) shows every interval of a flight to be free of contacts, or to hold
 exactly one; it shares the formulas of the cam with the kernel, neither its table nor its search.
-Flights come in blocks of BLOCK, each with random numbers of its own, so that a flight is the same
-however many are asked for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import partial
 from math import inf, pi
-from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
 from flint import arb
 
-from camcli.analysis.bench.machine import Machines, events, reference
-from camcli.analysis.bench.pieces import NOT_REACHED, OK
-from camcli.analysis.integrate import Orbit, Settings, Start
+from camcli.analysis.bench.machine import events, orbit, reference
+from camcli.cli.bench_run import machines
 from camcli.exact.balls import UndecidedError, precision
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import Machine
-from camcli.kernel import backend
 from camcli.system import Follower, System
 
 TURNS = 2.5
 EDGE = 1e-5  # rad: a contact this close to the end is not asked of anybody
-BLOCK = 1000  # flights
-COMPILE_FROM = 500  # flights
 DIGITS = 30  # of the judge, where 64 bits do not suffice
-CORE = "core"
 RIGHT, MISSED, INVENTED, UNDECIDED = "right", "missed", "invented", "undecided"
 
 
@@ -48,52 +38,32 @@ class Flight(NamedTuple):
 
     @property
     def theta(self) -> float:
-        """Phase of the start, rad."""
         return self.theta_deg * (pi / 180.0)
 
 
-@dataclass
-class Flights:
-    """A row of flights.csv: flights asked for, flown by a method, and decided."""
-
-    method: str
-    asked: int = 0
-    flights: int = 0
-    compared: int = 0
-    missed: int = 0
-    invented: int = 0
-    seconds: float = 0.0
-
-    @property
-    def status(self) -> str:
-        """Whether the clock has cut the block short."""
-        return NOT_REACHED if self.flights < self.asked else OK
-
-
-def random_flight(rng: np.random.Generator, machines: Machines) -> Flight:
+def random_flight(rng: np.random.Generator) -> Flight:
     """Any damping and frequency, a fifth of the starts on a corner, three tenths on the cam."""
     rpm, W = 10 ** rng.uniform(1.5, 4), 10 ** rng.uniform(-2, 1.3)
     omega = rpm * pi / 30
     Z = rng.choice([0, W, W * (1 + 1e-15), 1.0, 10.0]) * 10 ** (rng.uniform(-3, 0))
     gravity = rng.choice([0, 1]) * 10 ** rng.uniform(-2, 2)
     follower = Follower(1.0, (W * omega) ** 2, 2 * Z * omega, gravity, 0.0, 0.5)
-    system = machines.system(follower, reference("stability")["cam"])
+    system = machines().system(follower, reference("stability")["cam"])
     theta = float(
         rng.choice([0.0, *system.corners_deg]) if rng.random() < 0.2 else rng.uniform(0, 360)
     )
     contact = bool(rng.random() < 0.3)
     gap = 0.0 if contact else 10 ** rng.uniform(-6, 0.3)
     u = 10 ** rng.uniform(-4, 1) * (1 if contact else rng.choice([-1, 1]))
-    q, w = Orbit(system, rpm, Settings(0, 1, 0.0, 1, Start(theta_deg=theta))).position()
+    q, w = orbit(system, rpm, 1, theta_deg=theta).position()
     return Flight(system, rpm, theta, q + gap, w + u, contact)
 
 
 def first_impact(f: Flight) -> float | None:
     """Phase of our first impact from the start, None if there is none."""
-    omega = f.rpm * (pi / 30)
-    start = Start(None if f.contact else f.q, f.w * omega, f.theta_deg)
-    record = Orbit(f.system, f.rpm, Settings(0, 3, 1e-16, 1, start)).run()
-    found = (e for e in events(record, 0 if f.theta == 0 else 1) if e.kind == "impact")
+    q, v = (None if f.contact else f.q), f.w * f.rpm * (pi / 30)
+    record = orbit(f.system, f.rpm, tolerance=1e-16, budget=1, q=q, v=v, theta_deg=f.theta_deg)
+    found = (e for e in events(record.run(), 0 if f.theta == 0 else 1) if e.kind == "impact")
     return next((e.theta + 2.0 * pi * e.turn - f.theta for e in found), None)
 
 
@@ -102,7 +72,6 @@ def true_contact(f: Flight) -> tuple[arb, arb] | None:
 
     Raises UndecidedError near a double zero of the gap.
     """
-    assert f.system.shape is not None
     machine = Machine(f.system.shape, f.system.follower, f.rpm)
     theta, w, end = arb(f.theta), arb(f.w), TURNS * machine.turn
     i = next(k for k, part in enumerate(machine.stretches) if part.end > theta)
@@ -151,47 +120,3 @@ def verdict(f: Flight, found: float | None) -> tuple[str, float | None]:
     if abs(late) <= 1e-12 * size / max(u, 1e-7) + 2e-12:
         return RIGHT, at
     return (MISSED if late > 0.0 else INVENTED), at
-
-
-class Block(NamedTuple):
-    """So many flights of the random numbers with a seed; whether they are worth compiling for."""
-
-    seed: int
-    flights: int
-    compiled: bool = False
-
-
-def blocks(flights: int) -> list[Block]:
-    """The blocks of so many flights; only the last one may be cut short."""
-    firsts = range(0, flights, BLOCK)
-    compiled = flights >= COMPILE_FROM
-    return [Block(k, min(BLOCK, flights - first), compiled) for k, first in enumerate(firsts)]
-
-
-def fly_block(block: Block, machines: Machines, seconds: float = inf) -> list[Flights]:
-    """Fly the flights of a block; what the seconds do not suffice for is left out."""
-    flown = Flights(CORE, block.flights)
-    rng = np.random.default_rng([block.seed])
-    until = perf_counter() + seconds
-    if block.compiled and seconds > 0.0:
-        backend.compiled()
-    while flown.flights < block.flights and perf_counter() < until:
-        f = random_flight(rng, machines)
-        began = perf_counter()
-        found = first_impact(f)
-        flown.seconds += perf_counter() - began
-        outcome, _ = verdict(f, found)
-        flown.flights += 1
-        flown.compared += outcome != UNDECIDED
-        flown.missed += outcome == MISSED
-        flown.invented += outcome == INVENTED
-    return [flown]
-
-
-def total(flown: Iterable[Flights]) -> Flights:
-    """All blocks together."""
-    whole = Flights(CORE)
-    for row in flown:
-        for name in ("asked", "flights", "compared", "missed", "invented", "seconds"):
-            setattr(whole, name, getattr(whole, name) + getattr(row, name))
-    return whole
