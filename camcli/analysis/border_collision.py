@@ -39,15 +39,7 @@ Point = tuple[float, float]
 
 def unclear(*terms: float) -> bool:
     """True where the sum of the terms is zero within the rounding of the terms."""
-    return abs(total(*terms)) <= ROUNDING * total(*(abs(term) for term in terms))
-
-
-def total(*terms: float) -> float:
-    """Added up in order: what sum() of floats does depends on the version of Python."""
-    value = 0.0
-    for term in terms:
-        value += term
-    return value
+    return abs(fsum(terms)) <= ROUNDING * fsum(map(abs, terms))
 
 
 @dataclass(frozen=True)
@@ -76,12 +68,10 @@ class Side:
         """
         half, root = abs(self.trace) / 2.0, sqrt(abs(self.det))
         if self.det > 0.0 and half < root:
-            imaginary = sqrt(root - half) * sqrt(root + half)
-            return complex(self.trace / 2.0, imaginary), complex(self.trace / 2.0, -imaginary)
-        if self.det > 0.0:
-            spread = sqrt(half - root) * sqrt(half + root)
-        else:
-            spread = sqrt(half * half - self.det)
+            upper = complex(self.trace / 2.0, sqrt(root - half) * sqrt(root + half))
+            return upper, upper.conjugate()
+        positive = self.det > 0.0
+        spread = sqrt(half - root) * sqrt(half + root) if positive else sqrt(half * half - self.det)
         large = copysign(half + spread, self.trace)
         return large, (self.det / large if large else 0.0)
 
@@ -126,8 +116,8 @@ class Cycle:
     word: str
     multipliers: tuple
     stable: bool
-    points: tuple[Point, ...]
-    exists_for: int
+    points: tuple[Point, ...] = ()
+    exists_for: int = 0
 
 
 @dataclass(frozen=True)
@@ -154,7 +144,7 @@ class NormalForm:
     right: Side
     mu: float
 
-    def run(self, x: float, y: float, steps: int, limit: float) -> Iterator[Point]:
+    def run(self, x: float, y: float, steps: int, limit: float = inf) -> Iterator[Point]:
         """The next `steps` points; ends early with the first one beyond `limit`."""
         (tl, dl), (tr, dr) = ((side.trace, side.det) for side in (self.left, self.right))
         mu = self.mu
@@ -165,30 +155,24 @@ class NormalForm:
                 return
 
 
-def turn(word: str, left: Side, right: Side) -> tuple[float, ...]:
-    """Matrix, row by row, and shift at mu = 1 of the affine map along a word."""
-    a, b, c, d, u, v = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0
-    for symbol in word:
-        t, det = (left.trace, left.det) if symbol == "L" else (right.trace, right.det)
-        a, b, c, d = t * a + c, t * b + d, -det * a, -det * b
-        u, v = t * u + v + 1.0, -det * u
-    return a, b, c, d, u, v
-
-
 def cycle(word: str, left: Side, right: Side) -> Cycle:
     """The cycle of a word: (I - M) p = s along its turn p -> M p + s, M's det as a product."""
-    a, b, c, d, u, v = turn(word, left, right)
-    around = Side(a + d, prod((left if symbol == "L" else right).det for symbol in word))
+    a, b, c, d, u, v = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0  # M row by row, and s at mu = 1
+    sides = [left if symbol == "L" else right for symbol in word]
+    for side in sides:
+        t, det = side.trace, side.det
+        a, b, c, d = t * a + c, t * b + d, -det * a, -det * b
+        u, v = t * u + v + 1.0, -det * u
+    around = Side(a + d, prod(side.det for side in sides))
     if around.at_one == 0.0:
-        return Cycle(word, around.multipliers, False, (), 0)
+        return Cycle(word, around.multipliers, False)
     start = ((1.0 - d) * u + b * v) / around.at_one, (c * u + (1.0 - a) * v) / around.at_one
     for sign in (1, -1):
-        form = NormalForm(left, right, float(sign))
         first = sign * start[0], sign * start[1]
-        points = (first, *form.run(*first, len(word) - 1, inf))
+        points = (first, *NormalForm(left, right, float(sign)).run(*first, len(word) - 1))
         if _sides(points) == word:
             return Cycle(word, around.multipliers, around.stable, points, sign)
-    return Cycle(word, around.multipliers, around.stable, (), 0)
+    return Cycle(word, around.multipliers, around.stable)
 
 
 def _sides(points: Iterable[Point]) -> str:
@@ -220,7 +204,14 @@ def attractor(left: Side, right: Side, mu: int) -> Prediction:
         end = _follow(form, start, "aperiodic" not in attracting)
         if end.kind != "none":
             attracting.setdefault(end.word or "aperiodic", end)
-    return _merged(list(attracting.values()))
+    found = list(attracting.values())
+    if len(found) < 2:
+        return found[0] if found else Prediction("none")
+    words = ", ".join(sorted(one.word or one.kind for one in found))
+    for one in found:
+        if one.kind == "undecided":
+            return Prediction("undecided", 0, one.exponent, words, one.spread)
+    return Prediction("several", word=words)
 
 
 def _settled(found: Cycle) -> Prediction:
@@ -237,10 +228,8 @@ def size_of(x: float, y: float) -> float:
 
 def _starts(cycles: list[Cycle]) -> Iterator[Point]:
     yield 0.0, 0.0
-    centres = [
-        (point, NEAR * (1.0 + size_of(*point))) for found in cycles for point in found.points
-    ]
-    for (x, y), radius in [*centres, *(((0.0, 0.0), ring) for ring in RINGS)]:
+    around = [(point, NEAR * (1.0 + size_of(*point))) for one in cycles for point in one.points]
+    for (x, y), radius in [*around, *(((0.0, 0.0), ring) for ring in RINGS)]:
         yield from ((x + radius, y), (x - radius, y), (x, y + radius), (x, y - radius))
 
 
@@ -248,26 +237,24 @@ def _follow(form: NormalForm, start: Point, measure: bool) -> Prediction:
     """What an orbit ends on; the exponent of an aperiodic one is measured if `measure`."""
     limit = ESCAPED / min(1.0, *(abs(s.at_one) or 1.0 for s in (form.left, form.right)))
     *_, (x, y) = form.run(*start, TRANSIENT, limit)
-    if not abs(x) < limit:
-        return Prediction("none")
     word, settled = _word(form, x, y, limit)
     if settled or not (measure or word):
         return settled or Prediction("undecided")
     size = size_of(x, y)
     exponent, spread, (x, y) = _exponent(form, x, y, limit)
-    if not abs(x) < limit:
-        return Prediction("none")
     word, settled = _word(form, x, y, limit)
-    if settled or word:
-        grown = size_of(x, y) > GROWN * size
-        return settled or Prediction("none" if grown else "undecided", 0, exponent, word, spread)
-    sure = exponent > max(SURE * spread, FLOOR)
-    return Prediction("chaos" if sure else "undecided", 0, exponent, "", spread)
+    if settled:
+        return settled
+    if word:
+        kind = "none" if size_of(x, y) > GROWN * size else "undecided"
+    else:
+        kind = "chaos" if exponent > max(SURE * spread, FLOOR) else "undecided"
+    return Prediction(kind, 0, exponent, word, spread)
 
 
 def _word(form: NormalForm, x: float, y: float, limit: float) -> tuple[str, Prediction | None]:
-    """The word an orbit repeats, and its cycle where that one exists here and attracts."""
-    points = list(form.run(x, y, WINDOW, limit))
+    """The word an orbit repeats, and its end: a cycle that exists here and attracts, or none."""
+    points = list(form.run(x, y, WINDOW, limit)) if abs(x) < limit else [(inf, y)]
     if not abs(points[-1][0]) < limit:
         return "", Prediction("none")
     word = repeating(_sides(points))
@@ -298,24 +285,18 @@ def _exponent(form: NormalForm, x: float, y: float, limit: float) -> tuple[float
     return mean, sqrt(scatter / max(len(rates) - 1, 1) / len(rates)), (x, y)
 
 
-def _merged(attracting: list[Prediction]) -> Prediction:
-    if len(attracting) < 2:
-        return attracting[0] if attracting else Prediction("none")
-    words = ", ".join(sorted(found.word or found.kind for found in attracting))
-    for found in attracting:
-        if found.kind == "undecided":
-            return Prediction("undecided", 0, found.exponent, words, found.spread)
-    return Prediction("several", word=words)
-
-
 @dataclass(frozen=True)
 class Inequality:
-    """One inequality as printed, the numbers on its two sides, and whether it holds."""
+    """One inequality as printed, with < or >, and the numbers on its two sides."""
 
     text: str
     left: float
-    right: float
-    holds: bool
+    right: float = 0.0
+
+    @property
+    def holds(self) -> bool:
+        """Whether it does."""
+        return self.left > self.right if ">" in self.text else self.left < self.right
 
 
 @dataclass(frozen=True)
@@ -359,23 +340,25 @@ def classify(left: Side, right: Side) -> Collision:
     """
     cycles = tuple(cycle(word, left, right) for word in ("L", "R", "LR"))
     below, above = attractor(left, right, -1), attractor(left, right, 1)
-    chaos, equal = _robust_chaos(left, right), equalities(left, right)
-    one, minus_one = left.at_one * right.at_one, left.at_minus_one * right.at_minus_one
+    chaos, equal = _robust_chaos(left, right)
+    at_one, at_minus_one = left.at_one * right.at_one, left.at_minus_one * right.at_minus_one
     parity = [  # Feigin: is the number of multipliers beyond +1, beyond -1, odd?
-        _more("(1 - tau_L + delta_L)(1 - tau_R + delta_R) > 0", one),
-        _less("(1 + tau_L + delta_L)(1 + tau_R + delta_R) < 0", minus_one),
+        Inequality("(1 - tau_L + delta_L)(1 - tau_R + delta_R) > 0", at_one),
+        Inequality("(1 + tau_L + delta_L)(1 + tau_R + delta_R) < 0", at_minus_one),
     ]
+    one_each_side, born_two = parity[0].holds, parity[1].holds
+    for name, side in (("R", right), ("L", left)):
+        equal = [f"on {name}, {side.degenerate}"] * bool(side.degenerate) + equal
     for name, side in (("L", left), ("R", right)):
         parity += [
-            _more(f"1 - tau_{name} + delta_{name} > 0", side.at_one),
-            _more(f"1 + tau_{name} + delta_{name} > 0", side.at_minus_one),
-            _less(f"delta_{name} < 1", side.det, 1.0),
+            Inequality(f"1 - tau_{name} + delta_{name} > 0", side.at_one),
+            Inequality(f"1 + tau_{name} + delta_{name} > 0", side.at_minus_one),
+            Inequality(f"delta_{name} < 1", side.det, 1.0),
         ]
     growth = None
     if left.stable and right.stable:
         text = f"log growth per step at mu = 0 > {DECIDED:.2g}"
-        growth = _more(text, growth_at_zero(left, right), DECIDED)
-    one_each_side, born_two = parity[0].holds, parity[1].holds
+        growth = Inequality(text, growth_at_zero(left, right), DECIDED)
     if equal:
         kind = "degenerate"
     elif growth is not None and growth.holds:
@@ -388,63 +371,42 @@ def classify(left: Side, right: Side) -> Collision:
         kind = "nonsmooth-fold"
     else:
         kind = "border-period-doubling" if born_two else "persistence"
-    return Collision(kind, tuple(parity), growth, chaos, tuple(equal), cycles, below, above)
+    return Collision(kind, tuple(parity), growth, tuple(chaos), tuple(equal), cycles, below, above)
 
 
-def equalities(left: Side, right: Side) -> list[str]:
-    """Every equality that holds within rounding and leaves the verdict open."""
-    both = ("L", left), ("R", right)
-    found = [f"on {name}, {text}" for name, side in both if (text := side.degenerate)]
+def _robust_chaos(left: Side, right: Side) -> tuple[list[Inequality], list[str]]:
+    """The conditions of Banerjee, Yorke & Grebogi up to the first that fails; what leaves all open.
+
+    All are THEOREM. The sum of the terms of the last is positive where the first fold of the
+    unstable manifold of the regular saddle comes back on the inner side of its stable one, which
+    closes a trapping region.
+    """
+    open_ends = []
     if left.at_minus_one * right.at_minus_one < 0.0:
         trace = left.trace * right.trace - left.det - right.det
         text = Side(trace, left.det * right.det).degenerate
-        found += [f"along LR, {text}"] * bool(text)
-    chaos = _robust_chaos(left, right)
-    if len(chaos) == THEOREM and unclear(*_crisis(*_saddle_first(left, right))):
-        found.append("the unstable manifold of a fixed point touches the stable one of the saddle")
-    return found
-
-
-def _saddle_first(left: Side, right: Side) -> tuple[Side, Side]:
-    """The two sides, that of the regular saddle first; in their order if it is neither or both."""
-    return (right, left) if right.at_one < 0.0 < left.at_one else (left, right)
-
-
-def _more(text: str, left: float, right: float = 0.0) -> Inequality:
-    return Inequality(text, left, right, left > right)
-
-
-def _less(text: str, left: float, right: float = 0.0) -> Inequality:
-    return Inequality(text, left, right, left < right)
-
-
-def _crisis(saddle: Side, other: Side) -> tuple[float, ...]:
-    """Terms of the existence condition of Banerjee, Yorke & Grebogi, times a positive number.
-
-    Their sum is positive where the first fold of the unstable manifold of the regular saddle comes
-    back on the inner side of its stable one, which closes a trapping region.
-    """
-    l1, l2 = (z.real for z in saddle.multipliers)
-    return l1 * other.trace * (l1 - 1.0), -other.det * (l1 - 1.0), l1 * l1 * (1.0 - l2)
-
-
-def _robust_chaos(left: Side, right: Side) -> tuple[Inequality, ...]:
-    """The conditions of Banerjee, Yorke & Grebogi up to the first that fails: THEOREM if none."""
-    saddle, other = _saddle_first(left, right)
-    s, o = ("L", "R") if saddle is left else ("R", "L")
+        open_ends += [f"along LR, {text}"] * bool(text)
+    swapped = right.at_one < 0.0 < left.at_one  # the side of the regular saddle comes first
+    (s, saddle), (o, other) = sorted((("L", left), ("R", right)), reverse=swapped)
     found = [
-        _more(f"tau_{s} > 1 + delta_{s}", saddle.trace, 1.0 + saddle.det),
-        _less(f"tau_{o} < -(1 + delta_{o})", other.trace, -(1.0 + other.det)),
-        _more(f"delta_{s} > 0", saddle.det),
-        _less(f"delta_{s} < 1", saddle.det, 1.0),
-        _more(f"delta_{o} > 0", other.det),
-        _less(f"delta_{o} < 1", other.det, 1.0),
+        Inequality(f"tau_{s} > 1 + delta_{s}", saddle.trace, 1.0 + saddle.det),
+        Inequality(f"tau_{o} < -(1 + delta_{o})", other.trace, -(1.0 + other.det)),
+        Inequality(f"delta_{s} > 0", saddle.det),
+        Inequality(f"delta_{s} < 1", saddle.det, 1.0),
+        Inequality(f"delta_{o} > 0", other.det),
+        Inequality(f"delta_{o} < 1", other.det, 1.0),
     ]
-    fails = next((k for k, condition in enumerate(found) if not condition.holds), None)
-    if fails is not None:
-        return tuple(found[: fails + 1])
+    for k, condition in enumerate(found, 1):
+        if not condition.holds:
+            return found[:k], open_ends
+    l1, l2 = (z.real for z in saddle.multipliers)
+    terms = l1 * other.trace * (l1 - 1.0), -other.det * (l1 - 1.0), l1 * l1 * (1.0 - l2)
+    if unclear(*terms):
+        open_ends.append(
+            "the unstable manifold of a fixed point touches the stable one of the saddle"
+        )
     text = f"(l1 tau_{o} - delta_{o})(l1 - 1) + l1^2 (1 - l2) > 0, l1 > l2 the multipliers of {s}"
-    return (*found, _more(text, total(*_crisis(saddle, other))))
+    return [*found, Inequality(text, fsum(terms))], open_ends
 
 
 def growth_at_zero(left: Side, right: Side) -> float:
@@ -462,7 +424,7 @@ def growth_at_zero(left: Side, right: Side) -> float:
 def _growth(form: NormalForm, x: float, y: float) -> float:
     total, steps = 0.0, 0
     while steps < AT_ZERO_STEPS and abs(total) < AT_ZERO_LOG:
-        *_, (x, y) = form.run(x, y, RENORM, inf)
+        *_, (x, y) = form.run(x, y, RENORM)
         size = size_of(x, y)
         if size == 0.0:
             return -inf

@@ -237,7 +237,7 @@ def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:
                    "multipliers": list(map(complex, s.multipliers))}
             for name, s in (("L", left), ("R", right))
         },
-        "inequalities": [vars(i) for i in result.inequalities],
+        "inequalities": [{**vars(i), "holds": i.holds} for i in result.inequalities],
         "cycles": [
             {"word": c.word, "stable": c.stable, "exists_for_mu": c.exists_for,
              "multipliers": list(map(complex, c.multipliers)), "points": c.points}

@@ -343,6 +343,8 @@ def _height(step: Callable[[float], tuple[float, float]], size: float) -> float:
 
 def solve_ivp(name: str, tolerance: float, max_turn: float = math.inf) -> Method:
     """scipy's solve_ivp with rtol = atol, contact events and steps of at most max_turn turns."""
+    import scipy.integrate
+
     method = "Radau" if name == "radau" else name.upper()
 
     def contact(t, state):
@@ -355,8 +357,6 @@ def solve_ivp(name: str, tolerance: float, max_turn: float = math.inf) -> Method
     contact.direction, dip.direction = -1, 1  # type: ignore[attr-defined]
 
     def integrate(flight: Flight, begin, until: float, contacts: bool) -> Result:
-        import scipy.integrate
-
         machine, calls = flight.machine, 0
 
         def rhs(t, state):

@@ -298,7 +298,7 @@ def measure(
     else:
         call = partial(run_peer, point.peer, some, point.chatter)
     try:
-        if point.method == HEYOKA:
+        if point.method in (CORE, HEYOKA):  # imports and compilation are not timed
             call(COMPILING)
         began = perf_counter()
         trace = call(allowed)
