@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Annotated
 
@@ -55,24 +54,12 @@ def detach(
     values = speed_range(request, "detach")
     if request.rpm is not None and ":" not in request.rpm:
         values["detach.force_rpm"] = ([parse_rpm(request.rpm)], "--rpm")
-    values |= given({"detach.hold_to": (_top(hold_to), "--hold-to")})
-    return run("detach", request, values, show)
-
-
-def _top(text: str | None) -> float | None:
-    """The speed of --hold-to."""
-    from camcli.scene import parse_rpm
-
-    if text is None:
-        return None
-    try:
-        rpm = parse_rpm(text)
-    except SceneError as error:
-        raise SceneError(*(replace(fault, where="--hold-to") for fault in error.faults)) from None
-    if isinstance(rpm, tuple):
-        found = f"found the range '{text}'"
+    top = None if hold_to is None else parse_rpm(hold_to, "--hold-to")
+    if isinstance(top, tuple):
+        found = f"found the range '{hold_to}'"
         raise SceneError(Fault("--hold-to", "", found, "expected one speed", "give its top"))
-    return rpm
+    values |= given({"detach.hold_to": (top, "--hold-to")})
+    return run("detach", request, values, show)
 
 
 def show(result: Result) -> None:
@@ -81,48 +68,52 @@ def show(result: Result) -> None:
     from camcli.output.detach import burst_ranges, sentences
 
     found = result.values
-    rows = [_row(c) for c in found.critical_speeds if c.finite]
-    if rows:
-        columns = ["speed", "region", "theta (deg)", "rpm", "bracket", "status"]
-        table("Critical speeds", columns, rows)
-    hits = [
-        [str(h.impact), h.corner, f"{h.rpm:.9f}", f"{h.high - h.low:.1e}", h.status]
-        for h in found.hits
+    critical = [
+        [
+            _name(c),
+            c.region,
+            f"{c.theta_deg:.8f}",
+            f"{c.rpm:.9f}",
+            f"{c.high - c.low:.1e}",
+            c.status,
+        ]
+        for c in found.critical_speeds
+        if c.finite
     ]
-    if hits:
-        table("Impacts on corners", ["impact", "corner", "rpm", "bracket (rpm)", "status"], hits)
+    hits = [
+        [h.impact, h.corner, f"{h.rpm:.9f}", f"{h.high - h.low:.1e}", h.status] for h in found.hits
+    ]
     force = [
-        [f"{f.rpm:.10g}", f"{f.lowest_n if abs(f.lowest_n) > ROUNDING else 0.0:.6g}",
-         f"{f.lowest_deg:.8g}"]
+        [f.rpm, f"{f.lowest_n if abs(f.lowest_n) > ROUNDING else 0.0:.6g}", f"{f.lowest_deg:.8g}"]
         for f in found.forces
-    ]  # fmt: skip
-    table("Least contact force if kept on the cam", ["rpm", "least (N)", "theta (deg)"], force)
-    spans = [[t, f"{a:.10g}", f"{b:.10g}", str(n)] for t, a, b, n in burst_ranges(found)]
-    table("Bursts after settling", ["chattering", "from (rpm)", "to (rpm)", "speeds"], spans)
+    ]
     springs = [
-        [h.quantity.removeprefix("hold_"), f"{h.stiffness:.10g}", f"{h.preload:.10g}",
-         "" if h.theta_deg is None else f"{h.theta_deg:.6g}", _speed(h.detaches_rpm), h.status]
+        [h.quantity.removeprefix("hold_"), h.stiffness, h.preload,
+         "" if h.theta_deg is None else f"{h.theta_deg:.6g}",
+         "never" if h.detaches_rpm == inf else h.detaches_rpm, h.status]
         for h in found.holds
         if h.stiffness is not None
     ]  # fmt: skip
-    if springs:
-        columns = ["least", "k (N/m)", "preload (N)", "at (deg)", "detaches (rpm)", "status"]
-        table("Springs that hold contact", columns, springs)
+    for title, columns, rows in (
+        ("Critical speeds", "speed, region, theta (deg), rpm, bracket, status", critical),
+        ("Impacts on corners", "impact, corner, rpm, bracket (rpm), status", hits),
+        ("Least contact force if kept on the cam", "rpm, least (N), theta (deg)", force),
+        ("Bursts after settling", "chattering, from (rpm), to (rpm), speeds", burst_ranges(found)),
+        ("Springs that hold contact",
+         "least, k (N/m), preload (N), at (deg), detaches (rpm), status", springs),
+    ):  # fmt: skip
+        if rows:
+            table(title, columns.split(", "), [[_cell(value) for value in row] for row in rows])
     for line in sentences(found):
         print(f"- {line}")
 
 
-def _row(c: CriticalSpeed) -> list[str]:
-    from camcli.analysis.contact_loss.detachment import Quantity
-
-    accumulates = c.quantity is Quantity.ACCUMULATION
-    name = "accumulates at" if accumulates else c.quantity.replace("_", " ")
-    return [
-        name, c.region, f"{c.theta_deg:.8f}", f"{c.rpm:.9f}", f"{c.high - c.low:.1e}", c.status
-    ]  # fmt: skip
+def _name(c: CriticalSpeed) -> str:
+    name = c.quantity.replace("_", " ")
+    return "accumulates at" if name.startswith("accumulation") else name
 
 
-def _speed(rpm: float | None) -> str:
-    if rpm is None:
+def _cell(value: str | float | None) -> str:
+    if value is None:
         return ""
-    return "never" if rpm == inf else f"{rpm:.10g}"
+    return value if isinstance(value, str) else f"{value:.10g}"

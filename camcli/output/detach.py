@@ -65,65 +65,51 @@ def _always(place: AlwaysLost) -> str:
 
 def _lift_off(seen: LiftOff, place: float) -> str:
     """place: the phase (deg) at which the region opens."""
-    rest, landing = seen.rest_deg - place, seen.landing_deg - place
-    caught = f"{landing:.3g} deg after" if landing < inf else "not within two turns"
-    if rest < inf:
-        caught += f", at rest again {rest:.3g} deg after it"
-    before = f"{place - seen.release_deg:.3g} deg before"
+    lands = "not within two turns"
+    if seen.landing_deg < inf:
+        lands = f"{seen.landing_deg - place:.3g} deg after"
+    if seen.rest_deg < inf:
+        lands += f", at rest again {seen.rest_deg - place:.3g} deg after it"
+    released = f"released {place - seen.release_deg:.3g} deg before"
     return {
-        LiftOffKind.FLIES_OFF: f"flies off at {seen.corner}: the force drops there; lands {caught}",
-        LiftOffKind.CAUGHT: (
-            f"released {before} {seen.corner}, where the force fades; caught {caught}"
-        ),
-        LiftOffKind.WITHIN: f"released {before} the weakest phase, lands {caught}",
-        LiftOffKind.UNSEEN: (
-            "no lift-off was seen: contact is lost at no phase that rests before it"
-        ),
+        LiftOffKind.FLIES_OFF: f"flies off at {seen.corner}: the force drops there; lands {lands}",
+        LiftOffKind.CAUGHT: f"{released} {seen.corner}, where the force fades; caught {lands}",
+        LiftOffKind.WITHIN: f"{released} the weakest phase, lands {lands}",
+        LiftOffKind.UNSEEN: "no lift-off was seen: contact is lost at no phase after a rest",
     }[seen.kind]
 
 
 def spring(hold: Hold) -> str:
     """A spring that holds, or why none does."""
+    alone = hold.quantity is Quantity.HOLD_STIFFNESS
+    if hold.obstacle is Obstacle.KINK:
+        return "impossible: at a downward kink the cam throws the follower off at any speed"
     if hold.obstacle is not None:
-        return _impossible(hold)
+        lacking = f"{hold.missing_n:.6g} N are missing"
+        what = lacking if hold.obstacle is Obstacle.LIFT else "the spring would pull"
+        where = f"{what} at {hold.theta_deg:.10g} deg, where c"
+        if alone:
+            return f"impossible with stiffness alone: {where} <= 0 and a spring does not press"
+        return f"impossible: {where} + precompression <= 0; raise detach.precompression_m"
     if hold.status is HoldStatus.NOT_NEEDED:
         what = hold.quantity.removeprefix("hold_").replace("both", "spring")
         return f"no {what} is needed"
     stiffness, preload = f"stiffness {hold.stiffness:.10g} N/m", f"preload {hold.preload:.10g} N"
-    return {
-        Quantity.HOLD_STIFFNESS: f"{stiffness}, preload as it is",
-        Quantity.HOLD_PRELOAD: f"{preload}, stiffness as it is",
-    }.get(hold.quantity, f"{stiffness} and {preload}")
-
-
-def _impossible(hold: Hold) -> str:
-    if hold.obstacle is Obstacle.KINK:
-        return "impossible: at a downward kink the cam throws the follower off at any speed"
-    what = "the spring would pull"
-    if hold.obstacle is Obstacle.LIFT:
-        what = f"{hold.missing_n:.6g} N are missing"
-    where = f"{what} at {hold.theta_deg:.10g} deg"
-    if hold.quantity is Quantity.HOLD_STIFFNESS:
-        return f"impossible with stiffness alone: {where}, where c <= 0 and a spring does not press"
-    return f"impossible: {where}, where c + precompression <= 0; raise detach.precompression_m"
+    if hold.quantity is Quantity.HOLD_PRELOAD:
+        return f"{preload}, stiffness as it is"
+    return f"{stiffness}, preload as it is" if alone else f"{stiffness} and {preload}"
 
 
 def bursts_text(speed: Settled) -> str:
     """A2 complete, A4 complete; none where the follower stays on the cam."""
-    said = [
-        f"{b.region} {'incomplete' if b.end_deg is None else 'complete'}".strip()
-        for b in speed.bursts
-    ]
+    said = [f"{b.region} {'in' * (b.end_deg is None)}complete".strip() for b in speed.bursts]
     return ", ".join(dict.fromkeys(said)) or "none"
 
 
 def burst_ranges(result: ContactLoss) -> list[tuple[str, float, float, int]]:
     """(bursts in words, from rpm, to rpm, speeds) of neighbouring speeds that behave alike."""
-    found = []
-    for text, group in groupby(result.speeds, bursts_text):
-        rpms = [speed.rpm for speed in group]
-        found.append((text, rpms[0], rpms[-1], len(rpms)))
-    return found
+    rows = ((text, list(group)) for text, group in groupby(result.speeds, bursts_text))
+    return [(text, speeds[0].rpm, speeds[-1].rpm, len(speeds)) for text, speeds in rows]
 
 
 def summary(result: ContactLoss) -> dict[str, Any]:

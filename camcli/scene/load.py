@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -107,24 +106,24 @@ def scene_hash(scene: Scene) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def parse_rpm(text: str) -> float | tuple[float, float]:
+def parse_rpm(text: str, option: str = "--rpm") -> float | tuple[float, float]:
     """A speed `X` or a range `LO:HI` (either order), in turns per minute."""
+
+    def refused(cure: str) -> SceneError:
+        return SceneError(Fault(option, "", f"found '{shown(text)}'", _SPEED, cure))
+
     parts = text.split(":")
     if len(parts) > 2:
-        raise _rpm_error(text, "give the number of speeds with --points")
+        raise refused("give the number of speeds with --points")
     speeds = []
     for part in parts:
         value = scalar(part.strip())
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise _rpm_error(text, oddity(part.strip()) or "write it as 700 or 660:760")
-        if not math.isfinite(value) or not SLOWEST <= value <= FASTEST:
-            raise _rpm_error(text, "give a speed in this range")
+            raise refused(oddity(part.strip()) or "write it as 700 or 660:760")
+        if not SLOWEST <= value <= FASTEST:
+            raise refused("give a speed in this range")
         speeds.append(float(value))
     return speeds[0] if len(speeds) == 1 else (speeds[0], speeds[1])
-
-
-def _rpm_error(text: str, cure: str) -> SceneError:
-    return SceneError(Fault("--rpm", "", f"found '{shown(text)}'", _SPEED, cure))
 
 
 def _read(file: Path) -> Document:

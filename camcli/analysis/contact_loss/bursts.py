@@ -50,39 +50,32 @@ class Burst:
         return Burst(self.release, self.release, impacts, end, self.status)
 
 
-def timeline(system: System, orbit: Orbit, record: Record) -> list[tuple[int, float, float]]:
-    """(kind, theta, phase counted on from the first recorded strobe) of every event, in rad."""
-    strobe, cam, const = system.strobe, system.cam, orbit.const
-    rows = []
-    for kind, period, theta, u in zip(
-        record.kind, record.period, record.theta, record.u, strict=True
-    ):
-        kind, theta = int(kind), float(theta)
-        since = theta - strobe if theta >= strobe else theta - strobe + TURN
-        rows.append((kind, theta, TURN * int(period) + since))
-        # with restitution 0 the follower rests where it lands, if it is pressed on
-        dead = kind == IMPACT and const.r * u == 0.0
-        if dead and contact_accel(cam, const, stretch_at(cam, theta), theta)[0] < 0.0:
-            rows.append((CHATTER, *rows[-1][1:]))
-    return rows
+def _bursts(system: System, orbit: Orbit, record: Record) -> tuple[list[Burst], list[float]]:
+    """The bursts of a record, phases counted on from its first strobe; impacts of its first turn.
 
-
-def bursts_of(events: Sequence[tuple[int, float, float]]) -> list[Burst]:
-    """The bursts of a `timeline` in order, phases counted on from its first strobe."""
+    With restitution 0 the follower rests where it lands, if it is pressed on.
+    """
     found: list[Burst] = []
-    for kind, theta, phase in events:
-        open_ = bool(found) and found[-1].end == inf
+    impacts = []
+    rows = zip(record.kind, record.period, record.theta, record.u, strict=True)
+    for kind, period, theta, u in ((int(k), int(p), float(x), u) for k, p, x, u in rows):
+        phase = TURN * period + (theta - system.strobe) % TURN
         if kind == DETACHMENT:
-            if open_:  # it rested unseen, below the kernel's resolution
-                found[-1].end = found[-1].impacts[-1] if found[-1].impacts else found[-1].begin
+            if found and found[-1].end == inf:  # it rested unseen, below the kernel's resolution
+                found[-1].end = (found[-1].impacts or [found[-1].begin])[-1]
             found.append(Burst(theta, phase))
         elif kind == IMPACT:
-            if not found:
-                found.append(Burst(inf, phase))
+            impacts += [theta * DEG] if phase < TURN else []
+            found = found or [Burst(inf, phase)]
             found[-1].impacts.append(phase)
-        elif kind == CHATTER and open_:
+            if orbit.const.r * u == 0.0:
+                i = stretch_at(system.cam, theta)
+                kind = (
+                    CHATTER if contact_accel(system.cam, orbit.const, i, theta)[0] < 0.0 else kind
+                )
+        if kind == CHATTER and found and found[-1].end == inf:
             found[-1].end = phase
-    return found
+    return found, impacts
 
 
 class Bursts:
@@ -118,7 +111,7 @@ class Bursts:
             orbit = Orbit(self.system, rpm, settings)
             record = orbit.run(strobes=False)
             self.cost = self.cost + record.cost
-            begun = [b for b in bursts_of(timeline(self.system, orbit, record)) if b.release < inf]
+            begun = [b for b in _bursts(self.system, orbit, record)[0] if b.release < inf]
             found = begun[0].from_release() if begun else Burst(inf, inf)
             found.status = record.status
             if found.end < inf or found.status != Status.OK:
@@ -219,11 +212,9 @@ def settled(
     for rpm in rpms:
         orbit = Orbit(system, rpm, turns)
         record = orbit.run(strobes=False)
-        events = timeline(system, orbit, record)
-        bursts = bursts_of(events)
+        bursts, impacts = _bursts(system, orbit, record)
         if record.status == Status.OK:  # of the first turn; one from before it if none begins
             bursts = [b for b in bursts if b.release < inf and b.begin < TURN] or bursts[:1]
-        impacts = [theta * DEG for kind, theta, at in events if kind == IMPACT and at < TURN]
         rows = tuple(_settled_burst(force, system.strobe, burst) for burst in bursts)
         result.append(Settled(rpm, rows, tuple(impacts), record.status, record.cost))
         on_speed()

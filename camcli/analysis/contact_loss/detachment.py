@@ -14,6 +14,7 @@ from math import inf, pi
 from camcli.analysis.bracketing import NARROW
 from camcli.analysis.contact_loss.force import DEG, Force
 from camcli.cams.regions import Region
+from camcli.kernel.cam_table import TURN
 from camcli.system import System, omega_of
 
 RPM = 30.0 / pi  # rpm per rad/s
@@ -170,27 +171,15 @@ def _always(force: Force) -> tuple[AlwaysLost, ...]:
     return (*kinks, *pulled)
 
 
-class _Uncertain(Force):
-    """The contact force with c_thetatheta moved by a bound that depends on the phase."""
-
-    def __init__(self, system: System, bounds: Sequence[float], sign: float):
-        super().__init__(system)
-        self.bounds, self.sign = bounds, sign
-
-    def terms(self, i: int, theta: float) -> tuple[float, float, float]:
-        """A, B, C of the force with the moved c_thetatheta."""
-        a, b, c = super().terms(i, theta)
-        k = min(int(theta * DEG / 360.0 * len(self.bounds)), len(self.bounds) - 1)
-        return a, b, c + self.sign * self.bounds[k]
-
-
 def first_loss_range(system: System, bounds: Sequence[float]) -> tuple[float, float]:
     """(lowest, highest) rpm of the first detachment of a cam that is measured; inf: never.
 
     `bounds` are bounds on the error of c_thetatheta, m/rad2, of equal shares of the turn.
     """
 
-    def first(force: Force) -> float:
+    def first(sign: float) -> float:
+        last = len(bounds) - 1
+        force = Force(system, lambda x: sign * bounds[min(int(x / TURN * (last + 1)), last)])
         return force.lowest(lambda i, x: force.lost(i, x)[0])[0] * RPM
 
-    return first(_Uncertain(system, bounds, -1.0)), first(_Uncertain(system, bounds, 1.0))
+    return first(-1.0), first(1.0)

@@ -39,8 +39,10 @@ class ForceCurve:
 class Force:
     """Contact force of one machine; `i` is a stretch, theta a phase within it (rad)."""
 
-    def __init__(self, system: System):
+    def __init__(self, system: System, error: Callable[[float], float] = lambda theta: 0.0):
+        """error: what is added to c_thetatheta at a phase, m/rad2."""
         f = system.follower
+        self.error = error
         self.system, self.cam, self.mass = system, system.cam, f.mass
         self.weight, self.spring = f.gravity + f.preload / f.mass, f.stiffness / f.mass
         self.damper = f.damping / f.mass
@@ -51,7 +53,7 @@ class Force:
     def terms(self, i: int, theta: float) -> tuple[float, float, float]:
         """(A, B, C) above."""
         c, c1, c2 = lift_at(self.cam, i, theta)
-        return self.weight + self.spring * c, self.damper * c1, c2
+        return self.weight + self.spring * c, self.damper * c1, c2 + self.error(theta)
 
     def newton(self, i: int, theta: float, omega: float) -> float:
         """N in newton."""
