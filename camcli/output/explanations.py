@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, degrees, inf, isfinite, log10
+from math import ceil, isfinite, log10
 from typing import Any
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity
 from camcli.analysis.explain.changes import BASIN, MOST_CRISES, UNEXPLAINED, Change, Explanation
 from camcli.analysis.explain.crisis import Crisis, CrisisKind
-from camcli.analysis.explain.crisis.approach import REACHED, Approach
-from camcli.analysis.explain.crisis.search import Saddles
 from camcli.analysis.explain.events import Event
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
@@ -117,38 +115,26 @@ def speed_text(rpm: float, error: float) -> str:
 
 
 def crisis_sentences(crisis: Crisis) -> list[str]:
-    """What is said of a search for a crisis."""
+    """What is said of a search for a crisis: the runs, the saddles, and the fold that touches."""
     near = f"carried from {crisis.near:.10g} rpm"
     if crisis.kind is CrisisKind.NOT_CHAOTIC:
         return [f"The motion {near} is not chaotic."]
-    if crisis.approach is None or crisis.saddles is None:
+    if crisis.kind is CrisisKind.STAYS:
         return [
             f"Nothing leaves the attractor {near}: a run of {crisis.turns} turns stays in its "
             f"range at {crisis.rpm:.10g} rpm."
         ]
     stays, leaves = crisis.bracket
-    first_left = speed_text(leaves, abs(leaves - stays))
-    runs = f"Runs of {crisis.turns} turns {near} first leave the attractor's range at {first_left}"
-    saddles = _saddles(crisis.saddles)
-    if not crisis.saddles.met:
-        return [f"{runs} rpm.", *_approach(crisis.approach, True), *saddles]
-    fold = "smooth."
-    if crisis.corner is not None:
-        fold = f"the image of an impact at corner {crisis.corner.name}."
-    return [
-        f"{runs} rpm.", *saddles, f"The fold that touches is {fold}",
-        *_approach(crisis.approach, False),
-    ]  # fmt: skip
-
-
-def _saddles(seen: Saddles) -> list[str]:
-    """How many were looked at, the one met first, those met later, and those that are not met."""
-    said = [f"Saddles seen: {seen.inside} in the attractor, {seen.beyond} beyond it."]
-    if seen.lost:
-        said.append(f"{seen.lost} of them could not be followed and are left out.")
-    for k, meeting in enumerate(seen.met):
+    said = [
+        f"Runs of {crisis.turns} turns {near} first leave the attractor's range at "
+        f"{speed_text(leaves, abs(leaves - stays))} rpm.",
+        f"Saddles seen: {crisis.inside} in the attractor, {crisis.beyond} beyond it.",
+    ]
+    if crisis.lost:
+        said.append(f"{crisis.lost} of them could not be followed and are left out.")
+    for meeting in crisis.met:
         orbit, at = meeting.orbit, f"at {speed_text(meeting.rpm, meeting.error)} rpm"
-        if k == 0:
+        if meeting is crisis.met[0]:
             said.append(
                 f"The attractor meets the stable manifold of {orbit.label} (larger multiplier "
                 f"{orbit.multipliers[0].real:.4g}) {at}."
@@ -156,45 +142,9 @@ def _saddles(seen: Saddles) -> list[str]:
         else:
             said.append(f"{orbit.label} would be met later, {at}.")
     unmet = "leads out, but no fold was seen to touch its stable manifold."
-    return said + [f"{orbit.label} {unmet}" for orbit in seen.unmet]
-
-
-def _approach(found: Approach, is_cause: bool) -> list[str]:
-    """What impacts and flights reach before the change or near it, and whether that causes it."""
-    said = []
-    names = [corner.name for corner, _, distance in found.corners if distance <= REACHED]
-    if names:
-        corners = f"corner {names[0]}"
-        if len(names) > 1:
-            corners = f"corners {', '.join(names[:-1])} and {names[-1]}"
-        said.append(f"Impacts reach {corners} already before it.")
-    if min(found.gap) <= found.low:
-        said.append("Contacts of hardly any force occur already before it.")
-    if found.rpm is None:
-        return said + _not_reached(found)
-    what, place = "Flights come down towards the cam", "touch it"
-    if found.reached is not None:
-        what, place = f"Impacts draw near to corner {found.reached.name}", "reach it"
-    if is_cause:
-        return [*said, f"{what} and {place} there for the first time, by a line through two runs."]
-    might = f"{what} too and might {place} about there."
-    return [*said, f"{might} That is only extrapolated; the tangency is solved."]
-
-
-def _not_reached(found: Approach) -> list[str]:
-    """How far everything else stays away."""
-    what = []
-    others = [(off, corner.name) for corner, _, off in found.corners if off > REACHED]
-    if others:
-        off, name = min(others)
-        what.append(f"no impact comes nearer than {degrees(off):.2g} deg to corner {name}")
-    lowest = min(found.gap)
-    if lowest == inf:
-        what.append("no flight has a low gap")
-    elif lowest > found.low:
-        what.append(f"no gap inside a flight is lower than {1000.0 * lowest:.2g} mm")
-    if not what:
-        return []
-    text = " and ".join(what)
-    verdict = "neither causes it" if len(what) > 1 else "this does not cause it"
-    return [f"{text[0].upper()}{text[1:]}: {verdict}."]
+    said += [f"{orbit.label} {unmet}" for orbit in crisis.unmet]
+    if crisis.met:
+        corner = crisis.corner
+        fold = f"the image of an impact at corner {corner.name}" if corner else "smooth"
+        said.append(f"The fold that touches is {fold}.")
+    return said

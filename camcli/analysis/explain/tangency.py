@@ -10,13 +10,13 @@ until W^s is straight there. Where the speed no longer moves, it is solved.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, log
+from math import copysign, inf, log
 
 import numpy as np
 
 from camcli.analysis.bracketing import lowest
-from camcli.analysis.explain.crisis.attractor import Carried, impacts_of
-from camcli.analysis.explain.crisis.saddles import AFTER, ON_MANIFOLD, LostError, Saddle
+from camcli.analysis.explain.attractor import Carried, impacts_of
+from camcli.analysis.explain.saddles import AFTER, ON_MANIFOLD, LostError, Saddle
 from camcli.analysis.integrate import StartError
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.cams.regions import Corner, corner_list
@@ -165,7 +165,8 @@ def touch(folds: Folds, fold: Fold) -> tuple[Fold, float] | None:
 def _secants(folds: Folds, fold: Fold) -> Fold | None:
     """Solve eta = 0 for the speed after n turns; the fold is looked for where it drifts to."""
     carried, n, half, slope = folds.carried, fold.n, fold.half, fold.slope
-    rpm, step = fold.rpm, CLOSE * fold.rpm * carried.ahead
+    rpm = fold.rpm
+    step = copysign(CLOSE * rpm, carried.far - carried.near)
     value, t, _ = folds.lowest(rpm, n, fold.t, half)
     for used in range(1, fold.left + 1):
         rpm, last_value, last_t = rpm + step, value, t
@@ -192,6 +193,6 @@ def width(carried: Carried, rpm: float, change: float, solved: list[float]) -> f
     """
     off = [abs(other - rpm) for other in solved]
     scatter = min((x for x in off if x > CLOSE * rpm), default=inf)
-    runs = max(abs(rpm - end) for end in carried.bracket)
+    runs = max(abs(rpm - carried.stays), abs(rpm - carried.leaves))
     late = carried.way(rpm) - carried.way(carried.leaves)
     return max(min(scatter, LIFETIMES * runs), UNSAMPLED * rpm, change, late)

@@ -39,14 +39,12 @@ class Carried:
     """The attractor that the scene's start settles on at `near`, carried towards `far` (rpm).
 
     stays, leaves: the last speed known at which a run stays in the box, and the first at which one
-    leaves; size: widths of the states at both ends; ahead: +1 where far is the higher speed.
-    Raises StartError where the scene's start lies below the cam.
+    leaves; size: widths of the states at both ends. Raises StartError for a start below the cam.
     """
 
     def __init__(self, system: System, settings: Settings, near: float, far: float, turns: int):
         self.system, self.settings, self.turns = system, settings, turns
         self.near, self.far = self.stays, self.leaves = near, far
-        self.ahead = -1.0 if far < near else 1.0
         self.cost = Cost()
         orbit = Orbit(system, near, with_turns(settings, max(settings.transient, SETTLE), 1))
         orbit.run()
@@ -55,11 +53,6 @@ class Carried:
         first, last = (states_of(record) for record in self.ends)
         self.size = np.ptp(np.concatenate((first, last)), axis=0) + 1e-300
         self.box = first.min(0) - MARGIN * self.size, first.max(0) + MARGIN * self.size
-
-    @property
-    def bracket(self) -> tuple[float, float]:
-        """(stays, leaves)."""
-        return self.stays, self.leaves
 
     def run(self, rpm: float, events: bool = False) -> Record:
         """The record of the attractor at this speed, from the state it has at the near end."""

@@ -11,7 +11,7 @@ from math import exp, log
 
 import numpy as np
 
-from camcli.analysis.explain.crisis.attractor import LEAST, Carried, impacts_of, states_of
+from camcli.analysis.explain.attractor import LEAST, Carried, impacts_of, states_of
 from camcli.analysis.integrate import Record, StartError
 from camcli.analysis.orbits.identify import newton_from
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
