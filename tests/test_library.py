@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import camcli
+from camcli.cli.run import ARTEFACTS
 
 TURNS = {"run.transient": 30, "run.record": 20}
 SMALL = {
@@ -35,6 +36,7 @@ def test_a_result_saves_what_the_command_writes(cam, tmp_path, command):
     assert done.returncode == 0, done.stderr
     assert files(tmp_path / "library") == files(tmp_path / "command")
     assert record["result"] == result.summary
+    assert set(record["artefacts"]) <= set(ARTEFACTS[command].split())  # looked for before a run
     for name, table in result.tables.items():
         assert f"{name}.csv" in record["artefacts"]
         assert all(len(table[column]) == len(table) for column in table.columns)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from math import pi
 
 from camcli.errors import Fault, SceneError, Status
+from camcli.interrupts import look
 from camcli.kernel import backend
 from camcli.kernel.backend import Kernel, row_of
 from camcli.kernel.cam_table import Cam, lift_at, stretch_at
@@ -123,7 +124,7 @@ class Orbit:
             elif status == Status.PAUSED and not kernel.compiled:
                 kernel = backend.compiled()
             elif status == Status.PAUSED:
-                continue  # an interrupt is seen between two slices
+                look()
             else:
                 return self._record(logs, strobe, status)
 

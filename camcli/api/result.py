@@ -112,10 +112,13 @@ class Result:
                 folder.write(f"{name}.npz", table.npz)
             else:
                 folder.write_text(f"{name}.csv", table.csv())
+        pictures, digest = [f"{name}.png" for name in self.pictures], scene_hash(self.scene)
+        kept = {} if plot else folder.keep_pictures(pictures, digest)
         for name, draw in self.pictures.items() if plot else ():
             from camcli.output.pictures import write_png
 
             folder.write(f"{name}.png", partial(write_png, draw()))
+        folder.claim([*folder.hashes, "run.json"])
         errors = error_record(self.scene.run.chatter_tolerance, self.system.cam.top)
         if self.scene.cam.kind == "table":
             from camcli.api.lift_table import table_record
@@ -124,15 +127,15 @@ class Result:
         record = run_record(
             command=self.command,
             scene=resolved(self.scene),
-            scene_sha256=scene_hash(self.scene),
-            options={**self.options, "plot": plot},
+            scene_sha256=digest,
+            options={**self.options, "plot": plot or bool(kept)},
             cost=cost_record(self.cost, self.seconds, from_disk),
             error=errors,
             result=self.summary,
-            artefacts=dict(folder.hashes),
+            artefacts=folder.hashes | kept,
         )
         folder.write_text("run.json", [to_text(record)])
-        folder.commit()
+        folder.commit(kept)
         return record
 
 

@@ -46,17 +46,16 @@ def schema() -> None:
 
 def main() -> None:
     """Run `cam`, turning every failure into words and an exit code."""
-    import signal
-
+    from camcli import interrupts
     from camcli.cli.exit_codes import INTERRUPTED, guarded, hold_output
 
+    interrupts.install()
     if "CAMCLI_PARENT" in os.environ:
         from camcli.cli.parent_watch import end_with_parent
 
         end_with_parent()
     real = sys.stdout
     hold_output()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like an interrupt
     code = guarded(lambda: app(standalone_mode=False))
     sys.stdout = real
     if code == INTERRUPTED:  # without waiting for a piece that is still at work in a thread

@@ -26,7 +26,7 @@ from camcli.errors import Fault, SceneError
 from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, digest, drifts
 from camcli.output.gallery import Picture, page
 from camcli.output.program import program_hash
-from camcli.output.run_folder import run_folder
+from camcli.output.run_folder import RECORD, listed_in, run_folder, unchanged
 from camcli.parallel import thread_count
 from camcli.scene import Scene, default_scene_path, load_scene, resolved
 
@@ -273,7 +273,9 @@ def reason(figure: Figure, folder: Path) -> str:
     for key, value in figure.hashes.items():
         if state.hashes.get(key) != value:
             return f"{key} changed"
-    return UNCHANGED if state.files == _sizes(folder) else "artefact changed"
+    listed = listed_in(folder / RECORD)
+    whole = state.files == _sizes(folder) and unchanged(folder, listed) == listed
+    return UNCHANGED if whole else "artefact changed"
 
 
 def _sizes(folder: Path) -> dict[str, int]:

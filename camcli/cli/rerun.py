@@ -18,6 +18,7 @@ HomeFolder = Annotated[
 ]
 REPEATED = ("config", "sets", "rpm", "points", "dry_run")  # these stand in the record
 SAME, OTHER, MISSING = "same bytes", "other bytes", "not made"
+CHANGED = "same bytes, but not those of the file beside the record"
 
 
 def rerun(
@@ -35,24 +36,30 @@ def rerun(
 
     from camcli.cli.record import read_record
     from camcli.cli.report import table
-    from camcli.cli.run import compute
+    from camcli.cli.run import ARTEFACTS, compute
     from camcli.output.program import program_hash
-    from camcli.output.run_folder import run_folder
+    from camcli.output.run_folder import run_folder, unchanged
 
     found = read_record(record)
     scene = found.load(folder or record.parent)
+    there = {name for name in found.artefacts if (record.parent / name).is_file()}
+    changed = there - set(unchanged(record.parent, found.artefacts))
     with ExitStack() as stack:
         out = request.out
         if out is None:
             out = Path(stack.enter_context(TemporaryDirectory(prefix="cam-rerun-")))
-        place = stack.enter_context(run_folder(out, threads=request.threads))
+        names = ARTEFACTS[found.command].split()
+        place = stack.enter_context(run_folder(out, threads=request.threads, names=names))
         options = found.options.arguments()
         result, made = compute(found.command, scene, request, place, options, found.options.plot)
     now = made["artefacts"]
     verdicts = {
-        name: MISSING if name not in now else SAME if now[name] == digest else OTHER
+        name: MISSING if name not in now
+        else OTHER if now[name] != digest
+        else CHANGED if name in changed
+        else SAME
         for name, digest in found.artefacts.items()
-    }
+    }  # fmt: skip
     differ = [name for name, verdict in verdicts.items() if verdict != SAME]
     if request.json:
         said = {"command": found.command, "same": not differ, "artefacts": verdicts}
@@ -64,6 +71,6 @@ def rerun(
         note("the record is of another version of this program")
     if any(not name.endswith(".png") for name in differ):
         return NUMERICS
-    if differ:
+    if differ and not changed:
         note("only pictures differ: their bytes are the same on the same installation alone")
     return DONE if result.complete else NUMERICS

@@ -23,6 +23,15 @@ Values = dict[str, tuple[Any, str]]  # scene path -> (value, option it came from
 Show = Callable[["Result"], None]
 MOST_SHARDS = 100_000
 IN_PIECES = ("sweep", "basins", "bench")  # commands whose finished pieces are kept on disk
+ARTEFACTS = {  # files of other people with these names are looked for before any work is done
+    "simulate": "trajectory.csv events.csv profile.csv simulate.png profile.png",
+    "sweep": "impacts.csv strobe.csv impacts.npz strobe.npz speeds.csv corners.csv sweep.png",
+    "detach": "detach.csv accumulation.csv corner_hits.csv force.csv detach.png",
+    "orbits": "branch.csv bifurcations.csv curve.csv orbits.png curve.png",
+    "basins": "attractors.csv basins.csv basins.png",
+    "classify": "classify.csv corners.csv classify.png",
+    "bench": "precision.csv flights.csv stability.csv scenes.csv precision.png stability.png",
+}
 IN_THREADS = ("sweep", "basins", "classify")  # analyses that take `work`
 
 
@@ -136,15 +145,19 @@ def open_folder(
     read = {section: values[section] for section in ("follower", "cam", "run", command)}
     key = {"command": command, "scene": read} if command in IN_PIECES else None
     with run_folder(
-        place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts
-    ) as folder:
+        place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts,
+        names=ARTEFACTS[command].split(),
+    ) as folder:  # fmt: skip
         checkpoint = folder.work.checkpoint
+        if folder.mixed and not request.quiet:
+            found = f"of a run that was killed while it put them there ({', '.join(folder.mixed)})"
+            note(f"{place}/ holds files {found}: they are made anew")
         if checkpoint is not None and not request.quiet:
             _tell_of_pieces(folder, bool(parts))
         try:
             yield folder
         except KeyboardInterrupt:
-            if checkpoint is not None and checkpoint.pieces:
+            if checkpoint is not None and checkpoint.pieces and not folder.committed:
                 note(f"{checkpoint.pieces} pieces are on disk, the same command goes on from them")
             raise
     if folder.shard_done and checkpoint is not None:

@@ -10,18 +10,19 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from camcli.errors import Fault, SceneError
+from camcli.interrupts import held
 from camcli.output.program import program_hash
 from camcli.parallel import Checkpoint, Shard, ShardDone, Work
 from camcli.parallel.checkpoint import END
 
-PART, PIECES = ".part", ".pieces"  # endings of files that are gone when a run has finished
+PART, PIECES = ".cam-part", ".pieces"  # endings of files that are gone when a run has finished
 RECORD = "run.json"
 
 
@@ -32,8 +33,12 @@ class RunFolder:
         self.folder = folder
         self.work = work
         self.hashes: dict[str, str] = {}  # of what was written, in this order
+        self.before: dict[str, str] = {}  # what the run before lists, where it is as it was
+        self.mixed: list[str] = []  # files that a run left when it was killed in its commit
+        self.removed: list[str] = []  # files of the run before that this one has not made
         self.committed = False
         self.shard_done = False
+        self._ours: set[str] = set()
 
     @property
     def resumed(self) -> int:
@@ -60,45 +65,65 @@ class RunFolder:
         """Write `name` from pieces of text."""
         self.write(name, lambda file: file.writelines(chunk.encode() for chunk in chunks))
 
-    def commit(self) -> None:
+    def look_around(self) -> None:
+        """Take note of what runs have left here.
+
+        What a run was killed over while it changed the files is listed in the run.json that it was
+        about to put in place: these are ours too.
+        """
+        listed = listed_in(self.folder / RECORD)
+        cut_off = unchanged(self.folder, listed_in(self._part(RECORD)))
+        self.before = unchanged(self.folder, listed)
+        self.mixed = [name for name in cut_off if name not in self.before]
+        self._ours = {*self.before, *cut_off, *([RECORD] if listed else [])}
+
+    def claim(self, names: Iterable[str]) -> None:
+        """Raise SceneError where one of these files is there and no run has made it as it is."""
+        foreign = [n for n in names if n not in self._ours and os.path.lexists(self.folder / n)]
+        faults = [
+            Fault("-o", str(self.folder), f"found {name}, which no run has left there as it is",
+                  "expected no such file", "move it away, or choose another folder")
+            for name in foreign
+        ]  # fmt: skip
+        if faults:
+            raise SceneError(*faults)
+
+    def keep_pictures(self, names: Collection[str], scene_sha256: str) -> dict[str, str]:
+        """Those pictures of the run before that show this scene with the very same numbers."""
+        tables = {name: digest for name, digest in self.before.items() if name not in names}
+        if (
+            tables != self.hashes
+            or scene_sha256.encode() not in (self.folder / RECORD).read_bytes()
+        ):
+            return {}
+        return {name: self.before[name] for name in names if name in self.before}
+
+    def commit(self, kept: Collection[str] = ()) -> None:
         """Put everything written in its place, run.json last: by renames, so each file is whole.
 
-        With a new run.json the artefacts go that only the run before had.
+        With a new run.json the artefacts go that only the run before had, but for those `kept`; any
+        other file in the folder is somebody's, or has been changed by somebody since. A signal
+        waits until all is done.
         """
-        outdated = self._outdated() if RECORD in self.hashes else []
+        if RECORD in self.hashes:
+            stale = {n: d for n, d in self.before.items() if n not in {*self.hashes, *kept}}
+            self.removed = list(unchanged(self.folder, stale))
         try:
-            for name in sorted(self.hashes, key=lambda name: name == RECORD):
-                if name == RECORD:
-                    for other in outdated:
-                        _remove(self.folder / other)
-                os.replace(self._part(name), self.folder / name)
+            with held():
+                for name in sorted(self.hashes, key=lambda name: name == RECORD):
+                    if name == RECORD:
+                        for other in self.removed:
+                            _remove(self.folder / other)
+                    os.replace(self._part(name), self.folder / name)
+                self.committed = True
+                with suppress(OSError):  # not every system opens folders, or syncs them
+                    handle = os.open(self.folder, os.O_RDONLY)
+                    try:
+                        os.fsync(handle)  # the renames are on disk before the pieces are forgotten
+                    finally:
+                        os.close(handle)
         except OSError as error:
             raise _unwritable(self.folder, name, error) from None
-        with suppress(OSError):  # not every system opens folders, not every file system syncs them
-            handle = os.open(self.folder, os.O_RDONLY)
-            try:
-                os.fsync(handle)  # the renames are on disk before the pieces are forgotten
-            finally:
-                os.close(handle)
-        self.committed = True
-
-    def _outdated(self) -> list[str]:
-        """Files that the run.json of the run before lists, as they were, and we do not make.
-
-        Any other file in the folder is somebody's, or has been changed by somebody since.
-        """
-        try:
-            listed = json.loads((self.folder / RECORD).read_bytes())["artefacts"].items()
-            return [
-                name
-                for name, digest in listed
-                if name not in self.hashes
-                and name == (path := self.folder / name).name  # no path to elsewhere
-                and path.is_file()
-                and _hash(path) == digest
-            ]
-        except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError):
-            return []
 
     def close(self) -> None:
         """Forget what was not committed."""
@@ -118,6 +143,7 @@ def run_folder(
     cluster: str | None = None,
     shard: Shard | None = None,
     parts: tuple[Path, ...] = (),
+    names: Collection[str] = (),
 ) -> Iterator[RunFolder]:
     """Lock the folder for a run, and open the pieces that an earlier run of this key has left.
 
@@ -125,7 +151,8 @@ def run_folder(
     pieces); None: nothing is kept. The pieces stay where the block ends without a commit, so that a
     run with the same key goes on from them. cluster: `local` or HOST:PORT of a Dask scheduler.
     shard: only pieces of this part are made, no artefacts: the block ends early, without an
-    exception, and `shard_done` is set. parts: files of shards, whose pieces are read.
+    exception, and `shard_done` is set. parts: files of shards, whose pieces are read. names: files
+    that the run is going to write, see `RunFolder.claim`.
 
     Raises SceneError where the folder cannot be written, or another run is at work in it.
     """
@@ -134,6 +161,8 @@ def run_folder(
         stack.callback(_remove_empty, _prepare(folder))
         if shard is None:
             stack.enter_context(_locked(folder))
+            run.look_around()
+            run.claim([*names, RECORD] if names else ())
             stack.callback(run.close)
             for part in folder.glob(f".*{PART}"):  # of a run that was killed
                 _remove(part)
@@ -158,8 +187,9 @@ def run_folder(
             assert shard is not None
             checkpoint.put(END, 0, list(shard))
             run.shard_done = True
-        if run.committed and key is not None:
-            checkpoint.discard()
+        finally:
+            if run.committed and key is not None:
+                checkpoint.discard()
 
 
 def _name_of_pieces(command: str, key: str, shard: Shard | None) -> str:
@@ -220,6 +250,26 @@ def _remove(path: Path) -> None:
     except OSError as error:
         found = f"{path.name} could not be removed ({error.strerror})"
         raise _refused(path.parent, found) from None
+
+
+def listed_in(record: Path) -> dict[str, str]:
+    """The artefacts of a run.json, SHA-256 by name; none where it is something else."""
+    try:
+        return dict(json.loads(record.read_bytes())["artefacts"]) if record.is_file() else {}
+    except (OSError, ValueError, TypeError, LookupError, RecursionError):
+        return {}
+
+
+def unchanged(folder: Path, listed: Mapping[str, str]) -> dict[str, str]:
+    """What of it is in the folder with just these bytes."""
+    return {
+        name: digest
+        for name, digest in listed.items()
+        if name == (path := folder / name).name  # no path to elsewhere
+        and path.is_file()
+        and not path.is_symlink()
+        and _hash(path) == digest
+    }
 
 
 def _hash(path: Path) -> str:

@@ -12,6 +12,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextvars import copy_context
 from typing import TypeVar
 
+from camcli.interrupts import look
+
 Piece = TypeVar("Piece")
 Result = TypeVar("Result")
 AHEAD = 16  # pieces per thread that may wait for the one whose turn it is
@@ -31,14 +33,19 @@ def in_threads(
 ) -> Iterator[Result]:
     """Yield function(piece) for every piece, in order; on an exception the rest is cancelled."""
     count = min(thread_count(threads), len(pieces))
+
+    def call(piece: Piece) -> Result:
+        look()
+        return function(piece)
+
     if count <= 1:
-        yield from map(function, pieces)
+        yield from map(call, pieces)
         return
     pool = ThreadPoolExecutor(count)
     running: deque[Future] = deque()
     try:
         for piece in pieces:
-            running.append(pool.submit(copy_context().run, function, piece))
+            running.append(pool.submit(copy_context().run, call, piece))
             if len(running) >= AHEAD * count:
                 yield running.popleft().result()
         while running:

@@ -111,11 +111,29 @@ def test_dry_run_writes_nothing(cam, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_pictures_are_written_and_left_out(cam, tmp_path):
+def test_a_picture_stays_as_long_as_it_shows_the_numbers_of_the_folder(cam, tmp_path):
     words = ("--rpm", "700", "--set", "run.transient=5", "--set", "run.record=5")
     for command in ("sweep", "simulate"):
         picture = tmp_path / f"out/{command}/{command}.png"
         assert cam(command, *words).returncode == 0
         assert picture.read_bytes()[:4] == b"\x89PNG"
-        assert cam(command, *words, "--no-plot").returncode == 0
+        record = json.loads(cam(command, *words, "--no-plot", "--json").stdout)
+        assert picture.name in record["artefacts"]
+        assert cam("rerun", f"out/{command}/run.json").returncode == 0
+        assert cam(command, *words, "--no-plot", "--set", "run.record=6").returncode == 0
         assert not picture.exists()
+
+
+def test_files_of_other_people_are_neither_overwritten_nor_deleted(cam, tmp_path):
+    theirs = {"sweep.png": "a photo", "impacts.csv": "a,b", "notes.txt": "x"}
+    for name, text in theirs.items():
+        (tmp_path / name).write_text(text)
+    done = cam("sweep", "--rpm", "700", *SMALL, "-o", ".")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert [f"found {name}, which no run has left" in done.stderr for name in theirs] == [1, 1, 0]
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == theirs
+    (tmp_path / "sweep.png").unlink()
+    (tmp_path / "impacts.csv").unlink()
+    assert cam("sweep", "--rpm", "700", *SMALL, "-o", ".").returncode == 0
+    assert cam("simulate", "--profile-only", "--no-plot", "-o", ".").returncode == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"notes.txt", "profile.csv", "run.json"}

@@ -109,12 +109,29 @@ def test_only_unchanged_artefacts_of_the_run_before_go(tmp_path):
     finished_run(tmp_path, a_csv="1", b_png="1", c_csv="1", d_csv="1")
     (tmp_path / "d.csv").write_text("changed by somebody")
     (tmp_path / "e.png").write_text("somebody's own")
+    (tmp_path / ".x.part").write_text("somebody's download")
     finished_run(tmp_path, a_csv="2", c_csv="1")
-    assert set(content(tmp_path)) == {"a.csv", "c.csv", "d.csv", "e.png", "run.json"}
+    left = {"a.csv", "c.csv", "d.csv", "e.png", "run.json", ".x.part"}
+    assert set(content(tmp_path)) == left
     with run_folder(tmp_path) as run:  # without a record of its own it replaces no run
         run.write_text("note.txt", ["x"])
         run.commit()
-    assert set(content(tmp_path)) == {"a.csv", "c.csv", "d.csv", "e.png", "run.json", "note.txt"}
+    assert set(content(tmp_path)) == {*left, "note.txt"}
+
+
+def test_files_that_no_run_has_made_are_claimed_by_none(tmp_path):
+    finished_run(tmp_path, a_csv="1", d_csv="1")
+    (tmp_path / "d.csv").write_text("changed by somebody")
+    (tmp_path / "e.png").symlink_to("a.csv")
+    with run_folder(tmp_path, names=["a.csv", "f.csv"]):
+        pass
+    names = ["a.csv", "d.csv", "e.png"]
+    with pytest.raises(SceneError) as caught, run_folder(tmp_path, names=names):
+        raise AssertionError("not reached")
+    assert [fault.found.split()[1] for fault in caught.value.faults] == ["d.csv,", "e.png,"]
+    (tmp_path / "run.json").write_text("{}")
+    with pytest.raises(SceneError, match=r"run\.json"), run_folder(tmp_path, names=["f.csv"]):
+        raise AssertionError("not reached")
 
 
 def test_a_record_that_lies_removes_nothing(tmp_path):
@@ -169,7 +186,7 @@ def test_other_processes_are_refused_and_those_killed_leave_nothing(tmp_path):
         done = other(0)
         assert (done.returncode, "another run at work here" in done.stderr) == (1, True)
     assert other(9).returncode == -9
-    assert [path.name for path in tmp_path.iterdir()] == [".a.csv.part"]
+    assert [path.name for path in tmp_path.iterdir()] == [".a.csv.cam-part"]
     with run_folder(tmp_path):
         pass
     assert list(tmp_path.iterdir()) == []

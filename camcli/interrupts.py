@@ -1,0 +1,74 @@
+"""Signals that end a run: never lost, seen within a second, and kept waiting over a commit.
+
+A handler that only raises can lose its signal: what is raised inside a callback of a C library is
+swallowed there. So the handler also makes a note, which is looked at between pieces, and a thread
+ends the process where the main thread is kept in one long call.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from threading import Thread
+from time import sleep
+
+ENDING = (signal.SIGINT, signal.SIGTERM)
+EXIT_CODE = 130
+PATIENCE = 0.8  # s that the main thread has to begin its end
+
+_came = _ending = False
+_holding = 0
+
+
+def install() -> None:
+    """Take over the signals of this process, which must be a command's; ignored ones stay so."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    for number in ENDING:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _handle)
+    signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    Thread(target=_watch, args=(reader,), daemon=True).start()
+
+
+def _handle(number: int, frame: object) -> None:
+    global _came
+    _came = True
+    look()
+
+
+def look() -> None:
+    """Raise KeyboardInterrupt where a signal has come that may not have been seen."""
+    global _ending
+    if _came and not _holding:
+        _ending = True
+        raise KeyboardInterrupt
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """Let signals wait until the block is left."""
+    global _holding
+    _holding += 1
+    try:
+        yield
+    finally:
+        _holding -= 1
+    look()
+
+
+def _watch(reader: int) -> None:
+    """End the process where the main thread does not."""
+    while os.read(reader, 1)[0] not in ENDING:
+        pass
+    sleep(PATIENCE)
+    while _holding:
+        sleep(0.01)
+    if not _ending:
+        with suppress(OSError, ValueError, AttributeError):
+            sys.stderr.write("interrupted\n")
+            sys.stderr.flush()
+        os._exit(EXIT_CODE)
