@@ -1,4 +1,4 @@
-"""A stdout that fails costs no artefact."""
+"""A stdout or a stderr that fails costs no artefact, and the exit code stays what it is."""
 
 import os
 import subprocess
@@ -6,39 +6,69 @@ import sys
 
 import pytest
 
-SWEEP = ("sweep", "--points", "3", "--no-plot", "--quiet")
-TURNS = ("--set", "run.transient=5", "--set", "run.record=20")
+SWEEP = (
+    "sweep",
+    "--points",
+    "3",
+    "--no-plot",
+    "--set",
+    "run.transient=5",
+    "--set",
+    "run.record=20",
+)
+WARNED = (*SWEEP, "--set", "follower.restitution=1", "--set", "run.record=2")
+LEFT = ("simulate", "--no-plot", "--set", "run.impact_budget=5", "--rpm", "190")
 MADE = {"impacts.csv", "strobe.csv", "speeds.csv", "run.json"}
+FULL = "/dev/full"
 
 
-def cam(folder, *words: str, **options) -> subprocess.CompletedProcess:
+def cam(folder, *words: str, **streams) -> subprocess.CompletedProcess:
     command = [sys.executable, "-m", "camcli", *words]
-    return subprocess.run(command, cwd=folder, stderr=subprocess.PIPE, **options)
+    return subprocess.run(command, cwd=folder, **{"stderr": subprocess.PIPE, **streams})
 
 
 def made(folder):
     return {path.name for path in (folder / "out/sweep").iterdir()}
 
 
-def test_a_reader_that_leaves(tmp_path):
+@pytest.fixture
+def left():
+    """A pipe whose reader has left."""
     ours, theirs = os.pipe()
     os.close(ours)
-    done = cam(tmp_path, *SWEEP, *TURNS, stdout=theirs)
+    yield theirs
     os.close(theirs)
+
+
+def test_a_reader_that_leaves(tmp_path, left):
+    done = cam(tmp_path, *SWEEP, "-q", stdout=left)
     assert (done.returncode, done.stderr) == (0, b"")
     assert made(tmp_path) == MADE
 
 
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no full device here")
+@pytest.mark.skipif(not os.path.exists(FULL), reason="no full device here")
 def test_a_full_disk_under_stdout(tmp_path):
-    with open("/dev/full", "wb") as full:
-        done = cam(tmp_path, *SWEEP, *TURNS, stdout=full)
+    with open(FULL, "wb") as full:
+        done = cam(tmp_path, *SWEEP, "-q", stdout=full)
     assert done.returncode == 2
     assert done.stderr.startswith(b"stdout: could not be written (No space left on device)")
     assert made(tmp_path) == MADE
 
 
-@pytest.mark.parametrize("words", [SWEEP + TURNS, ("--help",)])
+@pytest.mark.skipif(not os.path.exists(FULL), reason="no full device here")
+@pytest.mark.parametrize(
+    ("words", "code"), [(WARNED, 0), (LEFT, 3), (("sweep", "--rpm", "x"), 2)], ids=str
+)
+def test_notes_that_cannot_be_written_are_dropped(tmp_path, left, words, code):
+    with open(FULL, "wb") as full:
+        for stream in (full, left):
+            assert (
+                cam(tmp_path, *words, stdout=subprocess.DEVNULL, stderr=stream).returncode == code
+            )
+    assert code or made(tmp_path) == MADE
+
+
+@pytest.mark.parametrize("words", [(*SWEEP, "-q"), ("--help",)], ids=["sweep", "help"])
 def test_no_stdout_at_all(tmp_path, words):
     done = cam(tmp_path, *words, preexec_fn=lambda: os.close(1))
     assert (done.returncode, done.stderr) == (0, b"")

@@ -1,0 +1,58 @@
+"""Signals while a command is at work: none is lost, and every command ends soon."""
+
+import signal
+import sys
+import time
+
+import pytest
+
+from tests.parallel.long_runs import begin, command, ended, files
+
+LONG = {
+    "one long piece": ("sweep", "--rpm", "745", "--set", "run.transient=100000000"),
+    "many pieces": ("sweep", "--points", "100001"),
+    "one orbit": ("simulate", "--rpm", "745", "--set", "run.transient=1000000000"),
+    "cells": ("basins", "--cells", "4000", "--set", "basins.budget=100000", "--rpm", "739.35"),
+    "detach": ("detach", "--rpm", "110:2000", "--points", "100000"),
+    "classify": ("classify", "--rpm", "740:745", "--points", "1000"),
+    "explain": ("sweep", "--rpm", "735:745", "--points", "200", "--explain"),
+    "orbits": ("orbits", "--rpm", "340:760", "--label", "P(9;1:1:1:1:1:1:1:1:7)"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("name", LONG)
+def test_a_signal_ends_what_would_take_minutes(tmp_path, name, how):
+    process = begin(command(*LONG[name], "--no-plot", "-o", "out"), tmp_path)
+    time.sleep(4.0)
+    assert process.poll() is None
+    process.send_signal(how)
+    said = process.communicate(timeout=20)[1]  # a second, where the machine is not busy
+    code = process.returncode
+    assert (code, said.count("interrupted"), "Traceback" in said) == (130, 1, False), said
+    assert files(tmp_path / "out") == {}
+
+
+SWALLOWING = """
+import os, signal
+from camcli.cli.app import main
+from camcli.parallel.work import Kept
+real = Kept.put
+def put(*args):
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+        sum(range(100))
+    except KeyboardInterrupt:
+        pass
+    return real(*args)
+Kept.put = put
+main()
+"""
+
+
+@pytest.mark.parametrize("threads", ["1", "2"])
+def test_a_signal_that_a_library_swallows_is_seen_at_the_next_piece(tmp_path, threads):
+    words = ("sweep", "--points", "50", "--no-plot", "--threads", threads)
+    code, said = ended(begin([sys.executable, "-c", SWALLOWING, *words], tmp_path))
+    assert (code, "interrupted" in said) == (130, True), said
