@@ -42,31 +42,24 @@ class ArcsCam(BaseModel):
     @model_validator(mode="after")
     def _closes(self) -> ArcsCam:
         gap = self.flank_radius - self.flank_center - self.base_radius
-        if abs(gap) > CLOSURE * self.flank_radius:
-            raise ValueError(
-                f"the flank circle misses the base circle by {gap:.6g} m: "
-                "flank_radius must equal flank_center + base_radius"
-            )
-        if self.nose_radius >= self.flank_radius:
-            raise ValueError(
-                f"nose_radius is {self.nose_radius - self.flank_radius:.6g} m too large: "
-                "it must be smaller than flank_radius"
-            )
         reach = self.flank_radius - self.nose_radius
         apart = reach - self.flank_center - self.nose_center
-        if apart >= 0:
-            raise ValueError(
-                f"flank and nose circle do not touch, they miss by {apart:.6g} m: "
-                "flank_center + nose_center must exceed flank_radius - nose_radius"
-            )
         inside = abs(self.flank_center - self.nose_center) - reach
-        if inside >= 0:
-            raise ValueError(
-                f"flank and nose circle do not touch, they overlap by {inside:.6g} m: "
-                "|flank_center - nose_center| must be below flank_radius - nose_radius"
-            )
-        if self.nose_center + self.nose_radius <= self.base_radius:
-            raise ValueError("the nose does not rise above the base circle: no lift")
+        for wrong, message in (
+            (abs(gap) > CLOSURE * self.flank_radius,
+             f"the flank circle misses the base circle by {gap:.6g} m: "
+             "flank_radius must equal flank_center + base_radius"),
+            (reach <= 0, f"nose_radius is {-reach:.6g} m too large: "
+             "it must be smaller than flank_radius"),
+            (apart >= 0, f"flank and nose circle do not touch, they miss by {apart:.6g} m: "
+             "flank_center + nose_center must exceed flank_radius - nose_radius"),
+            (inside >= 0, f"flank and nose circle do not touch, they overlap by {inside:.6g} m: "
+             "|flank_center - nose_center| must be below flank_radius - nose_radius"),
+            (self.nose_center + self.nose_radius <= self.base_radius,
+             "the nose does not rise above the base circle: no lift"),
+        ):  # fmt: skip
+            if wrong:
+                raise ValueError(message)
         lobe = 2 * float(self._angles()[0]) * 180 / float(pi()) + self.top_dwell_deg
         if lobe > 360:
             raise ValueError(
@@ -83,7 +76,7 @@ class ArcsCam(BaseModel):
         with localcontext() as context:
             context.prec = DIGITS
             k1, k2 = numbers.number(self.flank_center), numbers.number(self.nose_center)
-            rho1 = self._flank_radius(numbers)
+            rho1 = k1 + numbers.number(self.base_radius)  # closed exactly on the base circle
             side = rho1 - numbers.number(self.nose_radius)
             cosine = (k1 * k1 + k2 * k2 - side * side) / (2 * k1 * k2)
             rise = numbers.pi() - numbers.acos(cosine)
@@ -93,10 +86,6 @@ class ArcsCam(BaseModel):
             along = rho1 * (k2 * cosine + k1) / side - k1
             radius = (across * across + along * along).sqrt()
             return rise, numbers.acos(along / radius)
-
-    def _flank_radius(self, numbers: Numbers) -> Any:
-        """rho1 closed exactly on the base circle (the scene's value agrees to 1e-9)."""
-        return numbers.number(self.flank_center) + numbers.number(self.base_radius)
 
     def parts(self, numbers: Numbers = decimals) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
@@ -112,7 +101,7 @@ class ArcsCam(BaseModel):
             base = number(self.base_radius) - offset
             top = number(self.nose_center) + number(self.nose_radius) - offset
         k1, k2 = number(self.flank_center), number(self.nose_center)
-        rho1, rho2 = self._flank_radius(numbers), number(self.nose_radius)
+        rho1, rho2 = k1 + number(self.base_radius), number(self.nose_radius)
 
         def circle(sign: int, kappa: Any, rho: Any, zero: Any):
             def radius(theta: Any) -> Any:

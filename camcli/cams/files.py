@@ -24,33 +24,29 @@ def read_bytes(path: Path, name: str, most: int, expected: str, cure: str, key: 
     the key of the scene's section that names it.
     """
 
+    problem = ("", "")
     try:
         mode = os.stat(path).st_mode
         if stat.S_ISDIR(mode):
-            raise refused(name, key, "found a folder", expected, "name the file in it")
-        if not stat.S_ISREG(mode):
-            found = "found a pipe, socket or device"
-            raise refused(name, key, found, expected, "save it as a file first")
-        with open(path, "rb", opener=_never_waiting) as file:
-            data = file.read(most + 1)
+            problem = "found a folder", "name the file in it"
+        elif not stat.S_ISREG(mode):
+            problem = "found a pipe, socket or device", "save it as a file first"
+        else:  # without waiting, should the file have become a pipe since it was looked at
+            flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+            with open(os.open(path, flags), "rb") as file:
+                data = file.read(most + 1)
     except FileNotFoundError:
-        raise refused(name, key, "no such file", expected, cure) from None
-    except SceneError:  # of the above
-        raise
+        problem = "no such file", cure
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or str(error)).lower()
-        found, cure = f"cannot be read: {reason}", "check the name and the permissions"
-        raise refused(name, key, found, expected, cure) from None
+        problem = f"cannot be read: {reason}", "check the name and the permissions"
+    if problem[0]:
+        raise refused(name, key, problem[0], expected, problem[1]) from None
     if len(data) > most:
         size = f"{most // 1000} kB" if most < 10**6 else f"{most // 10**6} MB"
         expected = f"expected at most {size}"
         raise refused(name, key, f"found more than {size}", expected, "is this the right file?")
     return data
-
-
-def _never_waiting(path: str, flags: int) -> int:
-    """An opener that does not wait, should the file have become a pipe since it was looked at."""
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def decoded(data: bytes, name: str, key: str = "") -> str:

@@ -160,18 +160,6 @@ def test_named_laws_are_members_of_the_family():
         assert build(own.parts()) == table(name)
 
 
-def test_widths_in_thirds_close():
-    third = 0.3333333333333333
-    cam = build(law_cam({"scca": {"b": third, "c": third, "d": third}}).parts())
-    assert corners(cam) == []
-
-
-def test_rise_and_fall_may_follow_different_laws():
-    cam = build(law_cam("harmonic", "3-4-5").parts())
-    found = [column(cam, "start")[n] * 180 / pi for n in corners(cam)]
-    assert found == pytest.approx([60, 160], abs=1e-12)
-
-
 @pytest.mark.parametrize(
     ("lengths", "count"),
     [
@@ -209,11 +197,6 @@ def test_lengths_that_do_not_fit_are_refused_with_the_amount(changes, amount):
         law_cam(**changes)
 
 
-def test_widths_must_fill_the_law():
-    with pytest.raises(ValidationError, match=r"b \+ c \+ d = 1\.1"):
-        law_cam({"scca": {"b": 0.3, "c": 0.3, "d": 0.5}})
-
-
 @pytest.mark.parametrize(("base", "lift_m"), [(-1.0, 2.0), (3.0, 1e-6), (-1 / 3, 2 / 3)])
 @pytest.mark.parametrize("strobe", [0.0, 217.3])
 def test_an_eccentric_is_a_cosine_without_corners(base, lift_m, strobe):
@@ -233,11 +216,3 @@ def test_an_eccentric_is_a_cosine_without_corners(base, lift_m, strobe):
     for n in range(3):  # it closes after a turn
         start, end = (column(cam, f"{side}_c{n or ''}") for side in ("start", "end"))
         assert abs(start[0] - end[-1]) <= 4 * unit
-
-
-@pytest.mark.parametrize(
-    ("base", "lift_m"), [(0.0, 0.0), (0.0, -1.0), (float("inf"), 1.0), (0.0, float("nan"))]
-)
-def test_bad_sizes_of_an_eccentric_are_refused(base, lift_m):
-    with pytest.raises(ValidationError):
-        EccentricCam(kind="eccentric", base=base, lift=lift_m)

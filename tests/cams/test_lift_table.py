@@ -137,19 +137,6 @@ def test_the_fit_and_its_error_are_those_of_dense_algebra(tmp_path, lobe):
     assert accuracy.bound == pytest.approx(4 * accuracy.standard + accuracy.bending, rel=1e-15)
 
 
-@pytest.mark.parametrize(("law", "gain"), [(polynomial, 3.5), (cycloidal, 5), (smooth, 12)])
-def test_the_default_is_much_better_than_interpolation(tmp_path, law, gain):
-    """A table to 0.0001 inch: second differences are wrong by tens of percent."""
-    lobe, size, h = Lobe(law), INCH * 1e-4, pi / 180
-    cam = scene(tmp_path, table(lobe, 1, INCH, 4), lift="inch").cam
-    error, largest = worst_error(cam, build(cam.parts()), lobe)
-    rows = [round(lobe.at(k)[0] / size) * size for k in range(360)]
-    second = [(rows[k - 1] - 2 * rows[k] + rows[(k + 1) % 360]) / h**2 for k in range(360)]
-    naive = max(abs(second[k] - lobe.at(k)[1]) for k in range(360))
-    assert naive > 0.15 * largest
-    assert error * gain < naive
-
-
 def test_rounding_noise_and_jumps_are_noticed(tmp_path):
     cam = scene(tmp_path, table(Lobe(smooth), 1, INCH, 4), lift="inch").cam
     rounding = cam.accuracy.quantum / 12**0.5

@@ -8,8 +8,6 @@ from math import inf, pi
 
 import pytest
 
-from tests.cli.test_cli_startup import imported
-
 SHORT = ("--rpm", "112:128", "--points", "3", "--set", "detach.settle=1", "--no-plot")
 
 
@@ -53,19 +51,6 @@ def test_bare_command_gives_every_published_number(bare):
     assert float(hits[0]["rpm"]) == pytest.approx(124.998297, abs=1e-6)
 
 
-def test_columns_are_exact_and_accumulation_has_a_row_per_complete_chatter(bare):
-    heads = {path.name: path.read_text().splitlines()[0] for path in bare[1].glob("*.csv")}
-    assert heads == {
-        "detach.csv": "quantity,region,theta_deg,rpm,omega_rad_per_s",
-        "accumulation.csv": "rpm,theta_deg",
-        "corner_hits.csv": "impact,corner,rpm",
-        "force.csv": "rpm,theta_deg,force_n",
-    }
-    speeds = [row["rpm"] for row in rows(bare[1] / "accumulation.csv")]
-    assert min(map(float, speeds)) == 115.0
-    assert [speeds.count(rpm) for rpm in ("120.0", "150.0", "200.0")] == [2, 1, 0]
-
-
 def test_record_and_table_tell_brackets_statuses_and_words(bare):
     done, folder = bare
     result = json.loads((folder / "run.json").read_text())["result"]
@@ -93,17 +78,6 @@ def test_hold_to_gives_springs_and_their_own_detachment(cam, tmp_path):
     assert record["scene"]["detach"]["hold_to"] == 150.0
     stiffness = record["result"]["hold"][0]["stiffness"]
     assert stiffness == pytest.approx(1430.8 * (150.0 / 114.979326744) ** 2, rel=1e-9)
-
-
-def test_one_speed_shows_its_force_curve(cam, tmp_path):
-    done = cam("detach", "--rpm", "150", "--no-plot", "--json")
-    assert done.returncode == 0, done.stderr
-    result = json.loads(done.stdout)["result"]
-    assert [row["rpm"] for row in result["least_force"]] == [150.0]
-    assert {row["rpm"] for row in rows(tmp_path / "out/detach/force.csv")} == {"150.0"}
-    assert result["bursts"] == [
-        {"bursts": "A2 complete", "from_rpm": 150.0, "to_rpm": 150.0, "speeds": 1}
-    ]
 
 
 @pytest.mark.parametrize(
@@ -154,8 +128,3 @@ def test_same_bytes_compiled_or_not_and_a_picture_only_if_wanted(cam_process, tm
         assert one.read_bytes() == two.read_bytes(), name
     assert (tmp_path / "compiled/detach.png").read_bytes()[:4] == b"\x89PNG"
     assert not (tmp_path / "python/detach.png").exists()
-
-
-def test_without_a_picture_a_small_study_needs_no_heavy_library(tmp_path):
-    found = imported(tmp_path, "detach", *SHORT)
-    assert found.isdisjoint({"matplotlib", "numba", "scipy", "numpy"})

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -20,36 +20,6 @@ ROOT = Path(__file__).parents[2]
 CONFIGS = ROOT / "configs"
 TABLE_SCENE = (CONFIGS / "lift-table.yaml").read_text()
 QUICK = ("--no-plot", "--set", "run.transient=0", "--set", "run.record=1")
-LOADERS = {"load", "load_all", "full_load", "full_load_all", "unsafe_load", "unsafe_load_all",
-           "Loader", "CLoader", "FullLoader", "CFullLoader", "UnsafeLoader", "CUnsafeLoader",
-           "add_constructor", "YAMLObject"}  # fmt: skip
-
-
-def names_of_yaml(source: str) -> set[str]:
-    """Names that a source takes from PyYAML."""
-    found = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "yaml":
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.Attribute) and ast.unparse(node.value) == "yaml":
-            found.add(node.attr)
-        elif isinstance(node, ast.Call) and ast.unparse(node.func) == "getattr":
-            words = [a.value for a in node.args if isinstance(a, ast.Constant)]
-            found |= set(words) if ast.unparse(node.args[0]) == "yaml" else set()
-    return found
-
-
-def test_no_loader_of_yaml_that_makes_objects_is_used():
-    sources = {path.stem: path.read_text() for path in (ROOT / "camcli").rglob("*.py")}
-    used = {name: names_of_yaml(text) for name, text in sources.items() if "yaml" in text}
-    assert "BaseLoader" in used["document"]
-    assert not {name: names & LOADERS for name, names in used.items() if names & LOADERS}
-    for seen in (
-        "import yaml\nyaml.load(x)",
-        "from yaml import full_load",
-        "getattr(yaml, 'Loader')",
-    ):
-        assert names_of_yaml(seen) & LOADERS
 
 
 @pytest.mark.parametrize("tag", ["object/apply:os.mkdir", "object/new:os.mkdir", "module:os"])
@@ -129,13 +99,6 @@ def test_a_table_s_name_is_only_a_name(home, file, words):
     assert words in said
 
 
-def test_a_table_s_name_cannot_write_to_the_terminal(home):
-    (home / "in" / "\x1b[2J.csv").write_bytes((home / "valve-lift.csv").read_bytes())
-    said, _ = simulated(home, table_scene(home, '"\\e[2J.csv"'))
-    assert "\x1b" not in said
-    assert "\\x1b[2J.csv: " in said
-
-
 FIGURE = (CONFIGS / "figures" / "3.5.yaml").read_text()
 
 
@@ -175,3 +138,15 @@ def test_bytes_of_the_command_line_that_are_no_text_are_shown_as_such(home):
     )  # fmt: skip
     assert run.returncode == 2
     assert b"--set run.\\udcff=1: found bytes that are no UTF-8 text" in run.stderr
+
+
+@pytest.mark.parametrize("words", [["sweep", "-c", "pipe.yaml"], ["figures", "--folder", "."]])
+def test_no_place_of_a_scene_is_waited_for(home, words):
+    os.mkfifo("pipe.yaml")
+    signal.alarm(30)  # waiting takes no time of the processor
+    try:
+        code, said = command_line(words)
+    finally:
+        signal.alarm(0)
+    assert code == 2
+    assert "pipe.yaml: found a pipe, socket or device, expected a YAML file" in said

@@ -53,13 +53,3 @@ def test_an_absurd_size_is_refused_at_once(line, words):
     assert words in said
     assert seconds < 1
     assert peak < 20e6
-
-
-@pytest.mark.parametrize(
-    "line",
-    ["sweep --rpm 760:660", "sweep --rpm 700:700", "basins --cells 1",
-     "sweep --threads 4096 --points 1", "simulate --set run.start.theta_deg=-1e9"],
-)  # fmt: skip
-def test_what_is_only_odd_is_planned(line):
-    code, said = command_line([*line.split(), "--dry-run", "--set", "run.record=1"])
-    assert code == 0, said

@@ -81,16 +81,6 @@ def test_one_clear_fault(text, place, path, found):
     assert words.startswith(found)
 
 
-@pytest.mark.parametrize("escape", ["\\ud800", "\\UFFFFFFFF", "\\U00110000", "\\q"])
-def test_escapes_of_no_character_are_one_fault(escape):
-    assert len(parse(f'a: "{escape}"', "f").findings) == 1
-
-
-def test_faults_that_need_not_stop_are_all_reported():
-    found = [str(f.mark) for f in parse("a: !x 1\na: 2\nb: !y 3\n", "f").findings]
-    assert found == ["f:1:4", "f:2:1", "f:3:4"]
-
-
 def test_depth_and_number_of_values_are_limited_with_and_without_aliases(monkeypatch):
     assert parse("[" * MAX_DEPTH + "]" * MAX_DEPTH, "f").data
     assert "nested deeper than 32" in only("[" * (MAX_DEPTH + 2))[2]
@@ -130,8 +120,3 @@ def test_an_odd_word_stays_text_and_is_told_what_to_do(text, cure):
     assert scalar(text) == text
     assert cure in oddity(text)
     assert bool(cure) == bool(oddity(text))
-
-
-def test_not_a_number_is_a_float_that_validation_refuses_and_quotes_are_to_go():
-    assert all(math.isnan(scalar(text)) for text in ("nan", ".NaN", "-nan"))
-    assert oddity("1e-3") == "remove the quotes"
