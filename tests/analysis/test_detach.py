@@ -118,6 +118,17 @@ def test_a_smooth_cam_loses_contact_inside_its_one_region():
     assert seen.release_deg < 180.0 < seen.landing_deg
 
 
+@pytest.mark.parametrize("strobe", [0.0, 180.0])
+def test_a_force_that_is_zero_at_standstill_is_held_where_motion_presses(strobe):
+    """N(0) = 0 at theta = 0 only, where c_thetatheta > 0: lost at the top from sqrt(2 k/m) on."""
+    found = detachment(eccentric(0, 0.05, strobe))
+    assert (found.always, found.first.status) == ((), "ok")
+    assert found.first.rpm == pytest.approx(sqrt(2000.0) * 30 / pi, rel=1e-12)
+    assert found.first.theta_deg == pytest.approx(180.0, abs=1e-5)
+    below = detachment(eccentric(-0.001, 0.05, strobe))
+    assert below.always[0].value == pytest.approx(-1.0)
+
+
 def test_flight_at_b_is_told_from_the_release_at_e(chapter):
     losses = by_region(detachment(chapter))
     two, four = (

@@ -125,7 +125,7 @@ def detachment(system: System) -> Detachment:
     """First detachment, and opening and filling of every region."""
     force = Force(system)
     losses = tuple(_loss(force, region) for region in force.regions)
-    always = _always(force)
+    always = _always(force, losses)
     finite = [loss.opens for loss in losses if loss.opens.finite]
     if always or not finite:
         return Detachment(None, losses, always)
@@ -158,7 +158,7 @@ def _critical(
     return CriticalSpeed(quantity, region.name, theta, rpm, low, high, status)
 
 
-def _always(force: Force) -> tuple[AlwaysLost, ...]:
+def _always(force: Force, losses: Sequence[Loss]) -> tuple[AlwaysLost, ...]:
     """Why contact is lost at any speed, empty where it is held at standstill."""
     drops = [-force.cam.stretches[i].slope_jump for i in range(len(force.cam.stretches))]
     kinks = [
@@ -166,9 +166,12 @@ def _always(force: Force) -> tuple[AlwaysLost, ...]:
         for start, drop in zip(force.starts, drops, strict=True)
         if drop > 0.0
     ]
+    if all(loss.opens.status is not SpeedStatus.STANDSTILL for loss in losses):
+        return tuple(kinks)
     weakest, _, theta = force.weakest(0.0)
-    pulled = [AlwaysLost(Reason.FORCE, theta * DEG, weakest)] if weakest <= 0.0 else []
-    return (*kinks, *pulled)
+    if abs(weakest) <= force.rounding * force.mass:
+        weakest = 0.0
+    return (*kinks, AlwaysLost(Reason.FORCE, theta * DEG, weakest))
 
 
 def first_loss_range(system: System, bounds: Sequence[float]) -> tuple[float, float]:
