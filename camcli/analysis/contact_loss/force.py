@@ -22,7 +22,7 @@ from camcli.system import System, omega_of
 
 DEG = 180.0 / pi
 PER_PIECE = 48  # samples per polynomial piece, which is short enough for a minimum or two
-ROUNDING = 2.0**-49  # of A, relative to its terms: the table's lift is exact to some 4 ulp
+ROUNDING = 2.0**-49  # of A, B and C, relative: the table's lift is exact to some 4 ulp
 CURVE = 720  # points of a force curve: half a degree, finer than any picture
 
 
@@ -49,6 +49,8 @@ class Force:
         self.damper = f.damping / f.mass
         size = max(abs(c) for c in (system.cam.top, *column(system.cam, "c_min")))
         self.rounding = ROUNDING * (abs(self.weight) + self.spring * size)
+        bent = max(max(abs(s.accel_min), abs(s.accel_max)) for s in system.cam.stretches)
+        self.least = ROUNDING * self.damper * bent, ROUNDING * bent  # of B and C that are not 0
         self.regions = regions(system.cam)
         self.starts, self.ends = column(self.cam, "start"), column(self.cam, "end")
         self.counts = [int(n) for n in column(self.cam, "piece_count")]
@@ -71,13 +73,14 @@ class Force:
         """The omegas (from, to) between which N <= 0, the roots of the quadratic; from 0 if A < 0.
 
         (inf, inf) where contact is never lost; with C > 0 a fast cam presses the follower again.
-        Where A is zero to rounding it counts as zero: motion decides whether contact is held.
+        Where A is zero to rounding it counts as zero, and motion decides whether contact is held.
         """
         a, b, c = self.terms(i, theta)
         if a <= self.rounding:
-            if a < -self.rounding or b < 0.0 or (b == 0.0 and c <= 0.0):
+            pressed = b > self.least[0] or (b >= -self.least[0] and c > self.least[1])
+            if a < -self.rounding or not pressed:
                 return 0.0, inf
-            return (-b / c if c < 0.0 else inf), inf
+            return (-b / c if c < -self.least[1] else inf), inf
         square = b * b - 4.0 * a * c
         if (c >= 0.0 and b >= 0.0) or square < 0.0:
             return inf, inf
