@@ -52,6 +52,11 @@ class Motion:
         return 0 if self.orbit is None else self.orbit.turns
 
     @property
+    def chatters(self) -> int:
+        """Complete chatters in the record."""
+        return sum(int(n) for n in self.record.chatter[: self.record.periods])
+
+    @property
     def stable(self) -> bool | None:
         """True for a solved attracting orbit, None where nothing is solved."""
         return None if self.orbit is None else self.orbit.stable

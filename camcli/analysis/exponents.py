@@ -49,7 +49,7 @@ class Exponents:
 def of_orbit(system: System, orbit: PeriodicOrbit) -> Exponents:
     """ln |multiplier| per period of the cam, of a solved periodic orbit."""
     const = system.constants(orbit.rpm, 1.0, 1)
-    if orbit.resting or orbit.root is None:
+    if orbit.resting:
         return Exponents(-inf, -inf, 0.0, -inf, inf)
     per_turn = orbit.impacts / orbit.turns
     large, small = orbit.multipliers

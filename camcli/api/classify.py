@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 from camcli.analysis.classify import Motion
 from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
-from camcli.analysis.labels import UNDECIDED
+from camcli.analysis.labels import APERIODIC, UNDECIDED
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.sweep import rpm_grid, status_name
 from camcli.api.orbits import BIFURCATIONS, bifurcation_row
@@ -143,6 +144,7 @@ def remarks(motions: list[Motion]) -> list[str]:
             "where the follower rests on the cam both exponents are -inf: every difference between "
             "two motions is forgotten"
         )
+    said += _shown([m for m in motions if m.orbit is None and m.status == Status.OK])
     undecided = [m for m in motions if m.label == UNDECIDED]
     if undecided:
         rpms = ", ".join(f"{m.rpm:.10g}" for m in undecided[:5])
@@ -152,6 +154,28 @@ def remarks(motions: list[Motion]) -> list[str]:
             "be solved and no positive exponent shown, or a rest is forgotten before the next one"
         )
     return said
+
+
+def _shown(unsolved: list[Motion]) -> Iterator[str]:
+    """What the records of motions without an orbit show of complete chatters.
+
+    A rest forgets all, so a chaotic motion that comes to one repeats itself from there on, however
+    long it takes. None in n turns bounds their rate by 3/n with a probability of 95 % (exp(-3)).
+    """
+    never = [m.record.periods for m in unsolved if not m.chatters and m.label == APERIODIC]
+    if never:
+        yield (
+            f"aperiodic was shown over {min(never)} turns or more without a complete chatter: one, "
+            f"which would end in a cycle, is rarer than once in {min(never) // 3} turns (95 %)"
+        )
+    for m in unsolved:
+        if m.chatters:
+            turns = m.record.periods
+            yield (
+                f"{m.rpm:.10g} rpm: complete chatter in {m.chatters} of {turns} turns, one in some "
+                f"{turns / m.chatters:.3g}; after a rest the motion is always the same one, which "
+                "could not be followed to the next rest"
+            )
 
 
 def _finite(e: Exponents) -> bool:
@@ -164,6 +188,7 @@ def _motion(m: Motion) -> dict[str, Any]:
         "rpm": m.rpm, "label": m.label, "period": m.period, "impacts": _plain(m.impacts),
         "chatter": m.chatter, "stable": m.stable, "transient_turns": m.transient,
         "status": status_name(m.status), "start": vars(m.start),
+        "turns": m.record.periods, "complete_chatters": m.chatters,
         "multipliers": None if m.orbit is None else [[z.real, z.imag] for z in m.orbit.multipliers],
         "exponents": None if e is None else {
             "largest": _plain(e.largest), "second": _plain(e.second), "standard_error": e.spread,

@@ -56,7 +56,8 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     ----------
     scene : Scene, optional
         The machine and the section ``orbits``: ``rpm.start`` and ``rpm.stop`` (one speed where
-        they are equal), ``at``, ``label``, ``parameter`` and ``range``, ``curve`` and ``curve_in``.
+        they are equal), ``at``, ``label``, ``parameter`` and ``range``, ``curve``, ``curve_in`` and
+        ``curve_range``.
         The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
@@ -66,7 +67,8 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     Result
         Table ``branch``, a row per point (of one speed, a row per orbit): branch, label, rpm,
         stable, region, theta_deg_1 and so on (phases of the impacts), q_m and v_m_per_s at the
-        strobe, multiplier_1_re to multiplier_2_im, trace, det.
+        strobe, multiplier_1_re to multiplier_2_im, trace, det, u_minus_m_per_s_1 and so on (of the
+        impacts).
         Table ``bifurcations``: branch, label, kind, rpm, rpm_error, corner, trace_left, det_left,
         trace_right, det_right, classification.
         With ``orbits.curve`` also ``curve``, a bifurcation in two parameters.
@@ -104,7 +106,7 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     tables = {"branch": _branch_table(found), "bifurcations": _bifurcations_table(found)}
     pictures = {"orbits": draw}
     if section.curve is not None:
-        tables["curve"] = _curve_table(found.curves, section.curve_in)
+        tables["curve"] = _curve_table(found.curves, section.parameter, section.curve_in)
         pictures["curve"] = draw_curve
     notes = _notes(found)
     return Result(
@@ -134,6 +136,8 @@ def _notes(found: OrbitsResult) -> list[str]:
             value = branch.points[0 if branch.ends[0] == Kind.LOST else -1].value
             beyond = f"beyond {value:.10g}: unresolved there"
             notes.append(f"branch {branch.number} could not be followed {beyond}")
+    if found.question.curve and not any(curve.points for curve in found.curves):
+        notes.append(f"no {found.question.curve} was located, so there is no curve to continue")
     return notes
 
 
@@ -150,30 +154,26 @@ def _question(scene: Scene) -> Question:
         except ValueError as error:
             expected = "P(m;s1:...:sm) with one count or inf for each of the m turns"
             raise _refusal("label", str(error), expected, "quote it: 'P(3;3:3:2)'") from None
-    if curve is not None:
-        parameter = "rpm"
-        if section.curve_in == "rpm":
-            found, cure = "found rpm as the second parameter", "the first one is rpm already"
-            raise _refusal("curve_in", found, "another constant of the follower", cure)
-        if low == high:
-            raise _refusal("rpm", "found one speed", "a range for a curve", "give --rpm LO:HI")
-    value, path = at, "at"
-    if parameter != "rpm":
-        (low, high), value, path = (
-            _range(scene, parameter),
-            getattr(scene.follower, parameter),
-            "range",
-        )
-    if low < high and not low <= value <= high:
-        found = f"found {parameter} = {value!r} where orbits are looked for"
+    if parameter == "rpm" and low < high and not low <= at <= high:
+        found = f"found rpm = {at!r} where orbits are looked for"
         expected = f"a value from {low!r} to {high!r}, the range followed"
-        raise _refusal(path, found, expected, "choose another range, or --at")
+        raise _refusal("at", found, expected, "choose another range, or --at")
+    if parameter != "rpm":
+        low, high = _range(scene, parameter, "range")
     plane = None
     if curve is not None:
-        second = _range(scene, section.curve_in)
-        plane = Plane(
-            ("rpm", section.curve_in), ((low, high), second), max(2, section.rpm.num // 4)
-        )
+        second = section.curve_in
+        if second in (parameter, "rpm"):
+            found, expected = (
+                f"found {second} as the second parameter",
+                "a constant of the follower",
+            )
+            raise _refusal("curve_in", found, expected, f"another one than {parameter}")
+        if low == high:
+            raise _refusal("rpm", "found one speed", "a range for a curve", "give --rpm LO:HI")
+        own = section.curve_range is not None or parameter != "rpm"
+        ranges = (low, high), _range(scene, second, "curve_range" if own else "range")
+        plane = Plane((parameter, second), ranges, max(2, section.rpm.num // 4))
     return Question(
         rpm=at,
         parameter=parameter,
@@ -191,31 +191,31 @@ def _refusal(key: str, found: str, expected: str, cure: str) -> SceneError:
     return SceneError(Fault("", f"orbits.{key}", found, f"expected {expected}", cure))
 
 
-def _range(scene: Scene, name: str) -> tuple[float, float]:
-    """The range of a constant that was asked for, or one around the scene's value, which it holds.
+def _range(scene: Scene, name: str, key: str) -> tuple[float, float]:
+    """The range of a constant that orbits.key asks for, or one around the scene's value.
 
-    Raises SceneError for constants that no follower has.
+    Raises SceneError for a range without this value, and for constants that no follower has.
     """
-    value, given = getattr(scene.follower, name), scene.orbits.range
+    value, given = getattr(scene.follower, name), getattr(scene.orbits, key)
     if given is None:
         if value == 0.0:
             found, cure = f"found no range for {name}, which is 0", "give one, e.g. --range 0:2"
-            raise _refusal("range", found, "LO:HI", cure)
+            raise _refusal(key, found, "LO:HI", cure)
         low, high = sorted((value * (1.0 - AROUND), value * (1.0 + AROUND)))
         return low, min(high, 1.0) if name == "restitution" else high
     low, high = given
     found = f"found {low!r} to {high!r}"
     if not low < high:
-        raise _refusal("range", found, "the lower end first, two different ends", "exchange them")
+        raise _refusal(key, found, "the lower end first, two different ends", "exchange them")
     for end in given:
         try:
             type(scene.follower).model_validate({**dict(scene.follower), name: end})
         except ValidationError as error:
             expected = f"{name} as in a scene: {error.errors()[0]['msg']}"
-            raise _refusal("range", found, expected, "correct the range") from None
+            raise _refusal(key, found, expected, "correct the range") from None
     if not low <= value <= high:
         expected = f"a range that holds {name} = {value!r} of the scene"
-        raise _refusal("range", found, expected, "choose another range")
+        raise _refusal(key, found, expected, "choose another range")
     return given
 
 
@@ -229,16 +229,18 @@ def _branch_table(found: OrbitsResult) -> Table:
     columns = [
         "branch", "label", "rpm", "stable", "region", *thetas, "q_m", "v_m_per_s", *MULTIPLIERS,
         "trace", "det", *([UNITS[other]] if other != "rpm" else []),
+        *(f"u_minus_m_per_s_{k + 1}" for k in range(most)),
     ]  # fmt: skip
 
     def row(number: int, orbit: PeriodicOrbit) -> list:
         q, w = orbit.states[0]
-        thetas = [theta * DEG for theta in orbit.theta]
+        thetas, omega = [theta * DEG for theta in orbit.theta], omega_of(orbit.rpm)
+        us = [u * omega for u in orbit.rates]
         return [
             number, orbit.label, orbit.rpm, int(orbit.stable), ":".join(orbit.regions),
-            *thetas, *[None] * (most - len(thetas)), q, w * omega_of(orbit.rpm),
+            *thetas, *[None] * (most - len(thetas)), q, w * omega,
             *multiplier_columns(orbit.multipliers), orbit.trace, orbit.det,
-            *([orbit.value] if other != "rpm" else []),
+            *([orbit.value] if other != "rpm" else []), *us, *[None] * (most - len(us)),
         ]  # fmt: skip
 
     return Table.of_rows(columns, lambda: starmap(row, rows))
@@ -274,7 +276,7 @@ def bifurcation_row(b: Bifurcation, parameter: str) -> list:
     return row + more
 
 
-def _curve_table(curves: list[Curve], second: str) -> Table:
+def _curve_table(curves: list[Curve], first: str, second: str) -> Table:
     """A bifurcation in two parameters, a row per point."""
 
     def rows() -> Iterator[tuple]:
@@ -285,7 +287,8 @@ def _curve_table(curves: list[Curve], second: str) -> Table:
                 at = (number, one.kind, one.label, one.corner, point.first, point.second)
                 yield (*at, theta, *(point.left or own), *(point.right or own))
 
-    return Table.of_rows(("curve", "kind", "label", "corner", "rpm", UNITS[second], *CURVE), rows)
+    columns = ("curve", "kind", "label", "corner", UNITS.get(first, first), UNITS[second], *CURVE)
+    return Table.of_rows(columns, rows)
 
 
 def remarks(result: OrbitsResult) -> list[str]:
@@ -301,8 +304,13 @@ def remarks(result: OrbitsResult) -> list[str]:
             speed, cause = absent.nearest[0], absent.nearest[1].replace("-", " ")
             nearest = f"the nearest speed at which it was found is {speed:.13g} rpm"
             said.append(f"{text}; {nearest} ({cause})")
-    elif not result.orbits:
+    elif not result.orbits and not result.continua:
         said.append(f"no periodic orbit found at {result.question.rpm:.10g} rpm")
+    said += [
+        f"{c.label} exists with the impact anywhere from {c.start * DEG:.8g} to {c.end * DEG:.8g} "
+        "deg, a dwell: a continuum of orbits, none isolated, none attracting (both multipliers 1)"
+        for c in result.continua
+    ]
     if result.virtual:
         said.append(
             f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
@@ -322,9 +330,11 @@ def remarks(result: OrbitsResult) -> list[str]:
             if largest < 1.0
             else NEUTRAL
         )
-    if result.question.curve and not result.curves:
-        said.append(f"no {result.question.curve} was located, so there is no curve to continue")
-    said += [f"curve {n} ends: {c.ends[0]}; {c.ends[1]}" for n, c in enumerate(result.curves, 1)]
+    for number, c in enumerate(result.curves, 1):
+        why = [
+            f"{end} of {name}" if name else end for end, name in zip(c.ends, c.limits, strict=True)
+        ]
+        said.append(f"curve {number} ends: {'; '.join(why)}")
     return said
 
 
@@ -344,6 +354,10 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
     return {
         "words": remarks(result),
         "orbits": [_orbit(orbit) for orbit in result.orbits],
+        "continua": [
+            {"label": c.label, "from_deg": c.start * DEG, "to_deg": c.end * DEG}
+            for c in result.continua
+        ],
         "virtual": [_orbit(orbit) for orbit in result.virtual],
         "branches": [
             {"branch": branch.number, "origin": branch.origin, "labels": branch.labels,
@@ -354,7 +368,7 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
         "bifurcations": [_event(b) for b in result.bifurcations],
         "curves": [
             {"kind": c.kind, "label": c.label, "corner": c.corner, "points": len(c.points),
-             "ends": list(c.ends)}
+             "ends": list(c.ends), "limits": list(c.limits)}
             for c in result.curves
         ],
     }  # fmt: skip
@@ -364,6 +378,7 @@ def _orbit(orbit: PeriodicOrbit) -> dict[str, Any]:
     return {
         "label": orbit.label, "rpm": orbit.rpm, "stable": orbit.stable, "verdict": orbit.verdict,
         "theta_deg": [theta * DEG for theta in orbit.theta], "regions": list(orbit.regions),
+        "u_minus_m_per_s": [u * omega_of(orbit.rpm) for u in orbit.rates],
         "multipliers": [[z.real, z.imag] for z in orbit.multipliers],
         "trace": orbit.trace, "det": orbit.det,
     }  # fmt: skip

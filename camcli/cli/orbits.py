@@ -42,7 +42,8 @@ def orbits(
         str | None, Option("--curve", help="Continue bifurcations of this kind.", metavar="KIND")
     ] = None,
     second: Annotated[
-        str | None, Option("--in", help="Second parameter of --curve.", metavar="NAME")
+        str | None,
+        Option("--in", help="Second parameter of --curve.", metavar="NAME or NAME=LO:HI"),
     ] = None,
 ) -> int:
     """Periodic orbits: found, solved, followed, and every bifurcation on the way.
@@ -51,6 +52,7 @@ def orbits(
     branch.csv        branch, label, rpm, stable (0 or 1), region, theta_deg_1.. (impacts; of an
                       orbit that rests: departures), q_m, v_m_per_s at the strobe, multiplier_1_re,
                       ..., trace, det; a point per row in the order of the branch
+                      (and u_minus_m_per_s_1.., the incoming velocities, at the end)
     bifurcations.csv  branch, label, kind, rpm, rpm_error, corner, trace_left, det_left,
                       trace_right, det_right, classification
     curve.csv         with --curve: a bifurcation in two parameters; curve.png its picture
@@ -63,7 +65,8 @@ def orbits(
     --label L     only this orbit, 'P(3;3:3:2)'; an unstable one is sought among close returns
     --parameter   restitution, damping, gravity, stiffness, preload or mass, over --range
     --branches N  how many branches that leave from bifurcations are followed too
-    --curve KIND  continue the bifurcations of a kind in rpm and --in PARAMETER over --range
+    --curve KIND  continue the bifurcations of a kind in rpm and --in NAME over --range, or in
+                  --parameter over --range and --in NAME=LO:HI
 
     \b
     Kinds: period-doubling (1 + trace + det = 0); fold (the parameter turns round); corner-impact
@@ -79,6 +82,7 @@ def orbits(
     from camcli.cli.run import given, run
 
     _refuse_idle(request, at, parameter, range_, curve, second)
+    name, _, between = (second or "").partition("=")
     values = _speeds(request) | given(
         {
             "orbits.rpm.num": (request.points, "--points"),
@@ -87,7 +91,8 @@ def orbits(
             "orbits.parameter": (parameter, "--parameter"),
             "orbits.branches": (branches, "--branches"),
             "orbits.curve": (curve, "--curve"),
-            "orbits.curve_in": (second, "--in"),
+            "orbits.curve_in": (name or None, "--in"),
+            "orbits.curve_range": (_numbers(between or None, "--in", 2), "--in"),
             "orbits.range": (_numbers(range_, "--range", 2), "--range"),
         }
     )
@@ -117,7 +122,6 @@ def _refuse_idle(
     one_speed = bool(speeds) and speeds["orbits.rpm.start"][0] == speeds["orbits.rpm.stop"][0]
     free = not (parameter or curve)
     faults = [
-        (parameter and curve, "--parameter", "with --curve", "use --in"),
         (second and not curve, "--in", "without --curve", "add --curve KIND"),
         (range_ and free, "--range", "without a parameter", "add --parameter or --curve and --in"),
         (

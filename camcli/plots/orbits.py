@@ -470,7 +470,7 @@ def draw_curves(curves: Sequence[Curve], second: str) -> Figure:
         name = "the curve ends within range"
         axes.plot([], [], "o", color=style.CAM, mfc="white", label=name)
     legend(figure, CURVE_HEAD - 6, *axes.get_legend_handles_labels())
-    axes.set_xlabel(axis_name("rpm"))
+    axes.set_xlabel(axis_name(curves[0].first))
     axes.set_ylabel(axis_name(second))
     return figure
 

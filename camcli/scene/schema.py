@@ -190,6 +190,9 @@ class Orbits(Section):
         None, description="kind of bifurcation to continue in two parameters"
     )
     curve_in: ParameterName = Field("restitution", description="second parameter of the curve")
+    curve_range: Annotated[tuple[Constant, Constant] | None, BeforeValidator(items)] = Field(
+        None, description="range of curve_in; null: orbits.range if rpm is the first parameter"
+    )
     panels: Names[PanelName] = Field(
         ("branches", "multipliers", "events"),
         description="parts of the picture, where branches are followed",

@@ -65,6 +65,24 @@ def test_columns_and_exponents_of_one_speed(cam, tmp_path):
     assert "sum of the exponents" in done.stdout
 
 
+@pytest.mark.parametrize(
+    ("record", "label", "shown"),
+    [
+        ("400", "aperiodic", "over 400 turns or more without a complete chatter"),
+        ("5000", "undecided", " of 5000 turns, one in some "),
+    ],
+)
+def test_what_a_record_shows_of_rare_complete_chatters(cam, tmp_path, record, label, shown):
+    """At 631.43 rpm one in some 200 turns, with chaos in between."""
+    words = ("--rpm", "631.43", "--set", f"run.record={record}", "--no-plot", "-o", "out")
+    done = cam("classify", *words)
+    assert shown in done.stdout
+    (motion,) = json.loads((tmp_path / "out" / "run.json").read_text())["result"]["motions"]
+    assert motion["label"] == label
+    assert (motion["complete_chatters"] > 0) == (label == "undecided")
+    assert motion["turns"] >= int(record)
+
+
 def test_same_bytes_on_one_thread_or_two_compiled_or_not(cam_process, tmp_path):
     words = ("classify", "--rpm", "738:746", "--points", "3", "--no-plot")
     for name, threads, kernel in (("a", "1", "compiled"), ("b", "2", "python")):

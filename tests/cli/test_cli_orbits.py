@@ -55,6 +55,8 @@ def test_orbits_at_one_speed(cam, tmp_path):
     assert set(found) == {"P(1;2)", "P(3;3:3:2)"}
     assert float(found["P(1;2)"]["q_m"]) == pytest.approx(0.546, abs=5e-4)
     assert float(found["P(1;2)"]["v_m_per_s"]) == pytest.approx(32.48, abs=5e-3)
+    assert [bool(found[name]["u_minus_m_per_s_8"]) for name in found] == [False, True]
+    assert all(float(row["u_minus_m_per_s_1"]) < 0.0 for row in found.values())
     assert not rows(tmp_path / "out" / "bifurcations.csv")
 
 
@@ -82,6 +84,12 @@ def test_an_absent_label_is_answered(cam, words, said):
     assert all(text in done.stdout for text in said)
 
 
+def closure(r):
+    """c at corner b of a P(1;1) at 700 rpm: c = (1 + r)/(1 - r) cot(pi W) c_theta/W."""
+    w, slope = 34.2319495767677805 / (700 * pi / 30), 0.2747021271326710
+    return (1 + r) / (1 - r) / tan(pi * w) / w * slope
+
+
 def test_another_parameter_and_its_column(cam, tmp_path):
     done = cam("orbits", "--rpm", "700", "--parameter", "restitution", "--range", "0.5:0.9",
                "--no-plot", "-o", "out", *QUICK)  # fmt: skip
@@ -90,9 +98,7 @@ def test_another_parameter_and_its_column(cam, tmp_path):
     assert {row["rpm"] for row in points} == {"700.0"}
     corner = rows(tmp_path / "out" / "bifurcations.csv")[0]
     r = float(corner["restitution"])
-    w = 34.2319495767677805 / (700 * pi / 30)  # closure at b: c = (1+r)/(1-r) cot(pi W) c_theta/W
-    c, slope = 0.2312555620189976, 0.2747021271326710
-    assert c == pytest.approx((1 + r) / (1 - r) / tan(pi * w) / w * slope, rel=1e-11)
+    assert closure(r) == pytest.approx(0.2312555620189976, rel=1e-11)
 
 
 def test_a_curve_in_two_parameters_passes_through_known_points(cam, tmp_path):
@@ -100,6 +106,7 @@ def test_a_curve_in_two_parameters_passes_through_known_points(cam, tmp_path):
                "-o", "out", *QUICK)  # fmt: skip
     assert done.returncode == 0, done.stderr
     points = rows(tmp_path / "out" / "curve.csv")
+    assert "curve 1 ends: end-of-range of restitution; end-of-range of restitution" in done.stdout
     ends = {row["restitution"]: row for row in points if row["label"] == "P(1;1)"}
     assert float(ends["0.7"]["rpm"]) == pytest.approx(684.646551556922, rel=1e-12)
     assert float(ends["0.7"]["trace_left"]) == pytest.approx(1.49419492988210, rel=1e-11)
@@ -107,6 +114,36 @@ def test_a_curve_in_two_parameters_passes_through_known_points(cam, tmp_path):
     assert (tmp_path / "out" / "curve.png").read_bytes().startswith(b"\x89PNG")
     assert cam("orbits", "--rpm", "700", "--no-plot", "-o", "out", *QUICK).returncode == 0
     assert not (tmp_path / "out" / "curve.png").exists()
+
+
+def test_a_curve_in_two_constants_of_the_follower(cam, tmp_path):
+    """The corner impact of P(1;1) at b: where damping is 0, r is that of the closed equation."""
+    done = cam("orbits", "--rpm", "700", "--curve", "corner-impact", "--parameter", "restitution",
+               "--range", "0.5:0.9", "--in", "damping=0:0.5", "--no-plot", "-o", "out",
+               *QUICK)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    points = rows(tmp_path / "out" / "curve.csv")
+    assert list(points[0])[4:6] == ["restitution", "damping_n_s_per_m"]
+    r = next(float(row["restitution"]) for row in points if row["damping_n_s_per_m"] == "0.0")
+    assert closure(r) == pytest.approx(0.2312555620189976, rel=1e-11)
+    assert "end-of-range of damping" in done.stdout
+
+
+def test_a_curve_of_what_does_not_happen_is_no_success(cam):
+    done = cam("orbits", "--rpm", "699:702", "--curve", "grazing", "--no-plot", *QUICK)
+    assert done.returncode == 3
+    assert "no grazing was located" in done.stderr
+
+
+def test_a_continuum_on_a_dwell_is_said_to_be_one(cam, tmp_path):
+    """Elastic and undamped: P(1;1) at any phase of either dwell, and no orbit at their ends."""
+    done = cam("orbits", "--rpm", "700", "--set", "follower.restitution=1", "--no-plot",
+               "-o", "out", *QUICK)  # fmt: skip
+    assert "P(1;1) exists with the impact anywhere from 160 to 200 deg" in done.stdout
+    assert not [row for row in rows(tmp_path / "out" / "branch.csv") if row["label"] == "P(1;1)"]
+    result = json.loads((tmp_path / "out" / "run.json").read_text())["result"]
+    ends = [(c["from_deg"], c["to_deg"]) for c in result["continua"]]
+    assert ends == [pytest.approx((160.0, 200.0)), pytest.approx((270.0, 450.0))]
 
 
 ONE = ("orbits", "--rpm", "690:710", "--points", "5", "--label", "P(1;1)", "--branches", "0")

@@ -17,12 +17,13 @@ a w cos psi = g n T (1 - r)/(2 (1 + r)); fold where cos psi = 1, at pi n (1 - r)
 doubling at sqrt(fold^2 + (2 (1 + r^2)/(1 + r)^2)^2).
 """
 
-from math import cos, hypot, pi, sin, sqrt
+from math import cos, exp, hypot, pi, sin, sqrt
 from pathlib import Path
 
 import pytest
 
-from camcli.analysis.integrate import Settings, Start
+import camcli
+from camcli.analysis.integrate import Orbit, Settings, Start
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.orbit import from_root
@@ -165,3 +166,49 @@ def test_the_shipped_ball():
     at = {b.kind: b.value for b in found.bifurcations}
     assert at["fold"] == pytest.approx(rpm_of(fold), rel=TIGHT)
     assert at["period-doubling"] == pytest.approx(rpm_of(doubling), rel=TIGHT)
+
+
+# Spring and preload hold the mass at -preload/k, the cam's top is at -0.2.
+FREE = {
+    "follower": {"mass": 1, "stiffness": 1, "damping": 0.1, "preload": 0.1, "restitution": 0.8},
+    "cam": {"kind": "eccentric", "base": -2.2, "lift": 2},
+    "run": {"rpm": 12.414085, "start": {"q": -0.1, "v": 0}},
+}
+
+
+def free(section, **values):
+    """The scene at its own speed, with the section of one analysis."""
+    rpm = {"start": 12.414085, "stop": 12.414085, "num": 1}
+    return load_scene({**FREE, section: {"rpm": rpm, **values}})
+
+
+def test_the_orbit_without_impacts_is_an_orbit_like_any_other():
+    assert camcli.simulate(load_scene(FREE)).summary["label"] == "P(1;0)"
+    assert list(camcli.sweep(free("sweep")).tables["speeds"]["label"]) == ["P(1;0)"]
+    named = camcli.classify(free("classify")).tables["classify"]
+    assert (named["label"][0], named["period"][0], named["stable"][0]) == ("P(1;0)", 1, 1)
+    turn = 60 / 12.414085
+    assert named["lyapunov_per_period"][0] == pytest.approx(-0.05 * turn, rel=1e-13)
+    cells = free("basins", q=[-0.19, -0.05], v=[-0.05, 0.05], cells=[4, 4])
+    (basin, *_) = camcli.basins(cells).summary["speeds"][0]["attractors"]
+    assert (basin["label"], basin["states_q_m_v_m_per_s"]) == ("P(1;0)", [[-0.1, 0.0]])
+    orbits = camcli.orbits(free("orbits", label="P(1;0)"))
+    (orbit,) = orbits.summary["orbits"]
+    mu = exp(-0.05 * turn) * cos(sqrt(1 - 0.05**2) * turn)
+    assert orbit["multipliers"][0][0] == pytest.approx(mu, rel=1e-13)
+    assert orbit["label"] in camcli.orbits(free("orbits", starts=0)).tables["branch"]["label"]
+
+
+def test_the_orbit_without_impacts_grazes_where_the_cam_reaches_it():
+    section = {"label": "P(1;0)", "parameter": "preload", "range": [0, 0.5]}
+    found = camcli.orbits(free("orbits", **section)).tables["bifurcations"]
+    assert list(found["kind"]) == ["grazing"]
+    assert abs(found["preload_n"][0] - 0.2) <= found["preload_n_error"][0] < 1e-12
+
+
+def test_no_label_without_impacts_is_searched_for(monkeypatch):
+    """Whether the follower can stay away from the cam is known at once."""
+    monkeypatch.setattr(Orbit, "run", lambda *_: pytest.fail("a motion was simulated"))
+    speeds = {"orbits.rpm.start": 700, "orbits.rpm.stop": 700, "orbits.label": "P(1;0)"}
+    found = camcli.orbits(load_scene(None, speeds))
+    assert "nor at 24 speeds" in found.summary["words"][0]

@@ -37,7 +37,10 @@ class CurvePoint:
 
 @dataclass(frozen=True)
 class Curve:
-    """A curve of one kind of bifurcation; ends: why it stops on either side."""
+    """A curve of one kind of bifurcation.
+
+    ends: why it stops on either side; limits: the parameter whose range ends there, or empty.
+    """
 
     kind: Kind
     label: str
@@ -46,6 +49,7 @@ class Curve:
     second: str
     points: tuple[CurvePoint, ...]
     ends: tuple[Kind, Kind]
+    limits: tuple[str, str] = ("", "")
 
 
 @dataclass(frozen=True)
@@ -61,12 +65,13 @@ def curve(system: System, located: Located, plane: Plane, label: str, corner: st
     """Continue a bifurcation of a branch in plane.names[0] through the plane."""
     tracer = _Tracer(system, located, plane)
     start = tracer.solve(located.root, located.root.x, 0, tracer.values(located.root)[1])
-    roots, ends = [], (Kind.LOST, Kind.LOST)
-    if start is not None:
-        (down, end_down), (up, end_up) = tracer.trace(start, -1.0), tracer.trace(start, 1.0)
-        roots, ends = [*reversed(down), start, *up], (end_down, end_up)
-    points = tuple(tracer.point(root) for root in roots)
-    return Curve(located.kind, label, corner, *plane.names, points, ends)
+    if start is None:
+        return Curve(located.kind, label, corner, *plane.names, (), (Kind.LOST, Kind.LOST))
+    down, low, low_limit = tracer.trace(start, -1.0)
+    up, high, high_limit = tracer.trace(start, 1.0)
+    points = tuple(tracer.point(root) for root in [*reversed(down), start, *up])
+    ends, limits = (low, high), (low_limit, high_limit)
+    return Curve(located.kind, label, corner, *plane.names, points, ends, limits)
 
 
 class _Tracer:
@@ -102,8 +107,11 @@ class _Tracer:
             case _:
                 return _graze(shooter, beside)
 
-    def trace(self, start: Root, sign: float) -> tuple[list[Root], Kind]:
-        """Roots from the start on, towards smaller (-1) or larger second parameters first."""
+    def trace(self, start: Root, sign: float) -> tuple[list[Root], Kind, str]:
+        """Roots from the start on, towards smaller (-1) or larger second parameters first.
+
+        With the reason for the end, and the parameter whose range it is.
+        """
         step = 1.0 / self.plane.steps
         roots, slope, share = [start], [0.0, sign], 1.0
         while len(roots) < LONGEST * self.plane.steps:
@@ -118,7 +126,7 @@ class _Tracer:
             if isinstance(after, Kind):
                 share *= 0.5
                 if share < SMALLEST:
-                    return roots[1:], after
+                    return roots[1:], after, ""
                 continue
             share = min(1.0, 1.5 * share)
             roots.append(after)
@@ -126,8 +134,9 @@ class _Tracer:
             slope = [(b - a) / s for a, b, s in zip(here, there, self.spans, strict=True)]
             low, high = self.plane.ranges[1 - given]
             if last or not low <= there[1 - given] <= high:
-                return roots[1:], Kind.END_OF_RANGE
-        return roots[1:], Kind.LOST
+                limit = self.plane.names[given if last else 1 - given]
+                return roots[1:], Kind.END_OF_RANGE, limit
+        return roots[1:], Kind.LOST, ""
 
     def _advance(self, roots: list[Root], free: int, value: float, step: float) -> Root | Kind:
         """The next root, or the reason why there is none."""

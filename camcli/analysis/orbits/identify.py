@@ -7,11 +7,18 @@ from itertools import pairwise
 
 from camcli.analysis.integrate import Orbit, Record, Settings, Start, with_turns
 from camcli.analysis.labels import LONGEST_PERIOD, passages
-from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root, resting_orbit, section_states
+from camcli.analysis.orbits.orbit import (
+    PeriodicOrbit,
+    free_orbit,
+    from_root,
+    resting_orbit,
+    section_states,
+)
 from camcli.analysis.orbits.same_orbit import CLOSE, distance, distance_to, shortest_period, size_of
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.errors import Status
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
+from camcli.kernel.flow import RPM
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 from camcli.kernel.variational import after_flight, after_impact
 from camcli.system import System
@@ -132,6 +139,20 @@ def _bouncing(
     shooter: Shooter, impacts: Sequence[Impact], m: int, gap: float, last, symbols: Sequence[float]
 ) -> PeriodicOrbit | None:
     """The orbit of m turns near the end of a record, if it is one, attracts and is approached."""
+    if not impacts:
+        orbit = free_orbit(shooter.system, shooter.machine[RPM])
+    else:
+        orbit = _solved(shooter, impacts, m)
+    if orbit is None:
+        return None
+    alike = sorted(orbit.symbols * (m // orbit.turns)) == sorted(symbols)
+    slow = 1.0 / max(1e-6, 1.0 - abs(orbit.multipliers[0]))
+    approached = distance_to(last, orbit.states) <= DRIFT * (gap * slow + 1e-9)
+    return orbit if orbit.stable and alike and approached else None
+
+
+def _solved(shooter: Shooter, impacts: Sequence[Impact], m: int) -> PeriodicOrbit | None:
+    """The admissible orbit near the impacts of m turns."""
     root = newton_from(shooter, impacts, m)
     if root is None:
         return None
@@ -143,11 +164,7 @@ def _bouncing(
         )
     if root is None or not shooter.admits(root):
         return None
-    orbit = from_root(shooter.system, root)
-    alike = sorted(orbit.symbols * (m // orbit.turns)) == sorted(symbols)
-    slow = 1.0 / max(1e-6, 1.0 - abs(orbit.multipliers[0]))
-    approached = distance_to(last, orbit.states) <= DRIFT * (gap * slow + 1e-9)
-    return orbit if orbit.stable and alike and approached else None
+    return from_root(shooter.system, root)
 
 
 def newton_from(shooter: Shooter, impacts: Sequence[Impact], turns: int) -> Root | None:

@@ -6,15 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from camcli.analysis.bracketing import lowest
 from camcli.analysis.labels import CONTACT, Label, rotation
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import VERDICTS, Root, multipliers
 from camcli.cams.regions import regions
-from camcli.kernel.cam_table import TURN, lift, stretch_at
+from camcli.kernel.arithmetic import exp_decay
+from camcli.kernel.cam_table import TURN, Cam, lift, stretch_at
 from camcli.kernel.certify import ADMISSIBLE
-from camcli.kernel.flow import RPM, constants_of, move
+from camcli.kernel.flow import RPM, constants_of, flow, move
 from camcli.system import System
 
+SAMPLES = 32  # of the lift on a smooth stretch, between which it has one maximum at most
 DIGITS = 12  # significant digits that decide between rotations of one label
 
 
@@ -26,6 +29,7 @@ class PeriodicOrbit:
     at which it leaves the cam; rates: incoming m/rad; states: (q m, dq/dtheta m/rad) at the strobe
     that begins each turn; symbols: impacts in each turn, inf for a complete chatter; verdict:
     `admissible` or why it is no motion. A resting orbit sticks somewhere: its multipliers are zero.
+    Of one that never meets the cam (`free_orbit`) theta and rates are empty.
     """
 
     rpm: float
@@ -67,6 +71,11 @@ class PeriodicOrbit:
     def impacts(self) -> int:
         """Impacts in one period that are solved for."""
         return len(self.rates)
+
+    @property
+    def free(self) -> bool:
+        """True where the follower never meets the cam."""
+        return not self.resting and not self.theta
 
     @property
     def primitive(self) -> bool:
@@ -115,6 +124,46 @@ def resting_orbit(system: System, rpm: float, states, symbols, leaves) -> Period
         verdict=VERDICTS[ADMISSIBLE],
         resting=True,
     )
+
+
+def free_orbit(system: System, rpm: float) -> PeriodicOrbit | None:
+    """The orbit without impacts, P(1;0): the follower stays where spring and load balance.
+
+    q = -(m g + preload)/k, above the whole cam; None where the cam reaches it. The flight over one
+    turn has the multipliers: trace 1 - W^2 P + B', determinant exp(-4 pi Z) (`kernel.flow`).
+    """
+    f, const = system.follower, system.constants(rpm, 1.0, 1)
+    if f.stiffness == 0.0:
+        return None
+    q = -(f.mass * f.gravity + f.preload) / f.stiffness
+    if not q > max(stretch.start_c for stretch in system.cam.stretches) or q <= _highest(
+        system.cam
+    ):
+        return None
+    _, slope, p = flow(const, TURN)
+    return PeriodicOrbit(
+        rpm=rpm,
+        value=rpm,
+        turns=1,
+        symbols=(0.0,),
+        theta=(),
+        rates=(),
+        states=((q, 0.0),),
+        regions=(),
+        trace=1.0 - const.W2 * p + slope,
+        det=exp_decay(2.0 * const.Z * TURN),
+        verdict=VERDICTS[ADMISSIBLE],
+    )
+
+
+def _highest(cam: Cam) -> float:
+    """The largest c to rounding; `cam.top` is a bound on it."""
+
+    def depth(i: int) -> float:
+        stretch = cam.stretches[i]
+        return lowest(lambda x: -lift(cam, i, x)[0], stretch.start, stretch.end, SAMPLES)[0]
+
+    return -min(map(depth, range(len(cam.stretches))))
 
 
 def region_names(system: System) -> dict[int, str]:

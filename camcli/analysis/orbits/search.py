@@ -10,10 +10,10 @@ from math import inf
 from camcli.analysis.integrate import Cost, Record, Settings, Start
 from camcli.analysis.labels import LONGEST_PERIOD, Label, passages
 from camcli.analysis.orbits.identify import Impact, identify, impacts_of, newton_from
-from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
+from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit, from_root
 from camcli.analysis.orbits.same_orbit import distance, same_orbit, size_of
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.analysis.orbits.single_impact import single_impact_roots
+from camcli.analysis.orbits.single_impact import Continuum, continua, single_impact_roots
 from camcli.errors import Status
 from camcli.system import System, omega_of
 
@@ -30,6 +30,7 @@ class OrbitsFound:
     """Orbits at one value of the parameter; `virtual` ones penetrate or pull."""
 
     orbits: list[PeriodicOrbit] = field(default_factory=list)
+    continua: list[Continuum] = field(default_factory=list)
     virtual: list[PeriodicOrbit] = field(default_factory=list)
     cost: Cost = field(default_factory=Cost)
 
@@ -50,7 +51,7 @@ def find(
     label: Label | None = None,
     most: int = MOST_STARTS,
 ) -> OrbitsFound:
-    """Orbits at one speed: of the scene's start, of a cloud of starts, and with one impact.
+    """Orbits at one speed: with one impact or none, of the scene's start, and of a cloud of starts.
 
     `starts` motions are simulated beside the scene's own. With a label only orbits of that label
     are kept; up to `most` starts are tried until one settles on it, then close returns of the
@@ -60,10 +61,14 @@ def find(
     turns = list(range(1, MOST_SINGLE + 1))
     if label is not None:
         turns = [len(label.symbols)] if sum(label.symbols) == 1.0 else []
+    free = free_orbit(system, rpm)
+    if free is not None and label in (None, free.label):
+        found.add(free)
     for m in turns:
+        found.continua += continua(shooter, rpm, m)
         for root in single_impact_roots(shooter, rpm, m):
             found.add(from_root(system, root, shooter.verdict(root)[0]))
-    if label is None or not found.orbits:
+    if label is None or (sum(label.symbols) > 0.0 and not found.orbits and not found.continua):
         run, count = (
             replace(settings, record=RECORD),
             starts if label is None else max(starts, most),
@@ -76,7 +81,7 @@ def find(
                     break
     if label is not None:
         found.orbits = [orbit for orbit in found.orbits if orbit.label == label]
-        if not found.orbits and inf not in label.symbols:
+        if not found.orbits and not found.continua and 0.0 < sum(label.symbols) < inf:
             _try_returns(shooter, rpm, settings, max(starts, 4), label, found)
     found.orbits.sort(key=lambda orbit: (not orbit.stable, orbit.turns, orbit.symbols))
     found.cost = shooter.cost

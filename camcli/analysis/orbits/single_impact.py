@@ -6,34 +6,76 @@ A flight of s = 2 pi m rad from theta with q = c, w = c_theta + v comes back to 
 reset map v = -r u where, with F = G + W^2 c and the flow's B, B', P over s,
     w = F P/B,    h(theta) = K F - (1 + r) B c_theta = 0,    K = P (1 + r B') - r B^2.
 Undamped and without load that is c = (1 + r)/(1 - r) cot(m pi W) c_theta/W. On a stretch h is as
-smooth as the cam, so bounds of c_thetatheta and c''' isolate every root: none is missed.
+smooth as the cam, so bounds of c_thetatheta and c''' isolate every root: none is missed. Where h
+vanishes all over a dwell (r = 1 without damping) every phase of it is a root: a continuum.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from camcli.analysis.bracketing import bracket
+from camcli.analysis.labels import Label
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.kernel.cam_table import TURN, lift
+from camcli.cams.regions import regions
+from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.flow import constants_of, flow
 
 ROUNDING = 1e-15
 FOCUS = 1e-6  # B over the flight's length below which v is not taken from it
+END = 1e-9  # rad from the end of a dwell at which a root of the next stretch is the dwell's own
 NARROWEST = 1e-13  # rad: closer roots count as one, on the verge of a fold
 
 
+@dataclass(frozen=True)
+class Continuum:
+    """Orbits of `turns` turns with one impact, at any phase from start to end (rad) of a dwell.
+
+    None attracts: both multipliers are 1. rate: of the impact, outgoing, m/rad.
+    """
+
+    turns: int
+    start: float
+    end: float
+    rate: float
+
+    @property
+    def label(self) -> Label:
+        return Label((1.0, *[0.0] * (self.turns - 1)))
+
+    def holds(self, theta: float) -> bool:
+        """True for a phase of the dwell, its ends included."""
+        return any(self.start - END <= x <= self.end + END for x in (theta, theta + TURN))
+
+
 def single_impact_roots(shooter: Shooter, value: float, turns: int) -> list[Root]:
-    """Every orbit of `turns` turns with one impact at this parameter value, virtual ones too."""
-    equation = _Equation(shooter, value, turns)
-    found = []
+    """Every isolated orbit of `turns` turns with one impact at this value, virtual ones too."""
+    equation, found = _Equation(shooter, value, turns), []
+    dwells = equation.dwells(turns)
     for i in range(len(shooter.system.cam.stretches)):
         for theta in equation.roots(i):
+            if any(dwell.holds(theta) for dwell in dwells):
+                continue
             v = equation.rate(i, theta)
             root = shooter.at_value([theta, v, value], (i, 0), turns, value)
             if root is not None and abs(root.theta[0] - theta) < 1e-6:
                 found.append(root)
     return found
+
+
+def continua(shooter: Shooter, value: float, turns: int) -> Iterator[Continuum]:
+    """The dwells on which every phase is an orbit: the one in the middle is a motion."""
+    cam, r = shooter.system.cam, shooter.system.follower.restitution
+    for dwell in _Equation(shooter, value, turns).dwells(turns):
+        theta = 0.5 * (dwell.start + dwell.end) % TURN
+        root = Root(
+            x=[theta, dwell.rate, value], whole=(stretch_at(cam, theta), 0), turns=turns,
+            machine=shooter.at(value), parameter=shooter.parameter, rates=[-dwell.rate / r],
+            tangent=[1.0, 0.0, 0.0], trace=2.0, step=0.0, steps=0,
+        )  # fmt: skip
+        if dwell.rate > 0.0 and shooter.admits(root):
+            yield dwell
 
 
 class _Equation:
@@ -60,6 +102,27 @@ class _Equation:
         c, c1, _ = lift(self.cam, i, theta)
         return self.K * (self.const.G + self.const.W2 * c) - self.turn * c1
 
+    def _terms(self, i: int, theta: float) -> tuple[float, float, float]:
+        """h, its slope, and the size of the terms that h is the sum of."""
+        c, c1, c2 = lift(self.cam, i, theta)
+        force = abs(self.const.G) + abs(self.const.W2 * c)
+        size = (abs(self.P) + self.B * self.B) * force + abs(self.turn * c1)
+        return self.h(i, theta), self.K * self.const.W2 * c1 - self.turn * c2, size
+
+    def dwells(self, turns: int) -> list[Continuum]:
+        """The regions at one level on which h vanishes to rounding."""
+        if not abs(self.B) > FOCUS * self.reach:
+            return []
+        found = []
+        for region in regions(self.cam):
+            first, *_ = own = [self.cam.stretches[i] for i in region.stretches]
+            flat = all(one.start_c1 == one.accel_min == one.accel_max == 0.0 for one in own)
+            h, _, size = self._terms(region.stretches[0], first.start)
+            if flat and abs(h) <= ROUNDING * size:
+                rate = self.rate(region.stretches[0], first.start)
+                found.append(Continuum(turns, region.start, region.end, rate))
+        return found
+
     def roots(self, i: int) -> Iterator[float]:
         """Every zero of h on stretch i, ends included, in ascending order."""
         if self.B == 0.0 and 1.0 + self.r * self.slope_b == 0.0:
@@ -72,10 +135,7 @@ class _Equation:
     def _within(self, i: int, low: float, high: float, bend: float) -> Iterator[float]:
         """The zeros between two angles; `bend` bounds |h''|."""
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        c, c1, c2 = lift(self.cam, i, middle)
-        h, slope = self.h(i, middle), self.K * self.const.W2 * c1 - self.turn * c2
-        force = abs(self.const.G) + abs(self.const.W2 * c)
-        size = (abs(self.P) + self.B * self.B) * force + abs(self.turn * c1)  # of the terms of h
+        h, slope, size = self._terms(i, middle)
         change = abs(slope) * half + 0.5 * bend * half * half
         if abs(h) > change or abs(h) + change <= ROUNDING * size:
             return  # no zero, or nothing but zeros: a dwell on which any phase would do

@@ -1,9 +1,9 @@
-"""Branches of orbits that rest on the cam: the section is the phase at which they leave it.
+"""Branches of orbits that need no Newton iteration: those that rest on the cam, or never meet it.
 
-There the state is the cam's own, so the orbit needs no Newton iteration: a run from the orbit
-nearby closes on itself exactly, and its multipliers are zero. Such a branch ends where its turns
-change: a chatter is no longer completed, contact is kept or lost, or the itinerary: an impact
-appears, fades, or moves to another turn.
+At rest the state is the cam's own: a run from the orbit nearby closes on itself exactly, and its
+multipliers are zero. Such a branch ends where its turns change: a chatter is no longer completed,
+contact is kept or lost, or the itinerary: an impact appears, fades, or moves to another turn. The
+orbit without impacts is known in closed form, and its branch ends where the cam reaches it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from camcli.analysis.labels import CONTACT
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.identify import identify
 from camcli.analysis.orbits.kinds import Kind
-from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.system import omega_of
 
@@ -56,7 +56,7 @@ class StickingSegment:
 def follow_sticking(
     shooter: Shooter, settings: Settings, orbit: PeriodicOrbit, span: Span, up: bool
 ) -> StickingSegment:
-    """Follow an orbit that rests on the cam towards one end of the range."""
+    """Follow an orbit that rests on the cam, or never meets it, towards one end of the range."""
     segment = StickingSegment([orbit])
     for value in _grid(orbit.value, span.high if up else span.low, span.spacing):
         last = segment.points[-1]
@@ -85,6 +85,17 @@ def _grid(start: float, end: float, spacing: float) -> Iterator[float]:
 def _orbit_at(
     shooter: Shooter, settings: Settings, orbit: PeriodicOrbit, value: float
 ) -> PeriodicOrbit | None:
+    """The orbit at another value of the parameter; if it rests, what a run from it settles on."""
+    system, rpm = with_machine(shooter.system, shooter.at(value))
+    if orbit.free:
+        found = free_orbit(system, rpm)
+        return None if found is None else replace(found, value=value)
+    return _settled_on(shooter, settings, orbit, value)
+
+
+def _settled_on(
+    shooter: Shooter, settings: Settings, orbit: PeriodicOrbit, value: float
+) -> PeriodicOrbit | None:
     """What a run from the orbit's own state settles on at another value of the parameter."""
     system, rpm = with_machine(shooter.system, shooter.at(value))
     (q, w), cam = orbit.states[0], system.cam
@@ -98,8 +109,8 @@ def _orbit_at(
 
 
 def _same_motion(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
-    """True where the other rests too and has the same impacts in the same turns."""
-    return other is not None and other.resting and other.symbols == orbit.symbols
+    """True where the other rests too, or not, and has the same impacts in the same turns."""
+    return other is not None and (other.resting, other.symbols) == (orbit.resting, orbit.symbols)
 
 
 def _same_departures(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
@@ -125,12 +136,14 @@ def _change(
     low, high, _, _ = bracket(lost, size, size + abs(beyond - last.value), -1.0, 1.0)
     before, after = kept[at(low)] or last, kept.get(at(high))
     if after is None:
-        after = _orbit_at(shooter, settings, last, at(high))
+        after = _settled_on(shooter, settings, last, at(high))
     error = max(abs(high - low), 4.0 * ulp(abs(at(low)) + size))
     return Change(_kind(before, after), at(low), error, before, after)
 
 
 def _kind(last: PeriodicOrbit, after: PeriodicOrbit | None) -> Kind:
+    if last.free:
+        return Kind.GRAZING
     if CONTACT in (last.label, "" if after is None else after.label):
         return Kind.DETACHMENT
     left = 0.0 if after is None else after.symbols.count(inf) / after.turns

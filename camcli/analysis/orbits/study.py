@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from camcli.analysis.border_collision import Side
@@ -19,6 +19,7 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.search import MOST_STARTS, RECORD, find
 from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.analysis.orbits.single_impact import Continuum
 from camcli.analysis.orbits.sticking_orbits import (
     BRACKETS,
     RUN,
@@ -144,7 +145,8 @@ class OrbitsResult:
     """The orbits at question.rpm, the branches through them, and curves in two parameters.
 
     value: of the parameter where they were found; virtual: roots that penetrate the cam or would
-    pull; absent: the label asked for does not exist at the speed asked for.
+    pull; absent: the label asked for does not exist at the speed asked for; continua: dwells at
+    every phase of which there is an orbit.
     """
 
     question: Question
@@ -156,6 +158,7 @@ class OrbitsResult:
     curves: list[Curve]
     cost: Cost
     absent: Absence | None = None
+    continua: list[Continuum] = field(default_factory=list)
 
 
 def orbits(
@@ -174,7 +177,7 @@ def orbits(
     span, absent = question.span, None
     if question.stable is not None:
         found.orbits = [orbit for orbit in found.orbits if orbit.stable == question.stable]
-    elif question.label is not None and not found.orbits:
+    elif question.label is not None and not found.orbits and not found.continua:
         ends = None if span is None or question.parameter != "rpm" else (span.low, span.high)
         absent = _look_around(system, settings, question.rpm, question.label, ends)
         if ends is not None and absent.orbit is not None:
@@ -193,6 +196,7 @@ def orbits(
         _curves(system, diagram.bifurcations, question),
         found.cost + shooter.cost,
         absent,
+        found.continua,
     )
 
 
