@@ -193,8 +193,12 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
 
 def compiling(request: Request) -> AbstractContextManager[Stopwatch]:
     """Say so before the kernel is compiled."""
-    text = "compiling the kernel for this machine: some 20 to 60 s, once ..."
-    return stopwatch(None if request.quiet else lambda: note(text))
+
+    def say(damaged: bool) -> None:
+        why = "the cache of the kernel was damaged and is removed; " if damaged else ""
+        note(f"{why}compiling the kernel for this machine: some 20 to 60 s, once ...")
+
+    return stopwatch(None if request.quiet else say)
 
 
 def analysis(command: str) -> Callable[..., Result]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from contextvars import ContextVar
 from copy import copy
 from dataclasses import dataclass
@@ -154,7 +154,7 @@ def compiled() -> Kernel:
             if _compiled is None:
                 from camcli.kernel.compiled import compile_entries
 
-                entries = compile_entries(cache_dir(), source_hash(), _waiting)
+                entries = compile_entries(cache_dir(), _waiting)
                 _compiled = Kernel(compiled=True, **entries)
     return _compiled
 
@@ -190,14 +190,27 @@ def cache_dir() -> Path:
 
 
 def is_cached(entry: str = "advance") -> bool:
-    """True if an earlier process left this entry compiled for these sources."""
-    return any(cache_dir().glob(f"{entry}.*.nbc"))
+    """True if an earlier process left this entry compiled for these sources, and undamaged."""
+    return any(read_intact(path) is not None for path in cache_dir().glob(f"{entry}.*.nbc"))
+
+
+def read_intact(path: Path) -> bytes | None:
+    """What follows the SHA-256 at the head of a file; a damaged file is removed."""
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return None
+    if hashlib.sha256(data[32:]).digest() == data[:32]:
+        return data[32:]
+    with suppress(OSError):
+        path.unlink()
+    return None
 
 
 class Stopwatch:
     """The seconds of a run, without those in which it waited for the kernel to be compiled."""
 
-    def __init__(self, notice: Callable[[], None] | None):
+    def __init__(self, notice: Callable[[bool], None] | None):
         self.seconds = 0.0
         self.compile_seconds = 0.0
         self.notice, self._lock = notice, Lock()
@@ -207,9 +220,11 @@ class Stopwatch:
     def waiting(self, entry: str | None) -> Iterator[None]:
         """Count the time in which at least one thread of the run waits."""
         with self._lock:
-            if self.notice is not None and entry is not None and not is_cached(entry):
-                self.notice()
-                self.notice = None
+            if self.notice is not None and entry is not None:
+                there = any(cache_dir().glob(f"{entry}.*.nbc"))
+                if not is_cached(entry):
+                    self.notice(there)
+                    self.notice = None
             if self._waiting == 0:
                 self._since = perf_counter()
             self._waiting += 1
@@ -226,8 +241,10 @@ _stopwatch: ContextVar[Stopwatch | None] = ContextVar("stopwatch", default=None)
 
 
 @contextmanager
-def stopwatch(notice: Callable[[], None] | None = None) -> Iterator[Stopwatch]:
+def stopwatch(notice: Callable[[bool], None] | None = None) -> Iterator[Stopwatch]:
     """Time a run; `notice` is called once before something is compiled that is not on disk.
+
+    Its argument is True where what is on disk was damaged, and is removed.
 
     Without one, that of the run around it is taken. The watch belongs to this context and the
     threads that are started in it (`parallel.in_threads`).

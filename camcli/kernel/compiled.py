@@ -7,18 +7,25 @@ when it is worth it. Compiling takes some 20 s of processor time, once per machi
 from __future__ import annotations
 
 import contextlib
+import pickle
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
+from hashlib import sha256
 from pathlib import Path
 from threading import Lock
 from types import FunctionType
 from typing import Any
+from uuid import uuid4
 
+import llvmlite
 import numba
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
 
+from camcli.kernel.backend import read_intact
 from camcli.kernel.marks import ENTRIES, FUNCTIONS, OUTLINED
 
 
@@ -47,12 +54,12 @@ class CompiledEntry:
 
 
 def compile_entries(
-    folder: Path, stamp: str, waiting: Callable[[str], AbstractContextManager]
+    folder: Path, waiting: Callable[[str], AbstractContextManager]
 ) -> dict[str, CompiledEntry]:
     """The entries by name, compiled at their first call; `waiting` is entered while that lasts.
 
     The compiled functions see copies of their modules' names, so a plain function still calls
-    plain ones. Code is read from `folder` and kept there under `stamp`.
+    plain ones. Code is read from `folder` and kept there.
     """
     modules = {function.__module__ for function in FUNCTIONS}
     spaces = {name: dict(vars(sys.modules[name])) for name in modules}
@@ -72,50 +79,64 @@ def compile_entries(
     for name, function in ENTRIES.items():
         dispatcher = compiled[function]
         # What `cache=True` does, but neither in numba's folder nor by one file's time stamp.
-        dispatcher._cache = _cache_type(folder, stamp)(dispatcher.py_func)
+        dispatcher._cache = _DiskCache(folder, name)
         entries[name] = CompiledEntry(dispatcher, partial(waiting, name))
     return entries
 
 
-def _cache_type(folder: Path, stamp: str) -> type[FunctionCache]:
-    """numba's cache of a function in `folder`, valid for `stamp`.
+class _DiskCache(_Cache):
+    """Machine code of one entry in a file of `folder`: its SHA-256, then what numba pickles.
 
-    A folder that cannot be read or written, or holds something broken, only costs the time to
-    compile again.
+    The file's name is that of the entry and of all that its code depends on beside the kernel's
+    sources, which name the folder. What cannot be read, or is damaged, is compiled again; what
+    cannot be written is not kept.
     """
 
-    class Locator(_CacheLocator):
-        def get_cache_path(self) -> str:
-            return str(folder)
+    def __init__(self, folder: Path, entry: str):
+        self._folder, self._entry = folder, entry
 
-        def get_source_stamp(self) -> str:
-            return stamp
+    @property
+    def cache_path(self) -> str:
+        """Where the code is kept."""
+        return str(self._folder)
 
-        def get_disambiguator(self) -> str:
-            return stamp
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The code for a signature, or None."""
+        target_context.refresh()
+        data = read_intact(self._path(sig, target_context))
+        try:
+            return (
+                None
+                if data is None
+                else CompileResult._rebuild(target_context, *pickle.loads(data))
+            )
+        except Exception:  # a sum says that it was written so, not that it can be used
+            return None
 
-    class Impl(CompileResultCacheImpl):
-        def __init__(self, function: FunctionType):
-            # Not numba's own: that one searches for a folder, beside the sources too.
-            self._lineno, self._locator = function.__code__.co_firstlineno, Locator()
-            python = f"py{sys.version_info[0]}{sys.version_info[1]}{sys.abiflags}"
-            self._filename_base = f"{function.__name__}.{python}"
-
-    class Cache(FunctionCache):
-        _impl_class = Impl
-
-        def load_overload(self, sig: Any, target_context: Any) -> Any:
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep the code; beside its place first, so that no other process finds half of it."""
+        path = self._path(sig, data.target_context)
+        content = dumps(data._reduce())
+        part = path.with_suffix(f".{uuid4().hex}")
+        with contextlib.suppress(OSError):
+            self._folder.mkdir(parents=True, exist_ok=True)
             try:
-                return super().load_overload(sig, target_context)
-            except Exception:  # whatever unpickling garbage may raise
-                return None
+                part.write_bytes(sha256(content).digest() + content)
+                part.replace(path)
+            finally:
+                part.unlink(missing_ok=True)
 
-        def save_overload(self, sig: Any, data: Any) -> None:
-            with contextlib.suppress(Exception):  # the index it adds to may be garbage
-                super().save_overload(sig, data)
-                return
-            with contextlib.suppress(Exception):
-                self.flush()
-                super().save_overload(sig, data)
+    def _path(self, sig: Any, target_context: Any) -> Path:
+        machine = target_context.codegen().magic_tuple()
+        depends = numba.__version__, llvmlite.__version__, sys.version, str(sig), machine
+        name = sha256(repr(depends).encode()).hexdigest()[:16]
+        return self._folder / f"{self._entry}.{name}.nbc"
 
-    return Cache
+    def enable(self) -> None:
+        """It always is."""
+
+    def disable(self) -> None:
+        """It never is."""
+
+    def flush(self) -> None:
+        """Nothing waits."""

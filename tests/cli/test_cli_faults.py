@@ -90,16 +90,6 @@ def test_warning_where_nothing_dissipates(cam):
     assert "nothing dissipates" in done.stderr
 
 
-@pytest.mark.slow
-def test_read_only_cache_only_costs_time(cam_process, tmp_path):
-    (tmp_path / "cache").write_text("a file where the cache should be")
-    done = cam_process(
-        "simulate", *QUICK,
-        env={"XDG_CACHE_HOME": str(tmp_path / "cache"), "CAMCLI_KERNEL": "compiled"},
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-
-
 @pytest.mark.parametrize("command", ["simulate", "sweep"])
 def test_warning_of_absurd_height(cam, command):
     done = cam(command, "--no-plot", "--rpm", "1e6")

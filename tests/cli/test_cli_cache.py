@@ -1,0 +1,99 @@
+"""The kernel's cache on disk may be damaged, full, read-only or another's: it only costs time."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from camcli.kernel import backend
+
+WORDS = ("simulate", "--rpm", "190", "--no-plot", "-q", "--set", "run.transient=3")
+ROOT = Path(__file__).parents[2]
+
+
+def cam(cache: Path, *words: str, **options) -> subprocess.CompletedProcess:
+    """The command with the kernel compiled, and its code kept in `cache`."""
+    env = {**os.environ, "XDG_CACHE_HOME": str(cache), "CAMCLI_KERNEL": "compiled"}
+    command = [sys.executable, "-m", "camcli", *(words or WORDS)]
+    return subprocess.run(command, capture_output=True, text=True, env=env, **options)
+
+
+@pytest.fixture(scope="module")
+def warm(tmp_path_factory):
+    """(a filled cache, events.csv)"""
+    folder = tmp_path_factory.mktemp("warm")
+    if backend.cache_dir().is_dir():  # spares a compilation
+        shutil.copytree(backend.cache_dir(), folder / "cache" / "camcli" / backend.cache_dir().name)
+    done = cam(folder / "cache", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return folder / "cache", (folder / "out/simulate/events.csv").read_bytes()
+
+
+@pytest.fixture
+def cache(warm, tmp_path):
+    """A copy of the filled cache."""
+    shutil.copytree(warm[0], tmp_path / "cache")
+    return tmp_path / "cache"
+
+
+def code_files(cache: Path) -> list[Path]:
+    found = sorted(cache.rglob("*.nbc"))
+    assert found
+    return found
+
+
+DAMAGES = {
+    "empty": lambda data: b"",
+    "cut": lambda data: data[: len(data) // 2],
+    "a bit": lambda data: data[:-1000] + bytes([data[-1000] ^ 1]) + data[-999:],
+    "another": lambda data: b"\x80\x05K\x01." * 20,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "how", [k if k == "a bit" else pytest.param(k, marks=pytest.mark.soak) for k in DAMAGES]
+)
+def test_a_damaged_cache_is_said_and_made_anew(cache, warm, tmp_path, how):
+    for path in code_files(cache):
+        path.write_bytes(DAMAGES[how](path.read_bytes()))
+    words = [word for word in WORDS if word != "-q"]
+    done = cam(cache, *words, cwd=tmp_path)
+    assert (done.returncode, "was damaged and is removed" in done.stderr) == (0, True), done.stderr
+    assert (tmp_path / "out/simulate/events.csv").read_bytes() == warm[1]
+    assert "compiling" not in cam(cache, *words, cwd=tmp_path).stderr
+
+
+@pytest.mark.slow
+def test_a_full_disk_under_the_cache_is_no_trouble(tmp_path, warm):
+    place = tmp_path / "disk"
+    place.mkdir()
+    words = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(place)]
+    if os.geteuid() != 0 or subprocess.run(words, capture_output=True, check=False).returncode != 0:
+        pytest.skip("needs the right to mount a tmpfs")
+    try:
+        done = cam(place, cwd=tmp_path)
+    finally:
+        subprocess.run(["umount", "-l", str(place)], check=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "out/simulate/events.csv").read_bytes() == warm[1]
+
+
+@pytest.mark.slow
+def test_a_read_only_cache_never_serves_code_of_other_sources(cache, warm, tmp_path):
+    """An edited copy of the program beside a filled cache that cannot be written."""
+    package = tmp_path / "camcli"
+    shutil.copytree(ROOT / "camcli", package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "configs", tmp_path / "configs")
+    (tmp_path / "cache").chmod(0o500)
+    env = {**os.environ, "PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(cache)}
+    asking = [sys.executable, "-c", "from camcli.kernel import backend as b; print(b.is_cached())"]
+    for found in ("True", "False"):
+        done = subprocess.run(asking, capture_output=True, text=True, env=env, cwd=tmp_path)
+        assert done.stdout.strip() == found
+        with open(package / "kernel" / "flow.py", "a") as file:
+            file.write("\n# another kernel\n")
+    assert not list(package.rglob("*.nb?"))
