@@ -6,14 +6,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import pi
 
-from camcli.analysis.integrate import Cost, Orbit, Record, Settings
-from camcli.analysis.labels import label
+from camcli.analysis.integrate import Cost, Orbit, Record, Settings, with_turns
+from camcli.analysis.labels import find_period, label, passages
+from camcli.analysis.orbits.identify import TOO_LARGE
 from camcli.errors import Status
 from camcli.kernel import backend
+from camcli.kernel.arithmetic import natural_log
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.flow import move
 from camcli.kernel.orbit_loop import CHATTER, IMPACT, EventKind
 from camcli.kernel.sticking import contact_accel
+from camcli.kernel.variational import Growth, Pair, log_factor
 from camcli.system import System
 
 FLIGHT, STICKING = "flight", "sticking"
@@ -35,6 +38,7 @@ class Simulation:
     periods: int
     corners_deg: list[float]
     cost: Cost
+    one_of_many: int | None  # turn of the record, see `one_of_many_from`
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,33 @@ def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Si
         periods=record.periods,
         corners_deg=system.corners_deg,
         cost=record.cost,
+        one_of_many=one_of_many_from(system, rpm, settings, record),
     )
+
+
+def one_of_many_from(system: System, rpm: float, settings: Settings, record: Record) -> int | None:
+    """The turn in which an error of rounding has grown TOO_LARGE, negative in the transient.
+
+    From there on the record is one of many motions that rounding allows. Saltation matrices carry
+    a difference from impact to impact (`kernel.variational`), a rest ends it. None where that does
+    not happen, and for a record on an orbit without rests: it attracts.
+    """
+    if find_period(*passages(record)) and not any(record.chatter):
+        return None
+    turns = settings.transient + record.periods
+    whole = Orbit(system, rpm, with_turns(settings, 0, turns)).run(strobes=False)
+    const, kernel = system.constants(rpm, 1.0, 1), backend.current()
+    cam, pairs = system.cam_for(kernel), kernel.table(Pair, [Pair()])
+    growths = kernel.table(Growth, [Growth()])
+    columns = [kernel.numbers(x, int) for x in (whole.kind, whole.period)]
+    columns += [kernel.numbers(x) for x in (whole.theta, whole.u)]
+    for k, kind in enumerate(whole.kind):
+        if kind == CHATTER:
+            growths = kernel.table(Growth, [Growth()])
+        kernel.stretch_events(cam, const, *(x[k : k + 1] for x in columns), pairs, growths)
+        if log_factor(growths[0].first, growths[0].first_twos) > natural_log(TOO_LARGE):
+            return int(whole.period[k]) - settings.transient
+    return None
 
 
 def _plain(record: Record) -> Record:

@@ -5,16 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import pi
+from typing import TYPE_CHECKING
 
-from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start
-from camcli.analysis.labels import label
+from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
+from camcli.analysis.labels import label, passages
+from camcli.analysis.orbits.same_orbit import SAME, distance, size_of
 from camcli.errors import Status
 from camcli.kernel import backend
+from camcli.kernel.cam_table import lift_at
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.parallel import Codec, Work
-from camcli.system import System
+from camcli.system import System, omega_of
+
+if TYPE_CHECKING:
+    from camcli.analysis.classify import Motion
 
 FIXED, UP, DOWN = "fixed", "up", "down"
+BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
+ON_CAM = 1e-12  # relative distance of a state from the cam's that is rounding
 
 
 @dataclass(frozen=True)
@@ -114,31 +122,113 @@ class _Task:
 
     def __call__(self, rpm: float) -> Speed:
         """The speed, from the start of the scene."""
-        return self._at(rpm, None)[0]
+        return self._at(rpm, None)
 
     def after(self, before: Speed | None, rpm: float) -> Speed:
         """The speed, from where the one before ended."""
         start = self.settings.start
-        speed, orbit = self._at(rpm, start if before is None else before.end)
-        return replace(speed, end=orbit.as_start() if speed.status == Status.OK else start)
+        speed = self._at(rpm, start if before is None else before.end)
+        return speed if speed.status == Status.OK else replace(speed, end=start)
 
-    def _at(self, rpm: float, start: Start | None) -> tuple[Speed, Orbit]:
+    def _at(self, rpm: float, start: Start | None) -> Speed:
         backend.for_work(self.turns)
         orbit = Orbit(self.system, rpm, self.settings, start)
         record = orbit.run(events=self.impacts or self.lyapunov)
+        name, end, cost, exponent = label(record), orbit.as_start(), record.cost, None
         n, to_mps = record.periods, orbit.omega
+        if forgets_too_much(record):
+            motion, record, end = true_motion(self.system, rpm, self.settings, start, record, end)
+            name, cost = motion.label, cost + motion.cost
+            exponent = None if motion.exponents is None else motion.exponents.largest
+        elif self.lyapunov:
+            exponent = _exponent(self.system, rpm, record)
         strobe = (range(n), record.strobe_q[:n], _scaled(record.strobe_w[:n], to_mps))
-        speed = Speed(
+        return Speed(
             rpm=rpm,
-            label=label(record),
+            label=name,
             impact_count=int(sum(record.impacts[:n])),
             status=record.status,
             impacts=_impact_rows(record, to_mps) if self.impacts else None,
             strobe=(*strobe, record.impacts[:n], record.chatter[:n]) if self.strobe else None,
-            cost=record.cost,
-            exponent=_exponent(self.system, rpm, record) if self.lyapunov else None,
+            cost=cost,
+            exponent=exponent if self.lyapunov else None,
+            end=end,
         )
-        return speed, orbit
+
+
+def forgets_too_much(record: Record) -> bool:
+    """True where a complete chatter in some turns is followed by turns without.
+
+    A rest erases all memory, and the turns up to the next one may grow an error of rounding beyond
+    all digits: the record is then one of many. Where every turn rests they have no time to.
+    """
+    chatter = [bool(x) for x in record.chatter[: record.periods]]
+    return record.status == Status.OK and any(chatter) and not all(chatter)
+
+
+def true_motion(
+    system: System,
+    rpm: float,
+    settings: Settings,
+    start: Start | None,
+    record: Record,
+    end: Start,
+) -> tuple[Motion, Record, Start]:
+    """What `classify` names, a record of as many turns that shows it, and where that ends.
+
+    The record itself where each of its turns is of the orbit named, or where none is.
+    """
+    from camcli.analysis.classify import classify_at
+
+    motion = classify_at(system, rpm, settings, start)
+    orbit = motion.orbit
+    if orbit is None:
+        return motion, record, end
+    states, symbols = passages(record)
+    size = size_of(orbit.states)
+    places = [
+        next((k for k, s in enumerate(orbit.states) if distance(state, s, size) <= SAME), -1)
+        for state in states
+    ]
+    shown = all(k >= 0 and orbit.symbols[k] == s for k, s in zip(places, symbols, strict=True))
+    if shown:
+        return motion, record, end
+    starts = [start_at(system, rpm, state) for state in orbit.states]
+    turns = [Orbit(system, rpm, with_turns(settings, 0, 1), one).run() for one in starts]
+    n = record.periods
+    return motion, _joined([turns[k % orbit.turns] for k in range(n)]), starts[n % orbit.turns]
+
+
+def start_at(system: System, rpm: float, state: Sequence[float]) -> Start:
+    """A state (m, m/rad) at the strobe as a start; None values where it rests on the cam."""
+    degrees = system.strobe_deg * (1.0 - BEFORE_STROBE)
+    c, c1, _ = lift_at(system.cam, system.cam.strobe, system.strobe)
+    q, w = state
+    if abs(q - c) <= ON_CAM * abs(c) and abs(w - c1) <= ON_CAM * (abs(c1) + abs(c)):
+        return Start(None, None, degrees)
+    return Start(q, w * omega_of(rpm), degrees)
+
+
+def _joined(turns: Sequence[Record]) -> Record:
+    """The whole turns of records one after the other, each of one turn."""
+    rows = [
+        (kind, k, theta, q, u)
+        for k, turn in enumerate(turns)
+        for kind, period, theta, q, u in zip(
+            turn.kind, turn.period, turn.theta, turn.q, turn.u, strict=True
+        )
+        if period == 0
+    ]
+    kind, period, theta, q, u = map(list, zip(*rows, strict=True)) if rows else ([],) * 5
+    return replace(
+        turns[-1],
+        kind=kind, period=period, theta=theta, q=q, u=u,
+        strobe_q=[float(turn.strobe_q[0]) for turn in turns],
+        strobe_w=[float(turn.strobe_w[0]) for turn in turns],
+        impacts=[int(turn.impacts[0]) for turn in turns],
+        chatter=[int(turn.chatter[0]) for turn in turns],
+        periods=len(turns),
+    )  # fmt: skip
 
 
 def _store(speed: Speed) -> list:

@@ -101,9 +101,23 @@ def simulate(
         pictures={"simulate": draw},
         cost=found.cost,
         seconds=watch.seconds,
-        notes=(*height_notes([(found.rpm, highest)], system.cam.top), *_ended(ended)),
+        notes=(
+            *height_notes([(found.rpm, highest)], system.cam.top),
+            *_many_notes(found.one_of_many),
+            *_ended(ended),
+        ),
         complete=not ended,
     )
+
+
+def _many_notes(turn: int | None) -> list[str]:
+    if turn is None:
+        return []
+    place = f"turn {turn} of the record" if turn >= 0 else f"{-turn} turns before the record"
+    return [
+        f"from {place} on this is one of many motions that rounding allows: an error of the last "
+        "digit has grown beyond five digits of a turn (cam classify names the true motion)"
+    ]
 
 
 def _ended(troubled: list[tuple[float, int]]) -> list[str]:

@@ -3,9 +3,12 @@
 import pytest
 from conftest import chapter_system, settings
 
+from camcli.analysis.classify import classify_at
 from camcli.analysis.integrate import StartError
+from camcli.analysis.orbits.same_orbit import distance_to
 from camcli.analysis.sweep import rpm_grid, sweep
 from camcli.parallel import Work
+from camcli.system import omega_of
 
 
 def rows(result):
@@ -65,3 +68,23 @@ def test_strobe_phase_moves_the_section_not_the_orbit():
         list(plain.speeds[0].impacts[1]), abs=1e-10
     )
     assert moved.speeds[0].strobe[1][0] != plain.speeds[0].strobe[1][0]
+
+
+@pytest.mark.slow
+def test_after_a_chatter_the_motion_is_the_machines_not_one_of_rounding(chapter):
+    """Labels and points of 357.8 to 359.6 rpm, where a fifth of the records close by accident."""
+    run = settings(600, 130)
+    found = sweep(chapter, rpm_grid(357.8, 359.6, 361)[3::36], run)
+    assert {s.label for s in found.speeds} > {"P(3;3:3:2)"}
+    for speed in found.speeds:
+        motion = classify_at(chapter, speed.rpm, run)
+        assert speed.label == motion.label
+        omega = omega_of(speed.rpm)
+        for q, v in zip(*speed.strobe[1:3], strict=True):
+            assert distance_to((q, v / omega), motion.orbit.states) < 1e-3
+
+
+def test_a_record_with_rests_that_are_no_cycle_is_replaced_by_the_motion(chapter):
+    """At 357.82 rpm doubles go through rests for ever; the orbit has none."""
+    (speed,) = sweep(chapter, [357.82], settings(600, 100)).speeds
+    assert (speed.label, sum(speed.strobe[4])) == ("P(3;3:3:2)", 0)
