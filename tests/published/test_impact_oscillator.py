@@ -206,6 +206,25 @@ def test_the_orbit_without_impacts_grazes_where_the_cam_reaches_it():
     assert abs(found["preload_n"][0] - 0.2) <= found["preload_n_error"][0] < 1e-12
 
 
+def test_an_impact_fades_where_its_rate_is_zero_within_the_printed_error():
+    """At rest the mass is at -preload/k, the cam's top at -0.2; without damping, w = 2 to 1."""
+    section = {"parameter": "preload", "range": [0, 0.5], "starts": 4}
+    damped = load_scene({**FREE, "orbits": section}, {"follower.preload": 0.25, "run.start": {}})
+    found = camcli.orbits(damped).summary["bifurcations"]
+    assert {row["label"] for row in found} >= {"P(1;1)", "P(2;1:0)", "P(6;1:0:0:0:0:0)"}
+    assert {(row["kind"], row["status"]) for row in found} == {("grazing", "ok")}
+    for row in found:
+        assert abs(row["value"] - 0.2) <= row["error"] < 1e-10
+
+    cam = {"kind": "eccentric", "base": -5 / 6, "lift": 2 / 3}
+    follower = {"mass": 1, "stiffness": 1, "restitution": 0.8}
+    section = {"rpm": {"start": 18, "stop": 22}, "at": 19.3, "starts": 4, "label": "P(2;1:0)"}
+    (row,) = camcli.orbits(
+        load_scene({"follower": follower, "cam": cam, "orbits": section})
+    ).summary["bifurcations"]
+    assert abs(row["value"] - 60 / pi) <= row["error"] < 1e-10
+
+
 def test_no_label_without_impacts_is_searched_for(monkeypatch):
     """Whether the follower can stay away from the cam is known at once."""
     monkeypatch.setattr(Orbit, "run", lambda *_: pytest.fail("a motion was simulated"))

@@ -22,7 +22,7 @@ from camcli.analysis.orbits.identify import settled
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import section_states
 from camcli.analysis.orbits.same_orbit import shortest_period
-from camcli.analysis.orbits.shooter import Root, Shooter
+from camcli.analysis.orbits.shooter import SMALL, Root, Shooter
 from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import TURN, lift
 from camcli.kernel.flow import constants_of, flow
@@ -34,6 +34,8 @@ AT_ONCE = 1e-10  # a test function this small at the first point of a branch is 
 HALVES = 0.05  # rad, between the halves of an orbit that is about to be a single one
 SAME_VALUE = 1e-6  # relative distance of the parameters of a fold and of its period doubling
 ERRORS = (1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # relative half widths tried for a bracket
+FARTHEST = 4.0  # steps ahead that the end of a fading impact is looked for
+RATE_ERROR = 4e-15  # of a landing rate, relative to the lift per rad: some 18 roundings
 AMPLITUDES = (1e-3, 1e-4, 1e-5, 1e-2)  # rad, tried between a doubled orbit and the single one
 
 Test = Callable[[Root], float]
@@ -146,12 +148,17 @@ def _root_of(
     return Located(kind, root, 0.5 * (low + high), *sure)
 
 
-def _bracket(shooter: Shooter, root: Root, test: Test) -> tuple[float, Bracket]:
-    """Smallest half width of the parameter around the root at whose ends `test` differs in sign."""
+def _bracket(shooter: Shooter, root: Root, test: Test, least: float = 0.0) -> tuple[float, Bracket]:
+    """Smallest half width of the parameter around the root at whose ends `test` differs in sign.
+
+    least: of |test| at the ends, what rounding cannot make.
+    """
     for relative in ERRORS:
         width = relative * abs(root.value)
         low, high = (shooter.moved(root, root.value + side * width) for side in (-1.0, 1.0))
-        if low is not None and high is not None and (test(low) < 0.0) != (test(high) < 0.0):
+        if low is None or high is None or min(abs(test(low)), abs(test(high))) < least:
+            continue
+        if (test(low) < 0.0) != (test(high) < 0.0):
             return width, Bracket.OK
     return ERRORS[-1] * abs(root.value), Bracket.UNRESOLVED
 
@@ -207,12 +214,36 @@ def graze_on(shooter: Shooter, step: Step) -> Located | None:
 
     low, high, _, _ = bracket(value, 0.0, step.length, -1.0, 1.0)
     last = step.at(shooter, low) or step.before
+    slowest = min(range(last.count), key=lambda k: abs(last.rates[k]))
+    if abs(last.rates[slowest]) < shooter.rate:
+        return _fade(shooter, step, slowest, low, last)
     first = step.at(shooter, high) or step.after
     _, impact, phase = shooter.verdict(first)
     error = max(abs(first.value - last.value), 8.0 * ulp(last.value))
-    slowest = min(range(last.count), key=lambda k: abs(last.rates[k]))
-    fading = slowest if abs(last.rates[slowest]) < shooter.rate else None
-    return Located(Kind.GRAZING, last, low, error, Bracket.OK, impact, phase=phase, fading=fading)
+    return Located(Kind.GRAZING, last, low, error, Bracket.OK, impact, phase=phase)
+
+
+def _fade(shooter: Shooter, step: Step, k: int, low: float, last: Root) -> Located:
+    """Where impact k, slow at `last`, fades: u = 0, on the step or a little beyond it.
+
+    There the certificate is lost to rounding some way before u = 0, so it says only that the impact
+    fades, not where.
+    """
+
+    def rate(root: Root | None) -> float:
+        return float("nan") if root is None else root.rates[k]
+
+    high, beyond = step.length, step.after
+    while rate(beyond) < 0.0 and high < FARTHEST * step.length:
+        high *= 1.5
+        beyond = step.at(shooter, high) or beyond
+    root, sure = last, (abs(beyond.value - last.value), Bracket.UNRESOLVED)
+    if rate(last) < 0.0 <= rate(beyond):
+        ends = bracket(lambda x: rate(step.at(shooter, x)), low, high, rate(last), rate(beyond))
+        low = ends[0]  # where u < 0 still: the trace, which goes with 1/u, has its sign
+        root = step.at(shooter, low) or last
+        sure = _bracket(shooter, root, rate, RATE_ERROR * shooter.rate / SMALL)
+    return Located(Kind.GRAZING, root, low, *sure, k, phase=root.theta[k], fading=k)
 
 
 def secant(
