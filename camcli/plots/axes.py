@@ -1,4 +1,4 @@
-"""What several pictures draw: corners, events, legends, lists, the cam's curves, forces."""
+"""What several panels draw: ranges, corners, events, the cam's curves, forces, numbers in rows."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.text import Text
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
 from camcli.cams.compile import column
@@ -22,7 +21,8 @@ if TYPE_CHECKING:
 TURN_DEG = 360.0
 NARROW_DEG = 120.0  # impact phases within less are shown enlarged
 DOTTED, DASHED = (0, (1, 2)), (0, (3.2, 1.6))
-FORCE_LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1)), (0, (5, 1.2, 1.2, 1.2)))
+ROOM = {"x": 6.0, "y": 6.5}  # pt, from one name or number beside a panel to the next
+CROWDED = 20  # numbers above a panel from which they stand in two rows
 LOST = ("X", style.TROUBLE, "white", 6.0)
 MARKS = {  # event: marker, face, edge, size
     "impact": ("o", style.IMPACT, "none", 2.0),
@@ -37,20 +37,23 @@ MARKS = {  # event: marker, face, edge, size
 }
 
 
-# --- ranges and ticks
+# --- ranges and names of axes
 
 
-def padded(values: np.ndarray, constant: float) -> tuple[float, float]:
+def padded(values: np.ndarray | Sequence[float], constant: float | None = None) -> tuple:
     """Range of the values with a margin; `constant` on either side where they do not vary."""
+    values = np.asarray(values, dtype=float)
     if not len(values):
         return 0.0, 1.0
     low, high = float(values.min()), float(values.max())
-    if high - low <= 1e-6 * max(abs(low), abs(high)):
+    size = max(abs(low), abs(high))
+    if high - low <= 1e-6 * size:
+        constant = (0.1 * size or 1.0) if constant is None else constant
         return low - constant, high + constant
     return low - 0.04 * (high - low), high + 0.04 * (high - low)
 
 
-def phase_range(values: np.ndarray) -> tuple[float, float]:
+def phase_range(values: np.ndarray | Sequence[float]) -> tuple[float, float]:
     """Phases to show, degrees: those of the impacts where they are close, else the whole turn."""
     low, high = padded(values, 5.0)
     if not len(values) or high - low > NARROW_DEG:
@@ -58,16 +61,33 @@ def phase_range(values: np.ndarray) -> tuple[float, float]:
     return max(low, 0.0), min(high, TURN_DEG)
 
 
-def phase_axis(axes: Axes, low: float, high: float) -> None:
+def phase_axis(axes: Axes, low: float, high: float, what: str = "impact") -> None:
     """Phases upwards, a tick every 60 degrees of a whole turn."""
-    axes.set_ylim(low, high)
+    axes.set(ylim=(low, high), ylabel=rf"{what} phase $\theta$ (deg)")
     if (low, high) == (0.0, TURN_DEG):
         axes.yaxis.set_major_locator(MultipleLocator(60))
 
 
-def at_strobe(system: System) -> str:
-    """The phase of the stroboscopic section."""
-    return rf"$\theta$ = {style.number(round(system.strobe_deg, 9))} deg"
+def turn_axis(axes: Axes, corners: dict[str, float], **more: Any) -> None:
+    """One turn of the cam to the right, with its corners."""
+    axes.set(xlim=(0.0, TURN_DEG), xlabel=r"cam angle $\theta$ (deg)")
+    axes.xaxis.set_major_locator(MultipleLocator(60))
+    corner_lines(axes, corners.items(), "x", **more)
+
+
+def strobe_name(system: System) -> str:
+    """The axis of stroboscopic positions."""
+    phase = style.number(round(system.strobe_deg, 9))
+    return "stroboscopic $q$ (m)" + rf", $\theta$ = {phase} deg" * (phase != "0")
+
+
+def say(axes: Axes, text: str) -> None:
+    """Words in the middle of a panel that has nothing to draw."""
+    axes.set(xticks=[], yticks=[])
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=style.CAM)
+
+
+# --- names and numbers in a row, corners and events
 
 
 def spread(values: Sequence[float], gap: float, low: float, high: float) -> list[float]:
@@ -87,122 +107,87 @@ def spread(values: Sequence[float], gap: float, low: float, high: float) -> list
     return [min(max(x, low + k * gap), high - (last - k) * gap) for k, x in enumerate(places)]
 
 
-# --- corners and events
+def places_beside(axes: Axes, values: Sequence[float], way: str, room: float = 1.0) -> list[float]:
+    """Where the names of ascending values stand along an axis, none upon another."""
+    low, high = axes.get_xlim() if way == "x" else axes.get_ylim()
+    box = axes.get_window_extent()
+    points = (box.width if way == "x" else box.height) / axes.figure.dpi * 72.0
+    # the layout makes the panel smaller afterwards, by its numbers and names
+    return spread(values, 1.2 * room * ROOM[way] * (high - low) / points, low, high)
 
 
-def corners_upwards(axes: Axes, corners: Iterable[tuple[str, float]], named: bool = True) -> None:
-    """Corners of the cam as lines in a panel with phases upwards, named at its right edge."""
-    low, high = axes.get_ylim()
-    seen = sorted((phase, name) for name, phase in corners if low <= phase <= high)
-    for phase, _ in seen:
-        axes.axhline(phase, color=style.GUIDE, linewidth=0.5, zorder=1)
-    if named:
-        gap = 24.0 * (high - low) / axes.get_window_extent().height
-        places = spread([phase for phase, _ in seen], gap, low, high)
-        for (_, name), place in zip(seen, places, strict=True):
-            at = axes.get_yaxis_transform()
-            axes.text(1.012, place, name, va="center_baseline", color=style.CAM, transform=at)
-
-
-def corners_across(
-    axes: Axes, corners: Iterable[tuple[str, float]], named: bool = True, inside: bool = False
+def corner_lines(
+    axes: Axes, corners: Iterable[tuple[str, float]], way: str, named: bool = True
 ) -> None:
-    """Corners as dotted lines in a panel with phases to the right, named at or above its top."""
-    low, high = axes.get_xlim()
+    """Corners of the cam at their phases, which grow along `way`, named at the panel's edge."""
+    low, high = axes.get_xlim() if way == "x" else axes.get_ylim()
     seen = sorted((phase, name) for name, phase in corners if low <= phase <= high)
-    for phase, _ in seen:
-        axes.axvline(phase, color=style.GUIDE, linewidth=0.6, linestyle=DOTTED, zorder=0.5)
-    if named:
-        gap = 18.0 * (high - low) / axes.get_window_extent().width
-        places = spread([phase for phase, _ in seen], gap, low, high)
-        y, va = (0.985, "top") if inside else (1.015, "bottom")
-        for (_, name), x in zip(seen, places, strict=True):
-            at = axes.get_xaxis_transform()
-            axes.text(x, y, name, ha="center", va=va, color=style.CAM, transform=at)
+    places = places_beside(axes, [phase for phase, _ in seen], way)
+    for (phase, name), place in zip(seen, places, strict=True):
+        line: dict[str, Any] = {"color": style.GUIDE, "linewidth": 0.5, "zorder": 0.5}
+        look: dict[str, Any] = {"color": style.CAM, "size": style.NOTE, "clip_on": False}
+        if way == "x":
+            axes.axvline(phase, linestyle=DOTTED, **line)
+            look |= {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
+        else:
+            axes.axhline(phase, **line)
+            look |= {"transform": axes.get_yaxis_transform(), "va": "center_baseline"}
+        if named:
+            axes.text(*((place, 1.01) if way == "x" else (1.01, place)), name, **look)
 
 
-def mark(axes: Axes, kind: str, x: Any, y: Any, **more: Any) -> None:
+def marked(kind: str) -> Line2D:
     """The mark of an event, or of a place where something could not be followed."""
     marker, face, edge, size = MARKS.get(kind, LOST)
-    more = {"zorder": 6, "mew": 0.5 if edge == "white" else 0.8, **more}
-    axes.plot(x, y, marker, ms=size, mfc=face, mec=edge, **more)
+    width = 0.5 if edge == "white" else 0.8
+    return Line2D([], [], marker=marker, ms=size, mfc=face, mec=edge, mew=width, ls="None")
 
 
-def event_lines(axes: Axes, values: Iterable[float]) -> None:
-    """A dotted vertical line at every event in the range."""
+def mark(
+    axes: Axes, kind: str, x: Any, y: Any, label: str | None = None, zorder: float = 6
+) -> None:
+    """Marks of an event."""
+    line = marked(kind)
+    line.set(label=label, zorder=zorder)
+    line.set_data(x, y)
+    axes.add_line(line)
+
+
+def number_events(axes: Axes, events: Sequence[tuple[int | None, float]], named: bool) -> None:
+    """A dotted line at every event; above the panel their numbers, joined to their places."""
     low, high = axes.get_xlim()
-    for value in values:
-        if low <= value <= high:
-            axes.axvline(value, color=style.CAM, linewidth=0.5, linestyle=DOTTED, zorder=3)
-
-
-CROWDED = 20  # numbers above a panel from which they stand in two rows
-STEP = 24.0  # px between these
-SMALL, LARGE = 20.0, 28.0  # px, from one number to the next, of one digit and of two
-
-
-def numbers_height(count: int) -> int:
-    """Pixels that so many numbers above a panel need."""
-    return 64 + round(STEP) * (count > CROWDED) if count else 0
-
-
-def event_numbers(axes: Axes, events: Sequence[tuple[int, float]]) -> None:
-    """Numbers of events in ascending order above a panel, each with a line to its place."""
-    low, high = axes.get_xlim()
-    box = axes.get_window_extent()
-    seen = [(number, value) for number, value in events if low <= value <= high]
+    seen = sorted((value, number) for number, value in events if low <= value <= high)
+    for value, _ in seen:
+        axes.axvline(value, color=style.CAM, linewidth=0.5, linestyle=DOTTED, zorder=3)
+    seen = [(value, number) for value, number in seen if named and number is not None]
     crowded = len(seen) > CROWDED
-    room = LARGE / 2.0 if crowded else LARGE if len(seen) > 9 else SMALL
-    places = spread([value for _, value in seen], room * (high - low) / box.width, low, high)
-    at: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False}
-    for k, ((number, value), place) in enumerate(zip(seen, places, strict=True)):
-        up = STEP * (k % 2) if crowded else 0.0
-        y = [1.0 + rise / box.height for rise in (0.0, 6.0, 24.0, 26.0 + up)]
-        axes.plot([value, value, place, place], y, color=style.GUIDE, linewidth=0.5, **at)
-        y_text = 1.0 + (29.0 + up) / box.height
-        axes.text(place, y_text, str(number), ha="center", va="bottom", size=7, **at)
+    places = places_beside(axes, [v for v, _ in seen], "x", 0.8 if crowded else 1.5)
+    for k, ((value, number), place) in enumerate(zip(seen, places, strict=True)):
+        axes.annotate(
+            str(number),
+            (value, 1.0),
+            (place, 11 + 8 * (k % 2) * crowded),
+            xycoords=axes.get_xaxis_transform(),
+            textcoords=("data", "offset points"),
+            ha="center",
+            va="bottom",
+            size=style.NOTE,
+            annotation_clip=False,
+            arrowprops={
+                "arrowstyle": "-",
+                "color": style.GUIDE,
+                "lw": 0.5,
+                "shrinkA": 0,
+                "shrinkB": 0,
+            },
+        )
 
 
 def trouble_ticks(axes: Axes, x: Sequence[float] | np.ndarray) -> None:
     """A red tick at the bottom edge where a status is not ok."""
     at: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
-    axes.plot(x, np.zeros(len(x)), "|", color=style.TROUBLE, ms=7, mew=0.9, **at)
-
-
-# --- words
-
-
-def legend(
-    figure: Figure,
-    top: float,
-    handles: Sequence,
-    names: Sequence[str],
-    columns: int = 1,
-    left: float = 20,
-) -> None:
-    """A legend whose top left corner is at a pixel, below the heading of the page or a panel's."""
-    figure.legend(handles, names, bbox_to_anchor=style.share(figure, left, top), ncols=columns)
-
-
-def text_rows(figure: Figure, top: float, count: int) -> Axes:
-    """Axes without a frame over the width of the page for rows of text, in pixels."""
-    wide, height = figure.get_figwidth() * style.DPI, style.LINE * count
-    axes = style.place(figure, 0, top, wide, height, frame_on=False)
-    axes.set(xlim=(0, wide), ylim=(height, 0), xticks=[], yticks=[])
-    return axes
-
-
-def row_middle(row: int) -> float:
-    """Height of a row of text in its axes."""
-    return (row + 0.5) * style.LINE
-
-
-def text_row(
-    axes: Axes, row: int, lefts: Sequence[float], cells: Sequence[str], **look: Any
-) -> list[Text]:
-    """One row of texts, each from its left end."""
-    pairs = zip(lefts, cells, strict=False)
-    return [axes.text(x, row_middle(row), s, va="center_baseline", **look) for x, s in pairs]
+    if len(x):  # empty lines would have a place in the layout
+        axes.plot(x, np.zeros(len(x)), "|", color=style.TROUBLE, ms=7, mew=0.9, **at)
 
 
 # --- the cam and its force
@@ -229,17 +214,17 @@ def lift_curves(cam: Cam, count: int) -> tuple[np.ndarray, list[np.ndarray]]:
 
 def draw_forces(axes: Axes, curves: Sequence[ForceCurve], names: Sequence[str] = ()) -> None:
     """N over the turn, darker from curve to curve; below zero a follower would leave."""
-    colours = style.FORCES if len(curves) > 1 else (style.FORCE,)
+    few = style.FORCES[1:2] if len(curves) == 1 else style.FORCES
     for k, curve in enumerate(curves):
-        turn, place = divmod(k, len(colours))
-        line, name = FORCE_LINES[turn % len(FORCE_LINES)], names[k] if names else None
-        axes.plot(curve.theta_deg, curve.force_n, color=colours[place], ls=line, label=name)
+        turn, place = divmod(k, len(few))
+        line = ("-", (0, (5, 1.5)), (0, (1.5, 1)))[turn % 3]
+        name = names[k] if names else None
+        axes.plot(curve.theta_deg, curve.force_n, color=few[place], ls=line, label=name)
     axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=1)
     low, high = axes.get_ylim()
     if low < 0.0 and any(min(curve.force_n) < 0.0 for curve in curves):
         axes.axhspan(low, 0.0, color=style.PULL, linewidth=0, zorder=0)
-    axes.set_ylim(low, high)
-    axes.set_ylabel("contact force (N)")
+    axes.set(ylim=(low, high), ylabel="contact force (N)")
 
 
 def newtons(value: float, digits: int) -> str:

@@ -3,87 +3,67 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from camcli.analysis.basins.study import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question, Study
 from camcli.analysis.sweep import status_name
 from camcli.plots import style
-from camcli.plots.axes import legend
-from camcli.plots.style import BOTTOM, LEFT, WIDE
+from camcli.plots.picture import Panel, Picture
 from camcli.system import System, omega_of
 
-HIGH = 900  # px, of the window
-STACK, STATES, GAP = 560, 420, 40  # px, of the panels over speed
-HEAD, RANGE_HEAD = 130, 100  # px, above the legend
-MOST_NAMED = 12  # attractors in the legend
-CHARS, RANGE_CHARS = 60, 24  # of a label in the legend
-LABELS = 3  # of a branch of attractors in the legend
-UNDECIDED, TROUBLE, BELOW = style.UNDECIDED, style.TROUBLE, style.CAM_BODY
+MOST_NAMED = 12  # attractors in the list
+CHARS, RANGE_CHARS = 60, 24  # of a label in the list
+LABELS = 3  # of a branch of attractors in the list
+PALE = (0.8, 0.3)  # white in the colour of a basin: of the largest, of the others
 SHAPES = ("o", "s", "^", "D", "v", "P", "X")
 DOTS, RANGE_DOTS = 3000, 150  # states of an aperiodic attractor drawn
 
 
-def draw_basins(study: Study, question: Question, system: System) -> Figure:
+def draw_basins(study: Study, question: Question, system: System) -> Picture:
     """Picture of the basins of one speed, or of fractions and attractors over a range of them."""
     if study.grid is None:
-        return _draw_range(study, question)
-    return _draw_window(study.grid, system)
+        return _range(study, question)
+    return _window(study.grid, system)
 
 
-def area_colours(labels: Sequence[str]) -> list[str]:
-    """Colours of the basins of attractors by their labels, apart where two want the same."""
-    wanted = [style.label_colour(label) for label in labels]
-    return style.apart([style.APERIODIC_AREA if c == style.APERIODIC else c for c in wanted])
+def area_colours(labels: Sequence[str], largest: int = 0) -> list[str]:
+    """Colours of the motions with these labels, mixed with white, most in that of the largest."""
+    own = enumerate(style.apart([style.label_colour(label) for label in labels]))
+    return [style.mixed(colour, PALE[k != largest]) for k, colour in own]
+
+
+def _swatch(colour: str) -> Line2D:
+    return Line2D([], [], ls="None", marker="s", ms=7, mfc=colour, mec=style.CAM, mew=0.4)
 
 
 # --- one speed
 
 
-@style.look()
-def _draw_window(basins: Basins, system: System) -> Figure:
+def _window(basins: Basins, system: System) -> Picture:
     """The basins of one speed."""
+    colours = _colours(basins)
     entries = _entries(basins)
-    top = HEAD + style.LINE * (len(entries) + 1)
-    title = f"Basins of attraction, {style.number(basins.rpm)} rpm"
-    figure = style.page(top + HIGH + BOTTOM, title, _below_title(basins, system))
-    window = basins.window
-    axes = style.place(figure, LEFT, top, WIDE, HIGH)
-    axes.imshow(
-        _pixels(basins, WIDE, HIGH),
-        extent=(*window.q, *window.v),
-        origin="lower",
-        aspect="auto",
-        interpolation="none",
-    )
-    outside = _draw_attractors(axes, basins)
-    cam_shown = _draw_cam(axes, basins, system)
-    axes.set(xlim=window.q, ylim=window.v)
-    axes.set_xlabel("position $q$ of the start (m)")
-    axes.set_ylabel("velocity $v$ of the start (m/s)")
-    handles: list[Any] = []
-    names, colours = [], _colours(basins)
-    for code, words in entries:
-        area = Patch(facecolor=colours.get(code, TROUBLE), ec="black", lw=0.5)
+    outside = {k for k, a in enumerate(basins.attractors, 1) if not _inside(basins, a).any()}
+    rows: list[list[Any]] = [["", "", "basin of", "share of the window"]]
+    for code, name, share in entries:
         marked = 0 < code <= MOST_NAMED and basins.attractors[code - 1].periodic
-        shape = (Line2D([], [], **_marker(code)),) if marked and code not in outside else ()
-        handles.append((area, *shape))
-        names.append(words + (", attractor outside the window" if code in outside else ""))
-    if cam_shown:
-        handles.append(Line2D([], [], color="black", linewidth=1.6))
-        below = bool((basins.codes == BELOW_CODE).any())
-        names.append("cam, $q = c$" + ("; grey: below it" if below else ""))
-    legend(figure, HEAD - 8, handles, names)
-    return figure
+        shape = _marker(code) if marked and code not in outside else ""
+        away = "attractor outside the window" if code in outside else ""
+        rows.append([_swatch(colours.get(code, style.TROUBLE)), shape, name, share, away])
+    if (basins.codes == BELOW_CODE).any():
+        rows.append([_swatch(style.CAM_BODY), "", "none: below the cam"])
+    panel = Panel(partial(_draw_window, basins=basins, system=system, colours=colours), 120.0)
+    title = f"Basins of attraction, {style.number(basins.rpm)} rpm"
+    return Picture(title, {"basins": panel}, _words(basins, system), lists=[rows])
 
 
-def _below_title(basins: Basins, system: System) -> str:
+def _words(basins: Basins, system: System) -> str:
     window, phase = basins.window, style.number(round(system.strobe_deg, 9))
     how = "simple cell mapping" if basins.method == SIMPLE else "orbit mapping"
     text = f"{window.nq} × {window.nv} starts at θ = {phase} deg, {how}"
@@ -91,7 +71,7 @@ def _below_title(basins: Basins, system: System) -> str:
         share = 100.0 * basins.computed / basins.cells
         text += f", {share:.3g} % of the cells computed (boundaries refined)"
     entropies = basins.entropies
-    text += f"\nbasin entropy {entropies['basin_entropy']:.3g}"
+    text += f"; basin entropy {entropies['basin_entropy']:.3g}"
     if entropies["boundary_boxes"]:
         text += f", boundary entropy {entropies['boundary_entropy']:.3g}"
     if basins.uncertainty is not None:
@@ -100,20 +80,20 @@ def _below_title(basins: Basins, system: System) -> str:
     return text
 
 
-def _entries(basins: Basins) -> list[tuple[int, str]]:
-    """(code, words) of the legend: attractors, then what belongs to none."""
-    found = []
-    for k, attractor in enumerate(basins.attractors[:MOST_NAMED], 1):
-        name = style.motion(attractor.label, CHARS)
-        found.append((k, f"{name}   {percent(basins.fractions[k])}"))
+def _entries(basins: Basins) -> list[tuple[int, str, str]]:
+    """(code, name, share) of the list: attractors, then what belongs to none."""
+    found = [
+        (k, style.motion(attractor.label, CHARS), percent(basins.fractions[k]))
+        for k, attractor in enumerate(basins.attractors[:MOST_NAMED], 1)
+    ]
     rest = range(MOST_NAMED + 1, len(basins.attractors) + 1)
     if rest:
-        share = sum(basins.fractions[k][0] for k in rest)
-        found.append((rest[0], f"and {len(rest)} more, together {100.0 * share:.3g} %"))
+        share = 100.0 * sum(basins.fractions[k][0] for k in rest)
+        found.append((rest[0], f"and {len(rest)} more, together", f"{share:.3g} %"))
     for code, fraction in basins.fractions.items():
         if code <= 0:
             name = "undecided" if code == UNDECIDED_CODE else status_name(-code)
-            found.append((code, f"{name}   {percent(fraction)}"))
+            found.append((code, name, percent(fraction)))
     return found
 
 
@@ -127,106 +107,79 @@ def percent(share: tuple[float, float]) -> str:
 
 
 def _colours(basins: Basins) -> dict[int, str]:
-    areas = area_colours([attractor.label for attractor in basins.attractors])
-    return {UNDECIDED_CODE: UNDECIDED, BELOW_CODE: BELOW, **dict(enumerate(areas, 1))}
+    shares = [basins.fractions[k][0] for k, _ in enumerate(basins.attractors, 1)]
+    largest = int(np.argmax(shares)) if shares else 0
+    areas = area_colours([attractor.label for attractor in basins.attractors], largest)
+    none = {UNDECIDED_CODE: style.UNDECIDED, BELOW_CODE: style.CAM_BODY}
+    return {**none, **dict(enumerate(areas, 1))}
 
 
-def _pixels(basins: Basins, wide: int, high: int) -> np.ndarray:
-    """(rows, columns, 3) colours; cells smaller than a pixel are averaged."""
-    colours = _colours(basins)
-    first = [_first_cells(*pair) for pair in zip(basins.codes.shape, (high, wide), strict=True)]
-    sizes = [
-        np.diff(cells, append=count) for cells, count in zip(first, basins.codes.shape, strict=True)
-    ]
-    area = np.outer(*sizes)
-    picture = np.zeros((*area.shape, 3))
-    for code in np.unique(basins.codes).tolist():
-        mask = (basins.codes == code).astype(np.uint16)
-        share = np.add.reduceat(np.add.reduceat(mask, first[0], axis=0), first[1], axis=1) / area
-        picture += share[:, :, None] * np.array(to_rgb(colours.get(code, TROUBLE)))
-    return np.rint(255.0 * picture).astype(np.uint8)
-
-
-def _first_cells(cells: int, pixels: int) -> np.ndarray:
-    """First cell of every pixel; a pixel per cell where there are fewer cells."""
-    count = min(cells, pixels)
-    return np.arange(count) * cells // count
-
-
-def _draw_attractors(axes: Axes, basins: Basins) -> set[int]:
-    """Section points of every attractor; returns the numbers of those outside the window."""
-    window, outside = basins.window, set()
+def _draw_window(axes: Axes, basins: Basins, system: System, colours: dict[int, str]) -> None:
+    window = basins.window
+    codes, index = np.unique(basins.codes, return_inverse=True)
+    table = np.array([to_rgb(colours.get(code, style.TROUBLE)) for code in codes.tolist()])
+    pixels = np.rint(255.0 * table).astype(np.uint8)[index.reshape(basins.codes.shape)]
+    axes.imshow(pixels, extent=(*window.q, *window.v), origin="lower", aspect="auto")
     for number, attractor in enumerate(basins.attractors, 1):
         q, w = attractor.shown().T
         v = w * omega_of(basins.rpm)
-        inside = (window.q[0] <= q) & (q <= window.q[1])
-        inside &= (window.v[0] <= v) & (v <= window.v[1])
-        if not inside.any():
-            outside.add(number)
         if attractor.periodic:
-            axes.plot(q, v, **_marker(number), zorder=5)
-            continue
-        step = max(1, len(q) // DOTS)
-        axes.plot(q[::step], v[::step], ".", color=style.APERIODIC, ms=1.2, mew=0.0, zorder=4)
-    return outside
-
-
-def _marker(number: int) -> dict[str, Any]:
-    shape = SHAPES[(number - 1) % len(SHAPES)]
-    return {"marker": shape, "ms": 6.0, "mfc": "white", "mec": "black", "mew": 1.1, "ls": ""}
-
-
-def _draw_cam(axes: Axes, basins: Basins, system: System) -> bool:
-    """The line q = c at the strobe; True where it lies in the window."""
+            line = _marker(number)
+            line.set(zorder=5)
+            line.set_data(q, v)
+            axes.add_line(line)
+        else:
+            step = max(1, len(q) // DOTS)
+            axes.plot(q[::step], v[::step], ".", color=style.APERIODIC, ms=1.2, mew=0.0, zorder=4)
     c = system.cam.stretches[system.cam.strobe].start_c
-    low, high = basins.window.q
-    if not low <= c <= high:
-        return False
-    axes.axvspan(low, c, color=BELOW, linewidth=0.0, zorder=2)  # over cells that the cam cuts
-    axes.axvline(c, color="black", linewidth=1.6, zorder=3, clip_on=False)
-    return True
+    low, high = window.q
+    if low <= c <= high:
+        axes.axvspan(low, c, color=style.CAM_BODY, linewidth=0.0, zorder=2)  # over cells it cuts
+        axes.axvline(c, color=style.CAM, linewidth=1.6, zorder=3, label="cam, $q = c$")
+    axes.set(xlim=window.q, ylim=window.v)
+    axes.set(xlabel="position $q$ of the start (m)", ylabel="velocity $v$ of the start (m/s)")
+
+
+def _inside(basins: Basins, attractor: Any) -> np.ndarray:
+    """Which section points of an attractor lie in the window."""
+    q, w = attractor.shown().T
+    v, window = w * omega_of(basins.rpm), basins.window
+    inside = (window.q[0] <= q) & (q <= window.q[1])
+    return inside & (window.v[0] <= v) & (v <= window.v[1])
+
+
+def _marker(number: int) -> Line2D:
+    shape = SHAPES[(number - 1) % len(SHAPES)]
+    return Line2D([], [], marker=shape, ms=6.0, mfc="white", mec="black", mew=1.1, ls="None")
 
 
 # --- a range of speeds
 
 
-@style.look()
-def _draw_range(study: Study, question: Question) -> Figure:
+def _range(study: Study, question: Question) -> Picture:
     """Fractions stacked over speed, and where the attractors are."""
-    entries = _range_entries(study)
-    top = RANGE_HEAD + style.LINE * len(entries)
-    rpms = [style.number(study.speeds[k].rpm) for k in (0, -1)]
-    title = f"Basin fractions, {rpms[0]} to {rpms[1]} rpm"
-    height = top + STACK + GAP + STATES + BOTTOM
-    figure = style.page(height, title, _below_range_title(study, question))
-    upper = style.place(figure, LEFT, top, WIDE, STACK)
-    lower = style.place(figure, LEFT, top + STACK + GAP, WIDE, STATES)
-    colours = branch_colours(study)
-    edges = _edges(np.array([speed.rpm for speed in study.speeds]))
-    _draw_stack(upper, study, edges, colours)
-    _draw_states(lower, study, colours)
-    for axes in (upper, lower):
-        axes.set_xlim(edges.min(), edges.max())
-    upper.tick_params(labelbottom=False)
-    lower.set_xlabel("cam speed (rpm)")
-    lower.set_ylabel("attractors' stroboscopic $q$ (m)")
-    areas = {**colours, UNDECIDED_CODE: UNDECIDED, -1: "white"}
-    handles = [Patch(facecolor=areas[code], ec="black", lw=0.5) for code, _ in entries]
-    legend(figure, RANGE_HEAD - 8, handles, [words for _, words in entries])
-    return figure
-
-
-def _below_range_title(study: Study, question: Question) -> str:
-    window = question.window
-    return (
+    colours, edges = branch_colours(study), _edges(np.array([s.rpm for s in study.speeds]))
+    areas = {**colours, UNDECIDED_CODE: style.UNDECIDED, -1: "white"}
+    rows = [[_swatch(areas[code]), words] for code, words in _range_entries(study)]
+    half = (len(rows) + 1) // 2
+    head = [["", "branch of attractors"]]
+    window, rpms = question.window, [style.number(study.speeds[k].rpm) for k in (0, -1)]
+    words = (
         f"{len(study.speeds)} speeds, {window.nq} × {window.nv} starts each, "
         f"q from {window.q[0]:g} to {window.q[1]:g} m, "
         f"v from {window.v[0]:g} to {window.v[1]:g} m/s, {question.method} mapping"
     ).replace("-", "−")
+    more: dict[str, Any] = {"study": study, "edges": edges, "colours": colours}
+    panels = {
+        "fractions": Panel(partial(_draw_stack, **more), 70.0, "rpm"),
+        "attractors": Panel(partial(_draw_states, **more), 52.0, "rpm"),
+    }
+    title = f"Basin fractions, {rpms[0]} to {rpms[1]} rpm"
+    return Picture(title, panels, words, lists=[head + rows[:half], head + rows[half:]])
 
 
 def _range_entries(study: Study) -> list[tuple[int, str]]:
-    """(branch, words) of the legend: the largest branches by number, then what is undecided."""
+    """(branch, words) of the list: the largest branches by number, then what is undecided."""
     labels: dict[int, list[str]] = {}
     weight: dict[int, float] = {}
     for speed in study.speeds:
@@ -271,16 +224,19 @@ def _edges(rpms: np.ndarray) -> np.ndarray:
 def _draw_stack(axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, str]) -> None:
     """The fractions of the branches on one another, then what is undecided."""
     height = np.zeros(len(study.speeds))
-    bars: dict[str, Any] = {"width": np.abs(np.diff(edges)), "align": "edge", "lw": 0.0}
-    left = np.minimum(edges[:-1], edges[1:])
+    bars: dict[str, Any] = {"width": np.diff(edges), "align": "edge", "lw": 0.0}
     for branch in sorted(colours):
         share = np.array([_fraction(speed, branch) for speed in study.speeds])
-        axes.bar(left, share, bottom=height, color=colours[branch], **bars)
+        axes.bar(edges[:-1], share, bottom=height, color=colours[branch], **bars)
         height = height + share
     rest = np.where(1.0 - height > 1e-12, 1.0 - height, 0.0)
-    axes.bar(left, rest, bottom=height, color=UNDECIDED, **bars)
-    axes.set_ylim(0.0, 1.0)
-    axes.set_ylabel("fraction of the window")
+    axes.bar(edges[:-1], rest, bottom=height, color=style.UNDECIDED, **bars)
+    _speeds(axes, edges)
+    axes.set(ylim=(0.0, 1.0), ylabel="fraction of the window")
+
+
+def _speeds(axes: Axes, edges: np.ndarray) -> None:
+    axes.set(xlim=(edges.min(), edges.max()), xlabel="cam speed (rpm)")
 
 
 def _fraction(speed: Basins, branch: int) -> float:
@@ -288,7 +244,7 @@ def _fraction(speed: Basins, branch: int) -> float:
     return sum(speed.fractions[number][0] for number in numbers)
 
 
-def _draw_states(axes: Axes, study: Study, colours: dict[int, str]) -> None:
+def _draw_states(axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, str]) -> None:
     """The attractors' stroboscopic positions."""
     for speed in study.speeds:
         for branch, attractor in zip(speed.branches, speed.attractors, strict=True):
@@ -298,3 +254,5 @@ def _draw_states(axes: Axes, study: Study, colours: dict[int, str]) -> None:
                 q, size, edge = q[:: max(1, len(q) // RANGE_DOTS)], 1.6, 0.0
             x = np.full(len(q), speed.rpm)
             axes.plot(x, q, "o", mfc=colours[branch], mec="black", ms=size, mew=edge, zorder=3)
+    _speeds(axes, edges)
+    axes.set_ylabel("attractors' stroboscopic $q$ (m)")

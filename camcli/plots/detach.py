@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from camcli.analysis.contact_loss.detachment import Loss
@@ -18,22 +18,11 @@ from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.contact_loss.hold import Hold
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.plots import style
-from camcli.plots.axes import (
-    TURN_DEG,
-    corners_across,
-    corners_upwards,
-    draw_forces,
-    legend,
-    mark,
-    newtons,
-)
-from camcli.plots.style import BOTTOM, LEFT, WIDE
+from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, newtons, turn_axis
+from camcli.plots.picture import Panel, Picture
 from camcli.system import System
 
-TOP = 160  # px, of the first panel
-GAP = 120  # px, between panels
-ZOOM, WHOLE, FORCE = 520, 520, 430  # px, heights of the panels
-LINES = 34  # px, of a legend above a panel of forces
+PHASES, FORCE = 62.0, 46.0  # mm
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
@@ -49,42 +38,34 @@ class _View:
     high: float
     fold: float
     rpm: tuple[float, float]
-    height: int
 
     def phase(self, theta_deg: float | Sequence[float]) -> np.ndarray:
         """Phases counted on from the fold."""
         return self.fold + (np.asarray(theta_deg, dtype=float) - self.fold) % TURN_DEG
 
 
-@style.look()
-def draw_detach(study: ContactLoss, system: System) -> Figure:
+def draw_detach(study: ContactLoss, system: System) -> Picture:
     """Picture of where contact is lost: phases over speed, forces over the turn."""
-    views = _views(study)
-    forces = [_forces(study), _springs(study)]
-    heights = [view.height for view in views]
-    heights += [FORCE + LINES * len(curves) for curves, _, _ in forces if curves]
+    corners = style.corner_names(system.corners_deg)
+    *enlarged, whole = _views(study)
+    more: dict[str, Any] = {"study": study, "corners": corners}
+    panels = {"phases": Panel(partial(_draw_phases, view=whole, **more), PHASES)}
+    if enlarged:
+        zoom = Panel(partial(_draw_phases, view=enlarged[0], **more), PHASES)
+        panels = {"enlarged": zoom, **panels}
+    if study.forces:
+        names = [_least(f"{style.number(round(c.rpm, 6))} rpm", c) for c in study.forces]
+        draw = partial(_draw_forces, curves=study.forces, names=names, corners=corners)
+        panels["forces"] = Panel(draw, FORCE)
+    if study.springs:
+        curves = [curve for _, curve in study.springs]
+        names = [_least(_spring(hold), curve) for hold, curve in study.springs]
+        where = f"at {style.number(curves[0].rpm)} rpm"
+        draw = partial(_draw_forces, curves=curves, names=names, corners=corners, where=where)
+        panels["springs"] = Panel(draw, FORCE)
     rpms = dict.fromkeys(style.number(f(s.rpm for s in study.speeds)) for f in (min, max))
     title = f"Detachment and chattering, {' to '.join(rpms)} rpm"
-    height = TOP + sum(heights) + GAP * (len(heights) - 1) + BOTTOM
-    figure = style.page(height, title, _first_loss(study))
-    top, corners = TOP, style.corner_names(system.corners_deg)
-    for view in views:
-        axes = style.place(figure, LEFT, top, WIDE, view.height)
-        _draw_phases(axes, view, study, corners)
-        top += view.height + GAP
-    legend(figure, 96, *figure.axes[0].get_legend_handles_labels(), columns=3)
-    for curves, names, where in forces:
-        if not curves:
-            continue
-        axes = style.place(figure, LEFT, top + LINES * len(curves), WIDE, FORCE)
-        draw_forces(axes, curves, names)
-        axes.set(xlim=(0.0, TURN_DEG), xticks=range(0, 361, 30))
-        axes.set_xlabel(r"cam angle $\theta$ (deg)")
-        axes.set_ylabel(f"contact force{where} (N)")
-        corners_across(axes, corners.items())
-        legend(figure, top - 30, *axes.get_legend_handles_labels(), left=LEFT)
-        top += LINES * len(curves) + FORCE + GAP
-    return figure
+    return Picture(title, panels, _first_loss(study))
 
 
 def _first_loss(study: ContactLoss) -> str:
@@ -108,9 +89,9 @@ def _views(study: ContactLoss) -> list[_View]:
     span = min(rpms) - margin, max(rpms) + margin
     lead = _leading(study)
     if lead is None:
-        return [_View(0.0, TURN_DEG, 0.0, span, WHOLE)]
+        return [_View(0.0, TURN_DEG, 0.0, span)]
     start, room = lead.opens.theta_deg, TURN_DEG * ROOM
-    whole = _View(start - room, start + TURN_DEG + room, start - FOLD, span, WHOLE)
+    whole = _View(start - room, start + TURN_DEG + room, start - FOLD, span)
     marks = [c for c in study.accumulation if c.burst == lead.region.name]
     early = {c.region: c for c in sorted(marks, key=lambda c: -c.rpm)}  # the first of each corner
     reached = sorted(early.values(), key=lambda c: c.rpm)[:2]
@@ -125,9 +106,9 @@ def _views(study: ContactLoss) -> list[_View]:
     low, high = lead.opens.rpm, max([*[c.rpm for c in reached], *hits])
     rpm = max(span[0], low - 0.12 * (high - low)), min(span[1], high + 0.12 * (high - low))
     if rpm[1] - rpm[0] < 0.6 * (span[1] - span[0]):
-        return [_View(bottom, top, start - FOLD, rpm, ZOOM), whole]
+        return [_View(bottom, top, start - FOLD, rpm), whole]
     if top - bottom < FLAT:
-        return [_View(bottom, top, start - FOLD, span, ZOOM), whole]
+        return [_View(bottom, top, start - FOLD, span), whole]
     return [whole]
 
 
@@ -150,44 +131,33 @@ def _ends(study: ContactLoss) -> Iterator[tuple[str, float, float]]:
 
 
 def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:
-    """Impacts in the background; the computed curve and points on top."""
     axes.set(xlim=view.rpm, ylim=(view.low, view.high))
-    axes.set_xlabel("cam speed (rpm)")
-    axes.set_ylabel(r"phase $\theta$ (deg)")
-    axes.yaxis.set_major_locator(MultipleLocator(60 if view.high - view.low > 120.0 else 10))
+    axes.set(xlabel="cam speed (rpm)", ylabel=r"phase $\theta$ (deg)")
+    axes.yaxis.set_major_locator(MultipleLocator(60 if view.high - view.low > 180.0 else 10))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % TURN_DEG:g}"))
     places = [(name, float(view.phase(phase))) for name, phase in corners.items()]
-    corners_upwards(axes, [(name, x + turn) for name, x in places for turn in (0.0, TURN_DEG)])
+    corner_lines(axes, [(name, x + turn) for name, x in places for turn in (0.0, TURN_DEG)], "y")
     rpm = [speed.rpm for speed in study.speeds for _ in speed.impacts]
     impacts = view.phase([x for speed in study.speeds for x in speed.impacts])
     axes.plot(rpm, impacts, "o", color=style.SIMULATED, ms=1.8, mew=0.0, label="impacts, simulated")
-    _draw_ends(axes, view, study)
+    curves: dict[str, list[tuple[float, float]]] = {}
+    for region, end, speed in _ends(study):
+        curves.setdefault(region, []).append((speed, float(view.phase(end))))
+    for region in sorted(curves):
+        points = np.array(curves[region])
+        breaks = np.flatnonzero(abs(np.diff(points[:, 1])) > JUMP) + 1
+        line, name = np.insert(points, breaks, np.nan, axis=0).T, "end of the chatter, computed"
+        axes.plot(*line, "o-", color=style.CHATTER, lw=1.2, ms=1.6, mew=0.0, label=name)
     first = study.detachment.first
     if first is not None:
         at = view.phase([first.theta_deg])
         mark(axes, "detachment", [first.rpm], at, label="first detachment", zorder=5)
-    at = np.concatenate(
-        [
-            view.phase([c.theta_deg for c in study.accumulation]),
-            view.phase([c.theta_deg for c in study.completion]) + TURN_DEG,  # a turn after lift-off
-        ]
-    )
-    rpm = [c.rpm for c in (*study.accumulation, *study.completion)]
-    mark(axes, "chatter", rpm, at, label="on a corner, completion lost", zorder=4)
+    ends = [(c.rpm, view.phase(c.theta_deg)) for c in study.accumulation]
+    ends += [(c.rpm, view.phase(c.theta_deg) + TURN_DEG) for c in study.completion]  # a turn later
+    if ends:
+        said = "the chatter ends on a corner"
+        mark(axes, "chatter", *np.array(ends).T, label=said, zorder=4)
     _draw_hits(axes, view, study, corners)
-
-
-def _draw_ends(axes: Axes, view: _View, study: ContactLoss) -> None:
-    """Where each region's bursts end, a line per region, broken at jumps."""
-    curves: dict[str, list[tuple[float, float]]] = {}
-    for region, end, rpm in _ends(study):
-        curves.setdefault(region, []).append((rpm, float(view.phase(end))))
-    for k, region in enumerate(sorted(curves)):
-        points = np.array(curves[region])
-        breaks = np.flatnonzero(abs(np.diff(points[:, 1])) > JUMP) + 1
-        points = np.insert(points, breaks, np.nan, axis=0)
-        name = None if k else "end of the chatter, computed"
-        axes.plot(*points.T, "o-", color=style.CHATTER, lw=1.2, ms=1.6, mew=0.0, label=name)
 
 
 def _draw_hits(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:
@@ -202,23 +172,23 @@ def _draw_hits(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, f
         if inside and away > HIT_GAP * (view.rpm[1] - view.rpm[0]):
             last[hit.corner] = hit.rpm
             above: dict[str, Any] = {"textcoords": "offset points", "xytext": (0, 4)}
-            axes.annotate(str(hit.impact), (hit.rpm, y), ha="center", size=7, **above)
+            axes.annotate(str(hit.impact), (hit.rpm, y), ha="center", size=style.NOTE, **above)
 
 
-# --- forces over the turn: curves, their names, what the axis adds
+# --- forces over the turn
 
 
-def _forces(study: ContactLoss) -> tuple[Sequence[ForceCurve], list[str], str]:
-    """Of the present spring at several speeds."""
-    names = [_least(f"{style.number(round(c.rpm, 6))} rpm", c) for c in study.forces]
-    return study.forces, names, ""
-
-
-def _springs(study: ContactLoss) -> tuple[Sequence[ForceCurve], list[str], str]:
-    """Of several springs at the speed that they hold."""
-    curves = [curve for _, curve in study.springs]
-    names = [_least(_spring(hold), curve) for hold, curve in study.springs]
-    return curves, names, f" at {style.number(curves[0].rpm)} rpm" if curves else ""
+def _draw_forces(
+    axes: Axes,
+    curves: Sequence[ForceCurve],
+    names: Sequence[str],
+    corners: dict[str, float],
+    where: str = "",
+) -> None:
+    draw_forces(axes, curves, names)
+    turn_axis(axes, corners)
+    axes.set_title(where)
+    axes.legend(fontsize=style.NOTE, loc="lower left")
 
 
 def _least(name: str, curve: ForceCurve) -> str:

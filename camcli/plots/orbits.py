@@ -1,4 +1,4 @@
-"""Pictures of periodic orbits: their branches over a parameter, and curves in two parameters."""
+"""Pictures of periodic orbits: branches over a parameter, orbits of one speed, curves in two."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from camcli.analysis.border_collision import Side
 from camcli.analysis.orbits.curves import Curve
@@ -22,40 +22,41 @@ from camcli.plots import style
 from camcli.plots.axes import (
     DASHED,
     TURN_DEG,
-    at_strobe,
-    corners_upwards,
-    event_lines,
-    event_numbers,
-    legend,
+    corner_lines,
+    lift_curves,
     mark,
+    marked,
+    number_events,
     padded,
     phase_axis,
     phase_range,
-    row_middle,
-    text_row,
-    text_rows,
+    say,
+    strobe_name,
+    turn_axis,
 )
-from camcli.plots.event_words import event_words
-from camcli.plots.multipliers import draw_paths, draw_plane, draw_real, pair
-from camcli.plots.orbit_lines import (
+from camcli.plots.branch_lines import (
     Event,
     Strand,
     colours,
     curved,
+    draw_paths,
+    draw_plane,
+    draw_real,
     draw_strands,
     events_of,
+    line_look,
+    pair,
     paths,
     phases,
     positions,
     radius,
     strands,
 )
-from camcli.plots.orbit_single import draw_single
-from camcli.plots.style import BOTTOM, LEFT, RIGHT, WIDE
+from camcli.plots.event_words import event_words
+from camcli.plots.picture import Panel, Picture, Rows
 from camcli.system import System
 
-HEAD, NUMBERS, GAP, STEP = 96, 84, 36, 155  # px: titles, numbers of events, between panels
-PHASE, STROBE, PLANE = 600, 330, 500  # px, heights of the panels
+PHASE, STROBE, PLANE, LIFT = 70.0, 40.0, 66.0, 32.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
 PANELS = ("branches", "multipliers", "events")
 PARAMETERS = {  # name and unit
@@ -67,6 +68,7 @@ PARAMETERS = {  # name and unit
     "preload": ("preload", "N"),
     "mass": ("mass", "kg"),
 }
+LONGEST, MOST = 24, 16  # rows of the lists of branches and events, of orbits
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,7 @@ class _Scene:
     events: list[Event]
     corners: dict[str, float]
     parameter: str
+    system: System
 
     def lines(self, of: Callable[[Sequence[PeriodicOrbit]], list[Strand]]) -> list[list[Strand]]:
         """What `of` makes of the points of every branch."""
@@ -90,36 +93,30 @@ class _Scene:
         return np.array([value for orbit in points for value in of(orbit)])
 
 
-@style.look()
-def draw_orbits(study: OrbitsResult, system: System, panels: Sequence[str] = PANELS) -> Figure:
+def draw_orbits(study: OrbitsResult, system: System, panels: Sequence[str] = PANELS) -> Picture:
     """Picture of a study, or of some of its panels; of the orbits of one speed without branches."""
     title, words = _heading(study)
     if not study.branches:
-        return draw_single(study, system, title, words)
+        return Picture(title, *_single(study, system, words))
     corners = style.corner_names(system.corners_deg)
     events = events_of(study.bifurcations, corners)
     shades = colours([branch.points for branch in study.branches])
-    scene = _Scene(study, study.branches, shades, events, corners, study.question.parameter)
-    zooms = hidden(scene.branches, events, corners) if "events" in panels else []
-    top = HEAD + style.LINE * list_rows(scene.branches, events) + NUMBERS
-    branches, multipliers = "branches" in panels, "multipliers" in panels
-    height = top + (PHASE + GAP + STROBE) * branches + (PLANE + BOTTOM) * multipliers
-    height += STEP * branches * (multipliers or bool(zooms)) or BOTTOM * branches
-    figure = style.page(height + (ZOOM + 60) * len(zooms), title, words)
-    draw_lists(figure, HEAD, scene.branches, shades, events, scene.parameter)
-    if branches:
-        upper = style.place(figure, LEFT, top, WIDE, PHASE)
-        lower = style.place(figure, LEFT, top + PHASE + GAP, WIDE, STROBE)
-        _draw_phases(upper, scene)
-        _draw_positions(lower, scene, system)
-        top += PHASE + GAP + STROBE + STEP
-    if multipliers:
-        _draw_multipliers(figure, top, scene)
-        top += PLANE + BOTTOM + 20
-    for zoom in zooms:
-        _draw_zoom(figure, top, zoom, scene)
-        top += ZOOM + 60
-    return figure
+    parameter = study.question.parameter
+    scene = _Scene(study, study.branches, shades, events, corners, parameter, system)
+    shown: dict[str, Panel] = {}
+    if "branches" in panels:
+        shown["phases"] = Panel(partial(_draw_phases, scene=scene), PHASE, parameter)
+        shown["positions"] = Panel(partial(_draw_positions, scene=scene), STROBE, parameter)
+    if "multipliers" in panels:
+        shown["plane"] = Panel(partial(_draw_plane, scene=scene), PLANE, half=True)
+        shown["multipliers"] = Panel(partial(_draw_real, scene=scene), PLANE, half=True)
+    for zoom in hidden(scene) if "events" in panels else []:
+        number = zoom.event.number
+        shown[f"event {number}"] = Panel(
+            partial(_draw_zoom, zoom=zoom, scene=scene), 56.0, half=True
+        )
+        shown[f"words {number}"] = Panel(partial(_write_sides, event=zoom.event), 56.0, half=True)
+    return Picture(title, shown, words, lists=lists_of(scene.branches, shades, events, parameter))
 
 
 def _heading(study: OrbitsResult) -> tuple[str, str]:
@@ -158,35 +155,42 @@ def axis_name(parameter: str) -> str:
 # --- panels over the parameter
 
 
-def _range(axes: Axes, scene: _Scene) -> None:
+def _over_parameter(axes: Axes, scene: _Scene, named: bool) -> None:
     """The range of the parameter, and a line at every event in it."""
     span, values = scene.study.question.span, scene.every(lambda orbit: [orbit.value])
     low, high = (values.min(), values.max()) if span is None else (span.low, span.high)
     room = ROOM * (high - low) or 0.01 * abs(high) or 1.0
-    axes.set_xlim(low - room, high + room)
-    event_lines(axes, [event.value for event in scene.events])
+    axes.set(xlim=(low - room, high + room), xlabel=axis_name(scene.parameter))
+    number_events(axes, [(event.number, event.value) for event in scene.events[:LONGEST]], named)
+
+
+def _draw_branches(axes: Axes, scene: _Scene, of: Callable, turn: float) -> list[list[Strand]]:
+    """All branches; one of a single point as a dot; where one could not be followed a mark."""
+    every = scene.lines(partial(strands, of=of, turn=turn))
+    for branch, mine, colour in zip(scene.branches, every, scene.colours, strict=True):
+        draw_strands(axes, mine, colour)
+        if len(branch.points) == 1:
+            values = of(branch.points[0])
+            x = [branch.points[0].value] * len(values)
+            axes.plot(x, values, "o", color=colour, ms=3.0, zorder=4)
+        for orbit in _lost(branch):
+            mark(axes, Kind.LOST, [orbit.value] * len(of(orbit)), of(orbit))
+    return every
 
 
 def _draw_phases(axes: Axes, scene: _Scene) -> None:
     """Phases of the impacts, or of the departures of an orbit that rests."""
     every = scene.every(phases)
-    phase_axis(axes, *phase_range(every))
-    if not len(every):
-        style.note(axes, "the follower never leaves the cam")
-    _range(axes, scene)
-    lines = scene.lines(partial(strands, of=phases, turn=TURN_DEG))
-    _draw_branches(axes, scene, lines, phases)
-    for event in scene.events:
-        mark(axes, event.source.kind, [event.value] * len(event.phases), event.phases)
-    for branch in scene.branches:
-        for orbit in _lost(branch):
-            mark(axes, Kind.LOST, [orbit.value] * len(phases(orbit)), phases(orbit))
-    corners_upwards(axes, scene.corners.items())
     rests = {orbit.resting for branch in scene.branches for orbit in branch.points}
     what = " or ".join({False: "impact", True: "departure"}[rest] for rest in sorted(rests))
-    axes.set_ylabel(rf"{what} phase $\theta$ (deg)")
-    axes.tick_params(labelbottom=False)
-    _number_events(axes, scene.events)
+    phase_axis(axes, *phase_range(every), what)
+    if not len(every):
+        say(axes, "the follower never leaves the cam")
+    _over_parameter(axes, scene, named=True)
+    lines = _draw_branches(axes, scene, phases, TURN_DEG)
+    for event in scene.events:
+        mark(axes, event.source.kind, [event.value] * len(event.phases), event.phases)
+    corner_lines(axes, scene.corners.items(), "y")
     number_branches(axes, lines, scene.branches, scene.colours, scene.events)
 
 
@@ -195,118 +199,70 @@ def _lost(branch: Branch) -> list[PeriodicOrbit]:
     return [branch.points[-k] for k in (0, 1) if branch.ends[k] == Kind.LOST]
 
 
-def _draw_branches(
-    axes: Axes,
-    scene: _Scene,
-    lines: Sequence[Sequence[Strand]],
-    of: Callable[[PeriodicOrbit], Sequence[float]],
-) -> None:
-    """All branches; one of a single point as a dot."""
-    for branch, mine, colour in zip(scene.branches, lines, scene.colours, strict=True):
-        draw_strands(axes, mine, colour)
-        if len(branch.points) == 1:
-            values = of(branch.points[0])
-            x = [branch.points[0].value] * len(values)
-            axes.plot(x, values, "o", color=colour, ms=3.0, zorder=4)
-
-
-def _draw_positions(axes: Axes, scene: _Scene, system: System) -> None:
+def _draw_positions(axes: Axes, scene: _Scene) -> None:
     """Stroboscopic positions."""
-    every = scene.every(positions)
-    axes.set_ylim(*padded(every, 0.1 * abs(every).max(initial=0.0) or 1.0))
-    _range(axes, scene)
-    _draw_branches(axes, scene, scene.lines(partial(strands, of=positions)), positions)
+    axes.set_ylim(*padded(scene.every(positions)))
+    _over_parameter(axes, scene, named=False)
+    _draw_branches(axes, scene, positions, 0.0)
     for event in scene.events:
         mark(axes, event.source.kind, [event.value] * len(event.positions), event.positions)
-    axes.set_ylabel(f"$q$ (m) at {at_strobe(system)}")
-    axes.set_xlabel(axis_name(scene.parameter))
+    axes.set_ylabel(strobe_name(scene.system))
 
 
-def _draw_multipliers(figure: Figure, top: int, scene: _Scene) -> None:
-    """The plane beside the real parts over the parameter."""
-    lines = scene.lines(paths)
-    plane = style.place(figure, LEFT, top, PLANE, PLANE)
-    draw_plane(plane, float(scene.every(lambda orbit: [radius(orbit)]).max()))
-    rising = f"multipliers; arrows: rising {PARAMETERS[scene.parameter][0]}"
-    style.write(figure, LEFT, top - 36, rising)
-    for k, (mine, colour) in enumerate(zip(lines, scene.colours, strict=True)):
-        draw_paths(plane, mine, colour, 0.62 - 0.24 * (k % 3) / 2.0)
-    left = LEFT + PLANE + 150
-    axes = style.place(figure, left, top, style.WIDTH - RIGHT - left, PLANE)
-    _range(axes, scene)
-    draw_real(axes, lines, scene.colours)
-    axes.set_xlabel(axis_name(scene.parameter))
+def _draw_plane(axes: Axes, scene: _Scene) -> None:
+    """Multipliers in the complex plane."""
+    draw_plane(axes, float(scene.every(lambda orbit: [radius(orbit)]).max()))
+    axes.set_title(f"multipliers; arrows: rising {PARAMETERS[scene.parameter][0]}")
+    for lines, colour in zip(scene.lines(paths), scene.colours, strict=True):
+        draw_paths(axes, lines, colour)
+
+
+def _draw_real(axes: Axes, scene: _Scene) -> None:
+    """Their real parts over the parameter."""
+    _over_parameter(axes, scene, named=False)
+    draw_real(axes, scene.lines(paths), scene.colours)
 
 
 # --- lists above the panels, and the numbers in them
 
-LONGEST, WORDS = 24, 33  # rows of a list, characters of a branch in it
-MIDDLE = 455  # px, where the list of events begins
-COLUMNS = [MIDDLE + x for x in (30, 70, 345, 500, 585)]  # number, name, place, branches, notes
-CLEAR, ROOMY = 17.0, 45.0  # px from a branch's number to all else: least, and enough
+WORDS = 33  # characters of a branch in the list
+CLEAR, ROOMY = 6.0, 16.0  # pt from a branch's number to all else: least, and enough
 EDGE = 0.03  # of a panel, where no number is put
 TRIED = 300  # points of a branch at most that are looked at
 
 
-def list_rows(branches: Sequence[Branch], events: Sequence[Event]) -> int:
-    """Lines of text that the lists need."""
-    return 1 + min(max(len(branches), len(events)), LONGEST + 1)
-
-
-def draw_lists(
-    figure: Figure,
-    top: int,
-    branches: Sequence[Branch],
-    shades: Sequence[str],
-    events: Sequence[Event],
-    parameter: str,
-) -> None:
-    """Branches on the left, events on the right, from `top` downwards."""
-    axes = text_rows(figure, top, list_rows(branches, events))
-    _line(axes, 20, 0, "stable", style.CAM, "-")
-    _line(axes, 200, 0, "unstable", style.CAM, DASHED)
-    for row, (branch, colour) in enumerate(zip(branches[:LONGEST], shades, strict=False), 1):
-        _line(axes, 20, row, _branch_words(branch, events, parameter), colour, "-")
-    if events:
-        unit = PARAMETERS[parameter][1]
-        heads = ("no.", "event", f"at ({unit})" if unit else "at", "branch")
-        text_row(axes, 0, COLUMNS, heads, color=style.CAM)
-    for row, event in enumerate(events[:LONGEST], 1):
-        mark(axes, event.source.kind, [MIDDLE + 10], [row_middle(row)])
-        text_row(axes, row, COLUMNS, _event_cells(event))
-    for left, count in ((20, len(branches)), (MIDDLE, len(events))):
+def lists_of(
+    branches: Sequence[Branch], shades: Sequence[str], events: Sequence[Event], parameter: str
+) -> list[Rows]:
+    """Branches, and events."""
+    rows: list[list[Any]] = [["", "branch (dashed: unstable)"]]
+    for branch, colour in zip(branches[:LONGEST], shades, strict=False):
+        rows.append(
+            [Line2D([], [], color=colour, linewidth=1.4), _branch_words(branch, events, parameter)]
+        )
+    unit = PARAMETERS[parameter][1]
+    told: list[list[Any]] = [["", "", "event", unit or "value", "branch"]]
+    for event in events[:LONGEST]:
+        notes = [event.source.classification.replace("-", " ")]
+        notes += [f"{', '.join(map(str, event.leaves))} leaves"] if event.leaves else []
+        notes += [event.source.status] if event.source.status != Bracket.OK else []
+        value, on = style.number(float(f"{event.value:.9g}")), ", ".join(map(str, event.branches))
+        cells = event.name, value, on, "; ".join(filter(None, notes))
+        told.append([marked(event.source.kind), str(event.number), *cells])
+    for mine, count in ((rows, len(branches)), (told, len(events))):
         if count > LONGEST:
-            text_row(axes, LONGEST + 1, [left], [f"and {count - LONGEST} more, in the tables"])
-
-
-def _line(axes: Axes, left: int, row: int, words: str, colour: str, dashes: Any) -> None:
-    y = [row_middle(row)] * 2
-    axes.plot([left, left + 44], y, color=colour, linewidth=1.4, linestyle=dashes)
-    text_row(axes, row, [left + 58], [words])
+            mine.append([f"and {count - LONGEST} more, in the tables"])
+    return [rows, told] if events else [rows]
 
 
 def _branch_words(branch: Branch, events: Sequence[Event], parameter: str) -> str:
     names = [style.motion(label, 22) for label in branch.labels]
     words = f"{branch.number}   {names[0]}" + (f" to {names[-1]}" if len(names) > 1 else "")
     source = [event.number for event in events if branch.number in event.leaves]
-    if source:
-        words += f", from event {source[0]}"
+    words += f", from event {source[0]}" if source else ""
     for orbit in _lost(branch)[:1]:
         words += f", lost at {quantity(orbit.value, parameter)}"
-    return words if len(words) <= WORDS else words[: WORDS - 1] + "…"
-
-
-def _event_cells(event: Event) -> tuple[str, ...]:
-    notes = [event.source.classification.replace("-", " ")]
-    notes += [f"{', '.join(map(str, event.leaves))} leaves"] if event.leaves else []
-    notes += [event.source.status] if event.source.status != Bracket.OK else []
-    value, on = style.number(float(f"{event.value:.9g}")), ", ".join(map(str, event.branches))
-    return str(event.number), event.name, value, on, "; ".join(filter(None, notes))
-
-
-def _number_events(axes: Axes, events: Sequence[Event]) -> None:
-    """The numbers of the listed events above a panel."""
-    event_numbers(axes, [(event.number, event.value) for event in events[:LONGEST]])
+    return textwrap.shorten(words, WORDS, placeholder="…") if len(words) > WORDS else words
 
 
 def number_branches(
@@ -317,49 +273,38 @@ def number_branches(
     events: Sequence[Event],
 ) -> None:
     """The branches' numbers on their lines, each where most room is; none where there is not."""
-    pixels = [
-        _pixels(axes, [(x, y) for s in lines for x, y in zip(s.x, s.y, strict=True)])
-        for lines in every
-    ]
-    taken = [_pixels(axes, [(event.value, y) for event in events for y in event.phases])]
-    box = axes.get_window_extent()
-    edge = np.array([box.width, box.height]) * EDGE
+    box, point = axes.get_window_extent(), axes.figure.dpi / 72.0
+
+    def pixels(points: Sequence[tuple[float, float]]) -> np.ndarray:
+        few = np.reshape(points[:: 1 + len(points) // TRIED], (-1, 2))
+        return axes.transData.transform(few) - box.p0
+
+    lines = [[(x, y) for s in own for x, y in zip(s.x, s.y, strict=True)] for own in every]
+    taken = [pixels([(event.value, y) for event in events for y in event.phases])]
     for k, (branch, colour) in enumerate(zip(branches, shades, strict=True)):
-        mine = pixels[k]
-        mine = mine[((mine > edge) & (mine < [box.width, box.height] - edge)).all(axis=1)]
-        if not len(mine):
+        mine = pixels(lines[k])
+        edge = box.size * EDGE
+        mine = mine[((mine > edge) & (mine < box.size - edge)).all(axis=1)]
+        others = np.concatenate([*taken, *(pixels(own) for n, own in enumerate(lines) if n != k)])
+        away = np.hypot(*(mine[:, None] - others[None]).transpose(2, 0, 1)).min(1, initial=np.inf)
+        if not len(mine) or away.max() < CLEAR * point:
             continue
-        others = np.concatenate([*taken, *pixels[:k], *pixels[k + 1 :]])
-        steps = mine[:, None] - others[None]
-        away = np.hypot(steps[..., 0], steps[..., 1]).min(axis=1, initial=np.inf)
-        if away.max() < CLEAR:
-            continue
-        good = mine[away >= min(ROOMY, away.max())]
+        good = mine[away >= min(ROOMY * point, away.max())]
         best = good[int(np.argmin(np.round(abs(good[:, 0] - mine[:, 0].mean()), 3)))]
-        taken.append(np.array([best, best + 12.0, best - 12.0]))
-        x, y = axes.transData.inverted().transform(best + np.array([box.x0, box.y0]))
-        look: dict[str, Any] = {"size": 7, "weight": "bold", "color": colour, "zorder": 5}
+        taken.append(best[None] + [[0.0, 0.0], [5.0 * point, 0.0], [-5.0 * point, 0.0]])
+        x, y = axes.transData.inverted().transform(best + box.p0)
+        look: dict[str, Any] = {"size": style.NOTE, "weight": "bold", "color": colour, "zorder": 5}
         look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}
         axes.text(x, y, str(branch.number), ha="center", va="center_baseline", **look)
 
 
-def _pixels(axes: Axes, points: Sequence[tuple[float, float]]) -> np.ndarray:
-    """Points in pixels from the lower left corner of the axes."""
-    if not points:
-        return np.empty((0, 2))
-    box = axes.get_window_extent()
-    few = np.asarray(points[:: 1 + len(points) // TRIED], dtype=float)
-    return axes.transData.transform(few) - [box.x0, box.y0]
-
-
 # --- a corner impact that hides beside another event, enlarged, with the numbers on both sides
 
-ZOOM, TALL, ZOOM_LEFT, ZOOM_WIDE = 560, 440, 160, 545  # px: with its axis, the panel
-MOST = 2  # panels
+MOST_ZOOMS = 2
 HIDDEN = 0.005  # of the range, the distance to another event that hides a corner impact
 AROUND = 1.8  # times that distance, shown on either side
 REACH = 2.2  # times the phase's way from there to the corner, shown on either side
-CHARS = 54
+CHARS, LINES = 56, 17  # of the words beside it
 UNSAID = "The theorem"  # beginning of sentences left to the report
 
 
@@ -372,39 +317,31 @@ class Zoom:
     aside: float
     reach: float
 
-    @property
-    def range(self) -> tuple[float, float]:
-        """Of the parameter."""
-        return self.event.value - self.aside, self.event.value + self.aside
 
-
-def hidden(
-    branches: Sequence[Branch], events: Sequence[Event], corners: dict[str, float]
-) -> list[Zoom]:
+def hidden(scene: _Scene) -> list[Zoom]:
     """Of the corner impacts those hardest to see, in ascending order."""
-    values = [orbit.value for branch in branches for orbit in branch.points]
-    width = max(values) - min(values)
+    values = scene.every(lambda orbit: [orbit.value])
     found = []
-    for event in events:
-        source = event.source
-        if source.kind != Kind.CORNER_IMPACT or source.corner not in corners or source.left is None:
+    for event in scene.events:
+        source, corner = event.source, scene.corners.get(event.source.corner)
+        if source.kind != Kind.CORNER_IMPACT or corner is None or source.left is None:
             continue
-        near = [other for other in events if 0.0 < abs(other.value - event.value) < HIDDEN * width]
+        near = [
+            e for e in scene.events if 0.0 < abs(e.value - event.value) < HIDDEN * np.ptp(values)
+        ]
         if near:
             other = min(near, key=lambda other: abs(other.value - event.value))
-            corner = corners[source.corner]
             way = min(abs(phase - corner) for phase in other.phases)
             aside = AROUND * abs(other.value - event.value)
             found.append(Zoom(event, corner, aside, REACH * max(way, 0.05)))
-    first = sorted(found, key=lambda zoom: zoom.aside)[:MOST]
+    first = sorted(found, key=lambda zoom: zoom.aside)[:MOST_ZOOMS]
     return sorted(first, key=lambda zoom: zoom.event.value)
 
 
-def _draw_zoom(figure: Figure, top: int, zoom: Zoom, scene: _Scene) -> None:
-    """The panel on the left, words on the right."""
-    axes = style.place(figure, ZOOM_LEFT, top + 60, ZOOM_WIDE, TALL)
-    (low, high), name = zoom.range, axis_name(scene.parameter)
-    axes.set(xlim=(low, high), xlabel=name, ylabel=r"phase $\theta$ (deg), enlarged")
+def _draw_zoom(axes: Axes, zoom: Zoom, scene: _Scene) -> None:
+    low, high = zoom.event.value - zoom.aside, zoom.event.value + zoom.aside
+    axes.set(xlim=(low, high), xlabel=axis_name(scene.parameter))
+    axes.set_ylabel(r"phase $\theta$ (deg), enlarged")
     axes.locator_params(axis="x", nbins=5)
     lines = scene.lines(lambda points: strands(curved(points, low, high), phases, TURN_DEG))
     points = [(x, y) for mine in lines for s in mine for x, y in zip(s.x, s.y, strict=True)]
@@ -417,72 +354,157 @@ def _draw_zoom(figure: Figure, top: int, zoom: Zoom, scene: _Scene) -> None:
     inside = [event for event in scene.events if low <= event.value <= high]
     for event in inside:
         mark(axes, event.source.kind, [event.value] * len(event.phases), event.phases)
-    event_lines(axes, [event.value for event in inside])
-    corners_upwards(axes, scene.corners.items())
-    _number_events(axes, inside)
+    corner_lines(axes, scene.corners.items(), "y")
+    number_events(axes, [(event.number, event.value) for event in inside], named=True)
     number_branches(axes, lines, scene.branches, scene.colours, inside)
-    _write_sides(figure, top + 24, zoom.event)
 
 
-def _write_sides(figure: Figure, top: int, event: Event) -> None:
+def _write_sides(axes: Axes, event: Event) -> None:
     """The linear parts on both sides of the corner and what follows from them."""
-    left, source = ZOOM_LEFT + ZOOM_WIDE + 65, event.source
-    title = f"{event.number}: {style.motion(source.label, 24)}, {event.name}"
-    style.write(figure, left, top, title, weight="bold")
+    source = event.source
     words = [line.replace("+-", "±") for line in event_words(source) if not line.startswith(UNSAID)]
     sides = ("before the corner (left)", source.left), ("after the corner (right)", source.right)
     lines = [f"impact {where}: {_side(side)}" for where, side in sides if side is not None]
     lines += [re.sub(r"(?<= )-(?=\d)", "−", line) for line in words]
     text = [part for line in lines for part in textwrap.wrap(line, CHARS, subsequent_indent="  ")]
-    room = ZOOM // style.LINE - 2
-    text = text if len(text) <= room else [*text[: room - 1], "…"]
-    style.write(figure, left, top + 40, "\n".join(text), linespacing=1.25, size=7)
+    text = text if len(text) <= LINES else [*text[: LINES - 1], "…"]
+    axes.axis("off")
+    axes.set_title(f"{event.number}: {style.motion(source.label, 24)}, {event.name}", loc="left")
+    axes.text(0.0, 0.98, "\n".join(text), va="top", size=6.5, linespacing=1.3)
 
 
 def _side(one: Side) -> str:
     """Trace, determinant and multipliers of one side."""
     trace = f"{one.trace:.6g}".replace("-", "−")
-    return f"trace {trace}, determinant {one.det:.6g}, µ = {pair(one.trace, one.det)}"
+    return f"trace {trace}, determinant {one.det:.6g}, multipliers {pair(one.trace, one.det)}"
+
+
+# --- orbits of one speed
+
+
+def _single(study: OrbitsResult, system: System, words: str) -> tuple[dict, str, str, list[Rows]]:
+    """Panels, words, their colour and the list of a study without branches."""
+    orbits = study.orbits
+    if not orbits:
+        said = _nothing(study)
+        return {"orbits": Panel(lambda axes: say(axes, said), 40.0)}, words, "black", []
+    shades = colours([[orbit] for orbit in orbits])
+    rows: list[list[Any]] = [["", "orbit", "", "multipliers", "phases (deg)"]]
+    for orbit, shade in zip(orbits[:MOST], shades, strict=False):
+        at = [f"{phase:.2f}" for phase in phases(orbit)]
+        shown = ", ".join(at if len(at) <= 6 else [*at[:5], "…"])
+        leaves = "leaves at " if orbit.resting and at else ""
+        verdict = "stable" if orbit.stable else "unstable"
+        cells = style.motion(orbit.label, 22), verdict, pair(orbit.trace, orbit.det), leaves + shown
+        rows.append([Line2D([], [], **_dot(orbit, shade)), *cells])
+    if len(orbits) > MOST:
+        rows.append([f"and {len(orbits) - MOST} more, in the tables"])
+    panels = {
+        name: Panel(
+            partial(_draw_impacts, order=k, orbits=orbits, shades=shades, system=system),
+            LIFT,
+            "theta",
+        )
+        for k, name in enumerate(LIFTS)
+    }
+    more: dict[str, Any] = {"orbits": orbits, "shades": shades}
+    panels["section"] = Panel(partial(_draw_states, system=system, **more), PLANE, half=True)
+    panels["plane"] = Panel(partial(_draw_multipliers, **more), PLANE, half=True)
+    return panels, words, "black", [rows]
+
+
+LIFTS = {
+    "lift": r"$c$ (m)",
+    "velocity": r"$c_\theta$ (m/rad)",
+    "acceleration": r"$c_{\theta\theta}$ (m/rad²)",
+}
+
+
+def _nothing(study: OrbitsResult) -> str:
+    absent = study.absent
+    if absent is None:
+        return "no periodic orbit was found"
+    label = style.motion(study.question.label or "orbit")
+    if absent.nearest is None:
+        ends = f"{style.number(absent.low)} to {style.number(absent.high)}"
+        return f"no {label} was found from {ends} rpm"
+    speed, end = absent.nearest
+    return f"no {label} here; it exists up to {speed:.9g} rpm: {end.replace('-', ' ')}"
+
+
+def _dot(orbit: PeriodicOrbit, shade: str) -> dict[str, Any]:
+    """Stable orbits filled, unstable ones open."""
+    face = shade if orbit.stable else "white"
+    return {"marker": "o", "ls": "None", "ms": 5.0, "mew": 1.1, "mec": shade, "mfc": face}
+
+
+def _draw_impacts(
+    axes: Axes,
+    order: int,
+    orbits: Sequence[PeriodicOrbit],
+    shades: Sequence[str],
+    system: System,
+) -> None:
+    """The cam's lift, or a derivative, over the turn with the impacts on it."""
+    theta, orders = lift_curves(system.cam, order + 1)
+    values, good = orders[order], np.isfinite(theta)
+    axes.plot(theta, values, color=style.CAM, linewidth=0.9, zorder=2)
+    axes.margins(y=0.1)
+    for orbit, shade in zip(orbits, shades, strict=True):
+        at = phases(orbit)
+        heights = np.interp(at, theta[good], values[good])  # on a corner: either side's value
+        axes.plot(at, heights, zorder=5, **_dot(orbit, shade))
+        for phase in at:
+            look = {**line_look(orbit.stable), "linewidth": 0.7}
+            axes.axvline(phase, color=shade, alpha=0.6, zorder=1, **look)
+    axes.set_ylabel(list(LIFTS.values())[order])
+    turn_axis(axes, style.corner_names(system.corners_deg), named=order == 0)
+
+
+def _draw_states(
+    axes: Axes, orbits: Sequence[PeriodicOrbit], shades: Sequence[str], system: System
+) -> None:
+    """The orbits as points of the stroboscopic map."""
+    for orbit, shade in zip(orbits, shades, strict=True):
+        axes.plot(*zip(*orbit.states, strict=True), zorder=5, **_dot(orbit, shade))
+    q, rate = np.array([state for orbit in orbits for state in orbit.states]).T
+    axes.set(xlim=padded(q, 0.5 * abs(q).max()), ylim=padded(rate, 0.5 * abs(rate).max() or 1.0))
+    axes.locator_params(nbins=5)
+    axes.set(xlabel=strobe_name(system), ylabel=r"stroboscopic $q_\theta$ (m/rad)")
+
+
+def _draw_multipliers(axes: Axes, orbits: Sequence[PeriodicOrbit], shades: Sequence[str]) -> None:
+    draw_plane(axes, max(map(radius, orbits)))
+    for orbit, shade in zip(orbits, shades, strict=True):
+        real, imag = ([part(mu) for mu in orbit.multipliers] for part in (np.real, np.imag))
+        axes.plot(real, imag, zorder=5, **_dot(orbit, shade))
 
 
 # --- curves in two parameters
 
-CURVE_HEAD, CURVE_HEIGHT = 60, 800  # px, above the legend, of the panel
-CURVE_STYLES = ("-", "--", ":", "-.")
+CURVE_STYLES = ("-", DASHED, ":", "-.")
 
 
-@style.look()
-def draw_curves(curves: Sequence[Curve], second: str) -> Figure:
+def draw_curves(curves: Sequence[Curve], second: str) -> Picture:
     """Picture of bifurcation curves over rpm and a second parameter; an open circle is an end."""
-    early = any(end != "end-of-range" for curve in curves for end in curve.ends)
-    top = CURVE_HEAD + style.LINE * max(1, len(curves) + early) + 20
-    figure = style.page(top + CURVE_HEIGHT + BOTTOM, "Bifurcations in two parameters")
-    axes = style.place(figure, LEFT, top, WIDE, CURVE_HEIGHT)
+    draw = partial(_draw_curves, curves=curves, second=second)
+    return Picture("Bifurcations in two parameters", {"curves": Panel(draw, 105.0)})
+
+
+def _draw_curves(axes: Axes, curves: Sequence[Curve], second: str) -> None:
+    """Each curve named with its orbit and why it ends, in the colour of the orbit."""
+    axes.set(xlabel=axis_name("rpm"), ylabel=axis_name(second))
     if not curves:
-        style.note(axes, "no bifurcation of this kind was located")
-        axes.set(xticks=[], yticks=[])
-        return figure
-    shades = style.apart([style.label_colour(curve.label) for curve in curves])
-    for k, (curve, colour) in enumerate(zip(curves, shades, strict=True)):
-        dashes = CURVE_STYLES[shades[:k].count(colour) % len(CURVE_STYLES)]
-        _draw_curve(axes, curve, colour, dashes)
-    if early:
-        name = "the curve ends within range"
-        axes.plot([], [], "o", color=style.CAM, mfc="white", label=name)
-    legend(figure, CURVE_HEAD - 6, *axes.get_legend_handles_labels())
-    axes.set_xlabel(axis_name(curves[0].first))
-    axes.set_ylabel(axis_name(second))
-    return figure
-
-
-def _draw_curve(axes: Axes, curve: Curve, colour: str, dashes: str) -> None:
-    """A curve, named with its orbit and why it ends, in the colour of the orbit."""
-    corner = f" at {curve.corner}" if curve.corner else ""
-    name = f"{curve.kind.replace('-', ' ')}{corner} of {style.motion(curve.label)}"
-    ends = {end for end in curve.ends if end != "end-of-range"}
-    name += f" (ends: {'; '.join(sorted(ends))})" if ends else ""
-    x, y = [point.first for point in curve.points], [point.second for point in curve.points]
-    axes.plot(x, y, color=colour, linestyle=dashes, label=name)
-    for place, end in zip((0, -1), curve.ends, strict=True):
-        if curve.points and end != "end-of-range":
-            axes.plot([x[place]], [y[place]], "o", color=colour, mfc="white", zorder=5)
+        say(axes, "no bifurcation of this kind was located")
+    wanted = [style.label_colour(curve.label) for curve in curves]
+    for k, (curve, colour) in enumerate(zip(curves, style.apart(wanted), strict=True)):
+        corner = f" at {curve.corner}" if curve.corner else ""
+        name = f"{curve.kind.replace('-', ' ')}{corner} of {style.motion(curve.label)}"
+        ends = {end for end in curve.ends if end != "end-of-range"}
+        name += f" (ends: {'; '.join(sorted(ends))})" if ends else ""
+        dashes: Any = CURVE_STYLES[wanted[:k].count(wanted[k]) % len(CURVE_STYLES)]
+        x, y = [point.first for point in curve.points], [point.second for point in curve.points]
+        axes.plot(x, y, color=colour, linestyle=dashes, label=name)
+        for place, end in zip((0, -1), curve.ends, strict=True):
+            if curve.points and end != "end-of-range":
+                axes.plot([x[place]], [y[place]], "o", color=colour, mfc="white", zorder=5)

@@ -8,21 +8,17 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
 from camcli.errors import Status
 from camcli.plots import style
-from camcli.plots.axes import TURN_DEG, corners_across, legend, mark
+from camcli.plots.axes import TURN_DEG, corner_lines, mark, say
+from camcli.plots.picture import Panel, Picture
 
-LEFT, RIGHT = 125, 25  # px, margins of the panels
-HALF = 570  # px, width of the lower left panel
-HEIGHT = 1245
-STEPS = (30, 60, 90, 180)  # degrees between ticks; beyond, whole turns
-TICK = 62  # px, from one tick to the next at least
+STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
+MOST_TICKS = {False: 18, True: 8}  # of a panel, of half a panel
 NAMED_TURNS = 4.5  # turns up to which corners are drawn
 NAMES = {"chatter": "chatter accumulates"}  # of events, where it is another than their kind
-
 BLINK = 1e-9  # turns: closer is the same time
 FINER = 8  # points from one row to the next
 MOST_POINTS = 400_000
@@ -49,11 +45,9 @@ class Trace:
     jumps: np.ndarray
 
     @classmethod
-    def of(cls, simulation: Simulation, turns: int) -> Trace | None:
-        """The last turns of a simulation; None where it has no trajectory."""
+    def of(cls, simulation: Simulation, turns: int) -> Trace:
+        """The last turns of a simulation that has a trajectory."""
         rows = simulation.trajectory
-        if not rows:
-            return None
         per_second = simulation.rpm / 60.0
         first = floor(rows[0][0] * per_second + BLINK)
         last = max(ceil(rows[-1][0] * per_second - BLINK), first + 1)
@@ -87,8 +81,7 @@ class Trace:
     def during(self, values: np.ndarray, sticking: bool) -> np.ndarray:
         """Values on the segments of one state of the contact, nan elsewhere."""
         begins = self.sticks == sticking
-        ends = np.append(False, begins[:-1])
-        return np.where(begins | ends, values, np.nan)
+        return np.where(begins | np.append(False, begins[:-1]), values, np.nan)
 
 
 def _finer(
@@ -110,33 +103,24 @@ def _finer(
     return np.append(values.ravel(), y[-1]), np.append(slopes.ravel(), slope[-1])
 
 
-@style.look()
-def draw_simulation(simulation: Simulation, turns: int) -> Figure:
+def draw_simulation(simulation: Simulation, turns: int) -> Picture:
     """Picture of the last `turns` turns of a simulation."""
     title = f"Time response at {style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
     status = Status(simulation.status)
     stopped = f"stopped ({status.text}): {status.cause}" if simulation.status != Status.OK else ""
-    figure = style.page(HEIGHT, title, stopped, style.TROUBLE)
-    wide = style.WIDTH - LEFT - RIGHT
-    motion = style.place(figure, LEFT, 205, wide, 440, ylabel="position (m)")
-    gap = style.place(figure, LEFT, 755, HALF, 395, ylabel="relative position $q - c$ (m)")
-    phase = style.place(figure, LEFT + 720, 755, wide - 720, 395)
-    phase.set_xlabel("relative position $q - c$ (m)")
-    phase.set_ylabel(r"relative velocity $v - \dot c$ (m/s)")
-    trace = Trace.of(simulation, turns)
-    if trace is None:
-        for axes in (motion, gap, phase):
-            axes.set(xticks=[], yticks=[])
-            style.note(axes, "no trajectory was sampled")
-        return figure
-    _angle_axis(motion, trace, wide)
-    _angle_axis(gap, trace, HALF)
-    _draw_motion(motion, trace, simulation)
-    _draw_gap(gap, trace)
-    _draw_phase(phase, trace)
-    handles, names = motion.get_legend_handles_labels()
-    legend(figure, 84, handles, names, len(names))
-    return figure
+    trace = Trace.of(simulation, turns) if simulation.trajectory else None
+
+    def panel(draw: Any, height: float, half: bool = False) -> Panel:
+        if trace is None:
+            return Panel(lambda axes: say(axes, "no trajectory was sampled"), height, half=half)
+        return Panel(lambda axes: draw(axes, trace, simulation), height, half=half)
+
+    panels = {
+        "motion": panel(_draw_motion, 58.0),
+        "gap": panel(_draw_gap, 52.0, half=True),
+        "phase": panel(_draw_phase, 52.0, half=True),
+    }
+    return Picture(title, panels, stopped, style.TROUBLE)
 
 
 def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
@@ -144,19 +128,20 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     q = trace.cam + trace.gap
     low, high = float(trace.cam.min()), float(q.max())
     room = 0.06 * (high - low) or 0.06 * abs(high) or 1.0
-    axes.set_ylim(low - room, high + 2.0 * room)
+    axes.set(ylim=(low - room, high + room), ylabel="position (m)")
     axes.fill_between(trace.angle, low - room, trace.cam, color=style.CAM_BODY, linewidth=0)
     axes.plot(trace.angle, trace.cam, color=style.CAM, linewidth=0.8, label="cam")
-    _draw_contact(axes, trace, q)
+    _draw_contact(axes, trace, q, named=True)
     for kind, points in trace.events.items():
         mark(axes, kind, *points.T, label=NAMES.get(kind, kind), zorder=4)
+    _angle_axis(axes, trace, half=False)
     if trace.high - trace.low <= NAMED_TURNS * TURN_DEG:
-        corners = []
         for name, phase in style.corner_names(simulation.corners_deg).items():
             first = trace.low + (phase - trace.low) % TURN_DEG
             places = np.arange(first, trace.high, TURN_DEG)
-            corners += [(name if place == first else "", place) for place in places]
-        corners_across(axes, corners, inside=True)
+            corner_lines(axes, [("", place) for place in places], "x")
+            look: dict[str, Any] = {"color": style.CAM, "size": style.NOTE, "ha": "center"}
+            axes.text(first, 0.985, name, transform=axes.get_xaxis_transform(), va="top", **look)
     degrees_per_second = 6.0 * simulation.rpm
 
     def seconds(angle: Any) -> Any:
@@ -168,25 +153,30 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     axes.secondary_xaxis("top", functions=(seconds, degrees)).set_xlabel("time (s)")
 
 
-def _draw_contact(axes: Axes, trace: Trace, values: np.ndarray) -> None:
+def _draw_contact(axes: Axes, trace: Trace, values: np.ndarray, named: bool = False) -> None:
     """Values over the cam angle: flight as a line, sticking as a thick one."""
-    if not trace.sticks.all():
-        flight = trace.during(values, sticking=False)
-        axes.plot(trace.angle, flight, color=style.FLIGHT, label=f"follower in {FLIGHT}")
-    if trace.sticks.any():
-        rest = trace.during(values, sticking=True)
-        axes.plot(trace.angle, rest, color=style.STICKING, linewidth=3.0, label=STICKING)
+    looks = (
+        (False, style.FLIGHT, 1.0, f"follower in {FLIGHT}"),
+        (True, style.STICKING, 3.0, STICKING),
+    )
+    for sticking, colour, width, name in looks:
+        if (trace.sticks == sticking).any():
+            label = name if named else None
+            part = trace.during(values, sticking)
+            axes.plot(trace.angle, part, color=colour, linewidth=width, label=label)
 
 
-def _draw_gap(axes: Axes, trace: Trace) -> None:
+def _draw_gap(axes: Axes, trace: Trace, _: Simulation) -> None:
     """Relative position over the cam angle."""
     axes.axhline(0.0, color=style.CAM, linewidth=0.6)
     _draw_contact(axes, trace, trace.gap)
     for kind, points in trace.events.items():
         mark(axes, kind, points[:, 0], np.zeros(len(points)), zorder=4)
+    axes.set_ylabel("relative position $q - c$ (m)")
+    _angle_axis(axes, trace, half=True)
 
 
-def _draw_phase(axes: Axes, trace: Trace) -> None:
+def _draw_phase(axes: Axes, trace: Trace, _: Simulation) -> None:
     """Relative phase plane: flights as curves, impacts as jumps at q = c, sticking as a point."""
     axes.axvline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
     axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
@@ -196,20 +186,19 @@ def _draw_phase(axes: Axes, trace: Trace) -> None:
     axes.plot(np.zeros_like(ends), ends, "o-", color=style.IMPACT, linewidth=0.5, ms=2.0)
     if trace.sticks.any():
         axes.plot([0.0], [0.0], color=style.STICKING, marker="o", ms=5.0, zorder=4)
+    axes.set_xlabel("relative position $q - c$ (m)")
+    axes.set_ylabel(r"relative velocity $v - \dot c$ (m/s)")
 
 
-def _angle_axis(axes: Axes, trace: Trace, width: int) -> None:
+def _angle_axis(axes: Axes, trace: Trace, half: bool) -> None:
     """Ticks in degrees within the turn, or in turns where there are many; a line per turn."""
-    axes.set_xlim(trace.low, trace.high)
-    span = trace.high - trace.low
-    step = next((step for step in STEPS if span / step * TICK <= width), None)
-    step = step or 360 * ceil(span / TURN_DEG * TICK / width)
+    span, most = trace.high - trace.low, MOST_TICKS[half]
+    step = next((s for s in STEPS if span <= s * most), 360 * ceil(span / TURN_DEG / most))
     ticks = step * np.arange(ceil(trace.low / step - 1e-9), floor(trace.high / step + 1e-9) + 1)
-    if step < 360:
-        axes.set_xticks(ticks, [f"{tick % 360:d}" for tick in ticks])
-        axes.set_xlabel(r"cam angle $\theta$ (deg)")
-    else:
-        axes.set_xticks(ticks, [f"{tick // 360:d}" for tick in ticks])
-        axes.set_xlabel("cam angle (turns)")
+    within = step < TURN_DEG
+    names = [f"{tick % 360 if within else tick // 360:d}" for tick in ticks]
+    axes.set(xlim=(trace.low, trace.high), xticks=ticks)
+    axes.set_xticklabels(names)
+    axes.set_xlabel(r"cam angle $\theta$ (deg)" if within else "cam angle (turns)")
     for tick in ticks[ticks % 360 == 0]:
         axes.axvline(tick, color=style.GUIDE, linewidth=0.5, zorder=0.5)

@@ -1,11 +1,11 @@
-"""What the pictures of orbits show: lines along a branch, their look, and the events on them."""
+"""What the pictures of orbits show: lines along a branch, paths of its multipliers, its events."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from math import degrees, inf
+from math import degrees, inf, log10
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,11 @@ NEAR_DEG = 20.0  # phases further apart do not continue one another
 SAME = 1e-11  # relative distance of parameters at which two points are the two sides of a corner
 JUMP = 1e-6  # relative change of the trace there that breaks the lines of the multipliers
 PARTS = 12  # of a step, for the curved paths of the multipliers
+FURTHEST = 2.0  # multipliers beyond are not drawn in the plane
+LINEAR = 4.0  # real parts up to this are drawn on a linear axis
+LEAST = 1.2  # half width of the plane around the unit circle
+SHORT = 0.16  # of the half width, a path without an arrow
+TINY = 0.03  # a path that is drawn as a point
 
 
 @dataclass
@@ -88,19 +93,8 @@ def radius(orbit: PeriodicOrbit) -> float:
 
 
 def colours(every: Sequence[Sequence[PeriodicOrbit]]) -> list[str]:
-    """One per branch, given its orbits: by period and stability, apart where two share those."""
-    wanted: dict[int, str] = {}
-    for rests in (False, True):
-        mine = [k for k, orbits in enumerate(every) if any(o.resting for o in orbits) == rests]
-        some = [style.STICKING if rests else _bouncing(every[k]) for k in mine]
-        series = style.RESTING if rests else style.SERIES
-        wanted.update(zip(mine, style.apart(some, series), strict=True))
-    return [wanted[k] for k in range(len(every))]
-
-
-def _bouncing(orbits: Sequence[PeriodicOrbit]) -> str:
-    stable = [orbit for orbit in orbits if orbit.stable]
-    return style.period_colour(stable[0].turns) if stable else style.SADDLE
+    """One per branch, given its orbits: by their period, in shades where several share it."""
+    return style.apart([style.period_colour(orbits[0].turns) for orbits in every])
 
 
 # --- lines over the parameter
@@ -173,17 +167,28 @@ def _between(
         start, end = metric.oriented(a, way), metric.oriented(b, way)
         x += s * s * (3.0 - 2.0 * s) * way
         x += length * s * (1.0 - s) * ((1.0 - s) * start - s * end)
-    return replace(
-        before,
-        value=float(x[-1]),
-        theta=tuple(x[:-1:2].tolist()),
-        trace=before.trace + s * (after.trace - before.trace),
-        det=before.det + s * (after.det - before.det),
-        root=None,
+    trace, det = (
+        getattr(before, name) + s * (getattr(after, name) - getattr(before, name))
+        for name in ("trace", "det")
     )
+    theta = tuple(x[:-1:2].tolist())
+    return replace(before, value=float(x[-1]), theta=theta, trace=trace, det=det, root=None)
 
 
-# --- paths of the multipliers
+def draw_strands(
+    axes: Axes, lines: Sequence[Strand], colour: str, view: Callable = np.asarray
+) -> None:
+    """All lines of a branch, unstable parts dashed; `view` makes the y of what a strand holds."""
+    for line in lines:
+        axes.plot(line.x, view(line.y), color=colour, zorder=3, **line_look(line.stable))
+
+
+def line_look(stable: bool) -> dict[str, Any]:
+    """Stable orbits have solid lines, unstable ones dashed and thinner."""
+    return {"linewidth": 1.4} if stable else {"linewidth": 1.1, "linestyle": DASHED}
+
+
+# --- multipliers
 
 
 def paths(points: Sequence[PeriodicOrbit]) -> list[Strand]:
@@ -212,26 +217,69 @@ def paths(points: Sequence[PeriodicOrbit]) -> list[Strand]:
 def _shares(before: PeriodicOrbit, after: PeriodicOrbit) -> list[float]:
     """Parts of a step, and where two real multipliers meet on it: (trace/2)^2 = det."""
     t, dt, d, dd = before.trace, after.trace - before.trace, before.det, after.det - before.det
+    meet = np.roots([0.25 * dt * dt, 0.5 * t * dt - dd, 0.25 * t * t - d])
     shares = [part / PARTS for part in range(1, PARTS + 1)]
-    a, b, c = 0.25 * dt * dt, 0.5 * t * dt - dd, 0.25 * t * t - d
-    disc = b * b - 4.0 * a * c
-    if a > 0.0 and disc > 0.0:
-        shares += [(-b + sign * disc**0.5) / (2.0 * a) for sign in (-1.0, 1.0)]
-    return sorted(share for share in shares if 0.0 < share <= 1.0)
+    return sorted([*shares, *(s.real for s in meet if not s.imag and 0.0 < s.real < 1.0)])
 
 
-def line_look(stable: bool) -> dict[str, Any]:
-    """Stable orbits have solid lines, unstable ones dashed and thinner."""
-    return {"linewidth": 1.4} if stable else {"linewidth": 1.1, "linestyle": DASHED}
+def draw_plane(axes: Axes, largest: float) -> None:
+    """The unit circle and equal axes."""
+    half = min(max(LEAST, 1.06 * largest), FURTHEST)
+    around = np.linspace(0.0, 2.0 * np.pi, 361)
+    axes.fill(np.cos(around), np.sin(around), fc=style.CAM_BODY, ec=style.CAM, lw=0.8, zorder=0)
+    axes.axvline(0.0, color=style.GUIDE, linewidth=0.5, zorder=1)
+    axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=1)
+    axes.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")
+    axes.locator_params(nbins=5)
+    beyond = f" (beyond ±{half:g} not drawn)" if largest > half else ""
+    axes.set(xlabel=r"Re $\mu$" + beyond, ylabel=r"Im $\mu$")
 
 
-def draw_strands(
-    axes: Axes, lines: Sequence[Strand], colour: str, view: Callable = np.asarray
-) -> None:
-    """All lines of a branch; `view` makes the y of what a strand holds."""
-    for stable in (True, False):
-        mine = [line for line in lines if line.stable == stable]
-        if mine:
-            x = [value for line in mine for value in (*line.x, np.nan)]
-            y = [value for line in mine for value in (*view(line.y), np.nan)]
-            axes.plot(x, y, color=colour, zorder=3, **line_look(stable))
+def draw_paths(axes: Axes, lines: Sequence[Strand], colour: str) -> None:
+    """Paths in the plane with an arrow each for a rising parameter."""
+    half = axes.get_xlim()[1]
+    for line in lines:
+        mu = np.asarray(line.y)
+        if np.abs(mu - mu[0]).max() < TINY:
+            face = colour if line.stable else "white"
+            axes.plot(mu.real[:1], mu.imag[:1], "o", color=colour, ms=4.0, mfc=face, zorder=4)
+            continue
+        axes.plot(mu.real, mu.imag, color=colour, zorder=3, **line_look(line.stable))
+        seen = np.flatnonzero((abs(mu.real) < half) & (abs(mu.imag) < half))
+        way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(mu[seen])))])
+        if way[-1] > SHORT * half:
+            k = seen[min(int(np.searchsorted(way, 0.5 * way[-1])), len(seen) - 1)]
+            tip, tail = (k, k - 1) if line.x[-1] >= line.x[0] else (k - 1, k)
+            ends = [(mu[i].real, mu[i].imag) for i in (tip, tail)]
+            look = {"arrowstyle": "-|>,head_width=0.26,head_length=0.5", "color": colour}
+            look |= {"linewidth": 0.0, "shrinkA": 0.0, "shrinkB": 0.0}
+            axes.annotate("", *ends, arrowprops=look, zorder=5)
+
+
+def draw_real(axes: Axes, every: Sequence[Sequence[Strand]], shades: Sequence[str]) -> None:
+    """Real parts over the parameter; where they are large the axis is one of asinh."""
+    for level in (-1.0, 1.0):
+        axes.axhline(level, color=style.CAM, linewidth=0.8, zorder=1)
+    axes.axhspan(-1.0, 1.0, color=style.CAM_BODY, linewidth=0, zorder=0)
+    for lines, colour in zip(every, shades, strict=True):
+        draw_strands(axes, lines, colour, np.real)
+    largest = max((abs(mu.real) for lines in every for line in lines for mu in line.y), default=0)
+    axes.set_ylabel(r"Re $\mu$")
+    if largest > LINEAR:
+        axes.set_yscale("asinh", linear_width=1.0)
+        axes.minorticks_off()
+        step = 10 ** max(1, round(log10(largest)) // 3)
+        tens = [tick for tick in (step**k for k in range(4)) if tick <= largest]
+        ticks = [*(-tick for tick in reversed(tens)), 0, *tens]
+        axes.set_yticks(ticks, [f"{tick:g}".replace("-", "−") for tick in ticks])
+        axes.set_ylabel(r"Re $\mu$ (asinh scale)")
+
+
+def pair(trace: float, det: float) -> str:
+    """The two multipliers as numbers."""
+    upper, lower = multipliers(trace, det)
+    if upper.imag:
+        text = f"{upper.real:.4g} ± {upper.imag:.4g}i"
+    else:
+        text = f"{upper.real:.4g}, {lower.real:.4g}" if upper != lower else f"{upper.real:.4g}"
+    return text.replace("-", "−")

@@ -1,0 +1,175 @@
+"""A picture is named panels below a heading; matplotlib's constrained layout gives them room."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.text import Text
+
+from camcli.plots import style
+
+MM = 1.0 / 25.4  # inch
+WIDTH, TALLEST = 170.0, 230.0  # mm: the text width of an A4 page, and its height
+EDGE, LINE, BELOW = 2.0, 3.9, 11.0  # mm: around the heading, of its lines, of an axis and its name
+NARROW = 0.085  # of the width of a panel, of a curve beside it
+CHARS = 0.64  # per mm, of the words below the title
+SAMPLE, SPACE = 6.0, 2.5  # mm: a mark or line in a list, between its columns
+
+Cell = str | Line2D  # words, or what is drawn in their place
+Rows = Sequence[Sequence[Cell]]  # a list above the panels, its head first
+
+
+@dataclass(frozen=True)
+class Panel:
+    """What draws itself into axes. Panels of one `x` below one another share its numbers."""
+
+    draw: Callable[[Axes], None]
+    height: float = 60.0  # mm, without the numbers and the name of its axis
+    x: str = ""
+    half: bool = False  # two such panels stand side by side
+    beside: Sequence[Callable[[Axes], None]] = ()  # narrow curves to the left, on a page only
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What is drawn of a result: heading, lists, panels by name, from top to bottom."""
+
+    title: str
+    panels: dict[str, Panel]
+    words: str = ""
+    colour: str = "black"  # of the words
+    lists: Sequence[Rows] = field(default_factory=list)
+
+    def figure(self) -> Figure:
+        """All panels on a page of their own; matplotlib's settings are ours meanwhile."""
+        with style.look():
+            return self._page()
+
+    def _page(self) -> Figure:
+        rows = _rows(self.panels)
+        shared = [len(a) == len(b) == 1 and a[0].x == b[0].x != "" for a, b in pairwise(rows)]
+        heights = [max(panel.height for panel in row) for row in rows]
+        below = sum(heights) + BELOW * (len(rows) - sum(shared)) + EDGE
+        figure = _Page(figsize=(WIDTH * MM, below * MM), layout="constrained")
+        FigureCanvasAgg(figure)
+        heading = _Heading(figure.add_axes((0.0, 0.0, 1.0, 1.0), frame_on=False), self)
+        narrow = max(len(panel.beside) for row in rows for panel in row)
+        shares = [NARROW] * narrow + [0.5, 0.5]
+        grid = figure.add_gridspec(
+            len(rows), narrow + 2, width_ratios=shares, height_ratios=heights
+        )
+        drawn, handles = [], {}
+        for k, row in enumerate(rows):
+            for column, panel in enumerate(row, narrow):
+                axes = figure.add_subplot(grid[k, column] if panel.half else grid[k, narrow:])
+                panel.draw(axes)
+                for aside, draw in enumerate(panel.beside):
+                    draw(figure.add_subplot(grid[k, aside]))
+                drawn += [axes] * (not panel.half)
+                if k < len(shared) and shared[k]:
+                    axes.set_xlabel("")
+                    axes.tick_params(labelbottom=False)
+                found = (
+                    [] if axes.get_legend() else zip(*axes.get_legend_handles_labels(), strict=True)
+                )
+                handles.update({name: handle for handle, name in found if name not in handles})
+        figure.align_ylabels(drawn)
+        top = heading.finish(handles)
+        height = min(top + below, TALLEST)
+        share = top / height
+        heading.axes.set_position((0.0, 1.0 - share, 1.0, share))
+        figure.set_figheight(height * MM)
+        figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - share))
+        return figure
+
+
+class _Page(Figure):
+    """A figure that looks the same wherever it is shown: ticks and formulas are made when drawn."""
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw with our settings."""
+        with style.look():
+            super().draw(renderer)
+
+
+def _rows(panels: dict[str, Panel]) -> list[list[Panel]]:
+    """Panels from top to bottom, two halves side by side."""
+    rows: list[list[Panel]] = []
+    for panel in panels.values():
+        if panel.half and rows and len(rows[-1]) == 1 and rows[-1][0].half:
+            rows[-1].append(panel)
+        else:
+            rows.append([panel])
+    return rows
+
+
+class _Heading:
+    """Title, words, lists and legend from the top downwards, in axes that count mm."""
+
+    def __init__(self, axes: Axes, picture: Picture) -> None:
+        self.axes, self.top = axes, EDGE
+        axes.set(xlim=(0.0, WIDTH), ylim=(1.0, 0.0), xticks=[], yticks=[])
+        if picture.title:
+            self._write(EDGE, picture.title, size=9, weight="bold")
+            self.top += 1.3 * LINE
+        for line in textwrap.wrap(picture.words, int(CHARS * WIDTH), break_on_hyphens=False):
+            self._write(EDGE, line, color=picture.colour)
+            self.top += LINE
+        left, below = EDGE, self.top
+        for rows in filter(None, picture.lists):
+            right = self._list(left, rows)
+            if right > WIDTH and left > EDGE:
+                for artist in self.last:
+                    artist.remove()
+                self.top = below
+                right = self._list(EDGE, rows)
+            left, below = right, max(below, self.top + LINE * len(rows))
+        self.top = below
+
+    def _write(self, left: float, text: str, row: int = 0, **more: Any) -> Text:
+        middle = self.top + LINE * (row + 0.5)
+        return self.axes.text(left, middle, text, va="center_baseline", **more)
+
+    def _list(self, left: float, rows: Rows) -> float:
+        """A list with columns as wide as their words; its right end, and `last` its artists."""
+        self.last: list[Artist] = []
+        for column in range(max(map(len, rows))):
+            ends = [left]
+            for row, cells in enumerate(rows):
+                cell = cells[column] if column < len(cells) else ""
+                if isinstance(cell, str):
+                    look = {"color": style.CAM} if row == 0 else {}
+                    self.last.append(text := self._write(left, cell, row, **look))
+                    ends.append(left + text.get_window_extent().width / style.DPI / MM)
+                else:
+                    middle = self.top + LINE * (row + 0.5)
+                    alone = cell.get_linestyle() == "None"
+                    x = [left + SAMPLE / 2.0] if alone else [left, left + SAMPLE]
+                    cell.set_data(x, [middle] * len(x))
+                    self.last.append(self.axes.add_line(cell))
+                    ends.append(left + SAMPLE)
+            left = max(ends) + SPACE * (max(ends) > left)
+        return left + SPACE
+
+    def finish(self, handles: dict[str, Any]) -> float:
+        """The legend, in as many columns as there is room for; the height of all in mm."""
+        for columns in range(len(handles), 0, -1):
+            at = {"loc": "upper left", "bbox_to_anchor": (EDGE, self.top + 1.0)}
+            more = {"bbox_transform": self.axes.transData, "ncols": columns}
+            legend = self.axes.legend(handles.values(), handles.keys(), **at, **more)
+            box = legend.get_window_extent()
+            if columns == 1 or box.width < (WIDTH - 2.0 * EDGE) * MM * style.DPI:
+                self.top += box.height / style.DPI / MM + 1.0
+                break
+        self.axes.set_ylim(self.top, 0.0)
+        return self.top
