@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from camcli.output.run_folder import RunFolder
     from camcli.output.tables import Table
+    from camcli.plots.picture import Picture
 
 Progress = Callable[[str, int, int], None]  # what is counted, how many are done, of how many
 SHOWN = 5  # speeds named in a note
@@ -65,7 +66,7 @@ class Result:
     values: Any
     tables: Mapping[str, Table]
     summary: Mapping[str, Any]
-    pictures: Mapping[str, Callable[[], Figure]]
+    pictures: Mapping[str, Callable[[], Picture]]
     cost: Cost = field(default_factory=Cost)
     seconds: float = 0.0
     notes: tuple[str, ...] = ()
@@ -160,7 +161,8 @@ def plot(result: Result, picture: str | None = None) -> Figure:
     KeyError
         If the result has no such picture.
     """
-    return result.pictures[next(iter(result.pictures)) if picture is None else picture]()
+    name = next(iter(result.pictures)) if picture is None else picture
+    return result.pictures[name]().figure()
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,6 @@ def bench(
                    bound, of_bound, status: ours and general integrators on the same motions
     precision.png  error against time, a panel per case
     stability.csv  case, expected, observed, status, seconds: the table of extreme cases, run
-    stability.png  the same to look at
 
     \b
     Every case of precision has its own machine, start and whole turns; the reference comes from a

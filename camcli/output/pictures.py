@@ -1,20 +1,21 @@
-"""Figures as files."""
+"""Pictures as files."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, BinaryIO
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from camcli.plots.picture import Picture
 
 
-def write_png(figure: Figure, file: BinaryIO) -> None:
-    """Write a PNG at the resolution of the figure: same figure, same bytes on one installation.
+def write_png(picture: Picture, file: BinaryIO) -> None:
+    """Write a PNG: same picture, same bytes on one installation.
 
     Nothing of the program, the time or the place is put into it, and no setting of the user
     changes it.
     """
     from camcli.plots.style import look
 
+    figure = picture.figure()
     with look():
-        figure.savefig(file, format="png", dpi=figure.dpi, metadata={"Software": None})
+        figure.savefig(file, format="png", metadata={"Software": None})

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
 from camcli.cams.compile import column
@@ -111,7 +110,7 @@ def places_beside(axes: Axes, values: Sequence[float], way: str, room: float = 1
     """Where the names of ascending values stand along an axis, none upon another."""
     low, high = axes.get_xlim() if way == "x" else axes.get_ylim()
     box = axes.get_window_extent()
-    points = (box.width if way == "x" else box.height) / axes.figure.dpi * 72.0
+    points = (box.width if way == "x" else box.height) / style.DPI * 72.0
     # the layout makes the panel smaller afterwards, by its numbers and names
     return spread(values, 1.2 * room * ROOM[way] * (high - low) / points, low, high)
 
@@ -136,21 +135,18 @@ def corner_lines(
             axes.text(*((place, 1.01) if way == "x" else (1.01, place)), name, **look)
 
 
-def marked(kind: str) -> Line2D:
+def mark_look(kind: str) -> dict[str, Any]:
     """The mark of an event, or of a place where something could not be followed."""
     marker, face, edge, size = MARKS.get(kind, LOST)
     width = 0.5 if edge == "white" else 0.8
-    return Line2D([], [], marker=marker, ms=size, mfc=face, mec=edge, mew=width, ls="None")
+    return {"marker": marker, "ms": size, "mfc": face, "mec": edge, "mew": width, "ls": "None"}
 
 
 def mark(
     axes: Axes, kind: str, x: Any, y: Any, label: str | None = None, zorder: float = 6
 ) -> None:
     """Marks of an event."""
-    line = marked(kind)
-    line.set(label=label, zorder=zorder)
-    line.set_data(x, y)
-    axes.add_line(line)
+    axes.plot(x, y, label=label, zorder=zorder, **mark_look(kind))
 
 
 def number_events(axes: Axes, events: Sequence[tuple[int | None, float]], named: bool) -> None:

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
-from matplotlib.lines import Line2D
 
 from camcli.analysis.basins.study import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question, Study
 from camcli.analysis.sweep import status_name
@@ -38,8 +37,8 @@ def area_colours(labels: Sequence[str], largest: int = 0) -> list[str]:
     return [style.mixed(colour, PALE[k != largest]) for k, colour in own]
 
 
-def _swatch(colour: str) -> Line2D:
-    return Line2D([], [], ls="None", marker="s", ms=7, mfc=colour, mec=style.CAM, mew=0.4)
+def _swatch(colour: str) -> dict[str, Any]:
+    return {"ls": "None", "marker": "s", "ms": 7, "mfc": colour, "mec": style.CAM, "mew": 0.4}
 
 
 # --- one speed
@@ -124,10 +123,7 @@ def _draw_window(axes: Axes, basins: Basins, system: System, colours: dict[int, 
         q, w = attractor.shown().T
         v = w * omega_of(basins.rpm)
         if attractor.periodic:
-            line = _marker(number)
-            line.set(zorder=5)
-            line.set_data(q, v)
-            axes.add_line(line)
+            axes.plot(q, v, zorder=5, **_marker(number))
         else:
             step = max(1, len(q) // DOTS)
             axes.plot(q[::step], v[::step], ".", color=style.APERIODIC, ms=1.2, mew=0.0, zorder=4)
@@ -148,9 +144,9 @@ def _inside(basins: Basins, attractor: Any) -> np.ndarray:
     return inside & (window.v[0] <= v) & (v <= window.v[1])
 
 
-def _marker(number: int) -> Line2D:
+def _marker(number: int) -> dict[str, Any]:
     shape = SHAPES[(number - 1) % len(SHAPES)]
-    return Line2D([], [], marker=shape, ms=6.0, mfc="white", mec="black", mew=1.1, ls="None")
+    return {"marker": shape, "ms": 6.0, "mfc": "white", "mec": "black", "mew": 1.1, "ls": "None"}
 
 
 # --- a range of speeds
@@ -160,9 +156,9 @@ def _range(study: Study, question: Question) -> Picture:
     """Fractions stacked over speed, and where the attractors are."""
     colours, edges = branch_colours(study), _edges(np.array([s.rpm for s in study.speeds]))
     areas = {**colours, UNDECIDED_CODE: style.UNDECIDED, -1: "white"}
-    rows = [[_swatch(areas[code]), words] for code, words in _range_entries(study)]
+    rows: list[list[Any]] = [[_swatch(areas[code]), words] for code, words in _range_entries(study)]
     half = (len(rows) + 1) // 2
-    head = [["", "branch of attractors"]]
+    head: list[list[Any]] = [["", "branch of attractors"]]
     window, rpms = question.window, [style.number(study.speeds[k].rpm) for k in (0, -1)]
     words = (
         f"{len(study.speeds)} speeds, {window.nq} × {window.nv} starts each, "

@@ -250,10 +250,10 @@ def draw_paths(axes: Axes, lines: Sequence[Strand], colour: str) -> None:
         if way[-1] > SHORT * half:
             k = seen[min(int(np.searchsorted(way, 0.5 * way[-1])), len(seen) - 1)]
             tip, tail = (k, k - 1) if line.x[-1] >= line.x[0] else (k - 1, k)
-            ends = [(mu[i].real, mu[i].imag) for i in (tip, tail)]
-            look = {"arrowstyle": "-|>,head_width=0.26,head_length=0.5", "color": colour}
-            look |= {"linewidth": 0.0, "shrinkA": 0.0, "shrinkB": 0.0}
-            axes.annotate("", *ends, arrowprops=look, zorder=5)
+            head, end = ((mu[i].real, mu[i].imag) for i in (tip, tail))
+            look: dict[str, Any] = {"arrowstyle": "-|>,head_width=0.26,head_length=0.5"}
+            look |= {"color": colour, "linewidth": 0.0, "shrinkA": 0.0, "shrinkB": 0.0}
+            axes.annotate("", head, end, arrowprops=look, zorder=5)
 
 
 def draw_real(axes: Axes, every: Sequence[Sequence[Strand]], shades: Sequence[str]) -> None:

@@ -38,7 +38,7 @@ def draw_profile(
         if not panels or name.split(",")[0] in panels:
             half = name.startswith("curvature")
             do = partial(_draw, draw=draw, profile=profile, measured=measured)
-            chosen[name] = Panel(do, 34.0, "" if half else "theta", half)
+            chosen[name] = Panel(do, 34.0, "" if half else "theta", 1 + half)
     return Picture(f"Cam with a lift of {1e3 * (high.value - low.value):.4g} mm", chosen, said)
 
 

@@ -156,7 +156,8 @@ def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str,
     ends += [(c.rpm, view.phase(c.theta_deg) + TURN_DEG) for c in study.completion]  # a turn later
     if ends:
         said = "the chatter ends on a corner"
-        mark(axes, "chatter", *np.array(ends).T, label=said, zorder=4)
+        x, y = np.array(ends, dtype=float).T
+        mark(axes, "chatter", x, y, label=said, zorder=4)
     _draw_hits(axes, view, study, corners)
 
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 
 from camcli.analysis.border_collision import Side
 from camcli.analysis.orbits.curves import Curve
@@ -25,7 +24,7 @@ from camcli.plots.axes import (
     corner_lines,
     lift_curves,
     mark,
-    marked,
+    mark_look,
     number_events,
     padded,
     phase_axis,
@@ -68,7 +67,7 @@ PARAMETERS = {  # name and unit
     "preload": ("preload", "N"),
     "mass": ("mass", "kg"),
 }
-LONGEST, MOST = 24, 16  # rows of the lists of branches and events, of orbits
+LONGEST, MOST = 14, 16  # rows of the lists of branches and events, of orbits
 
 
 @dataclass(frozen=True)
@@ -108,14 +107,14 @@ def draw_orbits(study: OrbitsResult, system: System, panels: Sequence[str] = PAN
         shown["phases"] = Panel(partial(_draw_phases, scene=scene), PHASE, parameter)
         shown["positions"] = Panel(partial(_draw_positions, scene=scene), STROBE, parameter)
     if "multipliers" in panels:
-        shown["plane"] = Panel(partial(_draw_plane, scene=scene), PLANE, half=True)
-        shown["multipliers"] = Panel(partial(_draw_real, scene=scene), PLANE, half=True)
+        shown["plane"] = Panel(partial(_draw_plane, scene=scene), PLANE, across=2)
+        shown["multipliers"] = Panel(partial(_draw_real, scene=scene), PLANE, across=2)
     for zoom in hidden(scene) if "events" in panels else []:
         number = zoom.event.number
         shown[f"event {number}"] = Panel(
-            partial(_draw_zoom, zoom=zoom, scene=scene), 56.0, half=True
+            partial(_draw_zoom, zoom=zoom, scene=scene), 56.0, across=2
         )
-        shown[f"words {number}"] = Panel(partial(_write_sides, event=zoom.event), 56.0, half=True)
+        shown[f"words {number}"] = Panel(partial(_write_sides, event=zoom.event), 56.0, across=2)
     return Picture(title, shown, words, lists=lists_of(scene.branches, shades, events, parameter))
 
 
@@ -237,9 +236,7 @@ def lists_of(
     """Branches, and events."""
     rows: list[list[Any]] = [["", "branch (dashed: unstable)"]]
     for branch, colour in zip(branches[:LONGEST], shades, strict=False):
-        rows.append(
-            [Line2D([], [], color=colour, linewidth=1.4), _branch_words(branch, events, parameter)]
-        )
+        rows.append([{"color": colour, "linewidth": 1.4}, _branch_words(branch, events, parameter)])
     unit = PARAMETERS[parameter][1]
     told: list[list[Any]] = [["", "", "event", unit or "value", "branch"]]
     for event in events[:LONGEST]:
@@ -248,7 +245,7 @@ def lists_of(
         notes += [event.source.status] if event.source.status != Bracket.OK else []
         value, on = style.number(float(f"{event.value:.9g}")), ", ".join(map(str, event.branches))
         cells = event.name, value, on, "; ".join(filter(None, notes))
-        told.append([marked(event.source.kind), str(event.number), *cells])
+        told.append([mark_look(event.source.kind), str(event.number), *cells])
     for mine, count in ((rows, len(branches)), (told, len(events))):
         if count > LONGEST:
             mine.append([f"and {count - LONGEST} more, in the tables"])
@@ -273,7 +270,8 @@ def number_branches(
     events: Sequence[Event],
 ) -> None:
     """The branches' numbers on their lines, each where most room is; none where there is not."""
-    box, point = axes.get_window_extent(), axes.figure.dpi / 72.0
+    box, point = axes.get_window_extent(), style.DPI / 72.0
+    size = np.array(box.size)
 
     def pixels(points: Sequence[tuple[float, float]]) -> np.ndarray:
         few = np.reshape(points[:: 1 + len(points) // TRIED], (-1, 2))
@@ -283,8 +281,7 @@ def number_branches(
     taken = [pixels([(event.value, y) for event in events for y in event.phases])]
     for k, (branch, colour) in enumerate(zip(branches, shades, strict=True)):
         mine = pixels(lines[k])
-        edge = box.size * EDGE
-        mine = mine[((mine > edge) & (mine < box.size - edge)).all(axis=1)]
+        mine = mine[((mine > EDGE * size) & (mine < (1.0 - EDGE) * size)).all(axis=1)]
         others = np.concatenate([*taken, *(pixels(own) for n, own in enumerate(lines) if n != k)])
         away = np.hypot(*(mine[:, None] - others[None]).transpose(2, 0, 1)).min(1, initial=np.inf)
         if not len(mine) or away.max() < CLEAR * point:
@@ -396,7 +393,7 @@ def _single(study: OrbitsResult, system: System, words: str) -> tuple[dict, str,
         leaves = "leaves at " if orbit.resting and at else ""
         verdict = "stable" if orbit.stable else "unstable"
         cells = style.motion(orbit.label, 22), verdict, pair(orbit.trace, orbit.det), leaves + shown
-        rows.append([Line2D([], [], **_dot(orbit, shade)), *cells])
+        rows.append([_dot(orbit, shade), *cells])
     if len(orbits) > MOST:
         rows.append([f"and {len(orbits) - MOST} more, in the tables"])
     panels = {
@@ -408,8 +405,8 @@ def _single(study: OrbitsResult, system: System, words: str) -> tuple[dict, str,
         for k, name in enumerate(LIFTS)
     }
     more: dict[str, Any] = {"orbits": orbits, "shades": shades}
-    panels["section"] = Panel(partial(_draw_states, system=system, **more), PLANE, half=True)
-    panels["plane"] = Panel(partial(_draw_multipliers, **more), PLANE, half=True)
+    panels["section"] = Panel(partial(_draw_states, system=system, **more), PLANE, across=2)
+    panels["plane"] = Panel(partial(_draw_multipliers, **more), PLANE, across=2)
     return panels, words, "black", [rows]
 
 

@@ -13,19 +13,22 @@ from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 
 from camcli.plots import style
 
 MM = 1.0 / 25.4  # inch
 WIDTH, TALLEST = 170.0, 230.0  # mm: the text width of an A4 page, and its height
-EDGE, LINE, BELOW = 2.0, 3.9, 11.0  # mm: around the heading, of its lines, of an axis and its name
+SQUEEZED = 0.65  # of its height, what a panel needs at least
+EDGE, LINE, ROW = 2.0, 3.9, 3.4  # mm: around the heading, from line to line in it and in lists
+BELOW = 11.0  # mm, of the numbers and the name below a panel
+COLUMNS = 6  # of the grid
 NARROW = 0.085  # of the width of a panel, of a curve beside it
 CHARS = 0.64  # per mm, of the words below the title
-SAMPLE, SPACE = 6.0, 2.5  # mm: a mark or line in a list, between its columns
+SAMPLE, SPACE = 5.0, 2.0  # mm: a mark or line in a list, between its columns
 
-Cell = str | Line2D  # words, or what is drawn in their place
+Cell = str | dict[str, Any]  # words, or the look of a line or mark in their place
 Rows = Sequence[Sequence[Cell]]  # a list above the panels, its head first
 
 
@@ -36,7 +39,7 @@ class Panel:
     draw: Callable[[Axes], None]
     height: float = 60.0  # mm, without the numbers and the name of its axis
     x: str = ""
-    half: bool = False  # two such panels stand side by side
+    across: int = 1  # so many such panels stand side by side: 1, 2 or 3
     beside: Sequence[Callable[[Axes], None]] = ()  # narrow curves to the left, on a page only
 
 
@@ -56,40 +59,49 @@ class Picture:
             return self._page()
 
     def _page(self) -> Figure:
-        rows = _rows(self.panels)
-        shared = [len(a) == len(b) == 1 and a[0].x == b[0].x != "" for a, b in pairwise(rows)]
-        heights = [max(panel.height for panel in row) for row in rows]
-        below = sum(heights) + BELOW * (len(rows) - sum(shared)) + EDGE
-        figure = _Page(figsize=(WIDTH * MM, below * MM), layout="constrained")
+        layout = ConstrainedLayoutEngine()
+        figure = _Page(figsize=(WIDTH * MM, TALLEST * MM), layout=layout)
         FigureCanvasAgg(figure)
         heading = _Heading(figure.add_axes((0.0, 0.0, 1.0, 1.0), frame_on=False), self)
+        rows = _rows(self.panels)
+        room = TALLEST - heading.top
+        left_out: list[str] = []
+        while len(rows) > 1 and SQUEEZED * _height(rows) + BELOW * len(rows) > room:
+            last = rows.pop()
+            left_out += [name for name, panel in self.panels.items() if panel in last]
+        heading.left_out(left_out)
+        shared = [len(a) == len(b) == 1 and a[0].x == b[0].x != "" for a, b in pairwise(rows)]
+        heights = [_height([row]) for row in rows]
+        below = sum(heights) + BELOW * (len(rows) - sum(shared)) + EDGE
+        figure.set_figheight(min(below, room) * MM)
         narrow = max(len(panel.beside) for row in rows for panel in row)
-        shares = [NARROW] * narrow + [0.5, 0.5]
-        grid = figure.add_gridspec(
-            len(rows), narrow + 2, width_ratios=shares, height_ratios=heights
-        )
-        drawn, handles = [], {}
+        shares = [NARROW] * narrow + [1.0 / COLUMNS] * COLUMNS
+        size = len(rows), narrow + COLUMNS
+        grid = figure.add_gridspec(*size, width_ratios=shares, height_ratios=heights)
+        drawn: list[Axes] = []
+        handles: dict[str, Any] = {}
         for k, row in enumerate(rows):
-            for column, panel in enumerate(row, narrow):
-                axes = figure.add_subplot(grid[k, column] if panel.half else grid[k, narrow:])
+            for column, panel in enumerate(row):
+                wide = COLUMNS // panel.across
+                left = narrow + column * wide
+                axes = figure.add_subplot(grid[k, left : left + wide])
                 panel.draw(axes)
                 for aside, draw in enumerate(panel.beside):
                     draw(figure.add_subplot(grid[k, aside]))
-                drawn += [axes] * (not panel.half)
+                drawn += [axes] * (panel.across == 1)
                 if k < len(shared) and shared[k]:
                     axes.set_xlabel("")
                     axes.tick_params(labelbottom=False)
-                found = (
-                    [] if axes.get_legend() else zip(*axes.get_legend_handles_labels(), strict=True)
-                )
-                handles.update({name: handle for handle, name in found if name not in handles})
+                if axes.get_legend() is None:
+                    found = zip(*axes.get_legend_handles_labels(), strict=True)
+                    handles = {name: handle for handle, name in found} | handles
         figure.align_ylabels(drawn)
         top = heading.finish(handles)
         height = min(top + below, TALLEST)
         share = top / height
         heading.axes.set_position((0.0, 1.0 - share, 1.0, share))
         figure.set_figheight(height * MM)
-        figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - share))
+        layout.set(rect=(0.0, 0.0, 1.0, 1.0 - share))
         return figure
 
 
@@ -102,11 +114,15 @@ class _Page(Figure):
             super().draw(renderer)
 
 
+def _height(rows: list[list[Panel]]) -> float:
+    return sum(max(panel.height for panel in row) for row in rows)
+
+
 def _rows(panels: dict[str, Panel]) -> list[list[Panel]]:
-    """Panels from top to bottom, two halves side by side."""
+    """Panels from top to bottom, narrow ones side by side."""
     rows: list[list[Panel]] = []
     for panel in panels.values():
-        if panel.half and rows and len(rows[-1]) == 1 and rows[-1][0].half:
+        if rows and panel.across == rows[-1][0].across > len(rows[-1]):
             rows[-1].append(panel)
         else:
             rows.append([panel])
@@ -133,11 +149,18 @@ class _Heading:
                     artist.remove()
                 self.top = below
                 right = self._list(EDGE, rows)
-            left, below = right, max(below, self.top + LINE * len(rows))
+            left, below = right, max(below, self.top + ROW * len(rows))
         self.top = below
 
+    def left_out(self, names: Sequence[str]) -> None:
+        """Say which panels had no room on the page."""
+        if names:
+            said = f"no room on this page for {', '.join(names)} (--panels)"
+            self._write(EDGE, said, size=style.NOTE, color=style.CAM)
+            self.top += LINE
+
     def _write(self, left: float, text: str, row: int = 0, **more: Any) -> Text:
-        middle = self.top + LINE * (row + 0.5)
+        middle = self.top + ROW * (row + 0.5)
         return self.axes.text(left, middle, text, va="center_baseline", **more)
 
     def _list(self, left: float, rows: Rows) -> float:
@@ -148,15 +171,15 @@ class _Heading:
             for row, cells in enumerate(rows):
                 cell = cells[column] if column < len(cells) else ""
                 if isinstance(cell, str):
-                    look = {"color": style.CAM} if row == 0 else {}
-                    self.last.append(text := self._write(left, cell, row, **look))
+                    colour = style.CAM if row == 0 else "black"
+                    text = self._write(left, cell, row, color=colour, size=style.NOTE)
+                    self.last.append(text)
                     ends.append(left + text.get_window_extent().width / style.DPI / MM)
                 else:
-                    middle = self.top + LINE * (row + 0.5)
-                    alone = cell.get_linestyle() == "None"
+                    middle = self.top + ROW * (row + 0.5)
+                    alone = cell.get("ls") == "None"
                     x = [left + SAMPLE / 2.0] if alone else [left, left + SAMPLE]
-                    cell.set_data(x, [middle] * len(x))
-                    self.last.append(self.axes.add_line(cell))
+                    self.last += self.axes.plot(x, [middle] * len(x), **cell)
                     ends.append(left + SAMPLE)
             left = max(ends) + SPACE * (max(ends) > left)
         return left + SPACE
@@ -164,9 +187,14 @@ class _Heading:
     def finish(self, handles: dict[str, Any]) -> float:
         """The legend, in as many columns as there is room for; the height of all in mm."""
         for columns in range(len(handles), 0, -1):
-            at = {"loc": "upper left", "bbox_to_anchor": (EDGE, self.top + 1.0)}
-            more = {"bbox_transform": self.axes.transData, "ncols": columns}
-            legend = self.axes.legend(handles.values(), handles.keys(), **at, **more)
+            legend = self.axes.legend(
+                handles.values(),
+                handles.keys(),
+                loc="upper left",
+                bbox_to_anchor=(EDGE, self.top + 1.0),
+                bbox_transform=self.axes.transData,
+                ncols=columns,
+            )
             box = legend.get_window_extent()
             if columns == 1 or box.width < (WIDTH - 2.0 * EDGE) * MM * style.DPI:
                 self.top += box.height / style.DPI / MM + 1.0

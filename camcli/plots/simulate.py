@@ -110,15 +110,15 @@ def draw_simulation(simulation: Simulation, turns: int) -> Picture:
     stopped = f"stopped ({status.text}): {status.cause}" if simulation.status != Status.OK else ""
     trace = Trace.of(simulation, turns) if simulation.trajectory else None
 
-    def panel(draw: Any, height: float, half: bool = False) -> Panel:
+    def panel(draw: Any, height: float, across: int = 1) -> Panel:
         if trace is None:
-            return Panel(lambda axes: say(axes, "no trajectory was sampled"), height, half=half)
-        return Panel(lambda axes: draw(axes, trace, simulation), height, half=half)
+            return Panel(lambda axes: say(axes, "no trajectory was sampled"), height, across=across)
+        return Panel(lambda axes: draw(axes, trace, simulation), height, across=across)
 
     panels = {
         "motion": panel(_draw_motion, 58.0),
-        "gap": panel(_draw_gap, 52.0, half=True),
-        "phase": panel(_draw_phase, 52.0, half=True),
+        "gap": panel(_draw_gap, 52.0, across=2),
+        "phase": panel(_draw_phase, 52.0, across=2),
     }
     return Picture(title, panels, stopped, style.TROUBLE)
 
@@ -133,7 +133,7 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     axes.plot(trace.angle, trace.cam, color=style.CAM, linewidth=0.8, label="cam")
     _draw_contact(axes, trace, q, named=True)
     for kind, points in trace.events.items():
-        mark(axes, kind, *points.T, label=NAMES.get(kind, kind), zorder=4)
+        mark(axes, kind, points[:, 0], points[:, 1], label=NAMES.get(kind, kind), zorder=4)
     _angle_axis(axes, trace, half=False)
     if trace.high - trace.low <= NAMED_TURNS * TURN_DEG:
         for name, phase in style.corner_names(simulation.corners_deg).items():

@@ -36,7 +36,7 @@ PULL = "#D9F0E8"  # below zero force, the follower leaves
 PERIODS = ("#332288", "#88CCEE", "#CC6677", "#999933")
 LONGER = "#AA4499"
 CONTACT = "#F7DFA8"  # always in contact
-APERIODIC, UNDECIDED = "#000000", "#8C8C8C"
+APERIODIC, UNDECIDED = "#000000", "#BDBDBD"
 
 DENSITY = LinearSegmentedColormap.from_list("points", ["#C8C8C8", "#6E6E6E", "#1A1A1A", "#000000"])
 
@@ -101,7 +101,8 @@ def label_colour(label: str) -> str:
 def mixed(colour: str, share: float, other: str = "white") -> str:
     """A colour with a share of another."""
     pairs = zip(to_rgb(colour), to_rgb(other), strict=True)
-    return to_hex([(1.0 - share) * a + share * b for a, b in pairs])
+    red, green, blue = ((1.0 - share) * a + share * b for a, b in pairs)
+    return to_hex((red, green, blue)).upper()
 
 
 def apart(wanted: Sequence[str]) -> list[str]:

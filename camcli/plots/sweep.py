@@ -170,7 +170,9 @@ def cloud_panels(survey: Survey, speeds: Iterable[Speed], system: System) -> dic
         name: Image(columns, low, high, round(height * PER_MM))
         for name, (_, (low, high), height) in ranges.items()
     }
-    takes = {s: [images[n].take for n in ranges if ranges[n][0] == s] for s in SECTIONS}
+    takes: dict[str, list[Take]] = {
+        s: [images[n].take for n in ranges if ranges[n][0] == s] for s in SECTIONS
+    }
     for _ in read(speeds, takes):
         pass
 

@@ -1,10 +1,11 @@
-"""Figures as bytes and as pixels; results made by hand."""
+"""Pictures as bytes and as pixels; results made by hand."""
 
 from io import BytesIO
 from math import cos, pi, sin
 
 import numpy as np
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 from PIL import Image
 
 from camcli.analysis.integrate import Cost
@@ -12,22 +13,20 @@ from camcli.analysis.simulate import Simulation
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.errors import Status
 from camcli.output.pictures import write_png
-from camcli.plots import style
+from camcli.plots.picture import TALLEST
 
 RPM = 60.0  # a turn per second
 
 
-def png(figure):
+def png(picture):
     buffer = BytesIO()
-    write_png(figure, buffer)
+    write_png(picture, buffer)
     return buffer.getvalue()
 
 
-def pixels(figure):
-    """(row, column, rgb) of a figure, which has our width."""
-    image = np.asarray(Image.open(BytesIO(png(figure))).convert("RGB"))
-    assert image.shape[1] == style.WIDTH
-    return image
+def pixels(picture):
+    """(row, column, rgb) of a picture."""
+    return np.asarray(Image.open(BytesIO(png(picture))).convert("RGB"))
 
 
 def count(image, colour):
@@ -36,17 +35,25 @@ def count(image, colour):
     return int((image == rgb).all(axis=2).sum())
 
 
-def words(figure):
-    """Every text of a figure that is not a number of an axis."""
-    texts = [*figure.texts, *(text for axes in figure.axes for text in axes.texts)]
-    for legend in figure.legends:
-        texts += legend.get_texts()
+def words(picture):
+    """Every text of a picture that is not a number of an axis."""
+    figure = picture.figure()
+    texts = [text for axes in figure.axes for text in [*axes.texts, axes.title]]
+    for axes in figure.axes:
+        texts += axes.get_legend().get_texts() if axes.get_legend() else []
     return [text.get_text() for text in texts]
 
 
-def tall(figure):
-    """Height in pixels."""
-    return round(figure.get_figheight() * style.DPI)
+def tall(picture):
+    """Height in mm; it is never above that of a page, and the layout finds room for all."""
+    figure = picture.figure()
+    figure.canvas.draw()
+    height = figure.get_figheight() * 25.4
+    assert height <= TALLEST + 1e-9
+    heads, *panels = figure.axes
+    tops = [axes.get_tightbbox().y1 for axes in panels]
+    assert max(tops) <= heads.bbox.y0 + 8
+    return height
 
 
 def overlaps(texts):
@@ -57,7 +64,7 @@ def overlaps(texts):
 
 def panel(low=0.0, high=1.0, wide=1140, tall=300):
     """Axes of a size in pixels over a range."""
-    axes = style.place(style.page(600), 140, 100, wide, tall)
+    axes = Figure(figsize=(20.0, 10.0), dpi=300).add_axes((0.1, 0.1, wide / 6000, tall / 3000))
     axes.set_xlim(low, high)
     return axes
 

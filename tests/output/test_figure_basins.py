@@ -9,7 +9,6 @@ from matplotlib.colors import to_rgb
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.study import Question, study
 from camcli.analysis.basins.window import Window
-from camcli.plots import basins as picture
 from camcli.plots import style
 from camcli.plots.basins import area_colours, branch_colours, draw_basins, percent
 from tests.conftest import settings
@@ -23,12 +22,6 @@ def result(chapter):
     return study(chapter, [358.5], settings(), QUESTION)
 
 
-def window_of(figure):
-    """Pixels of the window: the picture without margins and legend."""
-    low, right = style.BOTTOM, style.RIGHT
-    return pixels(figure)[-low - picture.HIGH : -low, style.LEFT : -right] / 255.0
-
-
 def drawn(result, system, codes=None):
     if codes is not None:
         result = replace(result, speeds=(replace(result.grid, codes=codes.astype(np.int16)),))
@@ -36,37 +29,34 @@ def drawn(result, system, codes=None):
 
 
 def test_cells_have_the_colour_of_their_attractor(result, chapter):
-    window = window_of(drawn(result, chapter))
-    areas = area_colours([attractor.label for attractor in result.speeds[0].attractors])
-    for row, column in ((3, 20), (15, 25), (28, 2), (20, 5)):
-        y = picture.HIGH - int((row + 0.5) / 30 * picture.HIGH)
-        x = int((column + 0.5) / 30 * window.shape[1])
-        colour = to_rgb(areas[int(result.grid.codes[row, column]) - 1])
-        assert np.abs(window[y, x] - colour).max() < 0.01
+    picture = drawn(result, chapter)
+    (image,) = picture.figure().axes[1].images
+    areas = area_colours([a.label for a in result.speeds[0].attractors], largest=1)
+    expected = np.array([to_rgb(colour) for colour in areas])[result.grid.codes - 1]
+    assert np.abs(image.get_array() / 255.0 - expected).max() < 0.01
+    assert image.get_extent() == [0.1, 0.9, -50.0, 50.0]
+    shown = pixels(picture)
+    assert all(count(shown, colour) > 100_000 for colour in areas)
 
 
-def test_undecided_trouble_and_below_differ_from_every_basin(result, chapter):
+def test_undecided_trouble_and_below_are_no_basins(result, chapter):
     codes = result.grid.codes.copy()
     codes[:, :10], codes[:, 10:20], codes[:, 20:] = -1, 0, -4
-    window = window_of(drawn(result, chapter, codes))
-    for k, colour in enumerate((picture.BELOW, picture.UNDECIDED, picture.TROUBLE)):
-        assert np.abs(window[100, 200 + 400 * k] - to_rgb(colour)).max() < 0.01
-        assert colour not in (*style.SERIES, style.STICKING, style.CONTACT, style.APERIODIC_AREA)
+    shown = pixels(drawn(result, chapter, codes))
+    others = style.CAM_BODY, style.UNDECIDED, style.TROUBLE
+    assert all(count(shown, colour) > 100_000 for colour in others)
 
 
-def test_cells_smaller_than_pixels_are_averaged(result, chapter):
-    codes = np.indices((1800, 2400)).sum(axis=0) % 2 + 1  # as of a grid that was refined
-    window = window_of(drawn(result, chapter, codes))
-    areas = area_colours([attractor.label for attractor in result.speeds[0].attractors])
-    mean = (np.array(to_rgb(areas[0])) + to_rgb(areas[1])) / 2.0
-    assert np.abs(np.median(window.reshape(-1, 3), axis=0) - mean).max() < 0.01
+def luminance(colour):
+    rgb = np.array(to_rgb(colour))
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
 
 
-def test_colours_can_be_told_apart_in_grey_and_by_marker():
-    """Neighbouring periods differ in luminance, and all in the shape drawn on them."""
-    light = np.array([np.dot(to_rgb(colour), (0.2126, 0.7152, 0.0722)) for colour in style.PERIODS])
-    assert np.abs(np.diff(light)).min() > 0.15
-    assert len(set(picture.SHAPES)) > len(style.SERIES) == len(set(style.SERIES))
+def test_two_basins_have_a_contrast_of_three_to_one():
+    for labels, largest in ((["P(1;2)", "P(3;3:3:2)"], 1), (["P(1;1)", "aperiodic"], 0)):
+        low, high = sorted(map(luminance, area_colours(labels, largest)))
+        assert (high + 0.05) / (low + 0.05) >= 3.0
 
 
 def test_percent_shows_what_the_error_leaves():
@@ -81,16 +71,17 @@ def test_aperiodic_attractors_are_dots_and_those_outside_the_window_are_said(res
     speed = result.speeds[0]
     away = replace(speed.attractors[1], states=((9.0, 0.0),), turns=1)
     changed = replace(speed, attractors=[dots, away, *speed.attractors[2:]])
-    figure = drawn(replace(result, speeds=[changed]), chapter)
-    assert (window_of(figure).max(axis=2) < 0.2).sum() > 300
-    assert sum("outside the window" in text for text in words(figure)) == 1
+    picture = drawn(replace(result, speeds=[changed]), chapter)
+    lines = picture.figure().axes[1].lines
+    assert max(len(line.get_xdata()) for line in lines) == 900
+    assert sum("outside the window" in text for text in words(picture)) == 1
 
 
 def test_a_range_stacks_to_one(chapter):
     question = Question(QUESTION.window.with_cells(8, 8))
     result = study(chapter, [358.5, 359.0, 360.0], settings(), question)
-    image = pixels(draw_basins(result, question, chapter))
-    shown = list(branch_colours(result).values())
-    assert all(count(image, colour) > 20_000 for colour in shown)
-    stack = picture.STACK * style.WIDE
-    assert sum(count(image, colour) for colour in shown) > 0.98 * stack
+    picture = draw_basins(result, question, chapter)
+    bars = picture.figure().axes[1].patches
+    assert sum(bar.get_width() * bar.get_height() for bar in bars) == pytest.approx(2.25)
+    image = pixels(picture)
+    assert all(count(image, colour) > 20_000 for colour in branch_colours(result).values())

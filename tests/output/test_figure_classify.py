@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import matplotlib
 import numpy as np
 import pytest
 
@@ -11,24 +10,22 @@ from camcli.analysis.explain.events import Event
 from camcli.analysis.exponents import Exponents
 from camcli.errors import Status
 from camcli.plots import style
-from camcli.plots.axes import CROWDED, event_numbers
-from camcli.plots.classify import (
-    COLOURS,
-    CONTACT,
-    FORGETS,
-    Growth,
-    draw_classify,
-    draw_growth,
-    kind,
-    remark,
+from camcli.plots.axes import CROWDED, number_events
+from camcli.plots.classify import FORGETS, draw_classify, kind
+from camcli.plots.critical_speeds import (
+    MOST,
+    SINGLE,
+    event_lists,
+    event_name,
+    event_speed,
+    numbered,
 )
-from camcli.plots.event_list import MOST, SINGLE, Numbered, draw_list, list_height, numbered
-from camcli.plots.label_strip import OTHERS, draw_strip, strip_colour
+from camcli.plots.picture import Panel, Picture
 from tests.conftest import settings
 from tests.output.pictures import count, overlaps, panel, pixels, png, tall, words
 
 RPMS = [100.0, 190.0, 358.5, 700.0, 750.0]  # contact, a rest, three turns, one turn, chaos
-KINDS = [CONTACT, "periodic with rest on the cam", "periodic", "periodic", "aperiodic"]
+KINDS = ["contact", "periodic with rest on the cam", "periodic", "periodic", "aperiodic"]
 
 
 @pytest.fixture(scope="module")
@@ -40,118 +37,96 @@ def event(rpm, kind="corner-hit", label="P(1;inf)", error=1e-10, **more):
     return Event(rpm, error, kind, label, **more)
 
 
-def texts(axes):
-    return [text.get_text() for text in axes.texts]
-
-
-def test_every_kind_has_its_colour(chapter, motions):
+def test_every_kind_is_counted_and_every_label_has_its_colour(chapter, motions):
     assert [kind(motion) for motion in motions] == KINDS
-    contact, rest, *others = motions
-    figure = draw_classify([contact, rest], chapter)
-    image = pixels(figure)
-    assert count(image, COLOURS[KINDS[1]]) > 100
-    assert count(image[:700], COLOURS["periodic"]) == 0  # the strip below is coloured by period
-    assert {f"{CONTACT} (1)", "periodic with rest on the cam (1)"} <= set(words(figure))
-    image = pixels(draw_classify(others, chapter))
-    assert count(image, COLOURS["periodic"]) > 100
-    assert count(image, COLOURS["aperiodic"]) > 10_000
-    assert count(image, COLOURS[KINDS[1]]) == 0
+    picture = draw_classify(motions, chapter)
+    shown, image = words(picture), pixels(picture)
+    assert picture.words.startswith("aperiodic (1); contact (1); periodic (2); periodic with rest")
+    for label in ("contact", "P(3;3:3:2)", "P(1;1)", "aperiodic"):
+        assert label in shown
+        assert count(image, style.label_colour(label)) > 10_000
+    assert {"hatched: rests on the cam", FORGETS, "period 3"} <= set(shown)
 
 
 def test_a_motion_that_is_not_solved_is_undecided(motions):
     unsolved = replace(motions[2], orbit=None, exponents=None, label="undecided")
-    assert count(pixels(draw_classify([unsolved])), COLOURS["undecided"]) > 100
-    assert remark([], 1) == "not known for 1 of 1 motions"
+    picture = draw_classify([unsolved])
+    assert count(pixels(picture), style.UNDECIDED) > 100
+    assert picture.words == "undecided (1); exponent not known for 1 of 1 motions"
 
 
 def test_any_order_is_the_ascending_picture_and_trouble_is_marked(motions):
     first = draw_classify(motions)
     assert png(draw_classify(motions[::-1])) == png(first)
     assert count(pixels(first), style.TROUBLE) == 0
-    bad = replace(motions[0], rpm=400.0, status=Status.IMPACT_BUDGET)
-    assert count(pixels(draw_classify([*motions, bad])), style.TROUBLE) > 10
+    bad = draw_classify([*motions, replace(motions[0], rpm=400.0, status=Status.IMPACT_BUDGET)])
+    assert count(pixels(bad), style.TROUBLE) > 10
+    assert bad.words.endswith("not ok: impact-budget (1)")
 
 
-def test_several_motions_at_one_speed_and_at_every_speed(motions):
+def labels_panel(motions):
+    return draw_classify(motions).figure().axes[3]
+
+
+def test_several_motions_at_one_speed_stand_side_by_side_and_in_a_range_on_one_another(motions):
     here, there = ([replace(motion, rpm=rpm) for motion in motions[:3]] for rpm in (1.0, 2.0))
-    pixels(draw_classify(here))
-    pixels(draw_classify([*here, *there]))
-    axes = panel(0.0, 2.0)
-    draw_strip(axes, here, [1.0] * 3)
-    heights = [patch.get_height() for patch in axes.patches if not patch.get_hatch()]
+    sizes = {(p.get_width(), p.get_height()) for p in labels_panel(here).patches}
+    assert {height for _, height in sizes} == {1.0}
+    heights = [p.get_height() for p in labels_panel([*here, *there]).patches if not p.get_hatch()]
     assert heights == pytest.approx([1.0 / 3.0] * 3)
 
 
-# --- exponents
-
-
-def test_exponents_have_bars_and_minus_infinity_has_words():
-    def growth(x, largest, spread):
-        return Growth(x, Exponents(largest, -1.0, spread, 0.0, 1.0), style.FLIGHT)
-
-    axes = panel(0.0, 4.0)
-    known = [growth(1.0, 0.5, 0.2), growth(2.0, -0.25, 0.0), growth(3.0, -np.inf, 0.0)]
-    draw_growth(axes, known)
-    assert texts(axes) == [FORGETS]
-    assert axes.get_yticklabels()[0].get_text() == "−∞"
-    low, high = axes.get_ylim()
-    assert low < -0.25 < 0.7 < high
-    assert [0.3, 0.7] in [list(line.get_ydata()) for line in axes.lines]
-    assert remark(known, 3) == "bars: ± one standard error"
-    axes = panel(0.0, 4.0)
-    draw_growth(axes, [*known[:2], growth(3.0, 0.1, np.inf)])
-    assert texts(axes) == []
-    draw_growth(panel(0.0, 4.0), [])
-    draw_growth(panel(0.0, 4.0), known[2:])
-
-
-# --- labels
-
-
-def test_the_strip_joins_equal_labels_and_names_wide_ones(motions):
-    contact, rest, three, one, chaos = motions
-    axes = panel(0.0, 100.0)
-    draw_strip(axes, [one, one, three, chaos, rest, contact], [10.0, 40.0, 49.0, 51.0, 53.0, 98.0])
+def test_the_strip_joins_equal_labels(motions):
+    contact, _, three, one, chaos = motions
+    speeds = [10.0, 40.0, 49.0, 51.0, 98.0]
+    some = [one, one, three, chaos, contact]
+    axes = labels_panel([replace(m, rpm=rpm) for m, rpm in zip(some, speeds, strict=True)])
     first, second = axes.patches[:2]
-    assert (first.get_x(), first.get_width()) == pytest.approx((0.0, 44.5))
-    assert strip_colour(one) == style.PERIODS[0]
-    assert second.get_facecolor()[:3] == pytest.approx(matplotlib.colors.to_rgb(style.PERIODS[2]))
-    assert texts(axes) == ["P(1;1)", "3", "P(1;∞)", "contact"]
-    assert strip_colour(chaos) == OTHERS["aperiodic"]
+    assert first.get_x() + first.get_width() == pytest.approx(44.5)
+    assert (second.get_x(), second.get_width()) == pytest.approx((44.5, 5.5))
+    assert [text.get_text() for text in axes.texts] == ["P(1;1)", "3", "aperiodic", "contact"]
 
 
-@pytest.mark.parametrize(
-    ("wide", "expected"), [(200, ["P(3;3:3:2)"]), (95, ["period 3"]), (30, ["3"]), (16, [])]
-)
-def test_a_label_too_wide_for_its_place_gives_way_to_the_period(motions, wide, expected):
-    with style.look():
-        axes = panel(0.0, 1.0, wide)
-        draw_strip(axes, [motions[2]], [0.5])
-    assert texts(axes) == expected
+def test_exponents_have_bars_and_minus_infinity_has_words(motions):
+    spread = replace(motions[3], exponents=Exponents(0.5, -1.0, 0.2, 0.0, 1.0))
+    forgets = replace(motions[1], exponents=Exponents(-np.inf, -np.inf, np.inf, 0.0, 1.0))
+    picture = draw_classify([spread, forgets])
+    axes = picture.figure().axes[2]
+    low, high = axes.get_ylim()
+    assert low < 0.0 < 0.7 < high < 1.0
+    (bar,) = [path for c in axes.collections for path in c.get_paths()]
+    assert bar.vertices[:, 1] == pytest.approx([0.3, 0.7])
+    assert FORGETS in words(picture)
+    assert FORGETS not in words(draw_classify([spread]))
 
 
 # --- events
 
 
 def test_names_and_digits():
-    one = Numbered(1, event(151.51, "accumulation-at-corner", corner="f", status="unresolved"))
-    assert (one.name, one.verdict) == ("accumulation at corner f", "unresolved")
-    assert Numbered(1, event(198.5605114, "chatter-completion", corner="A2")).speed == "198.560511"
-    assert Numbered(1, event(740.1, "interior-crisis", corner="c")).name == "interior crisis at c"
-    assert Numbered(1, event(198.5605114, error=0.02)).speed == "198.56 ± 0.02"
-    assert Numbered(1, event(1198.5605114, error=30.0)).speed == "1199 ± 30"
-    assert Numbered(1, event(1e-3, error=np.inf)).speed == "0.00100000000"
+    assert (
+        event_name(event(1.0, "accumulation-at-corner", corner="f")) == "accumulation at corner f"
+    )
+    assert event_name(event(740.1, "interior-crisis", corner="c")) == "interior crisis at c"
+    assert event_name(event(198.6, "chatter-completion", corner="A2")) == "chatter completion A2"
+    speeds = {
+        (198.5605114, 1e-10): "198.560511",
+        (198.5605114, 0.02): "198.56 ± 0.02",
+        (1198.5605114, 30.0): "1199 ± 30",
+        (1e-3, np.inf): "0.00100000000",
+    }
+    assert [event_speed(event(*key[:1], error=key[1])) for key in speeds] == list(speeds.values())
 
 
 def test_beyond_the_list_minor_events_lose_their_numbers_first(motions):
     many = [event(100.0 + k) for k in range(MOST + 5)]
     found = numbered([event(200.0, "fold", "P(1;1)"), *many])
-    assert [one.number for one in found if one.number] == list(range(1, MOST + 1))
-    assert found[-1].number == MOST
-    assert sum(one.number is None for one in found) == 6
-    figure = draw_classify(motions, None, [one.source for one in found])
-    assert tall(draw_classify(motions)) + 100 < tall(figure) < tall(draw_classify(motions)) + 1000
-    assert any(text.startswith("and 6 more") for text in words(figure))
+    assert [number for number, _ in found if number] == list(range(1, MOST + 1))
+    assert found[-1][0] == MOST
+    assert sum(number is None for number, _ in found) == 6
+    picture = draw_classify(motions, None, [one for _, one in found])
+    assert tall(draw_classify(motions)) + 40 < tall(picture)
+    assert any(text.startswith("and 6 more") for text in words(picture))
 
 
 @pytest.mark.parametrize("many", [1, SINGLE, SINGLE + 1, MOST + 9])
@@ -161,14 +136,12 @@ def test_the_list_does_not_run_into_itself(many, verdict):
     more = {"corner": "f", "classification": verdict}
     rpms = [111.111 + 33.3 * k for k in range(many)]
     events = numbered([event(rpm, "accumulation-at-corner", long, **more) for rpm in rpms])
-    with style.look():
-        figure = style.page(2400)
-        draw_list(figure, 10, events)
-        shown = [text for text in figure.axes[0].texts if text.get_text()]
-        boxes = [text.get_window_extent() for text in shown]
-        assert not overlaps(shown)
-    assert max(box.x1 for box in boxes) <= style.WIDTH
-    assert min(box.y0 for box in boxes) >= 2400 - 10 - list_height(events)
+    blank = {"x": Panel(lambda axes: None)}
+    figure = Picture("title", blank, "words " * 40, lists=event_lists(events)).figure()
+    figure.canvas.draw()
+    shown = [text for text in figure.axes[0].texts if text.get_text()]
+    assert not overlaps(shown)
+    assert max(text.get_window_extent().x1 for text in shown) <= figure.bbox.x1
 
 
 @pytest.mark.parametrize("rpms", [
@@ -177,11 +150,12 @@ def test_the_list_does_not_run_into_itself(many, verdict):
 ])  # fmt: skip
 def test_numbers_stay_apart_and_within_the_panel(rpms):
     with style.look():
-        axes = panel(0.0, 1.0, 900)
-        event_numbers(axes, list(enumerate(rpms, 1)))
+        axes = panel(0.0, 1.0, 1500)
+        number_events(axes, list(enumerate(rpms, 1)), named=True)
         boxes = [text.get_window_extent() for text in axes.texts]
-        assert not overlaps(axes.texts)
-    assert len(boxes) == len(rpms)
-    inside = axes.get_window_extent()
-    assert min(box.x0 for box in boxes) >= inside.x0 - 20
-    assert max(box.x1 for box in boxes) <= inside.x1 + 20
+        assert len(boxes) == len(rpms)
+        inside = axes.get_window_extent()
+        assert min(box.x0 for box in boxes) >= inside.x0 - 20
+        assert max(box.x1 for box in boxes) <= inside.x1 + 20
+        places = [text.xyann for text in axes.texts]
+        assert len(set(places)) == len(places)

@@ -8,7 +8,7 @@ from camcli.analysis.simulate import Simulation
 from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.simulate import Trace, draw_simulation
-from tests.output.pictures import RPM, bounce, count, pixels, words
+from tests.output.pictures import RPM, bounce, count, pixels, tall
 
 
 @pytest.mark.parametrize(("turns", "shown"), [(1, 1), (40, 40), (5, 3)])
@@ -20,9 +20,11 @@ def test_any_number_of_turns(turns, shown):
 
 @pytest.mark.parametrize("rows", [0, 1, 2, 17])
 def test_a_run_that_stopped_early_says_so(rows):
-    figure = draw_simulation(bounce(label="undecided", status=Status.IMPACT_BUDGET, rows=rows), 3)
-    assert count(pixels(figure), style.TROUBLE) > 10
-    assert any("impact-budget" in text for text in words(figure))
+    stopped = bounce(label="undecided", status=Status.IMPACT_BUDGET, rows=rows)
+    picture = draw_simulation(stopped, 3)
+    assert count(pixels(picture), style.TROUBLE) > 10
+    assert "impact-budget" in picture.words
+    tall(picture)
 
 
 def test_only_the_last_turns_are_shown():

@@ -15,15 +15,18 @@ from matplotlib.colors import to_rgb
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.plots import style
 from camcli.plots.axes import draw_forces, newtons, spread
-from camcli.plots.basins import area_colours
-from camcli.plots.orbit_lines import colours
+from camcli.plots.branch_lines import colours
 from camcli.plots.simulate import draw_simulation
 from camcli.plots.sweep import draw_sweep
 from tests.conftest import settings
 from tests.output.pictures import bounce, panel, png, speed, sweep_of
 
 FOLDER = Path(style.__file__).parent
-ROLES = ("FLIGHT", "STICKING", "IMPACT", "CHATTER", "DETACHMENT", "TROUBLE", "MEASURED", "FORCE")
+ROLES = (
+    "FLIGHT", "STICKING", "IMPACT", "CHATTER", "DETACHMENT", "TROUBLE", "MEASURED", "LONGER",
+    "CONTACT", "UNDECIDED", "SIMULATED", "CAM", "CAM_BODY", "GUIDE", "BAND", "DOUBT", "PULL",
+)  # fmt: skip
+MOTIONS = (*style.PERIODS, style.LONGER, style.CONTACT, style.APERIODIC, style.UNDECIDED)
 # Machado, Oliveira and Fernandes (2009), severity 1, linear RGB
 SIGHTS = {
     "all cones": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -44,10 +47,6 @@ def seen(colour, sight):
     return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
 
 
-def orbit(turns=1, stable=True, resting=False):
-    return SimpleNamespace(turns=turns, stable=stable, resting=resting)
-
-
 def test_colours_are_named_in_one_place_only_and_pyplot_stays_out():
     colour = r"#[0-9A-Fa-f]{6}|\"(?:red|blue|green|orange|purple|gr[ae]y)\"|pyplot"
     for path in FOLDER.glob("*.py"):
@@ -57,40 +56,29 @@ def test_colours_are_named_in_one_place_only_and_pyplot_stays_out():
 
 def test_no_two_meanings_share_a_colour():
     own = [getattr(style, role) for role in ROLES]
-    own += [*style.PERIODS[1:], style.LONGER, style.SADDLE, style.CONTACT, style.UNDECIDED]
-    own += [style.RESTING[1], style.APERIODIC_AREA, style.SIMULATED, style.CAM, style.CAM_BODY]
-    own += [style.GUIDE, style.BAND, style.DOUBT, style.PULL]
+    own += style.PERIODS
     assert len({colour.upper() for colour in own}) == len(own)
 
 
 @pytest.mark.parametrize("sight", SIGHTS)
 def test_motions_are_told_apart_by_everybody(sight):
-    pairs = combinations((*style.SERIES, style.STICKING, style.APERIODIC_AREA), 2)
+    pairs = combinations(MOTIONS, 2)
     away = {pair: np.linalg.norm(seen(pair[0], sight) - seen(pair[1], sight)) for pair in pairs}
     assert min(away.values()) > 10.0, min(away, key=away.get)
 
 
-def test_an_orbit_has_its_colour_whatever_else_is_drawn():
-    node, saddle, doubled = [orbit(), orbit(stable=False)], [orbit(stable=False)], [orbit(2)]
-    own = {"node": style.FLIGHT, "saddle": style.SADDLE, "doubled": style.PERIODS[1]}
-    assert colours([node]) == [own["node"]]
-    assert colours([saddle]) == [own["saddle"]]
-    assert colours([doubled, node, saddle]) == [own["doubled"], own["node"], own["saddle"]]
-    assert colours([[orbit(resting=True)], node]) == [style.STICKING, style.FLIGHT]
+def test_a_motion_has_the_colour_of_its_period_in_every_picture():
+    def orbit(turns):
+        return [SimpleNamespace(turns=turns)]
 
-
-def test_branches_of_one_kind_are_apart_while_there_are_colours():
-    many = colours([[orbit()] for _ in range(len(style.SERIES))])
-    assert many[0] == style.FLIGHT
-    assert sorted(many) == sorted(style.SERIES)
-    assert len(colours([[orbit()] for _ in range(20)])) == 20
-
-
-def test_a_basin_has_the_colour_of_its_motion():
-    labels = ["aperiodic", "P(1;2)", "P(3;3:3:2)", "P(2;inf:1)", "contact"]
-    rest = [style.PERIODS[2], style.STICKING, style.CONTACT]
-    assert area_colours(labels) == [style.APERIODIC_AREA, style.FLIGHT, *rest]
-    assert area_colours(labels[::-1]) == area_colours(labels)[::-1]
+    assert colours([orbit(2), orbit(1), orbit(3)]) == [style.PERIODS[k] for k in (1, 0, 2)]
+    labels = ["P(2;inf:1)", "P(1;1)", "P(3;3:3:2)"]
+    assert [style.label_colour(label) for label in labels] == colours(list(map(orbit, (2, 1, 3))))
+    assert colours([orbit(9)]) == [style.LONGER]
+    assert style.label_colour("aperiodic") == style.APERIODIC
+    several = colours([orbit(1)] * 5)
+    assert several[0] == style.PERIODS[0]
+    assert len(set(several)) == 5
 
 
 @pytest.mark.parametrize(("force", "shaded"), [([1.0, -2.0, 1.0], True), ([1.0, 0.0, 1.0], False)])
@@ -131,12 +119,11 @@ def drawn(chapter):
 
 
 def test_same_bytes_whatever_the_user_set_and_his_settings_stay(drawn):
-    figure = drawn()
-    first = png(figure)
+    first = png(drawn())
     own = {"font.size": 20, "savefig.dpi": 50, "axes.grid": True, "savefig.bbox": "tight"}
     with matplotlib.rc_context(own):
         before = dict(matplotlib.rcParams)
-        assert png(drawn()) == png(figure) == first
+        assert png(drawn()) == first
         assert dict(matplotlib.rcParams) == before
     assert b"Software" not in first
     assert b"tIME" not in first
@@ -152,7 +139,7 @@ def test_threads_draw_the_same_and_leave_the_settings_alone():
 
 @pytest.mark.parametrize("kind", ["pdf", "svg"])
 def test_a_figure_is_written_by_matplotlib_too_and_in_any_size(drawn, kind):
-    figure = drawn()
+    figure = drawn().figure()
     figure.set_size_inches(12.0, 9.0)
     buffer = BytesIO()
     figure.savefig(buffer, format=kind)
