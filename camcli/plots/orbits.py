@@ -490,7 +490,8 @@ def draw_curves(curves: Sequence[Curve], second: str) -> Picture:
 
 def _draw_curves(axes: Axes, curves: Sequence[Curve], second: str) -> None:
     """Each curve named with its orbit and why it ends, in the colour of the orbit."""
-    axes.set(xlabel=axis_name("rpm"), ylabel=axis_name(second))
+    first = curves[0].first if curves else "rpm"
+    axes.set(xlabel=axis_name(first), ylabel=axis_name(second))
     if not curves:
         say(axes, "no bifurcation of this kind was located")
     wanted = [style.label_colour(curve.label) for curve in curves]
