@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from dataclasses import replace
 from decimal import Decimal
 from functools import cached_property
 from itertools import groupby
@@ -23,6 +24,7 @@ from camcli.cams import decimals
 from camcli.cams.compile import Part
 from camcli.cams.decimals import Numbers
 from camcli.cams.files import read_bytes, refused
+from camcli.errors import SceneError
 
 if TYPE_CHECKING:
     from camcli.cams.lift_fit import Accuracy, Errors
@@ -73,7 +75,9 @@ class TableCam(BaseModel):
     smoothing: Annotated[Number, Field(ge=0, le=1e6)] | None = Field(
         None, description="rms deviation of the cam from the table, m; null: as its rounding asks"
     )
-    allow_outside: Flag = Field(False, description="allow a file outside the scene's folder")
+    allow_outside: Flag = Field(
+        False, description="allow a file outside the scene's folder; on the command line only"
+    )
     sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = Field(
         None, description="SHA-256 the file must have; null: any"
     )
@@ -93,8 +97,12 @@ class TableCam(BaseModel):
             pass
         if self._outside and not self.allow_outside:
             found = "found a file outside the scene's folder"
-            cure = "copy it beside the scene, or write allow_outside: true"
+            cure = "copy it beside the scene, or add --set cam.allow_outside=true"
             raise refused(name, "file", found, "expected a file beside the scene", cure)
+        if self.allow_outside and not (info.context or {}).get("permitted"):
+            found, expected = "found true in the scene itself", "expected it on the command line"
+            cure = "remove it, and add --set cam.allow_outside=true"
+            raise refused(name, "allow_outside", found, expected, cure)
         expected = "expected a table of angles and lifts"
         cure = "check the name; it is looked for beside the scene"
         data = read_bytes(folder / self.file, name, MAX_BYTES, expected, cure, "file")
@@ -104,7 +112,14 @@ class TableCam(BaseModel):
             cure = "this is not the file the scene was made for; remove sha256 to use it"
             raise refused(name, "sha256", found, f"expected {self.sha256}", cure)
         object.__setattr__(self, "sha256", digest)  # the scene's hash depends on the file's bytes
-        self._turn = self._read(data, name)
+        try:
+            self._turn = self._read(data, name)
+        except SceneError as error:  # what a file of somebody else holds is not shown
+            if not self._outside:
+                raise
+            found = "found what is no lift table (not shown: it lies outside the scene's folder)"
+            first = replace(error.faults[0], found=found, expected="", cure="")
+            raise SceneError(first) from None
         return self
 
     def _read(self, data: bytes, name: str) -> Turn:

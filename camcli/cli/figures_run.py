@@ -34,7 +34,10 @@ NAME = "figures"
 STATE, REFERENCES = "figure.json", "reference"
 NEW, UNCHANGED, CHECK = "new", "unchanged", "check"
 WHOLE = (DONE, NUMERICS)  # exit codes of a run whose artefacts are whole
-OWNED = {"-c", "--set", "-o", "--no-plot", "--json", "-q", "--threads", "--dry-run"}
+OWNED = {  # options that say where and how it is run, not what is drawn
+    "-c", "--set", "-o", "--no-plot", "--json", "-q", "--threads", "--dry-run", "--cluster",
+    "--shard",
+}  # fmt: skip
 CAM_ONLY = "--profile-only"  # with it a command knows no impacts, and of a run only the speed
 PORTABILITY = "portability broke"
 MOST_DRIFTS = 12  # of a figure shown to people

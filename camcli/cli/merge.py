@@ -40,7 +40,7 @@ def merge(
 
     paths = _paths(parts or [Path("out")])
     record = _record(paths)
-    scene = record.load(folder or Path())
+    scene = record.load(folder, Path())
     request = replace(request, out=request.out or paths[0].parent)
     show = import_module(f"camcli.cli.{record.command}").show
     return execute(record.command, scene, request, show, parts=tuple(paths))

@@ -38,14 +38,20 @@ class Record(BaseModel):
     artefacts: dict[Annotated[str, ARTEFACT], str] = {}
     program_sha256: str = ""
 
-    def load(self, home: Path) -> Scene:
-        """Its scene; files that it names are in `home`. Raises SceneError."""
+    def load(self, folder: Path | None, beside: Path) -> Scene:
+        """Its scene, files that it names in a folder of the user's, else `beside` the record.
+
+        Only there the user has allowed to look. Raises SceneError.
+        """
+        cam = self.scene.get("cam")
+        outside = isinstance(cam, dict) and cam.get("allow_outside") is True
+        allowed = {"cam.allow_outside": True} if folder is not None and outside else {}
         try:
-            return load_scene(self.scene, folder=home)
+            return load_scene(self.scene, allowed, folder=folder or beside)
         except SceneError as error:
             faults = [
                 replace(fault, cure="say with --folder where it is")
-                if fault.path == "cam.file" and "no such file" in fault.found
+                if fault.path == "cam.allow_outside" or "no such file" in fault.found
                 else fault
                 for fault in error.faults
             ]

@@ -41,7 +41,7 @@ def rerun(
     from camcli.output.run_folder import run_folder, unchanged
 
     found = read_record(record)
-    scene = found.load(folder or record.parent)
+    scene = found.load(folder, record.parent)
     there = {name for name in found.artefacts if (record.parent / name).is_file()}
     changed = there - set(unchanged(record.parent, found.artefacts))
     with ExitStack() as stack:

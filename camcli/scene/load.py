@@ -28,6 +28,8 @@ from camcli.scene.schema import Scene
 MAX_BYTES = 256_000  # a scene is a few kB
 MAX_FAULTS = 100  # a file with more is not a scene; the last fault then says how many
 
+OUTSIDE = {"cam", "cam.allow_outside"}  # what of the command line may allow other files
+
 _FORM = "expected path.to.key=value"
 _SPEED = f"expected a speed from {SLOWEST:g} to {FASTEST:g} turns per minute, or a range LO:HI"
 
@@ -73,8 +75,10 @@ def load_scene(
     findings = [*document.findings, *_override(document, overrides, options or {})]
     if read:
         try:
-            # a cam that names a file finds it beside the scene
-            scene = Scene.model_validate(document.data, strict=True, context={"folder": home})
+            # A cam that names a file finds it beside the scene; elsewhere the user alone allows.
+            names = {str(text).partition("=")[0].strip() for text in (*overrides, *(options or ()))}
+            context = {"folder": home, "permitted": not names.isdisjoint(OUTSIDE)}
+            scene = Scene.model_validate(document.data, strict=True, context=context)
         except ValidationError as error:
             from camcli.scene.faults import findings as translated
 

@@ -74,14 +74,26 @@ def test_a_table_outside_the_scene_s_folder_needs_permission_and_is_recorded(hom
     assert code == 2
     assert "found a file outside the scene's folder" in said
 
-    path = table_scene(home, file, "\n  allow_outside: true")
-    _, (note,) = simulated(home, path)
+    own = table_scene(home, file, "\n  allow_outside: true")
+    code, said = command_line(["simulate", "-c", str(own), *QUICK])
+    assert (code, "cam.allow_outside: found true in the scene itself" in said) == (2, True)
+
+    path, allowed = table_scene(home, file), ("--set", "cam.allow_outside=true")
+    _, (note,) = simulated(home, path, *allowed)
     assert f"reads {home / 'valve-lift.csv'}, outside the scene's folder" in note
     record = json.loads((home / "out" / "run.json").read_text())
     digest = hashlib.sha256((home / "valve-lift.csv").read_bytes()).hexdigest()
     assert record["scene"]["cam"]["sha256"] == digest
+    code, said = command_line(["rerun", "out/run.json"])
+    assert (code, "say with --folder where it is" in said) == (2, True)
+    assert command_line(["rerun", "out/run.json", "--folder", "in"])[0] == 0
+    secret = home / "valve-lift.csv"
+    secret.write_text("root:x:secret\n" * 9)
+    code, said = command_line(["simulate", "-c", str(path), *QUICK, *allowed])
+    assert (code, "not shown" in said, "secret" in said) == (2, True, False)
+    secret.write_bytes((CONFIGS / "valve-lift.csv").read_bytes())
     if file == "link.csv":
-        assert not simulated(home, path, "--quiet")[1]
+        assert not simulated(home, path, "--quiet", *allowed)[1]
         for beside in ("valve-lift.csv", "../in/valve-lift.csv"):
             assert not simulated(home, table_scene(home, beside))[1]
 
@@ -108,6 +120,8 @@ FIGURE = (CONFIGS / "figures" / "3.5.yaml").read_text()
         ("1", "simulate -o ../../taken", "found --out"),
         ("1", "simulate -qo../../taken", "found --out"),
         ("1", "simulate -c /etc/passwd", "found --config"),
+        ("1", "sweep --cluster 203.0.113.7:8786", "found --cluster"),
+        ("1", "sweep --shard 1/2", "found --shard"),
         ("1", "figures -o ../../taken", "found the command 'figures'"),
         ("1", "../../bin/sh", "found the command '../../bin/sh'"),
         ("1", "simulate; touch taken", "found the command 'simulate;'"),
