@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import re
@@ -10,8 +9,9 @@ import subprocess
 import sys
 from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
 from typing import Any, TypeVar
@@ -21,12 +21,12 @@ from pydantic import BaseModel, ValidationError
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request
 from camcli.cli.parent_watch import PARENT
-from camcli.cli.report import progress_bar, table
+from camcli.cli.report import plural, progress_bar, table
 from camcli.errors import Fault, SceneError
-from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, digest, drifts
-from camcli.output.gallery import Picture, page
+from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, caption, digest, drifts
+from camcli.output.gallery import Shown, page
 from camcli.output.program import program_hash
-from camcli.output.run_folder import RECORD, listed_in, run_folder, unchanged
+from camcli.output.run_folder import run_folder, unchanged
 from camcli.parallel import thread_count
 from camcli.scene import Scene, default_scene_path, load_scene, resolved
 
@@ -41,21 +41,26 @@ OWNED = {  # options that say where and how it is run, not what is drawn
 CAM_ONLY = "--profile-only"  # with it a command knows no impacts, and of a run only the speed
 PORTABILITY = "portability broke"
 MOST_DRIFTS = 12  # of a figure shown to people
+LARGE = 1_000_000  # bytes: a larger table goes once its digest is made
 
-
+Groups = dict[str, dict[str, Any]]
 Model = TypeVar("Model", bound=BaseModel)
 
 
 class State(BaseModel):
     """figure.json: what a finished figure was made of, and how it went."""
 
-    title: str
-    command: str
     hashes: dict[str, str]
     exit: int
     notes: list[str]
     seconds: float
-    files: dict[str, int]  # bytes
+    files: dict[str, str]  # SHA-256
+    digest: Groups
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """All numbers of the digest."""
+        return {name: value for group in self.digest.values() for name, value in group.items()}
 
 
 class Reference(BaseModel):
@@ -75,8 +80,7 @@ class Figure:
 
     name: str
     path: Path
-    title: str
-    shows: str
+    scene: Scene
     words: list[str]  # command and options
     hashes: dict[str, str]
 
@@ -110,24 +114,26 @@ def run(request: Request) -> int:
     out = request.folder(NAME)
     why = {f.name: CHECK if extra["check"] else reason(f, out / f.name) for f in asked}
     if request.dry_run:
-        _show_plan(request, asked, why, out)
+        columns = ("figure", "reason", "seconds", "command")
+        cells = [(f.name, why[f.name], last_seconds(f, out), f.shown_command) for f in asked]
+        rows = [dict(zip(columns, cell, strict=True)) for cell in cells]
+        _print(request, "cam figures, planned; seconds of the last time", rows, {"plan": rows})
         return DONE
     began = perf_counter()
-    wanted = [f for f in asked if why[f.name] != UNCHANGED]
     with run_folder(out) as store:
         try:
-            done = _compute(request, wanted, why, out)
+            done = _compute(request, [f for f in asked if why[f.name] != UNCHANGED], why, out)
         finally:
-            store.write_text("index.html", [page([_picture(f, out / f.name) for f in known])])
+            store.write_text("index.html", [page([_shown(f, out / f.name) for f in known])])
             store.commit()
-    states = {f.name: state_of(out / f.name) for f in asked}
-    whole = [f for f in asked if states[f.name] is not None]
-    if extra["update_reference"] and len(whole) == len(asked):
-        update(asked, known, out)
-        note(f"{asked[0].reference_path.parent}/: references of {len(asked)} figures")
-    drifted = [d for f in whole for d in check(f, out / f.name)] if extra["check"] else []
+    states = {f.name: state for f in asked if (state := read(State, out / f.name / STATE))}
+    if extra["update_reference"] and len(states) == len(asked):
+        update(asked, known, states)
+        note(f"{asked[0].reference_path.parent}/: references of {plural(len(asked), 'figure')}")
+    pairs = [(f, states[f.name]) for f in asked if f.name in states and extra["check"]]
+    drifted = [drift for figure, state in pairs for drift in check(figure, state)]
     _show(request, asked, why, done, drifted, out, perf_counter() - began)
-    codes = {state.exit for state in states.values() if state} | {d.code for d in done}
+    codes = {state.exit for state in states.values()} | {d.code for d in done}
     codes |= {NUMERICS} if drifted else set()
     return max(codes - set(WHOLE), default=max(codes, default=DONE))
 
@@ -155,7 +161,12 @@ def default_folder() -> Path:
 
 def figures(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
     """All figures of a folder, 3.9 before 3.10; raises SceneError with the faults of all scenes."""
-    paths = sorted(folder.glob("*.yaml"), key=lambda path: _natural(path.stem))
+
+    def natural(path: Path) -> list:
+        parts = re.findall(r"\d+|\D+", path.stem)
+        return [(int(part), "") if part.isdigit() else (0, part) for part in parts]
+
+    paths = sorted(folder.glob("*.yaml"), key=natural)
     if not paths:
         none = "found no scenes" if folder.is_dir() else "found no such folder"
         raise SceneError(Fault("--folder", str(folder), none, "expected *.yaml", "name another"))
@@ -170,11 +181,6 @@ def figures(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
     return found
 
 
-def _natural(name: str) -> list:
-    parts = re.findall(r"\d+|\D+", name)
-    return [(int(part), "") if part.isdigit() else (0, part) for part in parts]
-
-
 def _figure(path: Path, sets: Sequence[str]) -> Figure:
     if not path.stem.strip("."):  # its folder would not lie in the output folder
         found, cure = f"found a scene named '{path.name}'", "rename it: the folder has its name"
@@ -185,13 +191,8 @@ def _figure(path: Path, sets: Sequence[str]) -> Figure:
         raise SceneError(Fault(str(path), "figure", "found no such section", expected, "add it"))
     words = scene.figure.words
     _refuse_unknown(path, words)
-    data = getattr(scene.cam, "sha256", None) or ""
-    hashes = {
-        "scene": _scene_hash(scene, words),
-        "data": data,
-        "program": program_hash(pictures=True),
-    }
-    return Figure(path.stem, path, scene.figure.title, scene.figure.shows, words, hashes)
+    hashes = {"scene": _scene_hash(scene, words), "data": getattr(scene.cam, "sha256", None) or ""}
+    return Figure(path.stem, path, scene, words, {**hashes, "program": program_hash(pictures=True)})
 
 
 def _refuse_unknown(path: Path, words: list[str]) -> None:
@@ -236,32 +237,30 @@ def _scene_hash(scene: Scene, words: list[str]) -> str:
         read = {**read, "run": values["run"]["rpm"]}
         read["follower"] = {k: v for k, v in values["follower"].items() if k != "restitution"}
     text = json.dumps([words, read], sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return sha256(text.encode()).hexdigest()
 
 
 def chosen(known: Sequence[Figure], names: Collection[str]) -> list[Figure]:
     """The figures with these names, or with these names and a letter; all without names."""
-    found, faults = set(), []
-    for name in names:
-        hits = {f.name for f in known if re.fullmatch(re.escape(name) + "[a-z]?", f.name)}
-        found |= hits
-        if not hits:
-            expected = f"expected one of {', '.join(f.name for f in known)}"
-            faults.append(Fault("NAME", "", f"found '{name}'", expected, "or none, for all"))
+    hits = {
+        n: {f.name for f in known if re.fullmatch(re.escape(n) + "[a-z]?", f.name)} for n in names
+    }
+    expected = f"expected one of {', '.join(f.name for f in known)}"
+    faults = [
+        Fault("NAME", "", f"found '{name}'", expected, "or none, for all")
+        for name, found in hits.items()
+        if not found
+    ]
     if faults:
         raise SceneError(*faults)
-    return [figure for figure in known if not names or figure.name in found]
+    return [f for f in known if not names or any(f.name in found for found in hits.values())]
 
 
 # --- what must be computed
 
 
-def state_of(folder: Path) -> State | None:
-    """figure.json of a finished figure; None where there is none, or none that can be read."""
-    return _read(State, folder / STATE)
-
-
-def _read(model: type[Model], path: Path) -> Model | None:
+def read(model: type[Model], path: Path) -> Model | None:
+    """What a file holds; None where there is none, or none that can be read."""
     try:
         return model.model_validate_json(path.read_bytes())
     except (OSError, ValidationError):
@@ -270,27 +269,19 @@ def _read(model: type[Model], path: Path) -> Model | None:
 
 def reason(figure: Figure, folder: Path) -> str:
     """Why the figure must be computed, or `unchanged`."""
-    state = state_of(folder)
+    state = read(State, folder / STATE)
     if state is None:
         return NEW
     for key, value in figure.hashes.items():
         if state.hashes.get(key) != value:
             return f"{key} changed"
-    listed = listed_in(folder / RECORD)
-    whole = state.files == _sizes(folder) and unchanged(folder, listed) == listed
-    return UNCHANGED if whole else "artefact changed"
-
-
-def _sizes(folder: Path) -> dict[str, int]:
-    """Bytes of every artefact of a figure."""
-    paths = sorted(folder.iterdir()) if folder.is_dir() else []
-    wanted = (p for p in paths if p.is_file() and p.name != STATE and p.name[0] != ".")
-    return {path.name: path.stat().st_size for path in wanted}
+    return UNCHANGED if unchanged(folder, state.files) == state.files else "artefact changed"
 
 
 def last_seconds(figure: Figure, out: Path) -> float | None:
     """Seconds it took last time, here or where the reference was made."""
-    known = state_of(out / figure.name) or _read(Reference, figure.reference_path)
+    here, there = out / figure.name / STATE, figure.reference_path
+    known = read(State, here) or read(Reference, there)
     return known.seconds if known else None
 
 
@@ -314,9 +305,7 @@ def compute(
         (folder / STATE).unlink(missing_ok=True)  # until it is whole again
         done = _run(figure, [*options, "-o", str(folder)])
         if done.code in WHOLE:
-            with run_folder(folder) as store:
-                store.write_text(STATE, [_state(figure, folder, done).model_dump_json(indent=2)])
-                store.commit()
+            _finish(figure, folder, done)
         on_done(done)
         return done
 
@@ -345,16 +334,24 @@ def _run(figure: Figure, options: list[str]) -> Done:
     return Done(figure.name, code, notes, seconds)
 
 
-def _state(figure: Figure, folder: Path, done: Done) -> State:
-    return State(
-        title=figure.title,
-        command=figure.shown_command,
+def _finish(figure: Figure, folder: Path, done: Done) -> None:
+    """Write figure.json with the digest, and remove the large tables that it was made from."""
+    found = digest(folder)
+    for path in folder.glob("*.csv"):
+        if path.stat().st_size > LARGE:
+            path.unlink()
+    paths = [p for p in sorted(folder.iterdir()) if p.is_file() and p.name[0] != "."]
+    state = State(
         hashes=figure.hashes,
         exit=done.code,
         notes=done.notes,
         seconds=done.seconds,
-        files=_sizes(folder),
+        files={path.name: sha256(path.read_bytes()).hexdigest() for path in paths},
+        digest=found,
     )
+    with run_folder(folder) as store:
+        store.write_text(STATE, [state.model_dump_json(indent=1)])
+        store.commit()
 
 
 def _compute(request: Request, wanted: Sequence[Figure], why, out: Path) -> list[Done]:
@@ -381,14 +378,14 @@ def _compute(request: Request, wanted: Sequence[Figure], why, out: Path) -> list
 # --- references
 
 
-def update(asked: Sequence[Figure], known: Sequence[Figure], out: Path) -> None:
+def update(asked: Sequence[Figure], known: Sequence[Figure], states: dict[str, State]) -> None:
     """Write the references of these figures; remove those of no known one."""
     folder = asked[0].reference_path.parent
     with run_folder(folder) as store:
         for figure in asked:
-            seconds = round(last_seconds(figure, out) or 0.0, 1)
+            state = states[figure.name]
             hashes = {key: figure.hashes[key] for key in ("scene", "data")}
-            text = {**hashes, "seconds": seconds, **digest(out / figure.name)}
+            text = {**hashes, "seconds": round(state.seconds, 1), **state.digest}
             store.write_text(f"{figure.name}.json", [json.dumps(text, indent=0) + "\n"])
         store.commit()
     for path in folder.glob("*.json"):
@@ -396,16 +393,16 @@ def update(asked: Sequence[Figure], known: Sequence[Figure], out: Path) -> None:
             path.unlink()
 
 
-def check(figure: Figure, folder: Path) -> list[Drift]:
+def check(figure: Figure, state: State) -> list[Drift]:
     """All numbers of a figure that are not the reference's; a reference that cannot be read too."""
     path = figure.reference_path
-    reference = _read(Reference, path)
+    reference = read(Reference, path)
     if reference is None:
         cure = "cannot be read: restore it, or cam figures --update-reference"
         why = cure if path.exists() else "no such file"
         return [Drift(figure.name, SOLVED, str(path), None, why)]
     old = {group: getattr(reference, group) for group in (REGULAR, CHAOTIC, SOLVED)}
-    found = drifts(figure.name, old, digest(folder))
+    found = list(drifts(figure.name, old, state.digest))
     other = [
         Drift(figure.name, REGULAR, f"hash of the {key}", was[:12], figure.hashes[key][:12])
         for key, was in (("scene", reference.scene), ("data", reference.data))
@@ -420,8 +417,8 @@ def verdict(drifted: Sequence[Drift]) -> str:
     """One line on what the drifts mean together."""
     if not drifted:
         return "every number is the reference's"
-    count = len({drift.figure for drift in drifted})
-    words = f"{len(drifted)} numbers drifted in {count} figure" + ("s" if count > 1 else "")
+    figures = plural(len({drift.figure for drift in drifted}), "figure")
+    words = f"{plural(len(drifted), 'number')} drifted in {figures}"
     broken = sum(drift.portability for drift in drifted)
     if broken == len(drifted):
         words += f": {PORTABILITY}: only chaotic motions and last bits differ"
@@ -433,11 +430,25 @@ def verdict(drifted: Sequence[Drift]) -> str:
 # --- what is shown
 
 
-def _picture(figure: Figure, folder: Path) -> Picture:
-    scene = figure.path.read_text(encoding="utf-8-sig")
-    given = (figure.name, figure.title, figure.shows, figure.shown_command, scene, folder)
-    state = state_of(folder)
-    return Picture(*given, *((list(state.files), state.seconds, state.notes) if state else ()))
+def _shown(figure: Figure, folder: Path) -> Shown:
+    about, state = figure.scene.figure, read(State, folder / STATE)
+    assert about is not None
+    text = figure.path.read_text(encoding="utf-8-sig")
+    shown = Shown(figure.name, about.title, "", figure.shown_command, text, folder)
+    if state is None:
+        return shown
+    try:
+        said = caption(about.shows, state.values)
+    except KeyError as name:
+        said = f"(The caption names {name}, which this run does not have.)"
+    return replace(
+        shown,
+        caption=said,
+        files=list(state.files),
+        seconds=state.seconds,
+        notes=state.notes,
+        printed={name: (value, state.values.get(name)) for name, value in about.printed.items()},
+    )
 
 
 def _print(request: Request, title: str, rows: list[dict[str, Any]], more: dict[str, Any]) -> None:
@@ -449,36 +460,17 @@ def _print(request: Request, title: str, rows: list[dict[str, Any]], more: dict[
     table(title, list(rows[0]) if rows else [], cells)
 
 
-def _show_plan(request: Request, asked: Sequence[Figure], why, out: Path) -> None:
-    rows = [
-        {
-            "figure": f.name,
-            "reason": why[f.name],
-            "seconds": last_seconds(f, out),
-            "command": f.shown_command,
-        }
-        for f in asked
-    ]
-    _print(request, "cam figures, planned; seconds of the last time", rows, {"plan": rows})
-
-
 def _show(request, asked, why, done: list[Done], drifted: list[Drift], out, seconds) -> None:
     spent = {each.name: each for each in done}
-    none = Done("", DONE, [], 0.0)
-    rows = [
-        {
-            "figure": f.name,
-            "title": f.title,
-            "reason": why[f.name],
-            "seconds": spent.get(f.name, none).seconds,
-            "exit": spent.get(f.name, none).code,
-        }
-        for f in asked
-    ]
+    rows = []
+    for f in asked:
+        each = spent.get(f.name, Done("", DONE, [], 0.0))
+        row = {"figure": f.name, "title": f.scene.figure.title, "reason": why[f.name]}
+        rows.append({**row, "seconds": each.seconds, "exit": each.code})
     more: dict[str, Any] = {"figures": rows, "seconds": seconds}
     if request.extra["check"]:
         more |= {"verdict": verdict(drifted), "drifts": [asdict(d) for d in drifted]}
-    _print(request, f"{len(asked)} figures", rows, more)
+    _print(request, plural(len(asked), "figure"), rows, more)
     if request.json:
         return
     for name in dict.fromkeys(drift.figure for drift in drifted):

@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,7 @@ REGULAR, CHAOTIC, SOLVED = "regular", "chaotic", "solved"
 TOLERANCE = 1e-8  # of a solved number
 SLIGHT = 1e-9  # of a simulated number: a difference of rounding, not of the machine
 ABSOLUTE = 1e-12
-KERNEL = ("impacts.csv", "strobe.csv", "trajectory.csv", "events.csv", "speeds.csv")
+KERNEL = ("impacts.csv", "strobe.csv", "trajectory.csv", "events.csv")
 CHAOS = ("aperiodic", "undecided")
 WORDS = ("attractor", "branch", "stable", "chatter", "impact", "period")  # numbers that name
 SKIPPED = ("rpm_error", "standard_error", "period")
@@ -34,6 +36,7 @@ MOST_WORDS = 24  # different texts of a column that are counted one by one
 
 Group = dict[str, Any]
 Columns = dict[str, np.ndarray]  # doubles, or texts where a cell is none
+Named = Iterator[tuple[str, Any]]
 
 
 def digest(folder: Path) -> dict[str, Group]:
@@ -43,19 +46,19 @@ def digest(folder: Path) -> dict[str, Group]:
     label = result.get("label", "") if isinstance(result, dict) else ""
     tables = {path.name: _columns(path) for path in sorted(folder.glob("*.csv"))}
     speeds = tables.get("speeds.csv", {"rpm": np.empty(0), "label": np.empty(0)})
-    chaotic = speeds["rpm"][np.isin(speeds["label"], CHAOS)]
+    wild = speeds["rpm"][np.isin(speeds["label"], CHAOS)]
     for name, columns in tables.items():
         if name == "speeds.csv":
-            _speeds(groups[REGULAR], columns)
+            groups[REGULAR] |= _speeds(columns)
         elif name not in KERNEL:
-            _solved(groups[SOLVED], name, columns)
+            groups[SOLVED] |= _solved(name, columns)
         elif "rpm" in columns:
-            rows = np.isin(columns["rpm"], chaotic)
-            _exact(groups[CHAOTIC], name, columns, rows)
-            _exact(groups[REGULAR], name, columns, ~rows)
+            rows = np.isin(columns["rpm"], wild)
+            groups[CHAOTIC] |= _exact(name, columns, rows)
+            groups[REGULAR] |= _exact(name, columns, ~rows)
         else:
             every = np.ones(len(next(iter(columns.values()))), bool)
-            _exact(groups[CHAOTIC if label in CHAOS else REGULAR], name, columns, every)
+            groups[CHAOTIC if label in CHAOS else REGULAR] |= _exact(name, columns, every)
     if label:
         groups[REGULAR]["label"] = label
     return groups
@@ -64,18 +67,15 @@ def digest(folder: Path) -> dict[str, Group]:
 def _columns(path: Path) -> Columns:
     """The columns of a table by name."""
     with open(path, encoding="utf-8", newline="") as file:
-        names = file.readline().strip().split(",")
-        body = file.tell()
-        if not file.readline():
-            return {name: np.empty(0) for name in names}
-        file.seek(body)
-        try:
-            found = np.loadtxt(file, delimiter=",", comments=None, ndmin=2)
-            return dict(zip(names, found.T, strict=True))
-        except ValueError:  # a cell that is empty or text
-            file.seek(body)
-            cells = zip(*csv.reader(file), strict=True)
-            return {name: _column(column) for name, column in zip(names, cells, strict=True)}
+        names, *rows = islice(csv.reader(file), 2)
+    if not rows:
+        return {name: np.empty(0) for name in names}
+    try:
+        found = list(np.loadtxt(path, delimiter=",", skiprows=1, comments=None, ndmin=2).T)
+    except ValueError:  # a cell that is empty or text
+        with open(path, encoding="utf-8", newline="") as file:
+            found = [_column(cells[1:]) for cells in zip(*csv.reader(file), strict=True)]
+    return dict(zip(names, found, strict=True))
 
 
 def _column(cells: Sequence[str]) -> np.ndarray:
@@ -85,22 +85,22 @@ def _column(cells: Sequence[str]) -> np.ndarray:
         return np.array(cells)
 
 
-def _speeds(group: Group, columns: Columns) -> None:
+def _speeds(columns: Columns) -> Named:
     """How often each label occurs, and between which speeds."""
     labels, rpm = columns["label"], columns["rpm"]
-    _counts(group, "speeds.csv status", columns["status"])
+    yield from _counts("speeds.csv status", columns["status"])
     counts = Counter(labels.tolist())
-    group["speeds.csv different labels"] = len(counts)
+    yield "speeds.csv different labels", len(counts)
     for label, count in counts.most_common(MOST_WORDS):
-        mine = rpm[labels == label]
-        name = f"speeds.csv {_short(label)}"
-        group[f"{name} speeds"] = count
-        group[f"{name} from rpm"], group[f"{name} to rpm"] = float(mine.min()), float(mine.max())
+        mine, name = rpm[labels == label], f"speeds.csv {_short(label)}"
+        yield f"{name} speeds", count
+        yield f"{name} from rpm", float(mine.min())
+        yield f"{name} to rpm", float(mine.max())
 
 
-def _exact(group: Group, name: str, columns: Columns, rows: np.ndarray) -> None:
+def _exact(name: str, columns: Columns, rows: np.ndarray) -> Named:
     """Count, bits and quantiles of some rows of a table of the kernel."""
-    group[f"{name} rows"] = int(rows.sum())
+    yield f"{name} rows", int(rows.sum())
     if not rows.any():
         return
     bits = sha256()
@@ -108,16 +108,16 @@ def _exact(group: Group, name: str, columns: Columns, rows: np.ndarray) -> None:
         mine = column[rows]
         text = mine.dtype.kind != "f"
         bits.update("\n".join(mine.tolist()).encode() if text else mine.astype("<f8").tobytes())
-    _quantiles(group, name, {k: v[rows] for k, v in columns.items() if k != "rpm"})
-    group[f"{name} bits"] = bits.hexdigest()[:16]
+    yield from _quantiles(name, {k: v[rows] for k, v in columns.items() if k != "rpm"})
+    yield f"{name} bits", bits.hexdigest()[:16]
 
 
-def _solved(group: Group, name: str, columns: Columns) -> None:
+def _solved(name: str, columns: Columns) -> Named:
     """A small table cell by cell, a large one by quantiles."""
     count = len(next(iter(columns.values())))
-    group[f"{name} rows"] = count
+    yield f"{name} rows", count
     if count > MOST_ROWS:
-        _quantiles(group, name, columns)
+        yield from _quantiles(name, columns)
         return
     texts = [k for k, v in columns.items() if v.dtype.kind != "f" or k in WORDS]
     seen: Counter[str] = Counter()
@@ -127,27 +127,27 @@ def _solved(group: Group, name: str, columns: Columns) -> None:
         key = f"{name} {key}" + (f" #{seen[key]}" if seen[key] > 1 else "")
         for column, values in columns.items():
             if column not in texts and column not in SKIPPED and not np.isnan(values[row]):
-                group[f"{key} {column}"] = _number(values[row])
+                yield f"{key} {column}", _number(values[row])
 
 
-def _quantiles(group: Group, name: str, columns: Columns) -> None:
+def _quantiles(name: str, columns: Columns) -> Named:
     for column, values in columns.items():
         if column in SKIPPED:
             continue
         if values.dtype.kind != "f" or column in WORDS:
-            _counts(group, f"{name} {column}", values)
+            yield from _counts(f"{name} {column}", values)
             continue
         known = np.sort(values[~np.isnan(values)])
         for level, share in LEVELS.items() if len(known) else ():
-            group[f"{name} {column} {level}"] = _number(known[round(share * (len(known) - 1))])
+            yield f"{name} {column} {level}", _number(known[round(share * (len(known) - 1))])
 
 
-def _counts(group: Group, name: str, values: np.ndarray) -> None:
+def _counts(name: str, values: np.ndarray) -> Named:
     counts = Counter(_text(value) for value in values.tolist())
     for word, count in counts.most_common(MOST_WORDS):
-        group[f"{name} = {word}"] = count
+        yield f"{name} = {word}", count
     if len(counts) > MOST_WORDS:
-        group[f"{name} different"] = len(counts)
+        yield f"{name} different", len(counts)
 
 
 def _number(value: np.floating) -> float | str:
@@ -164,6 +164,26 @@ def _short(text: str) -> str:
     return text if len(text) <= 40 else f"{text[:28]}~{sha256(text.encode()).hexdigest()[:8]}"
 
 
+# --- captions
+
+
+def caption(text: str, values: Mapping[str, Any]) -> str:
+    """A caption with its numbers: `{name|.2f}` is the value of this name in a digest.
+
+    Raises KeyError where the run has no such value.
+    """
+
+    def value(match: re.Match[str]) -> str:
+        name, _, form = match[1].partition("|")
+        found = values[name.strip()]
+        return f"{found:{form or '.10g'}}" if isinstance(found, float) else str(found)
+
+    return re.sub(r"\{([^{}]+)\}", value, text).replace("inf", "∞")
+
+
+# --- comparison
+
+
 @dataclass(frozen=True)
 class Drift:
     """A number that is not the reference's; `by` is None where they cannot be subtracted."""
@@ -177,9 +197,8 @@ class Drift:
     portability: bool = False  # the bits of another machine would explain it, and nothing else
 
 
-def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> list[Drift]:
+def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> Iterator[Drift]:
     """All numbers of a digest that are not the reference's."""
-    found = []
     for group in (REGULAR, CHAOTIC, SOLVED):
         for name in dict.fromkeys([*old[group], *new[group]]):
             was, now = old[group].get(name), new[group].get(name)
@@ -192,5 +211,4 @@ def drifts(figure: str, old: Mapping[str, Group], new: Mapping[str, Group]) -> l
                     continue
                 slight = abs(by) <= SLIGHT * size
             bits = group == REGULAR and (slight or name.endswith(" bits"))
-            found.append(Drift(figure, group, name, was, now, by, group == CHAOTIC or bits))
-    return found
+            yield Drift(figure, group, name, was, now, by, group == CHAOTIC or bits)

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from html import escape
 from importlib.resources import files
+from itertools import groupby
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -20,18 +21,19 @@ MOST_ROWS, MOST_COLUMNS = 20, 10
 
 
 @dataclass(frozen=True)
-class Picture:
+class Shown:
     """One figure as the page shows it; without `files` it is not computed yet."""
 
     name: str
     title: str
-    shows: str
+    caption: str
     command: str
     scene: str
     folder: Path
     files: Sequence[str] = ()
     seconds: float = 0.0
     notes: Sequence[str] = ()
+    printed: Mapping[str, tuple[float, Any]] = field(default_factory=dict)  # and what was computed
 
     @property
     def heading(self) -> str:
@@ -43,23 +45,36 @@ class Picture:
         """Its place in the page."""
         return "figure-" + re.sub(r"[^A-Za-z0-9-]", "-", self.name)
 
+    @property
+    def pictures(self) -> list[str]:
+        """Its pictures, as links."""
+        return [quote(f"{self.name}/{file}") for file in self.files if file.endswith(".png")]
 
-def page(pictures: Sequence[Picture]) -> str:
+
+def page(figures: Sequence[Shown]) -> str:
     """The page."""
     template = Template((files("camcli.output") / "gallery.html").read_text(encoding="utf-8"))
-    contents = "".join(f'<li><a href="#{p.id}">{p.heading}</a></li>\n' for p in pictures)
-    return template.substitute(contents=contents, figures="".join(map(_article, pictures)))
+    groups = groupby(figures, lambda p: re.sub(r"(?<=\d)[a-z]$", "", p.name))
+    contents = "".join(
+        f"<h2>{escape(name)}</h2>\n<ul>\n{''.join(map(_thumbnail, members))}</ul>\n"
+        for name, members in groups
+    )
+    return template.substitute(contents=contents, figures="".join(map(_article, figures)))
 
 
-def _article(p: Picture) -> str:
-    pngs = [file for file in p.files if file.endswith(".png")]
+def _thumbnail(p: Shown) -> str:
+    image = f'<img src="{p.pictures[0]}" loading="lazy" alt="">' if p.pictures else ""
+    return f'<li><a href="#{p.id}">{image}{p.heading}</a></li>\n'
+
+
+def _article(p: Shown) -> str:
     none = "This command draws no picture." if p.files else "Not computed yet."
-    shown = "".join(_figure(p, file) for file in pngs) or f"<p>{none}</p>\n"
+    shown = "".join(_figure(p, source) for source in p.pictures) or f"<p>{none}</p>\n"
     label = escape(f"Scene of {p.name}")
     return f"""<article id="{p.id}" aria-labelledby="{p.id}-title">
 <h2 id="{p.id}-title">{p.heading}</h2>
 {shown}<pre class="command"><code>{escape(p.command)}</code></pre>
-{_html(list(p.notes), "", "")}{_numbers(p) if p.files else ""}<details>
+{_html(list(p.notes), "", "")}{_printed(p)}{_numbers(p) if p.files else ""}<details>
 <summary>Scene</summary>
 <pre role="group" aria-label="{label}" tabindex="0"><code>{escape(p.scene)}</code></pre>
 </details>
@@ -67,34 +82,43 @@ def _article(p: Picture) -> str:
 """
 
 
-def _figure(p: Picture, file: str) -> str:
+def _figure(p: Shown, source: str) -> str:
     try:
-        with open(p.folder / file, "rb") as png:
+        with open(p.folder / Path(source).name, "rb") as png:
             head = png.read(24)
     except OSError:
         head = b""
     wide, high = (int.from_bytes(head[k : k + 4], "big") for k in (16, 20))
-    source = quote(f"{p.name}/{file}")
+    words = escape(p.caption or p.title)
     return f"""<figure>
 <a href="{source}"><img src="{source}" width="{wide}" height="{high}" loading="lazy"
-alt="{p.heading}, opens the picture"></a>
-<figcaption>{escape(p.shows)}</figcaption>
+alt="{words}"></a>
+<figcaption>{words}</figcaption>
 </figure>
 """
 
 
-def _numbers(p: Picture) -> str:
+def _printed(p: Shown) -> str:
+    """Printed numbers beside what was computed."""
+    columns = ("number", "printed", "computed")
+    rows = [dict(zip(columns, (n, *pair), strict=True)) for n, pair in p.printed.items()]
+    return _table(rows, f"Printed numbers of {p.name}") if rows else ""
+
+
+def _numbers(p: Shown) -> str:
     """What its run.json says, links to its files, and its cost."""
     try:
         record = json.loads((p.folder / "run.json").read_text(encoding="utf-8"))
         cost = record["cost"]
         counted = f"{cost['impacts']} impacts, {cost['gap_evaluations']} gap evaluations, "
+        gone = ", ".join(sorted({*record.get("artefacts", ())} - {*p.files}))
     except (OSError, ValueError, LookupError, TypeError):  # of another program, or damaged
-        record, counted = {"result": {}}, ""
+        record, counted, gone = {"result": {}}, "", ""
     links = [f'<a href="{quote(f"{p.name}/{file}")}">{escape(file)}</a>' for file in p.files]
+    made = f"; the command also writes {escape(gone)}, too large to be kept" if gone else ""
     return f"""<details>
 <summary>Numbers and files</summary>
-{_html(record.get("result"), "numbers", p.name)}<p>Files: {", ".join(links)}</p>
+{_html(record.get("result"), "numbers", p.name)}<p>Files: {", ".join(links)}{made}</p>
 </details>
 <p>Cost: {counted}{p.seconds:.1f} s with start and drawing.</p>
 """
@@ -109,22 +133,26 @@ def _html(value: Any, name: str, figure: str) -> str:
     if isinstance(value, list) and value and isinstance(value[0], Mapping):
         return _table(value, f"{name} of {figure}")
     if isinstance(value, list):
-        items = [f"<li>{escape(_text(item))}</li>\n" for item in value[:MOST_ROWS]]
-        return f"<ul>\n{''.join(items)}</ul>\n" if items else ""
+        items = _tagged("li", map(_text, value[:MOST_ROWS]))
+        return f"<ul>\n{items}</ul>\n" if items else ""
     return escape(_text(value))
 
 
 def _table(rows: Sequence[Mapping[str, Any]], label: str) -> str:
-    keys = list(dict.fromkeys(k for row in rows for k, v in row.items() if _is_plain(v)))
-    lines = [[_text(row.get(key)) for key in keys[:MOST_COLUMNS]] for row in rows[:MOST_ROWS]]
-    head = [f'<th scope="col">{escape(k.replace("_", " "))}</th>' for k in keys[:MOST_COLUMNS]]
-    body = ["".join(f"<td>{escape(cell)}</td>" for cell in line) for line in lines]
+    every = dict.fromkeys(k for row in rows for k, v in row.items() if _is_plain(v))
+    keys = list(every)[:MOST_COLUMNS]
+    head = _tagged('th scope="col"', [key.replace("_", " ") for key in keys])
+    body = [_tagged("td", [_text(row.get(key)) for key in keys]) for row in rows[:MOST_ROWS]]
     cut = f"<p>The first {MOST_ROWS} of {len(rows)}, all of them in run.json.</p>\n"
     return f"""<div class="wide" role="group" aria-label="{escape(label)}" tabindex="0"><table>
-<thead><tr>{"".join(head)}</tr></thead>
+<thead><tr>{head}</tr></thead>
 <tbody>{"".join(f"<tr>{line}</tr>" for line in body)}</tbody>
 </table></div>
 {cut if len(rows) > MOST_ROWS else ""}"""
+
+
+def _tagged(tag: str, texts: Iterable[str]) -> str:
+    return "".join(f"<{tag}>{escape(text)}</{tag.split()[0]}>" for text in texts)
 
 
 def _is_plain(value: Any) -> bool:

@@ -17,12 +17,9 @@ def _splits(text: str) -> str:
     except ValueError as error:
         found = f"found {text!r}: {str(error).lower()}"
         raise refused(found, "expected words as in a shell", "close the quotes") from None
-    if not words:
-        raise refused("found no command", "expected a command of cam", "name one")
-    if "--" in words:
-        raise refused(
-            f"found '--' in {text!r}", "expected a command and its options", "leave '--' out"
-        )
+    if not words or "--" in words:
+        found = f"found '--' in {text!r}" if words else "found no command"
+        raise refused(found, "expected a command of cam and its options", "name one, without '--'")
     return text
 
 
@@ -36,7 +33,12 @@ class Figure(Section):
         description="command and options that draw it, as after `cam`; -c and -o are added"
     )
     shows: Annotated[str, Field(max_length=2000)] = Field(
-        "", description="what is to be seen in it, for the page and for who cannot see it"
+        "",
+        description="caption, also for who cannot see it; {NAME|.2f} is a number of the run, by "
+        "its name in the reference",
+    )
+    printed: dict[str, float] = Field(
+        {}, description="numbers of the run, by their names in the reference, as printed elsewhere"
     )
 
     @property

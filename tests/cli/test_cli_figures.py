@@ -12,8 +12,8 @@ import pytest
 
 from camcli.cli.app import app
 from camcli.cli.exit_codes import guarded
-from camcli.cli.figures_run import check, chosen, figures, state_of, verdict
-from camcli.output.digest import Drift, drifts
+from camcli.cli.figures_run import State, check, chosen, figures, read, verdict
+from camcli.output.digest import Drift, caption, drifts
 
 ROOT = Path(__file__).parents[2]
 REAL = ROOT / "configs" / "figures"
@@ -36,8 +36,9 @@ FIGURES = {
 }
 
 
-def write(folder: Path, name: str, command: str, rest: str = "", more: str = "") -> None:
-    head = f'figure: {{title: "On {name}", command: {command}, shows: "a <b> & c"{more}}}'
+def write(folder, name, command, rest="", more="", shows=True) -> None:
+    words = ', shows: "a <b> & c"' if shows else ""
+    head = f'figure: {{title: "On {name}", command: {command}{words}{more}}}'
     (folder / f"{name}.yaml").write_text(f"{head}{MACHINE}{rest}\n")
 
 
@@ -102,7 +103,7 @@ def test_a_misshapen_state_is_none_and_stops_no_other_figure(run, home):
     whole = json.loads(path.read_text())
     for text in ("{", "[1]", "{}", "\ufeff\0", json.dumps({**whole, "hashes": ["x"]})):
         path.write_text(text)
-        assert state_of(path.parent) is None
+        assert read(State, path) is None
         assert reasons(run) == {"1.1": "new", "1.2a": "unchanged", "1.10": "unchanged"}
     (home / "out" / "1.2a" / "run.json").write_text("[" * 30)
     (home / "out" / "1.10" / "figure.json").write_text("[]")
@@ -128,7 +129,7 @@ def test_another_lift_table_is_data_changed(run, home):
 def test_the_page_shows_what_was_computed(computed):
     text = (computed / "out" / "index.html").read_text()
     for name in ("1.1/simulate.png", "1.2a/sweep.png", "1.10/profile.png"):
-        assert f'<img src="{name}" width="1340"' in text
+        assert f'<img src="{name}" width="20' in text
         assert (computed / "out" / name).is_file()
     assert "<dt>label</dt><dd>P(1;inf)</dd>" in text
     assert "transient: 5" in text
@@ -154,7 +155,11 @@ def drifted(home, name, change):
     change(reference)
     path.write_text(json.dumps(reference))
     (figure,) = chosen(figures(home / "scenes"), [name])
-    return check(figure, home / "out" / name)
+    return check(figure, state_of(home, name))
+
+
+def state_of(home, name):
+    return read(State, home / "out" / name / "figure.json")
 
 
 def test_every_number_that_drifted_is_named(home, run):
@@ -167,7 +172,7 @@ def test_every_number_that_drifted_is_named(home, run):
     assert (drift.name, drift.by, drift.portability) == (name, -0.5, False)
     said = run("--check", "1.1", code=3).out
     assert f"1.1: {name}: reference {drift.reference!r}, found {drift.found!r}, off by -0.5" in said
-    assert "1 numbers drifted in 1 figure" in said
+    assert "1 number drifted in 1 figure" in said
     assert "portability" not in said
 
 
@@ -199,7 +204,7 @@ def test_a_reference_that_is_none_is_a_drift_of_its_figure_alone(home, text):
     path.unlink()
     if text is not None:
         path.write_text(text)
-    found = [d for f in figures(home / "scenes") for d in check(f, home / "out" / f.name)]
+    found = [d for f in figures(home / "scenes") for d in check(f, state_of(home, f.name))]
     assert [(d.figure, d.name) for d in found] == [("1.10", str(path))]
     assert ("--update-reference" in found[0].found) == (text is not None)
 
@@ -208,10 +213,33 @@ def test_what_a_drift_is():
     def groups(regular, solved):
         return {"regular": {"x": regular}, "chaotic": {}, "solved": {"y": solved}}
 
-    assert drifts("f", groups(1.0, 2.0), groups(1.0, 2.0 + 1e-8)) == []
-    found = drifts("f", groups(1.0, 2.0), groups(1.0 + 1e-12, "inf"))
+    assert list(drifts("f", groups(1.0, 2.0), groups(1.0, 2.0 + 1e-8))) == []
+    found = list(drifts("f", groups(1.0, 2.0), groups(1.0 + 1e-12, "inf")))
     assert [(d.name, d.portability) for d in found] == [("x", True), ("y", False)]
     assert found[1] == Drift("f", "solved", "y", 2.0, "inf")
+
+
+def test_a_caption_has_the_numbers_of_the_run(run, home):
+    values = {"x y": 1.25, "label": "P(1;inf)", "rows": 3}
+    assert caption("{x y|.1f} of {rows}, {label}", values) == "1.2 of 3, P(1;∞)"
+    with pytest.raises(KeyError, match="'z'"):
+        caption("{z}", values)
+    for shows, said in (("at {label}", "at P(1;∞)"), ("{no such} speed", "The caption names")):
+        write(home / "scenes", "1.1", "simulate", RUN, more=f', shows: "{shows}"', shows=False)
+        run()
+        assert said in (home / "out" / "index.html").read_text()
+
+
+def test_large_tables_go_when_their_digest_is_made(run, home, monkeypatch):
+    monkeypatch.setattr("camcli.cli.figures_run.LARGE", 100)
+    run("--check", "1.2")
+    names = {path.name for path in (home / "out" / "1.2a").iterdir()}
+    assert names == {"figure.json", "run.json", "speeds.csv", "sweep.png"} - {"speeds.csv"}
+    assert reasons(run, "1.2") == {"1.2a": "unchanged"}
+    assert (
+        "impacts.csv, speeds.csv, strobe.csv, too large"
+        in (home / "out" / "index.html").read_text()
+    )
 
 
 @pytest.mark.slow
@@ -284,7 +312,7 @@ def test_the_example_is_complete_and_its_references_are_small():
     known = figures(REAL)
     assert [figure.name for figure in known] == NAMES
     assert [figure.name for figure in chosen(known, ["3.6", "3.10"])] == [*NAMES[6:12], "3.10"]
-    assert all(figure.shows and figure.title for figure in known)
+    assert all(figure.scene.figure.shows for figure in known)
     references = list((REAL / "reference").iterdir())
     assert sorted(path.name for path in references) == sorted(f"{name}.json" for name in NAMES)
     assert sum(path.stat().st_size for path in references) < 300_000

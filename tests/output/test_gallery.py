@@ -7,7 +7,7 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from camcli.output.gallery import MOST_ROWS, Picture, page
+from camcli.output.gallery import MOST_ROWS, Shown, page
 
 VOID = {"meta", "img"}
 BLOCKS = {"p", "pre", "ul", "dl", "div", "table", "h2"}  # what ends a paragraph by itself
@@ -56,10 +56,10 @@ class Page(HTMLParser):
 
 def picture(out, name, **more):
     texts = {
-        "title": 'Impacts <b> & "more"', "shows": "What it $shows", "command": "cam sweep",
+        "title": 'Impacts <b> & "more"', "caption": "What <it> $shows", "command": "cam sweep",
         "scene": "run: {rpm: 1} # <i> &lt; $x",
     }  # fmt: skip
-    return Picture(name=name, folder=out / name, **{**texts, **more})
+    return Shown(name=name, folder=out / name, **{**texts, **more})
 
 
 @pytest.fixture
@@ -76,7 +76,14 @@ def out(tmp_path):
 def shown(out):
     """The page of that figure, and of one that is not computed."""
     files = sorted(path.name for path in (out / "3.6 a#1").iterdir())
-    whole = picture(out, "3.6 a#1", files=files, seconds=1.25, notes=["a <note>"])
+    whole = picture(
+        out,
+        "3.6 a#1",
+        files=files,
+        seconds=1.25,
+        notes=["a <note>"],
+        printed={"q & v": (0.546, 0.5461)},
+    )
     return Page(page([whole, picture(out, "3.7")]))
 
 
@@ -84,7 +91,7 @@ def test_every_link_leads_somewhere_and_stays_here(shown, out):
     ids = [one["id"] for one in shown.found if "id" in one]
     assert len(ids) == len(set(ids))
     links = [one["href"] for one in shown.all("a")] + [one["src"] for one in shown.all("img")]
-    assert len(links) == 1 + 2 + 1 + 3 + 1  # skip, list, picture, files, image
+    assert len(links) == 1 + 2 + 1 + 3 + 2  # skip, list, picture, files, images
     for link in links:
         parts = urlsplit(link)
         assert not parts.scheme
@@ -103,11 +110,12 @@ def test_nothing_is_fetched_from_elsewhere(shown):
 
 
 def test_pictures_have_words_a_size_and_a_link(shown):
-    (image,) = shown.all("img")
-    assert image["alt"] == '3.6 a#1 Impacts <b> & "more", opens the picture'
+    small, image = shown.all("img")
+    assert (small["alt"], small["src"]) == ("", image["src"])
+    assert image["alt"] == "What <it> $shows"
     assert (image["width"], image["height"]) == ("1340", "900")
     assert image["within"][-2:] == ["figure", "a"]
-    assert [one["text"] for one in shown.all("figcaption")] == ["What it $shows"]
+    assert [one["text"] for one in shown.all("figcaption")] == ["What <it> $shows"]
     assert "Not computed yet." in [one["text"] for one in shown.all("p")]
 
 
@@ -120,7 +128,13 @@ def test_the_keyboard_reaches_everything_in_order_and_what_scrolls_has_a_name(sh
     assert ":focus-visible" in shown.all("style")[0]["text"]
     scrolled = [one for one in shown.all("div", "pre") if one.get("class") != "command"]
     names = [one["aria-label"] for one in scrolled]
-    assert names == ["ranges of 3.6 a#1", "hits of 3.6 a#1", "Scene of 3.6 a#1", "Scene of 3.7"]
+    assert names == [
+        "Printed numbers of 3.6 a#1",
+        "ranges of 3.6 a#1",
+        "hits of 3.6 a#1",
+        "Scene of 3.6 a#1",
+        "Scene of 3.7",
+    ]
     assert {(one["role"], one["tabindex"]) for one in scrolled} == {("group", "0")}
 
 
@@ -141,7 +155,7 @@ def test_numbers_are_terms_and_tables_and_long_ones_are_cut(shown):
         "first rpm", "words", "ranges", "deep", "hits",
     ]  # fmt: skip
     assert shown.all("dd")[0]["text"] == "114.979326744"
-    assert len([one for one in shown.all("tr") if "tbody" in one["within"]]) == MOST_ROWS + 1
+    assert len([one for one in shown.all("tr") if "tbody" in one["within"]]) == MOST_ROWS + 2
     assert "1.5, 2" in [one["text"] for one in shown.all("td")]
     assert any("The first 20 of 25" in one["text"] for one in shown.all("p"))
 
