@@ -1,16 +1,16 @@
 """From the bytes of a lift table to one turn of lift: nothing is guessed, every fault named.
 
-Text is UTF-8 with or without a byte order mark, with any line ends; `#` begins a comment. The
-first line with content says how cells are separated: `;` if it has one, else `,`, else white space.
-Numbers are taken as written, in decimals: the last digit of a table is its rounding.
+Text is UTF-8, or UTF-16 with a byte order mark, with any line ends; `#` begins a comment. The first
+row says how cells are separated. Angles may fall or rise. Numbers are taken as written, in
+decimals: the last digit of a table is its rounding.
 """
 
 from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
 from decimal import Decimal, localcontext
 from math import gcd, sqrt
 from statistics import median_low
@@ -24,7 +24,6 @@ from camcli.errors import Fault, SceneError
 MAX_ROWS = 40_000  # every 0.01 deg of the cam, and some; read within a second
 MAX_LINES = 2 * MAX_ROWS  # with comments
 LONGEST_LINE = 10_000  # characters
-MAX_FAULTS = 20
 LARGEST = Decimal(10) ** 9
 MOST_DECIMALS = 40  # of a number
 LEAST_ROWS = 16
@@ -38,7 +37,6 @@ PATTERN = 0.1  # deviation from the pattern of one wrong row, relative
 DEG = 57.29577951308232
 
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
-_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -47,11 +45,13 @@ class Reading:
 
     angle_column: int | str  # number from 1, or name
     lift_column: int | str
-    header: bool
+    header: int  # lines; the first names the columns
     lift_unit: float
     angle_unit: Decimal  # 1 for cam degrees, 1/2 for crank degrees
     zero_deg: float
     reversed: bool
+    decimal: str = "point"  # or comma
+    skip_lines: int = 0  # of the file, before the header
 
 
 class Dwell(NamedTuple):
@@ -90,7 +90,7 @@ class Turn:
 
 def read_turn(data: bytes, name: str, reading: Reading) -> Turn:
     """The turn of a table's bytes; raises SceneError with every fault and its line."""
-    turn = _one_turn(_rows(decoded(data, name, "file"), name, reading), reading)
+    turn = _one_turn(_rows(decoded(data, name, "file", utf16=True), name, reading), reading)
     _refuse_spikes(turn, name)
     return turn
 
@@ -98,7 +98,7 @@ def read_turn(data: bytes, name: str, reading: Reading) -> Turn:
 # -- text to cells -----------------------------------------------------------------------------
 
 
-class _Cell(NamedTuple):
+class Cell(NamedTuple):
     """A number with the place it stands at; lines and columns count from 1."""
 
     place: str  # file:line:column
@@ -112,38 +112,45 @@ class _Cell(NamedTuple):
 
 @dataclass(frozen=True)
 class _Rows:
-    """The two columns of a table, as they were written."""
+    """The two columns of a table, as they were written, with ascending angles."""
 
     name: str
-    angle: list[_Cell]
-    lift: list[_Cell]
+    angle: list[Cell]
+    lift: list[Cell]
 
 
 def _raise(faults: Iterable[Fault]) -> None:
-    if first := list(itertools.islice(faults, MAX_FAULTS)):
-        raise SceneError(*first)
+    """Raise the faults, one for each cause: the first, and how many are like it."""
+    causes: dict[tuple[str, ...], list[Fault]] = {}
+    for fault in faults:
+        causes.setdefault((fault.path, fault.expected, fault.cure), []).append(fault)
+    if causes:
+        raise SceneError(
+            *(
+                replace(same[0], found=same[0].found + f", and {len(same) - 1} more like it" * more)
+                for same in causes.values()
+                for more in [len(same) > 1]
+            )
+        )
 
 
 def _rows(text: str, name: str, reading: Reading) -> _Rows:
     """The cells of the angle and the lift, row by row."""
-    lines = _lines(text, name)
-    first_line, first = lines[0]
-    pattern = _separated(first, f"{name}:{first_line}:1")
-
-    def split(line: str) -> list[tuple[int, str]]:
-        """The cells of a line with their columns."""
-        found = [(m.start(), m[0]) for m in pattern.finditer(line)]
-        return [(at + len(raw) - len(raw.lstrip()) + 1, raw.strip()) for at, raw in found]
-
-    titles = [word.strip('"') for _, word in split(first)] if reading.header else []
-    if titles and all(map(_NUMBER.fullmatch, titles)):
-        found, cure = "found a header of numbers", "if it is the first row, write header: false"
-        raise refused(f"{name}:{first_line}", "header", found, "", cure)
-    body = lines[1:] if reading.header else lines
+    lines = text_lines(text, name, reading.skip_lines)
+    if not lines:
+        found = "found no rows" if text else "found nothing"
+        cure = "is this the right file?"
+        raise refused(name, "file", found, "expected rows of angle and lift", cure)
+    head, body = lines[: reading.header], lines[reading.header :]
     if len(body) > MAX_ROWS:
         found, expected = f"found {len(body)} rows", f"expected at most {MAX_ROWS}"
         raise refused(name, "file", found, expected, "thin the table out")
-    width = len(titles) or (len(split(body[0][1])) if body else 0)
+    split = splitter((body or head)[0][1], reading.decimal)
+    titles = [word for _, word in split(head[0][1])] if head else []
+    if titles and all(number(word, reading.decimal) for word in titles):
+        found, cure = "found a header of numbers", "if it is the first row, write header: false"
+        raise refused(f"{name}:{head[0][0]}", "header", found, "", cure)
+    width = len(split(body[0][1])) if body else len(titles)
     chosen = [
         _column(key, getattr(reading, key), titles, width, name)
         for key in ("angle_column", "lift_column")
@@ -153,28 +160,38 @@ def _rows(text: str, name: str, reading: Reading) -> _Rows:
         raise refused(name, "lift_column", found, "expected two columns", "name both")
     faults: list[Fault] = []
     rows = _Rows(name, [], [])
-    for line, row in body:
+    for n, (line, row) in enumerate(body):
         cells = split(row)
         if len(cells) != width:
-            found, expected = f"found {len(cells)} cells", f"expected {width} as in the first line"
+            found, expected = f"found {len(cells)} cells", f"expected {width} as in the first row"
             cure = "complete the row; is the comma a decimal comma?" if "," in row else "complete"
             faults.append(Fault(f"{name}:{line}", "file", found, expected, cure))
-        else:
-            for k, into in zip(chosen, (rows.angle, rows.lift), strict=True):
-                column, word = cells[k]
-                cell = _cell(f"{name}:{line}:{column}", line, word, line == first_line)
-                if isinstance(cell, Fault):
-                    faults.append(cell)
-                else:
-                    into.append(cell)
-        if len(faults) >= MAX_FAULTS:
-            break
+            continue
+        for k, into in zip(chosen, (rows.angle, rows.lift), strict=True):
+            column, word = cells[k]
+            cell = _cell(f"{name}:{line}:{column}", line, word, reading, n == 0)
+            if isinstance(cell, Fault):
+                faults.append(cell)
+            else:
+                into.append(cell)
     _raise(faults)
+    steps = [b.value - a.value for a, b in itertools.pairwise(rows.angle)]
+    if 2 * sum(step < 0 for step in steps) > len(steps):
+        rows.angle.reverse()
+        rows.lift.reverse()
+    turn = 360 / reading.angle_unit
+    for k, (before, now) in enumerate(itertools.pairwise(rows.angle.copy()), 1):
+        if before.value - now.value > turn / 2:  # through zero, once
+            rows.angle[k:] = [c._replace(value=c.value + turn) for c in rows.angle[k:]]
+            break
     return rows
 
 
-def _lines(text: str, name: str) -> list[tuple[int, str]]:
-    """(number, text) of the lines with content, comments cut off."""
+def text_lines(text: str, name: str, skip: int = 0) -> list[tuple[int, str]]:
+    """(number, text) of the lines with content behind the first `skip`, comments cut off.
+
+    A line `sep=;`, as spreadsheets write it first, is none: the rows show how they are separated.
+    """
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     count = text.count("\n")
     if count > MAX_LINES:
@@ -186,32 +203,39 @@ def _lines(text: str, name: str) -> list[tuple[int, str]]:
             found = f"found a line of {len(line)} characters"
             expected, cure = f"expected at most {LONGEST_LINE}", "is this the right file?"
             raise refused(f"{name}:{n}:1", "file", found, expected, cure)
-        content = line.partition("#")[0]
-        if content.strip():
+        content = line.partition("#")[0].rstrip()
+        if n > skip and content.strip() and not re.fullmatch("sep=.", content, re.IGNORECASE):
             lines.append((n, content))
-    if not lines:
-        found = "found no rows" if text else "found nothing"
-        cure = "is this the right file?"
-        raise refused(name, "file", found, "expected rows of angle and lift", cure)
     return lines
 
 
-def _separated(first: str, place: str) -> re.Pattern:
-    """What matches the cells of a line, from the first line."""
-    words = first.split()
-    if ";" not in first:
-        if len(words) > 1 and all(_DECIMAL_COMMA.fullmatch(w) or w.isdigit() for w in words):
-            raise SceneError(_comma(place, words[0]))
-        if "," not in first:
-            return re.compile(r"\S+")
-    mark = ";" if ";" in first else ","
-    return re.compile(f"(?:^|(?<={mark}))[^{mark}]*")
+def splitter(row: str, decimal: str) -> Callable[[str], list[tuple[int, str]]]:
+    """What cuts a line into cells, as (column, text), as this row is to be cut.
+
+    At semicolons if it has one, else at tabs, else at commas unless they are or seem decimal, else
+    at white space.
+    """
+    words = row.split()
+    commas = len(words) > 1 and all(number(w, "comma") and not w.endswith(",") for w in words)
+    marks = [";", "\t"] if commas or decimal == "comma" else [";", "\t", ","]
+    mark = next((mark for mark in marks if mark in row), "")
+    pattern = re.compile(f"(?:^|(?<={mark}))[^{mark}]*" if mark else r"\S+")
+
+    def split(line: str) -> list[tuple[int, str]]:
+        found = [(m.start(), m[0]) for m in pattern.finditer(line)]
+        return [
+            (start + len(raw) - len(raw.lstrip()) + 1, raw.strip().strip('"').strip())
+            for start, raw in found
+        ]
+
+    return split
 
 
-def _comma(place: str, text: str) -> Fault:
-    found = f"found a decimal comma: '{text[:40]}'"
-    cure = "write 1.25 for 1,25, and separate the columns by a semicolon or white space"
-    return Fault(place, "file", found, "expected decimal points", cure)
+def number(text: str, decimal: str) -> str:
+    """The number of a cell with a decimal point, or '' where it is none."""
+    if decimal == "comma":
+        text = text.replace(",", ".") if "." not in text else ""
+    return text if len(text) <= 60 and _NUMBER.fullmatch(text) else ""
 
 
 def _column(key: str, chosen: int | str, titles: list[str], width: int, name: str) -> int:
@@ -232,31 +256,36 @@ def _column(key: str, chosen: int | str, titles: list[str], width: int, name: st
     raise refused(name, key, found, f"expected one of {names}", "copy the name")
 
 
-def _cell(place: str, line: int, text: str, first: bool) -> _Cell | Fault:
+def _cell(place: str, line: int, text: str, reading: Reading, first: bool) -> Cell | Fault:
     """The number in a cell, or why there is none."""
-    text = text[1:-1] if len(text) > 1 and text[0] == text[-1] == '"' else text
-    found, expected = f"found {text}", "expected a number"
-    if len(text) <= 60 and _NUMBER.fullmatch(text):
-        cell = _Cell(place, line, text, Decimal(text))
+    found, expected = f"found '{text[:40]}'" if text else "found an empty cell", "expected a number"
+    plain = number(text, reading.decimal)
+    if plain:
+        cell, found = Cell(place, line, plain, Decimal(plain)), f"found {text}"
         if abs(cell.value) > LARGEST or (not cell.value and _decimals(cell) < 0):
             expected, cure = "expected at most 1e9", "is it a number?"
         elif _decimals(cell) > MOST_DECIMALS:
             expected, cure = f"expected at most {MOST_DECIMALS} decimals", "round it"
         else:
             return cell
-    elif _DECIMAL_COMMA.fullmatch(text):
-        return _comma(place, text)
+    elif number(text, "comma"):
+        found = f"found a decimal comma: '{text[:40]}'"
+        expected, cure = "expected decimal points", "write decimal: comma in the section cam"
+    elif number(text, "point"):
+        found = f"found a decimal point: '{text[:40]}'"
+        expected, cure = "expected decimal commas", "write decimal: point in the section cam"
+    elif text.lower().lstrip("+-") in ("nan", "inf", "infinity"):
+        cure = "remove the row or measure it again"
+    elif first:
+        lines = reading.header + 1
+        cure = f"if the table has {lines} header lines, write header: {lines}"
+        cure = "if this is a header, write header: true" if lines == 1 else cure
     else:
-        found = f"found '{text[:40]}'" if text else "found an empty cell"
         cure = "correct the cell, remove the row, or begin the line with # if it is a comment"
-        if text.lower().lstrip("+-") in ("nan", "inf", "infinity"):
-            cure = "remove the row or measure it again"
-        elif first:
-            cure = "if this is a header, write header: true"
     return Fault(place, "file", found, expected, cure)
 
 
-def _decimals(cell: _Cell) -> int:
+def _decimals(cell: Cell) -> int:
     """Digits after the point, negative for 1e3."""
     return -int(cell.value.as_tuple().exponent)
 
@@ -290,16 +319,16 @@ def _one_turn(rows: _Rows, reading: Reading) -> Turn:
     return _turn(rows.name, table, quantum, float(spacing), covered)
 
 
-def _not_ascending(before: _Cell, now: _Cell) -> Fault:
+def _not_ascending(before: Cell, now: Cell) -> Fault:
     if now.value == before.value:
         found, cure = f"found the angle {now.value} again", "remove one of the two rows"
     else:
         found = f"found the angle {now.value} after {before.value}"
         cure = "sort the rows; add a full turn to angles that go through zero"
-    return now.fault(found, "expected ascending angles", cure, "angle")
+    return now.fault(found, "expected angles that only rise or only fall", cure, "angle")
 
 
-def _quantum(lift: list[_Cell]) -> tuple[Decimal, list[int]]:
+def _quantum(lift: list[Cell]) -> tuple[Decimal, list[int]]:
     """(step of the last digit in the file's unit, lifts as whole numbers of the last decimal).
 
     Numbers written with a power of ten have a step each; theirs is the root mean square.
@@ -315,7 +344,7 @@ def _quantum(lift: list[_Cell]) -> tuple[Decimal, list[int]]:
     return Decimal(gcd(*steps) or 1).scaleb(-most), steps
 
 
-def _check_sizes(cells: list[_Cell], lifts: list[float], quantum: float) -> None:
+def _check_sizes(cells: list[Cell], lifts: list[float], quantum: float) -> None:
     """Refuse lifts (m) that no unit explains."""
     top, bottom = max(lifts), min(lifts)
     at = lifts.index(top)

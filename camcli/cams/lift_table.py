@@ -47,7 +47,15 @@ class TableCam(BaseModel):
     file: Annotated[str, Field(min_length=1, max_length=1000)] = Field(
         description="text file of the table, from the scene's folder"
     )
-    header: Flag = Field(description="whether its first line names the columns")
+    header: Flag | Annotated[int, Field(strict=True, ge=0, le=100)] = Field(
+        description="whether its first line names the columns, or how many lines do"
+    )
+    skip_lines: Annotated[int, Field(strict=True, ge=0, le=100_000)] = Field(
+        0, description="lines of the file before the header"
+    )
+    decimal: Literal["point", "comma"] = Field(
+        "point", description="what separates the decimals of a number"
+    )
     angle_column: Column = Field(description="column of the angle: number from 1, or name")
     lift_column: Column = Field(description="column of the lift: number from 1, or name")
     angle: Literal["cam", "crank"] = Field(
@@ -129,11 +137,13 @@ class TableCam(BaseModel):
         reading = Reading(
             angle_column=self.angle_column,
             lift_column=self.lift_column,
-            header=self.header,
+            header=int(self.header),
             lift_unit=unit * self.rocker_ratio,
             angle_unit=Decimal("0.5") if self.angle == "crank" else Decimal(1),
             zero_deg=self.zero_deg,
             reversed=self.direction == "reversed",
+            decimal=self.decimal,
+            skip_lines=self.skip_lines,
         )
         return read_turn(data, name, reading)
 
