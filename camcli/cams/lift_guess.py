@@ -15,6 +15,7 @@ from camcli.cams.files import decoded, refused
 from camcli.cams.lift_reading import number, splitter, text_lines
 
 LEAST_RUN = 8  # lines
+MOST_HEADER = 3  # lines
 ANGLE = r"deg|°|ang|winkel|grad|theta|phi|crank|cam|kw|nw|rot|pos"
 CRANK = r"crank|kurbel|\bkw|°kw|\bca\b|\bcad\b|°ca"
 LIFT = r"lift|hub|rise|valve|ventil|displ|hoehe|höhe|\bh\b|\by\b|\bs\b"
@@ -37,11 +38,14 @@ def guess(data: bytes, name: str) -> Guess:
         key=lambda run: len(run[2]),
     )
     if len(rows) < LEAST_RUN:
-        found = f"found no {LEAST_RUN} rows of numbers one after the other"
-        raise refused(name, "", found, "expected a table of angles and lifts", "is it the file?")
+        what = f"found no {LEAST_RUN} rows of numbers one after the other"
+        raise refused(name, "", what, "expected a table of angles and lifts", "is it the file?")
     split, width = splitter(lines[start][1], decimal), len(rows[0])
     first = start
-    while first > 0 and len(split(lines[first - 1][1])) == width and start - first < 3:
+    while first > 0 and start - first < MOST_HEADER:
+        cells = [word for _, word in split(lines[first - 1][1])]
+        if len(cells) != width or sum(map(bool, cells)) < 2:
+            break
         first -= 1
     titles = [[word for _, word in split(line)] for _, line in lines[first:start]]
     words = [" ".join(column).lower() for column in zip(*titles, strict=True)] or [""] * width

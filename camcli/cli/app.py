@@ -12,6 +12,7 @@ from camcli.cli.bench import bench
 from camcli.cli.classify import classify
 from camcli.cli.detach import detach
 from camcli.cli.figures import figures
+from camcli.cli.init import init
 from camcli.cli.merge import merge
 from camcli.cli.options import register
 from camcli.cli.orbits import orbits
@@ -31,6 +32,7 @@ for _command in (simulate, sweep, detach, orbits, basins, classify, bench):
     register(app, _command)
 register(app, figures, without=("config", "rpm", "points", "no_plot"))
 register(app, merge, without=REPEATED)
+app.command("init")(init)
 register(app, rerun, without=(*REPEATED, "no_plot"))  # the record says whether it drew
 
 
