@@ -67,7 +67,7 @@ def after_first_rest(system: System, rpm: float, record: Record) -> After:
 
 def after_rest(system: System, rpm: float, theta: float) -> After:
     """Where the motion ends that leaves the cam from rest near the phase theta (rad)."""
-    found = _of_machine(system, rpm, theta)
+    found = of_machine(system, rpm, theta)
     return found if found.kind != CYCLE else _of_neighbours(system, rpm, theta, found)
 
 
@@ -77,7 +77,7 @@ def _of_neighbours(system: System, rpm: float, theta: float, cycle: After) -> Af
     for asked, share in enumerate(SHARES):
         if len(SHARES) - asked < ENOUGH - len(agreed):
             break
-        found = _of_machine(system, rpm, theta, share)
+        found = of_machine(system, rpm, theta, share)
         if found.kind == SETTLED or (found.kind == CYCLE and found.symbols == cycle.symbols):
             agreed.append(found)
             if not _same(agreed[0], found):
@@ -97,7 +97,7 @@ def _same(a: After, b: After) -> bool:
     )
 
 
-def _of_machine(system: System, rpm: float, theta: float, share: Decimal = Decimal(0)) -> After:
+def of_machine(system: System, rpm: float, theta: float, share: Decimal = Decimal(0)) -> After:
     """One machine's motion, its speed larger by a share."""
     shape = system.shape
     if shape is None:

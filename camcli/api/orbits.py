@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import starmap
+from dataclasses import replace
+from itertools import chain, starmap
 from math import pi
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
@@ -23,6 +24,9 @@ from camcli.output.tables import Table
 from camcli.plots.event_words import event_words
 from camcli.scene import Scene
 from camcli.system import omega_of
+
+if TYPE_CHECKING:
+    from camcli.analysis.orbits.proofs import Proof
 
 DEG = 180.0 / pi
 AROUND = 0.1  # relative range of a parameter where none is given
@@ -45,7 +49,9 @@ BIFURCATIONS = (
 CURVE = ("theta_deg", "trace_left", "det_left", "trace_right", "det_right")
 
 
-def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Result:
+def orbits(
+    scene: Scene | None = None, progress: Progress | None = None, *, prove: bool = False
+) -> Result:
     """Find periodic orbits, follow them in a parameter, locate and classify their bifurcations.
 
     An orbit solves the shooting equations over its impacts and carries a certificate that no other
@@ -61,6 +67,11 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
         The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
+    prove : bool
+        Prove what was found, in ball arithmetic, for the scene's numbers as they are: of each orbit
+        that exactly one lies in a box, that it is a motion, that its multipliers lie inside or
+        outside the unit circle; of each event its parameter in an enclosure, and its crossing
+        condition; of branches that they go on from event to event.
 
     Returns
     -------
@@ -71,6 +82,8 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
         impacts).
         Table ``bifurcations``: branch, label, kind, rpm, rpm_error, corner, trace_left, det_left,
         trace_right, det_right, classification.
+        With ``prove`` both append proved (yes, no), bifurcations also enclosure_low and
+        enclosure_high of the parameter; ``summary`` has the boxes, and the step that failed.
         With ``orbits.curve`` also ``curve``, a bifurcation in two parameters.
 
     Raises
@@ -92,6 +105,10 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     with stopwatch() as watch:
         tick = ticks(progress, "branches", question.branches + 2)
         found = run(system, machine.settings, question, tick)
+        if prove:
+            from camcli.analysis.orbits.proofs import prove as proofs_of
+
+            found = replace(found, proofs=proofs_of(system, found))
 
     def draw():
         from camcli.plots.orbits import draw_orbits
@@ -121,6 +138,7 @@ def orbits(scene: Scene | None = None, progress: Progress | None = None) -> Resu
         seconds=watch.seconds,
         notes=tuple(notes),
         complete=not notes,
+        options={"prove": True} if prove else {},
     )
 
 
@@ -224,15 +242,19 @@ def _branch_table(found: OrbitsResult) -> Table:
     other = found.question.parameter
     rows = [(0, orbit) for orbit in found.orbits] if found.question.span is None else []
     rows += [(branch.number, orbit) for branch in found.branches for orbit in branch.points]
+    proved: list[list] = [[] for _ in rows]
+    if found.proofs is not None:
+        proofs = found.proofs.orbits if found.question.span is None else []
+        proved = [[_yes(p)] for p in chain(proofs, *found.proofs.points)]
     most = max((len(orbit.theta) for _, orbit in rows), default=1) or 1
     thetas = (f"theta_deg_{k + 1}" for k in range(most))
     columns = [
         "branch", "label", "rpm", "stable", "region", *thetas, "q_m", "v_m_per_s", *MULTIPLIERS,
         "trace", "det", *([UNITS[other]] if other != "rpm" else []),
-        *(f"u_minus_m_per_s_{k + 1}" for k in range(most)),
+        *(f"u_minus_m_per_s_{k + 1}" for k in range(most)), *(["proved"] if found.proofs else []),
     ]  # fmt: skip
 
-    def row(number: int, orbit: PeriodicOrbit) -> list:
+    def row(number: int, orbit: PeriodicOrbit, more: list) -> list:
         q, w = orbit.states[0]
         thetas, omega = [theta * DEG for theta in orbit.theta], omega_of(orbit.rpm)
         us = [u * omega for u in orbit.rates]
@@ -241,9 +263,15 @@ def _branch_table(found: OrbitsResult) -> Table:
             *thetas, *[None] * (most - len(thetas)), q, w * omega,
             *multiplier_columns(orbit.multipliers), orbit.trace, orbit.det,
             *([orbit.value] if other != "rpm" else []), *us, *[None] * (most - len(us)),
+            *more,
         ]  # fmt: skip
 
-    return Table.of_rows(columns, lambda: starmap(row, rows))
+    each = [(*one, more) for one, more in zip(rows, proved, strict=True)]
+    return Table.of_rows(columns, lambda: starmap(row, each))
+
+
+def _yes(proof: Proof) -> str:
+    return "yes" if proof.proved else "no"
 
 
 def multiplier_columns(pair: tuple[complex, complex]) -> list[float]:
@@ -252,12 +280,16 @@ def multiplier_columns(pair: tuple[complex, complex]) -> list[float]:
 
 
 def _bifurcations_table(found: OrbitsResult) -> Table:
-    """Another parameter than rpm appends its value and error."""
+    """Another parameter than rpm appends its value and error, proofs their enclosure."""
     other = found.question.parameter
-    more = (UNITS[other], f"{UNITS[other]}_error") if other != "rpm" else ()
-    return Table.of_rows(
-        (*BIFURCATIONS, *more), lambda: (bifurcation_row(b, other) for b in found.bifurcations)
-    )
+    more = [UNITS[other], f"{UNITS[other]}_error"] if other != "rpm" else []
+    columns = [*BIFURCATIONS, *more]
+    rows = [bifurcation_row(b, other) for b in found.bifurcations]
+    if found.proofs is not None:
+        columns += ["proved", "enclosure_low", "enclosure_high"]
+        for row, p in zip(rows, found.proofs.events, strict=True):
+            row += [_yes(p), p.low, p.high]
+    return Table.of_rows(columns, lambda: rows)
 
 
 def bifurcation_row(b: Bifurcation, parameter: str) -> list:
@@ -322,6 +354,7 @@ def remarks(result: OrbitsResult) -> list[str]:
             event = f"{b.kind} of {b.label} at {b.value:.10g}"
             events.setdefault(event, f": {' '.join(words)}{_rests_on(b)}")
     said += [event + words for event, words in events.items()]
+    said += _proved(result)
     if result.branches:
         largest = max(orbit.det for branch in result.branches for orbit in branch.points)
         said.append(
@@ -338,6 +371,33 @@ def remarks(result: OrbitsResult) -> list[str]:
     return said
 
 
+def _proved(result: OrbitsResult) -> Iterator[str]:
+    """What was proved, and the step at which the rest failed."""
+    if result.proofs is None:
+        return
+    name, proofs = result.question.parameter, result.proofs
+    named = [(str(o.label), p) for o, p in zip(result.orbits, proofs.orbits, strict=True)]
+    named += [
+        (f"{b.kind} of {b.label}", p)
+        for b, p in zip(result.bifurcations, proofs.events, strict=True)
+    ]
+    for text, p in dict.fromkeys(named):
+        if p.proved:
+            signs = "".join(f", {of} {'<>'[sign > 0]} 0" for of, sign in p.signs)
+            yield f"proved: {text}" + (f", {name} = {p.value}{signs}" if p.value else "")
+        else:
+            yield f"{'refuted' if p.refuted else 'not proved'}: {text}: {p.step}"
+    for points, branch in zip(proofs.points, result.branches, strict=True):
+        done = sum(p.proved for p in points)
+        yield f"proved: {done} of the {len(points)} points of branch {branch.number}"
+    for one in proofs.ranges:
+        state = "stable" if one.stable else "unstable"
+        yield (
+            f"proved: {one.label} exists and is {state} for all {name} from {one.low} to "
+            f"{one.high} (branch {one.branch}, {one.boxes} boxes)"
+        )
+
+
 def _rests_on(b: Bifurcation) -> str:
     """The two inequalities that decide between the classes, with their numbers."""
     if b.corner_impact is None:
@@ -351,6 +411,7 @@ def _rests_on(b: Bifurcation) -> str:
 
 def _summary(result: OrbitsResult) -> dict[str, Any]:
     """The result of run.json."""
+    proofs = result.proofs
     return {
         "words": remarks(result),
         "orbits": [_orbit(orbit) for orbit in result.orbits],
@@ -371,6 +432,19 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
              "ends": list(c.ends), "limits": list(c.limits)}
             for c in result.curves
         ],
+        **({} if proofs is None else {"proofs": {
+            "orbits": [_proof(p) for p in proofs.orbits],
+            "bifurcations": [_proof(p) for p in proofs.events],
+            "ranges": [vars(one) for one in proofs.ranges],
+        }}),
+    }  # fmt: skip
+
+
+def _proof(p: Proof) -> dict[str, Any]:
+    """box: phase (rad) and outgoing rate (m/rad) of the impacts, or the position (m) in flight."""
+    return {
+        "proved": p.proved, "refuted": p.refuted, "failed_step": p.step, "value": p.value or None,
+        "box": list(p.box), "signs": [list(pair) for pair in p.signs],
     }  # fmt: skip
 
 

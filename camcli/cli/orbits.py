@@ -45,6 +45,7 @@ def orbits(
         str | None,
         Option("--in", help="Second parameter of --curve.", metavar="NAME or NAME=LO:HI"),
     ] = None,
+    prove: Annotated[bool, Option("--prove", help="Prove what was found.")] = False,
 ) -> int:
     """Periodic orbits: found, solved, followed, and every bifurcation on the way.
 
@@ -67,6 +68,9 @@ def orbits(
     --branches N  how many branches that leave from bifurcations are followed too
     --curve KIND  continue the bifurcations of a kind in rpm and --in NAME over --range, or in
                   --parameter over --range and --in NAME=LO:HI
+
+    --prove       prove orbits, events and ranges of branches in ball arithmetic, for the numbers
+                  of the scene as they are; columns proved (yes, no), enclosure_low, enclosure_high
 
     \b
     Kinds: period-doubling (1 + trace + det = 0); fold (the parameter turns round); corner-impact
@@ -96,7 +100,7 @@ def orbits(
             "orbits.range": (_numbers(range_, "--range", 2), "--range"),
         }
     )
-    return run("orbits", request, values, show)
+    return run("orbits", request, values, show, options={"prove": True} if prove else None)
 
 
 def _speeds(request: Request) -> Values:

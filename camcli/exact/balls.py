@@ -57,9 +57,16 @@ def below(a: Any, b: Any) -> bool:
     raise UndecidedError
 
 
-def number(value: float | Decimal) -> arb:
-    """A double exactly, or a decimal as written."""
+def number(value: Any) -> Any:
+    """A double exactly, or a decimal as written; balls and series as they are."""
+    if isinstance(value, arb_series):
+        return value
     return arb(str(value)) if isinstance(value, Decimal) else arb(value)
+
+
+def head(value: Any) -> arb:
+    """The constant term of a series, or the ball itself."""
+    return value[0] if isinstance(value, arb_series) else value
 
 
 def pi() -> arb:

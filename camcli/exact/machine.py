@@ -16,7 +16,7 @@ from flint import arb
 
 from camcli.cams.compile import Part, Piece, Shape
 from camcli.exact import balls
-from camcli.exact.balls import below, derivatives
+from camcli.exact.balls import below, derivatives, head
 from camcli.system import Follower
 
 
@@ -39,19 +39,25 @@ class Stretch:
 class Machine:
     """The follower's constants per rad of cam angle, W^2, Z, G and r, and the cam's stretches."""
 
-    def __init__(self, shape: Shape, follower: Follower, rpm: float, share: Decimal = Decimal(0)):
-        """At the speed rpm (1 + share)."""
-        m, k, b = (arb(x) for x in (follower.mass, follower.stiffness, follower.damping))
-        omega = arb(rpm) * balls.number(1 + share) * arb.pi() / 30
+    def __init__(
+        self,
+        cam: Shape | list[Stretch],
+        follower: Follower,
+        rpm: Any,
+        share: Decimal = Decimal(0),
+    ):
+        """At the speed rpm (1 + share). The constants may be doubles, balls or series of balls."""
+        m, k, b, g, load, self.r = (balls.number(x) for x in vars(follower).values())
+        omega = balls.number(rpm) * balls.number(1 + share) * arb.pi() / 30
         self.W2 = k / m / (omega * omega)
         self.Z = b / (2 * m) / omega
-        self.G = (arb(follower.gravity) + arb(follower.preload) / m) / (omega * omega)
-        self.r = arb(follower.restitution)
+        self.G = (g + load / m) / (omega * omega)
         damped = b * b - 4 * k * m
-        self.over = damped != 0 and below(0, damped)
-        self.frequency = abs(damped).sqrt() / (2 * m * omega)
+        self.critical = head(damped) == 0
+        self.over = not self.critical and below(0, head(damped))
+        self.frequency = (damped if self.over else -damped).sqrt() / (2 * m * omega)
         self.turn = 2 * arb.pi()
-        self.stretches = [s for part in shape.parts(balls) for s in _stretches(part)]
+        self.stretches = cam if isinstance(cam, list) else stretches_of(cam)
 
     def flow(self, s: arb) -> tuple[arb, arb, arb]:
         """(B, B', P) after s rad of flight.
@@ -67,12 +73,12 @@ class Machine:
             b, c = (e1 - e2) / (2 * f), (e1 + e2) / 2
         else:
             decay = (-zs).exp()
-            sine, cosine = (s, arb(1)) if f == 0 else (f * s).sin_cos()
-            b, c = decay * (sine if f == 0 else sine / f), decay * cosine
-        if self.W2 != 0:
+            sine, cosine = (s, arb(1)) if self.critical else (f * s).sin_cos()
+            b, c = decay * (sine if self.critical else sine / f), decay * cosine
+        if head(self.W2) != 0:
             p = (1 - c - self.Z * b) / self.W2
         else:
-            p = s * s / 2 if self.Z == 0 else (s - b) / (2 * self.Z)
+            p = s * s / 2 if head(self.Z) == 0 else (s - b) / (2 * self.Z)
         return b, c - self.Z * b, p
 
     def move(self, q: arb, w: arb, s: arb) -> list[arb]:
@@ -87,6 +93,11 @@ class Machine:
         """Force of contact at rest over m omega^2, with two derivatives; c with four of the cam."""
         n = [self.W2 * c[k] + 2 * self.Z * c[k + 1] + c[k + 2] for k in range(3)]
         return [self.G + n[0], n[1], n[2]]
+
+
+def stretches_of(shape: Shape) -> list[Stretch]:
+    """The smooth parts of a cam, in the digits in use."""
+    return [stretch for part in shape.parts(balls) for stretch in _stretches(part)]
 
 
 def _stretches(part: Part) -> list[Stretch]:

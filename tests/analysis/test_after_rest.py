@@ -57,7 +57,7 @@ def test_a_long_cycle_is_the_oracles():
     """Impacts in each of 28 turns, on the cam of `flights.json`."""
     shape = ArcsCam(kind="arcs", **GEOMETRY)
     system = System.build(Follower(**CHAPTER), shape.parts(), shape=shape)
-    found = module._of_machine(system, 358.0, 2.621124501166232)
+    found = module.of_machine(system, 358.0, 2.621124501166232)
     assert (found.kind, found.turns) == (CYCLE, 28)
     events = FLIGHTS["long transient"]["events"]
     turns = [int(float(phi) / 6.283185307179586) for kind, phi, _ in events if kind == "impact"]
@@ -83,7 +83,7 @@ def test_neighbours_that_disagree_say_nothing(chapter, monkeypatch):
                       ((one, cycle, one), UNKNOWN), ((cycle, cycle, cycle), CYCLE),
                       ((one, one), UNKNOWN), ((), UNKNOWN)):  # fmt: skip
         answers = iter([cycle, *row, *[replace(cycle, symbols=(7.0,))] * 9])
-        monkeypatch.setattr(module, "_of_machine", lambda *words, a=answers: next(a))
+        monkeypatch.setattr(module, "of_machine", lambda *words, a=answers: next(a))
         assert after_rest(chapter, 358.0, 2.6).kind == kind, row
     assert all(0 < abs(share) < Decimal("5.5e-17") for share in SHARES)  # within half a digit
     assert len(set(SHARES)) == len(SHARES) >= 2 * ENOUGH

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from camcli.analysis.border_collision import Side
 from camcli.analysis.integrate import Cost, Settings
@@ -30,6 +31,9 @@ from camcli.cams.regions import corner_list
 from camcli.kernel import backend
 from camcli.kernel.backend import LITTLE_WORK
 from camcli.system import System
+
+if TYPE_CHECKING:
+    from camcli.analysis.orbits.proofs import Proofs
 
 SAME_CORNER = 1e-6  # rad: a departure so close to a corner is at it
 LEAST_WORK = 500  # turns in all that plain Python does where a compiled kernel only has to be read
@@ -146,7 +150,7 @@ class OrbitsResult:
 
     value: of the parameter where they were found; virtual: roots that penetrate the cam or would
     pull; absent: the label asked for does not exist at the speed asked for; continua: dwells at
-    every phase of which there is an orbit.
+    every phase of which there is an orbit; proofs: where they were asked for.
     """
 
     question: Question
@@ -159,6 +163,7 @@ class OrbitsResult:
     cost: Cost
     absent: Absence | None = None
     continua: list[Continuum] = field(default_factory=list)
+    proofs: Proofs | None = None
 
 
 def orbits(
