@@ -69,8 +69,8 @@ class Fault:
 
     def __str__(self) -> str:
         parts = [part for part in (self.found, self.expected, self.cure) if part]
-        place = ": ".join(part for part in (self.where, self.path) if part)
-        return printable(f"{place}: " + ", ".join(parts))
+        place = [part for part in (self.where, self.path) if part]
+        return printable(": ".join([*place, ", ".join(parts)]))
 
 
 def printable(text: str) -> str:

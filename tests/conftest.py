@@ -44,7 +44,7 @@ def cam(tmp_path: Path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         out, said = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(said):
-            code = guarded(lambda: app(list(words), standalone_mode=False))
+            code = guarded(lambda: app(list(words), standalone_mode=False), "--json" in words)
         return subprocess.CompletedProcess(words, code, out.getvalue(), said.getvalue())
 
     return call

@@ -12,14 +12,13 @@ from itertools import pairwise
 from typing import Any
 
 from camcli.cams.files import decoded, refused
-from camcli.cams.lift_reading import number, splitter, text_lines
+from camcli.cams.lift_reading import UNIT_WORDS, number, splitter, text_lines
 
 LEAST_RUN = 8  # lines
 MOST_HEADER = 3  # lines
 ANGLE = r"deg|°|ang|winkel|grad|theta|phi|crank|cam|kw|nw|rot|pos"
 CRANK = r"crank|kurbel|\bkw|°kw|\bca\b|\bcad\b|°ca"
 LIFT = r"lift|hub|rise|valve|ventil|displ|hoehe|höhe|\bh\b|\by\b|\bs\b"
-UNITS = {r"\bmm\b|millim": "mm", r"\bin\b|inch|zoll|\"": "inch", r"\bm\b|met(er|re)": "m"}
 
 
 @dataclass
@@ -123,7 +122,7 @@ def _angle_kind(found: Guess, angles: list[float], title: str) -> None:
 
 
 def _lift_unit(found: Guess, lifts: list[float], title: str) -> None:
-    unit = next((unit for words, unit in UNITS.items() if re.search(words, title)), None)
+    unit = next((unit for words, unit in UNIT_WORDS.items() if re.search(words, title)), None)
     top = max(lifts)
     if unit is None:
         unit = "mm" if top > 1.0 else "inch" if top > 0.05 else "m"

@@ -36,6 +36,7 @@ BACKGROUND = 8.0  # times the median deviation, likewise
 PATTERN = 0.1  # deviation from the pattern of one wrong row, relative
 DEG = 57.29577951308232
 
+UNIT_WORDS = {r"\bmm\b|millim": "mm", r"\bin\b|inch|zoll|\"": "inch", r"\bm\b|met(er|re)": "m"}
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
 
 
@@ -47,6 +48,7 @@ class Reading:
     lift_column: int | str
     header: int  # lines; the first names the columns
     lift_unit: float
+    unit: str  # as the scene names it
     angle_unit: Decimal  # 1 for cam degrees, 1/2 for crank degrees
     zero_deg: float
     reversed: bool
@@ -158,6 +160,12 @@ def _rows(text: str, name: str, reading: Reading) -> _Rows:
     if chosen[0] == chosen[1]:
         found = f"angle_column and lift_column are both column {chosen[0] + 1}"
         raise refused(name, "lift_column", found, "expected two columns", "name both")
+    title = titles[chosen[1]].lower().replace("_", " ") if titles else ""
+    named = {unit for pattern, unit in UNIT_WORDS.items() if re.search(pattern, title)}
+    if named and reading.unit not in {*named, "fraction"}:
+        found = f"found '{reading.unit}', and a lift in '{named.pop()}' in the file's header"
+        where = f"{name}:{head[0][0]}"
+        raise refused(where, "lift", found, "expected one unit", "correct either")
     faults: list[Fault] = []
     rows = _Rows(name, [], [])
     for n, (line, row) in enumerate(body):

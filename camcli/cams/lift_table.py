@@ -139,6 +139,7 @@ class TableCam(BaseModel):
             lift_column=self.lift_column,
             header=int(self.header),
             lift_unit=unit * self.rocker_ratio,
+            unit=self.lift,
             angle_unit=Decimal("0.5") if self.angle == "crank" else Decimal(1),
             zero_deg=self.zero_deg,
             reversed=self.direction == "reversed",

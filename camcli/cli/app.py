@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from typing import Annotated
 
 import typer
 
@@ -27,6 +28,7 @@ app = typer.Typer(
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 for _command in (simulate, sweep, detach, orbits, basins, classify, bench):
     register(app, _command)
@@ -46,6 +48,24 @@ def schema() -> None:
     print(json.dumps(json_schema(), indent=2))
 
 
+def _version(asked: bool) -> None:
+    if asked:
+        import camcli
+
+        print(f"cam {camcli.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _of_all_commands(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    pass
+
+
 def main() -> None:
     """Run `cam`, turning every failure into words and an exit code."""
     from camcli import interrupts
@@ -56,9 +76,10 @@ def main() -> None:
         from camcli.cli.parent_watch import end_with_parent
 
         end_with_parent()
+    os.environ.pop("MPLBACKEND", None)  # pictures are files; a name unknown here would stop them
     real = sys.stdout
     hold_output()
-    code = guarded(lambda: app(standalone_mode=False))
+    code = guarded(lambda: app(standalone_mode=False), "--json" in sys.argv)
     sys.stdout = real
     if code == INTERRUPTED:  # without waiting for a piece that is still at work in a thread
         sys.stderr.flush()

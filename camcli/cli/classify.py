@@ -68,6 +68,9 @@ def classify(
     """
     from camcli.cli.run import given, run, speed_range
 
+    if seed is not None and starts is None:
+        found, cure = "found it without --starts", "add --starts N"
+        raise SceneError(Fault("--seed", "", found, "it means nothing there", cure))
     if trace is not None or det is not None:
         return _border_collision(request, trace, det)
     values = speed_range(request, "classify") | given(

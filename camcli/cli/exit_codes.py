@@ -3,59 +3,90 @@ exit code."""
 
 from __future__ import annotations
 
+import errno
 import os
+import re
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from io import BytesIO, TextIOWrapper
 from typing import TextIO
 
-from camcli.errors import Fault, SceneError, printable
+from camcli.errors import Fault, SceneError
 
 DONE, INTERNAL, USAGE, NUMERICS, INTERRUPTED = 0, 1, 2, 3, 130
 
 
-def guarded(call: Callable[[], object]) -> int:
-    """Run `call`; the exit code it returns, or the one of its failure after saying what failed."""
+def guarded(call: Callable[[], object], as_json: bool = False) -> int:
+    """Run `call`; the exit code it returns, or the one of its failure after saying what failed.
+
+    as_json: an object with the faults on stdout too.
+    """
+    code, faults = INTERNAL, []
     try:
-        code = call()
+        done = call()
         _release()
+        code = done if isinstance(done, int) else DONE
         if code == INTERRUPTED:  # the option parser has caught the interrupt
-            note("interrupted")
-        return code if isinstance(code, int) else DONE
+            faults = [_only("interrupted")]
     except SceneError as error:
-        for fault in error.faults:
-            note(str(fault))
-        return USAGE
+        code, faults = USAGE, list(error.faults)
     except KeyboardInterrupt:
-        note("interrupted")
-        return INTERRUPTED
-    except MemoryError:
-        note("cam: out of memory: ask for fewer speeds or recorded turns (cam ... --dry-run)")
-        return INTERNAL
+        code, faults = INTERRUPTED, [_only("interrupted")]
     except Exception as error:
-        return _other(error)
-    finally:
-        with suppress(SceneError):
-            _release()
+        code, faults = _failure(error)
+    for fault in faults:
+        note(str(fault))
+    with suppress(SceneError):
+        if faults and as_json:
+            import json
+            from dataclasses import asdict
+
+            found = [asdict(fault) for fault in faults]
+            print(json.dumps({"exit_code": code, "faults": found}, indent=2))
+        _release()
+    return code
 
 
-def _other(error: Exception) -> int:
-    """Usage errors of the option parser, and faults of the program itself."""
+def _only(text: str) -> Fault:
+    return Fault("", "", text, "", "")
+
+
+def _failure(error: Exception) -> tuple[int, list[Fault]]:
+    """Exit code and faults: usage errors of the option parser, limits of the system, our own."""
     if hasattr(error, "exit_code") and hasattr(error, "format_message"):
         text = error.format_message()
-        note(text if type(error).__name__ == "NoArgsIsHelpError" else f"cam: {printable(text)}")
-        return USAGE
+        if type(error).__name__ == "NoArgsIsHelpError":
+            return USAGE, [_only(text)]
+        extra = re.fullmatch(r"Got unexpected extra argument\S* \((\S+).*\)", text)
+        cure = ""
+        if extra and re.match(r"[\d.]", extra[1]):
+            cure = f"give a speed or a range as --rpm {extra[1]}"
+        return USAGE, [Fault("cam", "", text, "", cure)]
     if hasattr(error, "exit_code"):
-        return int(error.exit_code)
+        return int(error.exit_code), []
     if type(error).__name__ == "Abort":
-        note("interrupted")
-        return INTERRUPTED
-    note(f"cam: internal fault: {type(error).__name__}: {error}")
-    note("This is a fault of camcli, please report it. CAMCLI_TRACEBACK=1 shows where it happened.")
+        return INTERRUPTED, [_only("interrupted")]
+    if isinstance(error, MemoryError) or "can't start new thread" in str(error):
+        cure = "ask for fewer speeds, recorded turns or --threads (cam ... --dry-run)"
+        return USAGE, [Fault("cam", "", "out of memory", "", cure)]
+    if isinstance(error, OSError):
+        return USAGE, [_refused_by_the_system(error)]
     if os.environ.get("CAMCLI_TRACEBACK"):
         raise error
-    return INTERNAL
+    found = f"internal fault: {type(error).__name__}: {error}"
+    cure = "this is a fault of camcli, please report it; CAMCLI_TRACEBACK=1 shows where it is"
+    return INTERNAL, [Fault("cam", "", found, "", cure)]
+
+
+def _refused_by_the_system(error: OSError) -> Fault:
+    try:
+        os.getcwd()
+    except OSError:
+        return Fault("cam", "", "found no working folder: it was deleted", "", "cd to another")
+    cures = {errno.EMFILE: "raise ulimit -n, or ask for fewer --threads"}
+    cure = cures.get(error.errno or 0, "see what the system allows, then repeat the command")
+    return Fault("cam", str(error.filename or ""), f"{error.strerror or error}", "", cure)
 
 
 def note(text: str) -> None:

@@ -40,8 +40,9 @@ def merge(
 
     paths = _paths(parts or [Path("out")])
     record = _record(paths)
+    no_plot = request.no_plot or not record.options.plot
     scene = record.load(folder, Path())
-    request = replace(request, out=request.out or paths[0].parent)
+    request = replace(request, out=request.out or paths[0].parent, no_plot=no_plot)
     show = import_module(f"camcli.cli.{record.command}").show
     return execute(record.command, scene, request, show, parts=tuple(paths))
 
@@ -71,24 +72,28 @@ def _record(paths: Sequence[Path]) -> Record:
 
     numbers: dict[int, set[int]] = {}  # parts that are there, by their total
     first: dict = {}
+    plot = False
     for path in paths:
         try:
             text, end = key_of(path)
         except OSError as error:
             found = f"cannot be read ({error.strerror})"
             raise _refusal(path, found, "leave it out", "expected a file of --shard I/N") from None
-        record, key = record_of(text, path), json.loads(text)
+        key = json.loads(text) if record_of(text, path) else {}
         if key != (first := first or key):
             other = ", ".join(f"another {name}" for name in first if key.get(name) != first[name])
             found = f"found pieces of other work than in {paths[0]} ({other})"
             cure = "merge each on its own; every shard needs the same scene, options and version"
             raise _refusal(path, found, cure)
         match end:
-            case [int(number), int(total)]:
+            case {"shard": [int(number), int(total)], "scene": dict(scene), "plot": bool(drawn)}:
                 numbers.setdefault(total, set()).add(number)
+                plot |= drawn
             case _:
                 cure = "run the same command again, it goes on"
                 raise _refusal(path, "found a part not complete", cure)
+    whole = {**key, "scene": {**scene, **key["scene"]}, "options": {"plot": plot}}
+    record = record_of(json.dumps(whole), paths[0])
     if record.program_sha256 != program_hash():
         cure = "merge with the version that computed the parts"
         raise _refusal(paths[0], "found pieces of another version of this program", cure)

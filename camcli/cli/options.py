@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import inspect
+import os
 from collections.abc import Callable, Collection
+from contextlib import ExitStack, redirect_stdout
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -17,12 +19,19 @@ from camcli.errors import Fault, SceneError
 MOST_THREADS = 4096
 
 
+def _folder(text: str) -> Path:
+    if not text:
+        raise typer.BadParameter("found '', expected the name of a folder, e.g. -o .")
+    return Path(text)
+
+
 @dataclass(frozen=True)
 class Request:
     """What the user asked for with the shared options; the annotations declare them."""
 
     config: Annotated[
-        Path | None, Option("-c", "--config", help="Scene file (YAML). Default: the example's.")
+        Path | None,
+        Option("-c", "--config", help="Scene (YAML), - for stdin. Default: the example's."),
     ] = None
     sets: Annotated[
         list[str] | None,
@@ -34,11 +43,17 @@ class Request:
     ] = None
     out: Annotated[
         Path | None,
-        Option("-o", "--out", help="Folder for the artefacts. Default: out/COMMAND."),
+        Option(
+            "-o",
+            "--out",
+            help="Folder for the artefacts. Default: out/COMMAND.",
+            metavar="DIR",
+            parser=_folder,
+        ),
     ] = None
     no_plot: Annotated[bool, Option("--no-plot", help="Draw nothing.")] = False
     json: Annotated[bool, Option("--json", help="One JSON object on stdout.")] = False
-    quiet: Annotated[bool, Option("--quiet", "-q", help="No progress and no notes.")] = False
+    quiet: Annotated[bool, Option("--quiet", "-q", help="Say nothing but faults.")] = False
     threads: Annotated[
         int | None,
         Option("--threads", help="Threads; never changes a result. Default: all processors."),
@@ -77,7 +92,11 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
         if threads is not None and not 1 <= threads <= MOST_THREADS:
             found, expected = f"found {threads}", f"expected 1 or more, at most {MOST_THREADS}"
             raise SceneError(Fault("--threads", "", found, expected, "leave it out for all"))
-        raise typer.Exit(run(request, **values))
+        with ExitStack() as stack:
+            if request.quiet and not request.json:
+                nowhere = stack.enter_context(open(os.devnull, "w"))
+                stack.enter_context(redirect_stdout(nowhere))
+            raise typer.Exit(run(request, **values))
 
     call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     call.__annotations__ = {p.name: p.annotation for p in parameters}

@@ -23,7 +23,7 @@ CHANGED = "same bytes, but not those of the file beside the record"
 
 def rerun(
     request: Request,
-    record: Annotated[Path, Argument(help="A run.json.", metavar="FILE")],
+    record: Annotated[Path, Argument(help="A run.json, or its folder.", metavar="FILE")],
     folder: HomeFolder = None,
 ) -> int:
     """Run again what a run.json records, and say whether the bytes agree.
@@ -40,6 +40,7 @@ def rerun(
     from camcli.output.program import program_hash
     from camcli.output.run_folder import run_folder, unchanged
 
+    record = record / "run.json" if record.is_dir() else record
     found = read_record(record)
     scene = found.load(folder, record.parent)
     there = {name for name in found.artefacts if (record.parent / name).is_file()}

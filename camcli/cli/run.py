@@ -62,6 +62,9 @@ def speed_range(request: Request, section: str) -> Values:
         if low == high:
             values[f"{section}.rpm.num"] = (1, "--rpm")
     if request.points is not None:
+        if f"{section}.rpm.num" in values and request.points > 1:
+            found, cure = f"found {request.points} and one speed", "give a range: --rpm LO:HI"
+            raise SceneError(Fault("--points", "", found, "", cure))
         values[f"{section}.rpm.num"] = (request.points, "--points")
     return values
 
@@ -146,7 +149,7 @@ def open_folder(
     key = {"command": command, "scene": read} if command in IN_PIECES else None
     with run_folder(
         place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts,
-        names=ARTEFACTS[command].split(),
+        names=ARTEFACTS[command].split(), about={"scene": values, "plot": not request.no_plot},
     ) as folder:  # fmt: skip
         checkpoint = folder.work.checkpoint
         if folder.mixed and not request.quiet:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Option
 
 from camcli.cli.options import Request
+from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -54,6 +55,9 @@ def simulate(
     """
     from camcli.cli.run import one_speed, run
 
+    if base_radius is not None and not profile_only:
+        found, cure = "found it without --profile-only", "add --profile-only"
+        raise SceneError(Fault("--base-radius", "", found, "it means nothing there", cure))
     show = _show_profile if profile_only else _show
     options = {"profile_only": True, "base_radius": base_radius} if profile_only else {}
     return run("simulate", request, one_speed(request), show, options=options)

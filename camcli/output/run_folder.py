@@ -144,6 +144,7 @@ def run_folder(
     shard: Shard | None = None,
     parts: tuple[Path, ...] = (),
     names: Collection[str] = (),
+    about: Mapping[str, Any] | None = None,
 ) -> Iterator[RunFolder]:
     """Lock the folder for a run, and open the pieces that an earlier run of this key has left.
 
@@ -152,7 +153,8 @@ def run_folder(
     run with the same key goes on from them. cluster: `local` or HOST:PORT of a Dask scheduler.
     shard: only pieces of this part are made, no artefacts: the block ends early, without an
     exception, and `shard_done` is set. parts: files of shards, whose pieces are read. names: files
-    that the run is going to write, see `RunFolder.claim`.
+    that the run is going to write, see `RunFolder.claim`. about: what a complete shard says beside
+    its number, for who merges it.
 
     Raises SceneError where the folder cannot be written, or another run is at work in it.
     """
@@ -185,7 +187,7 @@ def run_folder(
             yield run
         except ShardDone:
             assert shard is not None
-            checkpoint.put(END, 0, list(shard))
+            checkpoint.put(END, 0, {**(about or {}), "shard": list(shard)})
             run.shard_done = True
         finally:
             if run.committed and key is not None:

@@ -142,14 +142,14 @@ def open_pieces(path: Path, mode: str = "rb") -> Any:
     return open(handle, mode, buffering=-1 if mode == "rb" else 0)
 
 
-def key_of(path: Path) -> tuple[str, list | None]:
-    """(key, value of the line END or None) of a file of pieces; raises SceneError, OSError."""
-    key, end = None, None
+def key_of(path: Path) -> tuple[str, dict]:
+    """(key, value of the line END or {}) of a file of pieces; raises SceneError, OSError."""
+    key, end = None, {}
     with open_pieces(path) as file:
         for place, _, value, begin, _ in records(file):
             if begin == 0:
                 key = value if place == KEY else None
-            elif place == END:
+            elif place == END and isinstance(value, dict):
                 end = value
     if not isinstance(key, str):
         raise refused(path, "found no pieces", "expected a file of --shard I/N")

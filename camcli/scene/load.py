@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
@@ -72,6 +74,9 @@ def load_scene(
         read = False
     if not read:
         document.data = {}  # the command line is checked all the same
+    if read and "scene_sha256" in document.data:
+        found, cure = "found the run.json of a run", "give it to cam rerun, or copy its `scene`"
+        raise SceneError(Fault(document.place(()).value.name, "", found, "expected a scene", cure))
     findings = [*document.findings, *_override(document, overrides, options or {})]
     if read:
         try:
@@ -117,6 +122,8 @@ def parse_rpm(text: str, option: str = "--rpm") -> float | tuple[float, float]:
         return SceneError(Fault(option, "", f"found '{shown(text)}'", _SPEED, cure))
 
     parts = text.split(":")
+    if re.fullmatch(r"[\d.]+\s*(-|\.\.|,|to)\s*[\d.]+", text):
+        raise refused("write a range with a colon, as 660:760")
     if len(parts) > 2:
         raise refused("give the number of speeds with --points")
     speeds = []
@@ -134,7 +141,11 @@ def _read(file: Path) -> Document:
     name = shown(str(file), 500)
     cure = "check the name, or leave out -c for the default scene"
     try:
-        text = decoded(read_bytes(file, name, MAX_BYTES, "expected a YAML file", cure), name)
+        if name == "-":
+            name, data = "stdin", sys.stdin.buffer.read(MAX_BYTES + 1)[:MAX_BYTES]
+        else:
+            data = read_bytes(file, name, MAX_BYTES, "expected a YAML file", cure)
+        text = decoded(data, name)
     except SceneError as error:
         document = Document(Mark(0, name))
         document.findings += [

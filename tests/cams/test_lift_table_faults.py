@@ -132,6 +132,14 @@ KEYS = [
 ]
 
 
+def test_a_header_with_another_unit_than_the_scene_is_refused(tmp_path):
+    text = FINE.replace("deg,lift", "deg,lift_inch", 1)
+    said = "cam.lift: found 'mm', and a lift in 'inch' in the file's header"
+    assert said in fault(tmp_path, text, lift_column="lift_inch")
+    with pytest.raises(SceneError, match=r"suspiciously|largest"):  # the unit itself is agreed on
+        scene(tmp_path, text, lift_column="lift_inch", lift="inch", rocker_ratio=1000)
+
+
 @pytest.mark.parametrize(("changes", "words"), KEYS, ids=[str(changes) for changes, _ in KEYS])
 def test_a_scene_that_reads_the_table_wrongly_is_refused(tmp_path, changes, words):
     lobe = table(Lobe(cycloidal), 1, low=130, high=230) if "angle" in changes else FINE

@@ -1,14 +1,17 @@
 """What a user gets for a mistake: one message per fault, the exit code, never a traceback."""
 
+import io
 import json
 import os
-import signal
+import resource
+import shlex
 import subprocess
 import sys
-import time
+from pathlib import Path
 
 import pytest
 
+ROOT = Path(__file__).parents[2]
 QUICK = ("--no-plot", "--set", "run.transient=1", "--set", "run.record=2")
 
 
@@ -31,6 +34,12 @@ QUICK = ("--no-plot", "--set", "run.transient=1", "--set", "run.record=2")
         (("sweep", "--points", "10000000", "--set", "run.record=1000000000"), "GB"),
         (("simulate", "--frobnicate"), "--frobnicate"),
         (("frobnicate",), "frobnicate"),
+        (("sweep", "660:760"), "give a speed or a range as --rpm 660:760"),
+        (("sweep", "--rpm", "700-800"), "write a range with a colon, as 660:760"),
+        (("sweep", "--rpm", "700", "--points", "5"), "give a range: --rpm LO:HI"),
+        (("simulate", "-o", ""), "found '', expected the name of a folder"),
+        (("simulate", "--base-radius", "2"), "add --profile-only"),
+        (("classify", "--seed", "3"), "add --starts N"),
     ],
 )
 def test_fault_is_named_with_exit_code_2(cam, words, said):
@@ -97,20 +106,73 @@ def test_warning_of_absurd_height(cam, command):
     assert "times the cam's lift" in done.stderr
 
 
-def test_interrupt_says_so_and_leaves_the_old_artefacts(cam_process, tmp_path):
-    cam_process("sweep", "--rpm", "700", *QUICK)
-    before = (tmp_path / "out/sweep/speeds.csv").read_bytes()
-    process = subprocess.Popen(
-        [sys.executable, "-m", "camcli", "sweep", "--points", "100001", "--no-plot"],
-        cwd=tmp_path,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+def test_a_fault_is_an_object_under_json_too(cam):
+    for words in (("simulate", "--set", "run.rpm=-1", "--set", "run.x=3"), ("sweep", "--frob")):
+        done = cam(*words, "--json")
+        found = json.loads(done.stdout)
+        assert (done.returncode, found["exit_code"]) == (2, 2)
+        assert len(found["faults"]) == len(done.stderr.splitlines()) == len(words) // 2
+        assert set(found["faults"][0]) == {"where", "path", "found", "expected", "cure"}
+    assert found["faults"][0]["found"] == "No such option: --frob"
+
+
+def test_quiet_says_nothing(cam):
+    done = cam("simulate", *QUICK, "-q", "--set", "follower.restitution=1")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_version_and_short_help(cam):
+    import camcli
+
+    assert cam("--version").stdout == f"cam {camcli.__version__}\n"
+    assert cam("sweep", "-h").stdout == cam("sweep", "--help").stdout
+
+
+def test_a_scene_from_stdin_and_one_that_is_a_record(cam, tmp_path, monkeypatch):
+    text = "follower: {mass: 1, stiffness: 1000, restitution: 0.5}\n"
+    text += "cam: {kind: eccentric, base: 0.1, lift: 0.1}\nrun: {rpm: 100}\n"
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text.encode())))
+    done = cam("simulate", "-c", "-", *QUICK, "--json")
+    assert json.loads(done.stdout)["scene"]["follower"]["stiffness"] == 1000
+    done = cam("simulate", "-c", "out/simulate/run.json")
+    assert (done.returncode, "found the run.json of a run" in done.stderr) == (2, True)
+    assert cam("rerun", "out/simulate").returncode == 0
+
+
+def test_a_deleted_working_folder_and_a_foreign_backend(tmp_path):
+    (tmp_path / "gone").mkdir()
+    words = [sys.executable, "-m", "camcli", "simulate", *QUICK[1:], "-o", "out"]
+    gone = f"cd gone && rmdir ../gone && exec {shlex.join(words)}"
+    path = {**os.environ, "PYTHONPATH": os.environ.get("PYTHONPATH", str(ROOT))}
+    done = subprocess.run(
+        ["sh", "-c", gone], cwd=tmp_path, capture_output=True, text=True, env=path
     )
-    time.sleep(1.0)
-    process.send_signal(signal.SIGINT)
-    said = process.communicate(timeout=60)[1]
-    assert process.returncode == 130
-    assert "interrupted" in said
-    assert (tmp_path / "out/sweep/speeds.csv").read_bytes() == before
+    assert (done.returncode, "found no working folder" in done.stderr) == (2, True), done.stderr
+    env = {**path, "MPLBACKEND": "nonsense"}
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, env=env)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "out" / "simulate.png").exists()
+
+
+def low_memory() -> None:
+    resource.setrlimit(resource.RLIMIT_AS, (700 << 20, 700 << 20))
+
+
+def few_files() -> None:
+    resource.setrlimit(resource.RLIMIT_NOFILE, (12, 12))
+
+
+@pytest.mark.parametrize(
+    ("limit", "words"),
+    [
+        (low_memory, ("sweep", "--points", "9", "--no-plot", "--threads", "64")),
+        (few_files, ("sweep", "--points", "9", "--shard", "1/2", "--no-plot")),
+    ],
+    ids=["memory", "files"],
+)
+def test_a_limit_of_the_system_is_no_fault_of_the_program(tmp_path, limit, words):
+    command = [sys.executable, "-m", "camcli", *words]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, preexec_fn=limit)
+    assert done.returncode in (0, 2), done.stderr
+    assert "internal fault" not in done.stderr
+    assert "Traceback" not in done.stderr

@@ -77,7 +77,8 @@ def test_records_that_are_none_are_refused_in_words(cam, tmp_path):
         (tmp_path / "run.json").write_bytes(data)
         refused(cam("rerun", "run.json"))
     refused(cam("rerun", "absent.json"), "absent.json", "No such file")
-    refused(cam("rerun", "."), "no file")
+    (tmp_path / "empty").mkdir()
+    refused(cam("rerun", "empty"), "run.json", "No such file")
     refused(cam("rerun", "/dev/zero"), "no file")
     with open(tmp_path / "huge.json", "wb") as file:
         file.truncate(1 << 40)
