@@ -63,6 +63,21 @@ def test_progress_is_told_and_a_picture_is_a_figure():
     assert isinstance(camcli.plot(result), Figure)
     with pytest.raises(KeyError):
         camcli.plot(result, "orbits")
+    assert camcli.plot(result, width=85).get_figwidth() * 25.4 == pytest.approx(85.0)
+    with pytest.raises(camcli.SceneError, match=r"plot\.widht"):
+        camcli.plot(result, widht=85)
+
+
+def test_a_picture_is_drawn_into_axes_of_ones_own():
+    from matplotlib.figure import Figure
+
+    result = camcli.simulate(scene("simulate"))
+    own = Figure(figsize=(5, 2))
+    first, second = own.subplots(1, 2)
+    assert camcli.plot(result, axes=first, panels=["phase"]) is own
+    assert first.get_xlabel() == "relative position $q - c$ (m)"
+    camcli.plot(result, axes=[first, second])
+    assert second.lines
 
 
 def test_a_bad_scene_is_one_error_with_every_fault():

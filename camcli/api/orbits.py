@@ -113,7 +113,7 @@ def orbits(
     def draw():
         from camcli.plots.orbits import draw_orbits
 
-        return draw_orbits(found, system, section.panels)
+        return draw_orbits(found, system)
 
     def draw_curve():
         from camcli.plots.orbits import draw_curves

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from os import PathLike
@@ -15,6 +15,7 @@ from camcli.scene import Scene, load_scene, resolved, scene_hash
 from camcli.system import Follower, System
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from camcli.output.run_folder import RunFolder
@@ -113,12 +114,14 @@ class Result:
                 folder.write(f"{name}.npz", table.npz)
             else:
                 folder.write_text(f"{name}.csv", table.csv())
-        pictures, digest = [f"{name}.png" for name in self.pictures], scene_hash(self.scene)
-        kept = {} if plot else folder.keep_pictures(pictures, digest)
-        for name, draw in self.pictures.items() if plot else ():
-            from camcli.output.pictures import write_png
+        form, digest = self.scene.plot, scene_hash(self.scene)
+        files = {f"{name}.{kind}": (name, kind) for name in self.pictures for kind in form.formats}
+        kept = {} if plot else folder.keep_pictures(list(files), digest)
+        for file, (name, kind) in files.items() if plot else ():
+            from camcli.output.pictures import write_picture
 
-            folder.write(f"{name}.png", partial(write_png, draw()))
+            draw = partial(write_picture, self.pictures[name](), kind=kind, form=form)
+            folder.write(file, draw)
         folder.claim([*folder.hashes, "run.json"])
         errors = error_record(self.scene.run.chatter_tolerance, self.system.cam.top)
         if self.scene.cam.kind == "table":
@@ -140,7 +143,13 @@ class Result:
         return record
 
 
-def plot(result: Result, picture: str | None = None) -> Figure:
+def plot(
+    result: Result,
+    picture: str | None = None,
+    *,
+    axes: Axes | Sequence[Axes] | None = None,
+    **form: Any,
+) -> Figure:
     """Draw a result.
 
     Parameters
@@ -149,20 +158,37 @@ def plot(result: Result, picture: str | None = None) -> Figure:
         Of any analysis.
     picture : str, optional
         Which of ``result.pictures``; the first by default.
+    axes : matplotlib Axes, or several, optional
+        Your own axes: they get a panel each, with your settings of matplotlib. Name the panels by
+        `panels`, else they are the first ones.
+    **form
+        Keys of the scene's section ``plot``: width and height (mm), font, style, title, panels.
 
     Returns
     -------
     matplotlib.figure.Figure
-        A figure of its own: nothing is written, pyplot is not touched. matplotlib's rcParams are
-        ours while it draws, and as before when it is done.
+        A figure of its own, or that of your axes: nothing is written, pyplot is not touched.
+        matplotlib's rcParams are ours while it draws, and as before when it is done.
 
     Raises
     ------
     KeyError
         If the result has no such picture.
+    SceneError
+        If `form` has an unknown key, or a value that does not fit.
     """
     name = next(iter(result.pictures)) if picture is None else picture
-    return result.pictures[name]().figure()
+    checked = load_scene(None, {f"plot.{key}": value for key, value in form.items()}).plot
+    changed = result.scene.plot.model_copy(update={key: getattr(checked, key) for key in form})
+    drawn = result.pictures[name]()
+    if axes is None:
+        return drawn.figure(changed)
+    own = list(axes) if isinstance(axes, Iterable) else [axes]
+    for panel, place in zip(drawn.chosen(changed.panels).values(), own, strict=False):
+        panel.draw(place)
+    figure = own[0].get_figure(root=True)
+    assert figure is not None
+    return figure
 
 
 @dataclass(frozen=True)

@@ -167,7 +167,7 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
             own = [k for k, line in enumerate(turn.line) if line]
             lift = [cam.base + turn.lift[k] for k in own]
             measured = Measured([turn.theta[k] for k in own], lift, cam.errors.bounds, words)
-        return draw_profile(result, measured, scene.simulate.profile_panels)
+        return draw_profile(result, measured)
 
     notes = []
     if result.curvature.undercut:

@@ -15,7 +15,7 @@ from camcli.cli.detach import detach
 from camcli.cli.figures import figures
 from camcli.cli.init import init
 from camcli.cli.merge import merge
-from camcli.cli.options import register
+from camcli.cli.options import DRAWING, register
 from camcli.cli.orbits import orbits
 from camcli.cli.rerun import REPEATED, rerun
 from camcli.cli.simulate import simulate
@@ -30,12 +30,13 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for _command in (simulate, sweep, detach, orbits, basins, classify, bench):
+for _command in (simulate, sweep, detach, orbits, basins, classify):
     register(app, _command)
-register(app, figures, without=("config", "rpm", "points", "no_plot"))
-register(app, merge, without=REPEATED)
+register(app, bench, without=DRAWING)
+register(app, figures, without=("config", "rpm", "points", "no_plot", *DRAWING))
+register(app, merge, without=(*REPEATED, *DRAWING))
 app.command("init")(init)
-register(app, rerun, without=(*REPEATED, "no_plot"))  # the record says whether it drew
+register(app, rerun, without=(*REPEATED, "no_plot", *DRAWING))  # the record says whether it drew
 
 
 @app.command("schema", help="Print the scene's JSON Schema, for editors.")

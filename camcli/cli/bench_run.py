@@ -148,10 +148,10 @@ def _write(name: str, rows: Sequence, folder: RunFolder, request: Request) -> No
     columns = [f.name for f in fields(PARTS[name])]
     folder.write_text(f"{name}.csv", Table.of_rows(columns, lambda: cells).csv())
     if name == "precision" and not request.no_plot:
-        from camcli.output.pictures import write_png
+        from camcli.output.pictures import write_picture
         from camcli.plots.bench import draw_precision
 
-        folder.write(f"{name}.png", partial(write_png, draw_precision(rows)))
+        folder.write(f"{name}.png", partial(write_picture, draw_precision(rows)))
     if not request.json:
         title, shown = SHOWN[name]
         told = precision.verdicts(rows) if name == "precision" else rows

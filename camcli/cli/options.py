@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import re
 from collections.abc import Callable, Collection
 from contextlib import ExitStack, redirect_stdout
 from dataclasses import dataclass, field
@@ -52,6 +53,19 @@ class Request:
         ),
     ] = None
     no_plot: Annotated[bool, Option("--no-plot", help="Draw nothing.")] = False
+    formats: Annotated[
+        str | None, Option("--format", help="Of pictures: png, pdf, svg.", metavar="A,B")
+    ] = None
+    width: Annotated[
+        str | None, Option("--width", help="Of pictures, e.g. 85mm or 3.3in.", metavar="LENGTH")
+    ] = None
+    height: Annotated[str | None, Option("--height", metavar="LENGTH", help="The same.")] = None
+    font: Annotated[str | None, Option("--font", help="Of pictures, by name.")] = None
+    style: Annotated[str | None, Option("--style", help="A matplotlib style: name or file.")] = None
+    no_title: Annotated[bool, Option("--no-title", help="No title, no notes in it.")] = False
+    panels: Annotated[
+        str | None, Option("--panels", help="Panels drawn, by name.", metavar="A,B")
+    ] = None
     json: Annotated[bool, Option("--json", help="One JSON object on stdout.")] = False
     quiet: Annotated[bool, Option("--quiet", "-q", help="Say nothing but faults.")] = False
     threads: Annotated[
@@ -63,9 +77,41 @@ class Request:
     ] = False
     extra: dict[str, Any] = field(default_factory=dict)  # options of one command only
 
+    def form(self) -> dict[str, tuple[Any, str]]:
+        """What the options of pictures set in the scene's section `plot`."""
+        given = {
+            "plot.formats": (_names(self.formats), "--format"),
+            "plot.width": (_millimetres(self.width, "--width"), "--width"),
+            "plot.height": (_millimetres(self.height, "--height"), "--height"),
+            "plot.font": (self.font, "--font"),
+            "plot.style": (self.style, "--style"),
+            "plot.title": (False if self.no_title else None, "--no-title"),
+            "plot.panels": (_names(self.panels), "--panels"),
+        }
+        return {key: pair for key, pair in given.items() if pair[0] is not None}
+
     def folder(self, command: str) -> Path:
         """Where the artefacts go."""
         return self.out if self.out is not None else Path("out") / command
+
+
+UNITS = {"": 1.0, "mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0}  # mm
+DRAWING = ("formats", "width", "height", "font", "style", "no_title", "panels")
+
+
+def _names(text: str | None) -> list[str] | None:
+    return None if text is None else [name.strip() for name in text.split(",")]
+
+
+def _millimetres(text: str | None, option: str) -> float | None:
+    """A length with its unit."""
+    if text is None:
+        return None
+    match = re.fullmatch(r"\s*(\d+\.?\d*)\s*(|mm|cm|in|pt)\s*", text)
+    if match is None:
+        expected = f"expected a number and one of {', '.join(filter(None, UNITS))}"
+        raise SceneError(Fault(option, "", f"found '{text}'", expected, "e.g. 85mm"))
+    return float(match[1]) * UNITS[match[2]]
 
 
 Shard = Annotated[

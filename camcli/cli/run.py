@@ -83,9 +83,14 @@ def run(
 
     values: what the options set in the scene; options: further arguments of the API function.
     """
-    scene = load_scene(request.config, request.sets or (), values)
+    scene = load_scene(request.config, request.sets or (), values | request.form())
     if not request.quiet:
         _tell(scene)
+    if not request.no_plot and (scene.plot.font or scene.plot.style):
+        from camcli.plots.style import look
+
+        with look(scene.plot.font, scene.plot.style):  # there are none: say so before the work
+            pass
     from camcli.cli.forecast import forecast, refuse_too_large
 
     part = shard_of(shard)
@@ -149,7 +154,7 @@ def open_folder(
     key = {"command": command, "scene": read} if command in IN_PIECES else None
     with run_folder(
         place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts,
-        names=ARTEFACTS[command].split(), about={"scene": values, "plot": not request.no_plot},
+        names=_names(command, scene), about={"scene": values, "plot": not request.no_plot},
     ) as folder:  # fmt: skip
         checkpoint = folder.work.checkpoint
         if folder.mixed and not request.quiet:
@@ -170,6 +175,13 @@ def open_folder(
             print(to_text({"command": command, "shard": shard, "pieces": str(checkpoint.path)}))
         elif not request.quiet:
             note(f"{checkpoint.path}: complete; when all shards are, run cam merge {place}")
+
+
+def _names(command: str, scene: Scene) -> list[str]:
+    """Files that the command writes."""
+    names = ARTEFACTS[command].split()
+    drawn = [name.removesuffix(".png") for name in names if name.endswith(".png")]
+    return names + [f"{name}.{kind}" for name in drawn for kind in scene.plot.formats]
 
 
 def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show) -> None:

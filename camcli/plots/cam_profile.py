@@ -25,21 +25,18 @@ class Measured:
     words: str
 
 
-def draw_profile(
-    profile: Profile, measured: Measured | None = None, panels: Sequence[str] = ()
-) -> Picture:
-    """Picture of a cam; `panels` are some of DRAW; default: all."""
+def draw_profile(profile: Profile, measured: Measured | None = None) -> Picture:
+    """Picture of a cam."""
     low, high = profile.ranges["c"]
     first, said = profile.first, "no speed marks a first detachment"
     if first is not None and first.finite:
         said = f"first detachment at {first.rpm:.6g} rpm, {first.theta_deg:.5g} deg"
-    chosen: dict[str, Panel] = {}
+    panels = {}
     for name, draw in DRAW.items():
-        if not panels or name.split(",")[0] in panels:
-            half = name.startswith("curvature")
-            do = partial(_draw, draw=draw, profile=profile, measured=measured)
-            chosen[name] = Panel(do, 34.0, "" if half else "theta", 1 + half)
-    return Picture(f"Cam with a lift of {1e3 * (high.value - low.value):.4g} mm", chosen, said)
+        half = name.startswith("curvature")
+        do = partial(_draw, draw=draw, profile=profile, measured=measured)
+        panels[name] = Panel(do, 34.0, "" if half else "theta", 1 + half)
+    return Picture(f"Cam with a lift of {1e3 * (high.value - low.value):.4g} mm", panels, said)
 
 
 Draw = Callable[[Axes, Profile, Measured | None], None]
@@ -118,5 +115,5 @@ DRAW: dict[str, Draw] = {
     "acceleration": _draw_acceleration,
     "force": _draw_force,
     "curvature": _draw_flat,
-    "curvature, knife edge": _draw_knife,
+    "curvature of the pitch curve": _draw_knife,
 }

@@ -55,9 +55,8 @@ from camcli.plots.event_words import event_words
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.system import System
 
-PHASE, STROBE, PLANE, LIFT = 70.0, 40.0, 66.0, 32.0  # mm, heights of the panels
+PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
-PANELS = ("branches", "multipliers", "events")
 PARAMETERS = {  # name and unit
     "rpm": ("cam speed", "rpm"),
     "restitution": ("coefficient of restitution", ""),
@@ -92,8 +91,8 @@ class _Scene:
         return np.array([value for orbit in points for value in of(orbit)])
 
 
-def draw_orbits(study: OrbitsResult, system: System, panels: Sequence[str] = PANELS) -> Picture:
-    """Picture of a study, or of some of its panels; of the orbits of one speed without branches."""
+def draw_orbits(study: OrbitsResult, system: System) -> Picture:
+    """Picture of a study; of the orbits of one speed where no branches were followed."""
     title, words = _heading(study)
     if not study.branches:
         return Picture(title, *_single(study, system, words))
@@ -102,19 +101,16 @@ def draw_orbits(study: OrbitsResult, system: System, panels: Sequence[str] = PAN
     shades = colours([branch.points for branch in study.branches])
     parameter = study.question.parameter
     scene = _Scene(study, study.branches, shades, events, corners, parameter, system)
-    shown: dict[str, Panel] = {}
-    if "branches" in panels:
-        shown["phases"] = Panel(partial(_draw_phases, scene=scene), PHASE, parameter)
-        shown["positions"] = Panel(partial(_draw_positions, scene=scene), STROBE, parameter)
-    if "multipliers" in panels:
-        shown["plane"] = Panel(partial(_draw_plane, scene=scene), PLANE, across=2)
-        shown["multipliers"] = Panel(partial(_draw_real, scene=scene), PLANE, across=2)
-    for zoom in hidden(scene) if "events" in panels else []:
-        number = zoom.event.number
-        shown[f"event {number}"] = Panel(
-            partial(_draw_zoom, zoom=zoom, scene=scene), 56.0, across=2
-        )
-        shown[f"words {number}"] = Panel(partial(_write_sides, event=zoom.event), 56.0, across=2)
+    shown = {
+        "phases": Panel(partial(_draw_phases, scene=scene), PHASE, parameter),
+        "positions": Panel(partial(_draw_positions, scene=scene), STROBE, parameter),
+        "plane": Panel(partial(_draw_plane, scene=scene), PLANE, across=2),
+        "multipliers": Panel(partial(_draw_real, scene=scene), PLANE, across=2),
+    }
+    for zoom in hidden(scene):
+        name, event = f"event {zoom.event.number}", zoom.event
+        shown[name] = Panel(partial(_draw_zoom, zoom=zoom, scene=scene), ZOOM, across=2)
+        shown[f"{name} in words"] = Panel(partial(_write_sides, event=event), ZOOM, across=2)
     return Picture(title, shown, words, lists=lists_of(scene.branches, shades, events, parameter))
 
 

@@ -17,9 +17,11 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 
 from camcli.plots import style
+from camcli.scene.schema import Plot
 
 MM = 1.0 / 25.4  # inch
-WIDTH, TALLEST = 170.0, 230.0  # mm: the text width of an A4 page, and its height
+TALLEST = 230.0  # mm: an A4 page without its margins
+NARROWEST = 55.0  # mm, of a panel beside another
 SQUEEZED = 0.65  # of its height, what a panel needs at least
 EDGE, LINE, ROW = 2.0, 3.9, 3.4  # mm: around the heading, from line to line in it and in lists
 BELOW = 11.0  # mm, of the numbers and the name below a panel
@@ -40,6 +42,7 @@ class Panel:
     height: float = 60.0  # mm, without the numbers and the name of its axis
     x: str = ""
     across: int = 1  # so many such panels stand side by side: 1, 2 or 3
+    usual: bool = True  # False: only where it is asked for
     beside: Sequence[Callable[[Axes], None]] = ()  # narrow curves to the left, on a page only
 
 
@@ -53,22 +56,36 @@ class Picture:
     colour: str = "black"  # of the words
     lists: Sequence[Rows] = field(default_factory=list)
 
-    def figure(self) -> Figure:
-        """All panels on a page of their own; matplotlib's settings are ours meanwhile."""
-        with style.look():
-            return self._page()
+    def figure(self, form: Plot | None = None) -> Figure:
+        """The panels on a page of their own; matplotlib's settings are ours meanwhile."""
+        form = form or Plot()
+        with style.look(form.font, form.style):
+            return self._page(form)
 
-    def _page(self) -> Figure:
+    def chosen(self, names: Sequence[str] | None) -> dict[str, Panel]:
+        """The panels of these names (`event` means event 3 too); the usual ones without any."""
+        found = {
+            own: panel
+            for name in names or ()
+            for own, panel in self.panels.items()
+            if own == name or own.startswith(f"{name} ")
+        }
+        return found or {name: panel for name, panel in self.panels.items() if panel.usual}
+
+    def _page(self, form: Plot) -> Figure:
         layout = ConstrainedLayoutEngine()
-        figure = _Page(figsize=(WIDTH * MM, TALLEST * MM), layout=layout)
+        size = form.width * MM, (form.height or TALLEST) * MM
+        figure = _Page(figsize=size, layout=layout)
+        figure.look = form.font, form.style
         FigureCanvasAgg(figure)
-        heading = _Heading(figure.add_axes((0.0, 0.0, 1.0, 1.0), frame_on=False), self)
-        rows = _rows(self.panels)
-        room = TALLEST - heading.top
+        heading = _Heading(figure.add_axes((0.0, 0.0, 1.0, 1.0), frame_on=False), self, form)
+        panels = self.chosen(form.panels)
+        rows = _rows(panels, form.width)
+        room = (form.height or TALLEST) - heading.top
         left_out: list[str] = []
         while len(rows) > 1 and SQUEEZED * _height(rows) + BELOW * len(rows) > room:
             last = rows.pop()
-            left_out += [name for name, panel in self.panels.items() if panel in last]
+            left_out += [name for name, panel in panels.items() if panel in last]
         heading.left_out(left_out)
         shared = [len(a) == len(b) == 1 and a[0].x == b[0].x != "" for a, b in pairwise(rows)]
         heights = [_height([row]) for row in rows]
@@ -76,19 +93,22 @@ class Picture:
         figure.set_figheight(min(below, room) * MM)
         narrow = max(len(panel.beside) for row in rows for panel in row)
         shares = [NARROW] * narrow + [1.0 / COLUMNS] * COLUMNS
-        size = len(rows), narrow + COLUMNS
-        grid = figure.add_gridspec(*size, width_ratios=shares, height_ratios=heights)
+        grid = figure.add_gridspec(
+            len(rows), narrow + COLUMNS, width_ratios=shares, height_ratios=heights
+        )
         drawn: list[Axes] = []
         handles: dict[str, Any] = {}
         for k, row in enumerate(rows):
             for column, panel in enumerate(row):
-                wide = COLUMNS // panel.across
+                wide = COLUMNS // max(
+                    len(row), min(panel.across, max(1, int(form.width / NARROWEST)))
+                )
                 left = narrow + column * wide
                 axes = figure.add_subplot(grid[k, left : left + wide])
                 panel.draw(axes)
                 for aside, draw in enumerate(panel.beside):
                     draw(figure.add_subplot(grid[k, aside]))
-                drawn += [axes] * (panel.across == 1)
+                drawn += [axes] * (wide == COLUMNS)
                 if k < len(shared) and shared[k]:
                     axes.set_xlabel("")
                     axes.tick_params(labelbottom=False)
@@ -97,7 +117,7 @@ class Picture:
                     handles = {name: handle for handle, name in found} | handles
         figure.align_ylabels(drawn)
         top = heading.finish(handles)
-        height = min(top + below, TALLEST)
+        height = form.height or min(top + below, TALLEST)
         share = top / height
         heading.axes.set_position((0.0, 1.0 - share, 1.0, share))
         figure.set_figheight(height * MM)
@@ -108,9 +128,11 @@ class Picture:
 class _Page(Figure):
     """A figure that looks the same wherever it is shown: ticks and formulas are made when drawn."""
 
+    look: tuple[str | None, str | None] = (None, None)  # font and style
+
     def draw(self, renderer: RendererBase) -> None:
-        """Draw with our settings."""
-        with style.look():
+        """Draw with the settings it was made with."""
+        with style.look(*self.look):
             super().draw(renderer)
 
 
@@ -118,11 +140,12 @@ def _height(rows: list[list[Panel]]) -> float:
     return sum(max(panel.height for panel in row) for row in rows)
 
 
-def _rows(panels: dict[str, Panel]) -> list[list[Panel]]:
-    """Panels from top to bottom, narrow ones side by side."""
+def _rows(panels: dict[str, Panel], width: float) -> list[list[Panel]]:
+    """Panels from top to bottom, narrow ones side by side where there is room."""
     rows: list[list[Panel]] = []
     for panel in panels.values():
-        if rows and panel.across == rows[-1][0].across > len(rows[-1]):
+        across = min(panel.across, max(1, int(width / NARROWEST)))
+        if rows and panel.across == rows[-1][0].across and across > len(rows[-1]):
             rows[-1].append(panel)
         else:
             rows.append([panel])
@@ -132,19 +155,21 @@ def _rows(panels: dict[str, Panel]) -> list[list[Panel]]:
 class _Heading:
     """Title, words, lists and legend from the top downwards, in axes that count mm."""
 
-    def __init__(self, axes: Axes, picture: Picture) -> None:
-        self.axes, self.top = axes, EDGE
-        axes.set(xlim=(0.0, WIDTH), ylim=(1.0, 0.0), xticks=[], yticks=[])
-        if picture.title:
-            self._write(EDGE, picture.title, size=9, weight="bold")
+    def __init__(self, axes: Axes, picture: Picture, form: Plot) -> None:
+        self.axes, self.top, self.wide = axes, EDGE, form.width
+        axes.set(xlim=(0.0, form.width), ylim=(1.0, 0.0), xticks=[], yticks=[])
+        chars = int(CHARS * form.width)
+        for line in textwrap.wrap(picture.title, int(0.8 * chars)) if form.title else ():
+            self._write(EDGE, line, size=9, weight="bold")
             self.top += 1.3 * LINE
-        for line in textwrap.wrap(picture.words, int(CHARS * WIDTH), break_on_hyphens=False):
+        words = textwrap.wrap(picture.words, chars, break_on_hyphens=False)
+        for line in words if form.title else ():
             self._write(EDGE, line, color=picture.colour)
             self.top += LINE
         left, below = EDGE, self.top
         for rows in filter(None, picture.lists):
             right = self._list(left, rows)
-            if right > WIDTH and left > EDGE:
+            if right > self.wide and left > EDGE:
                 for artist in self.last:
                     artist.remove()
                 self.top = below
@@ -196,7 +221,7 @@ class _Heading:
                 ncols=columns,
             )
             box = legend.get_window_extent()
-            if columns == 1 or box.width < (WIDTH - 2.0 * EDGE) * MM * style.DPI:
+            if columns == 1 or box.width < (self.wide - 2.0 * EDGE) * MM * style.DPI:
                 self.top += box.height / style.DPI / MM + 1.0
                 break
         self.axes.set_ylim(self.top, 0.0)

@@ -12,11 +12,11 @@ from matplotlib.axes import Axes
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
 from camcli.errors import Status
 from camcli.plots import style
-from camcli.plots.axes import TURN_DEG, corner_lines, mark, say
+from camcli.plots.axes import TURN_DEG, corner_lines, mark, places_beside, say
 from camcli.plots.picture import Panel, Picture
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
-MOST_TICKS = {False: 18, True: 8}  # of a panel, of half a panel
+TICK = 21.0  # pt, from one tick to the next at least
 NAMED_TURNS = 4.5  # turns up to which corners are drawn
 NAMES = {"chatter": "chatter accumulates"}  # of events, where it is another than their kind
 BLINK = 1e-9  # turns: closer is the same time
@@ -134,14 +134,19 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     _draw_contact(axes, trace, q, named=True)
     for kind, points in trace.events.items():
         mark(axes, kind, points[:, 0], points[:, 1], label=NAMES.get(kind, kind), zorder=4)
-    _angle_axis(axes, trace, half=False)
+    _angle_axis(axes, trace)
     if trace.high - trace.low <= NAMED_TURNS * TURN_DEG:
-        for name, phase in style.corner_names(simulation.corners_deg).items():
-            first = trace.low + (phase - trace.low) % TURN_DEG
+        named = sorted(
+            (trace.low + (phase - trace.low) % TURN_DEG, name)
+            for name, phase in style.corner_names(simulation.corners_deg).items()
+        )
+        for first, _ in named:
             places = np.arange(first, trace.high, TURN_DEG)
             corner_lines(axes, [("", place) for place in places], "x")
-            look: dict[str, Any] = {"color": style.CAM, "size": style.NOTE, "ha": "center"}
-            axes.text(first, 0.985, name, transform=axes.get_xaxis_transform(), va="top", **look)
+        look: dict[str, Any] = {"color": style.CAM, "size": style.NOTE, "ha": "center"}
+        spots = places_beside(axes, [first for first, _ in named], "x")
+        for (_, name), x in zip(named, spots, strict=True):
+            axes.text(x, 0.985, name, transform=axes.get_xaxis_transform(), va="top", **look)
     degrees_per_second = 6.0 * simulation.rpm
 
     def seconds(angle: Any) -> Any:
@@ -173,7 +178,7 @@ def _draw_gap(axes: Axes, trace: Trace, _: Simulation) -> None:
     for kind, points in trace.events.items():
         mark(axes, kind, points[:, 0], np.zeros(len(points)), zorder=4)
     axes.set_ylabel("relative position $q - c$ (m)")
-    _angle_axis(axes, trace, half=True)
+    _angle_axis(axes, trace)
 
 
 def _draw_phase(axes: Axes, trace: Trace, _: Simulation) -> None:
@@ -190,9 +195,10 @@ def _draw_phase(axes: Axes, trace: Trace, _: Simulation) -> None:
     axes.set_ylabel(r"relative velocity $v - \dot c$ (m/s)")
 
 
-def _angle_axis(axes: Axes, trace: Trace, half: bool) -> None:
+def _angle_axis(axes: Axes, trace: Trace) -> None:
     """Ticks in degrees within the turn, or in turns where there are many; a line per turn."""
-    span, most = trace.high - trace.low, MOST_TICKS[half]
+    span = trace.high - trace.low
+    most = max(2, int(axes.get_window_extent().width / style.DPI * 72.0 / TICK))
     step = next((s for s in STEPS if span <= s * most), 360 * ceil(span / TURN_DEG / most))
     ticks = step * np.arange(ceil(trace.low / step - 1e-9), floor(trace.high / step + 1e-9) + 1)
     within = step < TURN_DEG

@@ -11,6 +11,8 @@ from typing import Any
 import matplotlib
 from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
 
+from camcli.errors import Fault, SceneError
+
 DPI = 300
 NOTE = 7  # pt, of what stands inside or above a panel
 MOST_CORNERS = len(ascii_lowercase)  # a cam with more is drawn without them
@@ -65,6 +67,9 @@ RC = {
     "lines.linewidth": 1.0,
     "lines.solid_capstyle": "butt",
     "mathtext.fontset": "dejavusans",
+    "pdf.fonttype": 42,  # whole letters, not their outlines
+    "savefig.dpi": DPI,
+    "svg.hashsalt": "camcli",  # names within the file, else random
     "xtick.labelsize": 8,
     "xtick.major.size": 3,
     "xtick.major.width": 0.6,
@@ -77,13 +82,47 @@ _ONE_AT_A_TIME = RLock()  # matplotlib's settings are the process's
 
 
 @contextmanager
-def look() -> Iterator[None]:
-    """Our settings of matplotlib whatever the user's are, which hold again afterwards."""
+def look(font: str | None = None, sheet: str | None = None) -> Iterator[None]:
+    """Our settings of matplotlib whatever the user's are, which hold again afterwards.
+
+    font: name of an installed one. sheet: name or file of a matplotlib style, on top of ours.
+    Raises SceneError where there is none of that name.
+    """
     settings: dict[Any, Any] = {**matplotlib.rcParamsDefault, **RC}
+    if sheet is not None:
+        settings |= _sheet(sheet)
+    if font is not None:
+        _refuse_unknown(font)
+        settings |= {"font.family": [font, "DejaVu Sans"], "mathtext.fontset": "custom"}
+        settings |= {"mathtext.rm": font, "mathtext.it": f"{font}:italic"}
     for name in KEPT:
-        del settings[name]
+        settings.pop(name, None)
     with _ONE_AT_A_TIME, matplotlib.rc_context(settings):
         yield
+
+
+def _sheet(sheet: str) -> dict[Any, Any]:
+    """The settings of a matplotlib style."""
+    from matplotlib.style import library
+
+    try:
+        if sheet in library:
+            return dict(library[sheet])
+        return dict(matplotlib.rc_params_from_file(sheet, use_default_template=False))
+    except OSError as error:
+        found = f"found '{sheet}' ({error.strerror or 'it cannot be read'})"
+        cure = "python -c 'import matplotlib.style; print(matplotlib.style.available)' lists them"
+        expected = "expected a matplotlib style: its name, or a file"
+        raise SceneError(Fault("plot.style", "", found, expected, cure)) from None
+
+
+def _refuse_unknown(font: str) -> None:
+    from matplotlib.font_manager import fontManager
+
+    names = sorted({entry.name for entry in fontManager.ttflist})
+    if font not in names:
+        expected = f"expected an installed font, e.g. {', '.join(names[:4])}"
+        raise SceneError(Fault("plot.font", "", f"found '{font}'", expected, ""))
 
 
 def period_colour(period: int) -> str:

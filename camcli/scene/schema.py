@@ -8,7 +8,7 @@ constants stay finite numbers and a turn of any speed has an end.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -41,8 +41,15 @@ Side = Annotated[int, Field(strict=True, ge=1, le=MOST_CELLS), BeforeValidator(w
 SectionName = Literal["impacts", "strobe"]
 ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
-PanelName = Literal["branches", "multipliers", "events"]
-ProfilePanel = Literal["lift", "velocity", "acceleration", "force", "curvature"]
+PanelName = Literal[
+    "motion", "gap", "phase", "section",  # of simulate
+    "mechanism", "outline", "lift", "velocity", "acceleration", "force", "curvature",  # of the cam
+    "impacts", "enlarged", "strobe",  # of sweep
+    "phases", "forces", "springs",  # of detach, and of orbits and classify
+    "positions", "plane", "multipliers", "event", "orbit", "curves",  # of orbits
+    "basins", "fractions", "attractors",  # of basins
+    "exponents", "labels",  # of classify
+]  # fmt: skip
 Cam = Annotated[AnyCam, Field(discriminator="kind")]
 
 
@@ -103,8 +110,25 @@ class Simulate(Section):
     plot_turns: Whole = Field(
         3, ge=1, le=MOST_TURNS, description="turns drawn, counted from the end"
     )
-    profile_panels: Names[ProfilePanel] = Field(
-        get_args(ProfilePanel), description="panels of profile.png (--profile-only)"
+
+
+class Plot(Section):
+    """How pictures are drawn, and in which forms."""
+
+    formats: Names[Literal["png", "pdf", "svg"]] = Field(("png",), description="forms of pictures")
+    width: Number = Field(170.0, ge=40, le=1000, description="width, mm")
+    height: Annotated[Number, Field(ge=30, le=1000)] | None = Field(
+        None, description="height, mm; null: as the panels need, at most 230"
+    )
+    font: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
+        None, description="name of an installed font; null: DejaVu Sans"
+    )
+    style: Annotated[str, Field(min_length=1, max_length=4000)] | None = Field(
+        None, description="a matplotlib style: its name, or a file; null: ours"
+    )
+    title: Flag = Field(True, description="title and notes above the panels")
+    panels: Names[PanelName] | None = Field(
+        None, description="panels, from top to bottom; null: the usual ones of the command"
     )
 
 
@@ -193,10 +217,6 @@ class Orbits(Section):
     curve_range: Annotated[tuple[Constant, Constant] | None, BeforeValidator(items)] = Field(
         None, description="range of curve_in; null: orbits.range if rpm is the first parameter"
     )
-    panels: Names[PanelName] = Field(
-        ("branches", "multipliers", "events"),
-        description="parts of the picture, where branches are followed",
-    )
 
 
 class BasinsRange(RpmRange):
@@ -273,6 +293,7 @@ class Scene(Section):
     follower: Follower = Field(description="the follower, its spring and its restitution")
     cam: Cam = Field(description="the cam, by kind")
     run: Run = Field(default_factory=Run, description="one simulation")
+    plot: Plot = Field(default_factory=Plot, description="form of pictures")
     simulate: Simulate = Field(default_factory=Simulate, description="cam simulate")
     sweep: Sweep = Field(default_factory=Sweep, description="cam sweep")
     detach: Detach = Field(default_factory=Detach, description="cam detach")

@@ -168,7 +168,7 @@ def test_only_stable_or_unstable_orbits_are_followed(cam, tmp_path, which, stabl
         (["--parameter", "restitution", "--range", "0.9:0.5"], "exchange them"),
         (["--curve", "fold", "--in", "rpm"], "orbits.curve_in"),
         (["--curve", "fold", "--rpm", "700"], "give --rpm LO:HI"),
-        (["--set", "orbits.panels=[branch]", "--branches", "-1"], "orbits.branches"),
+        (["--set", "plot.panels=[branch]", "--branches", "-1"], "orbits.branches"),
     ],
 )
 def test_bad_usage_is_one_clear_message(cam, words, said):

@@ -108,16 +108,16 @@ def test_a_base_radius_that_is_none_is_refused(cam, radius):
 def test_only_the_panels_asked_for_are_drawn_and_an_old_picture_is_removed(cam, tmp_path):
     heights, picture = [], tmp_path / "here/profile.png"
     for panels in ("[lift]", "[force, lift]"):
-        words = ("--set", f"simulate.profile_panels={panels}", "-q")
+        words = ("--set", f"plot.panels={panels}", "-q")
         assert cam(*ONLY[:-1], *words).returncode == 0
         heights.append(int.from_bytes(picture.read_bytes()[20:24], "big"))
     assert heights[0] < heights[1]
     assert cam(*ONLY).returncode == 0
     assert not picture.exists()
-    done = cam(*ONLY, "--set", "simulate.profile_panels=[jerk]")
+    done = cam(*ONLY, "--set", "plot.panels=[jerk]")
     assert done.returncode == 2
     (fault,) = done.stderr.splitlines()
-    assert "found 'jerk', expected one of lift, velocity, acceleration, force, curvature" in fault
+    assert "found 'jerk', expected one of motion, gap" in fault
 
 
 def test_the_example_table_is_that_of_its_program():

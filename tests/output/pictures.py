@@ -12,15 +12,15 @@ from camcli.analysis.integrate import Cost
 from camcli.analysis.simulate import Simulation
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.errors import Status
-from camcli.output.pictures import write_png
+from camcli.output.pictures import write_picture
 from camcli.plots.picture import TALLEST
 
 RPM = 60.0  # a turn per second
 
 
-def png(picture):
+def png(picture, kind="png", form=None):
     buffer = BytesIO()
-    write_png(picture, buffer)
+    write_picture(picture, buffer, kind, form)
     return buffer.getvalue()
 
 
@@ -96,4 +96,4 @@ def bounce(turns=2, label="P(1;inf)", status=Status.OK, rows=None):
             (k + 0.5, k, 180.0, "detachment", 0.11, 0.0, 0.0),
         ]
     trajectory = trajectory if rows is None else trajectory[:rows]
-    return Simulation(RPM, trajectory, events, label, status, turns, [90.0, 180.0], Cost())
+    return Simulation(RPM, trajectory, events, label, status, turns, [90.0, 180.0], Cost(), None)

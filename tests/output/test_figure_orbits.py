@@ -58,15 +58,11 @@ def test_every_kind_of_study_shows_the_colour_of_its_period(chapter, found, name
     tall(picture)
 
 
-def test_panels_can_be_left_out(chapter, found):
-    some = {
-        names: list(draw_orbits(found["doubling"], chapter, names).panels)
-        for names in (("branches",), ("multipliers", "events"))
-    }
-    assert list(some.values()) == [
-        ["phases", "positions"],
-        ["plane", "multipliers", "event 3", "words 3"],
-    ]
+def test_panels_are_chosen_by_name(chapter, found):
+    picture = draw_orbits(found["doubling"], chapter)
+    usual = ["phases", "positions", "plane", "multipliers", "event 3", "event 3 in words"]
+    assert list(picture.chosen(None)) == list(picture.chosen(["basins"])) == usual
+    assert list(picture.chosen(["event", "phases"])) == [*usual[-2:], "phases"]
 
 
 def test_where_an_absent_label_exists_is_said(chapter, found):
@@ -83,7 +79,7 @@ def test_where_an_absent_label_exists_is_said(chapter, found):
 @pytest.mark.parametrize("parameter", VARIED)
 def test_every_parameter_has_a_name_and_a_unit(chapter, found, parameter):
     ask = replace(QUESTIONS["doubling"], parameter=parameter)
-    title = draw_orbits(replace(found["doubling"], question=ask), chapter, ["branches"]).title
+    title = draw_orbits(replace(found["doubling"], question=ask), chapter).title
     name, unit = PARAMETERS[parameter]
     assert axis_name(parameter) == f"{name} ({unit or '-'})"
     assert name in title or parameter == "rpm"
@@ -170,8 +166,8 @@ def test_events_are_listed_once_in_order_with_all_branches(found, corners):
     ("name", "zooms"), [("doubling", ["event 3"]), ("fold", ["event 10"]), ("resting", [])]
 )
 def test_only_a_hidden_corner_impact_is_enlarged(chapter, found, name, zooms):
-    panels = draw_orbits(found[name], chapter, ["events"]).panels
-    assert [name for name in panels if name.startswith("event")] == zooms
+    panels = draw_orbits(found[name], chapter).panels
+    assert [name for name in panels if name.startswith("event")][:1] == zooms
 
 
 def test_the_enlarged_fork_is_round(found):

@@ -59,7 +59,7 @@ def test_an_impact_breaks_the_phase_curve():
         (0.1, 36.0, 0.1, 0.8, 0.1, 0.0, "flight"),
         (0.2, 72.0, 0.18, 0.8, 0.1, 0.0, "flight"),
     ]
-    trace = Trace.of(Simulation(RPM, rows, [], "undecided", Status.OK, 1, [], Cost()), 1)
+    trace = Trace.of(Simulation(RPM, rows, [], "undecided", Status.OK, 1, [], Cost(), None), 1)
     assert np.isnan(trace.u[trace.angle == 36.0]).any()
     assert np.nanmin(abs(trace.u)) > 0.7
     assert not np.isnan(trace.gap).any()
@@ -67,5 +67,5 @@ def test_an_impact_breaks_the_phase_curve():
 
 def test_the_angle_is_the_cams_whatever_the_strobe():
     shifted = [(row[0], (row[1] + 90.0) % 360.0, *row[2:]) for row in bounce().trajectory]
-    trace = Trace.of(Simulation(RPM, shifted, [], "contact", Status.OK, 2, [], Cost()), 1)
+    trace = Trace.of(Simulation(RPM, shifted, [], "contact", Status.OK, 2, [], Cost(), None), 1)
     assert (trace.low, trace.high) == (450.0, 810.0)

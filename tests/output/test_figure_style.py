@@ -2,7 +2,6 @@
 
 import re
 from concurrent.futures import ThreadPoolExecutor
-from io import BytesIO
 from itertools import combinations
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,13 +10,16 @@ import matplotlib
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.text import Text
 
 from camcli.analysis.contact_loss.force import ForceCurve
+from camcli.errors import SceneError
 from camcli.plots import style
 from camcli.plots.axes import draw_forces, newtons, spread
 from camcli.plots.branch_lines import colours
 from camcli.plots.simulate import draw_simulation
 from camcli.plots.sweep import draw_sweep
+from camcli.scene.schema import Plot
 from tests.conftest import settings
 from tests.output.pictures import bounce, panel, png, speed, sweep_of
 
@@ -137,10 +139,41 @@ def test_threads_draw_the_same_and_leave_the_settings_alone():
     assert dict(matplotlib.rcParams) == before
 
 
-@pytest.mark.parametrize("kind", ["pdf", "svg"])
-def test_a_figure_is_written_by_matplotlib_too_and_in_any_size(drawn, kind):
-    figure = drawn().figure()
-    figure.set_size_inches(12.0, 9.0)
-    buffer = BytesIO()
-    figure.savefig(buffer, format=kind)
-    assert len(buffer.getvalue()) > 10_000
+# --- forms
+
+
+@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
+def test_every_form_has_the_same_bytes_twice_its_width_and_no_date(drawn, kind):
+    form = Plot(width=85.0, title=False)
+    first = png(drawn(), kind, form)
+    assert png(drawn(), kind, form) == first
+    assert not re.search(
+        rb"matplotlib.v|20\d\d-\d\d-\d\dT|CreationDate", first.split(b"<defs>")[0][:2000]
+    )
+    figure = drawn().figure(form)
+    assert figure.get_figwidth() * 25.4 == pytest.approx(85.0)
+    if kind == "pdf":
+        assert b"/Image" in first  # clouds of points
+        assert b"/FontFile2" in first or b"/Type42" in first or b"/CIDFontType2" in first
+
+
+def test_no_text_is_smaller_than_six_points(drawn):
+    for form in (Plot(), Plot(width=85.0)):
+        figure = drawn().figure(form)
+        sizes = [text.get_fontsize() for text in figure.findobj(Text) if text.get_text()]
+        assert min(sizes) >= 6.0
+
+
+def test_fonts_and_styles_are_named_or_refused(drawn, tmp_path):
+    serif = drawn().figure(Plot(font="DejaVu Serif"))
+    assert serif.axes[0].texts[0].get_fontname() == "DejaVu Serif"
+    sheet = tmp_path / "mine.mplstyle"
+    sheet.write_text("axes.linewidth: 3\n")
+    assert drawn().figure(Plot(style=str(sheet))).axes[1].spines["left"].get_linewidth() == 3
+    assert drawn().figure(Plot(style="ggplot"))
+    for form, said in (
+        (Plot(font="Nonesuch"), "plot.font"),
+        (Plot(style="nonesuch"), "plot.style"),
+    ):
+        with pytest.raises(SceneError, match=said):
+            drawn().figure(form)
