@@ -100,12 +100,12 @@ def _draw(path: Path, force: bool) -> None:
     import io
 
     from camcli.api.simulate import simulate
-    from camcli.output.pictures import write_png
+    from camcli.output.pictures import write_picture
     from camcli.scene import load_scene
 
     result = simulate(load_scene(path), profile_only=True)
     picture = io.BytesIO()
-    write_png(result.pictures["profile"](), picture)
+    write_picture(result.pictures["profile"](), picture)
     _write(path.with_suffix(".png"), picture.getvalue(), force)
     print(f"{path.with_suffix('.png')}: the cam and the rows of the table")
 
