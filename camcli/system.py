@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite, pi
 
@@ -53,6 +53,12 @@ class System:
     ) -> System:
         """Compile the cam's parts; strobe_deg becomes a boundary of the table."""
         return cls(follower, build(parts, strobe_deg), shape)
+
+    def with_follower(self, **changes: float) -> System:
+        """The same cam under another follower."""
+        other = System(replace(self.follower, **changes), self.cam, self.shape)
+        other.__dict__["_cams"] = self._cams  # the tables are of the cam alone
+        return other
 
     def __getstate__(self) -> dict:
         """Without the tables in a kernel's form, which `cam_for` makes again."""

@@ -8,7 +8,8 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
-from camcli.analysis.labels import label, passages
+from camcli.analysis.labels import UNDECIDED, label, passages
+from camcli.analysis.loads import Loads, loads_of
 from camcli.analysis.orbits.same_orbit import SAME, distance, size_of
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -22,19 +23,27 @@ if TYPE_CHECKING:
 
 FIXED, UP, DOWN = "fixed", "up", "down"
 BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
+RECORDED = 4  # what a recorded turn costs in turns of the transient: it is measured too
 ON_CAM = 1e-12  # relative distance of a state from the cam's that is rounding
+
+
+NOTHING = Loads()
+Setup = tuple[System, float, Settings]  # a machine, its speed (rpm) and its runs
 
 
 @dataclass(frozen=True)
 class Speed:
-    """Result at one speed. Columns are arrays or lists: rad -> deg, m, m/s already converted.
+    """Result at one speed, or at one value of what is varied instead.
 
+    Columns are arrays or lists: rad -> deg, m, m/s already converted.
     impacts: (period, theta_deg, q_m, u_minus_m_per_s); strobe: (period, q_m, v_m_per_s, impacts,
     chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
     exponent: the largest one per turn, None where it was not asked for or is not known; end: where
-    the next speed starts, of a sweep that carries its state.
+    the next speed starts, of a sweep that carries its state; loads: of the record; known: False
+    where the record is one of many motions and the true one is not known.
     """
 
+    value: float
     rpm: float
     label: str
     impact_count: int
@@ -44,6 +53,8 @@ class Speed:
     cost: Cost
     exponent: float | None = None
     end: Start | None = None
+    loads: Loads = NOTHING
+    known: bool = True
 
 
 @dataclass(frozen=True)
@@ -53,6 +64,7 @@ class Sweep:
     speeds: Sequence[Speed]
     direction: str
     cost: Cost
+    key: str = "rpm"  # what is varied
 
     @property
     def troubled(self) -> list[Speed]:
@@ -74,9 +86,11 @@ def rpm_grid(start: float, stop: float, num: int) -> list[float]:
 
 def sweep(
     system: System,
-    rpms: Sequence[float],
+    values: Sequence[float],
     settings: Settings,
     *,
+    key: str = "rpm",
+    setup: Callable[[float], Setup] | None = None,
     direction: str = FIXED,
     impacts: bool = True,
     strobe: bool = True,
@@ -84,16 +98,13 @@ def sweep(
     work: Work | None = None,
     on_speed: Callable[[Speed], None] = lambda speed: None,
 ) -> Sweep:
-    """Run every speed; `up` and `down` carry the state from each speed to the next.
+    """Run every value; `up` and `down` carry the state from each to the next.
 
-    Where `work` has a checkpoint, the speeds are kept in it and read from it. `on_speed` is called
-    with each finished speed, in order. Raises StartError before any work if the start lies below
-    the cam.
+    The values are speeds (rpm), or what `setup` makes machines of. Where `work` has a checkpoint,
+    the speeds are kept in it and read from it. `on_speed` is called with each finished speed, in
+    order. Raises StartError before any work if the start lies below the cam.
     """
-    if rpms:
-        Orbit(system, rpms[0], settings)
-    turns = len(rpms) * (settings.transient + settings.record)
-    task = _Task(system, settings, impacts, strobe, lyapunov, turns)
+    task = _task(system, values, settings, setup, impacts, strobe, lyapunov)
     work, cost = work or Work(), Cost()
 
     def count(speed: Speed) -> None:
@@ -102,48 +113,74 @@ def sweep(
         on_speed(speed)
 
     if direction == FIXED:
-        speeds = work.collect(task, rpms, CODEC, count)
+        speeds = work.collect(task, values, CODEC, count)
     else:
-        ordered = sorted(rpms, reverse=direction == DOWN)
+        ordered = sorted(values, reverse=direction == DOWN)
         speeds = work.collect_chain(task.after, None, ordered, CODEC, count)
-    return Sweep(speeds, direction, cost)
+    return Sweep(speeds, direction, cost, key)
+
+
+def _task(
+    system: System,
+    values: Sequence[float],
+    settings: Settings,
+    setup: Callable[[float], Setup] | None,
+    impacts: bool,
+    strobe: bool,
+    lyapunov: bool,
+) -> _Task:
+    setup = setup or _Speeds(system, settings)
+    if values:
+        Orbit(*setup(values[0]))
+    turns = len(values) * (settings.transient + RECORDED * settings.record)
+    return _Task(setup, impacts, strobe, lyapunov, turns)
+
+
+@dataclass(frozen=True)
+class _Speeds:
+    """The machine at a speed."""
+
+    system: System
+    settings: Settings
+
+    def __call__(self, rpm: float) -> Setup:
+        return self.system, rpm, self.settings
 
 
 @dataclass(frozen=True)
 class _Task:
     """One speed, wherever it is computed."""
 
-    system: System
-    settings: Settings
+    setup: Callable[[float], Setup]
     impacts: bool
     strobe: bool
     lyapunov: bool
-    turns: int  # of all speeds
+    turns: float  # of all speeds
 
-    def __call__(self, rpm: float) -> Speed:
+    def __call__(self, value: float) -> Speed:
         """The speed, from the start of the scene."""
-        return self._at(rpm, None)
+        return self._at(value, None)
 
-    def after(self, before: Speed | None, rpm: float) -> Speed:
+    def after(self, before: Speed | None, value: float) -> Speed:
         """The speed, from where the one before ended."""
-        start = self.settings.start
-        speed = self._at(rpm, start if before is None else before.end)
-        return speed if speed.status == Status.OK else replace(speed, end=start)
+        return self._at(value, None if before is None else before.end)
 
-    def _at(self, rpm: float, start: Start | None) -> Speed:
+    def _at(self, value: float, start: Start | None) -> Speed:
         backend.for_work(self.turns)
-        orbit = Orbit(self.system, rpm, self.settings, start)
-        record = orbit.run(events=self.impacts or self.lyapunov)
-        name, end, cost, exponent = label(record), orbit.as_start(), record.cost, None
-        n, to_mps = record.periods, orbit.omega
+        system, rpm, settings = self.setup(value)
+        orbit = Orbit(system, rpm, settings, start)
+        record = orbit.run()
+        name, end, cost = label(record), orbit.as_start(), record.cost
+        n, to_mps, exponent, known = record.periods, orbit.omega, None, True
         if forgets_too_much(record):
-            motion, record, end = true_motion(self.system, rpm, self.settings, start, record, end)
-            name, cost = motion.label, cost + motion.cost
+            motion, record, end = true_motion(system, rpm, settings, start, record, end)
+            name, cost, known = motion.label, cost + motion.cost, motion.label != UNDECIDED
             exponent = None if motion.exponents is None else motion.exponents.largest
         elif self.lyapunov:
-            exponent = _exponent(self.system, rpm, record)
+            exponent = _exponent(system, rpm, record)
         strobe = (range(n), record.strobe_q[:n], _scaled(record.strobe_w[:n], to_mps))
         return Speed(
+            value=value,
             rpm=rpm,
             label=name,
             impact_count=int(sum(record.impacts[:n])),
@@ -152,7 +189,9 @@ class _Task:
             strobe=(*strobe, record.impacts[:n], record.chatter[:n]) if self.strobe else None,
             cost=cost,
             exponent=exponent if self.lyapunov else None,
-            end=end,
+            end=end if record.status == Status.OK else None,
+            loads=loads_of(system, rpm, record) if known else NOTHING,
+            known=known,
         )
 
 
@@ -233,34 +272,29 @@ def _joined(turns: Sequence[Record]) -> Record:
 
 def _store(speed: Speed) -> list:
     cost, end = speed.cost, speed.end
+    stored = {name: getattr(speed, name) for name in STORED}
     return [
-        speed.rpm,
-        speed.label,
-        speed.impact_count,
-        speed.status,
-        speed.impacts,
+        *stored.values(),
         None if speed.strobe is None else speed.strobe[1:],
         [cost.impacts, cost.evaluations, cost.crossings],
-        speed.exponent,
         None if end is None else [end.q, end.v, end.theta_deg],
+        list(speed.loads),
     ]
 
 
 def _load(stored: list) -> Speed:
-    rpm, label, count, status, impacts, strobe, cost, exponent, end = stored
+    *plain, strobe, cost, end, loads = stored
+    named = dict(zip(STORED, plain, strict=True))
     return Speed(
-        rpm,
-        label,
-        count,
-        status,
-        None if impacts is None else tuple(impacts),
-        None if strobe is None else (range(len(strobe[0])), *strobe),
-        Cost(*cost),
-        exponent,
-        None if end is None else Start(*end),
+        **named,
+        strobe=None if strobe is None else (range(len(strobe[0])), *strobe),
+        cost=Cost(*cost),
+        end=None if end is None else Start(*end),
+        loads=Loads(*loads),
     )
 
 
+STORED = ("value", "rpm", "label", "impact_count", "status", "impacts", "exponent", "known")
 CODEC = Codec(_store, _load)
 
 

@@ -7,10 +7,12 @@ from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
+from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import FIXED, Speed, Sweep, bare, rpm_grid, status_name
 from camcli.analysis.sweep import sweep as run
 from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
 from camcli.api.simulate import height_notes
+from camcli.api.vary import Varied
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
@@ -21,22 +23,24 @@ if TYPE_CHECKING:
     from camcli.analysis.classify import Motion
     from camcli.analysis.explain.changes import Explanation
 
-IMPACTS = ("rpm", "period", "theta_deg", "q_m", "u_minus_m_per_s")
-STROBE = ("rpm", "period", "q_m", "v_m_per_s", "impacts", "chatter")
-SPEEDS = ("rpm", "label", "impacts", "lyapunov_per_period", "status")
+# columns after the one of what is varied
+IMPACTS = ("period", "theta_deg", "q_m", "u_minus_m_per_s")
+STROBE = ("period", "q_m", "v_m_per_s", "impacts", "chatter")
+SPEEDS = ("label", "impacts", "lyapunov_per_period", "status", *Loads._fields)
 
 
 def sweep(
     scene: Scene | None = None, progress: Progress | None = None, *, work: Work | None = None
 ) -> Result:
-    """Brute-force bifurcation diagram over the speeds of ``scene.sweep.rpm``.
+    """Brute-force bifurcation diagram over the speeds of ``scene.sweep.rpm``, or another number.
 
     Parameters
     ----------
     scene : Scene, optional
         The machine, the number of turns (``run.transient``, ``run.record``) and the section
-        ``sweep``: ``rpm.start``, ``rpm.stop``, ``rpm.num``, ``direction`` (fixed, or up and down
-        to carry the state), ``lyapunov``, ``explain``. The default scene if left out.
+        ``sweep``: ``rpm.start``, ``rpm.stop``, ``rpm.num``, or ``vary`` for a number of the scene
+        other than the speed (``key``, ``start``, ``stop``, ``num``); ``direction`` (fixed, or up
+        and down to carry the state), ``lyapunov``, ``explain``. The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     work : Work, optional
@@ -50,7 +54,11 @@ def sweep(
         theta_deg, q_m, u_minus_m_per_s (velocity relative to the cam just before).
         Table ``strobe``, a row per recorded turn: rpm, period, q_m, v_m_per_s at its start,
         impacts in it, chatter (1 where a complete chatter ended in it).
-        Table ``speeds``: rpm, label, impacts, lyapunov_per_period, status.
+        Table ``speeds``: rpm, label, impacts, lyapunov_per_period, status, and of the recorded
+        turns max_gap_m, airborne_fraction, max_impact_m_per_s, min_contact_force_n,
+        max_contact_force_n (while on the cam), contact_lost_deg (the first phase after the strobe),
+        contact_regained_deg (the last); NaN where they do not apply.
+        The first column bears the key of what is varied, rpm for the speed.
         With ``sweep.explain`` also ``corners``, the corner impacts behind the changes.
         ``sweep.sections`` and ``sweep.tables`` leave out what is not wanted.
 
@@ -67,19 +75,22 @@ def sweep(
     machine = machine_of(scene)
     scene, section = machine.scene, machine.scene.sweep
     _refuse_to_explain(scene)
-    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
+    axis = section.vary[0] if section.vary else section.rpm
+    values = rpm_grid(axis.start, axis.stop, axis.num)
     work = work or Work()
     with stopwatch() as watch:
         found = run(
             machine.system,
-            rpms,
+            values,
             machine.settings,
+            key=section.vary[0].key if section.vary else "rpm",
+            setup=Varied(machine, section.vary) if section.vary else None,
             direction=section.direction,
             impacts="impacts" in section.sections,
             strobe="strobe" in section.sections,
             lyapunov=section.lyapunov,
             work=work,
-            on_speed=ticks(progress, "speeds", len(rpms)),
+            on_speed=ticks(progress, "speeds", len(values)),
         )
         if section.explain:
             motions, explanation = _explained(machine, found, progress, work)
@@ -95,6 +106,10 @@ def _refuse_to_explain(scene: Scene) -> None:
         cure = "leave --explain out, or set sweep.direction=fixed"
         found = f"found {section.direction}"
         raise SceneError(Fault("--explain", "sweep.direction", found, "expected fixed", cure))
+    if section.explain and section.vary:
+        cure = "leave --explain out, or vary the speed (--rpm LO:HI)"
+        found = f"found {section.vary[0].key}"
+        raise SceneError(Fault("--explain", "sweep.vary", found, "expected none", cure))
     if section.explain and section.rpm.num < 2:
         found, cure = f"found one speed, {section.rpm.start!r}", "give --rpm LO:HI and --points"
         raise SceneError(Fault("--explain", "sweep.rpm", found, "expected a range", cure))
@@ -129,11 +144,11 @@ def _result(
     scene, section = machine.scene, machine.scene.sweep
     cost, summary = found.cost, _summary(found)
     tables: dict[str, Table] = {
-        name: Table(columns, partial(_blocks, found, name))
+        name: Table((found.key, *columns), partial(_blocks, found, name))
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
         if name in section.sections and section.tables != "none"
     }
-    tables["speeds"] = Table.of_rows(SPEEDS, lambda: map(_row, found.speeds))
+    tables["speeds"] = Table.of_rows((found.key, *SPEEDS), lambda: map(_row, found.speeds))
     if explanation is not None:
         from camcli.api.classify import corners_table
         from camcli.output.explanations import explained
@@ -160,27 +175,39 @@ def _result(
         pictures={"sweep": draw},
         cost=cost,
         seconds=seconds,
-        notes=(*heights, *status_notes(troubled)),
+        notes=(*heights, *_unknown(found), *status_notes(troubled)),
         complete=not troubled,
     )
+
+
+def _unknown(found: Sweep) -> list[str]:
+    """How many motions are not known, drawn grey."""
+    count = sum(not speed.known for speed in found.speeds)
+    if not count:
+        return []
+    return [
+        f"{count} of {len(found.speeds)} undecided: after a rest rounding decides, and the true "
+        "motion could not be told; grey in the picture"
+    ]
 
 
 def _blocks(found: Sweep, section: str) -> Iterator[Block]:
     for speed in found.speeds:
         columns = getattr(speed, section)
         if len(columns[0]):
-            yield speed.rpm, *columns
+            yield speed.value, *columns
 
 
 def _row(speed: Speed) -> tuple:
-    return speed.rpm, speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
+    named = speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
+    return speed.value, *named, *speed.loads
 
 
 def _summary(found: Sweep) -> dict[str, Any]:
     return {
         "direction": found.direction,
         "ranges": [
-            {"label": label, "status": status, "from_rpm": a.rpm, "to_rpm": b.rpm, "speeds": n}
+            {"label": label, "status": status, "from_rpm": a.value, "to_rpm": b.value, "speeds": n}
             for label, status, a, b, n in ranges(found)
         ],
     }

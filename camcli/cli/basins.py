@@ -76,9 +76,9 @@ def basins(
     where the orbit is solved, the largest exponent per turn everywhere (-inf where it rests).
     The criterion of each attractor, with radius and checks, is in run.json.
     """
-    from camcli.cli.run import given, run, speed_range
+    from camcli.cli.run import given, ranges, run
 
-    values = speed_range(request, "basins") | given(
+    values = ranges(request, "basins") | given(
         {
             "basins.cells": (_cells(cells), "--cells"),
             "basins.q": (_window(q, "--q"), "--q"),

@@ -66,14 +66,14 @@ def classify(
     itinerary (impacts of a resting orbit change), or unexplained with what was tried.
     --trace L,R --det L,R needs no machine: it names the border collision of two linear maps.
     """
-    from camcli.cli.run import given, run, speed_range
+    from camcli.cli.run import given, ranges, run
 
     if seed is not None and starts is None:
         found, cure = "found it without --starts", "add --starts N"
         raise SceneError(Fault("--seed", "", found, "it means nothing there", cure))
     if trace is not None or det is not None:
         return _border_collision(request, trace, det)
-    values = speed_range(request, "classify") | given(
+    values = ranges(request, "classify") | given(
         {
             "classify.starts": (starts, "--starts"),
             "classify.seed": (seed, "--seed"),

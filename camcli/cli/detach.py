@@ -48,10 +48,10 @@ def detach(
     (the end of the chatter jumps over a corner); unresolved, exit code 3. A curve of corner hits
     may end where its impact ceases to exist: run.json says where.
     """
-    from camcli.cli.run import given, run, speed_range
+    from camcli.cli.run import given, ranges, run
     from camcli.scene import parse_rpm
 
-    values = speed_range(request, "detach")
+    values = ranges(request, "detach")
     if request.rpm is not None and ":" not in request.rpm:
         values["detach.force_rpm"] = ([parse_rpm(request.rpm)], "--rpm")
     top = None if hold_to is None else parse_rpm(hold_to, "--hold-to")

@@ -40,7 +40,10 @@ class Request:
     ] = None
     rpm: Annotated[str | None, Option("--rpm", help="Speed X or range LO:HI, rpm.")] = None
     points: Annotated[
-        int | None, Option("--points", help="Speeds of a range; samples per turn in simulate.")
+        str | None,
+        Option(
+            "--points", help="Points of a range; samples per turn in simulate.", metavar="N[,M]"
+        ),
     ] = None
     out: Annotated[
         Path | None,
@@ -114,6 +117,10 @@ def _millimetres(text: str | None, option: str) -> float | None:
     return float(match[1]) * UNITS[match[2]]
 
 
+Vary = Annotated[
+    list[str] | None,
+    Option("--vary", help="A number of the scene to vary, as in --set.", metavar="KEY=LO:HI"),
+]
 Shard = Annotated[
     str | None,
     Option("--shard", help="Only part I of N; cam merge joins them.", metavar="I/N"),

@@ -83,13 +83,13 @@ def orbits(
     degenerate; run.json has the inequalities, and what a simulation shows on either side.
     A root that penetrates the cam or would pull is virtual: in run.json, never in a table.
     """
-    from camcli.cli.run import given, run
+    from camcli.cli.run import given, points_of, run
 
     _refuse_idle(request, at, parameter, range_, curve, second)
     name, _, between = (second or "").partition("=")
     values = _speeds(request) | given(
         {
-            "orbits.rpm.num": (request.points, "--points"),
+            "orbits.rpm.num": (points_of(request)[0], "--points"),
             "orbits.at": (_numbers(at, "--at", 1), "--at"),
             "orbits.label": (label, "--label"),
             "orbits.parameter": (parameter, "--parameter"),

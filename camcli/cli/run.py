@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, shown
 from camcli.kernel.backend import Stopwatch, stopwatch
 from camcli.scene import Scene, load_scene, parse_rpm, resolved
+from camcli.scene.document import scalar
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -48,25 +49,65 @@ def one_speed(request: Request) -> Values:
     if isinstance(rpm, tuple):
         found = f"found the range '{request.rpm}'"
         raise SceneError(Fault("--rpm", "", found, "expected one speed", "use cam sweep"))
-    return given({"run.rpm": (rpm, "--rpm"), "simulate.samples": (request.points, "--points")})
+    (points,) = points_of(request)
+    return given({"run.rpm": (rpm, "--rpm"), "simulate.samples": (points, "--points")})
 
 
-def speed_range(request: Request, section: str) -> Values:
-    """--rpm and --points of a command for a range of speeds."""
+def ranges(
+    request: Request, section: str, vary: Sequence[str] | None = None, most: int = 1
+) -> Values:
+    """--rpm, --points and --vary of a command for a range of speeds, or of other numbers.
+
+    At most so many numbers are varied; beside another one --rpm may be a single speed.
+    """
+    rpm = None if request.rpm is None else parse_rpm(request.rpm)
     values: Values = {}
-    if request.rpm is not None:
-        rpm = parse_rpm(request.rpm)
+    if vary:
+        axes = [_axis(text) for text in vary]
+        if isinstance(rpm, tuple):
+            axes.insert(0, {"key": "rpm", "start": rpm[0], "stop": rpm[1]})
+        elif rpm is not None:
+            values["run.rpm"] = (rpm, "--rpm")
+        if len(axes) > most:
+            found, expected = f"found {len(axes)} numbers to vary", f"expected at most {most}"
+            cure = "give --rpm one speed, or fewer --vary"
+            raise SceneError(Fault("--vary", "", found, expected, cure))
+        for axis, count in zip(axes, points_of(request, len(axes)), strict=True):
+            axis |= {} if count is None else {"num": count}
+        return {**values, f"{section}.vary": (axes, "--vary")}
+    if rpm is not None:
         low, high = rpm if isinstance(rpm, tuple) else (rpm, rpm)
         values[f"{section}.rpm.start"] = (low, "--rpm")
         values[f"{section}.rpm.stop"] = (high, "--rpm")
         if low == high:
             values[f"{section}.rpm.num"] = (1, "--rpm")
-    if request.points is not None:
-        if f"{section}.rpm.num" in values and request.points > 1:
-            found, cure = f"found {request.points} and one speed", "give a range: --rpm LO:HI"
-            raise SceneError(Fault("--points", "", found, "", cure))
-        values[f"{section}.rpm.num"] = (request.points, "--points")
-    return values
+    (points,) = points_of(request)
+    if points is not None and points > 1 and f"{section}.rpm.num" in values:
+        found, cure = f"found {points} and one speed", "give a range: --rpm LO:HI"
+        raise SceneError(Fault("--points", "", found, "", cure))
+    return values | given({f"{section}.rpm.num": (points, "--points")})
+
+
+def points_of(request: Request, axes: int = 1) -> list[int | None]:
+    """The numbers of --points, one for each axis; None where it is not given."""
+    if request.points is None:
+        return [None] * axes
+    words = request.points.split(",")
+    if len(words) != axes or not all(word.strip().isdecimal() for word in words):
+        expected = "expected a whole number" if axes == 1 else f"expected {axes}, N,M"
+        cure = "give one number for each that is varied"
+        raise SceneError(Fault("--points", "", f"found '{shown(request.points)}'", expected, cure))
+    return [int(word) for word in words]
+
+
+def _axis(text: str) -> dict[str, Any]:
+    """KEY=LO:HI as an entry of a section's `vary`."""
+    key, equals, ends = text.partition("=")
+    numbers = [scalar(word.strip()) for word in ends.split(":")]
+    if not equals or len(numbers) != 2 or not all(type(x) in (int, float) for x in numbers):
+        found, cure = f"found '{shown(text)}'", "write it as follower.restitution=0.6:0.9"
+        raise SceneError(Fault("--vary", "", found, "expected KEY=LO:HI", cure))
+    return {"key": key.strip(), "start": numbers[0], "stop": numbers[1]}
 
 
 def run(

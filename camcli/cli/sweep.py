@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from camcli.cli.options import Cluster, Request, Shard
+from camcli.cli.options import Cluster, Request, Shard, Vary
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -20,21 +20,27 @@ def sweep(
         bool, Option("--lyapunov", help="Measure the largest exponent at each speed.")
     ] = False,
     explain: Annotated[bool, Option("--explain", help="Find the cause of every change.")] = False,
+    vary: Vary = None,
     shard: Shard = None,
     cluster: Cluster = None,
 ) -> int:
-    """Brute-force bifurcation diagram over a range of speeds.
+    """Brute-force bifurcation diagram over a range of speeds, or of another number.
 
     \b
     impacts.csv  rpm, period, theta_deg, q_m, u_minus_m_per_s
     strobe.csv   rpm, period, q_m, v_m_per_s, impacts, chatter: the state at the start of each
                  recorded period, impacts in it and whether a complete chatter ended in it
-    speeds.csv   rpm, label, impacts, lyapunov_per_period, status
+    speeds.csv   rpm, label, impacts, lyapunov_per_period, status, max_gap_m, airborne_fraction,
+                 max_impact_m_per_s, min_contact_force_n, max_contact_force_n, contact_lost_deg,
+                 contact_regained_deg: of the recorded turns; forces while on the cam, the first
+                 phase after the strobe at which contact is lost and the last where it is regained
     corners.csv  corner impacts of the solved branches (--explain), columns as bifurcations.csv
     sweep.tables: npz writes impacts.npz and strobe.npz instead (numpy.load); none neither
     sweep.png    impact phases beside the cam's c, c', c''; stroboscopic positions
 
     \b
+    --vary KEY=LO:HI varies any number of follower, cam or run, --points of its values; the first
+    column then bears the KEY. Speeds are run.rpm (--rpm LO:HI).
     In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the
     state from speed to speed in that order; fixed starts every speed alike.
     --lyapunov fills lyapunov_per_period: the largest exponent, -inf where the follower rests.
@@ -43,13 +49,13 @@ def sweep(
     \b
     Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a
     complete chatter); contact: the follower never leaves the cam; aperiodic: no period up to 64
-    turns fits; undecided: too few impacts to tell. A label is what the record shows; near
-    358 rpm a long cycle through inf may be an accident of rounding: cam classify tells.
+    turns fits; undecided: too few impacts to tell. A motion that rests in some turns only is
+    decided as cam classify does, beyond rounding; where that fails it is undecided and grey.
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
     """
-    from camcli.cli.run import given, run, speed_range
+    from camcli.cli.run import given, ranges, run
 
-    values = speed_range(request, "sweep") | given(
+    values = ranges(request, "sweep", vary) | given(
         {
             "sweep.lyapunov": (lyapunov, "--lyapunov"),
             "sweep.explain": (explain, "--explain"),
@@ -67,12 +73,13 @@ def show(result: Result) -> None:
     found, explanation = result.values
     groups = ranges(found)
     rows = [
-        [label, f"{a.rpm:.10g}", f"{b.rpm:.10g}", str(n), status]
+        [label, f"{a.value:.10g}", f"{b.value:.10g}", str(n), status]
         for label, status, a, b, n in groups
     ]
     title = f"{plural(len(found.speeds), 'speed')}, {plural(len(groups), 'range')} of one label"
     if len(rows) > SHOWN:
         title += f", the first {SHOWN} (all of them in speeds.csv)"
-    table(title, ["label", "from (rpm)", "to (rpm)", "speeds", "status"], rows[:SHOWN])
+    ends = [f"from ({found.key})", f"to ({found.key})"]
+    table(title, ["label", *ends, "speeds", "status"], rows[:SHOWN])
     if explanation is not None:
         show_explanation(explanation)

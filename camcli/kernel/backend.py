@@ -26,6 +26,7 @@ from camcli.kernel.cam_table import Cam, Stretch
 from camcli.kernel.cells import settle_cells
 from camcli.kernel.certify import certify_orbit
 from camcli.kernel.flow import Constants, Flow, fill_flows
+from camcli.kernel.loads import measure_loads
 from camcli.kernel.orbit_loop import Log, Strobe, advance
 from camcli.kernel.shooting import correct_orbit
 from camcli.kernel.variational import stretch_events
@@ -49,6 +50,7 @@ class Kernel:
     certify_orbit: Callable
     settle_cells: Callable
     stretch_events: Callable
+    measure_loads: Callable
 
     def numbers(self, values: Any, kind: type = float) -> Any:
         """A column of floats or ints; it may be `values` itself."""
@@ -126,8 +128,9 @@ def _row_type(kind: type) -> Any:
 
 
 PLAIN = Kernel(
-    False, fill_flows, advance, correct_orbit, certify_orbit, settle_cells, stretch_events
-)
+    False, fill_flows, advance, correct_orbit, certify_orbit, settle_cells, stretch_events,
+    measure_loads,
+)  # fmt: skip
 _compiled: Kernel | None = None
 _loading = Lock()
 

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
-
-from camcli.plots import style
+from matplotlib.colors import LogNorm, to_rgb
 
 WIDE, PER_MM = 1200, 10  # cells of an image: from left to right, per mm of its nominal height
 WIDEST = 12  # cells, column of one speed where there are few
 THICKNESS = 2  # cells, of a branch
+PALEST = 0.3  # share of its colour that the emptiest cell has
 FULLEST = 0.1  # share of a column's points per cell from which it is darkest
 
 
@@ -109,11 +108,23 @@ class Image:
         wide = self.columns.bin_of_column
         return np.ma.masked_equal(np.where(wide < 0, 0.0, thick[wide].T), 0.0)
 
-    def draw(self, axes: Axes) -> None:
-        """The image over its range, which becomes that of the axes."""
+    def draw(self, axes: Axes, colours: Sequence[str] = ()) -> None:
+        """The image over its range, which becomes that of the axes; a colour for every speed, or black.
+
+        Where speeds share a column, it has that of most of them.
+        """
         least = min(1.0 / max(1, int(self._totals.max(initial=0))), 0.1 * FULLEST)
+        shares = self.shares()
+        depth = PALEST + (1.0 - PALEST) * LogNorm(least, FULLEST, clip=True)(shares)
+        speeds = self.columns.bin_of_speed
+        names, which = np.unique(list(colours) or ["black"] * len(speeds), return_inverse=True)
+        votes = np.zeros((self.columns.bins, len(names)), dtype=np.int64)
+        np.add.at(votes, (speeds, which), 1)
+        hues = np.array([to_rgb(name) for name in names])[votes.argmax(1)]
+        pixels = np.ones((*shares.shape, 4))
+        pixels[..., :3] -= (1.0 - hues[self.columns.bin_of_column]) * depth.filled(0.0)[..., None]
+        pixels[..., 3] = ~np.ma.getmaskarray(shares)
         extent = (self.columns.low, self.columns.high, self.low, self.high)
         axes.imshow(
-            self.shares(), extent=extent, origin="lower", aspect="auto", interpolation="nearest",
-            cmap=style.DENSITY, norm=LogNorm(least, FULLEST, clip=True), zorder=2,
-        )  # fmt: skip
+            pixels, extent=extent, origin="lower", aspect="auto", interpolation="nearest", zorder=2
+        )

@@ -41,6 +41,15 @@ SMALL = 0.02  # m: a cam that is smaller throughout is drawn in mm
 ENLARGED_SHARE = 0.4  # of the speeds, for a panel of their own
 CURVES = (("$c$", "m"), (r"$c_\theta$", "m/rad"), (r"$c_{\theta\theta}$", "m/rad²"))
 SECTIONS = ("impacts", "strobe")
+UNKNOWN = "undecided after rests"
+KINDS = {
+    "contact": style.CONTACT,
+    "with rests": style.STICKING,
+    "longer periods": style.LONGER,
+    "aperiodic": style.APERIODIC,
+    "undecided": style.UNDECIDED,
+    UNKNOWN: style.UNDECIDED,
+}
 
 Take = Callable[[int, np.ndarray], None]  # index of a speed, and its values
 
@@ -49,8 +58,9 @@ Take = Callable[[int, np.ndarray], None]  # index of a speed, and its values
 class Survey:
     """Speeds in their own order, what their points come to; None for what was not recorded."""
 
-    rpm: np.ndarray
+    values: np.ndarray
     status: np.ndarray
+    kinds: list[str]  # of the motions, see `kind_of`
     impacts: Cloud | None
     strobe: Cloud | None
 
@@ -59,21 +69,40 @@ class Survey:
         """Pass over all speeds once."""
         clouds = {name: Cloud(len(speeds)) for name in SECTIONS}
         rows = list(read(speeds, {name: [cloud.take] for name, cloud in clouds.items()}))
-        rpm, status = np.array([row[:2] for row in rows]).reshape(-1, 2).T
-        found = {name: any(name in row[2] for row in rows) for name in SECTIONS}
+        values, status = np.array([row[:2] for row in rows]).reshape(-1, 2).T
+        found = {name: any(name in row[3] for row in rows) for name in SECTIONS}
         some = [cloud if found[name] else None for name, cloud in clouds.items()]
-        return cls(rpm, status.astype(int), *some)
+        return cls(values, status.astype(int), [row[2] for row in rows], *some)
 
     @property
     def troubled(self) -> np.ndarray:
-        """Speeds (rpm) whose status is not ok, ascending."""
-        return np.sort(self.rpm[self.status != Status.OK])
+        """Values whose status is not ok, ascending."""
+        return np.sort(self.values[self.status != Status.OK])
+
+
+def kind_of(speed: Speed) -> str:
+    """What its motion is, in a few words that have a colour each."""
+    if not speed.known:
+        return UNKNOWN
+    if not speed.label.startswith("P("):
+        return speed.label
+    if "inf" in speed.label:
+        return "with rests"
+    period = int(speed.label[2:].partition(";")[0])
+    return f"period {period}" if period <= len(style.PERIODS) else "longer periods"
+
+
+def colour_of(kind: str) -> str:
+    """The colour of a kind of motion, that of its basin."""
+    if kind.startswith("period "):
+        return style.period_colour(int(kind[7:]))
+    return KINDS[kind]
 
 
 def read(
     speeds: Iterable[Speed], takes: dict[str, list[Take]]
-) -> Iterable[tuple[float, int, list[str]]]:
-    """One pass over speeds that may come from a disk: rpm, status, and what was recorded of each.
+) -> Iterable[tuple[float, int, str, list[str]]]:
+    """One pass over speeds that may come from a disk: value, status, kind, what was recorded.
 
     `takes` get the finite phases (impacts) and positions (strobe).
     """
@@ -86,7 +115,7 @@ def read(
                 values = np.asarray(columns[1], dtype=float)
                 for take in takes[name]:
                     take(k, values[np.isfinite(values)])
-        yield speed.rpm, speed.status, recorded
+        yield speed.value, speed.status, kind_of(speed), recorded
 
 
 def draw_sweep(
@@ -98,7 +127,7 @@ def draw_sweep(
     one at a time.
     """
     survey, found = Survey.of(sweep.speeds), numbered(events)
-    panels = cloud_panels(survey, sweep.speeds, system)
+    panels = cloud_panels(survey, sweep, system)
     order = list(panels)
 
     def draw(axes: Axes, name: str) -> None:
@@ -111,14 +140,24 @@ def draw_sweep(
     if not panels:
         many = {"speeds": Panel(lambda axes: say(axes, "nothing was recorded"), 30.0)}
     words = _words(survey, _started(sweep, settings))
-    return Picture(_title(survey), many, words, lists=event_lists(found))
+    return Picture(_title(survey, sweep.key), many, words, lists=event_lists(found))
 
 
-def _title(survey: Survey) -> str:
-    if not len(survey.rpm):
+def _title(survey: Survey, key: str) -> str:
+    if not len(survey.values):
         return "Bifurcation diagram"
-    ends = dict.fromkeys(style.number(end) for end in (survey.rpm.min(), survey.rpm.max()))
-    return f"Bifurcation diagram, {' to '.join(ends)} rpm"
+    ends = dict.fromkeys(style.number(end) for end in (survey.values.min(), survey.values.max()))
+    return f"Bifurcation diagram, {valued(key, ' to '.join(ends))}"
+
+
+def valued(key: str, value: str) -> str:
+    """A value of what is varied: 700 rpm, follower.restitution 0.8."""
+    return f"{value} rpm" if key == "rpm" else f"{key} {value}"
+
+
+def axis_name(key: str) -> str:
+    """The name of an axis over what is varied."""
+    return "cam speed (rpm)" if key == "rpm" else key
 
 
 def _started(sweep: Sweep, settings: Settings) -> str:
@@ -132,26 +171,29 @@ def _started(sweep: Sweep, settings: Settings) -> str:
         place = f"at {q}, {v}"
     if sweep.direction == FIXED or not sweep.speeds:
         return f"each speed started {place}, {turns} turns of transient"
+    first = valued(sweep.key, f"{sweep.speeds[0].value:g}")
     return (
-        f"carried {sweep.direction} from {sweep.speeds[0].rpm:g} rpm, started there {place}; "
+        f"carried {sweep.direction} from {first}, started there {place}; "
         f"{turns} turns of transient at each speed"
     )
 
 
 def _words(survey: Survey, started: str) -> str:
-    many = len(survey.rpm)
+    many = len(survey.values)
     parts = [started, f"{many} speed" + ("s" if many != 1 else "")]
     troubles = Counter(map(status_name, survey.status[survey.status != Status.OK].tolist()))
     if troubles:
         kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
         parts.append(f"{troubles.total()} not ok, marked at the bottom edge ({kinds})")
+    if unknown := survey.kinds.count(UNKNOWN):
+        parts.append(f"{unknown} undecided after rests, grey")
     return "; ".join([*parts, "darker where more points fall"])
 
 
 # --- clouds of points
 
 
-def cloud_panels(survey: Survey, speeds: Iterable[Speed], system: System) -> dict[str, Panel]:
+def cloud_panels(survey: Survey, sweep: Sweep, system: System) -> dict[str, Panel]:
     """Panels of what was recorded, from one pass over the speeds."""
     ranges: dict[str, tuple[str, tuple[float, float], float]] = {}  # section, range, height
     enlarged = None
@@ -165,7 +207,7 @@ def cloud_panels(survey: Survey, speeds: Iterable[Speed], system: System) -> dic
         ranges["strobe"] = "strobe", padded(cloud.extremes()), 50.0
     if not ranges:
         return {}
-    columns = Columns.of(survey.rpm)
+    columns = Columns.of(survey.values)
     images = {
         name: Image(columns, low, high, round(height * PER_MM))
         for name, (_, (low, high), height) in ranges.items()
@@ -173,12 +215,14 @@ def cloud_panels(survey: Survey, speeds: Iterable[Speed], system: System) -> dic
     takes: dict[str, list[Take]] = {
         s: [images[n].take for n in ranges if ranges[n][0] == s] for s in SECTIONS
     }
-    for _ in read(speeds, takes):
+    for _ in read(sweep.speeds, takes):
         pass
 
     def draw(axes: Axes, name: str) -> None:
-        images[name].draw(axes)
-        axes.set_xlabel("cam speed (rpm)")
+        images[name].draw(axes, [colour_of(kind) for kind in survey.kinds])
+        for kind in sorted(set(survey.kinds)) if name == next(iter(ranges)) else ():
+            axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
+        axes.set_xlabel(axis_name(sweep.key))
         if ranges[name][0] == "strobe":
             axes.set_ylabel(strobe_name(system))
         else:
@@ -195,7 +239,7 @@ def cloud_panels(survey: Survey, speeds: Iterable[Speed], system: System) -> dic
     for name, (section, (low, high), height) in ranges.items():
         words = ", enlarged" * (name == "enlarged")
         beside = cam_beside(system, low, high, words) if section == "impacts" else ()
-        panels[name] = Panel(partial(draw, name=name), height, "rpm", beside=beside)
+        panels[name] = Panel(partial(draw, name=name), height, sweep.key, beside=beside)
     return panels
 
 

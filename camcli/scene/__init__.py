@@ -2,9 +2,10 @@
 
 from camcli.scene.document import scalar
 from camcli.scene.load import default_scene_path, load_scene, parse_rpm, resolved, scene_hash
-from camcli.scene.schema import Cam, Scene, json_schema
+from camcli.scene.schema import Axis, Cam, Scene, json_schema
 
 __all__ = [
+    "Axis",
     "Cam",
     "Scene",
     "default_scene_path",

@@ -103,6 +103,32 @@ class RpmRange(Section):
     num: Whole = Field(401, ge=1, le=MOST_SPEEDS, description="number of speeds")
 
 
+class Axis(Section):
+    """A number of the scene, and the equally spaced values it takes instead of a speed's."""
+
+    key: Annotated[str, Field(max_length=200)] = Field(
+        description="path of the number, as in --set: follower.restitution; rpm is run.rpm"
+    )
+    start: Number = Field(ge=-LARGEST, le=LARGEST, description="first value")
+    stop: Number = Field(ge=-LARGEST, le=LARGEST, description="last value")
+    num: Whole = Field(101, ge=1, le=MOST_SPEEDS, description="number of values")
+
+    @model_validator(mode="after")
+    def _of_the_machine(self) -> Axis:
+        if self.key != "rpm" and self.key.partition(".")[0] not in ("follower", "cam", "run"):
+            expected = "expected a number of follower, cam or run"
+            raise refused(f"found the key '{self.key}'", expected, "e.g. follower.restitution")
+        return self
+
+    @property
+    def path(self) -> str:
+        """The path of the number in the scene."""
+        return "run.rpm" if self.key == "rpm" else self.key
+
+
+Axes = Annotated[tuple[Axis, ...], BeforeValidator(items)]
+
+
 class Simulate(Section):
     """What `cam simulate` writes and draws."""
 
@@ -136,6 +162,7 @@ class Sweep(Section):
     """What `cam sweep` does at each speed of a range."""
 
     rpm: RpmRange = Field(default_factory=RpmRange, description="range of speeds")
+    vary: Axes = Field((), max_length=2, description="numbers varied instead; two make a map")
     direction: Literal["fixed", "up", "down"] = Field(
         "fixed", description="start every speed alike, or carry the state up or down"
     )

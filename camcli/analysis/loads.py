@@ -1,0 +1,62 @@
+"""What an engineer reads off a record: lift-off, hardest impact, contact force."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import NamedTuple
+
+from camcli.analysis.integrate import Record
+from camcli.kernel import backend, loads
+from camcli.kernel.cam_table import TURN
+from camcli.system import System, omega_of
+
+
+class Loads(NamedTuple):
+    """Of the recorded whole turns; None where it does not apply.
+
+    max_gap_m: the largest q - c; airborne_fraction: share of the time off the cam;
+    max_impact_m_per_s: the largest |u|; contact forces over the time at rest on the cam, N;
+    contact_lost_deg, contact_regained_deg: the first phase after the strobe at which the follower
+    leaves from rest, and the last at which it comes to rest.
+    """
+
+    max_gap_m: float | None = None
+    airborne_fraction: float | None = None
+    max_impact_m_per_s: float | None = None
+    min_contact_force_n: float | None = None
+    max_contact_force_n: float | None = None
+    contact_lost_deg: float | None = None
+    contact_regained_deg: float | None = None
+
+
+def loads_of(system: System, rpm: float, record: Record) -> Loads:
+    """Of a record with events and strobes; the kernel is the one in use."""
+    turns = record.periods
+    if turns == 0:
+        return Loads()
+    kernel, const = backend.current(), system.constants(rpm, 1.0, 1)
+    table = kernel.table(loads.Loads, [loads.Loads()])
+    kernel.measure_loads(
+        system.cam_for(kernel), const,
+        kernel.numbers(record.kind, int), kernel.numbers(record.period, int),
+        kernel.numbers(record.theta), kernel.numbers(record.u),
+        float(record.strobe_q[0]), float(record.strobe_w[0]),
+        turns, int(record.resting), table,
+    )  # fmt: skip
+    found, omega = table[0], omega_of(rpm)
+    force = system.follower.mass * omega * omega
+    rested = found.min_force <= found.max_force
+
+    def phase(since: float) -> float | None:
+        theta = system.strobe + since
+        return None if since < 0.0 else (theta - TURN * (theta >= TURN)) * (180.0 / pi)
+
+    return Loads(
+        max_gap_m=float(found.max_gap),
+        airborne_fraction=float(found.airborne) / (TURN * turns),
+        max_impact_m_per_s=float(found.max_impact) * omega,
+        min_contact_force_n=max(float(found.min_force), 0.0) * force if rested else None,
+        max_contact_force_n=float(found.max_force) * force if rested else None,
+        contact_lost_deg=phase(float(found.lost)),
+        contact_regained_deg=phase(float(found.regained)),
+    )

@@ -1,0 +1,50 @@
+"""The numbers of a scene that an analysis varies, and the machine at each of their values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from camcli.analysis.integrate import Settings
+from camcli.api.result import Machine, machine_of
+from camcli.scene import Axis, Scene, load_scene, resolved
+from camcli.system import System
+
+
+@dataclass
+class Varied:
+    """The machine of a scene at values of some of its numbers.
+
+    Raises SceneError with every fault where an axis names no number of the scene, or one of its
+    ends is none that the scene allows.
+    """
+
+    machine: Machine
+    axes: Sequence[Axis]
+    compiled: dict[tuple, Machine] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        for axis in self.axes:
+            for value in (axis.start, axis.stop):
+                self._loaded({axis.path: value})
+
+    def __call__(self, *values: float) -> tuple[System, float, Settings]:
+        """(system, rpm, settings) at a value of each axis."""
+        changes = dict(zip((axis.path for axis in self.axes), values, strict=True))
+        rpm = changes.pop("run.rpm", None)
+        quick = {k: changes.pop(k) for k in list(changes) if k.startswith("follower.")}
+        key = tuple(changes.items())
+        machine = self.compiled.get(key)
+        if machine is None:
+            machine = machine_of(self._loaded(changes)) if changes else self.machine
+            self.compiled = {key: machine}  # the last one, where only a speed changes beside it
+        system, speed = machine.system, machine.scene.run.rpm if rpm is None else rpm
+        if quick:
+            named = {path.partition(".")[2]: value for path, value in quick.items()}
+            system = system.with_follower(**named)
+        return system, speed, machine.settings
+
+    def _loaded(self, changes: dict[str, Any]) -> Scene:
+        named = {path: (value, "--vary") for path, value in changes.items()}
+        return load_scene(resolved(self.machine.scene), (), named)

@@ -1,0 +1,193 @@
+"""What an engineer reads off a record: the highest flight, time in the air, impacts, forces.
+
+A record is a sequence of flights and rests between its events. In a flight the gap is the closed
+form of `flow` minus the cam, at rest the contact force over m omega^2 is -a of `sticking`. Both are
+smooth on a stretch, so an extremum is where the derivative changes sign between two phases that are
+a cell apart at most, CELL or an eighth of the follower's own period, or at an end.
+"""
+
+from dataclasses import dataclass
+
+from camcli.kernel.cam_table import TURN, lift_at, stretch_at
+from camcli.kernel.flow import move
+from camcli.kernel.marks import entry, inlined, outlined
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
+from camcli.kernel.sticking import contact_accel
+
+CELL = TURN / 16.0
+SLIVER = 1e-12  # rad: a rest that ends at a corner ends before it
+STEPS = 40  # of Newton's method or a bisection, at most
+FLAT = 1e-9  # rad: nearer to an extremum its value is exact to rounding
+
+
+@dataclass(slots=True)
+class Loads:
+    """Of whole turns; m, rad, m/rad; forces over m omega^2, min above max where there is none."""
+
+    max_gap: float = 0.0
+    airborne: float = 0.0  # rad in the air
+    max_impact: float = 0.0  # the hardest, as a positive rate
+    min_force: float = 1.0
+    max_force: float = 0.0
+    lost: float = -1.0  # least phase after the strobe at which contact is lost; below 0: never
+    regained: float = -1.0  # largest one at which it is regained
+
+
+@entry
+def measure_loads(cam, const, kind, period, theta, u, q, w, turns, rests, loads):
+    """Fill loads[0] for `turns` whole turns from (q, w) at the strobe, with their events in order.
+
+    A rest ends with a detachment or after a chatter; `rests`: 1 where the last turn ends at rest.
+    """
+    load = loads[0]
+    strobe = cam.stretches[cam.strobe].start
+    c, c1, _ = lift_at(cam, cam.strobe, strobe)
+    cell = CELL if const.W * CELL < TURN / 8.0 else TURN / 8.0 / const.W
+    steepest = _largest_accel(cam, const)
+    place, phase = 0.0, strobe
+    still = q == c and w == c1
+    struck = False  # an impact that may end at rest
+    for n in range(len(kind)):
+        if period[n] < 0 or period[n] >= turns:
+            continue
+        since = theta[n] - strobe + (TURN if theta[n] < strobe else 0.0)
+        at = TURN * period[n] + since
+        if kind[n] == DETACHMENT:
+            if struck:
+                regain(load, place)
+            still = True
+        if still:
+            _rest(cam, const, phase, at - place, load)
+            if kind[n] != CHATTER and (load.lost < 0.0 or since < load.lost):
+                load.lost = since
+        else:
+            _fly(cam, const, phase, q, w, at - place, steepest, cell, load)
+        i = stretch_at(cam, theta[n])
+        q, c1, _ = lift_at(cam, i, theta[n])
+        w = c1
+        if kind[n] == IMPACT:
+            w = c1 - const.r * u[n]
+            if -u[n] > load.max_impact:
+                load.max_impact = -u[n]
+        elif kind[n] == CHATTER:
+            regain(load, at)
+        still, struck = kind[n] == CHATTER, kind[n] == IMPACT
+        place, phase = at, theta[n]
+    if rests == 1:
+        if struck:
+            regain(load, place)
+        still = True
+    if still:
+        _rest(cam, const, phase, TURN * turns - place, load)
+    else:
+        _fly(cam, const, phase, q, w, TURN * turns - place, steepest, cell, load)
+
+
+@inlined
+def regain(load, place):
+    """Contact is regained at a place, rad since the first strobe."""
+    since = place - TURN * int(place / TURN)
+    if since > load.regained:
+        load.regained = since
+
+
+@inlined
+def _largest_accel(cam, const):
+    """Upper bound of the second derivative of the gap while it grows, m/rad2."""
+    c, c2 = abs(cam.top), 0.0
+    for i in range(len(cam.stretches)):
+        c = max(c, abs(cam.stretches[i].c_min))
+        c2 = max(c2, abs(cam.stretches[i].accel_min), abs(cam.stretches[i].accel_max))
+    return abs(const.G) + const.W2 * c + 2.0 * const.Z * TURN * c2 + c2
+
+
+@outlined
+def _rest(cam, const, theta, span, load):
+    """The force over a rest of `span` rad from theta; one turn of it is all."""
+    left, i = min(span, TURN), stretch_at(cam, theta)
+    while left > SLIVER:
+        size = min(cam.stretches[i].end - theta, left)
+        cells = int(size / CELL) + 1
+        a, slope, _ = contact_accel(cam, const, i, theta)
+        _force(load, -a)
+        for k in range(cells):
+            low = theta + size * (k / cells)
+            high = theta + size * ((k + 1) / cells)
+            if k + 1 == cells and size < left:
+                high = cam.stretches[i].end
+            a, after, _ = contact_accel(cam, const, i, high)
+            _force(load, -a)
+            if slope * after < 0.0:
+                for _ in range(STEPS):
+                    if high - low <= FLAT:
+                        break
+                    middle = 0.5 * (low + high)
+                    a, bend, _ = contact_accel(cam, const, i, middle)
+                    if slope * bend > 0.0:
+                        low = middle
+                    else:
+                        high = middle
+                _force(load, -a)
+            slope = after
+        left -= size
+        i += 1
+        if i == len(cam.stretches):
+            i = 0
+        theta = cam.stretches[i].start
+
+
+@inlined
+def _force(load, force):
+    if load.min_force > load.max_force:
+        load.min_force = load.max_force = force
+    if force < load.min_force:
+        load.min_force = force
+    if force > load.max_force:
+        load.max_force = force
+
+
+@outlined
+def _fly(cam, const, theta, q, w, span, steepest, cell, load):
+    """The gap over a flight of `span` rad from (q, w) at theta.
+
+    It is left out where u s + steepest s^2/2, which no flight exceeds, is below a gap seen before.
+    """
+    load.airborne += span
+    flown, i = 0.0, stretch_at(cam, theta)
+    c, c1, _ = lift_at(cam, i, theta)
+    if (q - c) + (max(w - c1, 0.0) + 0.5 * steepest * span) * span <= load.max_gap:
+        return
+    while flown < span:
+        size = min(cam.stretches[i].end - theta, span - flown)
+        cells = int(size / cell) + 1
+        rate, _ = _gap(cam, const, i, theta, q, w, flown, load)
+        for k in range(cells):
+            low, high = size * (k / cells), size * ((k + 1) / cells)
+            after, _ = _gap(cam, const, i, theta + high, q, w, flown + high, load)
+            if rate > 0.0 > after:
+                x = 0.5 * (low + high)
+                for _ in range(STEPS):
+                    now, accel = _gap(cam, const, i, theta + x, q, w, flown + x, load)
+                    if now > 0.0:
+                        low = x
+                    else:
+                        high = x
+                    step = -now / accel if accel < 0.0 else high - low
+                    x = x + step if low < x + step < high else 0.5 * (low + high)
+                    if abs(step) <= FLAT or high - low <= FLAT:
+                        break
+            rate = after
+        flown += size
+        i += 1
+        if i == len(cam.stretches):
+            i = 0
+        theta = cam.stretches[i].start
+
+
+@inlined
+def _gap(cam, const, i, theta, q, w, s, load):
+    """(rate, accel) of the gap after s rad of flight; one larger than any before is kept."""
+    q, w = move(const, q, w, s)
+    c, c1, c2 = lift_at(cam, i, theta)
+    load.max_gap = max(load.max_gap, q - c)
+    return w - c1, -(const.G + const.W2 * q + 2.0 * const.Z * w) - c2

@@ -1,0 +1,131 @@
+"""The engineer's columns against the multiple-precision oracle: its events, flights and forces."""
+
+from itertools import pairwise
+from math import pi
+
+import numpy as np
+import pytest
+from conftest import chapter_system, settings
+from mpmath import mp, mpf
+from scipy.optimize import minimize_scalar
+
+from camcli.analysis.integrate import Orbit
+from camcli.analysis.loads import loads_of
+from camcli.kernel import backend
+from tests.oracle import ArcsCam, Follower, Oracle
+
+EXAMPLE = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
+TURNS = 3
+
+
+def largest(function, spans, samples=60):
+    """The largest value over spans, from samples and a refinement around the best."""
+    best, place, step = -np.inf, None, 0.0
+    for low, high in spans:
+        for x in np.linspace(low, high, samples):
+            if (value := function(float(x))) > best:
+                best, place, step = value, (low, high, float(x)), (high - low) / (samples - 1)
+    low, high, x = place
+    ends = max(low, x - step), min(high, x + step)
+    inside = minimize_scalar(lambda y: -function(y), bounds=ends, method="bounded",
+                             options={"xatol": 1e-10})  # fmt: skip
+    return max(best, -inside.fun)
+
+
+def expected(rpm, **changes):
+    """The seven columns of TURNS turns from rest on the cam, from the oracle's events alone."""
+    values = {**EXAMPLE, **changes}
+    cam = ArcsCam()
+    events = Oracle(cam, rpm=rpm, **values).run(turns=TURNS, chatter_cut=mpf("1e-13"))
+    omega, r = rpm * pi / 30, values["restitution"]
+    follower = Follower.make(*(values.get(k, 0) for k in
+                               ("mass", "stiffness", "damping", "gravity", "preload")))  # fmt: skip
+    flights, rests, begin, state = [], [], 0.0, None
+    for e in events:
+        at = float(e.theta) + 2 * pi * e.turn
+        (rests if state is None else flights).append((begin, at, state))
+        c, slope, _ = cam.laws(mpf(at))
+        v = float(slope) * omega + (-r * float(e.u_minus) if e.kind == "impact" else 0.0)
+        begin, state = at, None if e.kind == "chatter" else (float(c), v)
+    (rests if state is None else flights).append((begin, 2 * pi * TURNS, state))
+
+    def gap(flight):
+        begin, end, (q, v) = flight
+        height = lambda x: float(follower.flow(mpf((x - begin) / omega), q, v)[0] - cam.c(mpf(x)))  # noqa: E731
+        return largest(height, [(begin, end)])
+
+    def force(side):
+        def value(x):
+            c, c1, c2 = (float(y) for y in cam.laws(mpf(x)))
+            m, k = values["mass"], values["stiffness"]
+            load = m * values.get("gravity", 0.0) + values.get("preload", 0.0)
+            return side * (k * c + values.get("damping", 0.0) * omega * c1 + load
+                           + m * omega**2 * c2)  # fmt: skip
+
+        corners = [x * pi / 180 + 2 * pi * n for n in range(TURNS) for x in cam_corners()]
+        spans = []
+        for begin, end, _ in rests:
+            cuts = [begin, *(x for x in corners if begin < x < end), end]
+            spans += [(a + 1e-13, b - 1e-13) for a, b in pairwise(cuts) if b - a > 1e-9]
+        return side * largest(value, spans)
+
+    def cam_corners():
+        return (90.0, 150.1793714951576, 160.0, 200.0, 209.8206285048424, 270.0)
+
+    long = sorted(flights, key=lambda f: f[1] - f[0])[-8:]
+    hits = [-float(e.u_minus) for e in events if e.kind == "impact"]
+    degrees = {kind: [float(e.theta) * 180 / pi for e in events if e.kind == kind]
+               for kind in ("chatter", "detachment")}  # fmt: skip
+    return (
+        max(map(gap, long)),
+        sum(b - a for a, b, _ in flights) / (2 * pi * TURNS),
+        max(hits),
+        max(force(-1), 0.0),
+        force(1),
+        min(degrees["detachment"]),
+        max(degrees["chatter"], default=None),
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("rpm", "changes"),
+    [
+        (130.0, {}),
+        (190.0, {}),
+        (700.0, {}),
+        (160.0, {"damping": 5.0, "gravity": 9.81, "preload": 20.0}),
+    ],
+)
+def test_the_columns_are_the_oracles(rpm, changes):
+    with mp.workdps(30):
+        wanted = expected(rpm, **changes)
+    system = chapter_system(**changes)
+    record = Orbit(system, rpm, settings(0, TURNS, tolerance=1e-12)).run()
+    found = loads_of(system, rpm, record)
+    for name, value, exact in zip(found._fields, found, wanted, strict=True):
+        assert value == (None if exact is None else pytest.approx(exact, rel=1e-9, abs=1e-9)), name
+
+
+def test_always_in_contact_and_never_at_rest(chapter):
+    """The force on the base circle is k c; at 700 rpm nothing rests."""
+    record = Orbit(chapter, 100.0, settings(5, 3)).run()
+    found = loads_of(chapter, 100.0, record)
+    assert found[:3] == (0.0, 0.0, 0.0)
+    assert found.min_contact_force_n < 1430.8 * 0.1
+    assert found.max_contact_force_n > 1430.8 * 0.25393
+    assert found[5:] == (None, None)
+    flying = loads_of(chapter, 700.0, Orbit(chapter, 700.0, settings(600, 10)).run())
+    assert flying.airborne_fraction == pytest.approx(1.0, abs=1e-12)
+    assert flying[3:] == (None,) * 4
+
+
+@pytest.mark.parametrize("rpm", [190.0, 358.5, 745.0])
+def test_plain_and_compiled_have_the_same_bits(chapter, rpm, monkeypatch):
+    record = Orbit(chapter, rpm, settings(20, 5)).run()
+    compiled = backend.compiled()
+    found = []
+    for kernel in (backend.PLAIN, compiled):
+        monkeypatch.setattr(backend, "current", lambda kernel=kernel: kernel)
+        found.append(loads_of(chapter, rpm, record))
+    assert found[0] == found[1]
