@@ -109,7 +109,7 @@ class Image:
         return np.ma.masked_equal(np.where(wide < 0, 0.0, thick[wide].T), 0.0)
 
     def draw(self, axes: Axes, colours: Sequence[str] = ()) -> None:
-        """The image over its range, which becomes that of the axes; a colour for every speed, or black.
+        """The image over its range, which becomes the axes'; a colour for every speed, or black.
 
         Where speeds share a column, it has that of most of them.
         """

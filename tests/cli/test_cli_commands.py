@@ -70,7 +70,20 @@ def test_sweep_writes_exact_columns_of_shortest_numbers(cam, tmp_path):
     columns = {
         "impacts": ["rpm", "period", "theta_deg", "q_m", "u_minus_m_per_s"],
         "strobe": ["rpm", "period", "q_m", "v_m_per_s", "impacts", "chatter"],
-        "speeds": ["rpm", "label", "impacts", "lyapunov_per_period", "status"],
+        "speeds": [
+            "rpm",
+            "label",
+            "impacts",
+            "lyapunov_per_period",
+            "status",
+            "max_gap_m",
+            "airborne_fraction",
+            "max_impact_m_per_s",
+            "min_contact_force_n",
+            "max_contact_force_n",
+            "contact_lost_deg",
+            "contact_regained_deg",
+        ],  # fmt: skip
     }
     tables = {name: rows(folder / f"{name}.csv") for name in columns}
     assert {name: list(table[0]) for name, table in tables.items()} == columns
@@ -137,3 +150,37 @@ def test_files_of_other_people_are_neither_overwritten_nor_deleted(cam, tmp_path
     assert cam("sweep", "--rpm", "700", *SMALL, "-o", ".").returncode == 0
     assert cam("simulate", "--profile-only", "--no-plot", "-o", ".").returncode == 0
     assert {path.name for path in tmp_path.iterdir()} == {"notes.txt", "profile.csv", "run.json"}
+
+
+def test_any_number_of_the_scene_can_be_varied(cam, tmp_path):
+    """The first column bears its key; restitution decides what it decided beside a speed."""
+    words = ("--set", "run.transient=100", "--set", "run.record=20", "--no-plot", "-q")
+    done = cam("sweep", "--vary", "follower.restitution=0.7:0.8", "--points", "2", *words)
+    assert done.returncode == 0, done.stderr
+    found = rows(tmp_path / "out/sweep/speeds.csv")
+    assert [row["follower.restitution"] for row in found] == ["0.7", "0.8"]
+    cam("sweep", "--rpm", "700", "--set", "follower.restitution=0.7", *words, "-o", "one")
+    (one,) = rows(tmp_path / "one/speeds.csv")
+    assert list(one.values())[1:] == list(found[0].values())[1:]
+    cam("sweep", "--vary", "cam.nose_radius=0.14:0.15", "--points", "2", *words)
+    nose = rows(tmp_path / "out/sweep/speeds.csv")
+    assert nose[1]["max_gap_m"] == found[1]["max_gap_m"] != nose[0]["max_gap_m"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--vary", "follower.restitution=0.7:1.2"), "found 1.2"),
+        (("--vary", "follower.restitution=0.7"), "expected KEY=LO:HI"),
+        (("--vary", "follower.bounce=0:1"), "follower.bounce"),
+        (("--vary", "sweep.rpm.num=2:3"), "expected a number of follower, cam or run"),
+        (("--vary", "cam.kind=2:3"), "cam"),
+        (("--vary", "follower.mass=1:2", "--points", "3,4"), "--points"),
+        (("--vary", "follower.mass=1:2", "--explain"), "sweep.vary"),
+    ],
+)
+def test_what_cannot_be_varied_is_refused(cam, tmp_path, words, said):
+    done = cam("sweep", *words)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert list(tmp_path.iterdir()) == []

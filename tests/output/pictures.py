@@ -72,7 +72,7 @@ def panel(low=0.0, high=1.0, wide=1140, tall=300):
 def speed(rpm, phases=(), q=(), status=Status.OK):
     phases = None if phases is None else (range(len(phases)), phases, phases, phases)
     strobe = None if q is None else (range(len(q)), q, q, q, q)
-    return Speed(rpm, "aperiodic", 0, status, phases, strobe, Cost())
+    return Speed(rpm, rpm, "aperiodic", 0, status, phases, strobe, Cost())
 
 
 def sweep_of(*speeds):
