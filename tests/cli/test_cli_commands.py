@@ -83,7 +83,7 @@ def test_sweep_writes_exact_columns_of_shortest_numbers(cam, tmp_path):
             "max_contact_force_n",
             "contact_lost_deg",
             "contact_regained_deg",
-        ],  # fmt: skip
+        ],
     }
     tables = {name: rows(folder / f"{name}.csv") for name in columns}
     assert {name: list(table[0]) for name, table in tables.items()} == columns
