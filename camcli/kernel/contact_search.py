@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
 
-from camcli.kernel.cam_table import PIECE, TERMS, lift_at, piece_at
+from camcli.kernel.cam_table import PIECE, TERMS, lift_at, piece_at, third
 from camcli.kernel.flow import flow
 from camcli.kernel.marks import inlined, outlined
 
@@ -153,14 +153,14 @@ def gap_at(cam, const, i, f, s, work):
 def land(cam, const, i, f, high, first, work):
     """Root of the gap between 0 and `high` (gap <= 0) where it is the only one; first: a guess.
 
-    Halley's iteration kept inside the bracket. A step below CONVERGED u/accel leaves an error of
-    its cube, less than one rounding, so the last evaluation is spared; the velocity after it takes
-    the jerk from the accelerations of the last two places.
+    Halley's iteration kept inside the bracket. The evaluation after the last step is spared where
+    the step is below CONVERGED u/accel, which leaves an error of its cube in s; u after it takes
+    the jerk where the bound on it says that this can be more than a rounding.
     """
     low = 0.0
     s = first if low < first < high else 0.5 * high
     u = 0.0
-    last, accel = 0.0, f.q2 - f.c2
+    bound = f.energy + cam.stretches[i].jerk_max
     for _ in range(MOST_REFINEMENTS):
         g, u, a = gap_at(cam, const, i, f, s, work)
         if g > 0.0:
@@ -179,11 +179,16 @@ def land(cam, const, i, f, high, first, work):
             after = 0.5 * (low + high)
             if after in (low, high):
                 break
-        elif abs(step) * abs(a) <= CONVERGED * -u and abs(step) <= CONVERGED:
-            u += step * (a + 0.5 * step * ((a - accel) / (s - last)))
+        elif abs(step * a) <= CONVERGED * -u and abs(step) <= CONVERGED:
+            if step * step * bound > MEANING * -u:
+                at = min(f.theta + s, cam.stretches[i].end)
+                _, c1, c2 = lift_at(cam, i, at)
+                jerk = -2.0 * const.Z * (a + c2) - const.W2 * (u + c1) - third(cam, i, at)
+                u += 0.5 * step * step * jerk
+            u += step * a
             s = after
             break
-        last, accel, s = s, a, after
+        s = after
     return LANDED, min(f.theta + s, cam.stretches[i].end), 0.0, u
 
 
