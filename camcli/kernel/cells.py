@@ -102,6 +102,7 @@ def settle_cells(cam, const, flows, targets, cells, budget, room):
         state.gap, state.gap_rate = cells.gap[n], cells.rate[n]
         state.mode, state.stretch = cells.mode[n], cam.strobe
         state.impacts, state.chattered, state.idle, state.total_impacts = 0, 0, 0, 0
+        state.flown = 0
         outcome, used, stay, symbol = settle_cell(cam, const, flows, targets, budget, room)
         cells.gap[n], cells.rate[n] = state.gap, state.gap_rate
         cells.mode[n], cells.outcome[n] = state.mode, outcome

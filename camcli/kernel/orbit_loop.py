@@ -5,9 +5,10 @@ from enum import IntEnum
 from typing import Any, NamedTuple
 
 from camcli.errors import Status
-from camcli.kernel.cam_table import lift_at
-from camcli.kernel.contact_search import ACCUMULATED, LANDED, LOST, STUCK
+from camcli.kernel.cam_table import TURN, lift_at
+from camcli.kernel.contact_search import ACCUMULATED, CONVERGED, LANDED, LOST, STUCK
 from camcli.kernel.flight import BOUNCED, FREE, RELEASED, fly, leap
+from camcli.kernel.flow import move
 from camcli.kernel.marks import entry, inlined, outlined
 from camcli.kernel.sticking import SKIP, find_detachment
 
@@ -30,6 +31,7 @@ IMPACT, CHATTER, DETACHMENT = (int(kind) for kind in EventKind)
 OK, LOG_FULL, IMPACT_BUDGET, NO_RETURN, UNRESOLVED, PAUSED = (int(status) for status in Status)
 
 RESTING = 3  # a mode beside FREE, BOUNCED, RELEASED
+LONG_FLIGHT = 8  # steps: a landing after more is computed anew from where its flight began
 MOST_STEPS_BETWEEN = 100_000  # without an impact or a corner
 
 
@@ -47,6 +49,12 @@ class State:
     chattered: int = 0  # 1 where a complete chatter ended in this period
     logged: int = 0  # rows of the log in use
     idle: int = 0  # steps since the last impact or corner
+    flown: int = 0  # steps of the present flight
+    wraps: int = 0  # passages of theta = 0 in it
+    from_stretch: int = 0  # where it began, and from_theta to from_rate
+    from_theta: float = 0.0
+    from_gap: float = 0.0
+    from_rate: float = 0.0
     total_impacts: int = 0
     detachments: int = 0  # outside the transient
 
@@ -105,12 +113,16 @@ def run(cam, const, flows, state, plan, log, strobe, work):
         steps += 1
         state.idle += 1
         skipped = 0
+        if mode != FREE or gap == 0.0 or state.flown == 0:
+            begin_flight(state, i, theta, gap, rate)
+        state.flown += 1
         if mode == FREE and theta == cam.stretches[i].start:
             skipped, gap, rate = leap(cam, const, flows, i, gap, rate, work)
         if skipped > 0:
             i += skipped
             if i >= len(cam.stretches):
                 i -= len(cam.stretches)
+                state.wraps += 1
             theta = cam.stretches[i].start
         else:
             if mode == RESTING:
@@ -124,6 +136,8 @@ def run(cam, const, flows, state, plan, log, strobe, work):
                 if code == LOST:
                     status = UNRESOLVED
                     break
+                if code == LANDED and (state.flown > LONG_FLIGHT or state.wraps > 1):
+                    theta, rate = landing(cam, const, state, i, theta, rate, work)
                 mode, theta, rate = after_contact(
                     cam, const, state, plan, log, i, theta, rate, mode, code
                 )
@@ -139,6 +153,35 @@ def run(cam, const, flows, state, plan, log, strobe, work):
     state.mode, state.stretch = mode, i
     work.steps += steps
     return status
+
+
+@inlined
+def begin_flight(state, i, theta, gap, rate):
+    """Keep where a flight begins, for `landing`."""
+    state.flown, state.wraps = 0, 0
+    state.from_stretch, state.from_theta = i, theta
+    state.from_gap, state.from_rate = gap, rate
+
+
+@outlined
+def landing(cam, const, state, i, theta, rate, work):
+    """(theta, rate) of a landing after a long flight: one Newton step on the whole of it.
+
+    Every stretch that was crossed has added a rounding, the closed form from where the flight began
+    adds but one. Near a graze, where the step would say nothing, the landing stays where it is.
+    """
+    work.evaluations += 1
+    c, c1, _ = lift_at(cam, state.from_stretch, state.from_theta)
+    s = theta - state.from_theta + TURN * state.wraps
+    q, w = move(const, c + state.from_gap, c1 + state.from_rate, s)
+    c, c1, c2 = lift_at(cam, i, theta)
+    gap, u = q - c, w - c1
+    accel = -const.G - const.W2 * q - 2.0 * const.Z * w - c2
+    if not abs(gap * accel) <= CONVERGED * u * u:
+        return theta, rate
+    step = -gap / u
+    after = min(max(theta + step, cam.stretches[i].start), cam.stretches[i].end)
+    return after, min(u + step * accel, 0.0)
 
 
 @inlined
@@ -200,6 +243,7 @@ def enter_stretch(cam, state, plan, log, i, gap, rate, mode):
     i += 1
     if i == len(cam.stretches):
         i = 0
+        state.wraps += 1
     theta = cam.stretches[i].start
     kick = cam.stretches[i].slope_jump
     if kick != 0.0:
