@@ -24,6 +24,7 @@ from camcli.kernel.flow import flow
 from camcli.kernel.marks import inlined, outlined
 
 CLEAR, LANDED, ACCUMULATED, STUCK, LOST = 0, 1, 2, 3, 4  # how a step ends
+DIPS, UNKNOWN = 5, 6  # what `decide` says beside CLEAR and LANDED
 
 PHASE_CAP = 1.5  # largest W s of one step, so that one series covers it
 MOST_HALVINGS = 60
@@ -78,9 +79,6 @@ def flight_at(cam, const, i, theta, gap, rate):
 @inlined
 def search(cam, const, flows, i, f, work):
     """One certified step of a flight (see the module): CLEAR, LANDED or LOST."""
-    drift = cam.stretches[i].jerk_max
-    curvature = (2.0 * const.Z + const.W) * f.energy * 0.125
-    reach = abs(f.q2) + const.W * abs(f.w)
     s = f.end
     if const.W * s > PHASE_CAP:
         s = PHASE_CAP / const.W
@@ -90,31 +88,53 @@ def search(cam, const, flows, i, f, work):
         else:
             g1, u1, a1 = gap_at(cam, const, i, f, s, work)
             y1 = a1 + lift_at(cam, i, min(f.theta + s, cam.stretches[i].end))[2]
-        slack = curvature * s * s
-        lowest, highest = max(min(f.q2, y1) - slack, -reach), min(max(f.q2, y1) + slack, reach)
-        low = lowest - min(cam.stretches[i].accel_max, f.c2 + drift * s)
-        high = highest - max(cam.stretches[i].accel_min, f.c2 - drift * s)
+        low, high = accel_bounds(cam, const, i, f, s, y1)
         stop = cam.stretches[i].end if s == f.end else f.theta + s
-        falls = f.rate < 0.0 and (low >= 0.0 or f.rate + high * s < 0.0)
-        if (high <= 0.0 or falls) and g1 <= 0.0:
+        verdict = decide(f.gap, f.rate, g1, u1, low, high, s)
+        if verdict == LANDED:
             return land(cam, const, i, f, s, guess(f.gap, f.rate, f.q2 - f.c2, s, g1, u1), work)
-        if high <= 0.0:
-            return CLEAR, stop, g1, u1
-        if low >= 0.0:
-            if f.rate >= 0.0 or u1 <= 0.0:
-                return CLEAR, stop, max(g1, 0.0), u1
-            meet = (g1 - f.gap - u1 * s) / (f.rate - u1)
-            if f.gap + f.rate * meet > 0.0:
-                return CLEAR, stop, g1, u1
+        if verdict == CLEAR:
+            return CLEAR, stop, max(g1, 0.0), u1
+        if verdict == DIPS:
             return dip(cam, const, i, f, s, stop, g1, u1, work)
-        if g1 > 0.0 and f.gap + f.rate * s + 0.5 * low * s * s > 0.0:
-            return CLEAR, stop, g1, u1
-        if min(f.gap, g1) > 0.125 * high * s * s:
-            return CLEAR, stop, g1, u1
         s *= 0.5 if const.Z * s < 8.0 else 0.125  # a stiff damper's layer is thin
         if f.theta + s == f.theta:
             break
     return LOST, f.theta, f.gap, f.rate
+
+
+@inlined
+def accel_bounds(cam, const, i, f, s, y1):
+    """Bounds of gap'' over the first s rad of a flight, of which y1 is q'' at their end."""
+    stretch = cam.stretches[i]
+    slack = (2.0 * const.Z + const.W) * f.energy * 0.125 * s * s
+    reach = abs(f.q2) + const.W * abs(f.w)
+    drift = stretch.jerk_max * s
+    lowest, highest = max(min(f.q2, y1) - slack, -reach), min(max(f.q2, y1) + slack, reach)
+    low = lowest - min(stretch.accel_max, f.c2 + drift)
+    return low, highest - max(stretch.accel_min, f.c2 - drift)
+
+
+@inlined
+def decide(gap, rate, g1, u1, low, high, s):
+    """What low <= gap'' <= high says of a gap from (gap >= 0, rate) to (g1, u1) within s.
+
+    LANDED: exactly one contact; CLEAR: none; DIPS: convex, and its minimum may be below zero;
+    UNKNOWN: the step is too long to tell.
+    """
+    falls = rate < 0.0 and (low >= 0.0 or rate + high * s < 0.0)
+    if g1 <= 0.0 and (high <= 0.0 or falls):
+        return LANDED
+    if high <= 0.0:
+        return CLEAR
+    if low >= 0.0:
+        if rate >= 0.0 or u1 <= 0.0:
+            return CLEAR
+        meet = (g1 - gap - u1 * s) / (rate - u1)
+        return CLEAR if gap + rate * meet > 0.0 else DIPS
+    if g1 > 0.0 and gap + rate * s + 0.5 * low * s * s > 0.0:
+        return CLEAR
+    return CLEAR if min(gap, g1) > 0.125 * high * s * s else UNKNOWN
 
 
 @inlined

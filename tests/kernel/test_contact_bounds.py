@@ -1,0 +1,106 @@
+"""The inequalities that make the contact search certain, each tested as an inequality."""
+
+import numpy as np
+import pytest
+
+from camcli.kernel.cam_table import lift_at
+from camcli.kernel.contact_search import (
+    CLEAR,
+    DIPS,
+    LANDED,
+    PHASE_CAP,
+    UNKNOWN,
+    accel_bounds,
+    decide,
+    flight_at,
+)
+from camcli.kernel.flow import move
+from tests.kernel.test_random_flights import CAMS, machine_on
+
+
+def bang_bang(rng):
+    """(gap, rate, low, high, s, accelerations and ends of three parts) of a gap near zero.
+
+    Its acceleration is one of its two bounds, or in between; its minimum is moved to near zero.
+    """
+    low = rng.choice([-1.0, -0.3, 0.0, 0.2])
+    high = max(low, rng.choice([-0.2, 0.0, 0.4, 1.0]))
+    s = 10 ** rng.uniform(-2, 0)
+    ends = s * np.append(np.sort(rng.uniform(0, 1, 2)), 1.0)
+    accels = rng.choice([low, high, rng.uniform(low, high)], 3)
+    rate = rng.choice([0.0, *(rng.uniform(-1, 1, 3) * s)])
+    t = np.linspace(0.0, s, 501)
+    lowest = min(gap_at(t, 0.0, rate, ends, accels))
+    gap = max(0.0, rng.choice([-1, 1]) * 10 ** rng.uniform(-9, -3) * s * s - lowest)
+    return gap, rate, low, high, s, ends, accels
+
+
+def gap_at(t, gap, rate, ends, accels):
+    """The gap at the times t: parabolas joined smoothly."""
+    total = gap + rate * t
+    begin = 0.0
+    for end, accel in zip(ends, accels, strict=True):
+        part = np.clip(t - begin, 0.0, end - begin)
+        total = total + accel * (0.5 * part**2 + part * np.maximum(t - end, 0.0))
+        begin = end
+    return total
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_what_is_decided_holds_for_every_gap_with_that_acceleration(seed):
+    rng, said = np.random.default_rng(seed), set()
+    for _ in range(8000):
+        gap, rate, low, high, s, ends, accels = bang_bang(rng)
+        if gap == 0.0 and rate <= 0.0:
+            continue
+        t = np.linspace(0.0, s, 501)[1:]
+        gaps = gap_at(t, gap, rate, ends, accels)
+        u1 = rate + float(accels @ np.diff(ends, prepend=0.0))
+        answer = decide(gap, rate, float(gaps[-1]), u1, low, high, s)
+        said.add(answer)
+        if answer == CLEAR:
+            assert gaps.min() >= -1e-12 * s * s
+        elif answer == LANDED:
+            below = gaps <= 0.0
+            assert below[-1]
+            assert not np.diff(below.astype(int)).min() < 0
+        elif answer == DIPS:
+            assert low >= 0.0
+    assert said >= {CLEAR, LANDED, DIPS}
+
+
+def test_a_gap_with_three_roots_is_not_decided():
+    """It falls below zero, rises above it, and ends below it."""
+    ends, accels = np.array([0.5, 0.98, 1.0]), [1.0, 1.0, -1000.0]
+    gaps = gap_at(np.linspace(0.0, 1.0, 101), 0.1, -0.55, ends, accels)
+    assert np.count_nonzero(np.diff(np.sign(gaps))) == 3
+    assert decide(0.1, -0.55, float(gaps[-1]), -0.55 + 0.98 - 20.0, -1000.0, 1.0, 1.0) == UNKNOWN
+
+
+@pytest.mark.parametrize("name", CAMS)
+def test_the_acceleration_of_the_gap_stays_within_its_bounds(name):
+    """Over any step from any state, also those whose q''' is zero, where the bound is sharpest."""
+    rng = np.random.default_rng(5)
+    for _ in range(1500):
+        system, rpm, lift = machine_on(name, rng)
+        cam, const = system.cam, system.constants(rpm, 0.0, 1)
+        i = int(rng.integers(len(cam.stretches)))
+        start, end = cam.stretches[i].start, cam.stretches[i].end
+        theta = float(rng.uniform(start, end))
+        c, c1, _ = lift_at(cam, i, theta)
+        q = c + lift * 10 ** rng.uniform(-6, 1)
+        w = lift * rng.uniform(-5, 5)
+        if rng.random() < 0.5 and const.W2 != 4.0 * const.Z**2:
+            w = 2.0 * const.Z * (const.G + const.W2 * q) / (const.W2 - 4.0 * const.Z**2)
+        f = flight_at(cam, const, i, theta, q - c, w - c1)
+        s = min(f.end, PHASE_CAP / const.W) * 10 ** rng.uniform(-2, 0)
+
+        def accel(t, const=const, f=f):
+            q, w = move(const, f.q, f.w, t)
+            return -const.G - const.W2 * q - 2.0 * const.Z * w
+
+        low, high = accel_bounds(cam, const, i, f, s, accel(s))
+        size = abs(f.q2) + const.W * abs(f.w) + abs(low) + abs(high) + f.energy * s
+        for t in np.linspace(0.0, s, 9)[1:-1]:
+            here = accel(float(t)) - lift_at(cam, i, theta + float(t))[2]
+            assert low - 1e-9 * size <= here <= high + 1e-9 * size, (f, s, t)
