@@ -1,8 +1,12 @@
 """The inequalities that make the contact search certain, each tested as an inequality."""
 
+from decimal import Decimal
+
 import numpy as np
 import pytest
 
+from camcli.cams.compile import Part
+from camcli.cams.decimals import pi
 from camcli.kernel.cam_table import lift_at
 from camcli.kernel.contact_search import (
     CLEAR,
@@ -15,6 +19,8 @@ from camcli.kernel.contact_search import (
     flight_at,
 )
 from camcli.kernel.flow import move
+from camcli.system import Follower, System
+from tests.kernel.helpers import events, run
 from tests.kernel.test_random_flights import CAMS, machine_on
 
 
@@ -104,3 +110,41 @@ def test_the_acceleration_of_the_gap_stays_within_its_bounds(name):
         for t in np.linspace(0.0, s, 9)[1:-1]:
             here = accel(float(t)) - lift_at(cam, i, theta + float(t))[2]
             assert low - 1e-9 * size <= here <= high + 1e-9 * size, (f, s, t)
+
+
+def polynomial_machine(accel, jerk, snap):
+    """A free mass on a cam whose gap is u s + a s^2/2 + j s^3/6 + k s^4/24 from the cam at 0."""
+
+    def lift(theta):
+        a, j, k = (Decimal(float(x)) for x in (accel, jerk, snap))
+        return 1 - theta * theta * (a / 2 + theta * (j / 6 + theta * k / 24))
+
+    end = Decimal(1)
+    parts = [Part(Decimal(0), end, lift), Part(end, Decimal(2) * pi(), None, lift(end))]
+    return System.build(Follower(1.0, 0.0), parts)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_first_root_of_a_polynomial_gap(seed):
+    """Bounds on the derivatives are sharp here: nothing else keeps a root from being passed."""
+    rng, omega, landed = np.random.default_rng(seed), 10.0, 0
+    for _ in range(150):
+        s = 10 ** rng.uniform(-3, -0.5)  # where its terms balance
+        jerk = rng.choice([-1.0, 1.0])
+        accel = s * rng.choice([1e-9, 0.2, 1.0, -jerk])
+        snap = -jerk / s * rng.choice([0.1, 0.2, 0.4, 1.0, 2.0, 6.0])
+        rate = s * s * rng.choice([0.0, 1e-6, 0.1, 0.5])
+        roots = np.roots([snap / 24, jerk / 6, accel / 2, rate, 0.0][: 5 if rate else 4])
+        real = np.sort(roots[np.abs(roots.imag) < 1e-6 * s].real)
+        real = real[real > 1e-12 * s]
+        if (rate == 0.0 and accel < 0.0) or np.any(np.diff(real, prepend=0.0) < 0.1 * s):
+            continue  # it does not leave the cam, or nearly grazes it
+        machine = polynomial_machine(accel, jerk, snap)
+        rows = events(run(omega * 30 / np.pi, machine, 1, 0, -1.0, 1, v=rate * omega or None))
+        first = next((row[2] for row in rows if row[0] == "impact"), np.inf)
+        if not real.size or real[0] > 0.99:
+            assert first > 0.99
+        else:
+            assert first == pytest.approx(real[0], rel=1e-3)
+            landed += 1
+    assert landed > 30
