@@ -6,8 +6,12 @@ from math import isfinite, nextafter, sqrt
 import pytest
 from mpmath import mp, mpf
 
-from camcli.kernel.flow import Constants, flow
+from camcli.kernel.arithmetic import sincos
+from camcli.kernel.contact_search import LONGEST_PHASE, NEAR, flight_at, gap_near
+from camcli.kernel.flight import TAYLOR_PHASE, series_gap, taylor
+from camcli.kernel.flow import RAD_PER_S, Constants, flow
 from tests import oracle
+from tests.kernel.helpers import cam
 
 
 def lane(W, Z, D=None):
@@ -148,3 +152,36 @@ def test_long_flights_stay_bounded():
     b, b1, p = flow(lane(40.0, 0.0), 1000.0)
     assert abs(1 - (b1 * b1 + (40.0 * b) ** 2)) < 1e-11
     assert 0.0 <= p <= 2.0 / 1600.0
+
+
+@pytest.mark.parametrize("phase", [LONGEST_PHASE, TAYLOR_PHASE])
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 1.0, 5.0])
+@pytest.mark.parametrize("W", [0.5, 3.0, 20.0])
+def test_short_flights_above_a_dwell_are_exact_to_rounding(W, ratio, phase):
+    """The series in relative coordinates at the end of their ranges, where they are worst."""
+    constants, table, draw = lane(W, ratio * W), cam(), random.Random(3)
+    s = min(phase / (W + 2.0 * ratio * W), NEAR)
+    for _ in range(20):
+        rate = draw.uniform(-1, 1) * 10 ** draw.uniform(-6, 0)
+        f = flight_at(table, constants, 0, 0.5, 0.0, rate)
+        with mp.workdps(40):
+            b, _, p = exact(constants, s)
+            true = f.w * b - (mpf(constants.G) + mpf(constants.W2) * f.q) * p
+        size = abs(rate) * s + abs(f.q2) * s * s
+        if phase == LONGEST_PHASE:
+            assert abs(gap_near(table, constants, 0, f, s)[0] - true) < 4e-16 * size
+        else:
+            t = taylor(table, constants, 0, f.theta, f.q2, f.q3, f.c2)
+            assert abs(series_gap(0.0, rate, t, s)[0] - true) < 2.0**-52 * f.q  # q and c rounded
+
+
+def test_angles():
+    """Of any size that a run meets, and the speed in rad/s."""
+    draw = random.Random(5)
+    for _ in range(300):
+        x = draw.choice([1.0, 1e3, 1.6e6]) * draw.uniform(-1, 1)
+        for ours, theirs in zip(sincos(x), (mp.sin(x), mp.cos(x)), strict=True):
+            assert abs(ours - theirs) < 2.3e-16
+    near = float(1_000_000 * mp.pi / 2)
+    assert abs(sincos(near)[1] - mp.cos(near)) < 1e-26
+    assert float(mp.pi / 30) == RAD_PER_S

@@ -8,10 +8,18 @@ from mpmath import mp
 
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits.shooter import Shooter
+from camcli.kernel import backend
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.flow import constants_of, move
-from camcli.kernel.orbit_loop import EventKind
-from camcli.kernel.variational import after_flight, after_impact, flight_tangent, saltation_entry
+from camcli.kernel.orbit_loop import IMPACT, EventKind
+from camcli.kernel.variational import (
+    Growth,
+    Pair,
+    after_flight,
+    after_impact,
+    flight_tangent,
+    saltation_entry,
+)
 from tests.conftest import chapter_system, settings
 from tests.oracle import ArcsCam
 from tests.orbit_oracle import Machine, solve, strobe_state
@@ -195,3 +203,13 @@ def test_newton_has_the_same_trace_as_the_product_of_matrices():
     m = after_flight(lane, TURN, 1.0, 0.0, 0.0, 1.0)
     m = after_impact(lane, lift(system.cam, root.whole[0], theta), root.rates[0], *m)
     assert abs(m[0] + m[3] - root.trace) < 1e-14
+
+
+def test_the_length_of_the_flights_of_a_log():
+    """Phases count from the strobe, on which an impact may lie exactly."""
+    system = chapter_system()
+    entry, tables = backend.PLAIN.stretch_events, ([Pair()], [Growth()])
+    const = system.constants(700.0, 1e-9, 1000)
+    theta = [1.0, 0.0, 3.0]
+    entry(system.cam, const, [IMPACT] * 3, [0, 1, 1], theta, [-1.0] * 3, *tables)
+    assert tables[1][0].length == pytest.approx(TURN + 2.0, rel=1e-15)
