@@ -6,23 +6,26 @@ exactly one; it shares the formulas of the cam with the kernel, neither its tabl
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cache, partial
 from math import inf, pi
 from typing import NamedTuple
 
 import numpy as np
 from flint import arb
 
-from camcli.analysis.bench.machine import events, orbit, reference
-from camcli.cli.bench_run import machines
+from camcli.analysis.bench.machine import events, orbit
+from camcli.cams.compile import column
 from camcli.exact.balls import UndecidedError, precision
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import Machine
+from camcli.kernel.sticking import contact_accel
+from camcli.scene import load_scene
 from camcli.system import Follower, System
 
 TURNS = 2.5
 EDGE = 1e-5  # rad: a contact this close to the end is not asked of anybody
 DIGITS = 30  # of the judge, where 64 bits do not suffice
+CAMS = ["chapter", "law-cycloidal", "law-harmonic", "law-smooth", "eccentric", "valve-train"]
 RIGHT, MISSED, INVENTED, UNDECIDED = "right", "missed", "invented", "undecided"
 
 
@@ -41,30 +44,88 @@ class Flight(NamedTuple):
         return self.theta_deg * (pi / 180.0)
 
 
-def random_flight(rng: np.random.Generator) -> Flight:
-    """Any damping and frequency, a fifth of the starts on a corner, three tenths on the cam."""
-    rpm, W = 10 ** rng.uniform(1.5, 4), 10 ** rng.uniform(-2, 1.3)
+@cache
+def cam_of(name: str) -> System:
+    cam = load_scene(f"configs/{name}.yaml").cam
+    return System.build(Follower(1, 1), cam.parts(), 0.0, cam)
+
+
+def machine_on(name: str, rng: np.random.Generator) -> tuple[System, float, float]:
+    """A machine on one of the cams, its speed and the cam's rise: any damping and frequency."""
+    machine, rpm, W = cam_of(name), 10 ** rng.uniform(1.5, 4), 10 ** rng.uniform(-2, 1.3)
     omega = rpm * pi / 30
-    Z = rng.choice([0, W, W * (1 + 1e-15), 1.0, 10.0]) * 10 ** (rng.uniform(-3, 0))
-    gravity = rng.choice([0, 1]) * 10 ** rng.uniform(-2, 2)
+    lift = machine.cam.top - min(column(machine.cam, "c_min"))
+    Z = rng.choice([0, W, W * (1 + 1e-15), 1.0, 10.0]) * 10 ** rng.uniform(-3, 0)
+    gravity = rng.choice([0, 1]) * lift * 10 ** rng.uniform(-2, 2) * omega**2
     follower = Follower(1.0, (W * omega) ** 2, 2 * Z * omega, gravity, 0.0, 0.5)
-    system = machines().system(follower, reference("stability")["cam"])
-    theta = float(
-        rng.choice([0.0, *system.corners_deg]) if rng.random() < 0.2 else rng.uniform(0, 360)
-    )
+    return System(follower, machine.cam, machine.shape), rpm, lift
+
+
+def random_flight(name: str, rng: np.random.Generator) -> Flight:
+    """A flight from the cam, or from near or far above it; a fifth begins on a corner."""
+    machine, rpm, lift = machine_on(name, rng)
+    corner = float(rng.choice([0.0, *machine.corners_deg]))
+    theta = corner if rng.random() < 0.2 else float(rng.uniform(0, 360))
     contact = bool(rng.random() < 0.3)
-    gap = 0.0 if contact else 10 ** rng.uniform(-6, 0.3)
-    u = 10 ** rng.uniform(-4, 1) * (1 if contact else rng.choice([-1, 1]))
-    q, w = orbit(system, rpm, 1, theta_deg=theta).position()
-    return Flight(system, rpm, theta, q + gap, w + u, contact)
+    q, w = orbit(machine, rpm, 1, theta_deg=theta).position()
+    gap = 0.0 if contact else lift * 10 ** rng.uniform(-6, 1)
+    u = lift * 10 ** rng.uniform(-4, 1.5) * (1 if contact else rng.choice([-1, 1]))
+    return Flight(machine, rpm, theta, q + gap, w + u, contact)
 
 
-def first_impact(f: Flight) -> float | None:
-    """Phase of our first impact from the start, None if there is none."""
+def near_graze(name: str, rng: np.random.Generator) -> Flight | None:
+    """A flight whose gap has a minimum near zero: 1e-12 to 1e-6 of the rise above or below it.
+
+    Flown backwards from there, often across corners; None where the gap has a maximum instead, or
+    the flight would begin in the cam.
+    """
+    system, rpm, lift = machine_on(name, rng)
+    corner = rng.choice([0.0, *system.corners_deg]) * pi / 180 + rng.choice([-1, 1]) * 1e-9
+    theta = float(corner if rng.random() < 0.2 else rng.uniform(0, 2 * pi)) % (2 * pi)
+    offset = lift * 10 ** rng.uniform(-12, -6) * rng.choice([-1, 1])
+    back = 10 ** rng.uniform(-2, 0.2) / (1 + system.constants(rpm, 0.0, 1).Z)
+    begin = theta - back + (2 * pi if theta < back else 0)
+    with precision(40):
+        machine = Machine(system.shape, system.follower, rpm)
+        c = machine.stretches[part_of(machine, theta)].derivatives(arb(theta), 2)
+        q, w, accel, _ = machine.move(c[0] + offset, c[1], arb(0))
+        if not accel > c[2]:
+            return None
+        degrees = begin * 180 / pi
+        begin = arb(degrees * (pi / 180))
+        back = theta - begin + (2 * arb.pi() if theta < back else 0)
+        q, w, _, _ = machine.move(q, w, -back)
+        here = machine.stretches[part_of(machine, float(begin))].derivatives(begin, 0)[0]
+        return Flight(system, rpm, degrees, float(q), float(w), False) if q > here else None
+
+
+def low_hop(name: str, rng: np.random.Generator) -> Flight | None:
+    """A slow start from the cam near a phase where the contact force changes its sign."""
+    system, rpm, lift = machine_on(name, rng)
+    cam, const = system.cam, system.constants(rpm, 0.0, 1)
+    k = int(rng.integers(len(cam.stretches)))
+    grid = np.linspace(cam.stretches[k].start, cam.stretches[k].end, 40)[1:-1]
+    accel = [contact_accel(cam, const, k, float(theta))[0] for theta in grid]
+    changes = np.flatnonzero(np.diff(np.sign(accel)))
+    if not changes.size:
+        return None
+    theta = grid[rng.choice(changes)] + (grid[1] - grid[0]) * rng.uniform(-1, 2)
+    degrees = float(theta * 180 / pi)
+    q, w = orbit(system, rpm, 1, theta_deg=degrees).position()
+    return Flight(system, rpm, degrees, q, w + lift * 10 ** rng.uniform(-9, -1), True)
+
+
+def part_of(machine: Machine, theta: float) -> int:
+    """Index of the machine's stretch that holds theta."""
+    return next(k for k, part in enumerate(machine.stretches) if part.end > theta)
+
+
+def landing(f: Flight) -> tuple[float, float] | None:
+    """Phase (rad from the start) and rate (m/rad) of our first impact, chatter never closed."""
     q, v = (None if f.contact else f.q), f.w * f.rpm * (pi / 30)
-    record = orbit(f.system, f.rpm, tolerance=1e-16, budget=1, q=q, v=v, theta_deg=f.theta_deg)
+    record = orbit(f.system, f.rpm, tolerance=-1.0, budget=1, q=q, v=v, theta_deg=f.theta_deg)
     found = (e for e in events(record.run(), 0 if f.theta == 0 else 1) if e.kind == "impact")
-    return next((e.theta + 2.0 * pi * e.turn - f.theta for e in found), None)
+    return next(((e.theta + 2.0 * pi * e.turn - f.theta, e.u) for e in found), None)
 
 
 def true_contact(f: Flight) -> tuple[arb, arb] | None:

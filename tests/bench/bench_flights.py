@@ -36,7 +36,7 @@ from tests.random_flights import (
     TURNS,
     UNDECIDED,
     Flight,
-    first_impact,
+    landing,
     random_flight,
     verdict,
 )
@@ -88,14 +88,15 @@ def main() -> None:
     others = {} if options.ours else {"plain": plain, "careful": careful}
     found: dict[str, Counter] = {name: Counter() for name in ("ours", *others)}
     for _ in range(options.flights):
-        f = random_flight(rng)
-        outcome, expected = verdict(f, first_impact(f))
+        f = random_flight("chapter", rng)
+        ours = landing(f)
+        outcome, expected = verdict(f, ours and ours[0])
         found["ours"][outcome] += 1
         if outcome == UNDECIDED:
             continue
         for name, peer in others.items():
-            hit = peer(lift, f)
-            at, true = (inf if x is None else x for x in (hit, expected))
+            theirs = peer(lift, f)
+            at, true = (inf if x is None else x for x in (theirs, expected))
             wrong = at != true and abs(at - true) > APART
             found[name][(MISSED if at > true else INVENTED) if wrong else RIGHT] += 1
     for name, outcomes in found.items():

@@ -21,7 +21,7 @@ from camcli.kernel.contact_search import (
 from camcli.kernel.flow import move
 from camcli.system import Follower, System
 from tests.kernel.helpers import events, run
-from tests.kernel.test_random_flights import CAMS, machine_on
+from tests.random_flights import CAMS, machine_on
 
 
 def bang_bang(rng):

@@ -1,108 +1,32 @@
 """Random and grazing flights judged in ball arithmetic: no contact is missed or invented."""
 
-from functools import cache
 from math import pi
 
 import numpy as np
 import pytest
-from flint import arb
 from mpmath import mp, mpf
 
-from camcli.analysis.bench.flights import (
+from camcli.analysis.bench.machine import reference as stored
+from camcli.analysis.bench.peers import Lift
+from camcli.analysis.bench.precision import case
+from camcli.cams.compile import column
+from camcli.cli.bench_run import machines
+from camcli.exact.balls import UndecidedError, precision
+from tests.kernel.helpers import ORACLE_CAM, events, reference, run, system
+from tests.random_flights import (
+    CAMS,
     TURNS,
     Flight,
-    first_impact,
+    landing,
+    low_hop,
+    near_graze,
     random_flight,
     true_contact,
     verdict,
 )
-from camcli.analysis.integrate import Orbit
-from camcli.cams.compile import column
-from camcli.cli.bench_run import machines
-from camcli.exact.balls import UndecidedError, precision
-from camcli.exact.machine import Machine
-from camcli.kernel.sticking import contact_accel
-from camcli.scene import load_scene
-from camcli.system import Follower, System
-from tests.kernel.helpers import ORACLE_CAM, events, reference, run, settings, system
 
 EPS = 2.0**-53
-CAMS = ["chapter", "law-cycloidal", "law-harmonic", "law-smooth", "eccentric", "valve-train"]
 ROUNDINGS = 28  # at most eight stretches crossed and a landing, three each, and one of the lift
-
-
-@cache
-def cam_of(name: str) -> System:
-    cam = load_scene(f"configs/{name}.yaml").cam
-    return System.build(Follower(1, 1), cam.parts(), 0.0, cam)
-
-
-def machine_on(name: str, rng: np.random.Generator) -> tuple[System, float, float]:
-    """A machine on one of the cams, its speed and the cam's rise: any damping and frequency."""
-    machine, rpm, W = cam_of(name), 10 ** rng.uniform(1.5, 4), 10 ** rng.uniform(-2, 1.3)
-    omega = rpm * pi / 30
-    lift = machine.cam.top - min(column(machine.cam, "c_min"))
-    Z = rng.choice([0, W, W * (1 + 1e-15), 1.0, 10.0]) * 10 ** rng.uniform(-3, 0)
-    gravity = rng.choice([0, 1]) * lift * 10 ** rng.uniform(-2, 2) * omega**2
-    follower = Follower(1.0, (W * omega) ** 2, 2 * Z * omega, gravity, 0.0, 0.5)
-    return System(follower, machine.cam, machine.shape), rpm, lift
-
-
-def flight_on(name: str, rng: np.random.Generator) -> Flight:
-    """A flight from the cam, or from near or far above it."""
-    machine, rpm, lift = machine_on(name, rng)
-    theta, contact = float(rng.uniform(0, 360)), bool(rng.random() < 0.3)
-    q, w = Orbit(machine, rpm, settings(theta_deg=theta)).position()
-    gap = 0.0 if contact else lift * 10 ** rng.uniform(-6, 1)
-    u = lift * 10 ** rng.uniform(-4, 1.5) * (1 if contact else rng.choice([-1, 1]))
-    return Flight(machine, rpm, theta, q + gap, w + u, contact)
-
-
-def near_graze(name: str, rng: np.random.Generator) -> Flight | None:
-    """A flight whose gap has a minimum near zero: 1e-12 to 1e-6 of the rise above or below it.
-
-    Flown backwards from there, often across corners; None where the gap has a maximum instead, or
-    the flight would begin in the cam.
-    """
-    system, rpm, lift = machine_on(name, rng)
-    corner = rng.choice([0.0, *system.corners_deg]) * pi / 180 + rng.choice([-1, 1]) * 1e-9
-    theta = float(corner if rng.random() < 0.2 else rng.uniform(0, 2 * pi)) % (2 * pi)
-    offset = lift * 10 ** rng.uniform(-12, -6) * rng.choice([-1, 1])
-    back = 10 ** rng.uniform(-2, 0.2) / (1 + system.constants(rpm, 0.0, 1).Z)
-    begin = theta - back + (2 * pi if theta < back else 0)
-    with precision(40):
-        machine = Machine(system.shape, system.follower, rpm)
-        c = machine.stretches[part_of(machine, theta)].derivatives(arb(theta), 2)
-        q, w, accel, _ = machine.move(c[0] + offset, c[1], arb(0))
-        if not accel > c[2]:
-            return None
-        degrees = begin * 180 / pi
-        begin = arb(degrees * (pi / 180))
-        back = theta - begin + (2 * arb.pi() if theta < back else 0)
-        q, w, _, _ = machine.move(q, w, -back)
-        here = machine.stretches[part_of(machine, float(begin))].derivatives(begin, 0)[0]
-        return Flight(system, rpm, degrees, float(q), float(w), False) if q > here else None
-
-
-def low_hop(name: str, rng: np.random.Generator) -> Flight | None:
-    """A slow start from the cam near a phase where the contact force changes its sign."""
-    system, rpm, lift = machine_on(name, rng)
-    cam, const = system.cam, system.constants(rpm, 0.0, 1)
-    k = int(rng.integers(len(cam.stretches)))
-    grid = np.linspace(cam.stretches[k].start, cam.stretches[k].end, 40)[1:-1]
-    accel = [contact_accel(cam, const, k, float(theta))[0] for theta in grid]
-    changes = np.flatnonzero(np.diff(np.sign(accel)))
-    if not changes.size:
-        return None
-    theta = grid[rng.choice(changes)] + (grid[1] - grid[0]) * rng.uniform(-1, 2)
-    degrees = float(theta * 180 / pi)
-    q, w = Orbit(system, rpm, settings(theta_deg=degrees)).position()
-    return Flight(system, rpm, degrees, q, w + lift * 10 ** rng.uniform(-9, -1), True)
-
-
-def part_of(machine: Machine, theta: float) -> int:
-    """Index of the machine's stretch that holds theta."""
-    return next(k for k, part in enumerate(machine.stretches) if part.end > theta)
 
 
 @pytest.mark.parametrize("make", [near_graze, low_hop])
@@ -134,19 +58,11 @@ def claimed(f: Flight, at: float, u: float) -> tuple[float, float]:
     return phase, ROUNDINGS * EPS * slope + accel * phase
 
 
-def landing(f: Flight) -> tuple[float, float] | None:
-    """Phase (rad from the start) and rate (m/rad) of our first impact, chatter never closed."""
-    start = {"q": None if f.contact else f.q, "v": f.w * f.rpm * (pi / 30)}
-    rows = events(run(f.rpm, f.system, 3, 0, -1.0, 1, theta_deg=f.theta_deg, **start), 1)
-    hits = (row for row in rows if row[0] == "impact")
-    return next(((row[2] + 2 * pi * row[1] - f.theta, row[4]) for row in hits), None)
-
-
 def errors_of_flights(name: str, seed: int, count: int) -> int:
     """How many of so many flights land, each within its claim in phase and rate."""
     rng, landed = np.random.default_rng(seed), 0
     for _ in range(count):
-        f = flight_on(name, rng)
+        f = random_flight(name, rng)
         ours = landing(f)
         try:
             with precision(30):
@@ -201,34 +117,10 @@ def test_a_flight_of_many_turns_lands_as_exactly_as_a_short_one(damping, q, v):
     assert abs(rows[0][2] - true.theta) / (2 * pi) < 8 * EPS
 
 
-def outcomes(seed, count):
-    """How many of so many random flights ours gets right; none may be missed or invented."""
-    rng = np.random.default_rng(seed)
-    right = 0
-    for _ in range(count):
-        flight = random_flight(rng)
-        outcome, expected = verdict(flight, first_impact(flight))
-        assert outcome in ("right", "undecided"), (flight, outcome, expected)
-        right += outcome == "right"
-    return right
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_random_flights(seed):
-    assert outcomes(seed, 600) > 450
-
-
-@pytest.mark.soak
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10, 12))
-def test_many_random_flights(seed):
-    assert outcomes(seed, 8000) > 6000
-
-
 def test_the_judge_calls_a_contact_elsewhere_missed_or_invented():
     """A start on the cam after an impact of the oracle's motion lands where the next one is."""
     some = case("p3")
-    hits = [e for e in reference("p3")["events"] if e["kind"] == "impact"]
+    hits = [e for e in stored("p3")["events"] if e["kind"] == "impact"]
     before, after = hits[1], hits[2]
     theta, u = float(before["theta"]), -0.8 * float(before["u"])
     w = Lift(some.cam).at(theta)[1] + u / (some.rpm * pi / 30)
