@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from camcli.api.basins import basins
     from camcli.api.classify import classify
     from camcli.api.detach import detach
+    from camcli.api.explore import explore
     from camcli.api.orbits import orbits
     from camcli.api.result import Result, plot
     from camcli.api.simulate import simulate
@@ -38,6 +39,7 @@ _PLACES = {
     "basins": "camcli.api.basins",
     "classify": "camcli.api.classify",
     "detach": "camcli.api.detach",
+    "explore": "camcli.api.explore",
     "load_scene": "camcli.scene",
     "orbits": "camcli.api.orbits",
     "plot": "camcli.api.result",
@@ -47,7 +49,7 @@ _PLACES = {
 
 __all__ = [
     "Fault", "Follower", "Result", "Scene", "SceneError", "System", "Work", "__version__", "basins",
-    "classify", "detach", "load_scene", "orbits", "plot", "simulate", "sweep",
+    "classify", "detach", "explore", "load_scene", "orbits", "plot", "simulate", "sweep",
 ]  # fmt: skip
 
 

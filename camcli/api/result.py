@@ -52,6 +52,8 @@ class Result:
         Time of the analysis, without that of compiling the kernel.
     pictures : Mapping[str, Callable]
         Functions that draw the pictures, by the names of their files; see `plot`.
+    pages : Mapping[str, Callable]
+        Functions that write pages for a browser, by the names of their files.
     system : System
         The machine: follower and compiled cam.
     values : object
@@ -73,6 +75,7 @@ class Result:
     notes: tuple[str, ...] = ()
     complete: bool = True
     options: Mapping[str, Any] = field(default_factory=dict)
+    pages: Mapping[str, Callable[[], str]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Result of {self.command}: tables {', '.join(self.tables)}>"
@@ -122,6 +125,8 @@ class Result:
 
             draw = partial(write_picture, self.pictures[name](), kind=kind, form=form)
             folder.write(file, draw)
+        for name, text in self.pages.items():
+            folder.write_text(f"{name}.html", [text()])
         folder.claim([*folder.hashes, "run.json"])
         errors = error_record(self.scene.run.chatter_tolerance, self.system.cam.top)
         if self.scene.cam.kind == "table":

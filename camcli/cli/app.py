@@ -12,6 +12,7 @@ from camcli.cli.basins import basins
 from camcli.cli.bench import bench
 from camcli.cli.classify import classify
 from camcli.cli.detach import detach
+from camcli.cli.explore import explore
 from camcli.cli.figures import figures
 from camcli.cli.init import init
 from camcli.cli.merge import merge
@@ -33,6 +34,7 @@ app = typer.Typer(
 for _command in (simulate, sweep, detach, orbits, basins, classify):
     register(app, _command)
 register(app, bench, without=DRAWING)
+register(app, explore, without=("no_plot", *DRAWING))
 register(app, figures, without=("config", "rpm", "points", "no_plot", *DRAWING))
 register(app, merge, without=(*REPEATED, *DRAWING))
 app.command("init")(init)

@@ -72,6 +72,10 @@ def size_of(command: str, scene: Scene) -> Size:
             what, orbits = f"{nq} x {nv} cells, refined {levels} times", cells * speeds
             memory = 70.0 * cells + (14.0 * cells * 4**levels + 20e6 if levels else 0.0)
             return Size(key, what, orbits, orbits, 0.0, memory, 54.0 * orbits)
+        case "explore":
+            speeds = scene.sweep.rpm.num
+            what, memory = f"{speeds} speeds", 1e6 * speeds
+            return Size("sweep.rpm.num", what, speeds, 3 * speeds, 3 * speeds * turns, memory, 8e6)
         case _:
             key = "detach.rpm.num" if command == "detach" else "orbits.starts"
             runs = scene.detach.rpm.num if command == "detach" else scene.orbits.starts + 1
@@ -128,11 +132,13 @@ def forecast(
     """Print what the run would do and cost; nothing is written."""
     size, share = size_of(command, scene), 1 if shard is None else shard.total
     notes = [f"shard {shard.number} of {shard.total}: pieces only, no tables"] if shard else []
-    if getattr(getattr(scene, command), "explain", False):
+    if getattr(getattr(scene, command, None), "explain", False):
         notes.append("what --explain takes is not known before: 5 to 15 s for many a change")
     impacts = seconds = tables = None
     if command == "orbits":
         notes.append("how many branches there are, and so the time, is not known before")
+    elif command == "explore":
+        notes.append("how many orbits are solved, and so the time, is not known before")
     elif profile_only:
         impacts, tables = 0.0, 100.0 * scene.simulate.samples
     else:

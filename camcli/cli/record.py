@@ -23,16 +23,18 @@ class Options(BaseModel):
     plot: bool = True
     profile_only: bool = False
     base_radius: float | None = None
+    with_basins: bool = False
+    source: str = ""
 
     def arguments(self) -> dict[str, Any]:
         """Arguments of the API function."""
-        return self.model_dump(exclude={"plot"}) if self.profile_only else {}
+        return self.model_dump(exclude={"plot"}, exclude_unset=True)
 
 
 class Record(BaseModel):
     """A run; the rest of a run.json is not read."""
 
-    command: Literal["simulate", "sweep", "detach", "orbits", "basins", "classify"]
+    command: Literal["simulate", "sweep", "detach", "orbits", "basins", "classify", "explore"]
     scene: dict[str, Any]
     options: Options = Options()
     artefacts: dict[Annotated[str, ARTEFACT], str] = {}

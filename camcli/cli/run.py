@@ -31,9 +31,10 @@ ARTEFACTS = {  # files of other people with these names are looked for before an
     "orbits": "branch.csv bifurcations.csv curve.csv orbits.png curve.png",
     "basins": "attractors.csv basins.csv basins.png",
     "classify": "classify.csv corners.csv classify.png",
+    "explore": "explore.html",
     "bench": "precision.csv flights.csv stability.csv scenes.csv precision.png stability.png",
 }
-IN_THREADS = ("sweep", "basins", "classify")  # analyses that take `work`
+IN_THREADS = ("sweep", "basins", "classify", "explore")  # analyses that take `work`
 
 
 def given(values: Mapping[str, tuple[Any, str]]) -> Values:
@@ -191,7 +192,7 @@ def open_folder(
     from camcli.output.run_folder import run_folder
 
     values, place = resolved(scene), request.folder(command)
-    read = {section: values[section] for section in ("follower", "cam", "run", command)}
+    read = {key: values[key] for key in ("follower", "cam", "run", command) if key in values}
     key = {"command": command, "scene": read} if command in IN_PIECES else None
     with run_folder(
         place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts,

@@ -1,0 +1,454 @@
+"""camcli.explore: the motions over a range of speeds, on one page on which the machine moves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import ceil, pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from camcli.analysis.cam_profile import profile
+from camcli.analysis.integrate import Cost, Start, with_turns
+from camcli.analysis.labels import CONTACT, Label
+from camcli.analysis.orbits.same_orbit import CLOSE, distance_to
+from camcli.analysis.simulate import STICKING, Simulation, simulate
+from camcli.api.basins import basins
+from camcli.api.orbits import orbits
+from camcli.api.result import Machine, Progress, Result, machine_of, ticks
+from camcli.api.sweep import sweep
+from camcli.cams.outline import outline
+from camcli.errors import Fault, SceneError
+from camcli.kernel.backend import stopwatch
+from camcli.kernel.cam_table import TURN
+from camcli.parallel import Work
+from camcli.plots.event_words import event_words
+from camcli.scene import Scene
+from camcli.system import omega_of
+
+STEP = 0.4  # of the follower's fastest motion, rad, between rows: a cubic errs by STEP^4/384 of it
+FEWEST_ROWS = 48  # per turn
+MOST_SPEEDS, MOST_ROWS = 1000, 250_000  # of a page of 8 MB; a row takes 17 bytes
+LONGEST = 16  # turns of a motion that are shown
+MOST_POINTS = 150_000  # of the diagram
+STARTS, START_TURNS = 16, 8  # motions in a window of basins: along each side, and their length
+PROFILE_ROWS = 720
+KINDS = ("impact", "chatter", "detachment")
+
+Columns = tuple[np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One motion of the page, as `cam simulate` computes it from this start.
+
+    origin: `fixed`, `up` or `down` for a sweep, `solved` for an orbit, `start` for a start of the
+    basins; q (m) and v (m/s): at the strobe, None where the follower rests on the cam; turns: how
+    many are shown; loops: the last one ends where the first begins.
+
+    impacts: (theta_deg, u_minus_m_per_s) and strobes: (q_m, v_m_per_s), points of the diagram.
+    """
+
+    rpm: float
+    label: str
+    origin: str
+    q: float | None
+    v: float | None
+    turns: int
+    loops: bool
+    stable: bool | None
+    exponent: float | None
+    impacts: Columns
+    strobes: Columns
+
+    def is_near(self, label: str, state: tuple[float, float]) -> bool:
+        """Whether a motion of the same speed with this label and state at the strobe is this one.
+
+        Motions without a period are told apart by their labels alone.
+        """
+        if label != self.label or not period_of(label):
+            return label == self.label
+        return distance_to(state, list(zip(*self.strobes, strict=True))) <= CLOSE
+
+
+@dataclass(frozen=True)
+class Explored:
+    """What the page shows: motions with their simulations, and the results they come from."""
+
+    motions: list[Motion]
+    simulations: list[Simulation]
+    orbits: Result
+    basins: Result | None
+
+
+def explore(
+    scene: Scene | None = None,
+    progress: Progress | None = None,
+    *,
+    work: Work | None = None,
+    with_basins: bool = False,
+    source: str = "-c SCENE.yaml",
+) -> Result:
+    """A page for a browser: the machine in motion at every speed of ``scene.sweep.rpm``.
+
+    The motions are those of a sweep from the scene's start, those that sweeps up and down find
+    beside them, and the orbits solved over the same speeds, stable and not. Each is simulated from
+    its state at the strobe phase, and the page shows these simulations.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        The machine, the speeds ``sweep.rpm``, and what the sections ``orbits`` and ``basins`` ask
+        for; the default scene if left out.
+    progress : callable, optional
+        Called as ``progress(what, done, total)``.
+    work : Work, optional
+        How the speeds are computed. It never changes a result.
+    with_basins : bool
+        Also the basins at ``basins.rpm.start``, and the motions from a grid of starts.
+    source : str
+        Options that name this scene on the command line, for the commands that the page shows.
+
+    Returns
+    -------
+    Result
+        No tables. ``pages["explore"]()`` is the text of ``explore.html``, which needs no other
+        file; ``values`` holds the motions and their simulations.
+
+    Raises
+    ------
+    SceneError
+        If the start lies below the cam, or a page cannot hold the motions of so many speeds.
+    """
+    machine = machine_of(scene)
+    scene = machine.scene
+    samples = _samples(machine)
+    most = min(MOST_SPEEDS, MOST_ROWS // samples)
+    if scene.sweep.rpm.num > most:
+        asked, limit = f"found {scene.sweep.rpm.num} speeds", f"expected at most {most} on a page"
+        raise SceneError(Fault("", "sweep.rpm.num", asked, limit, "give --points"))
+    with stopwatch() as watch:
+        sweeps = [
+            (direction, sweep(_sweep_scene(scene, direction), progress, work=work))
+            for direction in ("fixed", "up", "down")
+        ]
+        solved = orbits(_orbits_scene(scene), progress)
+        landed = basins(_basins_scene(scene), progress, work=work) if with_basins else None
+        motions = _attractors(machine, sweeps, MOST_ROWS // (samples * scene.sweep.rpm.num))
+        motions += _solved(machine, solved, motions)
+        motions += [] if landed is None else _starts(machine, landed)
+        tick = ticks(progress, "motions", len(motions))
+        simulations = []
+        for motion in motions:
+            start = Start(motion.q, motion.v, scene.run.strobe_deg)
+            settings = replace(with_turns(machine.settings, 0, motion.turns + 1), start=start)
+            simulations.append(simulate(machine.system, motion.rpm, settings, samples))
+            tick()
+    found = Explored(motions, simulations, solved, landed)
+    parts = [result for _, result in sweeps] + [solved] + ([] if landed is None else [landed])
+
+    def page() -> str:
+        from camcli.output.explore import page
+
+        return page({"source": source, **_machine_data(machine), **_motion_data(found)})
+
+    return Result(
+        command="explore",
+        scene=scene,
+        system=machine.system,
+        values=found,
+        tables={},
+        summary={
+            "speeds": scene.sweep.rpm.num,
+            "motions": len(motions),
+            "bifurcations": len(solved.tables["bifurcations"]),
+        },
+        pictures={},
+        pages={"explore": page},
+        cost=sum((one.cost for one in simulations), sum((part.cost for part in parts), Cost())),
+        seconds=watch.seconds,
+        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        complete=all(part.complete for part in parts),
+        options={"with_basins": with_basins, "source": source},
+    )
+
+
+def _with(scene: Scene, name: str, **values: Any) -> Scene:
+    """The scene with some values of a section replaced."""
+    section = getattr(scene, name).model_copy(update=values)
+    return scene.model_copy(update={name: section})
+
+
+def _samples(machine: Machine) -> int:
+    """Rows per turn at the lowest speed, so that a cubic from row to row is the motion itself."""
+    f, span = machine.system.follower, machine.scene.sweep.rpm
+    decay, square = f.damping / (2.0 * f.mass), f.stiffness / f.mass
+    fastest = max(sqrt(square), decay + sqrt(max(0.0, decay * decay - square)))
+    turn = TURN / omega_of(min(span.start, span.stop))
+    return max(FEWEST_ROWS, ceil(turn * fastest / STEP))
+
+
+def _sweep_scene(scene: Scene, direction: str) -> Scene:
+    sections = ("impacts", "strobe")
+    values = {"direction": direction, "sections": sections, "tables": "csv", "explain": False}
+    return _with(scene, "sweep", vary=(), lyapunov=True, **values)
+
+
+def _orbits_scene(scene: Scene) -> Scene:
+    """The same speeds for the orbits."""
+    span, at = scene.sweep.rpm, scene.orbits.at
+    low, high = sorted((span.start, span.stop))
+    rpm = scene.orbits.rpm.model_copy(update={"start": low, "stop": high})
+    at = at if at is not None and low <= at <= high else None
+    return _with(scene, "orbits", rpm=rpm, at=at, parameter="rpm", range=None, curve=None)
+
+
+def _basins_scene(scene: Scene) -> Scene:
+    """One speed, and cells of one size."""
+    rpm = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
+    return _with(scene, "basins", rpm=rpm, refine=0)
+
+
+def _attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) -> list[Motion]:
+    """The motions of the sweeps by speed, each that is not there already."""
+    found: dict[float, list[Motion]] = {}
+    for direction, result in sweeps:
+        for motion in _of_sweep(machine, result, direction, max(1, min(LONGEST, turns))):
+            known = found.setdefault(motion.rpm, [])
+            state = (float(motion.strobes[0][0]), float(motion.strobes[1][0]))
+            if not any(other.is_near(motion.label, state) for other in known):
+                known.append(motion)
+    return [motion for rpm in sorted(found) for motion in found[rpm]]
+
+
+def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> Iterator[Motion]:
+    """The last turns of every speed that has any; `most`: turns shown."""
+    speeds, impacts, strobe = (_columns(result, n) for n in ("speeds", "impacts", "strobe"))
+    points = MOST_POINTS // len(speeds["rpm"])
+    for k, rpm in enumerate(speeds["rpm"].tolist()):
+        own, hit = _rows_at(strobe, rpm), _rows_at(impacts, rpm)
+        recorded, label = len(own["q_m"]), str(speeds["label"][k])
+        if not recorded:
+            continue
+        period, exponent = period_of(label), float(speeds["lyapunov_per_period"][k])
+        turns = min(recorded, period if 0 < period <= most else most)
+        kept = hit["period"] >= recorded - (period or recorded)
+        yield Motion(
+            rpm, label, direction,
+            *_start(machine, rpm, own["q_m"][-turns], own["v_m_per_s"][-turns]),
+            turns,
+            turns == period,
+            True if period else None,
+            None if np.isnan(exponent) else exponent,
+            (hit["theta_deg"][kept][-points:], hit["u_minus_m_per_s"][kept][-points:]),
+            (own["q_m"][-(period or points):], own["v_m_per_s"][-(period or points):]),
+        )  # fmt: skip
+
+
+def _columns(result: Result, name: str) -> dict[str, np.ndarray]:
+    table = result.tables[name]
+    return {column: table[column] for column in table.columns}
+
+
+def _rows_at(columns: dict[str, np.ndarray], rpm: float) -> dict[str, np.ndarray]:
+    """The rows of one speed, which stand together."""
+    (found,) = np.nonzero(columns["rpm"] == rpm)
+    some = slice(found[0], found[-1] + 1) if len(found) else slice(0)
+    return {name: column[some] for name, column in columns.items()}
+
+
+def period_of(label: str) -> int:
+    """Turns after which a motion with this label repeats; 0 where it does not."""
+    if label == CONTACT:
+        return 1
+    return len(Label.parse(label).symbols) if label.startswith("P(") else 0
+
+
+def _start(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | None, float | None]:
+    """A state at the strobe as a start; (None, None) where the follower rests on the cam."""
+    stretch = machine.system.cam.stretches[machine.system.cam.strobe]
+    c, c_dot = stretch.start_c, stretch.start_c1 * omega_of(rpm)
+    if q <= c and abs(v - c_dot) <= 1e-12 * abs(c_dot):
+        return None, None
+    return float(max(q, c)), float(v)
+
+
+def _solved(machine: Machine, result: Result, known: list[Motion]) -> list[Motion]:
+    """The orbits of the branches that no sweep has found, one per step of the sweep and branch."""
+    branch, span = _columns(result, "branch"), machine.scene.sweep.rpm
+    step = abs(span.stop - span.start) / max(1, span.num - 1)
+    speeds = np.array([motion.rpm for motion in known])
+    found: list[Motion] = []
+    last = (0, 0.0, True)
+    for k, rpm in enumerate(branch["rpm"].tolist()):
+        label, stable = str(branch["label"][k]), bool(branch["stable"][k])
+        state = (float(branch["q_m"][k]), float(branch["v_m_per_s"][k]))
+        number, before, as_before = last
+        if number == branch["branch"][k] and stable == as_before and abs(rpm - before) < step:
+            continue
+        if len(speeds):
+            near = np.flatnonzero(np.abs(speeds - rpm) <= 0.5 * step * (1.0 + 1e-9))
+            if stable and any(known[n].is_near(label, state) for n in near):
+                continue
+        last = (int(branch["branch"][k]), rpm, stable)
+        turns = period_of(label)
+        found.append(
+            Motion(
+                rpm, label, "solved", *_start(machine, rpm, *state), turns, True, stable, None,
+                (np.empty(0), np.empty(0)), (np.array(state[:1]), np.array(state[1:])),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _starts(machine: Machine, result: Result) -> list[Motion]:
+    """Motions from a grid of starts in the window of the basins, by the attractor they reach."""
+    section = machine.scene.basins
+    cells, attractors = _columns(result, "basins"), _columns(result, "attractors")
+    names = dict(zip(attractors["attractor"].tolist(), attractors["label"].tolist(), strict=True))
+    (wide, high), found = section.cells, []
+    codes = cells["attractor"].reshape(high, wide)
+    for row in np.unique(np.linspace(0, high - 1, 2 * min(STARTS, high) + 1)[1::2].astype(int)):
+        for column in np.unique(
+            np.linspace(0, wide - 1, 2 * min(STARTS, wide) + 1)[1::2].astype(int)
+        ):
+            k = row * wide + column
+            if codes[row, column] == -1:
+                continue  # below the cam
+            q, v = float(cells["q_m"][k]), float(cells["v_m_per_s"][k])
+            label = str(names.get(int(codes[row, column]), "undecided"))
+            none = np.empty(0)
+            found.append(
+                Motion(
+                    section.rpm.start, label, "start", q, v, START_TURNS, False, None, None,
+                    (none, none), (none, none),
+                )
+            )  # fmt: skip
+    return found
+
+
+def _machine_data(machine: Machine) -> dict[str, Any]:
+    """The cam as a body and as a function of the cam angle, and the contact force on it.
+
+    A follower on the cam is pressed with F = spring + omega damper + omega^2 inertia, by phase.
+    """
+    scene, system, f = machine.scene, machine.system, machine.system.follower
+    body = outline(system.cam, scene.cam.kind, getattr(scene.cam, "base_radius", None))
+    turn = profile(system, scene.run.rpm, PROFILE_ROWS, None)
+    c, c1, c2 = (np.array(values) for values in (turn.c, turn.c1, turn.c2))
+    return {
+        "kind": scene.cam.kind,
+        "follower": scene.follower.model_dump(),
+        "strobe_deg": scene.run.strobe_deg,
+        "corners": turn.corners,
+        "speeds": [scene.sweep.rpm.start, scene.sweep.rpm.stop, scene.sweep.rpm.num],
+        "outline": {
+            "x": np.array(body.x), "y": np.array(body.y), "rise": body.rise, "told": body.told,
+            "flat": body.flat,
+        },
+        "cam": {
+            "theta_deg": np.array(turn.theta_deg), "c": c, "c1": c1,
+            "spring": f.mass * f.gravity + f.preload + f.stiffness * c,
+            "damper": f.damping * c1, "inertia": f.mass * c2,
+        },
+    }  # fmt: skip
+
+
+def _motion_data(found: Explored) -> dict[str, Any]:
+    """The motions one after the other, each with its number of rows, events and points."""
+    rows, events, motions = [], [], []
+    for motion, simulation in zip(found.motions, found.simulations, strict=True):
+        per_second, last = motion.rpm / 60.0, motion.turns * (1.0 + 1e-12)
+        own = [row for row in simulation.trajectory if row[0] * per_second <= last]
+        rests = [row[6] == STICKING for row in own]
+        inner = [False, *(all(rests[k - 1 : k + 2]) for k in range(1, len(own) - 1)), False]
+        kept = [
+            (row[0] * per_second, row[2], row[3], rest)
+            for row, rest, within in zip(own, rests, inner, strict=False)
+            if not within  # there the follower is where the cam is
+        ]
+        happened = [row for row in simulation.events if row[0] * per_second <= last]
+        rows += kept
+        events += [(row[0] * per_second, KINDS.index(row[3]), row[5]) for row in happened]
+        motions.append(
+            {
+                "rpm": motion.rpm, "label": motion.label, "origin": motion.origin,
+                "q": motion.q, "v": motion.v, "turns": motion.turns, "loops": motion.loops,
+                "period": period_of(motion.label), "stable": motion.stable,
+                "exponent": motion.exponent, "rows": len(kept), "events": len(happened),
+                "impacts": len(motion.impacts[0]), "strobes": len(motion.strobes[0]),
+            }
+        )  # fmt: skip
+    t, q, v, rest = zip(*rows, strict=True)
+    at, kind, u = zip(*events, strict=True) if events else ((), (), ())
+    impacts = [
+        np.concatenate(parts) for parts in zip(*(m.impacts for m in found.motions), strict=True)
+    ]
+    strobes = [
+        np.concatenate(parts) for parts in zip(*(m.strobes for m in found.motions), strict=True)
+    ]
+    return {
+        "motions": motions,
+        "rows": {"t": np.array(t), "q": np.array(q), "v": np.array(v), "rest": np.array(rest)},
+        "events": {"t": np.array(at), "kind": np.array(kind, np.uint8), "u": np.array(u)},
+        "points": {
+            "theta_deg": impacts[0], "u": impacts[1], "q": strobes[0], "v": strobes[1],
+        },
+        "branches": _branches(found.orbits), "bifurcations": _bifurcations(found.orbits),
+        "basins": None if found.basins is None else _basins_data(found.basins),
+    }  # fmt: skip
+
+
+def _branches(solved: Result) -> list[dict[str, Any]]:
+    """The branches as columns; one of impact `k` in `theta_deg[k]` and `u[k]`, NaN without it."""
+    table = _columns(solved, "branch")
+    columns = {
+        name: [table[column] for column in table if column.startswith(prefix)]
+        for name, prefix in (("theta_deg", "theta_deg_"), ("u", "u_minus_m_per_s_"))
+    }
+    for theta, u in zip(columns["theta_deg"], columns["u"], strict=True):
+        theta[np.isnan(u)] = np.nan  # of a departure, not of an impact
+    found = []
+    for number in np.unique(table["branch"]).tolist():
+        own = table["branch"] == number
+        found.append(
+            {
+                "rpm": table["rpm"][own].tolist(), "stable": table["stable"][own],
+                "label": table["label"][own].tolist(),
+                "q": [table["q_m"][own]], "v": [table["v_m_per_s"][own]],
+                **{name: [column[own] for column in own_] for name, own_ in columns.items()},
+            }
+        )  # fmt: skip
+    return found
+
+
+def _bifurcations(solved: Result) -> list[dict[str, Any]]:
+    """The events of the branches, one that several share once."""
+    found: dict[tuple, dict[str, Any]] = {}
+    for b in solved.values.bifurcations:
+        q, w = b.orbit.states[0]
+        key = (b.kind, b.label, f"{b.value:.10g}")
+        found.setdefault(key, {
+            "kind": b.kind, "label": b.label, "rpm": b.value, "rpm_error": b.error,
+            "corner": b.corner, "classification": b.classification, "words": event_words(b),
+            "theta_deg": [theta * 180.0 / pi for theta in b.orbit.theta[: len(b.orbit.rates)]],
+            "u": [u * omega_of(b.value) for u in b.orbit.rates],
+            "q": [q], "v": [w * omega_of(b.value)],
+        })  # fmt: skip
+    return sorted(found.values(), key=lambda event: event["rpm"])
+
+
+def _basins_data(landed: Result) -> dict[str, Any]:
+    """The window with the attractor of every cell."""
+    section, attractors = landed.scene.basins, _columns(landed, "attractors")
+    return {
+        "rpm": section.rpm.start, "q": section.q, "v": section.v, "cells": section.cells,
+        "codes": landed.tables["basins"]["attractor"].astype(np.int8).view(np.uint8),
+        "attractors": [
+            {"number": int(number), "label": str(label), "fraction": float(fraction)}
+            for number, label, fraction in zip(
+                *(attractors[name] for name in ("attractor", "label", "fraction")), strict=True
+            )
+        ],
+    }  # fmt: skip

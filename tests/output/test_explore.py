@@ -1,0 +1,187 @@
+"""explore.html holds what `cam simulate` writes, and in a browser it shows just that."""
+
+import json
+import re
+import shlex
+import shutil
+from base64 import b64decode
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+import camcli
+
+pytestmark = pytest.mark.slow
+FEW = {"sweep.rpm.num": 11, "run.transient": 300, "run.record": 60, "orbits.starts": 6}
+SCENES = {
+    "chapter": (None, {}),
+    "valve-train": (
+        "configs/valve-train.yaml",
+        {"sweep.rpm.start": 3200, "sweep.rpm.stop": 3400, "orbits.at": 3300},
+    ),
+    "bouncing-ball": (
+        "configs/bouncing-ball.yaml",
+        {"sweep.rpm.start": 1000, "sweep.rpm.stop": 1150},
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def made(request, tmp_path_factory):
+    """The scene, the folder of its page, and the data in it."""
+    file, values = SCENES[request.param]
+    path = None if file is None else str(request.config.rootpath / file)
+    scene = camcli.load_scene(path, {**FEW, **values})
+    source = "" if path is None else shlex.join(["-c", path])
+    folder = tmp_path_factory.mktemp(request.param)
+    camcli.explore(scene, source=source).save(folder)
+    return scene, folder, data_of(folder)
+
+
+def data_of(folder):
+    text = (folder / "explore.html").read_text()
+    found = re.search(r'<script id="data" type="application/json">(.*?)</script>', text, re.DOTALL)
+    return decoded(json.loads(found[1]))
+
+
+def decoded(value):
+    if isinstance(value, list):
+        return [decoded(one) for one in value]
+    if isinstance(value, dict) and value and value.keys() <= {"f4", "u1"}:
+        ((kind, text),) = value.items()
+        return np.frombuffer(b64decode(text), f"<{kind}")
+    return {k: decoded(v) for k, v in value.items()} if isinstance(value, dict) else value
+
+
+def rows_of(data, number):
+    """The rows of one motion: t, q, v and rest."""
+    first = sum(m["rows"] for m in data["motions"][:number])
+    some = slice(first, first + data["motions"][number]["rows"])
+    return {name: column[some] for name, column in data["rows"].items()}
+
+
+def command_of(data, motion):
+    """The arguments of the command that the page shows for a motion."""
+    start = {"q": motion["q"], "v": motion["v"], "theta_deg": data["strobe_deg"]}
+    text = json.dumps(start).replace('"', "")
+    return [
+        "simulate", *shlex.split(data["source"]), "--rpm", repr(motion["rpm"]),
+        "--set", "run.transient=0", "--set", f"run.record={motion['turns']}",
+        "--set", f"run.start={text}", "--no-plot",
+    ]  # fmt: skip
+
+
+def some_motions(data):
+    """The first motion of each label and origin."""
+    return {
+        (m["label"], m["origin"], m["stable"]): k for k, m in enumerate(data["motions"])
+    }.values()
+
+
+def test_the_page_is_one_small_file_that_asks_for_nothing(made):
+    _, folder, _ = made
+    text = (folder / "explore.html").read_text()
+    assert sorted(path.name for path in folder.iterdir()) == ["explore.html", "run.json"]
+    assert len(text) < 8e6
+    tags = Tags(text)
+    assert not {tag for tag, _ in tags.found} & {"link", "img", "iframe", "object"}
+    assert not [a for _, a in tags.found if {"src", "href"} & a.keys() and a["href"][0] != "#"]
+    code = re.sub(r'"http://www.w3.org/2000/svg"', "", text)
+    assert not re.search(r"https?://|fetch\(|XMLHttp|@import|url\((?!#)", code)
+
+
+class Tags(HTMLParser):
+    """Every element with its attributes."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.found = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append((tag, dict(attrs)))
+
+
+def test_everything_that_can_be_used_has_a_name_and_a_unique_id(made):
+    _, folder, _ = made
+    tags = Tags((folder / "explore.html").read_text()).found
+    ids = [a["id"] for _, a in tags if "id" in a]
+    assert len(ids) == len(set(ids))
+    named = {"aria-label", "aria-labelledby"}
+    assert all(named & a.keys() for _, a in tags if "role" in a and a["role"] != "presentation")
+    labels = [
+        a[key] for _, a in tags for key in ("aria-labelledby", "aria-describedby") if key in a
+    ]
+    assert set(labels) <= set(ids)
+
+
+def test_the_position_between_two_rows_is_that_of_trajectory_csv(made, cam, tmp_path):
+    _, _, data = made
+    for number in some_motions(data):
+        motion, rows = data["motions"][number], rows_of(data, number)
+        done = cam(*command_of(data, motion), "--set", "simulate.samples=720", "-o", "here")
+        assert done.returncode in (0, 3), done.stderr
+        path = tmp_path / "here" / "trajectory.csv"
+        table = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+        shutil.rmtree(tmp_path / "here")
+        q = shown(rows, motion["rpm"], table["t_s"] * motion["rpm"] / 60.0, table["c_m"])
+        room = max(table["q_m"].max(), data["cam"]["c"].max()) - min(data["cam"]["c"])
+        assert np.abs(q - table["q_m"]).max() < room / 2000, (motion["label"], motion["rpm"])
+
+
+def shown(rows, rpm, t, c):
+    """What the page shows: the cubic through two rows, and the cam where the follower rests."""
+    k = np.searchsorted(rows["t"], t.astype(np.float32), side="right") - 1
+    k = np.minimum(k, len(rows["t"]) - 2)
+    h = (rows["t"][k + 1] - rows["t"][k]).astype(float)
+    x = np.divide(t - rows["t"][k], h, out=np.zeros_like(h), where=h > 0)
+    start, end = (rows["v"][n] * h * 60.0 / rpm for n in (k, k + 1))
+    rise = rows["q"][k + 1] - rows["q"][k]
+    bend = 3 * rise - 2 * start - end
+    q = rows["q"][k] + x * (start + x * (bend + x * (start + end - 2 * rise)))
+    return np.where(rows["rest"][k], c, q)
+
+
+def test_a_motion_that_repeats_ends_where_it_begins(made):
+    _, _, data = made
+    loops = [k for k, m in enumerate(data["motions"]) if m["loops"]]
+    assert len(loops) > 5
+    for number in loops:
+        rows = rows_of(data, number)
+        room = np.abs(data["cam"]["c"]).max()
+        assert abs(rows["q"][-1] - rows["q"][0]) < 1e-3 * room, data["motions"][number]
+
+
+def test_attractors_beside_each_other_and_unstable_orbits_are_there(made):
+    scene, _, data = made
+    by_speed = {}
+    for m in data["motions"]:
+        by_speed.setdefault(m["rpm"], set()).add((m["label"], m["origin"]))
+    if scene.cam.kind == "arcs":
+        assert {("P(1;1)", "down")} & by_speed[680.0]
+        assert ("aperiodic", "fixed") in by_speed[680.0]
+        kinds = [event["kind"] for event in data["bifurcations"]]
+        assert kinds == ["corner-impact", "period-doubling", "corner-impact"]
+    if scene.cam.kind != "law":
+        assert any(m["stable"] is False for m in data["motions"])
+
+
+def test_the_contact_force_is_that_of_the_profile(made):
+    scene, _, data = made
+    rpm = scene.run.rpm
+    wanted = camcli.simulate(scene, profile_only=True).tables["profile"]
+    omega, cam_ = rpm * np.pi / 30.0, data["cam"]
+    force = cam_["spring"] + omega * (cam_["damper"] + omega * cam_["inertia"])
+    at = np.searchsorted(cam_["theta_deg"], wanted["theta_deg"].astype(np.float32) - 1e-4)
+    smooth = np.append(np.diff(wanted["theta_deg"]) > 0, True) & np.insert(
+        np.diff(wanted["theta_deg"]) > 0, 0, True
+    )
+    error = np.abs(force[at] - wanted["force_n"])[smooth]
+    assert error.max() < 1e-5 * np.abs(wanted["force_n"]).max()
+
+
+def test_too_many_speeds_are_refused(cam):
+    done = cam("explore", "--points", "1001")
+    assert done.returncode == 2
+    assert "1001 speeds" in done.stderr
