@@ -79,7 +79,7 @@ def simulate(
     def draw():
         from camcli.plots.simulate import draw_simulation
 
-        return draw_simulation(found, turns=scene.simulate.plot_turns)
+        return draw_simulation(found, system, scene.simulate.plot_turns)
 
     return Result(
         command="simulate",

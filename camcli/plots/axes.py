@@ -191,21 +191,29 @@ def trouble_ticks(axes: Axes, x: Sequence[float] | np.ndarray) -> None:
 
 def lift_curves(cam: Cam, count: int) -> tuple[np.ndarray, list[np.ndarray]]:
     """Phases in degrees, and there c and its first derivatives by theta; nan between stretches."""
-    pieces = np.asarray(cam.pieces, dtype=float).reshape(-1, PIECE)
-    theta: list[np.ndarray] = []
-    orders: list[list[np.ndarray]] = [[] for _ in range(count)]
-    gap = np.array([np.nan])
-    columns = [column(cam, name) for name in ("start", "end", "first_piece", "piece_count")]
-    for start, end, first, number in zip(*columns, strict=True):
-        x = np.linspace(start, end, 2 + int((end - start) * 200))
-        k = ((x - start) / (end - start) * number).astype(int)
-        piece = pieces[int(first) + np.minimum(k, int(number) - 1)]
-        powers = (x - piece[:, 0])[:, None] ** np.arange(TERMS)
-        theta += [np.degrees(x), gap]
-        for order, rows in enumerate(orders):
-            terms = piece[:, 1 + order * TERMS : 1 + (order + 1) * TERMS]
-            rows += [(terms * powers).sum(axis=1), gap]
-    return np.concatenate(theta), [np.concatenate(rows) for rows in orders]
+    starts, ends = column(cam, "start"), column(cam, "end")
+    places = [np.linspace(a, b, 2 + int((b - a) * 200)) for a, b in zip(starts, ends, strict=True)]
+    theta = np.concatenate([[*np.degrees(x), np.nan] for x in places])
+    orders = [[*_values(cam, np.full(len(x), k), x).T, [np.nan] * 3] for k, x in enumerate(places)]
+    return theta, list(np.concatenate(orders).T[:count])
+
+
+def lift(cam: Cam, theta: np.ndarray) -> np.ndarray:
+    """c and its two derivatives by theta (rad) at phases of any turn: (3, phases)."""
+    starts = np.asarray(column(cam, "start"))
+    order = np.argsort(starts)
+    x = starts.min() + (theta - starts.min()) % np.radians(TURN_DEG)
+    return _values(cam, order[np.searchsorted(starts[order], x, side="right") - 1], x)
+
+
+def _values(cam: Cam, stretch: np.ndarray, x: np.ndarray) -> np.ndarray:
+    names = "start", "end", "first_piece", "piece_count"
+    start, end, first, count = (np.asarray(column(cam, name))[stretch] for name in names)
+    k = np.minimum(((x - start) / (end - start) * count).astype(int), count.astype(int) - 1)
+    piece = np.asarray(cam.pieces, dtype=float).reshape(-1, PIECE)[first.astype(int) + k]
+    terms = piece[:, 1:].reshape(len(x), -1, TERMS)[:, :3]
+    powers = (x - piece[:, 0])[:, None] ** np.arange(TERMS)
+    return np.einsum("xot,xt->ox", terms, powers)
 
 
 def draw_forces(axes: Axes, curves: Sequence[ForceCurve], names: Sequence[str] = ()) -> None:

@@ -12,14 +12,16 @@ from matplotlib.axes import Axes
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
 from camcli.errors import Status
 from camcli.plots import style
-from camcli.plots.axes import TURN_DEG, corner_lines, mark, places_beside, say
+from camcli.plots.axes import TURN_DEG, corner_lines, lift, mark, places_beside, say
 from camcli.plots.picture import Panel, Picture
+from camcli.system import System
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
 TICK = 21.0  # pt, from one tick to the next at least
 NAMED_TURNS = 4.5  # turns up to which corners are drawn
 NAMES = {"chatter": "chatter accumulates"}  # of events, where it is another than their kind
 BLINK = 1e-9  # turns: closer is the same time
+ASIDE = 1e-13  # of the time, from a corner to what stands for its sides
 FINER = 8  # points from one row to the next
 MOST_POINTS = 400_000
 
@@ -28,38 +30,50 @@ MOST_POINTS = 400_000
 class Trace:
     """The last turns over the cam angle (deg, from turn to turn), smooth between the samples.
 
-    `cam`, `gap` (m) and `u` (m/s) are by point; `sticks` holds from a point to the next. `events`
-    has (angle, q) of every kind, `jumps` (u_minus, u_plus) of the impacts; `origin` is the angle
-    at time 0.
+    `q`, `cam`, `gap` (m), `u` (m/s) and `bend` (c_thetatheta, m/rad2) are by point; the corners of
+    the cam are among the points. `sticks` holds from a point to the next. `events` has (angle, q)
+    of every kind, `jumps` (u_minus, u_plus) of the impacts, `section` the states (q, v) at the
+    strobe phase; `origin` is the angle at time 0.
     """
 
     low: float
     high: float
     origin: float
     angle: np.ndarray
+    q: np.ndarray
     cam: np.ndarray
     gap: np.ndarray
     u: np.ndarray
+    bend: np.ndarray
     sticks: np.ndarray
     events: dict[str, np.ndarray]
     jumps: np.ndarray
+    section: np.ndarray
 
     @classmethod
-    def of(cls, simulation: Simulation, turns: int) -> Trace:
+    def of(cls, simulation: Simulation, system: System, turns: int) -> Trace:
         """The last turns of a simulation that has a trajectory."""
-        rows = simulation.trajectory
-        per_second = simulation.rpm / 60.0
+        rows, per_second = simulation.trajectory, simulation.rpm / 60.0
         first = floor(rows[0][0] * per_second + BLINK)
         last = max(ceil(rows[-1][0] * per_second - BLINK), first + 1)
         first = max(last - turns, first)
         begin = (first - BLINK) / per_second
         degrees = TURN_DEG * per_second
         origin = round(rows[0][1] - degrees * rows[0][0], 9) % TURN_DEG
-        kept = [row for row in rows if row[0] >= begin]
-        t, _, q, v, c, c_dot = np.array([row[:6] for row in kept], dtype=float).T
-        parts = max(2, min(FINER, MOST_POINTS // len(kept)))
-        gap, u = _finer(t, q - c, v - c_dot, parts)
-        sticks = [row[6] == STICKING for row in kept]
+        t, q, v = np.array([(row[0], row[2], row[3]) for row in rows], dtype=float).T
+        strobes = abs(t * per_second - np.round(t * per_second)) < BLINK
+        kept = t >= begin
+        sticks = np.array([row[6] == STICKING for row in rows])[kept]
+        t, q, v, section = t[kept], q[kept], v[kept], np.column_stack([q, v])[strobes]
+        corners = (np.array(simulation.corners_deg) - origin) / degrees
+        fine, segment = _fine(
+            t, np.concatenate([corners + k / per_second for k in range(first - 1, last)])
+        )
+        angle = degrees * fine + origin
+        cam, slope, bend = lift(system.cam, np.radians(angle))
+        at, rate = _cubic(t, q, v, fine, segment)
+        resting = sticks[segment]
+        gap = np.where(resting, 0.0, at - cam)
         events: dict[str, list[tuple[float, float]]] = {}
         for row in simulation.events:
             if row[0] >= begin:
@@ -69,69 +83,90 @@ class Trace:
             low=TURN_DEG * first + origin,
             high=TURN_DEG * last + origin,
             origin=origin,
-            angle=degrees * _finer(t, t, np.ones_like(t), parts)[0] + origin,
-            cam=_finer(t, c, c_dot, parts)[0],
-            gap=np.maximum(gap, min(0.0, float((q - c).min()))),
-            u=u,
-            sticks=np.append(np.repeat(sticks[:-1], parts), sticks[-1]).astype(bool),
+            angle=angle,
+            q=cam + gap,
+            cam=cam,
+            gap=gap,
+            u=np.where(resting, 0.0, rate - slope * np.radians(degrees)),
+            bend=bend,
+            sticks=resting,
             events={kind: np.array(points) for kind, points in events.items()},
             jumps=np.array(jumps).reshape(-1, 2),
+            section=section,
         )
 
-    def during(self, values: np.ndarray, sticking: bool) -> np.ndarray:
-        """Values on the segments of one state of the contact, nan elsewhere."""
-        begins = self.sticks == sticking
-        return np.where(begins | np.append(False, begins[:-1]), values, np.nan)
+    def during(self, values: np.ndarray, state: np.ndarray) -> np.ndarray:
+        """Values on the segments where a state holds, nan elsewhere."""
+        return np.where(state | np.append(False, state[:-1]), values, np.nan)
 
 
-def _finer(
-    t: np.ndarray, y: np.ndarray, slope: np.ndarray, parts: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Values and slopes of the cubic through both at the rows, `parts` points per segment.
+def _fine(t: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Times that are dense enough for a smooth curve, and the rows they come after.
 
-    Where time stands still (a jump of the slope), the slopes within are nan: a gap in the curve.
+    The rows themselves are among them, a jump twice, and every corner of the cam from both sides.
     """
-    x = np.arange(parts) / parts
-    h = np.diff(t)[:, None]
-    rise = np.diff(y)[:, None]
-    start, end = h * slope[:-1, None], h * slope[1:, None]
-    square, cube = 3.0 * rise - 2.0 * start - end, start + end - 2.0 * rise
-    values = y[:-1, None] + x * (start + x * (square + x * cube))
-    slopes = start + x * (2.0 * square + 3.0 * x * cube)
-    slopes = np.divide(slopes, h, out=np.full_like(slopes, np.nan), where=h > 0.0)
-    slopes[:, 0] = slope[:-1]
-    return np.append(values.ravel(), y[-1]), np.append(slopes.ravel(), slope[-1])
+    parts = max(2, min(FINER, MOST_POINTS // len(t)))
+    segment = np.repeat(np.arange(len(t)), [*np.full(len(t) - 1, parts), 1])
+    share = np.append(np.tile(np.arange(parts) / parts, len(t) - 1), 0.0)
+    fine = t[segment] + share * np.append(np.diff(t), 0.0)[segment]
+    inside = corners[(corners > t[0]) & (corners < t[-1])]
+    inside = np.sort(np.concatenate([inside - ASIDE * t[-1], inside + ASIDE * t[-1]]))
+    place = np.searchsorted(fine, inside, side="right")
+    after = np.searchsorted(t, inside, side="right") - 1
+    return np.insert(fine, place, inside), np.insert(segment, place, after)
 
 
-def draw_simulation(simulation: Simulation, turns: int) -> Picture:
+def _cubic(
+    t: np.ndarray, y: np.ndarray, slope: np.ndarray, x: np.ndarray, segment: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Values and slopes at times x of the cubics through the rows, each with both slopes there.
+
+    Where time stands still (an impact), the slope is nan: a gap in the curve.
+    """
+    if len(t) < 2:
+        return y[segment], slope[segment]
+    k = np.minimum(segment, len(t) - 2)
+    h = np.diff(t)[k]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s = (x - t[k]) / h
+        rise, start, end = np.diff(y)[k] / h, slope[k], slope[k + 1]
+        square, cube = 3.0 * rise - 2.0 * start - end, start + end - 2.0 * rise
+        values = y[k] + h * s * (start + s * (square + s * cube))
+        slopes = start + s * (2.0 * square + 3.0 * s * cube)
+    first = np.append(True, np.diff(segment) > 0)
+    jumps = np.where(first, slope[segment], np.nan)
+    return np.where(h > 0.0, values, y[segment]), np.where(h > 0.0, slopes, jumps)
+
+
+def draw_simulation(simulation: Simulation, system: System, turns: int) -> Picture:
     """Picture of the last `turns` turns of a simulation."""
     title = f"Time response at {style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
     status = Status(simulation.status)
     stopped = f"stopped ({status.text}): {status.cause}" if simulation.status != Status.OK else ""
-    trace = Trace.of(simulation, turns) if simulation.trajectory else None
+    trace = Trace.of(simulation, system, turns) if simulation.trajectory else None
 
-    def panel(draw: Any, height: float, across: int = 1) -> Panel:
+    def panel(draw: Any, height: float, **more: Any) -> Panel:
         if trace is None:
-            return Panel(lambda axes: say(axes, "no trajectory was sampled"), height, across=across)
-        return Panel(lambda axes: draw(axes, trace, simulation), height, across=across)
+            return Panel(lambda axes: say(axes, "no trajectory was sampled"), height, **more)
+        return Panel(lambda axes: draw(axes, trace, simulation), height, **more)
 
     panels = {
         "motion": panel(_draw_motion, 58.0),
         "gap": panel(_draw_gap, 52.0, across=2),
         "phase": panel(_draw_phase, 52.0, across=2),
+        "section": panel(_draw_section, 60.0, across=2, usual=False),
     }
     return Picture(title, panels, stopped, style.TROUBLE)
 
 
 def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     """Positions of cam and follower, coloured by the contact, with all events; time above."""
-    q = trace.cam + trace.gap
-    low, high = float(trace.cam.min()), float(q.max())
+    low, high = float(trace.cam.min()), float(trace.q.max())
     room = 0.06 * (high - low) or 0.06 * abs(high) or 1.0
-    axes.set(ylim=(low - room, high + room), ylabel="position (m)")
+    axes.set(ylim=(low - room, high + room), ylabel="position $q$ (m)")
     axes.fill_between(trace.angle, low - room, trace.cam, color=style.CAM_BODY, linewidth=0)
     axes.plot(trace.angle, trace.cam, color=style.CAM, linewidth=0.8, label="cam")
-    _draw_contact(axes, trace, q, named=True)
+    _draw_contact(axes, trace, trace.q, named=True)
     for kind, points in trace.events.items():
         mark(axes, kind, points[:, 0], points[:, 1], label=NAMES.get(kind, kind), zorder=4)
     _angle_axis(axes, trace)
@@ -160,14 +195,16 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
 
 def _draw_contact(axes: Axes, trace: Trace, values: np.ndarray, named: bool = False) -> None:
     """Values over the cam angle: flight as a line, sticking as a thick one."""
-    looks = (
-        (False, style.FLIGHT, 1.0, f"follower in {FLIGHT}"),
-        (True, style.STICKING, 3.0, STICKING),
-    )
-    for sticking, colour, width, name in looks:
-        if (trace.sticks == sticking).any():
+    slowing = trace.sticks & (trace.bend < -BLINK * abs(trace.bend).max())
+    states = {
+        f"follower in {FLIGHT}": (~trace.sticks, style.FLIGHT, 1.0),
+        f"{STICKING}, the cam's acceleration ≥ 0": (trace.sticks & ~slowing, style.STICKING, 3.0),
+        f"{STICKING}, the cam slows down": (slowing, style.SLOWING, 3.0),
+    }
+    for name, (state, colour, width) in states.items():
+        if state.any():
+            part = trace.during(values, state)
             label = name if named else None
-            part = trace.during(values, sticking)
             axes.plot(trace.angle, part, color=colour, linewidth=width, label=label)
 
 
@@ -185,14 +222,20 @@ def _draw_phase(axes: Axes, trace: Trace, _: Simulation) -> None:
     """Relative phase plane: flights as curves, impacts as jumps at q = c, sticking as a point."""
     axes.axvline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
     axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
-    flight = trace.during(trace.gap, sticking=False), trace.during(trace.u, sticking=False)
+    flight = (trace.during(values, ~trace.sticks) for values in (trace.gap, trace.u))
     axes.plot(*flight, color=style.FLIGHT)
     ends = np.column_stack([trace.jumps, np.full(len(trace.jumps), np.nan)]).ravel()
     axes.plot(np.zeros_like(ends), ends, "o-", color=style.IMPACT, linewidth=0.5, ms=2.0)
     if trace.sticks.any():
         axes.plot([0.0], [0.0], color=style.STICKING, marker="o", ms=5.0, zorder=4)
     axes.set_xlabel("relative position $q - c$ (m)")
-    axes.set_ylabel(r"relative velocity $v - \dot c$ (m/s)")
+    axes.set_ylabel(r"relative velocity $u = v - \dot c$ (m/s)")
+
+
+def _draw_section(axes: Axes, trace: Trace, _: Simulation) -> None:
+    """The states of all recorded turns at the strobe phase."""
+    axes.plot(*trace.section.T, "o", color=style.IMPACT, ms=1.5, mew=0.0, rasterized=True)
+    axes.set(xlabel="stroboscopic $q$ (m)", ylabel="stroboscopic $v$ (m/s)")
 
 
 def _angle_axis(axes: Axes, trace: Trace) -> None:

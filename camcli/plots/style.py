@@ -20,6 +20,7 @@ MOST_CORNERS = len(ascii_lowercase)  # a cam with more is drawn without them
 # One meaning each in every picture. The contact of the follower, and its events:
 FLIGHT = "#0072B2"
 STICKING = "#E69F00"
+SLOWING = "#A85B00"  # sticking while the cam's acceleration is below zero
 IMPACT = "#000000"
 CHATTER = "#CC79A7"  # where a chatter accumulates
 DETACHMENT = "#009E73"

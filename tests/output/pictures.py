@@ -14,6 +14,7 @@ from camcli.analysis.sweep import Speed, Sweep
 from camcli.errors import Status
 from camcli.output.pictures import write_picture
 from camcli.plots.picture import TALLEST
+from tests.analysis.test_detach import eccentric
 
 RPM = 60.0  # a turn per second
 
@@ -79,17 +80,24 @@ def sweep_of(*speeds):
     return Sweep(list(speeds), "fixed", Cost())
 
 
+EVEN = eccentric("0.09", "0.02")  # the cam of `bounce`
+SAMPLES = 64
+
+
 def bounce(turns=2, label="P(1;inf)", status=Status.OK, rows=None):
     """A follower that rests for half a turn, then makes one hop: made up."""
     trajectory, events = [], []
     for k in range(turns):
-        for j in range(16):
-            x = j / 16 - 0.5
+        for j in range(SAMPLES):
+            x = j / SAMPLES - 0.5
             gap, u, state = (
-                (x * (0.5 - x), 0.5 - 2.0 * x, "flight") if j >= 8 else (0, 0, "sticking")
+                (x * (0.5 - x), 0.5 - 2.0 * x, "flight") if 2 * j >= SAMPLES else (0, 0, "sticking")
             )
-            c, c_dot = 0.1 - 0.01 * cos(pi * j / 8), 0.02 * pi * sin(pi * j / 8)
-            trajectory.append((k + j / 16, 22.5 * j, c + gap, c_dot + u, c, c_dot, state))
+            turned = 2.0 * pi * j / SAMPLES
+            c, c_dot = 0.1 - 0.01 * cos(turned), 0.02 * pi * sin(turned)
+            trajectory.append(
+                (k + j / SAMPLES, 360.0 * j / SAMPLES, c + gap, c_dot + u, c, c_dot, state)
+            )
         events += [
             (k + 0.0, k, 0.0, "impact", 0.09, -0.5, 0.4),
             (k + 0.1, k, 36.0, "chatter", 0.09, 0.0, 0.0),

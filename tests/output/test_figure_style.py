@@ -21,7 +21,7 @@ from camcli.plots.simulate import draw_simulation
 from camcli.plots.sweep import draw_sweep
 from camcli.scene.schema import Plot
 from tests.conftest import settings
-from tests.output.pictures import bounce, panel, png, speed, sweep_of
+from tests.output.pictures import EVEN, bounce, panel, png, speed, sweep_of
 
 FOLDER = Path(style.__file__).parent
 ROLES = (
@@ -134,7 +134,7 @@ def test_same_bytes_whatever_the_user_set_and_his_settings_stay(drawn):
 def test_threads_draw_the_same_and_leave_the_settings_alone():
     before = dict(matplotlib.rcParams)
     with ThreadPoolExecutor(3) as pool:
-        drawn = list(pool.map(lambda _: png(draw_simulation(bounce(), 2)), range(4)))
+        drawn = list(pool.map(lambda _: png(draw_simulation(bounce(), EVEN, 2)), range(4)))
     assert len(set(drawn)) == 1
     assert dict(matplotlib.rcParams) == before
 
