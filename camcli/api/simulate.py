@@ -160,6 +160,7 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
 
     def draw():
         from camcli.plots.cam_profile import Measured, draw_profile
+        from camcli.plots.mechanism import Outline
 
         cam, measured = scene.cam, None
         if cam.kind == "table":
@@ -167,7 +168,7 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
             own = [k for k, line in enumerate(turn.line) if line]
             lift = [cam.base + turn.lift[k] for k in own]
             measured = Measured([turn.theta[k] for k in own], lift, cam.errors.bounds, words)
-        return draw_profile(result, measured)
+        return draw_profile(result, Outline.of(system, base, scene.cam), measured)
 
     notes = []
     if result.curvature.undercut:

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from camcli.analysis.cam_profile import Profile
 from camcli.plots import style
 from camcli.plots.axes import draw_forces, newtons, say, turn_axis
+from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
 
 
@@ -25,13 +26,17 @@ class Measured:
     words: str
 
 
-def draw_profile(profile: Profile, measured: Measured | None = None) -> Picture:
-    """Picture of a cam."""
+def draw_profile(profile: Profile, outline: Outline, measured: Measured | None = None) -> Picture:
+    """Picture of a cam; its outline and the follower on it where they are asked for."""
     low, high = profile.ranges["c"]
     first, said = profile.first, "no speed marks a first detachment"
     if first is not None and first.finite:
         said = f"first detachment at {first.rpm:.6g} rpm, {first.theta_deg:.5g} deg"
-    panels = {}
+    theta, slope = np.asarray(profile.theta_deg), np.asarray(profile.c1)
+    rise, fall = theta[np.argmax(slope)], theta[np.argmin(slope)]
+    room = 0.4 * float(np.ptp(outline.radius))
+    moments = {"at rest": (0.0, 0.0), "lifting": (rise, 0.0), "landing": (fall, room)}
+    panels = machine_panels(outline, moments)
     for name, draw in DRAW.items():
         half = name.startswith("curvature")
         do = partial(_draw, draw=draw, profile=profile, measured=measured)

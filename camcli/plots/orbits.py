@@ -13,10 +13,12 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from camcli.analysis.border_collision import Side
+from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Branch, OrbitsResult
+from camcli.analysis.simulate import simulate
 from camcli.plots import style
 from camcli.plots.axes import (
     DASHED,
@@ -53,7 +55,8 @@ from camcli.plots.branch_lines import (
 )
 from camcli.plots.event_words import event_words
 from camcli.plots.picture import Panel, Picture, Rows
-from camcli.system import System
+from camcli.plots.simulate import Trace, angle_axis
+from camcli.system import System, omega_of
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
@@ -66,6 +69,7 @@ PARAMETERS = {  # name and unit
     "preload": ("preload", "N"),
     "mass": ("mass", "kg"),
 }
+CHATTER_TOLERANCE, IMPACT_BUDGET, SAMPLES = 1e-9, 10**6, 360  # of a drawn orbit
 LONGEST, MOST = 14, 16  # rows of the lists of branches and events, of orbits
 
 
@@ -392,18 +396,57 @@ def _single(study: OrbitsResult, system: System, words: str) -> tuple[dict, str,
         rows.append([_dot(orbit, shade), *cells])
     if len(orbits) > MOST:
         rows.append([f"and {len(orbits) - MOST} more, in the tables"])
-    panels = {
-        name: Panel(
-            partial(_draw_impacts, order=k, orbits=orbits, shades=shades, system=system),
-            LIFT,
-            "theta",
-        )
-        for k, name in enumerate(LIFTS)
-    }
     more: dict[str, Any] = {"orbits": orbits, "shades": shades}
-    panels["section"] = Panel(partial(_draw_states, system=system, **more), PLANE, across=2)
-    panels["plane"] = Panel(partial(_draw_multipliers, **more), PLANE, across=2)
+    traces = [_trace(orbit, system) for orbit in orbits[:MOST]]
+    panels = {
+        "motion": Panel(partial(_draw_motion, traces=traces, **more), PHASE, "theta"),
+        "orbit": Panel(partial(_draw_orbit, traces=traces, **more), PLANE, across=2),
+        "plane": Panel(partial(_draw_multipliers, **more), PLANE, across=2),
+    }
+    for k, name in enumerate(LIFTS):
+        draw = partial(_draw_impacts, order=k, system=system, **more)
+        panels[name] = Panel(draw, LIFT, "theta", usual=False)
+    draw = partial(_draw_states, system=system, **more)
+    panels["section"] = Panel(draw, PLANE, across=2, usual=False)
     return panels, words, "black", [rows]
+
+
+def _trace(orbit: PeriodicOrbit, system: System) -> Trace:
+    """One period of an orbit, simulated from its first section state."""
+    q, rate = orbit.states[0]
+    start = Start(q, rate * omega_of(orbit.rpm), system.strobe_deg)
+    run = Settings(0, orbit.turns, CHATTER_TOLERANCE, IMPACT_BUDGET, start)
+    return Trace.of(simulate(system, orbit.rpm, run, SAMPLES), system, orbit.turns)
+
+
+def _draw_motion(
+    axes: Axes, traces: Sequence[Trace], orbits: Sequence[PeriodicOrbit], shades: Sequence[str]
+) -> None:
+    """Positions over one period, from its first strobe; rests are thicker."""
+    longest = max(traces, key=lambda trace: trace.high - trace.low)
+    axes.plot(longest.angle, longest.cam, color=style.CAM, lw=0.8, label="cam")
+    for trace, orbit, shade in zip(traces, orbits, shades, strict=False):
+        axes.plot(trace.angle, trace.q, color=shade, zorder=3, **line_look(orbit.stable))
+        if trace.sticks.any():
+            rests = trace.during(trace.q, trace.sticks)
+            axes.plot(trace.angle, rests, color=style.STICKING, lw=3.0, zorder=2, label="sticking")
+        for points in (trace.events[kind] for kind in trace.events if kind == "impact"):
+            mark(axes, "impact", points[:, 0], points[:, 1], label="impact")
+    axes.set_ylabel("position $q$ (m)")
+    angle_axis(axes, longest)
+
+
+def _draw_orbit(
+    axes: Axes, traces: Sequence[Trace], orbits: Sequence[PeriodicOrbit], shades: Sequence[str]
+) -> None:
+    """The relative phase plane."""
+    axes.axvline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
+    axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
+    for trace, orbit, shade in zip(traces, orbits, shades, strict=False):
+        closed = (np.append(values, values[0]) for values in (trace.gap, trace.u))
+        axes.plot(*closed, color=shade, **line_look(orbit.stable))
+    axes.set_xlabel("relative position $q - c$ (m)")
+    axes.set_ylabel(r"relative velocity $u = v - \dot c$ (m/s)")
 
 
 LIFTS = {

@@ -22,6 +22,7 @@ NAMED_TURNS = 4.5  # turns up to which corners are drawn
 NAMES = {"chatter": "chatter accumulates"}  # of events, where it is another than their kind
 BLINK = 1e-9  # turns: closer is the same time
 ASIDE = 1e-13  # of the time, from a corner to what stands for its sides
+AROUND = 8.0  # deg, before a detachment in the panel `passage`
 FINER = 8  # points from one row to the next
 MOST_POINTS = 400_000
 
@@ -154,6 +155,7 @@ def draw_simulation(simulation: Simulation, system: System, turns: int) -> Pictu
         "motion": panel(_draw_motion, 58.0),
         "gap": panel(_draw_gap, 52.0, across=2),
         "phase": panel(_draw_phase, 52.0, across=2),
+        "passage": panel(_draw_passage, 52.0, usual=False),
         "section": panel(_draw_section, 60.0, across=2, usual=False),
     }
     return Picture(title, panels, stopped, style.TROUBLE)
@@ -169,7 +171,7 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     _draw_contact(axes, trace, trace.q, named=True)
     for kind, points in trace.events.items():
         mark(axes, kind, points[:, 0], points[:, 1], label=NAMES.get(kind, kind), zorder=4)
-    _angle_axis(axes, trace)
+    angle_axis(axes, trace)
     if trace.high - trace.low <= NAMED_TURNS * TURN_DEG:
         named = sorted(
             (trace.low + (phase - trace.low) % TURN_DEG, name)
@@ -215,7 +217,7 @@ def _draw_gap(axes: Axes, trace: Trace, _: Simulation) -> None:
     for kind, points in trace.events.items():
         mark(axes, kind, points[:, 0], np.zeros(len(points)), zorder=4)
     axes.set_ylabel("relative position $q - c$ (m)")
-    _angle_axis(axes, trace)
+    angle_axis(axes, trace)
 
 
 def _draw_phase(axes: Axes, trace: Trace, _: Simulation) -> None:
@@ -232,13 +234,30 @@ def _draw_phase(axes: Axes, trace: Trace, _: Simulation) -> None:
     axes.set_ylabel(r"relative velocity $u = v - \dot c$ (m/s)")
 
 
+def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
+    """Relative position around the last detachment, the turns drawn over one another."""
+    points = trace.events.get("detachment", np.array([[trace.high - AROUND, 0.0]]))
+    middle = points[-1, 0] % TURN_DEG
+    phase = (trace.angle - middle + TURN_DEG / 2.0) % TURN_DEG - TURN_DEG / 2.0 + middle
+    low, high = middle - AROUND, middle + AROUND / 2.0
+    gap = np.where((phase > low) & (phase < high), trace.gap, np.nan)
+    for sticking, colour, width in ((False, style.FLIGHT, 1.0), (True, style.STICKING, 3.0)):
+        part = trace.during(gap, trace.sticks == sticking)
+        axes.plot(np.where(np.isnan(part), np.nan, phase), part * 1e3, color=colour, lw=width)
+    axes.axhline(0.0, color=style.CAM, linewidth=0.6)
+    inside = gap[phase < middle]
+    axes.set(xlim=(low, high), ylim=(-0.02e3 * np.nanmax(inside), 0.4e3 * np.nanmax(inside)))
+    axes.set(xlabel=r"cam angle $\theta$ (deg)", ylabel="relative position $q - c$ (mm)")
+    corner_lines(axes, style.corner_names(simulation.corners_deg).items(), "x")
+
+
 def _draw_section(axes: Axes, trace: Trace, _: Simulation) -> None:
     """The states of all recorded turns at the strobe phase."""
     axes.plot(*trace.section.T, "o", color=style.IMPACT, ms=1.5, mew=0.0, rasterized=True)
     axes.set(xlabel="stroboscopic $q$ (m)", ylabel="stroboscopic $v$ (m/s)")
 
 
-def _angle_axis(axes: Axes, trace: Trace) -> None:
+def angle_axis(axes: Axes, trace: Trace) -> None:
     """Ticks in degrees within the turn, or in turns where there are many; a line per turn."""
     span = trace.high - trace.low
     most = max(2, int(axes.get_window_extent().width / style.DPI * 72.0 / TICK))

@@ -42,7 +42,7 @@ SectionName = Literal["impacts", "strobe"]
 ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
 PanelName = Literal[
-    "motion", "gap", "phase", "section",  # of simulate
+    "motion", "gap", "phase", "section", "passage",  # of simulate
     "mechanism", "outline", "lift", "velocity", "acceleration", "force", "curvature",  # of the cam
     "impacts", "enlarged", "strobe",  # of sweep
     "phases", "forces", "springs",  # of detach, and of orbits and classify

@@ -1,5 +1,7 @@
 """The picture of a simulation: made-up hops, every edge case."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,10 @@ from camcli.analysis.simulate import Simulation
 from camcli.analysis.simulate import simulate as run
 from camcli.errors import Status
 from camcli.plots import style
+from camcli.plots.mechanism import Outline, machine_panels
+from camcli.plots.picture import Picture
 from camcli.plots.simulate import Trace, draw_simulation
+from camcli.scene import load_scene
 from tests.conftest import settings
 from tests.output.pictures import EVEN, RPM, bounce, count, pixels, tall
 
@@ -71,9 +76,7 @@ def test_corners_are_kinks_in_the_relative_velocity(chapter, rpm):
     inside = ~(few.sticks | np.isnan(few.u))
     exact = np.interp(few.angle[inside], many.angle, many.u)
     near = np.abs(few.angle[inside] - 209.8206285048424) < 4.0
-    assert (
-        np.abs(few.u[inside] - exact)[near].max() < 5e-4
-    )  # a curve across the corner is off by 0.06
+    assert np.abs(few.u[inside] - exact)[near].max() < 5e-4
     if rpm == 190.0:
         assert few.u[inside][near].max() == pytest.approx(2.005, abs=6e-4)
 
@@ -84,3 +87,31 @@ def test_the_angle_is_the_cams_whatever_the_strobe():
         Simulation(RPM, shifted, [], "contact", Status.OK, 2, [], Cost(), None), EVEN, 1
     )
     assert (trace.low, trace.high) == (450.0, 810.0)
+
+
+# --- the machine
+
+
+def test_the_outline_has_the_lift_and_touches_the_circles_of_the_cam(chapter):
+    outline = Outline.of(chapter, 0.4, load_scene().cam)
+    x, y = outline.place(180.0, outline.at(180.0), 180.0)
+    assert (x, y) == pytest.approx((0.0, 0.55393320723821), abs=1e-12)
+    for phase, circle in ((0.0, 0), (180.0, 1), (120.0, 2), (155.0, 3)):
+        _, distance, direction, radius = outline.circles[circle]
+        point, centre = (
+            outline.place(phase, outline.at(phase), 0.0),
+            outline.place(direction, distance, 0.0),
+        )
+        assert np.hypot(*np.subtract(point, centre)) == pytest.approx(radius, abs=1e-5)
+
+
+def test_any_cam_can_be_drawn():
+    outline = Outline.of(EVEN, None)
+    assert outline.guessed
+    assert np.ptp(outline.radius) == pytest.approx(0.02)
+    panels = machine_panels(outline, {"at rest": (0.0, 0.0), "landing": (200.0, 0.01)})
+    assert list(Picture("", panels).chosen(["outline"])) == [
+        "outline at 0 deg",
+        "outline at 180 deg",
+    ]
+    tall(Picture("x", {name: replace(p, usual=True) for name, p in panels.items()}))

@@ -1,0 +1,165 @@
+"""The machine drawn: the cam's outline, its circles and corners, and the follower on it.
+
+A knife edge moves along a line through the cam's axis, at R(theta) = base radius + c - lowest c
+from it. The cam turns counterclockwise; the follower stands above it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, Polygon
+
+from camcli.cams import ArcsCam
+from camcli.plots import style
+from camcli.plots.axes import lift
+from camcli.plots.picture import Panel
+from camcli.system import System
+
+GUESSED = 1.5  # lifts, a base radius that is not known
+COILS, STEM, WIDE = 6, 0.15, 0.09  # of the spring; its length and half width in largest radii
+
+
+@dataclass(frozen=True)
+class Outline:
+    """Radii of a cam (m) over the turn (rad), and what its circles are."""
+
+    theta: np.ndarray
+    radius: np.ndarray
+    corners: dict[str, float]  # deg
+    circles: Sequence[tuple[str, float, float, float]]  # centre's name, distance, direction, radius
+    guessed: bool
+
+    @classmethod
+    def of(cls, system: System, base_radius: float | None, cam: Any = None) -> Outline:
+        """From the lift; `cam` is the scene's, whose circles are shown if it is made of arcs."""
+        theta = np.linspace(0.0, 2.0 * np.pi, 1441)
+        c = lift(system.cam, theta)[0]
+        base = base_radius or GUESSED * max(float(np.ptp(c)), 1e-9)
+        radius = base + c - c.min()
+        circles = [("O", 0.0, 0.0, float(radius.min()))]
+        if isinstance(cam, ArcsCam):
+            circles += [
+                ("O", 0.0, 0.0, float(radius.max())),
+                (r"O$_1$", cam.flank_center, min(system.corners_deg) - 180.0, cam.flank_radius),
+                (r"O$_2$", cam.nose_center, 180.0 - cam.top_dwell_deg / 2.0, cam.nose_radius),
+            ]
+        corners = style.corner_names(system.corners_deg)
+        return cls(theta, radius, corners, circles, base_radius is None)
+
+    def place(self, theta_deg: Any, radius: Any, turned_deg: float) -> tuple[Any, Any]:
+        """Where a point of the cam is when it has turned: phase and distance from the axis."""
+        angle = np.radians(np.subtract(theta_deg, turned_deg))
+        return radius * np.sin(angle), radius * np.cos(angle)
+
+    def at(self, theta_deg: float) -> float:
+        """Radius under the follower at a phase, m."""
+        return float(np.interp(np.radians(theta_deg % 360.0), self.theta, self.radius))
+
+
+def machine_panels(outline: Outline, moments: dict[str, tuple[float, float]]) -> dict[str, Panel]:
+    """Panels `outline`, at 0 and at 180 degrees, and `mechanism`; moments: phase (deg), gap (m)."""
+    panels = {
+        f"outline at {turned:g} deg": Panel(
+            partial(_draw_outline, outline=outline, turned=turned), 66.0, across=2, usual=False
+        )
+        for turned in (0.0, 180.0)
+    }
+    draw = partial(_draw_mechanism, outline=outline, moments=moments)
+    panels["mechanism"] = Panel(draw, 52.0, usual=False)
+    return panels
+
+
+def _body(axes: Axes, outline: Outline, turned: float, left: float = 0.0) -> None:
+    """The cam, and its axis."""
+    x, y = outline.place(np.degrees(outline.theta), outline.radius, turned)
+    look: dict[str, Any] = {"facecolor": style.CAM_BODY, "edgecolor": style.CAM, "linewidth": 1.2}
+    axes.add_patch(Polygon(np.column_stack([x + left, y]), closed=True, zorder=2, **look))
+    axes.plot([left], [0.0], "o", color=style.CAM, ms=3.0, zorder=4)
+
+
+def _follower(axes: Axes, outline: Outline, gap: float, turned: float, left: float = 0.0) -> None:
+    """A knife edge on its stem below a spring, its tip `gap` above the cam."""
+    size = float(outline.radius.max())
+    tip, wide, top = outline.at(turned) + gap, WIDE * size, (2.0 + STEM) * size
+    edge = [(left, tip), (left - wide / 2.0, tip + wide), (left + wide / 2.0, tip + wide)]
+    colour = style.FLIGHT if gap > 0.0 else style.STICKING
+    axes.add_patch(
+        Polygon(edge, closed=True, facecolor=colour, edgecolor=style.CAM, lw=0.8, zorder=5)
+    )
+    stem = 1.5 * size + (tip - outline.radius.min()) * 0.999
+    stem = min(max(stem, tip + 2.0 * wide), top - 2.0 * wide)
+    axes.plot([left, left], [tip + wide, stem], color=style.CAM, lw=2.0, zorder=4)
+    y = np.linspace(stem, top, 2 * COILS + 1)
+    x = left + wide * np.array([0.0, *[(-1.0) ** k for k in range(2 * COILS - 1)], 0.0])
+    axes.plot(x, y, color=style.CAM, lw=0.8, zorder=4)
+    axes.plot([left - 2.0 * wide, left + 2.0 * wide], [top, top], color=style.CAM, lw=1.6)
+
+
+def _bare(axes: Axes) -> None:
+    axes.set(aspect="equal", xticks=[], yticks=[])
+    axes.spines[:].set_visible(False)
+    axes.autoscale_view()
+
+
+def _draw_outline(axes: Axes, outline: Outline, turned: float) -> None:
+    """The cam with its circles, their centres and radii, and its corners by name."""
+    _body(axes, outline, turned)
+    size = float(outline.radius.max())
+    small: dict[str, Any] = {"size": style.NOTE, "zorder": 6}
+    for name, distance, direction, radius in outline.circles:
+        x, y = outline.place(direction, distance, turned)
+        look: dict[str, Any] = {
+            "fill": False,
+            "ec": style.GUIDE,
+            "lw": 0.6,
+            "ls": (0, (4, 2)),
+            "zorder": 3,
+        }
+        axes.add_patch(Circle((x, y), radius, **look))
+        axes.plot([x], [y], ".", color=style.CAM, ms=4.0, zorder=6)
+        axes.text(x + 0.02 * size, y, name, ha="left", va="top", color=style.CAM, **small)
+    for name, phase in outline.corners.items():
+        at = outline.at(phase)
+        x, y = outline.place(phase, np.array([0.0, at, 1.08 * at]), turned)
+        axes.plot(x[:2], y[:2], color=style.GUIDE, lw=0.5, zorder=3)
+        axes.plot(x[1:2], y[1:2], "o", color=style.CAM, ms=2.5, zorder=6)
+        words = rf"{name} {phase:.5g}$\degree$" if turned == 0.0 else name
+        side, va = (
+            "left" if x[2] > 0.0 else "right",
+            "center" if abs(y[2]) > 0.1 * size else "bottom",
+        )
+        axes.text(x[2], y[2], words, ha=side, va=va, **small)
+    _follower(axes, outline, 0.0, turned)
+    said = dict.fromkeys(f"{name} {radius:.4g} m" for name, _, _, radius in outline.circles)
+    radii = "base radius not given: 1.5 lifts" if outline.guessed else f"radii: {', '.join(said)}"
+    axes.set_title(rf"$\theta$ = {turned:g} deg" + f"; {radii}" * (turned == 0.0), loc="left")
+    room = 1.4 * size
+    _bare(axes)
+    axes.set(xlim=(-room, room), ylim=(-room, (2.1 + STEM) * size))
+
+
+def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float, float]]) -> None:
+    """The follower at several moments, each named, side by side."""
+    size = float(outline.radius.max())
+    for k, (name, (phase, gap)) in enumerate(moments.items()):
+        left = 3.2 * size * k
+        _body(axes, outline, phase, left)
+        _follower(axes, outline, gap, phase, left)
+        words = rf"{name}, $\theta$ = {phase % 360.0:.4g} deg"
+        axes.text(left, -1.35 * size, words, ha="center", va="top", size=style.NOTE)
+        for corner, place in outline.corners.items():
+            x, y = outline.place(place, 0.87 * outline.at(place), phase)
+            axes.text(
+                x + left, y, corner, ha="center", va="center", size=6.5, color=style.CAM, zorder=6
+            )
+    turning = {"arrowstyle": "->", "color": style.CAM, "connectionstyle": "arc3,rad=0.4", "lw": 0.8}
+    begin, end = (0.3 * size, -0.12 * size), (0.2 * size, 0.25 * size)
+    axes.annotate("", end, begin, arrowprops=turning, zorder=6)
+    axes.text(0.36 * size, 0.05 * size, r"$\omega$", size=8, zorder=6)
+    _bare(axes)
