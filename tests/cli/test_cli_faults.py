@@ -113,7 +113,7 @@ def test_a_fault_is_an_object_under_json_too(cam):
         assert (done.returncode, found["exit_code"]) == (2, 2)
         assert len(found["faults"]) == len(done.stderr.splitlines()) == len(words) // 2
         assert set(found["faults"][0]) == {"where", "path", "found", "expected", "cure"}
-    assert found["faults"][0]["found"] == "No such option: --frob"
+    assert "--frob" in found["faults"][0]["found"]
 
 
 def test_quiet_says_nothing(cam):
