@@ -26,6 +26,8 @@ SHARE_OF_MEMORY = 0.8
 PROGRAM = 45e6  # bytes of memory of the program itself, measured
 COMPILED, DRAWING = 130e6, 125e6  # and with the compiled kernel, and with a picture
 PICTURE, RECORD = 250e3, 5e3  # bytes of a PNG and of run.json
+MUCH = 200e6  # bytes of files that are worth a word
+MOST = 10.0  # s of a sample, then nothing is foreseen
 ENOUGH = 1.0  # s after which no larger sample is run
 SHORT = 100  # turns of transient and of record in a sample; the rest is taken to be like them
 LARGEST = 32  # the largest sample; the first is 2, each is twice the one before
@@ -142,7 +144,12 @@ def forecast(
     elif profile_only:
         impacts, tables = 0.0, 100.0 * scene.simulate.samples
     else:
-        impacts, seconds, tables = _extrapolated(command, scene, request, size)
+        try:
+            impacts, seconds, tables = _extrapolated(command, scene, request, size)
+        except TimeoutError:
+            notes.append(
+                f"a small part of it took {MOST:g} s: how long it takes is not known before"
+            )
     files = None if tables is None else ceil(tables + RECORD + (0 if request.no_plot else PICTURE))
     plan = {
         "orbits": ceil(size.orbits / share),
@@ -178,11 +185,16 @@ def _extrapolated(command: str, scene: Scene, request: Request, size: Size) -> l
     """
     for_work(size.turns or LITTLE_WORK + 1)  # a sample runs as the whole will
     samples: list[tuple[Scene, list[float]]] = []
+
+    def watch(*_: object) -> None:
+        if perf_counter() - began > MOST:
+            raise TimeoutError
+
     began, n, enough = perf_counter(), 2, 1 if size.turns else 2
     while n <= LARGEST and (len(samples) < enough or perf_counter() - began < ENOUGH):
         small = sample_of(command, scene, n)
         more = {"work": Work(request.threads)} if command in IN_THREADS else {}
-        result = analysis(command)(small, **more)
+        result = analysis(command)(small, watch, **more)
         text = sum(len(line) for t in result.tables.values() for line in t.csv())
         costs = [result.cost.impacts, result.seconds, text + len(json.dumps(result.summary))]
         samples.append((small, costs))

@@ -133,10 +133,13 @@ def run(
 
         with look(scene.plot.font, scene.plot.style):  # there are none: say so before the work
             pass
-    from camcli.cli.forecast import forecast, refuse_too_large
+    from camcli.cli.forecast import MUCH, forecast, in_words, refuse_too_large, size_of
 
     part = shard_of(shard)
     refuse_too_large(command, scene, request.folder(command), part)
+    needed = size_of(command, scene).disk
+    if needed > MUCH and not request.quiet:
+        note(f"note: this writes {in_words(needed)} of files, or more; see cam {command} --dry-run")
     if request.dry_run:
         with compiling(request):
             forecast(command, scene, request, part, profile_only=bool(options))

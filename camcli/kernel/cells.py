@@ -27,6 +27,7 @@ class Outcome(IntEnum):
 
 UNDECIDED, FORGOTTEN, GOES_ON, NEW_REST = (int(outcome) for outcome in Outcome)
 ENDLESS = 1 << 62
+SLICE = 50_000  # turns of one call, some tenths of a second
 CHATTERED_TURN = -1  # symbol of a turn in which a chatter is completed, else its impacts
 SETTLED_FORM = 1e-10  # a form below this may be rounding; it need not shrink any more
 
@@ -94,10 +95,13 @@ class Room(NamedTuple):
 
 
 @entry
-def settle_cells(cam, const, flows, targets, cells, budget, room):
-    """Follow every cell of the block for at most `budget` turns; nothing is returned."""
-    state = room.states[0]
-    for n in range(len(cells.gap)):
+def settle_cells(cam, const, flows, targets, cells, begin, budget, room):
+    """Follow the cells of the block from `begin` on, each for at most `budget` turns.
+
+    Returns the first that is left to do, after `SLICE` turns, or their number.
+    """
+    state, turns = room.states[0], 0
+    for n in range(begin, len(cells.gap)):
         state.theta = cam.stretches[cam.strobe].start
         state.gap, state.gap_rate = cells.gap[n], cells.rate[n]
         state.mode, state.stretch = cells.mode[n], cam.strobe
@@ -108,6 +112,10 @@ def settle_cells(cam, const, flows, targets, cells, budget, room):
         cells.mode[n], cells.outcome[n] = state.mode, outcome
         cells.turns[n], cells.stay[n], cells.symbol[n] = used, stay, symbol
         cells.impacts[n] = state.total_impacts
+        turns += used
+        if turns >= SLICE:
+            return n + 1
+    return len(cells.gap)
 
 
 @inlined

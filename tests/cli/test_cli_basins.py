@@ -138,3 +138,15 @@ def test_faults_are_said_before_any_work(run, tmp_path, words, said):
     assert done.returncode == 2
     assert said in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_calls_of_the_kernel_that_are_cut_change_nothing(run, monkeypatch):
+    from camcli.kernel import cells
+
+    monkeypatch.setenv("CAMCLI_KERNEL", "python")
+    found = []
+    for turns in (cells.SLICE, 1):
+        monkeypatch.setattr(cells, "SLICE", turns)
+        _, folder = run("--cells", "6", "--rpm", "745", "--set", "basins.budget=60")
+        found.append((folder / "basins.csv").read_bytes())
+    assert found[0] == found[1]

@@ -94,3 +94,13 @@ def test_free_disk_is_that_of_the_nearest_folder_there_is(monkeypatch, tmp_path)
     )
     assert forecast.free_disk(tmp_path / "not" / "there") == 5.0
     assert asked == [tmp_path]
+
+
+def test_much_to_write_is_said_and_a_sample_that_takes_long_ends(cam, monkeypatch):
+    large = ("sweep", "--points", "4000", "--set", "run.record=2000", "--dry-run")
+    assert "note: this writes 1.38 GB" in cam(*large).stderr
+    assert "writes" not in cam("sweep", "--points", "3", "--dry-run").stderr
+    monkeypatch.setattr(forecast, "MOST", 0.0)
+    plan = foreseen(cam, "detach")
+    assert (plan["seconds"], plan["impacts"], plan["bytes"]) == (None, None, None)
+    assert "not known before" in plan["notes"][0]

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from camcli.analysis.integrate import Cost, Record, Settings, Start
+from camcli.interrupts import look
 from camcli.kernel import backend
 from camcli.kernel.cells import Cells, Point, Rest, Room, Targets
 from camcli.kernel.contact_search import Tally
@@ -128,7 +129,10 @@ class _Task:
         cells = Cells(*real, kernel.numbers(mode, int), *whole)
         works = kernel.room(Tally, 1)
         room = Room(kernel.room(State, 1), works, kernel.log(0), kernel.strobe(1))
-        kernel.settle_cells(cam, const, flows, known, cells, self.budget, room)
+        begin = 0
+        while begin < len(gap):
+            look()
+            begin = kernel.settle_cells(cam, const, flows, known, cells, begin, self.budget, room)
         return (
             np.column_stack(cells[:2]),
             np.column_stack(cells[2:7]).astype(np.int32),
