@@ -193,7 +193,7 @@ def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
     starts = [_values(pieces[k], low) for k, (_, low, _) in zip(first, cuts, strict=True)]
     lasts = [k + len(group) - 1 for k, group in zip(first, stretches, strict=True)]
     ends = [_values(pieces[k], high) for k, (_, _, high) in zip(lasts, cuts, strict=True)]
-    bounds = [[_bounds(group, order) for order in range(5)] for group in stretches]
+    bounds = [[_bounds(group, order) for order in range(6)] for group in stretches]
     jumps = [starts[n][1] - ends[n - 1][1] for n in range(len(starts))]
     rows = [
         Stretch(
@@ -213,6 +213,7 @@ def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
             accel_max=bounds[n][2][1],
             jerk_max=_largest(bounds[n][3]),
             snap_max=_largest(bounds[n][4]),
+            crackle_max=_largest(bounds[n][5]),
             radius=_radius(group),
             c_min=bounds[n][0][0],
             slope_min=bounds[n][1][0],

@@ -39,6 +39,7 @@ class Stretch(NamedTuple):
     accel_max: float
     jerk_max: float  # bound on the third derivative
     snap_max: float  # bound on the fourth
+    crackle_max: float  # bound on the fifth
     radius: float  # how far a Taylor series of order 6 is exact to 2e-17 m/rad
     c_min: float  # lower bounds of c and c_theta
     slope_min: float

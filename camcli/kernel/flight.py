@@ -6,7 +6,7 @@ inequality that makes the landing the only one; everything else is left to `sear
 
 from math import sqrt
 
-from camcli.kernel.cam_table import TURN, higher, third
+from camcli.kernel.cam_table import TURN, higher
 from camcli.kernel.contact_search import (
     ACCUMULATED,
     CLEAR,
@@ -25,7 +25,7 @@ from camcli.kernel.contact_search import (
 from camcli.kernel.marks import inlined, outlined
 
 REFUSED = 1e300
-LARGEST_CHANGE = 0.25  # relative change of the acceleration the error estimate covers
+LARGEST_CHANGE = 0.25  # relative change of the acceleration that the chatter map's error covers
 TAYLOR_PHASE = 0.02  # largest (W + 2 Z) s of the follower's own series of order 6
 HALF_PERIOD = 9.8  # just below pi squared
 
@@ -58,7 +58,7 @@ def fly(cam, const, flows, i, theta, gap, rate, begin, work):
         return STUCK, theta, 0.0, 0.0
     if accel < 0.0:
         if begin == BOUNCED and 0.0 < const.r < 1.0:
-            tau = _accumulation(cam, const, i, f, accel, bound)
+            tau = _accumulation(cam, const, i, f)
             if tau >= 0.0:
                 return ACCUMULATED, theta + tau, 0.0, 0.0
         root = rate if gap == 0.0 else sqrt(rate * rate - 2.0 * accel * gap)
@@ -99,13 +99,24 @@ def _leave(cam, const, flows, i, f, work):
 
 
 @inlined
-def _accumulation(cam, const, i, f, accel, jerk_bound):
+def _accumulation(cam, const, i, f):
     """Phase until chatter accumulates; -1 where the map is too inexact or passes a corner."""
-    if 2.0 * f.rate * jerk_bound > 0.25 * (1.0 - const.r) * accel * accel:
+    drift = const.W2 * cam.stretches[i].jerk_max + 2.0 * const.Z * cam.stretches[i].snap_max
+    drift += cam.stretches[i].crackle_max
+    c1 = f.w - f.rate
+    force = const.G + const.W2 * (f.q - f.gap) + 2.0 * const.Z * c1 + f.c2
+    if not force > 0.0:
         return -1.0
-    snap_bound = (2.0 * const.Z + const.W) * f.energy + cam.stretches[i].snap_max
-    jerk = f.q3 - third(cam, i, f.theta)
-    tau, error = chatter_map(const, f.rate, accel, jerk, jerk_bound, snap_bound)
+    hop = 2.0 * f.rate / force
+    length = hop / (1.0 - const.r)
+    if length > 2.0 * f.end or drift * length * length * length * length > (
+        12.0 * const.tolerance * force
+    ):  # what the map would say, without higher derivatives
+        return -1.0
+    c3, c4, _, _ = higher(cam, i, f.theta)
+    slope = const.W2 * c1 + 2.0 * const.Z * f.c2 + c3
+    curve = const.W2 * f.c2 + 2.0 * const.Z * c3 + c4
+    tau, error = chatter_map(const, hop, slope / force, curve / force, drift / force)
     if error > const.tolerance or tau + error >= f.end:
         return -1.0
     return tau
@@ -204,30 +215,43 @@ def leap(cam, const, flows, i, gap, rate, work):
 
 
 @inlined
-def chatter_map(const, u, accel, jerk, jerk_bound, snap_bound):
-    """Phase left until impacts accumulate, after an impact with u > 0 and accel < 0: (tau, error).
+def chatter_map(const, hop, slope, curve, drift):
+    """Phase left until impacts accumulate, after an impact at rate u > 0: (tau, error).
 
-    With alpha = -accel, p = 2 u/alpha the first hop, rho = jerk/alpha and
-    kappa = 2 rho/3 - Z (1 + r), hops shrink as p' = r p (1 + kappa p + O(p^2)), so
-        tau = p/(1 - r) + (rho/3 + r kappa/(1 - r)) p^2/(1 - r^2) + O(p^3).
-    The first term is the classical 2 r |u-|/((1 - r)|a|). With L = p/(1 - r) and the bounds on the
-    third and fourth derivative of the gap ahead, the neglected part is below
-        L (eta^2 + delta L^2),  eta = (|gap'''|/alpha + 2 Z) L, delta = |gap''''|/alpha,
-    while eta <= 1/4 (checked against an independent summation in the tests); else refused.
-    Needs 0 < r < 1; the caller sees to it that tau does not jump over a corner.
+    In flight gap'' + 2 Z gap' + W^2 gap = A(theta), the relative acceleration in contact, so
+    z = exp(Z s) gap is a ball that bounces under
+        z'' = D z - |A| (1 + f1 s + f2 s^2 + ...),    z' -> -r z' at z = 0.
+    `hop` is 2 u/|A|, the other arguments are A'/A and A''/A and a bound on |A'''/A| ahead. The
+    phase obeys tau = p + tau', p the first hop and tau' the phase after it. Solved order by order,
+    with L = hop/(1 - r) and d = D hop^2,
+        tau = L (1 - f1 L/3 + (2 + s) f1^2 L^2/9 - (1 + s) f2 L^2/6 + d/(12 q) + d^2/(80 q')),
+        q = 1 + r + r^2, q' = q + r^3 + r^4, s = r/q.
+    The first term is the classical 2 r |u-|/((1 - r)|a|). With e_n the bound of f_n L^n, the
+    neglected part is below
+        L ((e1 + e2)(e1^2 + e2 + d/5) + 2 e3/5 + d^3/256)
+    while e1 + e2 + e3 <= 1/4 and |d| <= 1/2, else refused: the next terms of the series with room
+    for the later ones, checked against exact sums in the tests. Needs 0 < r < 1; the caller sees to
+    it that tau does not jump over a corner.
     """
-    alpha = -accel
-    p = 2.0 * u / alpha
-    left = 1.0 - const.r
-    length = p / left
-    eta = (jerk_bound / alpha + 2.0 * const.Z) * length
-    if eta > LARGEST_CHANGE:
+    r = const.r
+    length = hop / (1.0 - r)
+    z = const.Z * length
+    a1, a2 = slope * length, 0.5 * curve * length * length
+    f1, f2 = a1 + z, a2 + z * a1 + 0.5 * z * z
+    d = const.D * hop * hop
+    e1, e2 = abs(f1), abs(f2)
+    # exp(z) <= 4/3 in the range, over the terms of third order in exp(Z s) A(s)
+    e3 = drift * length * length * length / 6.0 + z * (abs(a2) + z * (0.5 * abs(a1) + z / 6.0))
+    e3 *= 4.0 / 3.0
+    if not (e1 + e2 + e3 <= LARGEST_CHANGE and abs(d) <= 2.0 * LARGEST_CHANGE):
         return length, REFUSED
-    rho = jerk / alpha
-    kappa = 2.0 * rho / 3.0 - const.Z * (1.0 + const.r)
-    second = (rho / 3.0 + const.r * kappa / left) / (left * (1.0 + const.r))
-    error = length * (eta * eta + snap_bound / alpha * length * length)
-    return length + second * p * p, error
+    q = 1.0 + r + r * r
+    part = r / q
+    series = f1 * f1 * (2.0 + part) / 9.0 - f2 * (1.0 + part) / 6.0 - f1 / 3.0
+    series += d / (12.0 * q) + d * d / (80.0 * (q + r * r * r * (1.0 + r)))
+    d = abs(d)
+    error = (e1 + e2) * (e1 * e1 + e2 + d / 5.0) + 0.4 * e3 + d * d * d / 256.0
+    return length + length * series, length * error
 
 
 @inlined

@@ -75,6 +75,15 @@ def test_a_smaller_tolerance_flies_more_hops(name):
     assert impacts[0] < impacts[-1]
 
 
+@pytest.mark.parametrize("rpm", [150.0, 190.0])
+def test_a_chatter_is_closed_after_few_impacts(rpm):
+    """The series of the map spares most hops at a tolerance of 1e-9 turns."""
+    tape = run(rpm, system(), record=3)
+    closed = [row[1] for row in events(tape) if row[0] == "chatter"]
+    assert len(closed) >= 2
+    assert tape.cost.impacts <= 3 * 15
+
+
 @pytest.mark.parametrize("r", [0.0, 1.0])
 @pytest.mark.parametrize("rpm", [118.0, 150.0, 190.0])
 def test_no_chatter_map_without_or_with_full_restitution(rpm, r, monkeypatch):
