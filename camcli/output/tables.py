@@ -9,7 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
+from math import inf
 from typing import TYPE_CHECKING, Any, BinaryIO
+
+from pydantic_core import to_json
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,6 +20,7 @@ if TYPE_CHECKING:
 Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
 ROWS = 1 << 12  # rows that become a block at a time
 KINDS = {float, int, str, type(None)}
+SAME_FORM = 1e-4  # magnitude from which JSON and Python write a number alike
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,7 +70,9 @@ class Table:
         texts: list[Any] = []
         for block in self.blocks():
             texts = [
-                texts[k] if _is_column(entry) and entry is before[k] else _texts(_spread(block, k))
+                _texts([entry]) * _length(block)
+                if not _is_column(entry)
+                else (texts[k] if entry is before[k] else _texts(entry))
                 for k, entry in enumerate(block)
             ]
             before = block
@@ -113,7 +119,7 @@ def _missing(column: Any) -> Any:
 
 
 def _texts(column: Any) -> list[str]:
-    """Texts of a column; a periodic orbit repeats few values, so each is formatted once.
+    """Texts of a column.
 
     Raises TypeError for a value of another kind than Python's own numbers and texts.
     """
@@ -121,7 +127,12 @@ def _texts(column: Any) -> list[str]:
     kinds = set(map(type, values))
     if strange := [k.__name__ for k in kinds - KINDS if not issubclass(k, str)]:
         raise TypeError(f"a table cannot hold {', '.join(sorted(strange))}")
-    if kinds == {float} and 0.0 not in (distinct := set(values)):  # 0.0 and -0.0 are equal
-        known = {value: repr(value) for value in distinct}
-        return [known[value] for value in values]
-    return ["" if value is None else str(value) for value in values]
+    if not values or not kinds <= {float, int}:
+        return ["" if value is None else str(value) for value in values]
+    # The same shortest digits as Python's, several times as fast.
+    texts = to_json(values)[1:-1].decode().split(",")
+    if float in kinds:  # small numbers and what is no number look different
+        for k, value in enumerate(values):
+            if not SAME_FORM <= abs(value) < inf:
+                texts[k] = repr(value)
+    return texts
