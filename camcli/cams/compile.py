@@ -217,6 +217,7 @@ def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
             radius=_radius(group),
             c_min=bounds[n][0][0],
             slope_min=bounds[n][1][0],
+            dwell=int(bounds[n][0][0] == bounds[n][0][1]),
         )
         for n, (group, (_, low, high)) in enumerate(zip(stretches, cuts, strict=True))
     ]

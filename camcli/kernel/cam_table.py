@@ -43,6 +43,7 @@ class Stretch(NamedTuple):
     radius: float  # how far a Taylor series of order 6 is exact to 2e-17 m/rad
     c_min: float  # lower bounds of c and c_theta
     slope_min: float
+    dwell: int  # 1 where c is constant
 
 
 class Cam(NamedTuple):
@@ -90,6 +91,8 @@ def piece_at(cam, i, theta):
 @inlined
 def lift(cam, i, theta):
     """(c, c_theta, c_thetatheta) at theta within stretch i."""
+    if cam.stretches[i].dwell:  # the same values, without their polynomials
+        return cam.stretches[i].start_c, 0.0, 0.0
     o = piece_at(cam, i, theta)
     x = theta - cam.pieces[o]
     return (

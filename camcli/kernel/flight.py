@@ -109,9 +109,9 @@ def _accumulation(cam, const, i, f):
         return -1.0
     hop = 2.0 * f.rate / force
     length = hop / (1.0 - const.r)
-    if length > 2.0 * f.end or drift * length * length * length * length > (
-        12.0 * const.tolerance * force
-    ):  # what the map would say, without higher derivatives
+    d = abs(const.D) * hop * hop
+    error = drift * length * length * length / (12.0 * force) + d * d * d / 256.0
+    if length > 2.0 * f.end or length * error > const.tolerance:  # the map would say no less
         return -1.0
     c3, c4, _, _ = higher(cam, i, f.theta)
     slope = const.W2 * c1 + 2.0 * const.Z * f.c2 + c3
