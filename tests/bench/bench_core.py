@@ -1,21 +1,28 @@
-"""Throughput of long runs: the core against the peers of `cam bench`, side by side.
+"""Throughput of long runs: the core, a kernel written by hand in C, and the peers of `cam bench`.
 
-    python tests/bench/bench_core.py [--repeats 5] [--scale 1.0] [--methods core rk45 ...]
+    python tests/bench/bench_core.py [--repeats 5] [--scale 1.0] [--methods core c heyoka ...]
 
 `cam bench precision` compares errors on stretches short enough to have a reference; there a run of
 ours is little more than the call. Here the core runs so many turns that only the kernel counts.
 Every repeat runs all methods in turn, so that a ratio compares neighbours in time; the table quotes
-medians. A method is called once beforehand on a few turns, which is where compilation goes.
+medians. A method is called once beforehand on a few turns, which is where compilation goes. The C
+kernel (plain.c) takes part where there is a C compiler.
 """
 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import platform
+import shutil
+import subprocess
 from collections.abc import Callable
 from dataclasses import replace
 from importlib.util import find_spec
+from math import pi, sqrt
+from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import numpy as np
@@ -26,25 +33,52 @@ from camcli.analysis.bench.precision import Case, case, run_peer
 from camcli.cli.bench_run import machines
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import EventKind
+from camcli.system import Follower
 
 CHATTER = 1e-9  # turns, everybody's tolerance
 TURNS = {  # of a repeat, whatever the scale
-    "periodic": {"core": 400_000, "heyoka": 20_000, "dop853": 600, "rk45": 120},
-    "chatter": {"core": 10_000, "heyoka": 200, "dop853": 11, "rk45": 7},
+    "periodic": {"core": 400_000, "c": 400_000, "heyoka": 20_000, "dop853": 600, "rk45": 120},
+    "chatter": {"core": 40_000, "c": 10_000, "heyoka": 200, "dop853": 11, "rk45": 7},
 }
 PEERS = {  # the published setting of RK45 on this cam has steps of 1 ms
     "heyoka": heyoka_taylor(1e-13),
     "dop853": solve_ivp("dop853", 1e-12, 1.0 / 16.0),
     "rk45": solve_ivp("rk45", 1e-12, 1.0 / 86.0),
 }
-METHODS = ("core", *PEERS)
+METHODS = ("core", "c", *PEERS)
+SPEEDS, SWEPT = 401, 1000  # of the sweep 660 to 760 rpm, and its turns
 
 
-def runner(method: str, some: Case) -> Callable[[int], int]:
+def c_kernel(folder: Path) -> Callable[..., int] | None:
+    """The function of plain.c as (machine, rpm, turns, start) -> impacts, every impact logged."""
+    compiler, source = shutil.which("cc"), Path(__file__).with_name("plain.c")
+    if compiler is None:
+        return None
+    library = folder / "plain.so"
+    options = "-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC"
+    subprocess.run([compiler, *options, "-o", library, source, "-lm"], check=True)
+    function = ctypes.CDLL(str(library)).plain_orbit
+    real, whole, place = ctypes.c_double, ctypes.c_long, ctypes.c_void_p
+    function.argtypes = real, real, real, whole, real, real, place, whole, place
+    function.restype = whole
+
+    def follow(follower: Follower, rpm: float, turns: int, start: tuple) -> int:
+        omega, rows = rpm * pi / 30.0, 100 * turns
+        W = sqrt(follower.stiffness / follower.mass) / omega
+        q, v = (value or 0.0 for value in start)
+        log, end = np.empty((rows, 3)), np.empty(2)
+        return function(
+            W, follower.restitution, 2.0 * pi * CHATTER, turns, q, v / omega,
+            log.ctypes.data, rows, end.ctypes.data,
+        )  # fmt: skip
+
+    return follow
+
+
+def runner(method: str, some: Case, plain: Callable[..., int] | None) -> Callable[[int], int]:
     """Impacts as a function of the number of turns; every impact is logged."""
     if method == "core":
         system = machines().system(some.follower, some.cam)
-        backend.compiled()
         q, v = some.start
 
         def logged(turns: int) -> int:
@@ -53,6 +87,8 @@ def runner(method: str, some: Case) -> Callable[[int], int]:
             return int(np.count_nonzero(kinds == EventKind.IMPACT))
 
         return logged
+    if method == "c":
+        return lambda turns: plain(some.follower, some.rpm, turns, some.start)
 
     def call(turns: int) -> int:
         longer = replace(some, turns=turns, hits=range(10**6))  # as many impacts as it likes
@@ -61,41 +97,61 @@ def runner(method: str, some: Case) -> Callable[[int], int]:
     return call
 
 
-def measure(name: str, options: argparse.Namespace) -> None:
+def swept(method: str, some: Case, plain: Callable[..., int] | None) -> Callable[[int], int]:
+    """The same for a sweep from rest; turns are those of all its speeds."""
+    speeds = [
+        replace(some, rpm=float(x), start=(None, None)) for x in np.linspace(660, 760, SPEEDS)
+    ]
+    calls = [runner(method, one, plain) for one in speeds]
+    return lambda turns: sum(call(turns // SPEEDS) for call in calls)
+
+
+def measure(
+    title: str, calls: dict[str, Callable[[int], int]], turns: dict[str, int], repeats: int
+) -> None:
     """Print the table of a case."""
-    some = case(name)
-    calls = {m: runner(m, some) for m in options.methods if m != "heyoka" or find_spec("heyoka")}
-    turns = {m: max(1, round(TURNS[name][m] * options.scale)) for m in calls}
     first, times, impacts = {}, {m: [] for m in calls}, {}
     for method, call in calls.items():
         began = perf_counter()
         call(2)
         first[method] = perf_counter() - began
-    for _ in range(options.repeats):
+    for _ in range(repeats):
         for method, call in calls.items():
             began = perf_counter()
             impacts[method] = call(turns[method])
             times[method].append((perf_counter() - began) / turns[method])
     head = f"{'method':8}{'first call s':>14}{'impacts/s':>12}{'turns/s':>12}{'x core':>9}"
-    print(f"\n{some.title}\n{head}")
+    print(f"\n{title}\n{head}")
     for method in calls:
         one = median(times[method])
         rate = impacts[method] / turns[method] / one
         base = times.get("core", times[method])
         ratio = median(a / b for a, b in zip(times[method], base, strict=True))
-        print(f"{method:8}{first[method]:14.2f}{rate:12.0f}{1.0 / one:12.0f}{ratio:9.1f}")
+        print(f"{method:8}{first[method]:14.2f}{rate:12.0f}{1.0 / one:12.0f}{ratio:9.2f}")
 
 
 def main() -> None:
-    """Measure and print both cases."""
+    """Measure and print both cases and a sweep."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--scale", type=float, default=1.0, help="multiplies all numbers of turns")
     parser.add_argument("--methods", nargs="+", choices=METHODS, default=list(METHODS))
     options = parser.parse_args()
     print(f"Python {platform.python_version()}, {platform.machine()}, {options.repeats} repeats")
-    for name in TURNS:
-        measure(name, options)
+    backend.compiled()
+    with TemporaryDirectory() as folder:
+        plain = c_kernel(Path(folder))
+        there = {"c": plain is not None, "heyoka": find_spec("heyoka")}
+        methods = [method for method in options.methods if there.get(method, True)]
+        for name in TURNS:
+            some = case(name)
+            turns = {m: max(1, round(TURNS[name][m] * options.scale)) for m in methods}
+            calls = {method: runner(method, some, plain) for method in methods}
+            measure(some.title, calls, turns, options.repeats)
+        some, fast = case("periodic"), [method for method in methods if method in ("core", "c")]
+        turns = dict.fromkeys(fast, SPEEDS * max(1, round(SWEPT * options.scale)))
+        calls = {method: swept(method, some, plain) for method in fast}
+        measure(f"sweep of {SPEEDS} speeds from rest", calls, turns, options.repeats)
 
 
 if __name__ == "__main__":
