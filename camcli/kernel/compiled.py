@@ -69,7 +69,9 @@ def compile_entries(
         copy.__module__, copy.__doc__ = function.__module__, function.__doc__
         # Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
         options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
-        options["forceinline"] = function not in OUTLINED and function not in entry_functions
+        inner = function not in entry_functions  # Python does not call it: no wrapper to compile
+        options |= {"no_cpython_wrapper": inner, "no_cfunc_wrapper": True}
+        options["forceinline"] = function not in OUTLINED and inner
         compiled[function] = numba.njit(**options)(copy)
     for space in spaces.values():
         for name, value in space.items():
