@@ -126,13 +126,13 @@ def _followed(motion: Motion) -> After:
                 return After(SETTLED, len(states), tuple(states[-m:]), symbols)
         before = len(trail.leaves)
         motion.step()
-        if len(trail.leaves) > before and (cycle := _cycle(motion)):
-            return cycle
+        if len(trail.leaves) > before and (closed := cycle(motion)):
+            return closed
     kind = WANDERS if len(states) >= LONGEST else UNKNOWN
     return After(kind, len(states), (states[-1],), (trail.symbols[len(states) - 1],))
 
 
-def _cycle(motion: Motion) -> After | None:
+def cycle(motion: Motion) -> After | None:
     """The motion since an earlier departure at the phase of the last one, if there was one."""
     trail, last = motion.trail, motion.trail.leaves[-1]
     turns = [(last - other) / motion.turn for other in trail.leaves[:-1]]

@@ -14,7 +14,7 @@ from flint import arb, ctx
 from camcli.exact.balls import UndecidedError
 
 Function = Callable[[arb], list[arb]]  # x -> [value, slope, second derivative, ...]
-NARROWEST = 2.0**-40  # of the interval: where cutting gives up, closer to a double zero
+LEAST_BITS = 400  # cutting gives up, too near a double zero, at half of the digits or at these
 COARSE = 64  # bits that exclude zeros
 NEWTON = 30  # steps
 
@@ -38,7 +38,8 @@ def first_root(f: Function, low: arb, high: arb) -> arb | None:
 
 def _bracket(f: Function, low: arb, high: arb) -> tuple[arb, arb] | None:
     """Two points with the first zero and no other between them, the second beyond it."""
-    least, todo = float(high - low) * NARROWEST, [(low, high)]
+    least = float(high - low) * 2.0 ** -min(ctx.prec // 2, LEAST_BITS)
+    todo = [(low, high)]
     while todo:
         a, b = todo.pop()
         x = a.union(b)

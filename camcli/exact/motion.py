@@ -75,9 +75,10 @@ class Motion:
 
     def symbol_of_turn(self, phi: arb) -> float:
         """Symbol of the turn that holds phi, if it went on from here as it did from phi on."""
-        turn = self.turn_of(phi)
-        later = [x for x, _ in self.trail.impacts if x >= phi and self.turn_of(x) == turn]
-        return inf if self.chattered else float(self.impacts + len(later))
+        turn, trail = self.turn_of(phi), self.trail
+        later = [x for x, _ in trail.impacts if x >= phi and self.turn_of(x) == turn]
+        ends = any(x > phi and self.turn_of(x) == turn for x in trail.chatters)
+        return inf if self.chattered or ends else float(self.impacts + len(later))
 
     def turn_of(self, phi: arb) -> int:
         """Number of strobes passed up to phi."""

@@ -11,35 +11,38 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import inf, nextafter
+from math import inf, nextafter, ulp
+from typing import Any
 
 from flint import arb
 
-from camcli.analysis.after_rest import CYCLE, of_machine
+from camcli.analysis.after_rest import CYCLE, cycle, of_machine
 from camcli.analysis.labels import CONTACT, Label
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import PARAMETERS, Root, with_machine
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
-from camcli.exact.balls import UndecidedError, precision
+from camcli.exact.balls import UndecidedError, below, number, precision
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import Machine
 from camcli.exact.motion import EndlessError, Motion
 from camcli.exact.shooting import Box, NotProvedError, Number, Shooting, Step, Test
-from camcli.system import System
+from camcli.system import Follower, System
 
-DIGITS = 60
+DIGITS, CHANGE_DIGITS = 60, 150
 SHOWN = 30  # digits of an enclosure as text
 AGREES = 1e-10  # of 1 rad and the largest rate: numbers so near to the orbit are its own
 ROUNDING = 1e-13  # relative error of the parameter that the numbers of an orbit may stand for
 LEAST_ERROR = 1e-11  # relative: an event's value is trusted to it at most
 INSIDE = 1e-9  # rad within a stretch of the kernel's table, to find the exact one
+WIDENINGS = 16  # by a factor of four
+HALVINGS = 40  # of the bracket of a change: some twelve digits more
 MOST_IMPACTS = 64  # in one period
 REACHES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of a range: how far an event's own box is tried to reach
 MOST_BOXES = 2400  # of one range, over the number of impacts
 OVERLAP = 1.01  # of a box with the next one
-NARROWEST = 1e-7  # of a range: a box this narrow that fails ends the proof
+NARROWEST = 1e-8  # of a range: a box this narrow that fails ends the proof
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,7 @@ def prove(system: System, found: OrbitsResult) -> Proofs:
     return Proofs(
         [prove_orbit(system, orbit, parameter) for orbit in found.orbits],
         [[prove_orbit(system, o, parameter) for o in branch.points] for branch in found.branches],
-        [prove_event(system, event) for event in found.bifurcations],
+        [prove_event(system, event, parameter) for event in found.bifurcations],
         [
             proved
             for branch in found.branches
@@ -121,13 +124,17 @@ def prove_orbit(system: System, orbit: PeriodicOrbit, parameter: str = "rpm") ->
         return Proof(failed.step, failed.refuted)
 
 
-def prove_event(system: System, event: Bifurcation) -> Proof:
-    """Enclose the parameter of an event and prove its crossing condition."""
-    if event.located is None:
-        return Proof(Step.MODEL)
+def prove_event(system: System, event: Bifurcation, parameter: str = "rpm") -> Proof:
+    """Enclose the parameter of an event and prove its crossing condition.
+
+    Of an orbit that rests on the cam, or never meets it: a bracket with the orbit on the one side
+    only.
+    """
     try:
-        with precision(DIGITS):
-            return _located(system, event, event.located)
+        with precision(DIGITS if event.located is not None else CHANGE_DIGITS):
+            if event.located is not None:
+                return _located(system, event, event.located)
+            return _change(system, event, parameter)
     except NotProvedError as failed:
         return Proof(failed.step, failed.refuted)
 
@@ -176,26 +183,100 @@ def _free(system: System, orbit: PeriodicOrbit) -> Proof:
     """The balance of spring and load is above the whole cam; the flight has the multipliers."""
     if system.shape is None:
         raise NotProvedError(Step.MODEL)
-    f, machine = system.follower, Machine(system.shape, system.follower, orbit.rpm)
-    q = -(arb(f.mass) * f.gravity + f.preload) / f.stiffness
+    machine = Machine(system.shape, system.follower, orbit.rpm)
     try:
-        for stretch in machine.stretches:
-            if not q > stretch.derivatives(stretch.start, 0)[0]:
-                raise NotProvedError(Step.CONTACT)
-
-            def gap(theta: arb, lift=stretch.derivatives) -> list[arb]:
-                c, c1, c2 = lift(theta, 2)
-                return [q - c, -c1, -c2]
-
-            if first_root(gap, stretch.start.lower(), stretch.end.upper()) is not None:
-                raise NotProvedError(Step.CONTACT, True)
+        if not _clears(machine, system.follower):
+            raise NotProvedError(Step.CONTACT, True)
     except UndecidedError:
         raise NotProvedError(Step.GRAZES) from None
     _, b1, p = machine.flow(machine.turn)
     trace, det = 1 - machine.W2 * p + b1, (-2 * machine.Z * machine.turn).exp()
     if not (orbit.stable and det < 1 and abs(trace) < 1 + det):
         raise NotProvedError(Step.NEUTRAL)
-    return Proof(box=_texts([q]))
+    return Proof(box=_texts([_balance(system.follower)]))
+
+
+def _balance(f: Follower) -> arb:
+    """Where spring and load balance, m."""
+    return -(number(f.mass) * number(f.gravity) + number(f.preload)) / number(f.stiffness)
+
+
+def _clears(machine: Machine, follower: Follower) -> bool:
+    """Whether the balance lies above the whole cam; raises UndecidedError."""
+    q = _balance(follower)
+    for stretch in machine.stretches:
+        if not below(stretch.derivatives(stretch.start, 0)[0], q):
+            return False
+
+        def gap(theta: arb, lift=stretch.derivatives) -> list[arb]:
+            c, c1, c2 = lift(theta, 2)
+            return [q - c, -c1, -c2]
+
+        if first_root(gap, stretch.start.lower(), stretch.end.upper()) is not None:
+            return False
+    return True
+
+
+def _change(system: System, event: Bifurcation, parameter: str) -> Proof:
+    """Halve the bracket of a change: the orbit is there at one end, and not at the other."""
+    orbit, width = event.orbit, 4 * max(event.error, ulp(event.value))
+
+    def keeps(p: arb) -> bool | None:
+        try:
+            return _keeps(system, parameter, orbit, p, event.kind)
+        except UndecidedError:
+            return None
+
+    for _ in range(WIDENINGS):
+        low, high = (arb(event.value) + side * width for side in (-1, 1))
+        there = keeps(low), keeps(high)
+        if None not in there and there[0] != there[1]:
+            break
+        width *= 4
+    else:
+        raise NotProvedError(Step.CROSSING)
+    for _ in range(HALVINGS):
+        middle = ((low + high) / 2).mid()
+        kept = keeps(middle)
+        if kept is None:
+            break
+        low, high = (middle, high) if kept == there[0] else (low, middle)
+    _agree(low, event)
+    return _enclosed(low.union(high), ())
+
+
+def _agree(value: arb, event: Bifurcation) -> None:
+    """Refuse a value outside the error that is claimed for it."""
+    if not abs(value - event.value) < max(event.error, LEAST_ERROR * abs(event.value)):
+        raise NotProvedError(Step.NUMBER)
+
+
+def _keeps(system: System, parameter: str, orbit: PeriodicOrbit, p: arb, kind: Kind) -> bool:
+    """Whether the motion at p has the orbit's turns and departures; raises UndecidedError.
+
+    At a detachment, whether a follower at rest leaves the cam.
+    """
+    constants: dict[str, Any] = {**vars(system.follower), "rpm": orbit.rpm, parameter: p}
+    rpm = constants.pop("rpm")
+    follower = Follower(**constants)
+    if system.shape is None:
+        raise NotProvedError(Step.MODEL)
+    machine = Machine(system.shape, follower, rpm)
+    if orbit.free:
+        return _clears(machine, follower)
+    start = orbit.theta[0] if orbit.theta and kind != Kind.DETACHMENT else 0.0
+    try:
+        motion = Motion(machine, system.strobe, start)
+    except EndlessError:
+        return not orbit.theta
+    if kind == Kind.DETACHMENT:
+        return bool(orbit.theta)
+    while orbit.theta and len(motion.trail.states) <= orbit.turns + 1:
+        before = len(motion.trail.leaves)
+        motion.step()
+        if len(motion.trail.leaves) > before and (found := cycle(motion)):
+            return Label(found.symbols) == orbit.label and len(found.leaves) == len(orbit.theta)
+    return False
 
 
 def _resting(system: System, orbit: PeriodicOrbit) -> Proof:
@@ -228,17 +309,17 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
     hull = box.hull()
     _admit(shooting, hull, located)
     value = hull[-1]
-    if not abs(value - event.value) < max(event.error, LEAST_ERROR * abs(event.value)):
-        raise NotProvedError(Step.NUMBER)
+    _agree(value, event)
     signs = _corner_signs(shooting, hull, located) if event.kind == Kind.CORNER_IMPACT else ()
     if 0 in (sign for _, sign in signs):
         raise NotProvedError(Step.CROSSING)
+    return replace(_enclosed(value, _texts(hull[:-1])), signs=signs)
+
+
+def _enclosed(value: arb, box: tuple[str, ...]) -> Proof:
+    low, high = (float(end) for end in (value.lower(), value.upper()))
     return Proof(
-        box=_texts(hull[:-1]),
-        value=value.str(SHOWN),
-        low=nextafter(float(value.lower()), -inf),
-        high=nextafter(float(value.upper()), inf),
-        signs=signs,
+        box=box, value=value.str(SHOWN), low=nextafter(low, -inf), high=nextafter(high, inf)
     )
 
 
@@ -326,7 +407,7 @@ def _range(
 ) -> Range:
     """Prove a piece: the boxes about its ends, then box after box from one to the other."""
     middle, span = points[len(points) // 2], points[-1].value - points[0].value
-    if middle.root is None:
+    if middle.root is None or points[1].root is None:
         raise NotProvedError(Step.MODEL)
     shooting, stable = _shooting(system, middle.root), middle.stable
     ends: list[tuple[str, Box | None]] = []
@@ -339,7 +420,9 @@ def _range(
         else:
             ends.append(_about(shooting, at.root, event.located, span, stable))
     (low, first), (high, last) = ends
-    boxes = _chain(shooting, middle.root, (arb(low).mid(), first), (arb(high).mid(), last), stable)
+    boxes = _chain(
+        shooting, points[1].root, (arb(low).mid(), first), (arb(high).mid(), last), stable
+    )
     return Range(number, middle.label, stable, low, high, boxes)
 
 

@@ -1,0 +1,256 @@
+"""What is proved of orbits and events, what is refused, and that no proof is wrong.
+
+The judge is mpmath at 40 digits: closed flights from `tests.oracle`, cams from their definitions.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+from math import pi
+from random import Random
+
+import pytest
+from conftest import chapter_system
+from mpmath import iv, mp, mpf
+
+import camcli
+from camcli.analysis.orbits.orbit import from_root
+from camcli.analysis.orbits.proofs import prove_event, prove_orbit
+from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.single_impact import single_impact_roots
+from camcli.cams.eccentric import EccentricCam
+from camcli.cams.law import LawCam
+from camcli.exact.shooting import Step
+from camcli.kernel.certify import ADMISSIBLE
+from camcli.scene import load_scene
+from camcli.system import Follower, System
+from tests import oracle
+from tests.cams.law_oracle import LAWS
+
+mp.dps = iv.dps = 40
+SYSTEM = chapter_system()
+
+
+def study(prove=False, **section):
+    """A result of camcli.orbits over a range of the example's speeds."""
+    values = {f"orbits.{key.replace('__', '.')}": value for key, value in section.items()}
+    return camcli.orbits(load_scene(None, {"orbits.starts": 0, **values}), prove=prove)
+
+
+@pytest.fixture(scope="module")
+def high():
+    return study(prove=True, rpm__start=690.0, rpm__stop=741.0, rpm__num=21)
+
+
+def three(**section):
+    """Branches of P(3;3:3:2)."""
+    return study(label="P(3;3:3:2)", branches=0, rpm__num=40, **section)
+
+
+def orbit_of(result, label):
+    return next(orbit for orbit in result.values.orbits if orbit.label == label)
+
+
+def moved(orbit, by):
+    """The orbit with the phase of its first impact moved."""
+    x = list(orbit.root.x)
+    x[0] += by
+    return replace(orbit, root=replace(orbit.root, x=x))
+
+
+def test_a_virtual_orbit_is_refuted(high):
+    for orbit in high.values.virtual:
+        proof = prove_orbit(SYSTEM, orbit)
+        assert proof.refuted
+        assert proof.step == (Step.PULLS if "pull" in orbit.verdict else Step.CONTACT)
+
+
+def test_an_orbit_beyond_its_grazing_is_refuted():
+    """P(3;3:3:2) grazes at 379.098 rpm; beyond it the cam is met between two impacts."""
+    found = three(rpm__start=374.0, rpm__stop=380.0, at=378.0)
+    (graze,) = (b for b in found.values.bifurcations if b.kind == "grazing")
+    assert prove_event(SYSTEM, graze).proved
+    for beside, proved in ((-1e-3, True), (1e-3, False)):
+        value = graze.value + beside
+        root = Shooter(SYSTEM, value).moved(graze.orbit.root, value)
+        proof = prove_orbit(SYSTEM, from_root(SYSTEM, root))
+        assert proof.proved == proved
+        assert proved or (proof.step, proof.refuted) == (Step.CONTACT, True)
+
+
+def test_numbers_that_are_not_the_orbits_are_refused(high):
+    orbit = orbit_of(high, "P(1;1)")
+    assert prove_orbit(SYSTEM, orbit).proved
+    assert prove_orbit(SYSTEM, moved(orbit, 1e-9)).step == Step.NO_ORBIT
+    assert prove_orbit(SYSTEM, replace(orbit, trace=2.0)).step == Step.NEUTRAL
+    event = high.values.bifurcations[0]
+    assert prove_event(SYSTEM, event).proved
+    assert prove_event(SYSTEM, replace(event, value=event.value + 1e-8)).step == Step.NUMBER
+
+
+def test_an_event_is_none_where_its_test_function_crosses_nothing(high):
+    event = next(b for b in high.values.bifurcations if b.kind == "period-doubling")
+    fold = replace(event.located, kind="fold")
+    wrong = replace(event, kind="fold", located=fold)
+    assert not prove_event(SYSTEM, wrong).proved
+
+
+def enclosures(result, label):
+    """(kind, corner, enclosure) of the events of an orbit, as intervals of mpmath."""
+    proofs = zip(result.values.bifurcations, result.values.proofs.events, strict=True)
+    return {(b.kind, b.corner): p for b, p in proofs if b.label == label and p.proved}
+
+
+def interval(text):
+    """The interval of '[middle +/- radius]'."""
+    middle, _, radius = text.strip("[]").partition(" +/- ")
+    return iv.mpf([mpf(middle) - mpf(radius or 0), mpf(middle) + mpf(radius or 0)])
+
+
+def test_the_events_of_the_upper_range_and_the_oracle(high):
+    cam, constants = oracle.ArcsCam(), (1.221, 1430.8, 0.8)
+    found = enclosures(high, "P(1;1)")
+    value = interval(found["period-doubling", ""].value)
+    assert oracle.period_doubling_rpm(cam, *constants) == pytest.approx(mpf(value.mid), rel=1e-14)
+    assert value.delta < 1e-20
+    (corner,) = (p for key, p in enclosures(high, "P(2;1:1)").items() if key[1] == "c")
+    assert interval(corner.value).mid == pytest.approx(739.3779296493, abs=5e-11)
+    assert [sign for _, sign in corner.signs] == [1, -1]
+
+
+def test_a_branch_is_stable_from_event_to_event(high):
+    stable = [one for one in high.values.proofs.ranges if one.stable and one.label == "P(1;1)"]
+    (one,) = stable
+    assert (one.low, interval(one.high).mid) == ("690.0", pytest.approx(739.319780216, abs=1e-9))
+    said = " ".join(high.summary["words"])
+    assert f"P(1;1) exists and is stable for all rpm from 690.0 to {one.high}" in said
+
+
+def test_fold_and_doubling_of_the_orbit_of_three_turns():
+    found = three(rpm__start=357.0, rpm__stop=360.0, at=358.5).values.bifurcations
+    for kind, value in (("fold", 357.7983058636), ("period-doubling", 359.620525598)):
+        proof = prove_event(SYSTEM, next(b for b in found if b.kind == kind))
+        assert interval(proof.value).mid == pytest.approx(value, abs=1e-9)
+        assert interval(proof.value).delta < 1e-20
+
+
+def test_orbits_through_rests_and_the_speeds_at_which_they_change():
+    found = study(prove=True, rpm__start=110.0, rpm__stop=130.0, at=120.0, rpm__num=5)
+    for orbit, proof in zip(found.values.orbits, found.values.proofs.orbits, strict=True):
+        assert orbit.resting
+        assert proof.proved
+    (first,) = (
+        p
+        for b, p in zip(found.values.bifurcations, found.values.proofs.events, strict=True)
+        if b.kind == "detachment"
+    )
+    assert oracle.first_detachment_rpm(oracle.ArcsCam(), 1.221, 1430.8) == pytest.approx(
+        mpf(interval(first.value).mid), rel=1e-14
+    )
+    assert prove_orbit(SYSTEM, replace(found.values.orbits[0], rpm=114.9)).refuted is False
+
+
+def test_columns_and_boxes_of_the_command(cam, tmp_path):
+    done = cam("orbits", "--rpm", "738:740", "--points", "3", "--prove", "--no-plot", "-o", "out",
+               "--set", "orbits.starts=0")  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "proved: period-doubling of P(1;1), rpm = [739.31978021600165" in done.stdout
+    head, *lines = (tmp_path / "out" / "bifurcations.csv").read_text().splitlines()
+    assert head.endswith(",classification,proved,enclosure_low,enclosure_high")
+    proved, low, high = lines[0].split(",")[-3:]
+    assert proved == "yes"
+    assert float(low) < 739.319780216001655 < float(high)
+    head, *lines = (tmp_path / "out" / "branch.csv").read_text().splitlines()
+    assert head.endswith(",proved")
+    assert sum(line.endswith(",yes") for line in lines) >= 0.9 * len(lines)
+    again = cam("rerun", "out/run.json", "-o", "again")
+    assert again.returncode == 0, again.stderr
+    assert (tmp_path / "again" / "branch.csv").read_text().splitlines()[0] == head
+
+
+def machine_of(rng):
+    """(system, rpm, cam as mpmath sees it): all damping regimes, four kinds of cam."""
+    omega, mass = 10 ** rng.uniform(0, 2), 10 ** rng.uniform(-1, 1)
+    w = omega * 10 ** rng.uniform(-1.2, 0.3)
+    damped = rng.choice([0.0, 0.0, rng.uniform(0, 0.3), 0.9999, 1.0, 1.5])
+    follower = Follower(
+        mass, mass * w * w, 2 * mass * w * damped, rng.choice([0.0, 9.81]),
+        rng.choice([0.0, mass * w * w * rng.uniform(-0.5, 0.5)]), rng.uniform(0.2, 0.95),
+    )  # fmt: skip
+    kind = rng.choice(["arcs", "eccentric", "cycloidal", "3-4-5"])
+    if kind == "arcs":
+        shape = SYSTEM.shape
+    elif kind == "eccentric":
+        shape = EccentricCam(kind="eccentric", base=0.25, lift=0.5)
+    else:
+        law = {"law": kind, "length_deg": 90}
+        rise = {**law, "start_deg": 60}
+        shape = LawCam(kind="law", base=0.25, lift=0.5, rise=rise, top_dwell_deg=30, fall=law)
+    return System.build(follower, shape.parts(), 0.0, shape), omega * 30 / pi, kind
+
+
+def lift(kind, theta):
+    """(c, c_theta) from the cam's definition."""
+    theta = theta - 2 * mp.pi * mp.floor(theta / (2 * mp.pi))
+    if kind == "arcs":
+        return oracle.ArcsCam().laws(theta)[:2]
+    if kind == "eccentric":
+        return mpf("0.25") + (1 - mp.cos(theta)) / 4, mp.sin(theta) / 4
+    law, begin, length = LAWS[kind], mp.pi / 3, mp.pi / 2
+    top, fall = begin + length, begin + length + mp.pi / 6
+    if begin <= theta < top:
+        x, side = (theta - begin) / length, 1
+    elif fall <= theta < fall + length:
+        x, side = 1 - (theta - fall) / length, -1
+    else:
+        return (mpf("0.75") if top <= theta < fall else mpf("0.25")), mpf(0)
+    return mpf("0.25") + law.derivative(x, 0) / 2, side * law.derivative(x, 1) / length / 2
+
+
+def contradicted(system, rpm, kind, root, proof):
+    """What 40 digits say against a proof: an impact that is none, a gap that is not there."""
+    f, omega = system.follower, mpf(rpm) * mp.pi / 30
+    follower = oracle.Follower.make(f.mass, f.stiffness, f.damping, f.gravity, f.preload)
+    # the oracle takes another of the redundant lengths of the circles as given
+    rounding = mpf("1e-12" if kind == "arcs" else "1e-24")
+    places = [mpf(interval(text).mid) for text in proof.box]
+    thetas, rates = places[::2], places[1::2]
+    ends = [theta + 2 * mp.pi * root.whole[2 * k + 1] for k, theta in enumerate(thetas)]
+    for (theta, v), (end, after) in pairwise(
+        zip([*ends, ends[0] + 2 * mp.pi * root.turns], [*rates, rates[0]], strict=True)
+    ):
+        c, c1 = lift(kind, theta)
+        whole = (end - theta) / omega
+        for k in range(1, 40):
+            q, _ = follower.flow(whole * k / 40, c, omega * (c1 + v))
+            if q <= lift(kind, theta + (end - theta) * k / 40)[0]:
+                return f"below the cam after {k}/40 of a flight"
+        q, w = follower.flow(whole, c, omega * (c1 + v))
+        c, c1 = lift(kind, end)
+        scale = 1 + abs(v) + abs(after)
+        if abs(q - c) > rounding * scale:
+            return f"a gap of {mp.nstr(q - c, 5)} at an impact"
+        if abs(mpf(f.restitution) * (w / omega - c1) + after) > rounding * scale:
+            return "an impact that does not bounce so"
+    return None
+
+
+@pytest.mark.slow
+def test_two_hundred_random_machines():
+    """Proved or honestly not; a proof and the certificate of the doubles never contradict."""
+    rng, seen = Random(8), {"proved": 0, "refuted": 0, "open": 0}
+    for _ in range(200):
+        system, rpm, kind = machine_of(rng)
+        shooter = Shooter(system, rpm)
+        for turns in (1, 2):
+            for root in single_impact_roots(shooter, rpm, turns):
+                orbit = from_root(system, root, shooter.verdict(root)[0])
+                proof = prove_orbit(system, orbit)
+                seen["proved" if proof.proved else "refuted" if proof.refuted else "open"] += 1
+                if proof.proved:
+                    assert shooter.verdict(root)[0] == ADMISSIBLE
+                    assert contradicted(system, rpm, kind, root, proof) is None
+                elif proof.refuted:
+                    assert shooter.verdict(root)[0] != ADMISSIBLE
+    assert seen["proved"] > 50
+    assert seen["refuted"] > 100
+    assert seen["open"] < 0.1 * sum(seen.values()), seen
