@@ -23,6 +23,7 @@ class Options(BaseModel):
     plot: bool = True
     profile_only: bool = False
     base_radius: float | None = None
+    prove: bool = False
     with_basins: bool = False
     source: str = ""
 

@@ -41,9 +41,12 @@ def high():
     return study(prove=True, rpm__start=690.0, rpm__stop=741.0, rpm__num=21)
 
 
-def three(**section):
-    """Branches of P(3;3:3:2)."""
-    return study(label="P(3;3:3:2)", branches=0, rpm__num=40, **section)
+@pytest.fixture(scope="module")
+def three():
+    """Events on the branch of P(3;3:3:2), by kind, the last of each."""
+    speeds = {"rpm__start": 357.0, "rpm__stop": 380.0, "rpm__num": 80, "at": 358.5}
+    found = study(label="P(3;3:3:2)", branches=0, **speeds).values.bifurcations
+    return {b.kind: b for b in found}
 
 
 def orbit_of(result, label):
@@ -64,10 +67,9 @@ def test_a_virtual_orbit_is_refuted(high):
         assert proof.step == (Step.PULLS if "pull" in orbit.verdict else Step.CONTACT)
 
 
-def test_an_orbit_beyond_its_grazing_is_refuted():
+def test_an_orbit_beyond_its_grazing_is_refuted(three):
     """P(3;3:3:2) grazes at 379.098 rpm; beyond it the cam is met between two impacts."""
-    found = three(rpm__start=374.0, rpm__stop=380.0, at=378.0)
-    (graze,) = (b for b in found.values.bifurcations if b.kind == "grazing")
+    graze = three["grazing"]
     assert prove_event(SYSTEM, graze).proved
     for beside, proved in ((-1e-3, True), (1e-3, False)):
         value = graze.value + beside
@@ -125,10 +127,9 @@ def test_a_branch_is_stable_from_event_to_event(high):
     assert f"P(1;1) exists and is stable for all rpm from 690.0 to {one.high}" in said
 
 
-def test_fold_and_doubling_of_the_orbit_of_three_turns():
-    found = three(rpm__start=357.0, rpm__stop=360.0, at=358.5).values.bifurcations
+def test_fold_and_doubling_of_the_orbit_of_three_turns(three):
     for kind, value in (("fold", 357.7983058636), ("period-doubling", 359.620525598)):
-        proof = prove_event(SYSTEM, next(b for b in found if b.kind == kind))
+        proof = prove_event(SYSTEM, three[kind])
         assert interval(proof.value).mid == pytest.approx(value, abs=1e-9)
         assert interval(proof.value).delta < 1e-20
 
@@ -150,8 +151,8 @@ def test_orbits_through_rests_and_the_speeds_at_which_they_change():
 
 
 def test_columns_and_boxes_of_the_command(cam, tmp_path):
-    done = cam("orbits", "--rpm", "738:740", "--points", "3", "--prove", "--no-plot", "-o", "out",
-               "--set", "orbits.starts=0")  # fmt: skip
+    done = cam("orbits", "--rpm", "738:740", "--points", "3", "--prove", "--branches", "0",
+               "--no-plot", "-o", "out", "--set", "orbits.starts=0")  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "proved: period-doubling of P(1;1), rpm = [739.31978021600165" in done.stdout
     head, *lines = (tmp_path / "out" / "bifurcations.csv").read_text().splitlines()

@@ -41,6 +41,7 @@ HALVINGS = 40  # of the bracket of a change: some twelve digits more
 MOST_IMPACTS = 64  # in one period
 REACHES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of a range: how far an event's own box is tried to reach
 MOST_BOXES = 2400  # of one range, over the number of impacts
+SLOWEST = 0.2  # of them may be spent before the first progress
 OVERLAP = 1.01  # of a box with the next one
 NARROWEST = 1e-8  # of a range: a box this narrow that fails ends the proof
 
@@ -467,7 +468,9 @@ def _chain(
     end = end if last is None else (last.middle[fixed] - last.half / 2).mid()
     width, guess = (end - at) / 16, [arb(x) for x in root.x]
     least = width * 16 * NARROWEST
-    for count in range(MOST_BOXES // root.count):
+    begun, count, boxes = at, 0, 0
+    while count < MOST_BOXES // root.count * max(SLOWEST, float((at - begun) / (end - begun))):
+        count += 1
         half = (min(end - at, width) / 2).mid()
         if before is not None:
             guess = before.at(at + half - before.middle[fixed])
@@ -484,10 +487,11 @@ def _chain(
                 raise
             continue
         before, width, at = box, width * 1.5, (at + 2 * half).mid()
+        boxes += 1
         if not at < end - least:
             if last is not None and not _meet(shooting, box, last):
                 raise NotProvedError(Step.SINGULAR)
-            return count + 1 + (start[1] is not None) + (last is not None)
+            return boxes + (start[1] is not None) + (last is not None)
     raise NotProvedError(Step.SINGULAR)
 
 
