@@ -6,6 +6,8 @@ import shlex
 import shutil
 from base64 import b64decode
 from html.parser import HTMLParser
+from importlib.util import find_spec
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -185,3 +187,151 @@ def test_too_many_speeds_are_refused(cam):
     done = cam("explore", "--points", "1001")
     assert done.returncode == 2
     assert "1001 speeds" in done.stderr
+
+
+BROWSER = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
+needs_browser = pytest.mark.skipif(
+    BROWSER is None or find_spec("playwright") is None,
+    reason="the page is not used in a browser here: needs chromium and the package playwright",
+)
+
+
+@pytest.fixture
+def browser():
+    """A browser without a window; all it complains of or asks for is a failure."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        complaints = []
+
+        def open_page(folder, fragment="", width=1280, **more):
+            page = chromium.new_page(viewport={"width": width, "height": 900}, **more)
+            page.on("console", lambda said: complaints.append(said.text))
+            page.on("pageerror", lambda error: complaints.append(str(error)))
+            page.on(
+                "request", lambda asked: complaints.append(asked.url) if fetched(asked) else None
+            )
+            page.goto(f"file://{folder / 'explore.html'}{fragment}")
+            return page
+
+        yield open_page
+        chromium.close()
+    assert not complaints
+
+
+def fetched(request):
+    return (
+        not request.url.startswith(("file:", "blob:", "data:")) or "explore.html" not in request.url
+    )
+
+
+def said(page):
+    return page.inner_text("#said")
+
+
+@pytest.mark.browser
+@needs_browser
+def test_what_is_drawn_is_the_row_of_trajectory_csv(made, browser, cam, tmp_path):
+    _, folder, data = made
+    page = browser(folder, "#rpm=1&t=0")
+    for number in some_motions(data):
+        motion = data["motions"][number]
+        assert cam(*command_of(data, motion), "-o", "here").returncode in (0, 3)
+        path = tmp_path / "here" / "trajectory.csv"
+        table = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+        shutil.rmtree(tmp_path / "here")
+        page.evaluate("number => choose(motions[number])", number)
+        for row in table[:: max(1, len(table) // 40)]:
+            turns = row["t_s"] * motion["rpm"] / 60.0
+            drawn = page.evaluate(
+                """turns => {
+                  state.t = turns; drawNow();
+                  const y = node => node.transform.baseVal[0].matrix.f;
+                  return [y(machine.follower), machine.y, machine.scale, machine.rise,
+                          Number(time.dot.getAttribute("cy")), time.upper.Y(1), time.upper.Y(0),
+                          time.factor, machine.cam.transform.baseVal[1].angle];
+                }""",
+                turns,
+            )
+            follower, axis, scale, rise, dot, one, zero, factor, angle = drawn
+            assert abs(follower - (axis - (row["q_m"] + rise) * scale)) < 0.5, motion
+            assert abs(dot - (zero + (one - zero) * row["q_m"] * factor)) < 0.5, motion
+            assert abs((angle + 90 - row["theta_deg"] + 180) % 360 - 180) < 0.01, motion
+
+
+@pytest.mark.browser
+@needs_browser
+def test_hover_click_keys_zoom_and_links(made, browser):
+    scene, folder, _ = made
+    page = browser(folder)
+    page.locator("#diagram").scroll_into_view_if_needed()
+    box = page.locator("#diagram").bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 3)
+    assert "rpm:" in page.inner_text("#hint")
+    page.mouse.click(box["x"] + 0.3 * box["width"], box["y"] + box["height"] / 3)
+    assert "computed, nearest to" in said(page)
+    before = page.evaluate("state.motion.rpm")
+    page.focus("#diagram")
+    page.keyboard.press("ArrowRight")
+    span = scene.sweep.rpm
+    step = (span.stop - span.start) / (span.num - 1)
+    assert 0 < page.evaluate("state.motion.rpm") - before < 1.01 * step
+    page.keyboard.press("Space")
+    page.keyboard.press("Space")
+    whole = page.evaluate("state.x")
+    page.keyboard.press("+")
+    page.wait_for_function("wide => state.x[1] - state.x[0] < 0.7 * wide", arg=whole[1] - whole[0])
+    page.keyboard.press("0")
+    page.wait_for_function("x => state.x[0] === x[0]", arg=whole)
+    page.mouse.dblclick(box["x"] + 0.5 * box["width"], box["y"] + box["height"] / 3)
+    page.wait_for_function("wide => state.x[1] - state.x[0] < 0.7 * wide", arg=whole[1] - whole[0])
+    page.keyboard.press(".")
+    page.wait_for_timeout(400)
+    again = browser(folder, page.evaluate("location.hash"))
+    assert said(again) == said(page) or "computed" in said(page)
+    for what in ("state.motion.number", "state.t.toFixed(5)", "state.x.map(x => x.toFixed(4))"):
+        assert again.evaluate(what) == page.evaluate(what)
+    assert again.inner_text("#command") == page.inner_text("#command")
+    assert not again.evaluate("state.playing")
+
+
+@pytest.mark.browser
+@needs_browser
+def test_an_attractor_beside_the_other_is_chosen_by_key_and_by_button(made, browser):
+    _, folder, data = made
+    page = browser(folder)
+    many = [m for m in data["motions"] if m["stable"] is False]
+    if not many:
+        return
+    page.evaluate("rpm => goTo({rpm})", many[0]["rpm"])
+    names = page.locator("#choices button").all_inner_texts()
+    assert len(names) > 1
+    page.focus("#diagram")
+    first = said(page)
+    page.keyboard.press("ArrowUp")
+    assert said(page) != first
+    page.click("#choices button >> nth=0")
+    assert names[0] in said(page)
+    assert page.get_attribute("#choices button >> nth=0", "aria-checked") == "true"
+
+
+@pytest.mark.browser
+@needs_browser
+def test_motion_is_for_those_who_want_it_and_all_fits_a_phone(made, browser):
+    _, folder, _ = made
+    moving = browser(folder)
+    moving.wait_for_function("state.playing && state.t > 0")
+    page = browser(folder, width=375, reduced_motion="reduce", color_scheme="dark", has_touch=True)
+    assert not page.evaluate("state.playing")
+    assert page.evaluate("document.documentElement.scrollWidth") == 375
+    page.tap("#play")
+    page.wait_for_function("state.t > 0")
+    page.tap("#play")
+    with page.expect_download() as download:
+        page.tap("#save")
+    root = ElementTree.parse(download.value.path()).getroot()
+    assert root.tag == "{http://www.w3.org/2000/svg}svg"
+    assert len(root.findall("{http://www.w3.org/2000/svg}svg")) == 4
