@@ -38,6 +38,7 @@ OWNED = {  # options that say where and how it is run, not what is drawn
     "-c", "--set", "-o", "--no-plot", "--json", "-q", "--threads", "--dry-run", "--cluster",
     "--shard",
 }  # fmt: skip
+READS = {"explore": ("sweep", "orbits", "basins")}  # commands that read others' sections
 CAM_ONLY = "--profile-only"  # with it a command knows no impacts, and of a run only the speed
 PORTABILITY = "portability broke"
 MOST_DRIFTS = 12  # of a figure shown to people
@@ -231,7 +232,7 @@ def _scene_hash(scene: Scene, words: list[str]) -> str:
     """SHA-256 of the command and of what it reads: not of titles, nor of other commands' keys."""
     values = resolved(scene)
     values["cam"].pop("sha256", None)
-    others = {"figure", *_commands()} - {words[0]}
+    others = {"figure", *_commands()} - {words[0], *READS.get(words[0], ())}
     read = {key: value for key, value in values.items() if key not in others}
     if CAM_ONLY in words:
         read = {**read, "run": values["run"]["rpm"]}

@@ -50,6 +50,12 @@ class Shown:
         """Its pictures, as links."""
         return [quote(f"{self.name}/{file}") for file in self.files if file.endswith(".png")]
 
+    @property
+    def pages(self) -> list[tuple[str, str]]:
+        """Its pages, as links with the words of the caption."""
+        links = [quote(f"{self.name}/{file}") for file in self.files if file.endswith(".html")]
+        return [(link, escape(self.caption or self.title)) for link in links]
+
 
 def page(figures: Sequence[Shown]) -> str:
     """The page."""
@@ -69,7 +75,8 @@ def _thumbnail(p: Shown) -> str:
 
 def _article(p: Shown) -> str:
     none = "This command draws no picture." if p.files else "Not computed yet."
-    shown = "".join(_figure(p, source) for source in p.pictures) or f"<p>{none}</p>\n"
+    shown = "".join(_figure(p, source) for source in p.pictures) + "".join(map(_opens, p.pages))
+    shown = shown or f"<p>{none}</p>\n"
     label = escape(f"Scene of {p.name}")
     return f"""<article id="{p.id}" aria-labelledby="{p.id}-title">
 <h2 id="{p.id}-title">{p.heading}</h2>
@@ -80,6 +87,11 @@ def _article(p: Shown) -> str:
 </details>
 </article>
 """
+
+
+def _opens(page: tuple[str, str]) -> str:
+    link, words = page
+    return f'<p>{words} <a href="{link}">Open the page</a></p>\n'
 
 
 def _figure(p: Shown, source: str) -> str:
