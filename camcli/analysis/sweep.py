@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 from typing import TYPE_CHECKING
@@ -72,6 +72,27 @@ class Sweep:
         return [bare(speed) for speed in self.speeds if speed.status != Status.OK]
 
 
+@dataclass(frozen=True)
+class Map:
+    """Motions over two numbers: lines[j][k] at the k-th value of the first, the j-th of the second.
+
+    Its speeds have no sections, and their `value` is that of the first number.
+    """
+
+    keys: tuple[str, str]
+    first: Sequence[float]
+    second: Sequence[float]
+    lines: Sequence[Sequence[Speed]]
+    direction: str
+    cost: Cost
+
+    @property
+    def speeds(self) -> Iterator[Speed]:
+        """All, line after line."""
+        for line in self.lines:
+            yield from line
+
+
 def bare(speed: Speed) -> Speed:
     """The speed without its sections: what a summary keeps of it."""
     return replace(speed, impacts=None, strobe=None)
@@ -120,6 +141,62 @@ def sweep(
     return Sweep(speeds, direction, cost, key)
 
 
+def sweep_map(
+    keys: tuple[str, str],
+    first: Sequence[float],
+    second: Sequence[float],
+    setup: Callable[[float, float], Setup],
+    *,
+    direction: str = FIXED,
+    lyapunov: bool = False,
+    work: Work | None = None,
+    on_line: Callable[[Sequence[Speed]], None] = lambda line: None,
+) -> Map:
+    """The motion at every pair of values; `up` and `down` carry the state along the first number.
+
+    A motion that a sweep would follow beyond doubles is undecided here: that takes a tenth of a
+    second and more for each.
+
+    A line of one second value is a piece of `work`: kept, shared and run like the speeds of
+    `sweep`. Raises StartError before any work if the first start lies below the cam.
+    """
+    system, rpm, settings = setup(first[0], second[0])
+    Orbit(system, rpm, settings)
+    turns = len(first) * len(second) * (settings.transient + RECORDED * settings.record)
+    ordered = list(first) if direction == FIXED else sorted(first, reverse=direction == DOWN)
+    task = _Line(setup, ordered, direction != FIXED, lyapunov, turns)
+    cost = Cost()
+
+    def count(line: Sequence[Speed]) -> None:
+        nonlocal cost
+        cost = sum((speed.cost for speed in line), cost)
+        on_line(line)
+
+    lines = (work or Work()).collect(task, second, LINES, count)
+    return Map(keys, ordered, second, lines, direction, cost)
+
+
+@dataclass(frozen=True)
+class _Line:
+    """The speeds of a map at one value of its second number."""
+
+    setup: Callable[[float, float], Setup]
+    first: Sequence[float]
+    carry: bool
+    lyapunov: bool
+    turns: float
+
+    def __call__(self, second: float) -> list[Speed]:
+        task = _Task(
+            lambda x: self.setup(x, second), False, False, self.lyapunov, self.turns, follow=False
+        )
+        found: list[Speed] = []
+        for x in self.first:
+            before = found[-1] if self.carry and found else None
+            found.append(task.after(before, x))
+        return found
+
+
 def _task(
     system: System,
     values: Sequence[float],
@@ -156,6 +233,7 @@ class _Task:
     strobe: bool
     lyapunov: bool
     turns: float  # of all speeds
+    follow: bool = True  # beyond doubles, where a rest makes the record one of many
 
     def __call__(self, value: float) -> Speed:
         """The speed, from the start of the scene."""
@@ -172,7 +250,9 @@ class _Task:
         record = orbit.run()
         name, end, cost = label(record), orbit.as_start(), record.cost
         n, to_mps, exponent, known = record.periods, orbit.omega, None, True
-        if forgets_too_much(record):
+        if forgets_too_much(record) and not self.follow:
+            name, known = UNDECIDED, False
+        elif forgets_too_much(record):
             motion, record, end = true_motion(system, rpm, settings, start, record, end)
             name, cost, known = motion.label, cost + motion.cost, motion.label != UNDECIDED
             exponent = None if motion.exponents is None else motion.exponents.largest
@@ -296,6 +376,9 @@ def _load(stored: list) -> Speed:
 
 STORED = ("value", "rpm", "label", "impact_count", "status", "impacts", "exponent", "known")
 CODEC = Codec(_store, _load)
+LINES = Codec(
+    lambda line: [_store(speed) for speed in line], lambda stored: [_load(one) for one in stored]
+)
 
 
 def _exponent(system: System, rpm: float, record: Record) -> float | None:

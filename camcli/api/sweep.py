@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import csv
+from collections import Counter
 from collections.abc import Iterator
 from functools import partial
 from itertools import groupby
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+from camcli.analysis.labels import CONTACT
 from camcli.analysis.loads import Loads
-from camcli.analysis.sweep import FIXED, Speed, Sweep, bare, rpm_grid, status_name
+from camcli.analysis.sweep import FIXED, Speed, Sweep, bare, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
 from camcli.api.simulate import height_notes
 from camcli.api.vary import Varied
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
@@ -26,11 +30,15 @@ if TYPE_CHECKING:
 # columns after the one of what is varied
 IMPACTS = ("period", "theta_deg", "q_m", "u_minus_m_per_s")
 STROBE = ("period", "q_m", "v_m_per_s", "impacts", "chatter")
+MAP = ("label", "period", "impacts_per_turn", "lyapunov_per_period", *Loads._fields)
 SPEEDS = ("label", "impacts", "lyapunov_per_period", "status", *Loads._fields)
 
 
 def sweep(
-    scene: Scene | None = None, progress: Progress | None = None, *, work: Work | None = None
+    scene: Scene | None = None,
+    progress: Progress | None = None,
+    *,
+    work: Work | None = None,
 ) -> Result:
     """Brute-force bifurcation diagram over the speeds of ``scene.sweep.rpm``, or another number.
 
@@ -50,6 +58,8 @@ def sweep(
     Returns
     -------
     Result
+        With two numbers to vary table ``map``, a row per point: both keys, label, period (turns),
+        impacts_per_turn, lyapunov_per_period, the columns of ``speeds`` from max_gap_m on, status.
         Table ``impacts``, a row per recorded impact: rpm, period (recorded turn, from 0),
         theta_deg, q_m, u_minus_m_per_s (velocity relative to the cam just before).
         Table ``strobe``, a row per recorded turn: rpm, period, q_m, v_m_per_s at its start,
@@ -75,6 +85,11 @@ def sweep(
     machine = machine_of(scene)
     scene, section = machine.scene, machine.scene.sweep
     _refuse_to_explain(scene)
+    if len(section.vary) == 2:
+        return _mapped(machine, progress, work or Work())
+    if section.curves is not None:
+        cure = "vary a second number: --vary KEY=LO:HI"
+        raise SceneError(Fault("--curves", "sweep.vary", "found no map", "expected two", cure))
     axis = section.vary[0] if section.vary else section.rpm
     values = rpm_grid(axis.start, axis.stop, axis.num)
     work = work or Work()
@@ -97,6 +112,93 @@ def sweep(
         else:
             motions, explanation = [], None
     return _result(machine, found, motions, explanation, watch.seconds)
+
+
+def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
+    """The map over two numbers."""
+    section = machine.scene.sweep
+    one, two = section.vary
+    keys = (one.key, two.key)
+    lines = [] if section.curves is None else read_curves(section.curves, keys)
+    with stopwatch() as watch:
+        found = sweep_map(
+            keys,
+            rpm_grid(one.start, one.stop, one.num),
+            rpm_grid(two.start, two.stop, two.num),
+            Varied(machine, section.vary),
+            direction=section.direction,
+            lyapunov=section.lyapunov,
+            work=work,
+            on_line=ticks(progress, "lines", two.num),
+        )
+    counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
+    troubled = [(s.rpm, s.status) for s in found.speeds if s.status != Status.OK]
+    unknown = sum(not speed.known for speed in found.speeds)
+    notes = status_notes(troubled)
+    if unknown:
+        notes.insert(0, f"{unknown} points undecided: rounding decides after a rest; grey")
+
+    def rows() -> Iterator[tuple]:
+        for second, line in zip(found.second, found.lines, strict=True):
+            for speed in line:
+                turns, period = machine.settings.record, _period(speed.label)
+                named = speed.label, period, speed.impact_count / turns, speed.exponent
+                yield speed.value, second, *named, *speed.loads, status_name(speed.status)
+
+    def draw():
+        from camcli.plots.sweep_map import draw_map
+
+        return draw_map(found, lines)
+
+    return Result(
+        command="sweep",
+        scene=machine.scene,
+        system=machine.system,
+        values=(found, None),
+        tables={"map": Table.of_rows((*keys, *MAP, "status"), rows)},
+        summary={
+            "direction": found.direction,
+            "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],
+        },
+        pictures={"map": draw},
+        cost=found.cost,
+        seconds=watch.seconds,
+        notes=tuple(notes),
+        complete=not troubled,
+    )
+
+
+def _period(label: str) -> int | None:
+    if label.startswith("P("):
+        return int(label[2:].partition(";")[0])
+    return 1 if label == CONTACT else None
+
+
+def read_curves(
+    path: str | PathLike, keys: tuple[str, str]
+) -> list[tuple[str, list[float], list[float]]]:
+    """(kind, first, second) of every curve in a curve.csv of `orbits`, along two keys of a scene.
+
+    Raises SceneError where the file is none, or is in other parameters.
+    """
+    expected, cure = f"expected a curve.csv in {keys[0]} and {keys[1]}", "see cam orbits --curve"
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        places = []
+        for key in keys:
+            name = key.rpartition(".")[2]
+            column = next(c for c in rows[0] if c == name or c.startswith(f"{name}_"))
+            places.append(column)
+        return [
+            (kind, *([float(row[column]) for row in some] for column in places))
+            for (_, kind), some in (
+                (ends, list(members))
+                for ends, members in groupby(rows, lambda row: (row["curve"], row["kind"]))
+            )
+        ]
+    except (OSError, UnicodeError, csv.Error, ValueError, KeyError, IndexError, StopIteration):
+        raise SceneError(Fault("--curves", str(path), "found none", expected, cure)) from None
 
 
 def _refuse_to_explain(scene: Scene) -> None:

@@ -11,6 +11,8 @@ from camcli.api.result import Machine, machine_of
 from camcli.scene import Axis, Scene, load_scene, resolved
 from camcli.system import System
 
+MOST_COMPILED = 256  # cams kept
+
 
 @dataclass
 class Varied:
@@ -38,7 +40,9 @@ class Varied:
         machine = self.compiled.get(key)
         if machine is None:
             machine = machine_of(self._loaded(changes)) if changes else self.machine
-            self.compiled = {key: machine}  # the last one, where only a speed changes beside it
+            if len(self.compiled) >= MOST_COMPILED:
+                self.compiled.clear()
+            self.compiled[key] = machine
         system, speed = machine.system, machine.scene.run.rpm if rpm is None else rpm
         if quick:
             named = {path.partition(".")[2]: value for path, value in quick.items()}

@@ -55,7 +55,14 @@ def size_of(command: str, scene: Scene) -> Size:
             what, rows = f"{run.record} recorded turns x {samples} samples", samples * run.record
             return Size(key, what, run.record, 1, turns, 280.0 * rows, 102.0 * rows)
         case "sweep":
-            speeds, rows = scene.sweep.rpm.num, run.record * len(scene.sweep.sections)
+            if len(scene.sweep.vary) == 2:
+                n, m = (axis.num for axis in scene.sweep.vary)
+                what = f"{n} x {m} points of {turns} turns"
+                return Size(
+                    "sweep.vary", what, n * m, n * m, n * m * turns, 1e3 * n * m, 6e2 * n * m
+                )
+            axis = scene.sweep.vary[0] if scene.sweep.vary else scene.sweep.rpm
+            speeds, rows = axis.num, run.record * len(scene.sweep.sections)
             key = "run.record" if run.record > speeds else "sweep.rpm.num"
             what = f"{speeds} speeds x {run.record} recorded turns"
             memory, disk = 700.0 * speeds + 32.0 * rows, 43.0 * rows * speeds
@@ -92,7 +99,8 @@ def sample_of(command: str, scene: Scene, n: int) -> Scene:
     }
     match command:
         case "sweep":
-            values["sweep.rpm.num"] = min(n, scene.sweep.rpm.num)
+            axes = [a.model_copy(update={"num": min(n, a.num)}) for a in scene.sweep.vary]
+            values |= {"sweep.vary": tuple(axes), "sweep.rpm.num": min(n, scene.sweep.rpm.num)}
         case "classify":
             values = {"classify.starts": 0, "classify.explain": False}
             values["classify.rpm.num"] = min(n, scene.classify.rpm.num)

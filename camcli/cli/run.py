@@ -26,7 +26,10 @@ MOST_SHARDS = 100_000
 IN_PIECES = ("sweep", "basins", "bench")  # commands whose finished pieces are kept on disk
 ARTEFACTS = {  # files of other people with these names are looked for before any work is done
     "simulate": "trajectory.csv events.csv profile.csv simulate.png profile.png",
-    "sweep": "impacts.csv strobe.csv impacts.npz strobe.npz speeds.csv corners.csv sweep.png",
+    "sweep": (
+        "impacts.csv strobe.csv impacts.npz strobe.npz speeds.csv corners.csv sweep.png "
+        "map.csv map.png"
+    ),
     "detach": "detach.csv accumulation.csv corner_hits.csv force.csv detach.png",
     "orbits": "branch.csv bifurcations.csv curve.csv orbits.png curve.png",
     "basins": "attractors.csv basins.csv basins.png",

@@ -21,6 +21,10 @@ def sweep(
     ] = False,
     explain: Annotated[bool, Option("--explain", help="Find the cause of every change.")] = False,
     vary: Vary = None,
+    curves: Annotated[
+        str | None,
+        Option("--curves", help="A curve.csv of cam orbits, drawn over a map.", metavar="FILE"),
+    ] = None,
     shard: Shard = None,
     cluster: Cluster = None,
 ) -> int:
@@ -36,11 +40,16 @@ def sweep(
                  phase after the strobe at which contact is lost and the last where it is regained
     corners.csv  corner impacts of the solved branches (--explain), columns as bifurcations.csv
     sweep.tables: npz writes impacts.npz and strobe.npz instead (numpy.load); none neither
+    map.csv      of two numbers: both KEYs, label, period, impacts_per_turn, lyapunov_per_period,
+                 and the columns of speeds.csv from max_gap_m on, status
+    map.png      the kind of motion over two numbers; --panels also exponents and each column
     sweep.png    impact phases beside the cam's c, c', c''; stroboscopic positions
 
     \b
     --vary KEY=LO:HI varies any number of follower, cam or run, --points of its values; the first
-    column then bears the KEY. Speeds are run.rpm (--rpm LO:HI).
+    column then bears the KEY. Speeds are run.rpm (--rpm LO:HI). Two make a map of --points N,M;
+    with sweep.direction the state is carried along the first. --curves FILE lays the curves of
+    cam orbits --curve over it.
     In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the
     state from speed to speed in that order; fixed starts every speed alike.
     --lyapunov fills lyapunov_per_period: the largest exponent, -inf where the follower rests.
@@ -55,10 +64,11 @@ def sweep(
     """
     from camcli.cli.run import given, ranges, run
 
-    values = ranges(request, "sweep", vary) | given(
+    values = ranges(request, "sweep", vary, most=2) | given(
         {
             "sweep.lyapunov": (lyapunov, "--lyapunov"),
             "sweep.explain": (explain, "--explain"),
+            "sweep.curves": (curves, "--curves"),
         }
     )
     return run("sweep", request, values, show, shard=shard, cluster=cluster)
@@ -71,6 +81,12 @@ def show(result: Result) -> None:
     from camcli.cli.report import plural, table
 
     found, explanation = result.values
+    if "labels" in result.summary:
+        counted = sorted(result.summary["labels"], key=lambda row: -row["points"])
+        rows = [[row["label"], str(row["points"]), row["status"]] for row in counted]
+        title = f"{' x '.join(found.keys)}: {sum(row['points'] for row in counted)} points"
+        table(title, ["label", "points", "status"], rows[:SHOWN])
+        return
     groups = ranges(found)
     rows = [
         [label, f"{a.value:.10g}", f"{b.value:.10g}", str(n), status]

@@ -45,6 +45,8 @@ PanelName = Literal[
     "motion", "gap", "phase", "section", "passage",  # of simulate
     "mechanism", "outline", "lift", "velocity", "acceleration", "force", "curvature",  # of the cam
     "impacts", "enlarged", "strobe",  # of sweep
+    "kind", "max_gap_m", "airborne_fraction", "max_impact_m_per_s", "min_contact_force_n",
+    "max_contact_force_n", "contact_lost_deg", "contact_regained_deg",  # of its map
     "phases", "forces", "springs",  # of detach, and of orbits and classify
     "positions", "plane", "multipliers", "event", "orbit", "curves",  # of orbits
     "basins", "fractions", "attractors",  # of basins
@@ -169,6 +171,9 @@ class Sweep(Section):
     sections: Names[SectionName] = Field(("impacts", "strobe"), description="sections recorded")
     tables: Literal["csv", "npz", "none"] = Field(
         "csv", description="form of the sections' tables: text, binary columns, or left out"
+    )
+    curves: Annotated[str, Field(max_length=4000)] | None = Field(
+        None, description="a curve.csv of cam orbits, drawn over a map"
     )
     lyapunov: Flag = Field(False, description="measure the largest exponent at each speed")
     explain: Flag = Field(False, description="find the cause of every change (direction: fixed)")

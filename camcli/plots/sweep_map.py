@@ -1,0 +1,108 @@
+"""Picture of a map: the kind of motion over two numbers, its exponent, and what it loads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.image import AxesImage
+
+from camcli.analysis.sweep import FIXED, Map, Speed
+from camcli.plots import style
+from camcli.plots.picture import Panel, Picture
+from camcli.plots.sweep import axis_name, colour_of, kind_of, valued
+
+HEIGHT = 90.0  # mm
+NAMES = {
+    "exponents": "largest exponent (1/turn)",
+    "max_gap_m": "largest gap (m)",
+    "airborne_fraction": "share of the time in the air",
+    "max_impact_m_per_s": "hardest impact (m/s)",
+    "min_contact_force_n": "least contact force (N)",
+    "max_contact_force_n": "largest contact force (N)",
+    "contact_lost_deg": "contact first lost (deg)",
+    "contact_regained_deg": "contact last regained (deg)",
+}
+Curve = tuple[str, Sequence[float], Sequence[float]]  # kind of bifurcation, along both numbers
+
+
+def draw_map(found: Map, curves: Sequence[Curve] = ()) -> Picture:
+    """Panels `kind`, `exponents` where they were measured, and by name each of the loads.
+
+    curves: bifurcations in the two numbers, drawn over all.
+    """
+    rows = [list(line) for line in found.lines]
+
+    def over(draw: Callable[[Axes], None], axes: Axes) -> None:
+        draw(axes)
+        for label, x, y in curves:
+            axes.plot(x, y, color="white", lw=2.0, zorder=3)
+            axes.plot(x, y, color="black", lw=0.8, zorder=4, ls=_dashes(label), label=label)
+        axes.set(xlim=_ends(found.first), ylim=_ends(found.second))
+        axes.set_xlabel(axis_name(found.keys[0]))
+        axes.set_ylabel(axis_name(found.keys[1]))
+
+    panels = {"kind": Panel(partial(over, partial(_draw_kinds, found, rows)), HEIGHT)}
+    for name, words in NAMES.items():
+        values = np.array([[_number(speed, name) for speed in row] for row in rows])
+        usual = name == "exponents" and bool(np.isfinite(values).any())
+        draw = partial(_draw_values, found, values, words)
+        panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual)
+    ends = [
+        valued(key, f"{style.number(values[0])} to {style.number(values[-1])}")
+        for key, values in zip(found.keys, (found.first, found.second), strict=True)
+    ]
+    words = f"{len(found.first)} x {len(found.second)} points"
+    if found.direction != FIXED:
+        words += f", the state carried {found.direction} along {found.keys[0]}"
+    return Picture(f"Map of motions, {', '.join(ends)}", panels, words)
+
+
+def _number(speed: Speed, name: str) -> float:
+    value = speed.exponent if name == "exponents" else getattr(speed.loads, name)
+    return np.nan if value is None else value
+
+
+def _dashes(label: str):
+    """A line of its own for each kind of bifurcation."""
+    styles = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1, 1)), "grazing": (0, (4, 1, 1, 1))}
+    return styles.get(label, "-")
+
+
+def _ends(values: Sequence[float]) -> tuple[float, float]:
+    """Edges of the cells around the first and the last value, ascending."""
+    low, high = min(values), max(values)
+    half = 0.5 * (high - low) / max(len(values) - 1, 1) or 0.01 * abs(low) or 1e-6
+    return low - half, high + half
+
+
+def _image(axes: Axes, found: Map, cells: np.ndarray, **look: Any) -> AxesImage:
+    """Cells in ascending order of both numbers."""
+    cells = cells[np.argsort(found.second)][:, np.argsort(found.first)]
+    extent = (*_ends(found.first), *_ends(found.second))
+    return axes.imshow(
+        cells, extent=extent, origin="lower", aspect="auto", interpolation="nearest", **look
+    )
+
+
+def _draw_kinds(found: Map, rows: Sequence[Sequence[Speed]], axes: Axes) -> None:
+    kinds = sorted({kind_of(speed) for row in rows for speed in row})
+    cells = np.array([[kinds.index(kind_of(speed)) for speed in row] for row in rows])
+    colours = ListedColormap([colour_of(kind) for kind in kinds])
+    _image(axes, found, cells, cmap=colours, vmin=-0.5, vmax=len(kinds) - 0.5)
+    for kind in kinds:
+        axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
+
+
+def _draw_values(found: Map, values: np.ndarray, words: str, axes: Axes) -> None:
+    cells = np.ma.masked_invalid(values)
+    if words == NAMES["exponents"]:
+        size = float(np.abs(cells).max()) if cells.count() else 1.0
+        image = _image(axes, found, cells, cmap="RdBu_r", vmin=-size, vmax=size)
+    else:
+        image = _image(axes, found, cells, cmap="viridis")
+    axes.figure.colorbar(image, ax=axes, label=words)

@@ -1,0 +1,77 @@
+"""cam sweep over two numbers: the map's rows, its borders, its picture, its pieces."""
+
+import csv
+import json
+
+import pytest
+
+from tests.oracle import ArcsCam, corner_impact_rpm, period_doubling_rpm
+
+SMALL = ("--set", "run.transient=100", "--set", "run.record=30", "-q")
+PLANE = ("--rpm", "690:700", "--vary", "follower.restitution=0.7:0.8", "--points", "3,2")
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_row_per_point_with_the_columns_of_its_speed(cam, tmp_path):
+    done = cam("sweep", *PLANE, *SMALL, "--lyapunov", "--panels", "kind,max_gap_m,exponents")
+    assert done.returncode == 0, done.stderr
+    found = rows(tmp_path / "out/sweep/map.csv")
+    assert [(r["rpm"], r["follower.restitution"]) for r in found] == [
+        (rpm, r) for r in ("0.7", "0.8") for rpm in ("690.0", "695.0", "700.0")
+    ]
+    last = found[-1]
+    assert (last["label"], last["period"], last["impacts_per_turn"]) == ("P(1;1)", "1", "1.0")
+    cam("sweep", "--rpm", "700", *SMALL, "--lyapunov", "--no-plot", "-o", "one")
+    (one,) = rows(tmp_path / "one/speeds.csv")
+    shared = set(one) & set(last)
+    assert shared >= {"label", "lyapunov_per_period", "max_gap_m", "max_impact_m_per_s", "status"}
+    assert {name: last[name] for name in shared} == {name: one[name] for name in shared}
+    assert (tmp_path / "out/sweep/map.png").read_bytes()[:4] == b"\x89PNG"
+    result = json.loads((tmp_path / "out/sweep/run.json").read_text())["result"]
+    assert sum(entry["points"] for entry in result["labels"]) == 6
+
+
+@pytest.mark.slow
+def test_the_borders_of_the_orbit_are_within_a_cell_of_the_published_bifurcations(cam, tmp_path):
+    """Carried down, P(1;1) lives from its period doubling to its corner impact, at each r."""
+    words = ("--set", "sweep.direction=down", "--set", "run.transient=300", "--no-plot")
+    plane = ("--rpm", "660:760", "--vary", "follower.restitution=0.6:0.9", "--points", "101,4")
+    done = cam("sweep", *plane, *words, *SMALL[2:])
+    assert done.returncode == 0, done.stderr
+    found = rows(tmp_path / "out/sweep/map.csv")
+    for r in dict.fromkeys(row["follower.restitution"] for row in found):
+        own = [float(row["rpm"]) for row in found
+               if row["follower.restitution"] == r and row["label"] == "P(1;1)"]  # fmt: skip
+        low = float(corner_impact_rpm(ArcsCam(), 1.221, 1430.8, float(r)))
+        high = float(period_doubling_rpm(ArcsCam(), 1.221, 1430.8, float(r)))
+        assert low < min(own) < low + 1.0
+        assert high - 1.0 < max(own) < high
+
+
+def test_curves_of_orbits_are_laid_over_a_map(cam, tmp_path):
+    curve = (
+        "curve,kind,label,corner,rpm,restitution\n1,fold,P(1;1),,690,0.7\n1,fold,P(1;1),,700,0.8\n"
+    )
+    (tmp_path / "curve.csv").write_text(curve)
+    words = (*PLANE, *SMALL)
+    cam("sweep", *words, "-o", "plain")
+    done = cam("sweep", *words, "--curves", "curve.csv", "-o", "laid")
+    assert done.returncode == 0, done.stderr
+    plain, laid = (tmp_path / name / "map.png" for name in ("plain", "laid"))
+    assert plain.read_bytes() != laid.read_bytes()
+    done = cam("sweep", *words, "--curves", "missing.csv")
+    assert done.returncode == 2
+    assert "expected a curve.csv in rpm and follower.restitution" in done.stderr
+
+
+def test_shards_merge_to_the_bytes_of_one_run(cam, tmp_path):
+    words = (*PLANE, *SMALL, "--no-plot")
+    for part in ("1/2", "2/2"):
+        assert cam("sweep", *words, "--shard", part, "-o", "parts").returncode == 0
+    assert cam("merge", "parts", "-q").returncode == 0
+    cam("sweep", *words, "-o", "whole")
+    assert (tmp_path / "parts/map.csv").read_bytes() == (tmp_path / "whole/map.csv").read_bytes()
