@@ -1,19 +1,23 @@
 """The smoothing spline of a measured lift, and how far its second derivative may be trusted.
 
-    minimise  sum (c(theta_k) - lift_k)^2 + weight * sum (fourth differences of coefficients)^2
+    minimise  sum share_k (c(theta_k) - lift_k)^2
+              + sum weight_j (fourth difference of the coefficients about knot j)^2
 
 over periodic splines of degree 7 on equal knots: six continuous derivatives, as the kernel wants.
-Coefficients in the middle of a dwell are held at its level, so the dwell is exactly flat there. The
-weight that fits the rounding is the largest at which doubling the smoothing length still changes
-c_thetatheta by no more than BALANCE standard errors: more smoothing would bend the cam, less would
-let the rounding through (P. H. C. Eilers, B. D. Marx, Flexible smoothing with B-splines and
-penalties, Statistical Science 11 (1996), for the penalty).
+The weight is the eighth power of a smoothing length (P. H. C. Eilers, B. D. Marx, Flexible
+smoothing with B-splines and penalties, Statistical Science 11 (1996)). Coefficients in the middle
+of a dwell are held at its level, so the dwell is exactly flat there. Rows side by side that are
+rounded to one lift count as one: their roundings are the same.
+
+The length at every knot is the largest up to which doubling it has changed c_thetatheta nearby by
+no more than BALANCE standard errors: more smoothing would bend the cam there, less would let the
+rounding through (the choice of O. V. Lepskii, Theory Probab. Appl. 35 (1990) 454).
 
 The error of c_thetatheta has two parts. Rounding passes through the linear smoother: a standard
 error, and a worst case in which every row is wrong by half a digit in the worst direction.
-Smoothing bends: how much, shows in what twice the smoothing length changes. Where the cam's
-c_thetatheta has corners the bending falls by half with half the length; where it jumps, it does
-not, and its bound is wider.
+Smoothing bends: how much, shows in what twice the length changes. Where the cam's c_thetatheta has
+corners the bending falls by half with half the length; where it jumps, it does not, and its bound
+is wider.
 
 The coefficients come from additions, multiplications and divisions in a fixed order, element by
 element: LAPACK and BLAS may give other last bits on another machine, these do not.
@@ -25,6 +29,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from functools import cache, cached_property
+from itertools import pairwise
 from math import factorial, sqrt
 from typing import Any
 
@@ -39,23 +44,22 @@ DEGREE = 7
 WIDTH = DEGREE + 1  # coefficients of an interval
 CENTER = 3  # coefficient j weighs most at u = j - CENTER
 MOST_KNOTS, LEAST_KNOTS = 720, 32
+TOE = 8  # last digits: the lift of x^3 climbs them in 2.5 times the length hidden below half of one
+LONGEST_RUN = 8  # rows of one lift that count as one together
 MARGIN = 1.0  # knot spacings of a dwell's ends where coefficients stay free
 PENALTY = np.array([[1.0, -4.0, 6.0, -4.0, 1.0]])
-STEP = 4.0  # between weights; the smoothing length grows by its eighth root
-DOUBLE = STEP**4  # doubles the smoothing length
-LOWEST, HIGHEST = -4, 17  # powers of STEP
+THIRD = 2.0 ** (1 / 3)
+LENGTHS = [0.5 * 2**octave * step for octave in range(6) for step in (1.0, THIRD, THIRD * THIRD)]
 BALANCE = 4.0
-GIVE_UP = 10.0  # standard errors: no larger weight can balance
-HALVINGS = 20  # of the logarithm of the weight
-PLACES = 12  # phases at which the standard error is looked at
+SLOPE = 0.5  # of the length along the turn
+HALVINGS = 20  # of the logarithm of the length
 SAMPLE = 600  # rows that estimate the noise
 NORMAL = 0.6745  # median of |x| of a normal distribution
 ERRORS = 4.0  # standard errors in the bound
 SAFETY = 1.25  # of the estimate of the bending
-LEAST_RATIO, MOST_RATIO = 1.33, 3.0  # of the bending when the length doubles
+LEAST_RATIO, CORNER = 1.33, 2.0  # of the bending when the length doubles: at a jump, at a corner
 JUMP = 1.5  # a smaller ratio speaks of a jump
 NEAR = 2.0  # smoothing lengths around a phase in which bending counts there
-SHARES = 90  # of the turn, each with its own bound
 
 Rows = list[list[float]]
 
@@ -75,6 +79,15 @@ def noise(turn: Turn) -> float:
         scatter = np.sort((np.abs(off) / np.sqrt(1.0 + (weights * weights).sum(axis=0)))[moving])
         estimates.append(float(scatter[(len(moving) - 1) // 2]) / NORMAL)
     return max(turn.quantum / sqrt(12.0), min(estimates))
+
+
+def _shares(lift: np.ndarray) -> np.ndarray:
+    """What each row counts, (n,): rows side by side that are rounded to one lift are one."""
+    start = np.flatnonzero(lift != np.roll(lift, 1))
+    if len(start) == 0:
+        return np.ones(len(lift))
+    length = np.diff(np.append(start, start[0] + len(lift)))
+    return np.roll(np.repeat(1.0 / np.minimum(length, LONGEST_RUN), length), start[0])
 
 
 # -- B-splines of degree 7 on equal knots ------------------------------------------------------
@@ -180,9 +193,9 @@ class Factors:
 
 @dataclass(frozen=True)
 class Fit:
-    """Coefficients of one weight and what solves for others."""
+    """Coefficients of one smoothing length at every knot, and what solves for others."""
 
-    weight: float
+    weights: np.ndarray
     coefficients: np.ndarray
     factors: Factors
 
@@ -215,19 +228,25 @@ class Smoother:
         u = turn.theta * n / 360.0
         self.interval = np.minimum(u.astype(int), n - 1)
         self.weights = basis(u - self.interval)
-        self.normal, self.right = self._equations(self.interval, self.weights, turn.lift)
-        every = np.arange(n)
-        penalty = np.repeat(PENALTY, n, axis=0)
-        self.penalty, self.penalty_right = self._equations(every, penalty, np.zeros(n))
+        share = np.sqrt(_shares(turn.lift))
+        factors = self.weights * share[:, None]
+        self.normal, self.right = self._equations(self.interval, factors, turn.lift * share)
         self.rows_per_knot = len(turn.lift) / n
-        self.fits: dict[float, Fit] = {}
+        self.fits: dict[bytes, Fit] = {}
 
     def _levels(self) -> dict[int, float]:
-        """Coefficients held at the level of a dwell."""
+        """Coefficients held at the level of a dwell, but for what rounding may hide at its ends.
+
+        Beside a run of equal rows the lift is hidden about as far as it takes to climb TOE digits.
+        """
         held: dict[int, float] = {}
         scale = self.count / 360.0
         for dwell in self.turn.dwells:
-            low, high = dwell.start * scale + MARGIN, dwell.end * scale - MARGIN
+            off = self.turn.theta[abs(self.turn.lift - dwell.level) > TOE * self.turn.quantum]
+            before = min((dwell.start - off) % 360.0, default=0.0) * scale
+            after = min((off - dwell.end) % 360.0, default=0.0) * scale
+            low = dwell.start * scale + max(MARGIN, before)
+            high = dwell.end * scale - max(MARGIN, after)
             run = range(int(low + CENTER) + 1, int(np.floor(high + CENTER)) + 1)
             if len(run) >= WIDTH:
                 held.update((j % self.count, dwell.level) for j in run)
@@ -254,44 +273,62 @@ class Smoother:
         np.add.at(band, (row[pair], down[pair]), products[pair])
         return band, right
 
-    def fit(self, weight: float) -> Fit:
-        """The fit of a weight."""
-        if weight not in self.fits:
-            factors = Factors((self.normal + weight * self.penalty).tolist())
+    def fit(self, length: np.ndarray | float) -> Fit:
+        """The fit of a smoothing length in knot spacings: one, or one at every knot (count,)."""
+        square = np.broadcast_to(length, self.count) ** 2
+        weights = self.rows_per_knot * square * square * square * square
+        key = weights.tobytes()
+        if key not in self.fits:
+            factors = np.sqrt(np.roll(weights, 1))[:, None] * PENALTY  # centred at knot i - 1
+            none = np.zeros(self.count)
+            penalty, right = self._equations(np.arange(self.count), factors, none)
+            solver = Factors((self.normal + penalty).tolist())
             solved = np.zeros(self.count)
-            solved[self.order] = factors.solve((self.right + weight * self.penalty_right).tolist())
+            solved[self.order] = solver.solve((self.right + right).tolist())
             solved[list(self.levels)] = list(self.levels.values())
-            self.fits[weight] = Fit(weight, solved, factors)
-        return self.fits[weight]
+            self.fits[key] = Fit(weights, solved, solver)
+        return self.fits[key]
 
-    def balanced(self, sigma: float) -> Fit:
-        """The fit whose weight balances bending and rounding (see the module)."""
-        best = LOWEST
-        for power in range(LOWEST, HIGHEST):
-            fit = self.fit(self.rows_per_knot * STEP**power)
-            error = sigma * self.error(fit)
-            change = max(self.changes(fit))
-            if change <= BALANCE * error:
-                best = power
-            elif change > GIVE_UP * error:
+    def balanced(self, sigma: float) -> np.ndarray:
+        """The smoothing length at every knot that balances bending and noise (see the module)."""
+        knots = np.arange(self.count)
+        length = np.full(self.count, LENGTHS[0])
+        good = np.ones(self.count, bool)
+        for x in LENGTHS:
+            fit = self.fit(x)
+            change = np.abs(self.knot_accels(self.fit(2.0 * x)) - self.knot_accels(fit))
+            bad = change > BALANCE * sigma * self.spread(fit, knots, basis(np.zeros(1), 2))
+            reach = int(np.ceil(NEAR * x))
+            for step in range(-reach, reach + 1):
+                good &= ~np.roll(bad, step)
+            if not good.any():
                 break
-        return self.fit(self.rows_per_knot * STEP**best)
+            length[good] = x
+        for _ in range(2):  # a length does not change faster than SLOPE
+            for k in range(1, 2 * self.count):
+                i = k % self.count
+                length[i] = min(length[i], length[i - 1] + SLOPE)
+            length = length[::-1].copy()
+        return length
 
-    def with_rms(self, wanted: float) -> Fit:
-        """The fit whose root mean square deviation is `wanted`, or the nearest there is."""
-        low = self.fit(self.rows_per_knot * STEP**LOWEST)
-        high = self.fit(self.rows_per_knot * STEP**HIGHEST * DOUBLE)
-        if self.rms(low) >= wanted:
+    def with_rms(self, wanted: float) -> float:
+        """The length whose root mean square deviation is `wanted`, or the nearest there is."""
+        low, high = LENGTHS[0], LENGTHS[-1]
+        if self.rms(self.fit(low)) >= wanted:
             return low
-        if self.rms(high) <= wanted:
-            return high
         for _ in range(HALVINGS):
-            middle = self.fit(sqrt(low.weight) * sqrt(high.weight))
-            if self.rms(middle) < wanted:
+            middle = sqrt(low * high)
+            if self.rms(self.fit(middle)) < wanted:
                 low = middle
             else:
                 high = middle
         return low
+
+    def knot_accels(self, fit: Fit) -> np.ndarray:
+        """c_thetatheta at every knot, m/rad2."""
+        knots = np.arange(self.count)
+        weights = np.broadcast_to(basis(np.zeros(1), 2), (self.count, WIDTH))
+        return at(fit.coefficients, knots, weights) * self.per_square
 
     def residuals(self, fit: Fit) -> np.ndarray:
         """Spline minus table, m, at every row."""
@@ -306,10 +343,6 @@ class Smoother:
         """c_thetatheta at `halves`, m/rad2."""
         return at(fit.coefficients, *self.halves) * self.per_square
 
-    def changes(self, fit: Fit) -> np.ndarray:
-        """|change| of `accels` when the smoothing length doubles."""
-        return np.abs(self.accels(self.fit(fit.weight * DOUBLE)) - self.accels(fit))
-
     def response(self, fit: Fit, intervals: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """How derivatives answer to the right-hand side: (count, places), zero where held."""
         right = np.zeros((self.count, len(intervals)))
@@ -321,15 +354,11 @@ class Smoother:
 
     def spread(self, fit: Fit, intervals: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Standard errors of c_thetatheta at places per standard deviation of the rows, 1/rad2."""
-        rows = at(self.response(fit, intervals, weights), self.interval, self.weights)
-        return np.sqrt((rows * rows).sum(axis=0)) * self.per_square
-
-    def error(self, fit: Fit) -> float:
-        """Largest of these at some phases."""
-        stride = max(1, len(self.moving) // PLACES)
-        places = self.moving[stride // 2 :: stride]
-        weights = basis(np.array([0.0, 0.5]), 2)[np.arange(len(places)) % 2]
-        return max(self.spread(fit, places, weights), default=0.0)
+        z = self.response(fit, intervals, weights)[self.order]
+        total = (self.normal[:, :1] * z * z).sum(axis=0)
+        for k in range(1, self.band + 1):
+            total += 2.0 * (self.normal[k:, k : k + 1] * z[k:] * z[:-k]).sum(axis=0)
+        return np.sqrt(np.maximum(total, 0.0)) * self.per_square
 
 
 # -- its error ---------------------------------------------------------------------------------
@@ -351,7 +380,7 @@ class Accuracy:
     accel: float  # largest |c_thetatheta|
     standard: float  # standard error of c_thetatheta
     worst: float  # its error were every row half a digit off, in the worst direction
-    bending: float  # what smoothing may have changed
+    bending: float  # the rest of the bound: what smoothing may have changed
     jump_deg: float | None  # where c_thetatheta seems to jump
 
     @property
@@ -363,57 +392,71 @@ class Accuracy:
 class Errors:
     """The errors of one fit, looked at only where they are asked for."""
 
-    def __init__(self, smoother: Smoother, fit: Fit, noise: float):
-        self.smoother, self.fit, self.noise = smoother, fit, noise
+    def __init__(self, smoother: Smoother, length: np.ndarray | float, noise: float):
+        self.smoother, self.noise = smoother, noise
+        self.length = np.broadcast_to(length, smoother.count)  # (knots,), in knot spacings
+        self.fit = smoother.fit(self.length)
 
     @cached_property
-    def changes(self) -> np.ndarray:
-        """|change| of c_thetatheta at `Smoother.halves` when the length doubles, m/rad2."""
-        return self.smoother.changes(self.fit)
+    def changes(self) -> list[np.ndarray]:
+        """|change| of c_thetatheta at `Smoother.halves` when the length doubles, and again."""
+        s = self.smoother
+        accels = [s.accels(s.fit(self.length * factor)) for factor in (1.0, 2.0, 4.0)]
+        return [np.abs(b - a) for a, b in pairwise(accels)]
+
+    @cached_property
+    def standard(self) -> np.ndarray:
+        """Standard errors of c_thetatheta at the knots of the moving intervals, m/rad2."""
+        s = self.smoother
+        return self.noise * s.spread(self.fit, s.moving, basis(np.zeros(1), 2))
 
     @cached_property
     def ratio(self) -> float:
-        """How the bending grows when the length doubles."""
-        twice = self.smoother.fit(self.fit.weight * DOUBLE)
-        first = max(self.changes)
-        return float(max(self.smoother.changes(twice)) / first) if first > 0.0 else MOST_RATIO
+        """How the bending grows when the length doubles; as at a corner where it is not seen."""
+        first, second = (float(max(change)) for change in self.changes)
+        return second / first if first > BALANCE * max(self.standard) else CORNER
 
     @property
     def factor(self) -> float:
         """Of the bending over what it changes when the length doubles."""
-        return SAFETY / (min(max(self.ratio, LEAST_RATIO), MOST_RATIO) - 1.0)
-
-    @property
-    def length(self) -> float:
-        """Smoothing length in knot spacings: the eighth root of the weight per row."""
-        return max(1.0, (self.fit.weight / self.smoother.rows_per_knot) ** 0.125)
+        return SAFETY / (min(max(self.ratio, LEAST_RATIO), CORNER) - 1.0)
 
     @cached_property
     def bounds(self) -> list[float]:
-        """Bound on the error of c_thetatheta in SHARES equal shares of the turn, m/rad2.
+        """Bound on the error of c_thetatheta in every knot interval, m/rad2; 0 in a dwell.
 
-        The larger value of its two ends; 0 in the middle of a dwell.
+        The bending at a place is the mean of what doubling the length changes within a length of
+        it, since most of that is rounding, or within NEAR lengths the largest that is more.
         """
-        s, count = self.smoother, self.smoother.count
-        u = np.arange(SHARES) * (count / SHARES)
-        i = u.astype(int)
-        standard = self.noise * s.spread(self.fit, i, basis(u - i, 2))
-        apart = np.abs((s.moving + 0.5 - u[:, None] + count / 2) % count - count / 2)
-        nearby = apart <= NEAR * self.length + 0.5
-        bending = np.where(nearby, self.changes.reshape(-1, 2).max(axis=1), 0.0).max(axis=1)
-        ends = np.where(np.isin(i, s.moving), ERRORS * standard + self.factor * bending, 0.0)
-        return np.maximum(ends, np.roll(ends, -1)).tolist()
+        s, change, sure = (
+            self.smoother,
+            np.zeros(self.smoother.count),
+            np.zeros(self.smoother.count),
+        )
+        change[s.moving] = self.changes[0].reshape(-1, 2).max(axis=1)
+        sure[s.moving] = np.where(change[s.moving] > BALANCE * self.standard, change[s.moving], 0.0)
+        middle, reach = np.floor(self.length), np.ceil(NEAR * self.length)
+        total, largest = np.zeros(s.count), np.zeros(s.count)
+        for step in range(-int(max(reach)), int(max(reach)) + 1):
+            total += np.where(abs(step) <= middle, np.roll(change, step) ** 2, 0.0)
+            largest = np.where(
+                abs(step) <= reach, np.maximum(largest, np.roll(sure, step)), largest
+            )
+        found = self.factor * np.maximum(largest, np.sqrt(total / (2 * middle + 1)))
+        found[s.moving] += ERRORS * self.standard
+        found[np.setdiff1d(np.arange(s.count), s.moving)] = 0.0
+        return found.tolist()
 
     def accuracy(self) -> Accuracy:
         """Everything about the fit as a whole."""
         s, turn = self.smoother, self.smoother.turn
         off = np.where(turn.line > 0, np.abs(s.residuals(self.fit)), 0.0)
-        accels, most = np.abs(s.accels(self.fit)), int(np.argmax(self.changes))
+        accels, most = np.abs(s.accels(self.fit)), int(np.argmax(self.changes[0]))
         middle = s.moving[[np.argmax(accels) // 2]]
         answer = s.response(self.fit, middle, basis(np.array([0.5]), 2))
         answer = at(answer, s.interval, s.weights)[turn.line > 0]
-        standard = self.noise * s.error(self.fit)
-        jump = self.changes[most] > ERRORS * standard and self.ratio < JUMP
+        bound = float(max(self.bounds))
+        jump = self.changes[0][most] > BALANCE * max(self.standard) and self.ratio < JUMP
         return Accuracy(
             rows=int((turn.line > 0).sum()),
             knots=s.count,
@@ -423,11 +466,11 @@ class Errors:
             rms=s.rms(self.fit),
             largest=float(max(off)),
             line=int(turn.line[np.argmax(off)]),
-            length_deg=self.length * 360.0 / s.count,
+            length_deg=float(np.median(self.length[s.moving])) * 360.0 / s.count,
             accel=float(max(accels)),
-            standard=float(standard),
+            standard=float(max(self.standard)),
             worst=float(0.5 * turn.quantum * s.per_square * np.abs(answer).sum()),
-            bending=float(self.factor * self.changes[most]),
+            bending=bound - ERRORS * float(max(self.standard)),
             jump_deg=float(s.moving[most // 2] + 0.5 * (most % 2)) * 360.0 / s.count
             if jump
             else None,

@@ -5,8 +5,11 @@ import random
 import numpy as np
 import pytest
 
+from camcli.analysis.contact_loss.detachment import detachment, first_loss_range
 from camcli.scene import load_scene
-from tests.cams.lift_tables import Eccentric, Lobe, cycloidal, polynomial, smooth
+from camcli.system import Follower, System
+from tests.cams.lift_tables import Eccentric, Lobe, cycloidal, polynomial, smooth, table
+from tests.cams.lift_tables import scene as table_scene
 
 LOBE, ROUND = Lobe(smooth), Eccentric()
 WIDE = Lobe(polynomial, 60, 40)
@@ -98,3 +101,18 @@ def test_a_table_is_read_as_it_was_written(name, tmp_path, cam):
     assert len(turn.lift) >= 150
     assert name not in UNSURE or ("CHECK lift" in said) == UNSURE[name]
     assert (tmp_path / "cam.png").read_bytes()[:4] == b"\x89PNG"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FILES)
+def test_the_interval_of_the_first_detachment_holds_the_law_s(name, tmp_path, cam):
+    law = FILES[name][1]
+    _, scene = written(name, tmp_path, cam)
+    follower = Follower(0.12, 42000.0, 12.0, 0.0, 260.0, 0.4)
+    low, high = first_loss_range(System.build(follower, scene.cam.parts()), scene.cam.errors.bounds)
+    folder = tmp_path / "exact"
+    folder.mkdir()
+    exact = table_scene(folder, table(law, 0.5, 1e-3, 12)).cam
+    truth = detachment(System.build(follower, exact.parts())).first.rpm
+    assert low < truth < high
+    assert high - low < 0.14 * truth
