@@ -147,7 +147,7 @@ def test_orbits_through_rests_and_the_speeds_at_which_they_change():
     assert oracle.first_detachment_rpm(oracle.ArcsCam(), 1.221, 1430.8) == pytest.approx(
         mpf(interval(first.value).mid), rel=1e-14
     )
-    assert prove_orbit(SYSTEM, replace(found.values.orbits[0], rpm=114.9)).refuted is False
+    assert not prove_orbit(SYSTEM, replace(found.values.orbits[0], rpm=114.9)).proved
 
 
 def test_columns_and_boxes_of_the_command(cam, tmp_path):

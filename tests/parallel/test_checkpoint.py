@@ -69,8 +69,7 @@ def test_broken_bytes_are_refused_and_allocate_nothing(data):
     tracemalloc.stop()
 
 
-SHARD = {"shard": [3, 4]}
-PIECES = {("0", 0): [1, 0.1, None], ("0", 1): "text", ("range/0", 2): [], (END, 0): SHARD}
+PIECES = {("0", 0): [1, 0.1, None], ("0", 1): "text", ("range/0", 2): [], (END, 0): [3, 4]}
 
 
 def written(path, pieces=PIECES) -> bytes:
@@ -185,7 +184,7 @@ def test_pieces_of_another_key_are_refused_and_a_giant_key_is_not_read(tmp_path)
         with pytest.raises(SceneError):
             Checkpoint(tmp_path / "c", key)
     assert (tmp_path / "c").read_bytes() == before
-    assert key_of(tmp_path / "c") == ("work", SHARD)
+    assert key_of(tmp_path / "c") == ("work", [3, 4])
     with open(tmp_path / "giant", "wb") as file:
         file.write(b"00000000 ")
         file.truncate(1 << 40)  # a file of holes

@@ -140,7 +140,7 @@ def prove_event(system: System, event: Bifurcation, parameter: str = "rpm") -> P
         return Proof(failed.step, failed.refuted)
 
 
-def _shooting(system: System, root: Root) -> Shooting:
+def shooting_of(system: System, root: Root) -> Shooting:
     """The exact equations of a root; raises NotProvedError."""
     if system.shape is None or root.count > MOST_IMPACTS:
         raise NotProvedError(Step.MODEL)
@@ -157,7 +157,7 @@ def _shooting(system: System, root: Root) -> Shooting:
 
 
 def _bouncing(system: System, root: Root, stable: bool) -> Proof:
-    shooting = _shooting(system, root)
+    shooting = shooting_of(system, root)
     box = shooting.box([arb(x) for x in root.x], 2 * root.count)
     hull = box.hull()
     rate = max(abs(v) for v in root.x[1:-1:2])
@@ -305,7 +305,7 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
     root, fixed = located.root, 2 * located.root.count
     if event.kind == Kind.FOLD:
         fixed = max(range(fixed), key=lambda k: abs(root.tangent[k]))
-    shooting = _shooting(system, root)
+    shooting = shooting_of(system, root)
     box, _ = shooting.zero([arb(x) for x in root.x], fixed, _test(shooting, located))
     hull = box.hull()
     _admit(shooting, hull, located)
@@ -410,7 +410,7 @@ def _range(
     middle, span = points[len(points) // 2], points[-1].value - points[0].value
     if middle.root is None or points[1].root is None:
         raise NotProvedError(Step.MODEL)
-    shooting, stable = _shooting(system, middle.root), middle.stable
+    shooting, stable = shooting_of(system, middle.root), middle.stable
     ends: list[tuple[str, Box | None]] = []
     for at, inner in ((points[0], points[1]), (points[-1], points[-2])):
         event = _event_at(at, events)
