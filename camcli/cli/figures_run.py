@@ -146,6 +146,11 @@ def _refuse_contradictions(request: Request) -> None:
         found = "found --check and --update-reference"
         cure = "a reference just written always agrees"
         raise SceneError(Fault("--check", "", found, "expected one of them", cure))
+    folder = request.extra["folder"] or default_folder()
+    if folder.resolve().is_relative_to(Path(__file__).resolve().parents[1]):
+        found = f"found the figures of the installed program, {folder}"
+        cure = "copy that folder, and name the copy with --folder"
+        raise SceneError(Fault("--update-reference", "", found, "expected one's own", cure))
     if request.sets:
         where, cure = "--update-reference", "change the scenes instead"
         raise SceneError(Fault(where, "", "found --set", "expected the scenes alone", cure))
@@ -263,7 +268,7 @@ def chosen(known: Sequence[Figure], names: Collection[str]) -> list[Figure]:
 def read(model: type[Model], path: Path) -> Model | None:
     """What a file holds; None where there is none, or none that can be read."""
     try:
-        return model.model_validate_json(path.read_bytes())
+        return model.model_validate_json(path.read_bytes()) if path.is_file() else None
     except (OSError, ValidationError):
         return None
 

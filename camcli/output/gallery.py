@@ -120,11 +120,18 @@ def _printed(p: Shown) -> str:
 def _numbers(p: Shown) -> str:
     """What its run.json says, links to its files, and its cost."""
     try:
-        record = json.loads((p.folder / "run.json").read_text(encoding="utf-8"))
+        path = p.folder / "run.json"
+        record = json.loads(path.read_text(encoding="utf-8") if path.is_file() else "{}")
         cost = record["cost"]
         counted = f"{cost['impacts']} impacts, {cost['gap_evaluations']} gap evaluations, "
         gone = ", ".join(sorted({*record.get("artefacts", ())} - {*p.files}))
-    except (OSError, ValueError, LookupError, TypeError):  # of another program, or damaged
+    except (
+        OSError,
+        ValueError,
+        LookupError,
+        TypeError,
+        RecursionError,
+    ):  # of another program, or damaged
         record, counted, gone = {"result": {}}, "", ""
     links = [f'<a href="{quote(f"{p.name}/{file}")}">{escape(file)}</a>' for file in p.files]
     made = f"; the command also writes {escape(gone)}, too large to be kept" if gone else ""
@@ -142,7 +149,7 @@ def _html(value: Any, name: str, figure: str) -> str:
         inner = {k.replace("_", " "): v for k, v in value.items() if v not in (None, [], {}, "")}
         rows = [f"<dt>{escape(k)}</dt><dd>{_html(v, k, figure)}</dd>\n" for k, v in inner.items()]
         return f"<dl>\n{''.join(rows)}</dl>\n" if rows else ""
-    if isinstance(value, list) and value and isinstance(value[0], Mapping):
+    if isinstance(value, list) and value and all(isinstance(row, Mapping) for row in value):
         return _table(value, f"{name} of {figure}")
     if isinstance(value, list):
         items = _tagged("li", map(_text, value[:MOST_ROWS]))

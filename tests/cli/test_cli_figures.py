@@ -1,6 +1,7 @@
 """cam figures: what is computed and why, the page, the comparison with the reference."""
 
 import json
+import os
 import shutil
 import signal
 import subprocess
@@ -10,9 +11,13 @@ from pathlib import Path
 
 import pytest
 
+import camcli
+from camcli.cli import figures_run
 from camcli.cli.app import app
 from camcli.cli.exit_codes import guarded
 from camcli.cli.figures_run import State, check, chosen, figures, read, verdict
+from camcli.cli.options import Request
+from camcli.errors import SceneError
 from camcli.output.digest import Drift, caption, drifts
 
 ROOT = Path(__file__).parents[2]
@@ -110,6 +115,26 @@ def test_a_misshapen_state_is_none_and_stops_no_other_figure(run, home):
     done = json.loads(run("--json", "1.10").out)["figures"]
     assert [row["reason"] for row in done] == ["new"]
     assert (home / "out" / "index.html").read_text().count("Not computed yet") == 1
+
+
+def test_a_pipe_or_a_misshapen_record_of_one_figure_stops_no_other(run, home):
+    record, state = (home / "out" / "1.2a" / name for name in ("run.json", "figure.json"))
+    for text in ("[" * 100_000, '{"result": {"a": [{}, 1]}, "cost": {"impacts": 1}}', "[]"):
+        record.write_text(text)
+        (home / "out" / "1.10" / "profile.csv").unlink(missing_ok=True)
+        assert [row["reason"] for row in json.loads(run("--json", "1.10").out)["figures"]]
+    for path in (record, state):
+        path.unlink()
+        os.mkfifo(path)
+    assert reasons(run)["1.2a"] == "new"
+    run("1.10")
+
+
+def test_the_installed_figures_keep_their_references(run, home, monkeypatch):
+    inside = Path(camcli.__file__).parent
+    monkeypatch.setattr(figures_run, "default_folder", lambda: inside)
+    with pytest.raises(SceneError, match="installed program"):
+        figures_run.run(Request(extra={"update_reference": True, "check": False, "folder": None}))
 
 
 def test_another_lift_table_is_data_changed(run, home):

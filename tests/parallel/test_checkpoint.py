@@ -69,7 +69,8 @@ def test_broken_bytes_are_refused_and_allocate_nothing(data):
     tracemalloc.stop()
 
 
-PIECES = {("0", 0): [1, 0.1, None], ("0", 1): "text", ("range/0", 2): [], (END, 0): [3, 4]}
+SHARD = {"shard": [3, 4]}
+PIECES = {("0", 0): [1, 0.1, None], ("0", 1): "text", ("range/0", 2): [], (END, 0): SHARD}
 
 
 def written(path, pieces=PIECES) -> bytes:
@@ -184,7 +185,7 @@ def test_pieces_of_another_key_are_refused_and_a_giant_key_is_not_read(tmp_path)
         with pytest.raises(SceneError):
             Checkpoint(tmp_path / "c", key)
     assert (tmp_path / "c").read_bytes() == before
-    assert key_of(tmp_path / "c") == ("work", [3, 4])
+    assert key_of(tmp_path / "c") == ("work", SHARD)
     with open(tmp_path / "giant", "wb") as file:
         file.write(b"00000000 ")
         file.truncate(1 << 40)  # a file of holes

@@ -103,7 +103,7 @@ def test_a_file_where_the_folder_should_be(tmp_path, extra):
     assert (tmp_path / "taken").read_text() == "keep me"
 
 
-@pytest.mark.parametrize("name", [".sweep-x.part", "sweep-1-of-2.pieces"])
+@pytest.mark.parametrize("name", [".sweep.csv.cam-part", "sweep-1-of-2.pieces"])
 def test_a_folder_where_a_file_should_be(tmp_path, name):
     (tmp_path / "out" / name).mkdir(parents=True)
     code, said = cam((*SWEEP, "-o", "out", "--shard", "1/2"), tmp_path)
