@@ -35,7 +35,7 @@ ARTEFACTS = {  # files of other people with these names are looked for before an
     "basins": "attractors.csv basins.csv basins.png",
     "classify": "classify.csv corners.csv classify.png",
     "explore": "explore.html",
-    "bench": "precision.csv flights.csv stability.csv scenes.csv precision.png stability.png",
+    "bench": "precision.csv stability.csv precision.png",
 }
 IN_THREADS = ("sweep", "basins", "classify", "explore")  # analyses that take `work`
 

@@ -1,6 +1,6 @@
 """Long runs killed at chosen and at random moments: old artefacts stay, the end has the same bytes.
 
-CAMCLI_SOAK=N kills N times in all.
+The soak (-m soak) kills a thousand times, CAMCLI_SOAK=N about N times.
 """
 
 import json
@@ -105,11 +105,32 @@ CASES = {
 }
 
 
+OTHERS = {
+    "simulate": (("simulate", "--rpm", "745"), ("--rpm", "700")),
+    "detach": (("detach", "--points", "200"), ("--points", "5")),
+    "orbits": (("orbits", "--rpm", "690:745", "--points", "5"), ("--rpm", "700")),
+    "classify": (("classify", "--rpm", "735:745", "--points", "12"), ("--points", "2")),
+    "sweep with its picture": (SWEEP[:-1], ("--points", "9")),
+    "explained": ((*SWEEP[:3], "--points", "3", "--explain", *MANY), ("--points", "2")),
+}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_killed_at_random_moments(tmp_path, name):
     words, earlier = CASES[name]
-    Case(tmp_path, words, earlier).soak(list(CASES).index(name), SOAK // len(CASES) or 1)
+    Case(tmp_path, words, earlier).soak(list(CASES).index(name), 1)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("cold", [False, True], ids=["warm", "cold"])
+@pytest.mark.parametrize("name", [*CASES, *OTHERS])
+def test_killed_many_times(tmp_path, name, cold, capsys):
+    words, earlier = (CASES | OTHERS)[name]
+    count = max(1, SOAK // (len(CASES) + len(OTHERS)) // (10 if cold else 1))
+    longest = Case(tmp_path, words, earlier).soak(count, count, cold)
+    with capsys.disabled():
+        print(f"\n{name}: {count} kills, cold: {cold}, the longest end {longest:.2f} s")
 
 
 SCENE = """

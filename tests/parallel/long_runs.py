@@ -26,7 +26,7 @@ from camcli.parallel.checkpoint import Checkpoint, records
 from camcli.parallel.work import Kept
 
 SIGNALS = (signal.SIGKILL, signal.SIGINT, signal.SIGTERM)
-SOAK = int(os.environ.get("CAMCLI_SOAK", "0"))  # kills at random moments, of all tests together
+SOAK = int(os.environ.get("CAMCLI_SOAK", "1000"))  # kills at random moments of the soak
 STARTUP = 1.0  # s, of the command beside its work
 TIMES = ("run.json", "figure.json", "index.html")  # files that hold times
 
@@ -84,9 +84,9 @@ def begin(words: list[str], cwd: Path, **options) -> subprocess.Popen:
     )  # fmt: skip
 
 
-def ended(process: subprocess.Popen) -> tuple[int, str]:
+def ended(process: subprocess.Popen, most: float = 600) -> tuple[int, str]:
     """(exit code, stderr); nothing may hang."""
-    said = process.communicate(timeout=600)[1]
+    said = process.communicate(timeout=most)[1]
     return process.returncode, said
 
 
@@ -209,16 +209,26 @@ class Case:
         assert list(self.folder.glob(".*")) == []
         return said
 
-    def soak(self, seed: int, count: int) -> None:
-        """Kill it so many times at random moments, the same work going on."""
-        rng, met = random.Random(seed), 0
+    def soak(self, seed: int, count: int, cold: bool = False) -> float:
+        """Kill it so many times at random moments, the same work going on.
+
+        Returns the longest time from an interrupt to the end, s. cold: the kernel is compiled.
+        """
+        rng, met, longest = random.Random(seed), 0, 0.0
+        env = {**os.environ, "CAMCLI_KERNEL": "compiled" if cold else "auto"}
+        if cold:
+            env["XDG_CACHE_HOME"] = str(self.cwd / "cache")
+        seconds = max(self.seconds, 20.0 * cold)
         while met < count:
+            shutil.rmtree(self.cwd / "cache", ignore_errors=True)
             how, early = rng.choice(SIGNALS), rng.random() < 0.2
-            wait = rng.uniform(0.0, 0.2) if early else rng.uniform(0.25, 1.0) * self.seconds
-            process = begin(command(*self.words, "-o", "out"), self.cwd)
+            wait = rng.uniform(0.0, 0.2) if early else rng.uniform(0.25, 1.0) * seconds
+            process = begin(command(*self.words, "-o", "out"), self.cwd, env=env)
             time.sleep(wait)
             process.send_signal(how)
-            code, said = ended(process)
+            began = time.monotonic()
+            code, said = ended(process, 60)
+            longest = max(longest, time.monotonic() - began)
             assert "internal fault" not in said
             starting = code == -how or ("KeyboardInterrupt" in said and "camcli" not in said)
             assert code in (0, 130) or starting, (how, code, said)
@@ -229,6 +239,7 @@ class Case:
             else:
                 met += 1
         self.finish()
+        return longest
 
 
 def gone(mark: str, seconds: float = 10.0) -> bool:
