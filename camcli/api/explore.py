@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import ceil, pi, sqrt
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -18,12 +18,12 @@ from camcli.api.basins import basins
 from camcli.api.orbits import orbits
 from camcli.api.result import Machine, Progress, Result, machine_of, ticks
 from camcli.api.sweep import sweep
-from camcli.cams.outline import outline
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.kernel.cam_table import TURN
 from camcli.parallel import Work
 from camcli.plots.event_words import event_words
+from camcli.plots.mechanism import Outline
 from camcli.scene import Scene
 from camcli.system import omega_of
 
@@ -113,8 +113,8 @@ def explore(
     Returns
     -------
     Result
-        No tables. ``pages["explore"]()`` is the text of ``explore.html``, which needs no other
-        file; ``values`` holds the motions and their simulations.
+        No tables: ``save`` writes ``explore.html``, which needs no other file. ``values`` holds the
+        motions and their simulations.
 
     Raises
     ------
@@ -148,10 +148,11 @@ def explore(
     found = Explored(motions, simulations, solved, landed)
     parts = [result for _, result in sweeps] + [solved] + ([] if landed is None else [landed])
 
-    def page() -> str:
+    def write(file: BinaryIO) -> None:
         from camcli.output.explore import page
 
-        return page({"source": source, **_machine_data(machine), **_motion_data(found)})
+        data = {"source": source, **_machine_data(machine), **_motion_data(found)}
+        file.write(page(data).encode())
 
     return Result(
         command="explore",
@@ -165,7 +166,7 @@ def explore(
             "bifurcations": len(solved.tables["bifurcations"]),
         },
         pictures={},
-        pages={"explore": page},
+        files={"explore.html": write},
         cost=sum((one.cost for one in simulations), sum((part.cost for part in parts), Cost())),
         seconds=watch.seconds,
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
@@ -334,7 +335,9 @@ def _machine_data(machine: Machine) -> dict[str, Any]:
     A follower on the cam is pressed with F = spring + omega damper + omega^2 inertia, by phase.
     """
     scene, system, f = machine.scene, machine.system, machine.system.follower
-    body = outline(system.cam, scene.cam.kind, getattr(scene.cam, "base_radius", None))
+    base = getattr(scene.cam, "base_radius", None)
+    body = Outline.of(system, base, scene.cam)
+    x, y = body.body
     turn = profile(system, scene.run.rpm, PROFILE_ROWS, None)
     c, c1, c2 = (np.array(values) for values in (turn.c, turn.c1, turn.c2))
     return {
@@ -344,8 +347,8 @@ def _machine_data(machine: Machine) -> dict[str, Any]:
         "corners": turn.corners,
         "speeds": [scene.sweep.rpm.start, scene.sweep.rpm.stop, scene.sweep.rpm.num],
         "outline": {
-            "x": np.array(body.x), "y": np.array(body.y), "rise": body.rise, "told": body.told,
-            "flat": body.flat,
+            "x": x[:-1:2], "y": y[:-1:2], "rise": float(body.radius.min() - c.min()),
+            "told": not body.guessed, "flat": body.flat,
         },
         "cam": {
             "theta_deg": np.array(turn.theta_deg), "c": c, "c1": c1,

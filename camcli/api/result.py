@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Cost, Settings, Start
 from camcli.errors import Status
@@ -52,8 +52,8 @@ class Result:
         Time of the analysis, without that of compiling the kernel.
     pictures : Mapping[str, Callable]
         Functions that draw the pictures, by the names of their files; see `plot`.
-    pages : Mapping[str, Callable]
-        Functions that write pages for a browser, by the names of their files.
+    files : Mapping[str, Callable]
+        Functions that write further files, such as a page or an animation, by their names.
     system : System
         The machine: follower and compiled cam.
     values : object
@@ -75,7 +75,7 @@ class Result:
     notes: tuple[str, ...] = ()
     complete: bool = True
     options: Mapping[str, Any] = field(default_factory=dict)
-    pages: Mapping[str, Callable[[], str]] = field(default_factory=dict)
+    files: Mapping[str, Callable[[BinaryIO], Any]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Result of {self.command}: tables {', '.join(self.tables)}>"
@@ -125,8 +125,8 @@ class Result:
 
             draw = partial(write_picture, self.pictures[name](), kind=kind, form=form)
             folder.write(file, draw)
-        for name, text in self.pages.items():
-            folder.write_text(f"{name}.html", [text()])
+        for name, fill in self.files.items():
+            folder.write(name, fill)
         folder.claim([*folder.hashes, "run.json"])
         errors = error_record(self.scene.run.chatter_tolerance, self.system.cam.top)
         if self.scene.cam.kind == "table":

@@ -1,7 +1,8 @@
 """The machine drawn: the cam's outline, its circles and corners, and the follower on it.
 
-A knife edge moves along a line through the cam's axis, at R(theta) = base radius + c - lowest c
-from it. The cam turns counterclockwise; the follower stands above it.
+The follower moves along a line through the cam's axis, at R(theta) = base radius + c - lowest c
+from it, with a knife edge; an eccentric is a circle under a flat face. The cam turns
+counterclockwise; the follower stands above it.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 
-from camcli.cams import ArcsCam
+from camcli.cams import ArcsCam, EccentricCam
 from camcli.plots import style
 from camcli.plots.axes import lift
 from camcli.plots.picture import Panel
@@ -34,6 +35,7 @@ class Outline:
     corners: dict[str, float]  # deg
     circles: Sequence[tuple[str, float, float, float]]  # centre's name, distance, direction, radius
     guessed: bool
+    flat: bool  # the follower's face
 
     @classmethod
     def of(cls, system: System, base_radius: float | None, cam: Any = None) -> Outline:
@@ -50,7 +52,17 @@ class Outline:
                 (r"O$_2$", cam.nose_center, 180.0 - cam.top_dwell_deg / 2.0, cam.nose_radius),
             ]
         corners = style.corner_names(system.corners_deg)
-        return cls(theta, radius, corners, circles, base_radius is None)
+        flat = isinstance(cam, EccentricCam)
+        return cls(theta, radius, corners, circles, base_radius is None, flat)
+
+    @property
+    def body(self) -> tuple[np.ndarray, np.ndarray]:
+        """The body when it has not turned, m: x to the right, y towards the follower."""
+        if not self.flat:
+            return self.place(np.degrees(self.theta), self.radius, 0.0)
+        beside, low = np.ptp(self.radius) / 2.0, self.radius.min()
+        reach = low + beside  # of the circle, whose centre is opposite to the lowest lift
+        return reach * np.sin(self.theta), reach * np.cos(self.theta) - beside
 
     def place(self, theta_deg: Any, radius: Any, turned_deg: float) -> tuple[Any, Any]:
         """Where a point of the cam is when it has turned: phase and distance from the axis."""
@@ -77,7 +89,9 @@ def machine_panels(outline: Outline, moments: dict[str, tuple[float, float]]) ->
 
 def _body(axes: Axes, outline: Outline, turned: float, left: float = 0.0) -> None:
     """The cam, and its axis."""
-    x, y = outline.place(np.degrees(outline.theta), outline.radius, turned)
+    x, y = outline.body
+    turn = np.radians(turned)
+    x, y = x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn)
     look: dict[str, Any] = {"facecolor": style.CAM_BODY, "edgecolor": style.CAM, "linewidth": 1.2}
     axes.add_patch(Polygon(np.column_stack([x + left, y]), closed=True, zorder=2, **look))
     axes.plot([left], [0.0], "o", color=style.CAM, ms=3.0, zorder=4)
@@ -87,7 +101,9 @@ def _follower(axes: Axes, outline: Outline, gap: float, turned: float, left: flo
     """A knife edge on its stem below a spring, its tip `gap` above the cam."""
     size = float(outline.radius.max())
     tip, wide, top = outline.at(turned) + gap, WIDE * size, (2.0 + STEM) * size
-    edge = [(left, tip), (left - wide / 2.0, tip + wide), (left + wide / 2.0, tip + wide)]
+    foot = 3.0 * wide if outline.flat else 0.0  # beside the tip
+    edge = [(left - foot, tip), (left + foot, tip), (left + wide / 2.0, tip + wide)]
+    edge.append((left - wide / 2.0, tip + wide))
     colour = style.FLIGHT if gap > 0.0 else style.STICKING
     axes.add_patch(
         Polygon(edge, closed=True, facecolor=colour, edgecolor=style.CAM, lw=0.8, zorder=5)

@@ -259,7 +259,7 @@ def test_what_is_drawn_is_the_row_of_trajectory_csv(made, browser, cam, tmp_path
             follower, axis, scale, rise, dot, one, zero, factor, angle = drawn
             assert abs(follower - (axis - (row["q_m"] + rise) * scale)) < 0.5, motion
             assert abs(dot - (zero + (one - zero) * row["q_m"] * factor)) < 0.5, motion
-            assert abs((angle + 90 - row["theta_deg"] + 180) % 360 - 180) < 0.01, motion
+            assert abs((angle + row["theta_deg"] + 180) % 360 - 180) < 0.01, motion
 
 
 @pytest.mark.browser
