@@ -64,7 +64,7 @@ LOCATED = {
 def test_events_of_branches(found, name):
     proof = prove_event(SYSTEM, found[name])
     assert proof.proved
-    with precision(proofs.DIGITS):
+    with precision(proofs.DIGITS[0]):
         value = arb(proof.value)
         assert float(value) == pytest.approx(LOCATED[name], abs=6e-8)
         assert value.rad() < 1e-17
@@ -76,7 +76,7 @@ def test_the_chatter_that_is_no_longer_complete(found):
     """Below it every chatter of P(1;inf) ends before corner b, above it no orbit closes there."""
     proof = prove_event(SYSTEM, found["chatter-completion", "P(1;inf)", "b"])
     assert proof.proved
-    with precision(proofs.DIGITS):
+    with precision(proofs.DIGITS[0]):
         value = arb(proof.value)
         assert abs(value - arb("198.560511432")) < 1e-9
         assert printed(value) in README
@@ -86,7 +86,7 @@ def test_the_multipliers_turn_real():
     """trace^2 = 4 det, where both multipliers meet: a simple zero along the branch."""
     scene = load_scene(None, {"orbits.rpm.start": 738.7, "orbits.rpm.stop": 738.7})
     orbit = next(o for o in camcli.orbits(scene).values.orbits if o.stable)
-    with precision(proofs.DIGITS):
+    with precision(proofs.DIGITS[0]):
         shooting = proofs.shooting_of(SYSTEM, orbit.root)
 
         def apart(z):
@@ -110,7 +110,7 @@ def phase_of_hit(n, rpm):
 @pytest.mark.parametrize("n", range(1, 9))
 def test_the_nth_impact_lands_on_c(n):
     """Before it the n-th impact comes before the corner, after it later: certain at both ends."""
-    with precision(proofs.DIGITS):
+    with precision(proofs.DIGITS[0]):
         corner = next(s.end for s in Machine(SYSTEM.shape, SYSTEM.follower, 1.0).stretches
                       if abs(s.end - C) < 1e-9)  # fmt: skip
         low, high = (arb(CORNER_HITS[n - 1]) + side * arb("1e-6") for side in (-1, 1))

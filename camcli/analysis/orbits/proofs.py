@@ -30,7 +30,9 @@ from camcli.exact.motion import EndlessError, Motion
 from camcli.exact.shooting import Box, NotProvedError, Number, Shooting, Step, Test
 from camcli.system import Follower, System
 
-DIGITS, CHANGE_DIGITS = 60, 150
+DIGITS = 60, 240  # the second ones where the first do not suffice
+CHANGE_DIGITS = 150
+MORE_DIGITS = {Step.SINGULAR, Step.GRAZES, Step.NEUTRAL}  # steps that more digits may decide
 SHOWN = 30  # digits of an enclosure as text
 AGREES = 1e-10  # of 1 rad and the largest rate: numbers so near to the orbit are its own
 ROUNDING = 1e-13  # relative error of the parameter that the numbers of an orbit may stand for
@@ -112,17 +114,21 @@ def prove(system: System, found: OrbitsResult) -> Proofs:
 
 def prove_orbit(system: System, orbit: PeriodicOrbit, parameter: str = "rpm") -> Proof:
     """Prove an orbit at its own value of the parameter."""
-    try:
-        with precision(DIGITS):
-            if orbit.root is not None:
-                return _bouncing(system, orbit.root, orbit.stable)
-            if parameter != "rpm":
-                system = replace(system, follower=_changed(system, parameter, orbit.value))
-            if orbit.free:
-                return _free(system, orbit)
-        return _resting(system, orbit)
-    except NotProvedError as failed:
-        return Proof(failed.step, failed.refuted)
+    if orbit.root is None and parameter != "rpm":
+        follower = replace(system.follower, **{parameter: orbit.value})
+        system = replace(system, follower=follower)
+    failure = NotProvedError(Step.MODEL)
+    for digits in DIGITS:
+        try:
+            with precision(digits):
+                if orbit.root is not None:
+                    return _bouncing(system, orbit.root, orbit.stable)
+                return _free(system, orbit) if orbit.free else _resting(system, orbit)
+        except NotProvedError as failed:
+            failure = failed
+            if failed.step not in MORE_DIGITS or failed.refuted:
+                break
+    return Proof(failure.step, failure.refuted)
 
 
 def prove_event(system: System, event: Bifurcation, parameter: str = "rpm") -> Proof:
@@ -132,7 +138,7 @@ def prove_event(system: System, event: Bifurcation, parameter: str = "rpm") -> P
     only.
     """
     try:
-        with precision(DIGITS if event.located is not None else CHANGE_DIGITS):
+        with precision(CHANGE_DIGITS if event.located is None else DIGITS[0]):
             if event.located is not None:
                 return _located(system, event, event.located)
             return _change(system, event, parameter)
@@ -286,8 +292,7 @@ def _resting(system: System, orbit: PeriodicOrbit) -> Proof:
         raise NotProvedError(Step.MODEL)
     if orbit.label == CONTACT:
         try:
-            with precision(DIGITS):
-                Motion(Machine(system.shape, system.follower, orbit.rpm), system.strobe, 0.0)
+            Motion(Machine(system.shape, system.follower, orbit.rpm), system.strobe, 0.0)
         except EndlessError:  # the cam presses on it all along
             return Proof()
         except UndecidedError:
@@ -374,7 +379,7 @@ def prove_ranges(system: System, branch: Branch, events: Sequence[Bifurcation]) 
     """The branch from event to event, where every point between them lies in the same regions."""
     for first, *inner, last in _sections(branch, events):
         try:
-            with precision(DIGITS):
+            with precision(DIGITS[0]):
                 yield _range(system, branch.number, [first, *inner, last], events)
         except NotProvedError:
             continue
@@ -443,8 +448,11 @@ def _about(
         try:
             exact, box = shooting.zero(guess, fixed, _test(shooting, own), arb(reach * span))
             _admit(shooting, box.hull(), own)
+            trace, det = shooting.trace_det(box.hull())
             if located.kind != Kind.PERIOD_DOUBLING:
                 _prove_stability(shooting, box.hull(), stable)
+            elif not (det < 1 and trace < 1 + det):  # nothing but the multiplier -1 may cross
+                raise NotProvedError(Step.NEUTRAL)
         except NotProvedError as failed:
             failure = failed
         else:
@@ -471,7 +479,8 @@ def _chain(
     begun, count, boxes = at, 0, 0
     while count < MOST_BOXES // root.count * max(SLOWEST, float((at - begun) / (end - begun))):
         count += 1
-        half = (min(end - at, width) / 2).mid()
+        whole = not width < end - at  # the last box, which overlaps the end
+        half = ((end - at if whole else width) / 2).mid()
         if before is not None:
             guess = before.at(at + half - before.middle[fixed])
         guess[fixed] = (at + half).mid()
@@ -488,7 +497,7 @@ def _chain(
             continue
         before, width, at = box, width * 1.5, (at + 2 * half).mid()
         boxes += 1
-        if not at < end - least:
+        if whole:
             if last is not None and not _meet(shooting, box, last):
                 raise NotProvedError(Step.SINGULAR)
             return boxes + (start[1] is not None) + (last is not None)
@@ -506,10 +515,6 @@ def _meet(shooting: Shooting, before: Box, after: Box) -> bool:
         for box in (before, after)
         for x, y in zip(box.at(at - box.middle[fixed]), point, strict=True)
     )
-
-
-def _changed(system: System, parameter: str, value: float):
-    return replace(system.follower, **{parameter: value})
 
 
 def _texts(values: Sequence[arb]) -> tuple[str, ...]:
