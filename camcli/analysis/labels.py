@@ -95,11 +95,13 @@ def find_period(states: Sequence[State], symbols: Sequence[float]) -> int:
             continue
         if distance(states[-1], states[-1 - m], size) > CLOSE:
             continue
-        apart = [distance(a, b, size) for a, b in zip(states[m:], states, strict=False)]
-        if max(apart[-window:]) <= SAME:
+        before = states[n - window - m :]
+        if all(distance(a, b, size) <= SAME for a, b in zip(before[m:], before, strict=False)):
             return m
-        slow = apart[-1] <= SLOWEST * apart[(n - m) // 4]
-        if slow and symbols[m:] == symbols[:-m] and _shrinks(apart, m):
+        if symbols[m:] != symbols[:-m]:
+            continue
+        apart = [distance(a, b, size) for a, b in zip(states[m:], states, strict=False)]
+        if apart[-1] <= SLOWEST * apart[(n - m) // 4] and _shrinks(apart, m):
             return m
     return 0
 

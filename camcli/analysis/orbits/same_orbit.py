@@ -20,7 +20,7 @@ State = Sequence[float]
 
 def size_of(states: Sequence[State]) -> tuple[float, float]:
     """Largest |q| and |dq/dtheta| among the states; 1 where that is zero."""
-    q, w = (max(abs(state[j]) for state in states) or 1.0 for j in range(2))
+    q, w = (max(map(abs, column)) or 1.0 for column in zip(*states, strict=True))
     return q, w
 
 
