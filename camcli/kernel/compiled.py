@@ -1,7 +1,7 @@
 """The kernel compiled by numba, and kept on disk for exactly these sources.
 
 Imports numba (0.4 s with the scipy.linalg that numba looks for), so only `backend` imports this,
-when it is worth it. Compiling takes some 20 s of processor time, once per machine.
+when it is worth it. Compiling takes some 15 s of processor time, once per machine.
 """
 
 from __future__ import annotations
