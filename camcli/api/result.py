@@ -203,13 +203,19 @@ class Machine:
     scene: Scene
     system: System
     settings: Settings
+    said: Mapping[str, str] = field(default_factory=dict)  # why it has these speeds, by section
 
 
 def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Machine:
     """The compiled machine of a scene, or of what `load_scene` takes, and its runs' settings."""
+    from camcli.api.ranges import ranged
+
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    run = scene.run
     follower = Follower(**scene.follower.model_dump())
+    strobe = scene.run.strobe_deg
+    system = System.build(follower, scene.cam.parts(), strobe, scene.cam)
+    scene, said = ranged(scene, system)
+    run = scene.run
     settings = Settings(
         transient=run.transient,
         record=run.record,
@@ -217,8 +223,7 @@ def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Mach
         impact_budget=run.impact_budget,
         start=Start(run.start.q, run.start.v, run.start.theta_deg),
     )
-    system = System.build(follower, scene.cam.parts(), run.strobe_deg, scene.cam)
-    return Machine(scene, system, settings)
+    return Machine(scene, system, settings, said)
 
 
 def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., None]:

@@ -128,9 +128,18 @@ def run(
 
     values: what the options set in the scene; options: further arguments of the API function.
     """
+    from camcli.api.ranges import is_open
+
     scene = load_scene(request.config, request.sets or (), values | request.form())
     if not request.quiet:
         _tell(scene)
+    if is_open(scene, command):
+        from camcli.api.result import machine_of
+
+        machine = machine_of(scene)
+        scene = machine.scene
+        if command in machine.said and not request.quiet:
+            note(f"note: {machine.said[command]}")
     if not request.no_plot and (scene.plot.font or scene.plot.style):
         from camcli.plots.style import look
 
