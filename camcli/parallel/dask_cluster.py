@@ -50,7 +50,13 @@ class DaskCluster:
             raise _fault("found no package `distributed`", cure, "expected it") from None
         _silence()
         self.program = (program, program()) if program is not None else None
-        self.local = _local(distributed, thread_count(threads)) if address == LOCAL else None
+        self.local = None
+        if address == LOCAL:
+            try:
+                self.local = _local(distributed, thread_count(threads))
+            except (OSError, RuntimeError, TimeoutError) as error:  # killed while they started, too
+                found = f"the processes of this machine did not start ({error})"
+                raise _fault(found, "ask for fewer --threads, or leave --cluster out") from None
         self.lonely = monotonic()  # since when no worker was seen
         try:
             self.client = distributed.Client(self.local or address, timeout=CONNECT)

@@ -205,3 +205,21 @@ def test_without_the_package(tmp_path):
 
     code, said = cam((*SWEEP, "--cluster", "local"), tmp_path, hide)
     assert (code, "pip install 'camcli[cluster]'" in said) == (2, True), said
+
+
+@pytest.mark.slow
+def test_processes_that_are_killed_while_they_start_are_said(tmp_path):
+    def doomed() -> None:
+        import distributed
+
+        class LocalCluster(distributed.LocalCluster):
+            def __init__(self, **options):
+                options["preload"] = [str(tmp_path / "kill.py")]
+                super().__init__(**options)
+
+        distributed.LocalCluster = LocalCluster
+
+    (tmp_path / "kill.py").write_text("import os; os.kill(os.getpid(), 9)\n")
+    code, said = cam((*SWEEP, "--cluster", "local", "--threads", "1"), tmp_path, doomed)
+    assert (code, "processes of this machine did not start" in said) == (2, True), said
+    clean(said)
