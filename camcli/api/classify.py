@@ -150,8 +150,9 @@ def remarks(motions: list[Motion]) -> list[str]:
         rpms = ", ".join(f"{m.rpm:.10g}" for m in undecided[:5])
         more = ", ..." if len(undecided) > 5 else ""
         said.append(
-            f"undecided at {len(undecided)} speeds ({rpms}{more}): no orbit up to 64 turns could "
-            "be solved and no positive exponent shown, or a rest is forgotten before the next one"
+            f"undecided at {len(undecided)} speed{'s' * (len(undecided) > 1)} ({rpms}{more}): "
+            "no orbit up to 64 turns could be solved and no positive exponent shown, "
+            "or a rest is forgotten before the next one"
         )
     return said
 
