@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
-from camcli.analysis.labels import UNDECIDED, label, passages
+from camcli.analysis.labels import APERIODIC, UNDECIDED, label, passages
 from camcli.analysis.loads import Loads, loads_of
 from camcli.analysis.orbits.same_orbit import SAME, distance, size_of
 from camcli.errors import Status
@@ -21,7 +22,9 @@ from camcli.system import System, omega_of
 if TYPE_CHECKING:
     from camcli.analysis.classify import Motion
 
-FIXED, UP, DOWN = "fixed", "up", "down"
+FIXED, UP, DOWN, BOTH = "fixed", "up", "down", "both"
+FINEST = 1200  # of the range: an adaptive sweep goes down to steps of one of so many parts
+CHANGED = 0.1  # of the range of a load: more is a change of a chaotic motion
 BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
 RECORDED = 4  # what a recorded turn costs in turns of the transient: it is measured too
 ON_CAM = 1e-12  # relative distance of a state from the cam's that is rounding
@@ -113,17 +116,20 @@ def sweep(
     key: str = "rpm",
     setup: Callable[[float], Setup] | None = None,
     direction: str = FIXED,
+    adaptive: bool = False,
     impacts: bool = True,
     strobe: bool = True,
     lyapunov: bool = False,
     work: Work | None = None,
     on_speed: Callable[[Speed], None] = lambda speed: None,
 ) -> Sweep:
-    """Run every value; `up` and `down` carry the state from each to the next.
+    """Run every value; `up` and `down` carry the state from each to the next, `both` up, then down.
 
-    The values are speeds (rpm), or what `setup` makes machines of. Where `work` has a checkpoint,
-    the speeds are kept in it and read from it. `on_speed` is called with each finished speed, in
-    order. Raises StartError before any work if the start lies below the cam.
+    `adaptive` adds values between two whose labels differ, or the sizes of whose chaos do, down to
+    FINEST of the range; only where each starts alike (`fixed`). The values are speeds (rpm), or
+    what `setup` makes machines of. Where `work` has a checkpoint, the speeds are kept in it and
+    read from it. `on_speed` is called with each finished speed, in order. Raises StartError before
+    any work if the start lies below the cam.
     """
     task = _task(system, values, settings, setup, impacts, strobe, lyapunov)
     work, cost = work or Work(), Cost()
@@ -133,12 +139,56 @@ def sweep(
         cost = cost + speed.cost
         on_speed(speed)
 
+    parts: list[Sequence[Speed]] = []
     if direction == FIXED:
-        speeds = work.collect(task, values, CODEC, count)
-    else:
-        ordered = sorted(values, reverse=direction == DOWN)
-        speeds = work.collect_chain(task.after, None, ordered, CODEC, count)
-    return Sweep(speeds, direction, cost, key)
+        parts.append(work.collect(task, values, CODEC, count))
+        while adaptive and (more := _between(parts)):
+            parts.append(work.collect(task, more, CODEC, count))
+    for way in (UP, DOWN) if direction == BOTH else {direction} - {FIXED}:
+        ordered = sorted(values, reverse=way == DOWN)
+        parts.append(work.collect_chain(task.after, None, ordered, CODEC, count))
+    return Sweep(_Joined(parts, adaptive and len(parts) > 1), direction, cost, key)
+
+
+class _Joined(Sequence[Speed]):
+    """Sequences that may come from a disk as one: in their order, or by value."""
+
+    def __init__(self, parts: Sequence[Sequence[Speed]], by_value: bool):
+        self.parts = parts
+        self.places = [(n, k) for n, part in enumerate(parts) for k in range(len(part))]
+        if by_value:
+            values = {place: parts[place[0]][place[1]].value for place in self.places}
+            self.places.sort(key=lambda place: values[place])
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def __getitem__(self, k: Any) -> Any:
+        if isinstance(k, slice):
+            return [self[n] for n in range(*k.indices(len(self)))]
+        n, own = self.places[k]
+        return self.parts[n][own]
+
+
+def _between(parts: Sequence[Sequence[Speed]]) -> list[float]:
+    """The middles between neighbours that differ and are further apart than FINEST."""
+    rows = sorted((bare(speed) for part in parts for speed in part), key=lambda s: s.value)
+    if len(rows) < 2:
+        return []
+    least = (rows[-1].value - rows[0].value) / FINEST
+    sizes = []
+    for name in ("max_gap_m", "max_impact_m_per_s"):
+        own = [getattr(speed.loads, name) or 0.0 for speed in rows]
+        sizes.append([x / ((max(own) - min(own)) or 1.0) for x in own])
+    return [
+        0.5 * (a.value + b.value)
+        for k, (a, b) in enumerate(pairwise(rows))
+        if b.value - a.value > least
+        and (
+            a.label != b.label
+            or (a.label == APERIODIC and any(abs(x[k + 1] - x[k]) > CHANGED for x in sizes))
+        )
+    ]
 
 
 def sweep_map(

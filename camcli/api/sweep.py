@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import groupby
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.analysis.labels import CONTACT
 from camcli.analysis.loads import Loads
-from camcli.analysis.sweep import FIXED, Speed, Sweep, bare, rpm_grid, status_name, sweep_map
+from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, bare, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
 from camcli.api.simulate import height_notes
@@ -30,8 +30,19 @@ if TYPE_CHECKING:
 # columns after the one of what is varied
 IMPACTS = ("period", "theta_deg", "q_m", "u_minus_m_per_s")
 STROBE = ("period", "q_m", "v_m_per_s", "impacts", "chatter")
+# of a file that is no table of ours
+BAD_FILE = (OSError, UnicodeError, csv.Error, ValueError, KeyError, IndexError, StopIteration)
 MAP = ("label", "period", "impacts_per_turn", "lyapunov_per_period", *Loads._fields)
 SPEEDS = ("label", "impacts", "lyapunov_per_period", "status", *Loads._fields)
+
+
+class Branch(NamedTuple):
+    """A solved branch: values, stability, phases of every impact (deg), q at the strobe (m)."""
+
+    values: list[float]
+    stable: list[bool]
+    phases: list[list[float]]
+    q: list[float]
 
 
 def sweep(
@@ -101,6 +112,7 @@ def sweep(
             key=section.vary[0].key if section.vary else "rpm",
             setup=Varied(machine, section.vary) if section.vary else None,
             direction=section.direction,
+            adaptive=section.adaptive,
             impacts="impacts" in section.sections,
             strobe="strobe" in section.sections,
             lyapunov=section.lyapunov,
@@ -117,6 +129,9 @@ def sweep(
 def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     """The map over two numbers."""
     section = machine.scene.sweep
+    if section.direction == BOTH:
+        cure = "choose one, e.g. sweep.direction=up"
+        raise SceneError(Fault("", "sweep.direction", "found both", "expected one way", cure))
     one, two = section.vary
     keys = (one.key, two.key)
     lines = [] if section.curves is None else read_curves(section.curves, keys)
@@ -174,6 +189,40 @@ def _period(label: str) -> int | None:
     return 1 if label == CONTACT else None
 
 
+def read_branches(path: str | PathLike, key: str) -> list[Branch]:
+    """The branches of a branch.csv of `orbits` along a key of a scene.
+
+    Raises SceneError where the file is none, or is in another parameter.
+    """
+    expected, cure = f"expected a branch.csv in {key}", "see cam orbits"
+    try:
+        rows = _rows(path)
+        (column,) = _columns(rows, [key])
+        phases = [name for name in rows[0] if name.startswith("theta_deg_")]
+        return [
+            Branch(
+                [float(row[column]) for row in some],
+                [row["stable"] == "1" for row in some],
+                [[float(row[name] or "nan") for row in some] for name in phases],
+                [float(row["q_m"]) for row in some],
+            )
+            for some in (list(members) for _, members in groupby(rows, lambda row: row["branch"]))
+        ]
+    except BAD_FILE:
+        raise SceneError(Fault("--branches", str(path), "found none", expected, cure)) from None
+
+
+def _rows(path: str | PathLike) -> list[dict[str, str]]:
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def _columns(rows: list[dict[str, str]], keys: Sequence[str]) -> list[str]:
+    """The columns of keys of a scene: restitution, stiffness_n_per_m."""
+    names = [key.rpartition(".")[2] for key in keys]
+    return [next(c for c in rows[0] if c == n or c.startswith(f"{n}_")) for n in names]
+
+
 def read_curves(
     path: str | PathLike, keys: tuple[str, str]
 ) -> list[tuple[str, list[float], list[float]]]:
@@ -183,13 +232,8 @@ def read_curves(
     """
     expected, cure = f"expected a curve.csv in {keys[0]} and {keys[1]}", "see cam orbits --curve"
     try:
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-        places = []
-        for key in keys:
-            name = key.rpartition(".")[2]
-            column = next(c for c in rows[0] if c == name or c.startswith(f"{name}_"))
-            places.append(column)
+        rows = _rows(path)
+        places = _columns(rows, keys)
         return [
             (kind, *([float(row[column]) for row in some] for column in places))
             for (_, kind), some in (
@@ -197,7 +241,7 @@ def read_curves(
                 for ends, members in groupby(rows, lambda row: (row["curve"], row["kind"]))
             )
         ]
-    except (OSError, UnicodeError, csv.Error, ValueError, KeyError, IndexError, StopIteration):
+    except BAD_FILE:
         raise SceneError(Fault("--curves", str(path), "found none", expected, cure)) from None
 
 
@@ -245,6 +289,8 @@ def _result(
 ) -> Result:
     scene, section = machine.scene, machine.scene.sweep
     cost, summary = found.cost, _summary(found)
+    path = section.branches
+    branches = [] if path is None else read_branches(path, found.key)
     tables: dict[str, Table] = {
         name: Table((found.key, *columns), partial(_blocks, found, name))
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
@@ -263,7 +309,7 @@ def _result(
         from camcli.plots.sweep import draw_sweep
 
         events = () if explanation is None else explanation.events
-        return draw_sweep(found, machine.system, machine.settings, events)
+        return draw_sweep(found, machine.system, machine.settings, events, branches)
 
     troubled = [(speed.rpm, speed.status) for speed in found.troubled]
     heights = height_notes(_heights(found), machine.system.cam.top)

@@ -151,7 +151,9 @@ def run(
     refuse_too_large(command, scene, request.folder(command), part)
     needed = size_of(command, scene).disk
     if needed > MUCH and not request.quiet:
-        note(f"note: this writes {in_words(needed)} of files, or more; see cam {command} --dry-run")
+        less = "--set sweep.tables=npz writes less; " if command == "sweep" else ""
+        said = f"note: this writes {in_words(needed)} of files, or more"
+        note(f"{said}; {less}see cam {command} --dry-run")
     if request.dry_run:
         with compiling(request):
             forecast(command, scene, request, part, profile_only=bool(options))

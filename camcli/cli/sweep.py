@@ -21,6 +21,14 @@ def sweep(
     ] = False,
     explain: Annotated[bool, Option("--explain", help="Find the cause of every change.")] = False,
     vary: Vary = None,
+    both: Annotated[bool, Option("--both", help="Carry the state up, then down.")] = False,
+    adaptive: Annotated[
+        bool, Option("--adaptive", help="More values where the motion changes.")
+    ] = False,
+    branches: Annotated[
+        str | None,
+        Option("--branches", help="A branch.csv of cam orbits, drawn over.", metavar="FILE"),
+    ] = None,
     curves: Annotated[
         str | None,
         Option("--curves", help="A curve.csv of cam orbits, drawn over a map.", metavar="FILE"),
@@ -52,7 +60,11 @@ def sweep(
     cam orbits --curve over it.
     In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the
     state from speed to speed in that order; fixed starts every speed alike.
-    --lyapunov fills lyapunov_per_period: the largest exponent, -inf where the follower rests.
+    --both carries it up, then down: the rows of the way down come after those of the way up.
+    --adaptive adds values where the motion changes, down to the width of a column of the picture.
+    --branches FILE draws solved branches over the points, stable solid and unstable dashed.
+    --lyapunov fills lyapunov_per_period: the largest exponent, -inf where the follower rests; a
+    strip of the picture shows it.
     --explain gives every change its cause as cam classify does, numbered in sweep.png.
 
     \b
@@ -68,6 +80,9 @@ def sweep(
         {
             "sweep.lyapunov": (lyapunov, "--lyapunov"),
             "sweep.explain": (explain, "--explain"),
+            "sweep.direction": ("both" if both else None, "--both"),
+            "sweep.adaptive": (adaptive, "--adaptive"),
+            "sweep.branches": (branches, "--branches"),
             "sweep.curves": (curves, "--curves"),
         }
     )

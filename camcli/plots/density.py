@@ -11,7 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm, to_rgb
+from matplotlib.colors import LinearSegmentedColormap, LogNorm
+
+from camcli.plots import style
 
 WIDE, PER_MM = 1200, 10  # cells of an image: from left to right, per mm of its nominal height
 WIDEST = 12  # cells, column of one speed where there are few
@@ -60,23 +62,19 @@ class Columns:
     @classmethod
     def of(cls, speeds: Sequence[float] | np.ndarray, width: int = WIDE) -> Columns:
         """From speeds in any order and the width of the image."""
-        every = np.asarray(speeds, dtype=float)
-        order = np.argsort(every, kind="stable")
-        rising = every[order]
+        rising, which = np.unique(np.asarray(speeds, dtype=float), return_inverse=True)
         low, high = float(rising[0]), float(rising[-1])
         steps = max(len(rising) - 1, 1)
         room = (high - low) * min(0.5 / steps, 0.02) or max(abs(low) * 0.01, 1e-6)
         low, high = low - room, high + room
         place = (rising - low) / (high - low) * width
         columns = np.arange(width)
-        bins = np.empty(len(rising), dtype=int)
         if len(rising) > width:
-            bins[order] = np.minimum(place.astype(int), width - 1)
-            return cls(low, high, width, bins, columns)
-        bins[order] = np.arange(len(rising))
+            bins = np.minimum(place.astype(int), width - 1)
+            return cls(low, high, width, bins[which], columns)
         nearest = np.searchsorted((place[1:] + place[:-1]) / 2.0, columns + 0.5)
         far = np.abs(columns + 0.5 - place[nearest]) > WIDEST / 2.0
-        return cls(low, high, len(rising), bins, np.where(far, -1, nearest))
+        return cls(low, high, len(rising), which, np.where(far, -1, nearest))
 
 
 class Image:
@@ -108,23 +106,14 @@ class Image:
         wide = self.columns.bin_of_column
         return np.ma.masked_equal(np.where(wide < 0, 0.0, thick[wide].T), 0.0)
 
-    def draw(self, axes: Axes, colours: Sequence[str] = ()) -> None:
-        """The image over its range, which becomes the axes'; a colour for every speed, or black.
-
-        Where speeds share a column, it has that of most of them.
-        """
+    def draw(self, axes: Axes, colour: str = "black") -> None:
+        """The image over its range, which becomes that of the axes."""
         least = min(1.0 / max(1, int(self._totals.max(initial=0))), 0.1 * FULLEST)
-        shares = self.shares()
-        depth = PALEST + (1.0 - PALEST) * LogNorm(least, FULLEST, clip=True)(shares)
-        speeds = self.columns.bin_of_speed
-        names, which = np.unique(list(colours) or ["black"] * len(speeds), return_inverse=True)
-        votes = np.zeros((self.columns.bins, len(names)), dtype=np.int64)
-        np.add.at(votes, (speeds, which), 1)
-        hues = np.array([to_rgb(name) for name in names])[votes.argmax(1)]
-        pixels = np.ones((*shares.shape, 4))
-        pixels[..., :3] -= (1.0 - hues[self.columns.bin_of_column]) * depth.filled(0.0)[..., None]
-        pixels[..., 3] = ~np.ma.getmaskarray(shares)
         extent = (self.columns.low, self.columns.high, self.low, self.high)
-        axes.imshow(
-            pixels, extent=extent, origin="lower", aspect="auto", interpolation="nearest", zorder=2
+        shades = LinearSegmentedColormap.from_list(
+            "points", [style.mixed(colour, 1.0 - PALEST), colour]
         )
+        axes.imshow(
+            self.shares(), extent=extent, origin="lower", aspect="auto", interpolation="nearest",
+            cmap=shades, norm=LogNorm(least, FULLEST, clip=True), zorder=2,
+        )  # fmt: skip

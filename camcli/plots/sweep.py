@@ -6,14 +6,14 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.integrate import Settings
-from camcli.analysis.sweep import FIXED, Speed, Sweep, status_name
+from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, status_name
 from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import (
@@ -41,6 +41,7 @@ SMALL = 0.02  # m: a cam that is smaller throughout is drawn in mm
 ENLARGED_SHARE = 0.4  # of the speeds, for a panel of their own
 CURVES = (("$c$", "m"), (r"$c_\theta$", "m/rad"), (r"$c_{\theta\theta}$", "m/rad²"))
 SECTIONS = ("impacts", "strobe")
+STRIP = 26.0  # mm, height of the strip of exponents
 UNKNOWN = "undecided after rests"
 KINDS = {
     "contact": style.CONTACT,
@@ -61,6 +62,7 @@ class Survey:
     values: np.ndarray
     status: np.ndarray
     kinds: list[str]  # of the motions, see `kind_of`
+    exponents: np.ndarray  # nan where not known
     impacts: Cloud | None
     strobe: Cloud | None
 
@@ -72,7 +74,8 @@ class Survey:
         values, status = np.array([row[:2] for row in rows]).reshape(-1, 2).T
         found = {name: any(name in row[3] for row in rows) for name in SECTIONS}
         some = [cloud if found[name] else None for name, cloud in clouds.items()]
-        return cls(values, status.astype(int), [row[2] for row in rows], *some)
+        exponents = np.array([row[4] for row in rows], dtype=float)
+        return cls(values, status.astype(int), [row[2] for row in rows], exponents, *some)
 
     @property
     def troubled(self) -> np.ndarray:
@@ -101,8 +104,8 @@ def colour_of(kind: str) -> str:
 
 def read(
     speeds: Iterable[Speed], takes: dict[str, list[Take]]
-) -> Iterable[tuple[float, int, str, list[str]]]:
-    """One pass over speeds that may come from a disk: value, status, kind, what was recorded.
+) -> Iterable[tuple[float, int, str, list[str], float | None]]:
+    """One pass over speeds that may come from a disk: value, status, kind, recorded, exponent.
 
     `takes` get the finite phases (impacts) and positions (strobe).
     """
@@ -115,23 +118,32 @@ def read(
                 values = np.asarray(columns[1], dtype=float)
                 for take in takes[name]:
                     take(k, values[np.isfinite(values)])
-        yield speed.value, speed.status, kind_of(speed), recorded
+        yield speed.value, speed.status, kind_of(speed), recorded, speed.exponent
 
 
 def draw_sweep(
-    sweep: Sweep, system: System, settings: Settings, events: Sequence[Event] = ()
+    sweep: Sweep,
+    system: System,
+    settings: Settings,
+    events: Sequence[Event] = (),
+    branches: Sequence[Any] = (),
 ) -> Picture:
     """Picture of a sweep; `settings` tell how its orbits were started.
 
-    `events` are listed below the title and numbered above the panels. The speeds are read twice,
-    one at a time.
+    `events` are listed below the title and numbered above the panels; `branches` are solved orbits
+    with values, stable, phases and q. The speeds are read twice, one at a time.
     """
     survey, found = Survey.of(sweep.speeds), numbered(events)
     panels = cloud_panels(survey, sweep, system)
+    if np.isfinite(survey.exponents).any():
+        draw_strip = partial(_draw_exponents, survey, axis_name(sweep.key))
+        panels["exponents"] = Panel(draw_strip, STRIP, sweep.key)
     order = list(panels)
 
     def draw(axes: Axes, name: str) -> None:
         panels[name].draw(axes)
+        for branch in branches if name != "exponents" else ():
+            _draw_branch(axes, branch, [branch.q] if name == "strobe" else branch.phases)
         pairs = [(number, event.rpm) for number, event in found]
         number_events(axes, pairs, named=name == order[0])
         trouble_ticks(axes, survey.troubled)
@@ -141,6 +153,31 @@ def draw_sweep(
         many = {"speeds": Panel(lambda axes: say(axes, "nothing was recorded"), 30.0)}
     words = _words(survey, _started(sweep, settings))
     return Picture(_title(survey, sweep.key), many, words, lists=event_lists(found))
+
+
+def _draw_branch(axes: Axes, branch: Any, columns: Sequence[Sequence[float]]) -> None:
+    """Solved orbits, stable ones solid and unstable ones dashed; the range stays as it is."""
+    low, high = axes.get_xlim()
+    stable = np.asarray(branch.stable)
+    x = np.where((np.asarray(branch.values) >= low) & (np.asarray(branch.values) <= high),
+                 branch.values, np.nan)  # fmt: skip
+    for column in columns:
+        for own, dashes, what in ((stable, "-", "stable"), (~stable, (0, (3, 1.5)), "unstable")):
+            y = np.where(own, column, np.nan)
+            axes.plot(x, y, color="white", lw=1.8, ls="-", zorder=4, scaley=False, scalex=False)
+            axes.plot(x, y, color=style.TROUBLE, lw=0.8, ls=dashes, zorder=5, scaley=False,
+                      scalex=False, label=f"solved, {what}")  # fmt: skip
+
+
+def _draw_exponents(survey: Survey, name: str, axes: Axes) -> None:
+    """The largest exponent over what is varied, in the colour of the motion; none at rest."""
+    columns = Columns.of(survey.values)
+    axes.axhline(0.0, color=style.GUIDE, lw=0.6)
+    colours = [colour_of(kind) for kind in survey.kinds]
+    known = np.isfinite(survey.exponents)
+    shades = [colour for colour, seen in zip(colours, known, strict=True) if seen]
+    axes.scatter(survey.values[known], survey.exponents[known], s=2.0, c=shades, lw=0, zorder=3)
+    axes.set(xlim=(columns.low, columns.high), xlabel=name, ylabel="exponent (1/turn)")
 
 
 def _title(survey: Survey, key: str) -> str:
@@ -171,6 +208,8 @@ def _started(sweep: Sweep, settings: Settings) -> str:
         place = f"at {q}, {v}"
     if sweep.direction == FIXED or not sweep.speeds:
         return f"each speed started {place}, {turns} turns of transient"
+    if sweep.direction == BOTH:
+        return f"carried up, then down, started {place}; {turns} turns of transient at each speed"
     first = valued(sweep.key, f"{sweep.speeds[0].value:g}")
     return (
         f"carried {sweep.direction} from {first}, started there {place}; "
@@ -208,20 +247,27 @@ def cloud_panels(survey: Survey, sweep: Sweep, system: System) -> dict[str, Pane
     if not ranges:
         return {}
     columns = Columns.of(survey.values)
+    kinds = sorted(set(survey.kinds))
     images = {
-        name: Image(columns, low, high, round(height * PER_MM))
+        (name, kind): Image(columns, low, high, round(height * PER_MM))
         for name, (_, (low, high), height) in ranges.items()
+        for kind in kinds
     }
+
+    def count(name: str, k: int, values: np.ndarray) -> None:
+        images[name, survey.kinds[k]].take(k, values)
+
     takes: dict[str, list[Take]] = {
-        s: [images[n].take for n in ranges if ranges[n][0] == s] for s in SECTIONS
+        s: [partial(count, n) for n in ranges if ranges[n][0] == s] for s in SECTIONS
     }
     for _ in read(sweep.speeds, takes):
         pass
 
     def draw(axes: Axes, name: str) -> None:
-        images[name].draw(axes, [colour_of(kind) for kind in survey.kinds])
-        for kind in sorted(set(survey.kinds)) if name == next(iter(ranges)) else ():
-            axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
+        for kind in kinds:
+            images[name, kind].draw(axes, colour_of(kind))
+            if name == next(iter(ranges)):
+                axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
         axes.set_xlabel(axis_name(sweep.key))
         if ranges[name][0] == "strobe":
             axes.set_ylabel(strobe_name(system))

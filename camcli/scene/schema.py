@@ -165,12 +165,16 @@ class Sweep(Section):
 
     rpm: RpmRange = Field(default_factory=RpmRange, description="range of speeds")
     vary: Axes = Field((), max_length=2, description="numbers varied instead; two make a map")
-    direction: Literal["fixed", "up", "down"] = Field(
-        "fixed", description="start every speed alike, or carry the state up or down"
+    direction: Literal["fixed", "up", "down", "both"] = Field(
+        "fixed", description="start every speed alike, or carry the state up, down, or up and down"
     )
+    adaptive: Flag = Field(False, description="more values where the motion changes (fixed)")
     sections: Names[SectionName] = Field(("impacts", "strobe"), description="sections recorded")
     tables: Literal["csv", "npz", "none"] = Field(
         "csv", description="form of the sections' tables: text, binary columns, or left out"
+    )
+    branches: Annotated[str, Field(max_length=4000)] | None = Field(
+        None, description="a branch.csv of cam orbits, drawn over the points"
     )
     curves: Annotated[str, Field(max_length=4000)] | None = Field(
         None, description="a curve.csv of cam orbits, drawn over a map"

@@ -1,5 +1,7 @@
 """Sweeps: directions, sections, independence of threads and order."""
 
+from itertools import pairwise
+
 import pytest
 from conftest import chapter_system, settings
 
@@ -88,3 +90,24 @@ def test_a_record_with_rests_that_are_no_cycle_is_replaced_by_the_motion(chapter
     """At 357.82 rpm doubles go through rests for ever; the orbit has none."""
     (speed,) = sweep(chapter, [357.82], settings(600, 100)).speeds
     assert (speed.label, sum(speed.strobe[4])) == ("P(3;3:3:2)", 0)
+
+
+def test_both_ways_are_one_after_the_other(chapter):
+    """Chaos below 682 rpm from rest, P(1;1) down to 673.23: up and down differ between."""
+    run = settings(300, 60)
+    found = sweep(chapter, [676.0, 679.0, 690.0], run, direction="both")
+    assert [s.rpm for s in found.speeds] == [676.0, 679.0, 690.0, 690.0, 679.0, 676.0]
+    assert [s.label for s in found.speeds[:2]] == ["aperiodic"] * 2
+    assert [s.label for s in found.speeds[2:]] == ["P(1;1)"] * 4
+
+
+def test_an_adaptive_sweep_adds_speeds_where_the_motion_changes(chapter):
+    """From rest P(1;1) begins near 682.2 rpm: steps there are finer than a column."""
+    coarse = rpm_grid(680.0, 730.0, 6)
+    found = sweep(chapter, coarse, settings(100, 30), adaptive=True)
+    rpms = [s.rpm for s in found.speeds]
+    assert rpms == sorted(rpms)
+    assert set(coarse) < set(rpms)
+    steps = [(b.rpm - a.rpm, a.label == b.label) for a, b in pairwise(found.speeds)]
+    assert max(step for step, same in steps if not same) <= 50.0 / 1200
+    assert max(step for step, same in steps if same) >= 5.0

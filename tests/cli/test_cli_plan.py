@@ -104,3 +104,10 @@ def test_much_to_write_is_said_and_a_sample_that_takes_long_ends(cam, monkeypatc
     plan = foreseen(cam, "detach")
     assert (plan["seconds"], plan["impacts"], plan["bytes"]) == (None, None, None)
     assert "not known before" in plan["notes"][0]
+
+
+def test_very_large_tables_are_said_before_they_are_written(cam):
+    """4000 speeds of 2000 turns with both sections: some 700 MB of text."""
+    words = ("sweep", "--points", "4000", "--set", "run.record=2000", "--dry-run")
+    assert "sweep.tables=npz" in cam(*words).stderr
+    assert "this writes" not in cam("sweep", "--dry-run", "--points", "40").stderr

@@ -11,10 +11,11 @@ import pytest
 from camcli.analysis.explain.events import Event
 from camcli.analysis.integrate import Cost, Start
 from camcli.analysis.sweep import Sweep
+from camcli.api.sweep import Branch
 from camcli.errors import Status
 from camcli.plots import density, style
 from camcli.plots.axes import lift_curves, phase_range
-from camcli.plots.sweep import draw_sweep, enlarged_range
+from camcli.plots.sweep import colour_of, draw_sweep, enlarged_range
 from tests.conftest import settings
 from tests.output.pictures import count, pixels, png, speed, sweep_of, tall, words
 
@@ -178,3 +179,27 @@ def test_the_points_are_never_all_in_memory(chapter):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 100e6  # a column of all points is 160 MB
+
+
+def test_exponents_have_a_strip_and_branches_lie_over_the_points(drawn):
+    speeds = [speed(700.0 + k, [150.0], [1.0]) for k in range(3)]
+    plain = drawn(*speeds)
+    strip = drawn(*(replace(one, exponent=0.1 * k) for k, one in enumerate(speeds)))
+    assert list(strip.panels) == [*plain.panels, "exponents"]
+    branch = Branch([700.0, 701.0, 702.0], [True, True, False], [[150.0, 151.0, 152.0]], [1.0] * 3)
+    laid = drawn(*speeds, branches=[branch])
+    labels = {t for axes in laid.figure().axes for t in axes.get_legend_handles_labels()[1]}
+    assert {"solved, stable", "solved, unstable"} <= labels
+
+
+def test_a_motion_has_the_colour_of_its_kind(drawn):
+    """Two periods, chaos and an undecided motion: an image each, named in the legend."""
+    named = {"P(1;1)": "period 1", "P(2;1:1)": "period 2", "aperiodic": "aperiodic"}
+    speeds = [replace(speed(700.0 + k, [150.0]), label=x) for k, x in enumerate(named)]
+    speeds.append(replace(speed(705.0, [151.0]), label="undecided", known=False))
+    kinds = [*named.values(), "undecided after rests"]
+    picture = drawn(*speeds)
+    found = [t for axes in picture.figure().axes for t in axes.get_legend_handles_labels()[1]]
+    assert set(kinds) <= set(found)
+    assert colour_of("period 1") == style.label_colour("P(1;1)")
+    assert "1 undecided after rests, grey" in picture.words
