@@ -4,17 +4,18 @@ from dataclasses import replace
 from decimal import Decimal
 from math import inf, pi, sqrt
 
+import numpy as np
 import pytest
 
 from camcli.analysis.contact_loss.bursts import Bursts, LiftOffKind, lift_off
-from camcli.analysis.contact_loss.detachment import Reason, detachment
+from camcli.analysis.contact_loss.detachment import Reason, SpeedStatus, detachment
 from camcli.analysis.contact_loss.force import Force
 from camcli.analysis.contact_loss.hold import Need, Obstacle, hold_to, replaced
 from camcli.analysis.integrate import Orbit
 from camcli.cams.compile import Part
 from camcli.cams.decimals import pi as decimal_pi
 from camcli.cams.decimals import sincos
-from camcli.kernel.cam_table import stretch_at
+from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.system import Follower, System, omega_of
 from tests.conftest import chapter_system, settings
 
@@ -223,3 +224,29 @@ def test_a_spring_that_is_not_needed_and_one_that_cannot_hold():
     assert (preload.preload, preload.least_n) == pytest.approx((105.0, 5.0))
     assert hold_to(dwell(-0.1), 100.0, 5.0, 0.2)[2].stiffness == pytest.approx(50.0)
     assert {hold.obstacle for hold in hold_to(roof(), 10.0, 0.0, 0.05)} == {Obstacle.KINK}
+
+
+@pytest.mark.parametrize("damping", [0.0, 60.0, 150.0, 400.0])
+def test_a_region_is_filled_where_all_of_it_is_lost_at_one_speed(damping):
+    """Against the force on a grid of phases and speeds: damping may press again at higher ones."""
+    system = chapter_system(damping=damping, gravity=9.81)
+    follower, speeds = system.follower, np.geomspace(0.5, 1e5, 4000)
+    omega = speeds * pi / 30
+    for loss in detachment(system).losses:
+        stretches = [(i, system.cam.stretches[i]) for i in loss.region.stretches]
+        places = [(i, x) for i, s in stretches for x in np.linspace(s.start, s.end, 60)[1:-1]]
+        c, c1, c2 = np.array([lift_at(system.cam, i, x) for i, x in places]).T[:, :, None]
+        force = follower.stiffness * c + follower.mass * 9.81
+        force = force + follower.damping * omega * c1 + follower.mass * omega**2 * c2
+        lost = np.flatnonzero((force < 0.0).all(axis=0))
+        expected = speeds[lost[0]] if lost.size else inf
+        if expected < 5e4:
+            assert loss.fills.rpm == pytest.approx(expected, rel=0.05)
+        else:
+            assert loss.fills.rpm > 4e4
+
+
+def test_a_speed_that_the_kernel_does_not_confirm_is_unresolved(monkeypatch):
+    monkeypatch.setattr(Force, "held", lambda *_: False)
+    opened = [loss.opens for loss in detachment(chapter_system()).losses if loss.opens.finite]
+    assert {opens.status for opens in opened} == {SpeedStatus.UNRESOLVED}

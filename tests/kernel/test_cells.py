@@ -169,3 +169,30 @@ def test_plain_python_and_compiled_give_the_same_bits(rpm, monkeypatch):
         stops = NOTHING._replace(watch_rests=1)
         assert ends(batches(rpm), 30, stops).outcome.tolist() == [NEW_REST] * len(STARTS)
     assert RESTING in ends(batches(100.0), 30).mode
+
+
+def test_a_ring_of_two_ellipses_is_left_outside_the_smaller():
+    """P(1;2) as two points in one place: a start in the wide ellipse misses the narrow one."""
+    team = batches()
+    before, settled = ends(team, 900), ends(team, 901)
+    k = int(np.flatnonzero((before.symbol == 2) & (settled.symbol == 2))[0])
+    gap, rate = settled.gap[k], settled.rate[k]
+    start = (np.array([gap * 1.001]), np.array([rate]))
+    first = team.run(*start, NOTHING, 1)
+    off = abs(first.gap[0] - gap), abs(first.rate[0] - rate)
+    wide = Point(gap, rate, 1e-15, 0.0, 1e-15, 0.9, 0, 1, 2, 2)
+    for size, outcome in ((25.0, UNDECIDED), (0.5, 0)):  # of the next strobe in the narrow ellipse
+        form = 0.5 * size / off[0] ** 2, 0.0, 0.5 * size / off[1] ** 2
+        narrow = Point(gap, rate, *form, 0.9, 0, 0, 2, 2)
+        targets = NOTHING._replace(points=[wide, narrow])
+        assert team.run(*start, targets, 2).outcome[0] == outcome
+
+
+def test_a_rest_is_known_by_gap_and_rate():
+    team = batches(190.0)
+    after = ends(team, 5, starts=STARTS[:1])
+    assert after.symbol[0] == CHATTERED_TURN
+    for rate, outcome in ((after.rate[0], FORGOTTEN), (after.rate[0] + 1e-3, NEW_REST)):
+        rests = [Rest(after.gap[0], rate, FORGOTTEN)]
+        targets = NOTHING._replace(rests=rests, watch_rests=1, near=1e-9)
+        assert ends(team, 5, targets, STARTS[:1]).outcome[0] == outcome

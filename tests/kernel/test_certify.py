@@ -1,17 +1,21 @@
 """The certificate of a root: every verdict checked by sampling the closed-form flights densely."""
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
 import pytest
 
+from camcli.analysis.orbits.identify import solve_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.certify import ADMISSIBLE, EARLY, LATE, PULLS
 from camcli.kernel.flow import constants_of, move
-from tests.conftest import chapter_system
+from camcli.scene import load_scene
+from camcli.system import Follower, System
+from tests.conftest import chapter_system, settings
 
 SAMPLES = 3000
 MACHINES = {
@@ -101,8 +105,6 @@ def test_an_orbit_of_half_its_impacts_misses_one():
 @pytest.mark.parametrize("k", [0, 1])
 def test_the_flight_that_fails_is_named(k):
     """An impact with its rate changed by hand: its flight lands early, or late."""
-    from dataclasses import replace
-
     system = chapter_system()
     shooter, root = root_at(system, 358.5, [2.6354469, 0.978, 5.8108811, 0.994])
     for change, code in ((0.99, EARLY), (1.01, LATE)):
@@ -112,6 +114,28 @@ def test_the_flight_that_fails_is_named(k):
         assert verdict[:2] == (code, k)
         j = (k + 1) % 2
         assert (verdict[2] - root.theta[j] < 0) == (code == EARLY)
+
+
+def test_what_is_nearly_a_motion_is_none():
+    """A rate of zero pulls, a follower that rests is early, a contact 1e-4 rad away is another."""
+    shooter, root = root_at(chapter_system(), 358.5, [2.6354469, 0.978, 5.8108811, 0.994])
+    assert shooter.verdict(replace(root, rates=[0.0, *root.rates[1:]]))[0] == PULLS
+    x = list(root.x)
+    x[2] += 1e-4
+    assert shooter.verdict(replace(root, x=x))[:2] == (EARLY, 0)
+    x = list(root.x)
+    x[3] = 0.0  # on the base circle, where the spring presses
+    assert shooter.verdict(replace(root, x=x))[:2] == (EARLY, 1)
+
+
+def test_an_orbit_that_flies_over_kinks_is_certified():
+    """Rise and fall with constant velocity: c_theta jumps at four places of the turn."""
+    laws = {"cam.rise.law": "constant-velocity", "cam.fall.law": "constant-velocity"}
+    scene = load_scene("configs/law-harmonic.yaml", laws)
+    follower = Follower(**scene.follower.model_dump())
+    orbit = solve_from(System.build(follower, scene.cam.parts()), 700.0, settings(600, 40))
+    assert orbit.label == "P(1;1)"
+    assert orbit.admissible
 
 
 def test_an_impact_exactly_at_a_corner_is_admissible_on_both_sides():
