@@ -7,6 +7,8 @@ import pytest
 
 from camcli.cams.compile import Part
 from camcli.cams.decimals import pi
+from camcli.errors import Status
+from camcli.kernel.backend import PLAIN
 from camcli.kernel.cam_table import lift_at
 from camcli.kernel.contact_search import (
     CLEAR,
@@ -14,13 +16,15 @@ from camcli.kernel.contact_search import (
     LANDED,
     PHASE_CAP,
     UNKNOWN,
+    Tally,
     accel_bounds,
     decide,
     flight_at,
 )
+from camcli.kernel.flight import leap
 from camcli.kernel.flow import move
-from camcli.system import Follower, System
-from tests.kernel.helpers import events, run
+from camcli.system import Follower, System, omega_of
+from tests.kernel.helpers import cam, events, run
 from tests.random_flights import CAMS, machine_on
 
 
@@ -151,3 +155,55 @@ def test_the_first_root_of_a_polynomial_gap(seed):
             assert first == pytest.approx(real[0], rel=1e-3)
             landed += 1
     assert landed > 30
+
+
+def test_a_leap_stays_above_the_cam():
+    """Where a spring pulls toward a height above it, also past the lowest point of the flight."""
+    rng, leaps, table = np.random.default_rng(1), 0, cam()
+    count, top = len(table.stretches), table.top
+    for _ in range(2000):
+        i, more = rng.integers(count), rng.integers(2, count)
+        start, end = table.stretches[i], table.stretches[(i + more) % count]
+        length = end.start - start.start + (2 * np.pi if end.start <= start.start else 0.0)
+        phase, last = rng.uniform(-1.0, 1.5), np.pi + rng.uniform(-0.3, 0.3)
+        W, omega, center = (last - phase) / length, 10.0, top * rng.uniform(1.1, 3.0)
+        stiffness = (W * omega) ** 2
+        machine = System(Follower(1.0, stiffness, preload=-stiffness * center), table)
+        const = machine.constants(omega * 30 / np.pi, 0.0, 1)
+        swing = (center - top) * rng.uniform(0.9, 1.05)
+        q, w = center + swing * np.cos(phase), -swing * W * np.sin(phase)
+        gap, rate, flows = q - start.start_c, w - start.start_c1, PLAIN.stretch_flows(table, const)
+        skipped, after, _ = leap(table, const, flows, int(i), float(gap), float(rate), Tally())
+        if skipped:
+            leaps += 1
+            end = table.stretches[(i + skipped) % count]
+            length = end.start - start.start + (2 * np.pi if end.start <= start.start else 0.0)
+            heights = [move(const, q, w, float(s))[0] for s in np.linspace(0.0, length, 60)]
+            assert min(heights) > top * (1 - 1e-12)
+            assert end.start_c + after == pytest.approx(heights[-1], rel=1e-9)
+    assert leaps > 100
+
+
+def test_a_landing_on_a_kink_meets_the_slope_behind_it():
+    """Closing at 1/2 m/rad on a dwell that ends at 1 rad, behind which the cam rises."""
+    one, turn, corner = Decimal(1), Decimal(2) * pi(), 0
+    rises = Part(one, turn, lambda theta: Decimal("0.25") * (theta - 1))
+    machine = System.build(Follower(1.0, 0.0), [Part(Decimal(0), one, None), rises])
+    for theta in np.linspace(0.1, 0.9, 300).tolist():
+        start = {"theta_deg": theta * 180 / np.pi, "q": 0.5 * (1.0 - theta)}
+        record = run(1.0, machine, 1, 0, -1.0, 1, v=-0.5 * omega_of(1.0), **start)
+        (_, _, landed, _, u) = events(record)[0]
+        assert landed == pytest.approx(1.0, rel=1e-14)
+        assert u == pytest.approx(-0.5 if landed < 1.0 else -0.75, rel=1e-13)
+        corner += landed == 1.0
+    assert corner > 0
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_damped_mass_without_spring_returns_if_its_last_height_is_below_the_cam(share):
+    """It comes to rest at q + v m/b; else it is known not to return."""
+    damping, q = 2.0, 1.0
+    v = -share * (q - cam().top) * damping
+    record = run(600.0, System(Follower(1.0, 0.0, damping), cam()), 400, 0, 1e-9, 3, q=q, v=v)
+    assert record.status == Status.NO_RETURN
+    assert (len(record.kind) > 0) == (share > 1.0)
