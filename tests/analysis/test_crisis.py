@@ -2,15 +2,19 @@
 
 import re
 from math import inf
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from camcli.analysis.explain.attractor import Carried
+from camcli.analysis.explain.changes import _change, changes_between
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
+from camcli.analysis.explain.events import Event, Events
 from camcli.analysis.explain.saddles import find_saddles, monodromy
 from camcli.analysis.explain.tangency import width
-from camcli.analysis.integrate import Orbit, Start, with_turns
+from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.output.explanations import crisis_sentences, speed_text
 from tests.conftest import chapter_system, settings
 
@@ -104,3 +108,27 @@ def test_speeds_have_the_digits_of_their_error():
     errors = (3e-4, 2e-5, 0.3, 40.0, inf)
     found = [speed_text(740.10647809678, error) for error in errors]
     assert found == ["740.1065", "740.10648", "740.1", "740", "740.1064781"]
+
+
+def motion(rpm, label, widest=0.0):
+    """A motion that is nothing but its label and the range of its impact phases."""
+    theta = np.linspace(1.0, 1.0 + widest, 20)
+    record = SimpleNamespace(kind=[IMPACT] * 20, theta=theta, u=-theta, period=list(range(20)))
+    return SimpleNamespace(
+        rpm=rpm, label=label, chatter="none", record=record, orbit=None, period=0
+    )
+
+
+def test_chaos_that_is_half_as_wide_again_is_another_attractor():
+    narrow, wide = motion(700.0, "aperiodic", 0.2), motion(710.0, "aperiodic", 0.3)
+    assert changes_between(narrow, wide)
+    assert not changes_between(narrow, motion(710.0, "aperiodic", 0.22))
+
+
+def test_an_event_belongs_to_an_interval_that_its_error_reaches():
+    before, after = motion(700.0, "P(1;1)"), motion(710.0, "P(2;1:1)")
+    for place, inside in ((710.5, True), (711.5, False), (699.5, True)):
+        event = Event(place, 1.0, "period-doubling", "P(1;1)")
+        events = Events([event], [], [], Cost())
+        change = _change(chapter_system(), RUN, events, before, after, False)
+        assert (event in change.events) == inside

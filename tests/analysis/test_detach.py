@@ -7,6 +7,7 @@ from math import inf, pi, sqrt
 import numpy as np
 import pytest
 
+from camcli.analysis.bracketing import lowest
 from camcli.analysis.contact_loss.bursts import Bursts, LiftOffKind, lift_off
 from camcli.analysis.contact_loss.detachment import Reason, SpeedStatus, detachment
 from camcli.analysis.contact_loss.force import Force
@@ -250,3 +251,12 @@ def test_a_speed_that_the_kernel_does_not_confirm_is_unresolved(monkeypatch):
     monkeypatch.setattr(Force, "held", lambda *_: False)
     opened = [loss.opens for loss in detachment(chapter_system()).losses if loss.opens.finite]
     assert {opens.status for opens in opened} == {SpeedStatus.UNRESOLVED}
+
+
+def test_the_lowest_value_lies_inside_where_it_is_lower_by_more_than_rounding():
+    """A minimum lower by 1e-10 than the end of the interval, and between two samples."""
+    value, place = lowest(
+        lambda x: 1.0 if x < 0.02 else (x - 0.37) ** 2 + (1 - 1e-10), 0.0, 1.0, 20
+    )
+    assert place == pytest.approx(0.37, abs=1e-6)
+    assert value == 1 - 1e-10

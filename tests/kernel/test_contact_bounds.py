@@ -1,15 +1,16 @@
 """The inequalities that make the contact search certain, each tested as an inequality."""
 
 from decimal import Decimal
+from math import factorial
 
 import numpy as np
 import pytest
 
-from camcli.cams.compile import Part
+from camcli.cams.compile import Part, column
 from camcli.cams.decimals import pi
 from camcli.errors import Status
 from camcli.kernel.backend import PLAIN
-from camcli.kernel.cam_table import lift_at
+from camcli.kernel.cam_table import higher, lift_at
 from camcli.kernel.contact_search import (
     CLEAR,
     DIPS,
@@ -25,7 +26,7 @@ from camcli.kernel.flight import leap
 from camcli.kernel.flow import move
 from camcli.system import Follower, System, omega_of
 from tests.kernel.helpers import cam, events, run
-from tests.random_flights import CAMS, machine_on
+from tests.random_flights import CAMS, cam_of, machine_on
 
 
 def bang_bang(rng):
@@ -207,3 +208,18 @@ def test_a_damped_mass_without_spring_returns_if_its_last_height_is_below_the_ca
     record = run(600.0, System(Follower(1.0, 0.0, damping), cam()), 400, 0, 1e-9, 3, q=q, v=v)
     assert record.status == Status.NO_RETURN
     assert (len(record.kind) > 0) == (share > 1.0)
+
+
+@pytest.mark.parametrize("name", CAMS)
+def test_the_local_series_of_the_cam_is_exact_within_its_radius(name):
+    """The slope after six derivatives at a phase errs by roundings, in every stretch."""
+    table = cam_of(name).cam
+    rng, size = np.random.default_rng(2), max(map(abs, column(table, "slope_min")))
+    for i, stretch in enumerate(table.stretches):
+        s = min(stretch.radius, 0.5 * (stretch.end - stretch.start))
+        for theta in rng.uniform(stretch.start, stretch.end - s, 5).tolist():
+            c1, c2 = lift_at(table, i, theta)[1:]
+            series = c1
+            for n, value in enumerate((c2, *higher(table, i, theta)), 1):
+                series += value * s**n / factorial(n)
+            assert series == pytest.approx(lift_at(table, i, theta + s)[1], abs=4e-15 * size)
