@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import degrees, inf, log10
@@ -10,19 +10,20 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from scipy.interpolate import BarycentricInterpolator
 
 from camcli.analysis.orbits.arclength import Metric
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import Root, multipliers
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.plots import style
-from camcli.plots.axes import DASHED, TURN_DEG
+from camcli.plots.axes import DASHED, DOTTED, TURN_DEG
 
 NEAR_DEG = 20.0  # phases further apart do not continue one another
 SAME = 1e-11  # relative distance of parameters at which two points are the two sides of a corner
 JUMP = 1e-6  # relative change of the trace there that breaks the lines of the multipliers
 PARTS = 12  # of a step, for the curved paths of the multipliers
-FURTHEST = 2.0  # multipliers beyond are not drawn in the plane
+FURTHEST = 6.0  # multipliers beyond are not drawn in the plane
 LINEAR = 4.0  # real parts up to this are drawn on a linear axis
 LEAST = 1.2  # half width of the plane around the unit circle
 SHORT = 0.16  # of the half width, a path without an arrow
@@ -222,13 +223,18 @@ def _shares(before: PeriodicOrbit, after: PeriodicOrbit) -> list[float]:
     return sorted([*shares, *(s.real for s in meet if not s.imag and 0.0 < s.real < 1.0)])
 
 
-def draw_plane(axes: Axes, largest: float) -> None:
-    """The unit circle and equal axes."""
+def draw_plane(axes: Axes, largest: float, sizes: Collection[float] = ()) -> None:
+    """The unit circle, circles on which complex pairs lie, and equal axes."""
     half = min(max(LEAST, 1.06 * largest), FURTHEST)
     around = np.linspace(0.0, 2.0 * np.pi, 361)
     axes.fill(np.cos(around), np.sin(around), fc=style.CAM_BODY, ec=style.CAM, lw=0.8, zorder=0)
     axes.axvline(0.0, color=style.GUIDE, linewidth=0.5, zorder=1)
     axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=1)
+    for size in sizes:
+        ring: dict[str, Any] = {"color": style.GUIDE, "linewidth": 0.6, "linestyle": DOTTED}
+        axes.plot(size * np.cos(around), size * np.sin(around), zorder=1, **ring)
+        at, words = size * 0.5**0.5, rf" $|\mu|$ = {size:.4g}"
+        axes.text(at, -at, words, va="top", size=style.NOTE, color=style.CAM)
     axes.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")
     axes.locator_params(nbins=5)
     beyond = f" (beyond ±{half:g} not drawn)" if largest > half else ""
@@ -254,6 +260,18 @@ def draw_paths(axes: Axes, lines: Sequence[Strand], colour: str) -> None:
             look: dict[str, Any] = {"arrowstyle": "-|>,head_width=0.26,head_length=0.5"}
             look |= {"color": colour, "linewidth": 0.0, "shrinkA": 0.0, "shrinkB": 0.0}
             axes.annotate("", head, end, arrowprops=look, zorder=5)
+
+
+def turning_real(points: Sequence[PeriodicOrbit]) -> list[float]:
+    """Parameters at which a complex pair of multipliers becomes real, or the other way round."""
+    x, gap = np.array([(p.value, p.trace**2 - 4.0 * p.det) for p in points]).T
+    turns = np.flatnonzero(gap[1:] * gap[:-1] < 0.0)
+    found = []
+    for k in turns:
+        near = slice(max(0, k - 2), k + 4)  # the discriminant is smooth there, but at corners
+        order = np.argsort(gap[near])
+        found.append(float(BarycentricInterpolator(gap[near][order], x[near][order])(0.0)))
+    return found
 
 
 def draw_real(axes: Axes, every: Sequence[Sequence[Strand]], shades: Sequence[str]) -> None:

@@ -75,12 +75,12 @@ class Outline:
 
 
 def machine_panels(outline: Outline, moments: dict[str, tuple[float, float]]) -> dict[str, Panel]:
-    """Panels `outline`, at 0 and at 180 degrees, and `mechanism`; moments: phase (deg), gap (m)."""
+    """Panels `outline`, `turned` by 180 degrees, `mechanism`; moments: phase (deg), gap (m)."""
     panels = {
-        f"outline at {turned:g} deg": Panel(
+        name: Panel(
             partial(_draw_outline, outline=outline, turned=turned), 66.0, across=2, usual=False
         )
-        for turned in (0.0, 180.0)
+        for name, turned in (("outline", 0.0), ("turned", 180.0))
     }
     draw = partial(_draw_mechanism, outline=outline, moments=moments)
     panels["mechanism"] = Panel(draw, 52.0, usual=False)

@@ -52,6 +52,7 @@ from camcli.plots.branch_lines import (
     positions,
     radius,
     strands,
+    turning_real,
 )
 from camcli.plots.event_words import event_words
 from camcli.plots.picture import Panel, Picture, Rows
@@ -210,7 +211,10 @@ def _draw_positions(axes: Axes, scene: _Scene) -> None:
 
 def _draw_plane(axes: Axes, scene: _Scene) -> None:
     """Multipliers in the complex plane."""
-    draw_plane(axes, float(scene.every(lambda orbit: [radius(orbit)]).max()))
+    pairs = {
+        round(p.det**0.5, 6) for b in scene.branches for p in b.points if p.trace**2 < 4 * p.det
+    }
+    draw_plane(axes, float(scene.every(lambda orbit: [radius(orbit)]).max()), sorted(pairs)[-2:])
     axes.set_title(f"multipliers; arrows: rising {PARAMETERS[scene.parameter][0]}")
     for lines, colour in zip(scene.lines(paths), scene.colours, strict=True):
         draw_paths(axes, lines, colour)
@@ -220,6 +224,11 @@ def _draw_real(axes: Axes, scene: _Scene) -> None:
     """Their real parts over the parameter."""
     _over_parameter(axes, scene, named=False)
     draw_real(axes, scene.lines(paths), scene.colours)
+    real = [value for branch in scene.branches for value in turning_real(branch.points)]
+    for value in real[:2]:
+        axes.axvline(value, color=style.GUIDE, linewidth=0.6, linestyle=DASHED)
+    said = ", ".join(quantity(float(f"{value:.6g}"), scene.parameter) for value in real[:2])
+    axes.set_title(f"a complex pair turns real at {said}" if real else "")
 
 
 # --- lists above the panels, and the numbers in them

@@ -100,9 +100,7 @@ class Picture:
         handles: dict[str, Any] = {}
         for k, row in enumerate(rows):
             for column, panel in enumerate(row):
-                wide = COLUMNS // max(
-                    len(row), min(panel.across, max(1, int(form.width / NARROWEST)))
-                )
+                wide = COLUMNS // len(row)
                 left = narrow + column * wide
                 axes = figure.add_subplot(grid[k, left : left + wide])
                 panel.draw(axes)

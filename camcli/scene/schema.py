@@ -43,7 +43,7 @@ ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "prelo
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
 PanelName = Literal[
     "motion", "gap", "phase", "section", "passage",  # of simulate
-    "mechanism", "outline", "lift", "velocity", "acceleration", "force", "curvature",  # of the cam
+    "mechanism", "outline", "turned", "lift", "velocity", "acceleration", "force", "curvature",
     "impacts", "enlarged", "strobe",  # of sweep
     "kind", "max_gap_m", "airborne_fraction", "max_impact_m_per_s", "min_contact_force_n",
     "max_contact_force_n", "contact_lost_deg", "contact_regained_deg",  # of its map
