@@ -30,7 +30,9 @@ def simulate(
     \b
     trajectory.csv  t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact (flight, sticking)
     events.csv      t_s, period, theta_deg, event, q_m, u_minus_m_per_s, u_plus_m_per_s
-    simulate.png    position, relative position and relative phase plane of the last turns
+    simulate.png    panels motion, gap, phase: position, relative position and relative phase plane
+                    of the last turns; where asked for by --panels: section, the states at the
+                    strobe, and passage, a zoom on the last detachment
 
     \b
     Events: impact; chatter (impacts have accumulated, the follower now sticks); detachment.
@@ -49,7 +51,9 @@ def simulate(
     --profile-only writes and draws the cam instead:
     profile.csv  theta_deg, c_m, c_theta_m_per_rad, c_thetatheta_m_per_rad2, and force_n, the
                  contact force at the speed; two rows at a corner, left side first
-    profile.png  c and its derivatives, contact force, radius of curvature, corners named
+    profile.png  panels lift, velocity, acceleration, force, curvature; where asked for by --panels:
+                 mechanism, the cam with its follower at rest, lifting and landing, and outline and
+                 turned, the cam with its circles and corners at 0 and at 180 deg
     Curvature assumes a follower that moves along a line through the axis, base_radius + c minus
     the lowest c away from it; the radius is the cam's, or that of --base-radius.
     """

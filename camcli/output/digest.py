@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
+from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
@@ -59,8 +60,10 @@ def digest(folder: Path) -> dict[str, Group]:
         else:
             every = np.ones(len(next(iter(columns.values()))), bool)
             groups[CHAOTIC if label in CHAOS else REGULAR] |= _exact(name, columns, every)
-    if label:
-        groups[REGULAR]["label"] = label
+    known = result if isinstance(result, dict) else {}
+    groups[REGULAR] |= {k: known[k] for k in ("label", "rpm", "periods") if k in known}
+    if len(tables.get("events.csv", {}).get("event", ())):
+        groups[SOLVED] |= _events(tables["events.csv"], known)
     return groups
 
 
@@ -83,6 +86,17 @@ def _column(cells: Sequence[str]) -> np.ndarray:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:
         return np.array(cells)
+
+
+def _events(columns: Columns, result: Mapping[str, Any]) -> Named:
+    """How often each event occurs in a turn; the phases of the rests, and corners at them."""
+    corners = dict(zip(ascii_lowercase, result["corners_deg"], strict=False))
+    for kind in sorted(set(columns["event"].tolist())):
+        at = columns["theta_deg"][columns["event"] == kind]
+        yield f"{kind}s a turn", round(len(at) / result["periods"], 6)
+        if len({f"{phase:.6f}" for phase in at}) == 1:
+            yield f"{kind} deg", float(at[0])
+            yield from ((f"{kind} corner", n) for n, x in corners.items() if abs(x - at[0]) < 1e-6)
 
 
 def _speeds(columns: Columns) -> Named:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -391,3 +392,23 @@ def test_real_figures_agree_with_their_reference(tmp_path, capsys):
     words = ["figures", "--check", *names, "--folder", str(REAL), "-o", str(tmp_path)]
     assert guarded(lambda: app(words, standalone_mode=False)) == 0
     assert "every number is the reference's" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("figure", figures(REAL), ids=lambda figure: figure.name)
+def test_captions_are_made_of_the_numbers_of_the_run(figure):
+    """No number with a decimal point is typed, and every label named is one of the run."""
+    reference = json.loads(figure.reference_path.read_text())
+    values = {**reference["regular"], **reference["chaotic"], **reference["solved"]}
+    about = figure.scene.figure
+    typed = re.sub(r"\{[^{}]+\}", "", about.shows)
+    assert not re.search(r"\d\.\d", typed)
+    said = caption(about.shows, values)
+    assert "{" not in said
+    labels = re.findall(r"P\(\d+;[^)]*\)", typed)
+    assert all(
+        any(label in text for text in [*values, *map(str, values.values())]) for label in labels
+    )
+    assert set(about.printed) <= set(values)
+    for name in re.findall(r"\{([^{}|]+)", about.shows):
+        if isinstance(values[name], float):
+            assert caption(about.shows, {**values, name: 2.0 * values[name] + 1.0}) != said
