@@ -177,7 +177,7 @@ def landing(cam, const, state, i, theta, rate, work):
     c, c1, c2 = lift_at(cam, i, theta)
     gap, u = q - c, w - c1
     accel = -const.G - const.W2 * q - 2.0 * const.Z * w - c2
-    if not abs(gap * accel) <= CONVERGED * u * u:
+    if not (u < 0.0 and abs(gap * accel) <= CONVERGED * u * u):
         return theta, rate
     step = -gap / u
     after = min(max(theta + step, cam.stretches[i].start), cam.stretches[i].end)
