@@ -251,7 +251,9 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
         print(to_text(record), end="")
     else:
         from camcli.cli.report import cost_line
+        from camcli.output.verdict import verdict
 
+        print(verdict(result, record["error"].get("lift_table")))
         show(result)
         print(f"{request.folder(result.command)}/: {', '.join(record['artefacts'])}, run.json")
         if result.cost.impacts:
@@ -297,6 +299,10 @@ def shard_of(text: str | None) -> Shard | None:
 
 def _tell(scene: Scene) -> None:
     """What a user should know before anything is computed."""
+    from camcli.output.verdict import doubts
+
+    for text in doubts(scene):
+        note(text)
     if scene.cam.kind == "table":
         from camcli.api.lift_table import table_notes
 

@@ -1,5 +1,7 @@
 """From a lift table to a verdict, as somebody who knows engines and no bifurcations would go."""
 
+import json
+
 import pytest
 
 from tests.cams.lift_tables import Lobe, smooth, table
@@ -33,3 +35,48 @@ def test_a_range_that_is_not_given_comes_from_the_machine(cam, begun, command):
     given = cam(command, "-c", "lobe.yaml", "--dry-run", "--rpm", "100:200")
     assert "is not given" not in given.stderr
     assert "is not given" not in cam(command, "--dry-run").stderr
+
+
+def test_a_run_begins_with_a_verdict(cam, begun):
+    short = ("--no-plot", "--set", "run.transient=5", "--set", "run.record=5", "--points", "5")
+    done = cam("detach", "-c", "lobe.yaml", *short, "--hold-to", "5000")
+    assert done.returncode == 0, done.stderr
+    verdict = done.stdout.splitlines()[0]
+    speed, error = (float(x) for x in verdict.split("up to ")[1].split(" rpm")[0].split(" +- "))
+    low, high = json.loads((begun / "out/detach/run.json").read_text())["error"]["lift_table"][
+        "first_detachment_rpm"
+    ]
+    assert speed - error < low + 1
+    assert high - 1 < speed + error
+    assert error < 0.1 * speed
+    assert "To hold up to 5000 rpm of the cam with 0 N to spare: a stiffer spring" in verdict
+    assert "; or another spring: " in verdict
+
+    done = cam("sweep", "-c", "lobe.yaml", *short)
+    assert done.stdout.startswith(f"Contact holds up to {speed:.0f} +- ")
+    assert " rpm, the follower lands at up to " in done.stdout.splitlines()[0]
+    done = cam("simulate", "-c", "lobe.yaml", "--rpm", "100", *short[:-2])
+    assert done.stdout.startswith("At 100 rpm of the cam contact holds")
+    done = cam("detach", "--set", "follower.preload=-200", *short)
+    assert done.stdout.startswith("Contact is lost at every speed: the spring does not press even")
+
+
+@pytest.mark.parametrize(
+    ("sets", "said"),
+    [
+        ("cam.rocker_ratio=26.4", "a lift of 264 mm; is it in m, or cam.lift the file's unit?"),
+        ("cam.base_radius=36", "a base radius of 36 m"),
+        ("follower.preload=-5", "a preload of -5 N pulls the follower off the cam"),
+    ],
+)
+def test_a_wrong_unit_or_sign_is_doubted(cam, begun, sets, said):
+    done = cam("simulate", "-c", "lobe.yaml", "--dry-run", "--set", sets)
+    assert f"warning: {said}" in done.stderr
+    assert "warning" not in cam("simulate", "-c", "lobe.yaml", "--dry-run").stderr
+    (begun / "radii.csv").write_text(
+        "".join(f"{k},{18 + Lobe(smooth).at(k)[0] * 1e3:.3f}\n" for k in range(360))
+    )
+    radii = cam("simulate", "-c", "lobe.yaml", "--dry-run", "--set", "cam.file=radii.csv",
+                "--set", "cam.header=0", "--set", "cam.angle_column=1",
+                "--set", "cam.lift_column=2")  # fmt: skip
+    assert "the smallest lift of the table is 18 mm; if these are radii" in radii.stderr
