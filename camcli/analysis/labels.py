@@ -60,6 +60,13 @@ def rotation(symbols: Sequence[float], tie: Callable[[int], tuple] = lambda firs
     return max(range(len(symbols)), key=lambda k: ((*symbols[k:], *symbols[:k]), tie(k)))
 
 
+def period_of(label: str) -> int:
+    """Turns after which a motion with this label repeats; 0 where it does not."""
+    if label == CONTACT:
+        return 1
+    return len(Label.parse(label).symbols) if label.startswith("P(") else 0
+
+
 def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
     """States at the strobes that begin its whole turns (m, m/rad), and the symbols of these."""
     n = record.periods

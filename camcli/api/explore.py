@@ -11,7 +11,7 @@ import numpy as np
 
 from camcli.analysis.cam_profile import profile
 from camcli.analysis.integrate import Cost, Start, with_turns
-from camcli.analysis.labels import CONTACT, Label
+from camcli.analysis.labels import period_of
 from camcli.analysis.orbits.same_orbit import CLOSE, distance_to
 from camcli.analysis.simulate import STICKING, Simulation, simulate
 from camcli.api.basins import basins
@@ -257,13 +257,6 @@ def _rows_at(columns: dict[str, np.ndarray], rpm: float) -> dict[str, np.ndarray
     (found,) = np.nonzero(columns["rpm"] == rpm)
     some = slice(found[0], found[-1] + 1) if len(found) else slice(0)
     return {name: column[some] for name, column in columns.items()}
-
-
-def period_of(label: str) -> int:
-    """Turns after which a motion with this label repeats; 0 where it does not."""
-    if label == CONTACT:
-        return 1
-    return len(Label.parse(label).symbols) if label.startswith("P(") else 0
 
 
 def _start(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | None, float | None]:

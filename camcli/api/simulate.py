@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Cost
 from camcli.api.result import Machine, Progress, Result, machine_of
@@ -13,6 +14,9 @@ from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.scene import Scene
 from camcli.system import omega_of
+
+if TYPE_CHECKING:
+    from camcli.analysis.simulate import Simulation
 
 TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "contact")
 EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
@@ -27,6 +31,7 @@ def simulate(
     *,
     profile_only: bool = False,
     base_radius: float | None = None,
+    animate: bool = False,
 ) -> Result:
     """Time response of one orbit: exact events, and a trajectory from the closed-form flow.
 
@@ -44,6 +49,9 @@ def simulate(
         Only the cam: lift, derivatives, contact force and curvature over one turn, no motion.
     base_radius : float, optional
         With ``profile_only``: radius of the base circle, m, for the curvature.
+    animate : bool
+        Save the machine in motion too, ``simulate.gif``, and ``simulate.mp4`` where ffmpeg is
+        found: the last ``simulate.plot_turns`` turns, or one period where that is shorter.
 
     Returns
     -------
@@ -99,6 +107,8 @@ def simulate(
             "corners_deg": found.corners_deg,
         },
         pictures={"simulate": draw},
+        files=_films(machine, found) if animate and found.trajectory else {},
+        options={"animate": True} if animate else {},
         cost=found.cost,
         seconds=watch.seconds,
         notes=(
@@ -108,6 +118,21 @@ def simulate(
         ),
         complete=not ended,
     )
+
+
+def _films(machine: Machine, found: Simulation) -> dict[str, Callable[[BinaryIO], None]]:
+    """The motion as animated files."""
+    from camcli.output.pictures import animation_kinds, write_animation
+
+    def write(file: BinaryIO, kind: str) -> None:
+        from camcli.plots.animation import draw_frames
+        from camcli.plots.mechanism import Outline
+
+        cam, turns = machine.scene.cam, machine.scene.simulate.plot_turns
+        outline = Outline.of(machine.system, getattr(cam, "base_radius", None), cam)
+        write_animation(draw_frames(found, machine.system, outline, turns), file, kind)
+
+    return {f"simulate.{kind}": partial(write, kind=kind) for kind in animation_kinds()}
 
 
 def _many_notes(turn: int | None) -> list[str]:

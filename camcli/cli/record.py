@@ -24,6 +24,7 @@ class Options(BaseModel):
     profile_only: bool = False
     base_radius: float | None = None
     prove: bool = False
+    animate: bool = False
     with_basins: bool = False
     source: str = ""
 

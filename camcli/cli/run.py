@@ -25,7 +25,8 @@ Show = Callable[["Result"], None]
 MOST_SHARDS = 100_000
 IN_PIECES = ("sweep", "basins", "bench")  # commands whose finished pieces are kept on disk
 ARTEFACTS = {  # files of other people with these names are looked for before any work is done
-    "simulate": "trajectory.csv events.csv profile.csv simulate.png profile.png",
+    "simulate": "trajectory.csv events.csv profile.csv simulate.png profile.png simulate.gif "
+    "simulate.mp4",
     "sweep": (
         "impacts.csv strobe.csv impacts.npz strobe.npz speeds.csv corners.csv sweep.png "
         "map.csv map.png"

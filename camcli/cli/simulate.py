@@ -24,6 +24,9 @@ def simulate(
     base_radius: Annotated[
         float | None, Option("--base-radius", help="Radius of the base circle, m.", metavar="M")
     ] = None,
+    animate: Annotated[
+        bool, Option("--animate", help="Also write the machine in motion, simulate.gif and .mp4.")
+    ] = False,
 ) -> int:
     """Time response of one orbit: exact events and a sampled trajectory.
 
@@ -33,6 +36,8 @@ def simulate(
     simulate.png    panels motion, gap, phase: position, relative position and relative phase plane
                     of the last turns; where asked for by --panels: section, the states at the
                     strobe, and passage, a zoom on the last detachment
+    simulate.gif    with --animate the machine in motion, simulate.plot_turns turns at the end or
+                    one period; simulate.mp4 too where ffmpeg is found
 
     \b
     Events: impact; chatter (impacts have accumulated, the follower now sticks); detachment.
@@ -62,8 +67,12 @@ def simulate(
     if base_radius is not None and not profile_only:
         found, cure = "found it without --profile-only", "add --profile-only"
         raise SceneError(Fault("--base-radius", "", found, "it means nothing there", cure))
+    if animate and profile_only:
+        found, cure = "found it with --profile-only", "leave one of them out"
+        raise SceneError(Fault("--animate", "", found, "a cam alone does not move", cure))
     show = _show_profile if profile_only else _show
     options = {"profile_only": True, "base_radius": base_radius} if profile_only else {}
+    options |= {"animate": True} if animate else {}
     return run("simulate", request, one_speed(request), show, options=options)
 
 

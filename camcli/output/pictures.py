@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from camcli.plots.picture import Picture
     from camcli.scene.schema import Plot
 
+FRAMES_PER_S = 20
 SAID: dict[str, dict[str, Any]] = {  # by itself matplotlib writes its version, and the time
     "png": {"Software": None},
     "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
@@ -28,3 +34,25 @@ def write_picture(
     figure = picture.figure(form)
     with look(*((form.font, form.style) if form else ())):
         figure.savefig(file, format=kind, metadata=SAID[kind])
+
+
+def animation_kinds() -> tuple[str, ...]:
+    """What can be written here: gif, and mp4 where ffmpeg is found."""
+    from matplotlib.animation import FFMpegWriter
+
+    return ("gif", "mp4") if FFMpegWriter.isAvailable() else ("gif",)
+
+
+def write_animation(frames: Iterator[Figure], file: BinaryIO, kind: str) -> None:
+    """Write the frames as a GIF that repeats, or as an MP4."""
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+
+    writer = {"gif": PillowWriter, "mp4": FFMpegWriter}[kind](fps=FRAMES_PER_S)
+    first = next(frames)
+    with TemporaryDirectory() as place:
+        path = Path(place) / f"frames.{kind}"
+        with writer.saving(first, path, first.dpi):
+            writer.grab_frame()
+            for _ in frames:
+                writer.grab_frame()
+        file.write(path.read_bytes())

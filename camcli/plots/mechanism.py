@@ -97,10 +97,16 @@ def _body(axes: Axes, outline: Outline, turned: float, left: float = 0.0) -> Non
     axes.plot([left], [0.0], "o", color=style.CAM, ms=3.0, zorder=4)
 
 
-def _follower(axes: Axes, outline: Outline, gap: float, turned: float, left: float = 0.0) -> None:
-    """A knife edge on its stem below a spring, its tip `gap` above the cam."""
+def _follower(
+    axes: Axes, outline: Outline, gap: float, turned: float, left: float = 0.0, highest: float = 0.0
+) -> float:
+    """A follower on its stem below a spring, its tip `gap` above the cam; returns the spring's top.
+
+    highest: that the tip ever is.
+    """
     size = float(outline.radius.max())
     tip, wide, top = outline.at(turned) + gap, WIDE * size, (2.0 + STEM) * size
+    top = max(top, highest + (1.0 + STEM) * size)
     foot = 3.0 * wide if outline.flat else 0.0  # beside the tip
     edge = [(left - foot, tip), (left + foot, tip), (left + wide / 2.0, tip + wide)]
     edge.append((left - wide / 2.0, tip + wide))
@@ -115,6 +121,16 @@ def _follower(axes: Axes, outline: Outline, gap: float, turned: float, left: flo
     x = left + wide * np.array([0.0, *[(-1.0) ** k for k in range(2 * COILS - 1)], 0.0])
     axes.plot(x, y, color=style.CAM, lw=0.8, zorder=4)
     axes.plot([left - 2.0 * wide, left + 2.0 * wide], [top, top], color=style.CAM, lw=1.6)
+    return top
+
+
+def draw_machine(axes: Axes, outline: Outline, gap: float, turned: float, highest: float) -> None:
+    """The machine at one moment, in axes that fit the highest place of the tip."""
+    size = float(outline.radius.max())
+    _body(axes, outline, turned)
+    top = _follower(axes, outline, gap, turned, highest=highest)
+    _bare(axes)
+    axes.set(xlim=(-1.3 * size, 1.3 * size), ylim=(-1.1 * size, 1.02 * top))
 
 
 def _bare(axes: Axes) -> None:

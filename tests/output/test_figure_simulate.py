@@ -1,15 +1,20 @@
 """The picture of a simulation: made-up hops, every edge case."""
 
+import json
+import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import Image
 
+import camcli
 from camcli.analysis.integrate import Cost
 from camcli.analysis.simulate import Simulation
 from camcli.analysis.simulate import simulate as run
 from camcli.errors import Status
 from camcli.plots import style
+from camcli.plots.animation import FRAMES, draw_frames
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Picture
 from camcli.plots.simulate import Trace, draw_simulation
@@ -115,3 +120,27 @@ def test_any_cam_can_be_drawn():
         "outline at 180 deg",
     ]
     tall(Picture("x", {name: replace(p, usual=True) for name, p in panels.items()}))
+
+
+@pytest.mark.slow
+def test_an_animation_moves_as_trajectory_csv_does(cam, tmp_path):
+    values = {"run.rpm": 190, "run.transient": 10, "run.record": 2}
+    sets = [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
+    done = cam("simulate", "--animate", *sets, "--no-plot", "-o", "here", "--json")
+    assert done.returncode == 0, done.stderr
+    written = json.loads(done.stdout)["artefacts"]
+    assert ("simulate.mp4" in written) == (shutil.which("ffmpeg") is not None)
+    with Image.open(tmp_path / "here" / "simulate.gif") as film:
+        assert film.n_frames == FRAMES  # one period
+        assert film.info["loop"] == 0
+    scene = camcli.load_scene(None, values)
+    result = camcli.simulate(scene)
+    rows = result.tables["trajectory"]
+    turns = rows["t_s"] * 190 / 60
+    outline = Outline.of(result.system, scene.cam.base_radius, scene.cam)
+    for k, figure in enumerate(draw_frames(result.values, result.system, outline, 3)):
+        machine, time = figure.axes
+        ((_, q),) = time.lines[-1].get_xydata()
+        assert q == pytest.approx(np.interp(1 + k / FRAMES, turns, rows["q_m"]), abs=1e-4)
+        (tip,) = [patch.get_xy()[0][1] for patch in machine.patches[1:]]
+        assert tip == pytest.approx(q + 0.3, abs=1e-4)  # the cam's offset
