@@ -91,8 +91,8 @@ def test_neighbours_that_disagree_say_nothing(chapter, monkeypatch):
 
 def test_what_is_not_known_is_not_said(chapter):
     bare = replace(chapter, shape=None)
-    assert ends(bare, 358.8).kind == UNKNOWN
-    assert classify_at(bare, 358.8, RUN).label == "undecided"
+    assert ends(bare, 358.75).kind == UNKNOWN
+    assert classify_at(bare, 358.75, RUN).label == "undecided"
     free = Orbit(chapter, 700.0, settings(600, 20)).run()
     assert after_first_rest(chapter, 700.0, free).kind == UNKNOWN  # no rest in it
 

@@ -169,12 +169,12 @@ def test_a_branch_that_was_gone_comes_back_by_its_state():
 def test_rests_are_asked_once_and_what_no_ball_decides_is_undecided(chapter, monkeypatch):
     asked, real = [], after_rest_module.after_rest
     monkeypatch.setattr(rest_outcomes, "after_rest", lambda *a: asked.append(a[2]) or real(*a))
-    whole, finder = basins(chapter, 358.0, settings(), Question(WINDOW))
+    whole, finder = basins(chapter, 358.25, settings(), Question(WINDOW))
     assert whole.undecided == 0
     assert len(asked) == len(set(asked)) >= 1
     assert len(finder.rests.states) <= 8
     bare = replace(chapter, shape=None)
-    result, _ = basins(bare, 358.0, settings(), Question(WINDOW))
+    result, _ = basins(bare, 358.25, settings(), Question(WINDOW))
     assert labels(result) == ["P(1;2)", "P(3;3:3:2)"]
     undecided = result.codes.ravel() == 0
     assert undecided.sum() == result.undecided > 20
