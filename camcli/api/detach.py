@@ -49,7 +49,7 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     Chatter and its map: C. Budd and F. Dux, Phil. Trans. R. Soc. A 347 (1994) 365-389.
     """
     machine = machine_of(scene)
-    section, system = machine.scene.detach, machine.system
+    section, system, cam = machine.scene.detach, machine.system, machine.scene.cam
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
     with stopwatch() as watch:
         found = run(
@@ -62,6 +62,7 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
             hold_rpm=section.hold_to,
             margin=section.margin_n,
             precompression=section.precompression_m,
+            accel_error=cam.errors.bounds if cam.kind == "table" else (0.0,),
             on_speed=ticks(progress, "speeds", len(rpms)),
         )
 

@@ -4,7 +4,9 @@ import json
 
 import pytest
 
-from tests.cams.lift_tables import Lobe, smooth, table
+from camcli.analysis.contact_loss.detachment import detachment
+from camcli.system import Follower, System
+from tests.cams.lift_tables import Lobe, scene, smooth, table
 
 
 @pytest.fixture
@@ -80,3 +82,16 @@ def test_a_wrong_unit_or_sign_is_doubted(cam, begun, sets, said):
                 "--set", "cam.header=0", "--set", "cam.angle_column=1",
                 "--set", "cam.lift_column=2")  # fmt: skip
     assert "the smallest lift of the table is 18 mm; if these are radii" in radii.stderr
+
+
+def test_a_spring_of_hold_to_holds_the_cam_that_was_measured(cam, begun):
+    """The table is rounded; with its true law the springs hold as well."""
+    short = ("--no-plot", "--points", "2", "--set", "detach.settle=0", "--hold-to", "5000")
+    assert cam("detach", "-c", "lobe.yaml", *short).returncode == 0
+    springs = json.loads((begun / "out/detach/run.json").read_text())["result"]["hold"]
+    exact = begun / "exact"
+    exact.mkdir()
+    law = scene(exact, table(Lobe(smooth), 0.5, decimals=12)).cam.parts()
+    for spring in springs:
+        follower = Follower(0.12, spring["stiffness"], 20.0, 0.0, spring["preload"], 0.4)
+        assert 5000 < detachment(System.build(follower, law)).first.rpm < 6000

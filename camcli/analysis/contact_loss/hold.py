@@ -8,14 +8,14 @@ is linear in k and F0, so each smallest value is one maximum over the turn.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import inf
 
 from camcli.analysis.contact_loss.detachment import Quantity, Reason, detachment
 from camcli.analysis.contact_loss.force import DEG, Force
-from camcli.kernel.cam_table import lift_at
+from camcli.kernel.cam_table import TURN, lift_at
 from camcli.system import System, omega_of
 
 SLIGHT = 1e-12  # relative: a force that is missing by no more is rounding of the sums above
@@ -62,15 +62,22 @@ class Hold:
     missing_n: float | None = None
 
 
-def hold_to(system: System, rpm: float, margin: float, precompression: float) -> list[Hold]:
+def hold_to(
+    system: System,
+    rpm: float,
+    margin: float,
+    precompression: float,
+    accel_error: Sequence[float] = (0.0,),
+) -> list[Hold]:
     """Smallest stiffness, smallest preload, and both with preload = stiffness x precompression.
 
     rpm: the speed up to which the force (N) stays at least `margin`; precompression in m.
+    accel_error: bounds on the error of a measured c_thetatheta, m/rad2, in equal shares of a turn.
     """
     kinds = (Quantity.HOLD_STIFFNESS, Quantity.HOLD_PRELOAD, Quantity.HOLD_BOTH)
     if any(place.reason is Reason.KINK for place in detachment(system).always):
         return [Hold(kind, HoldStatus.IMPOSSIBLE, obstacle=Obstacle.KINK) for kind in kinds]
-    need, follower = Need(system, rpm, margin), system.follower
+    need, follower = Need(system, rpm, margin, accel_error), system.follower
     k, present = follower.stiffness, follower.preload
     stiff = need.least_stiffness(Quantity.HOLD_STIFFNESS, present, 0.0)
     least, i, theta = need.most(lambda p, c: p - k * c)
@@ -87,14 +94,18 @@ def replaced(system: System, stiffness: float, preload: float) -> System:
 class Need:
     """The force a spring must give at every phase, P = margin - m g - D."""
 
-    def __init__(self, system: System, rpm: float, margin: float):
-        self.system, self.margin = system, margin
+    def __init__(
+        self, system: System, rpm: float, margin: float, accel_error: Sequence[float] = (0.0,)
+    ):
+        self.system, self.margin, self.accel_error = system, margin, accel_error
         self.force, self.omega = Force(system), omega_of(rpm)
         self.cam, self.follower = system.cam, system.follower
 
     def at(self, i: int, theta: float) -> tuple[float, float]:
         """(P, c) at a phase, at the worst speed up to the one asked for."""
         c, c1, c2 = lift_at(self.cam, i, theta)
+        share = min(int(theta / TURN * len(self.accel_error)), len(self.accel_error) - 1)
+        c2 -= self.accel_error[share]
         linear, square = self.follower.damping * c1, self.follower.mass * c2
         worst = min(0.0, self.omega * (linear + self.omega * square))
         if square > 0.0 and linear < 0.0 and -linear < 2.0 * square * self.omega:

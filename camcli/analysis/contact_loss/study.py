@@ -99,6 +99,7 @@ def detach(
     hold_rpm: float | None = None,
     margin: float = 0.0,
     precompression: float = 0.05,
+    accel_error: Sequence[float] = (0.0,),
     on_speed: Callable[[], None] = lambda: None,
 ) -> ContactLoss:
     """Where contact is lost, where chatter ends, and which spring would hold.
@@ -107,7 +108,7 @@ def detach(
     after `settle` turns; of `settings` the chatter tolerance and the impact budget are used.
     impacts: landings on corners are followed up to this number. force_rpm: speeds of the force
     curves. hold_rpm: find the springs that press with `margin` (N) up to this speed, one of them
-    with so much precompression (m).
+    with so much precompression (m), whatever the error of a measured c_thetatheta in its bounds.
     """
     turns = len(rpms) * (settle + RECORD)
     backend.for_work(turns, LEAST_WORK if backend.is_cached() else LITTLE_WORK)
@@ -135,7 +136,9 @@ def detach(
                 landings += corner_hits(bursts, corner, goal, low, high, impacts)
         completion += completion_loss(bursts, places)
         cost = cost + bursts.cost
-    holds = [] if hold_rpm is None else hold_to(system, hold_rpm, margin, precompression)
+    holds = (
+        [] if hold_rpm is None else hold_to(system, hold_rpm, margin, precompression, accel_error)
+    )
     return ContactLoss(
         detachment=found,
         lift_offs=tuple(lift_offs),
