@@ -170,7 +170,7 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float) -> None:
     _follower(axes, outline, 0.0, turned)
     said = dict.fromkeys(f"{name} {radius:.4g} m" for name, _, _, radius in outline.circles)
     radii = "base radius not given: 1.5 lifts" if outline.guessed else f"radii: {', '.join(said)}"
-    axes.set_title(rf"$\theta$ = {turned:g} deg" + f"; {radii}" * (turned == 0.0), loc="left")
+    axes.set_title(rf"$\theta$ = {turned:g} deg" + f"\n{radii}" * (turned == 0.0), loc="center")
     room = 1.4 * size
     _bare(axes)
     axes.set(xlim=(-room, room), ylim=(-room, (2.1 + STEM) * size))

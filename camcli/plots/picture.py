@@ -91,7 +91,8 @@ class Picture:
         heights = [_height([row]) for row in rows]
         below = sum(heights) + BELOW * (len(rows) - sum(shared)) + EDGE
         figure.set_figheight(min(below, room) * MM)
-        narrow = max(len(panel.beside) for row in rows for panel in row)
+        besides = [len(panel.beside) for row in rows for panel in row]
+        narrow = max(besides) if form.width >= 2.0 * NARROWEST else 0
         shares = [NARROW] * narrow + [1.0 / COLUMNS] * COLUMNS
         grid = figure.add_gridspec(
             len(rows), narrow + COLUMNS, width_ratios=shares, height_ratios=heights
@@ -104,8 +105,10 @@ class Picture:
                 left = narrow + column * wide
                 axes = figure.add_subplot(grid[k, left : left + wide])
                 panel.draw(axes)
-                for aside, draw in enumerate(panel.beside):
+                for aside, draw in enumerate(panel.beside[:narrow]):
                     draw(figure.add_subplot(grid[k, aside]))
+                    axes.tick_params(left=False, labelleft=False)
+                    axes.set_ylabel("")
                 drawn += [axes] * (wide == COLUMNS)
                 if k < len(shared) and shared[k]:
                     axes.set_xlabel("")

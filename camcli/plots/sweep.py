@@ -272,7 +272,7 @@ def cloud_panels(survey: Survey, sweep: Sweep, system: System) -> dict[str, Pane
         if ranges[name][0] == "strobe":
             axes.set_ylabel(strobe_name(system))
         else:
-            axes.tick_params(left=False, labelleft=False)
+            phase_axis(axes, *ranges[name][1])
             corner_lines(axes, style.corner_names(system.corners_deg).items(), "y")
         if name == "impacts" and enlarged is not None:
             axes.axhspan(*enlarged, color=style.BAND, linewidth=0, zorder=0)

@@ -16,6 +16,7 @@ from camcli.errors import Status
 from camcli.plots import density, style
 from camcli.plots.axes import lift_curves, phase_range
 from camcli.plots.sweep import colour_of, draw_sweep, enlarged_range
+from camcli.scene.schema import Plot
 from tests.conftest import settings
 from tests.output.pictures import count, pixels, png, speed, sweep_of, tall, words
 
@@ -203,3 +204,12 @@ def test_a_motion_has_the_colour_of_its_kind(drawn):
     assert set(kinds) <= set(found)
     assert colour_of("period 1") == style.label_colour("P(1;1)")
     assert "1 undecided after rests, grey" in picture.words
+
+
+def test_a_narrow_picture_has_no_cam_beside_its_panels_but_the_same_axes(drawn):
+    picture = drawn(speed(700.0, [150.0, 10.0], [2.0]))
+    wide, narrow = picture.figure(), picture.figure(Plot(width=85.0))
+    assert len(wide.axes) == len(narrow.axes) + 3
+    for figure in (wide, narrow):
+        labels = [axes.get_ylabel() for axes in figure.axes]
+        assert sum("impact phase" in label for label in labels) == 1
