@@ -17,7 +17,7 @@ import camcli
 pytestmark = pytest.mark.slow
 FEW = {"sweep.rpm.num": 11, "run.transient": 300, "run.record": 60, "orbits.starts": 6}
 SCENES = {
-    "chapter": (None, {}),
+    "chapter": (None, {"basins.cells": [40, 40]}),
     "valve-train": (
         "configs/valve-train.yaml",
         {"sweep.rpm.start": 3200, "sweep.rpm.stop": 3400, "orbits.at": 3300},
@@ -37,7 +37,7 @@ def made(request, tmp_path_factory):
     scene = camcli.load_scene(path, {**FEW, **values})
     source = "" if path is None else shlex.join(["-c", path])
     folder = tmp_path_factory.mktemp(request.param)
-    camcli.explore(scene, source=source).save(folder)
+    camcli.explore(scene, source=source, with_basins=file is None).save(folder)
     return scene, folder, data_of(folder)
 
 
@@ -335,3 +335,22 @@ def test_motion_is_for_those_who_want_it_and_all_fits_a_phone(made, browser):
     root = ElementTree.parse(download.value.path()).getroot()
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
     assert len(root.findall("{http://www.w3.org/2000/svg}svg")) == 4
+
+
+@pytest.mark.browser
+@needs_browser
+def test_a_click_into_the_basins_shows_the_motion_of_that_start(made, browser):
+    scene, folder, data = made
+    page = browser(folder)
+    assert page.is_visible("#basins") == (data["basins"] is not None)
+    if data["basins"] is None:
+        return
+    page.locator("#window").scroll_into_view_if_needed()
+    page.locator("#window").click(position={"x": 300, "y": 100})
+    q, v = page.evaluate("[state.motion.q, state.motion.v]")
+    at = page.evaluate("[data.window.axes.fromX(300), data.window.axes.fromY(100)]")
+    for value, wanted, (low, high) in zip(
+        (q, v), at, (scene.basins.q, scene.basins.v), strict=True
+    ):
+        assert abs(value - wanted) < 1.01 * (high - low) / 16
+    assert f"q: {q!r}, v: {v!r}" in page.inner_text("#command")
