@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from threading import Thread
 from time import sleep
+from typing import Any
 
 ENDING = (signal.SIGINT, signal.SIGTERM)
 EXIT_CODE = 130
@@ -30,6 +31,7 @@ def install() -> None:
     for number in ENDING:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _handle)
+    sys.unraisablehook = _unraisable
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     Thread(target=_watch, args=(reader,), daemon=True).start()
 
@@ -42,10 +44,20 @@ def _handle(number: int, frame: object) -> None:
 
 def look() -> None:
     """Raise KeyboardInterrupt where a signal has come that may not have been seen."""
-    global _ending
     if _came and not _holding:
-        _ending = True
         raise KeyboardInterrupt
+
+
+def arrived() -> None:
+    """Say that the interrupt has reached the end of the command: nobody has swallowed it."""
+    global _ending
+    _ending = True
+
+
+def _unraisable(args: Any) -> None:
+    """Of an interrupt that a callback has swallowed nothing is printed."""
+    if args.exc_type is not KeyboardInterrupt:
+        sys.__unraisablehook__(args)
 
 
 @contextmanager

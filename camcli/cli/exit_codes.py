@@ -13,6 +13,7 @@ from io import BytesIO, TextIOWrapper
 from typing import TextIO
 
 from camcli.errors import Fault, SceneError
+from camcli.interrupts import arrived
 
 DONE, INTERNAL, USAGE, NUMERICS, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -28,10 +29,12 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
         _release()
         code = done if isinstance(done, int) else DONE
         if code == INTERRUPTED:  # the option parser has caught the interrupt
+            arrived()
             faults = [_only("interrupted")]
     except SceneError as error:
         code, faults = USAGE, list(error.faults)
     except KeyboardInterrupt:
+        arrived()
         code, faults = INTERRUPTED, [_only("interrupted")]
     except Exception as error:
         code, faults = _failure(error)
@@ -66,6 +69,7 @@ def _failure(error: Exception) -> tuple[int, list[Fault]]:
     if hasattr(error, "exit_code"):
         return int(error.exit_code), []
     if type(error).__name__ == "Abort":
+        arrived()
         return INTERRUPTED, [_only("interrupted")]
     if isinstance(error, MemoryError) or "can't start new thread" in str(error):
         cure = "ask for fewer speeds, recorded turns or --threads (cam ... --dry-run)"
