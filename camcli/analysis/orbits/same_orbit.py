@@ -25,6 +25,7 @@ def size_of(states: Sequence[State]) -> tuple[float, float]:
 
 
 def distance(a: State, b: State, size: State) -> float:
+    """The relative distance of two states, sizes as of `size_of`."""
     return max(abs(a[0] - b[0]) / size[0], abs(a[1] - b[1]) / size[1])
 
 
