@@ -17,6 +17,7 @@ from time import monotonic, perf_counter
 from typing import Any
 
 from camcli.errors import Fault, SceneError
+from camcli.interrupts import held
 from camcli.parallel.threads import thread_count
 
 LOCAL = "local"
@@ -69,8 +70,9 @@ class DaskCluster:
         return self
 
     def __exit__(self, *failure: object) -> None:
-        self.client.close(timeout=CONNECT)
-        self._end_local()
+        with held():  # an interrupt leaves no process behind
+            self.client.close(timeout=CONNECT)
+            self._end_local()
 
     def _end_local(self) -> None:
         if self.local is not None:
