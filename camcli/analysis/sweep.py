@@ -26,7 +26,6 @@ FIXED, UP, DOWN, BOTH = "fixed", "up", "down", "both"
 FINEST = 1200  # of the range: an adaptive sweep goes down to steps of one of so many parts
 CHANGED = 0.1  # of the range of a load: more is a change of a chaotic motion
 BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
-RECORDED = 4  # what a recorded turn costs in turns of the transient: it is measured too
 ON_CAM = 1e-12  # relative distance of a state from the cam's that is rounding
 
 
@@ -212,7 +211,7 @@ def sweep_map(
     """
     system, rpm, settings = setup(first[0], second[0])
     Orbit(system, rpm, settings)
-    turns = len(first) * len(second) * (settings.transient + RECORDED * settings.record)
+    turns = len(first) * len(second) * (settings.transient + settings.record)
     ordered = list(first) if direction == FIXED else sorted(first, reverse=direction == DOWN)
     task = _Line(setup, ordered, direction != FIXED, lyapunov, turns)
     cost = Cost()
@@ -259,7 +258,7 @@ def _task(
     setup = setup or _Speeds(system, settings)
     if values:
         Orbit(*setup(values[0]))
-    turns = len(values) * (settings.transient + RECORDED * settings.record)
+    turns = len(values) * (settings.transient + settings.record)
     return _Task(setup, impacts, strobe, lyapunov, turns)
 
 
