@@ -82,7 +82,8 @@ def identify(
 def _events(record: Record, window: range) -> Iterator[tuple[int, int, float, float]]:
     """(kind, period, theta, u) of what was logged in these turns."""
     rows = zip(record.kind, record.period, record.theta, record.u, strict=True)
-    return ((int(a), int(n), float(x), float(u)) for a, n, x, u in rows if n in window)
+    first, stop = window.start, window.stop  # `in` of a range compares NumPy's ints one by one
+    return ((int(a), int(n), float(x), float(u)) for a, n, x, u in rows if first <= n < stop)
 
 
 def impacts_of(record: Record, window: range) -> list[Impact]:
