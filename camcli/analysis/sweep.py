@@ -380,7 +380,7 @@ def start_at(system: System, rpm: float, state: Sequence[float]) -> Start:
 def _joined(turns: Sequence[Record]) -> Record:
     """The whole turns of records one after the other, each of one turn."""
     rows = [
-        (kind, k, theta, q, u)
+        (int(kind), k, float(theta), float(q), float(u))
         for k, turn in enumerate(turns)
         for kind, period, theta, q, u in zip(
             turn.kind, turn.period, turn.theta, turn.q, turn.u, strict=True

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 Values = dict[str, tuple[Any, str]]  # scene path -> (value, option it came from)
 Show = Callable[["Result"], None]
 MOST_SHARDS = 100_000
+MOST_DIGITS = 30  # of --points; a longer number is nonsense, and slow to read
 IN_PIECES = ("sweep", "basins", "bench")  # commands whose finished pieces are kept on disk
 ARTEFACTS = {  # files of other people with these names are looked for before any work is done
     "simulate": "trajectory.csv events.csv profile.csv simulate.png profile.png simulate.gif "
@@ -98,7 +99,8 @@ def points_of(request: Request, axes: int = 1) -> list[int | None]:
     if request.points is None:
         return [None] * axes
     words = request.points.split(",")
-    if len(words) != axes or not all(word.strip().isdecimal() for word in words):
+    readable = all(word.strip().isdecimal() and len(word) <= MOST_DIGITS for word in words)
+    if len(words) != axes or not readable:
         expected = "expected a whole number" if axes == 1 else f"expected {axes}, N,M"
         cure = "give one number for each that is varied"
         raise SceneError(Fault("--points", "", f"found '{shown(request.points)}'", expected, cure))

@@ -82,7 +82,7 @@ TABLES = {  # the same of the lift table a scene names
     "no numbers": (HEAD + "x,y\n" * 39_000, "found 'x'"),
     "falling": (
         HEAD + "".join(f"{-k % 7},0\n" for k in range(39_000)),
-        "found the angle 6 after 0",
+        "expected angles that only rise or only fall",
     ),
     "too wide": (HEAD + "".join(f"{k},{k % 9 / 9:.4f}\n" for k in range(39_000)), "too much"),
     "spike": (HEAD + "".join(FINE[:18_000]) + "360.00,0.5\n" + "".join(FINE[18_001:]), "a spike"),
