@@ -71,7 +71,8 @@ def _failure(error: Exception) -> tuple[int, list[Fault]]:
     if type(error).__name__ == "Abort":
         arrived()
         return INTERRUPTED, [_only("interrupted")]
-    if isinstance(error, MemoryError) or "can't start new thread" in str(error):
+    short = ("can't start new thread", "failed to map segment")  # a thread, a library
+    if isinstance(error, MemoryError) or any(words in str(error) for words in short):
         cure = "ask for fewer speeds, recorded turns or --threads (cam ... --dry-run)"
         return USAGE, [Fault("cam", "", "out of memory", "", cure)]
     if isinstance(error, OSError):

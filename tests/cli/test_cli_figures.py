@@ -270,7 +270,7 @@ def test_large_tables_go_when_their_digest_is_made(run, home, monkeypatch):
 
 @pytest.mark.slow
 def test_an_interrupted_run_keeps_finished_figures(home, run):
-    write(home / "scenes", "1.3", "sweep", "run: {transient: 100000}")
+    write(home / "scenes", "1.3", "sweep", "run: {transient: 100000000}")
     (home / "out" / "1.10" / "figure.json").unlink()
     words = ["--folder", str(home / "scenes"), "-o", str(home / "out"), "--threads", "2"]
     process = subprocess.Popen(

@@ -16,7 +16,15 @@ LONG = {
     "detach": ("detach", "--rpm", "110:2000", "--points", "100000"),
     "classify": ("classify", "--rpm", "740:745", "--points", "1000"),
     "explain": ("sweep", "--rpm", "735:745", "--points", "200", "--explain"),
-    "orbits": ("orbits", "--rpm", "340:760", "--label", "P(9;1:1:1:1:1:1:1:1:7)"),
+    "orbits": (
+        "orbits",
+        "--rpm",
+        "340:760",
+        "--label",
+        "P(9;1:1:1:1:1:1:1:1:7)",
+        "--set",
+        "run.transient=5000000",
+    ),
 }
 
 
