@@ -96,7 +96,7 @@ class System:
         if not all(isfinite(number) for number in (const.W2, const.Z * const.Z, const.G)):
             found = f"found omega0/omega = {const.W:g}, zeta/omega = {const.Z:g} at {rpm!r} rpm"
             cure = "check mass, stiffness, damping, preload and rpm"
-            raise SceneError(Fault("", "follower", found, "expected numbers of this world", cure))
+            raise SceneError(Fault("", "follower", found, "expected finite squares of both", cure))
         return const
 
     def machine(self, rpm: float) -> list[float]:

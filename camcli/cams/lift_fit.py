@@ -11,7 +11,7 @@ rounded to one lift count as one: their roundings are the same.
 
 The length at every knot is the largest up to which doubling it has changed c_thetatheta nearby by
 no more than BALANCE standard errors: more smoothing would bend the cam there, less would let the
-rounding through (the choice of O. V. Lepskii, Theory Probab. Appl. 35 (1990) 454).
+rounding through.
 
 The error of c_thetatheta has two parts. Rounding passes through the linear smoother: a standard
 error, and a worst case in which every row is wrong by half a digit in the worst direction.
