@@ -8,7 +8,16 @@ from itertools import islice
 from math import inf
 
 from camcli.analysis.exponents import Exponents, of_orbit, of_record
-from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
+from camcli.analysis.integrate import (
+    AtSpeeds,
+    Cost,
+    Orbit,
+    Record,
+    Settings,
+    Setup,
+    Start,
+    with_turns,
+)
 from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, UNDECIDED, passages
 from camcli.analysis.orbits.identify import identify
 from camcli.analysis.orbits.orbit import PeriodicOrbit, resting_orbit
@@ -29,11 +38,13 @@ LONGER = 8  # times the record, where neither a period nor an exponent was certa
 class Motion:
     """What one start leads to.
 
-    label: P(m;...), contact, aperiodic or undecided; orbit: solved, where periodic; exponents: None
-    where the record shows too little; transient: turns until the orbit is reached (None without
-    one); impacts: in one period of the orbit, or the mean per turn; record: of the recorded turns.
+    value: the speed (rpm), or that of what is varied instead; label: P(m;...), contact, aperiodic
+    or undecided; orbit: solved, where periodic; exponents: None where the record shows too little;
+    transient: turns until the orbit is reached (None without one); impacts: in one period of the
+    orbit, or the mean per turn; record: of the recorded turns.
     """
 
+    value: float
     rpm: float
     start: Start
     label: str
@@ -65,27 +76,31 @@ class Motion:
 def classify(
     system: System,
     settings: Settings,
-    rpms: Sequence[float],
+    values: Sequence[float],
     starts: int = 0,
     seed: int = 0,
     threads: int | None = 1,
     on_speed: Callable[[], None] = lambda: None,
+    setup: Callable[[float], Setup] | None = None,
 ) -> list[Motion]:
     """The motions from settings.start and `starts` of a cloud, speed by speed in order.
 
-    Each with the length of its transient; `seed` chooses other starts of the cloud. Raises
-    StartError before any work if the start lies below the cam.
+    Each with the length of its transient; `seed` chooses other starts of the cloud. The values are
+    speeds (rpm), or what `setup` makes machines of. Raises StartError before any work if the start
+    lies below the cam.
     """
-    Orbit(system, rpms[0], settings)
-    turns = len(rpms) * (starts + 1) * (settings.transient + settings.record)
+    setup = setup or AtSpeeds(system, settings)
+    Orbit(*setup(values[0]))
+    turns = len(values) * (starts + 1) * (settings.transient + settings.record)
     backend.for_work(turns)
 
-    def motions_at(rpm: float) -> list[Motion]:
-        found = attractors(system, rpm, settings, starts, seed)
-        return [with_transient(system, settings, motion) for motion in found]
+    def motions_at(value: float) -> list[Motion]:
+        own, rpm, runs = setup(value)
+        found = attractors(own, rpm, runs, starts, seed)
+        return [replace(with_transient(own, runs, motion), value=value) for motion in found]
 
     motions: list[Motion] = []
-    for found in in_threads(motions_at, rpms, threads):
+    for found in in_threads(motions_at, values, threads):
         motions += found
         on_speed()
     return motions
@@ -120,6 +135,7 @@ def classify_at(
             record, cost = after, cost + after.cost
     certain = record.status == Status.OK and _certain(orbit, exponents)
     return Motion(
+        value=rpm,
         rpm=rpm,
         start=start,
         label=orbit.label if orbit else (APERIODIC if certain else UNDECIDED),

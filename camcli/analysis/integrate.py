@@ -45,6 +45,20 @@ class Settings:
     start: Start = field(default_factory=Start)
 
 
+Setup = tuple[System, float, Settings]  # a machine, its speed (rpm) and its runs
+
+
+@dataclass(frozen=True)
+class AtSpeeds:
+    """The machine at a speed: what makes it where no other number is varied."""
+
+    system: System
+    settings: Settings
+
+    def __call__(self, rpm: float) -> Setup:
+        return self.system, rpm, self.settings
+
+
 class StartError(SceneError):
     """The start lies below the cam; the fault says how deep."""
 

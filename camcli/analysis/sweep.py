@@ -8,7 +8,16 @@ from itertools import pairwise
 from math import pi
 from typing import TYPE_CHECKING, Any
 
-from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
+from camcli.analysis.integrate import (
+    AtSpeeds,
+    Cost,
+    Orbit,
+    Record,
+    Settings,
+    Setup,
+    Start,
+    with_turns,
+)
 from camcli.analysis.labels import APERIODIC, UNDECIDED, label, passages
 from camcli.analysis.loads import Loads, loads_of
 from camcli.analysis.orbits.same_orbit import SAME, distance, size_of
@@ -28,9 +37,7 @@ CHANGED = 0.1  # of the range of a load: more is a change of a chaotic motion
 BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
 ON_CAM = 1e-12  # relative distance of a state from the cam's that is rounding
 
-
 NOTHING = Loads()
-Setup = tuple[System, float, Settings]  # a machine, its speed (rpm) and its runs
 
 
 @dataclass(frozen=True)
@@ -255,22 +262,11 @@ def _task(
     strobe: bool,
     lyapunov: bool,
 ) -> _Task:
-    setup = setup or _Speeds(system, settings)
+    setup = setup or AtSpeeds(system, settings)
     if values:
         Orbit(*setup(values[0]))
     turns = len(values) * (settings.transient + settings.record)
     return _Task(setup, impacts, strobe, lyapunov, turns)
-
-
-@dataclass(frozen=True)
-class _Speeds:
-    """The machine at a speed."""
-
-    system: System
-    settings: Settings
-
-    def __call__(self, rpm: float) -> Setup:
-        return self.system, rpm, self.settings
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,10 @@ import numpy as np
 from camcli.analysis.basins.cell_mapping import leaves
 from camcli.analysis.basins.study import Basins, Question, Study, study
 from camcli.analysis.basins.window import Window
-from camcli.analysis.sweep import rpm_grid, status_name
+from camcli.analysis.sweep import status_name
 from camcli.api.orbits import MULTIPLIERS
 from camcli.api.result import Progress, Result, machine_of
+from camcli.api.vary import span_of
 from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
@@ -44,7 +45,8 @@ def basins(
     ----------
     scene : Scene, optional
         The machine and the section ``basins``: a window of position and velocity, the number of
-        cells, one speed or a range of speeds; the default scene if left out.
+        cells, one speed or a range of speeds, or ``vary`` for another number (``key``, ``start``,
+        ``stop``, ``num``), at the speed ``run.rpm``; the default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     work : Work, optional
@@ -54,7 +56,8 @@ def basins(
     Returns
     -------
     Result
-        Table ``attractors``: attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm.
+        Table ``attractors``: attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm;
+        before them the key of another number that is varied.
         Of one speed also ``basins``, a row per cell: q_m, v_m_per_s, attractor (0 is undecided, a
         negative number a status). In ``summary`` basin entropy, boundary entropy and, with
         ``basins.boundary``, the uncertainty exponent.
@@ -67,9 +70,8 @@ def basins(
     machine = machine_of(scene)
     scene, section, system = machine.scene, machine.scene.basins, machine.system
     question = _question(scene)
-    span = section.rpm
-    rpms = rpm_grid(span.start, span.stop, 1 if span.start == span.stop else span.num)
-    total = question.window.count * len(rpms)
+    key, values, setup = span_of(machine, section)
+    total = question.window.count * len(values)
     done = 0
 
     def on_cells(cells: int) -> None:
@@ -81,15 +83,16 @@ def basins(
     with stopwatch() as watch:
         found = study(
             system,
-            rpms,
+            values,
             machine.settings,
             question,
+            setup=setup,
             boundary=section.boundary,
             exponents=section.exponents,
             work=work or Work(),
             on_cells=on_cells,
         )
-    tables = {"attractors": _attractors_table(found)}
+    tables = {"attractors": _attractors_table(found, key)}
     if found.grid is not None:
         grid = found.grid
         tables["basins"] = Table(BASINS, lambda: _cell_blocks(grid, question.refine))
@@ -97,7 +100,8 @@ def basins(
     def draw():
         from camcli.plots.basins import draw_basins
 
-        return draw_basins(found, question, system)
+        own = system if setup is None else setup(values[0])[0]
+        return draw_basins(found, question, own, key)
 
     return Result(
         command="basins",
@@ -135,14 +139,20 @@ def _notes(found: Study, question: Question) -> list[str]:
     return notes
 
 
-def _attractors_table(found: Study) -> Table:
+def _attractors_table(found: Study, key: str) -> Table:
     """By speed and number; what belongs to no attractor has a code of 0 or less.
 
+    Another number than the speed comes first, under its key.
     With exponents asked for, multipliers of solved orbits and the largest exponent are appended.
     """
     asked = any(speed.exponents is not None for speed in found.speeds)
-    columns = (*ATTRACTORS, *(GROWTH if asked else ()))
-    return Table.of_rows(columns, lambda: (row for speed in found.speeds for row in _rows(speed)))
+    first = () if key == "rpm" else (key,)
+    return Table.of_rows(
+        (*first, *ATTRACTORS, *(GROWTH if asked else ())),
+        lambda: (
+            (*(speed.value for _ in first), *row) for speed in found.speeds for row in _rows(speed)
+        ),
+    )
 
 
 def _rows(speed: Basins):
@@ -211,6 +221,7 @@ def _summary(result: Study, question: Question) -> dict[str, Any]:
 def _record(speed: Basins, question: Question) -> dict[str, Any]:
     doubt = speed.uncertainty
     return {
+        "value": speed.value,
         "rpm": speed.rpm,
         "attractors": [_attractor(speed, k) for k in range(len(speed.attractors))],
         "cells": speed.cells,

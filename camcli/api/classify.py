@@ -11,10 +11,19 @@ from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import APERIODIC, UNDECIDED
 from camcli.analysis.orbits.kinds import Kind
-from camcli.analysis.sweep import rpm_grid, status_name
+from camcli.analysis.sweep import status_name
 from camcli.api.orbits import BIFURCATIONS, bifurcation_row
-from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
-from camcli.errors import Fault, SceneError, Status
+from camcli.api.result import (
+    Machine,
+    Progress,
+    Result,
+    counted,
+    machine_of,
+    status_notes,
+    ticks,
+)
+from camcli.api.vary import refuse_to_explain, span_of
+from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.explanations import explained
 from camcli.output.tables import Table
@@ -25,9 +34,8 @@ if TYPE_CHECKING:
     from camcli.analysis.explain.changes import Explanation
     from camcli.analysis.exponents import Exponents
 
-CLASSIFY = (
-    "rpm", "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status",
-)  # fmt: skip
+# columns after the one of what is varied
+CLASSIFY = ("label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status")
 
 
 def classify(
@@ -42,7 +50,9 @@ def classify(
     Parameters
     ----------
     scene : Scene, optional
-        The machine and the section ``classify``; the default scene if left out.
+        The machine and the section ``classify``: ``rpm.start``, ``rpm.stop``, ``rpm.num``, or
+        ``vary`` for another number (``key``, ``start``, ``stop``, ``num``), at the speed
+        ``run.rpm``. The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     work : Work, optional
@@ -51,15 +61,16 @@ def classify(
     Returns
     -------
     Result
-        Table ``classify``, a row per attractor found at a speed: rpm, label, period (turns, 0
-        where it does not repeat), impacts, chatter (complete, incomplete, none), stable,
-        lyapunov_per_period, status.
+        Table ``classify``, a row per attractor found at a speed: rpm, or the key of what is
+        varied, label, period (turns, 0 where it does not repeat), impacts, chatter (complete,
+        incomplete, none), stable, lyapunov_per_period, status.
         Table ``corners``: corner impacts behind the changes, with ``classify.explain``.
 
     Raises
     ------
     SceneError
-        If the start lies below the cam, or the changes of a single speed shall be explained.
+        If the start lies below the cam, or changes shall be explained of a single speed or of
+        another number than the speed.
 
     References
     ----------
@@ -68,42 +79,47 @@ def classify(
     """
     machine = machine_of(scene)
     section = machine.scene.classify
-    if section.explain and section.rpm.num < 2:
-        found, cure = f"found one speed, {section.rpm.start!r}", "give --rpm LO:HI and --points"
-        raise SceneError(Fault("--explain", "classify.rpm", found, "expected a range", cure))
-    rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
+    if section.explain:
+        refuse_to_explain(section, "classify")
+    key, values, setup = span_of(machine, section)
     with stopwatch() as watch:
-        threads = None if work is None else work.threads
-        tick = ticks(progress, "speeds", len(rpms))
         motions = run(
-            machine.system, machine.settings, rpms, section.starts, section.seed, threads, tick
+            machine.system,
+            machine.settings,
+            values,
+            section.starts,
+            section.seed,
+            None if work is None else work.threads,
+            ticks(progress, "speeds", len(values)),
+            setup,
         )
         explanation = _explanation(machine, motions, progress) if section.explain else None
 
     def draw():
         from camcli.plots.classify import draw_classify
 
-        return draw_classify(motions, machine.system, explanation.events if explanation else ())
+        events = explanation.events if explanation else ()
+        return draw_classify(motions, machine.system, events, key)
 
-    troubled = [(m.rpm, m.status) for m in motions if m.status != Status.OK]
+    troubled = [(m.value, m.status) for m in motions if m.status != Status.OK]
     return Result(
         command="classify",
         scene=machine.scene,
         system=machine.system,
         values=(motions, explanation),
         tables={
-            "classify": Table.of_rows(CLASSIFY, lambda: map(_row, motions)),
+            "classify": Table.of_rows((key, *CLASSIFY), lambda: map(_row, motions)),
             "corners": corners_table(explanation),
         },
         summary={
-            "words": remarks(motions),
+            "words": remarks(motions, key),
             "motions": [_motion(m) for m in motions],
             **(explained(explanation) if explanation else {}),
         },
         pictures={"classify": draw},
         cost=sum((m.cost for m in motions), explanation.cost if explanation else Cost()),
         seconds=watch.seconds,
-        notes=tuple(status_notes(troubled)),
+        notes=tuple(status_notes(troubled, key)),
         complete=not troubled,
     )
 
@@ -127,10 +143,10 @@ def corners_table(explanation: Explanation | None) -> Table:
 def _row(m: Motion) -> tuple:
     stable = None if m.stable is None else int(m.stable)
     exponent = None if m.exponents is None else m.exponents.largest
-    return m.rpm, m.label, m.period, m.impacts, m.chatter, stable, exponent, status_name(m.status)
+    return m.value, m.label, m.period, m.impacts, m.chatter, stable, exponent, status_name(m.status)
 
 
-def remarks(motions: list[Motion]) -> list[str]:
+def remarks(motions: list[Motion], key: str = "rpm") -> list[str]:
     """Sentences: the sum rule, sticking, what is undecided."""
     said = []
     defects = [abs(m.exponents.defect) for m in motions if m.exponents and _finite(m.exponents)]
@@ -144,20 +160,17 @@ def remarks(motions: list[Motion]) -> list[str]:
             "where the follower rests on the cam both exponents are -inf: every difference between "
             "two motions is forgotten"
         )
-    said += _shown([m for m in motions if m.orbit is None and m.status == Status.OK])
-    undecided = [m for m in motions if m.label == UNDECIDED]
+    said += _shown([m for m in motions if m.orbit is None and m.status == Status.OK], key)
+    undecided = [m.value for m in motions if m.label == UNDECIDED]
     if undecided:
-        rpms = ", ".join(f"{m.rpm:.10g}" for m in undecided[:5])
-        more = ", ..." if len(undecided) > 5 else ""
         said.append(
-            f"undecided at {len(undecided)} speed{'s' * (len(undecided) > 1)} ({rpms}{more}): "
-            "no orbit up to 64 turns could be solved and no positive exponent shown, "
-            "or a rest is forgotten before the next one"
+            f"undecided at {counted(undecided, key)}: no orbit up to 64 turns could be solved and "
+            "no positive exponent shown, or a rest is forgotten before the next one"
         )
     return said
 
 
-def _shown(unsolved: list[Motion]) -> Iterator[str]:
+def _shown(unsolved: list[Motion], key: str) -> Iterator[str]:
     """What the records of motions without an orbit show of complete chatters.
 
     A rest forgets all, so a chaotic motion that comes to one repeats itself from there on, however
@@ -173,9 +186,9 @@ def _shown(unsolved: list[Motion]) -> Iterator[str]:
         if m.chatters:
             turns = m.record.periods
             yield (
-                f"{m.rpm:.10g} rpm: complete chatter in {m.chatters} of {turns} turns, one in some "
-                f"{turns / m.chatters:.3g}; after a rest the motion is always the same one, which "
-                "could not be followed to the next rest"
+                f"{key} = {m.value:.10g}: complete chatter in {m.chatters} of {turns} turns, one "
+                f"in some {turns / m.chatters:.3g}; after a rest the motion is always the same "
+                "one, which could not be followed to the next rest"
             )
 
 
@@ -186,7 +199,8 @@ def _finite(e: Exponents) -> bool:
 def _motion(m: Motion) -> dict[str, Any]:
     e = m.exponents
     return {
-        "rpm": m.rpm, "label": m.label, "period": m.period, "impacts": _plain(m.impacts),
+        "value": m.value, "rpm": m.rpm, "label": m.label, "period": m.period,
+        "impacts": _plain(m.impacts),
         "chatter": m.chatter, "stable": m.stable, "transient_turns": m.transient,
         "status": status_name(m.status), "start": vars(m.start),
         "turns": m.record.periods, "complete_chatters": m.chatters,

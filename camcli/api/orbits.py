@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import chain, starmap
 from math import pi
@@ -22,7 +22,7 @@ from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.plots.event_words import event_words
-from camcli.scene import Scene
+from camcli.scene import Axis, Orbits, Scene
 from camcli.system import omega_of
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ UNITS = {
     "preload": "preload_n",
     "restitution": "restitution",
 }
+Keys = Mapping[str, str]  # of what is varied by a key of the scene, the key by parameter
 BIFURCATIONS = (
     "branch", "label", "kind", "rpm", "rpm_error", "corner", "trace_left", "det_left",
     "trace_right", "det_right", "classification",
@@ -63,8 +64,9 @@ def orbits(
     scene : Scene, optional
         The machine and the section ``orbits``: ``rpm.start`` and ``rpm.stop`` (one speed where
         they are equal), ``at``, ``label``, ``parameter`` and ``range``, ``curve``, ``curve_in`` and
-        ``curve_range``.
-        The default scene if left out.
+        ``curve_range``; or ``vary`` (``key``, ``start``, ``stop``, ``num``) for the speed or a
+        constant of the follower instead of ``parameter`` and ``range``, and a second one for a
+        curve. The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     prove : bool
@@ -79,7 +81,7 @@ def orbits(
         Table ``branch``, a row per point (of one speed, a row per orbit): branch, label, rpm,
         stable, region, theta_deg_1 and so on (phases of the impacts), q_m and v_m_per_s at the
         strobe, multiplier_1_re to multiplier_2_im, trace, det, u_minus_m_per_s_1 and so on (of the
-        impacts).
+        impacts). A number that ``vary`` names is the first column, under its key.
         Table ``bifurcations``: branch, label, kind, rpm, rpm_error, corner, trace_left, det_left,
         trace_right, det_right, classification.
         With ``prove`` both append proved (yes, no), bifurcations also enclosure_low and
@@ -100,8 +102,10 @@ def orbits(
     (2008).
     """
     machine = machine_of(scene)
-    scene, section, system = machine.scene, machine.scene.orbits, machine.system
-    question = _question(scene)
+    scene, system = machine.scene, machine.system
+    asked = _spelt_out(scene)
+    section, question = asked.orbits, _question(asked)
+    keys = {_constant(axis): axis.key for axis in section.vary}
     with stopwatch() as watch:
         tick = ticks(progress, "branches", question.branches + 2)
         found = run(system, machine.settings, question, tick)
@@ -120,10 +124,13 @@ def orbits(
 
         return draw_curves(found.curves, section.curve_in)
 
-    tables = {"branch": _branch_table(found), "bifurcations": _bifurcations_table(found)}
+    tables = {
+        "branch": _branch_table(found, keys),
+        "bifurcations": _bifurcations_table(found, keys),
+    }
     pictures = {"orbits": draw}
     if section.curve is not None:
-        tables["curve"] = _curve_table(found.curves, section.parameter, section.curve_in)
+        tables["curve"] = _curve_table(found.curves, section, keys)
         pictures["curve"] = draw_curve
     notes = _notes(found)
     return Result(
@@ -159,6 +166,40 @@ def _notes(found: OrbitsResult) -> list[str]:
     return notes
 
 
+def _spelt_out(scene: Scene) -> Scene:
+    """`orbits.vary` as rpm, parameter and range, and of a curve curve_in and curve_range.
+
+    The first number varies along a branch, the second one is that of a curve; one alone beside a
+    curve is its second one. Raises SceneError for a number that a branch cannot vary.
+    """
+    section, axes = scene.orbits, list(scene.orbits.vary)
+    for axis in axes:
+        if _constant(axis) not in ("rpm", *UNITS):
+            expected = f"rpm or a constant of the follower: {', '.join(UNITS)}"
+            cure = "cam sweep and cam classify vary any number"
+            raise _refusal("vary", f"found {axis.key}", expected, cure)
+    if section.curve is None and len(axes) > 1:
+        found, cure = f"found {axes[0].key} and {axes[1].key}", "leave one out, or add --curve KIND"
+        raise _refusal("vary", found, "one number along a branch", cure)
+    changed: dict[str, Any] = {}
+    if section.curve is not None and axes and (len(axes) > 1 or _constant(axes[0]) != "rpm"):
+        second = axes.pop()
+        changed["curve_in"] = _constant(second)
+        changed["curve_range"] = tuple(sorted((second.start, second.stop)))
+    for axis in axes:
+        changed["parameter"] = _constant(axis)
+        changed["range"] = tuple(sorted((axis.start, axis.stop)))
+        low, high = changed["range"] if axis.path == "run.rpm" else (scene.run.rpm,) * 2
+        ends = {"start": low, "stop": high, "num": axis.num}
+        changed["rpm"] = section.rpm.model_copy(update=ends)
+    return scene.model_copy(update={"orbits": section.model_copy(update=changed)})
+
+
+def _constant(axis: Axis) -> str:
+    """What an axis varies, as `parameter` names it."""
+    return "rpm" if axis.path == "run.rpm" else axis.path.removeprefix("follower.")
+
+
 def _question(scene: Scene) -> Question:
     section, parameter, curve = scene.orbits, scene.orbits.parameter, scene.orbits.curve
     low, high = sorted((section.rpm.start, section.rpm.stop))
@@ -191,7 +232,8 @@ def _question(scene: Scene) -> Question:
             raise _refusal("rpm", "found one speed", "a range for a curve", "give --rpm LO:HI")
         own = section.curve_range is not None or parameter != "rpm"
         ranges = (low, high), _range(scene, second, "curve_range" if own else "range")
-        plane = Plane((parameter, second), ranges, max(2, section.rpm.num // 4))
+        num = section.vary[1].num if len(section.vary) > 1 else section.rpm.num
+        plane = Plane((parameter, second), ranges, max(2, num // 4))
     return Question(
         rpm=at,
         parameter=parameter,
@@ -237,9 +279,16 @@ def _range(scene: Scene, name: str, key: str) -> tuple[float, float]:
     return given
 
 
-def _branch_table(found: OrbitsResult) -> Table:
+def _columns(parameter: str, keys: Keys) -> tuple[list[str], list[str]]:
+    """The columns of another parameter than rpm, before and after the others: its key, its unit."""
+    if parameter == "rpm":
+        return [], []
+    return ([keys[parameter]], []) if parameter in keys else ([], [UNITS[parameter]])
+
+
+def _branch_table(found: OrbitsResult, keys: Keys) -> Table:
     """A row per point; of one speed only, a row per orbit found, branch 0."""
-    other = found.question.parameter
+    first, last = _columns(found.question.parameter, keys)
     rows = [(0, orbit) for orbit in found.orbits] if found.question.span is None else []
     rows += [(branch.number, orbit) for branch in found.branches for orbit in branch.points]
     proved: list[list] = [[] for _ in rows]
@@ -249,8 +298,8 @@ def _branch_table(found: OrbitsResult) -> Table:
     most = max((len(orbit.theta) for _, orbit in rows), default=1) or 1
     thetas = (f"theta_deg_{k + 1}" for k in range(most))
     columns = [
-        "branch", "label", "rpm", "stable", "region", *thetas, "q_m", "v_m_per_s", *MULTIPLIERS,
-        "trace", "det", *([UNITS[other]] if other != "rpm" else []),
+        *first, "branch", "label", "rpm", "stable", "region", *thetas, "q_m", "v_m_per_s",
+        *MULTIPLIERS, "trace", "det", *last,
         *(f"u_minus_m_per_s_{k + 1}" for k in range(most)), *(["proved"] if found.proofs else []),
     ]  # fmt: skip
 
@@ -259,10 +308,10 @@ def _branch_table(found: OrbitsResult) -> Table:
         thetas, omega = [theta * DEG for theta in orbit.theta], omega_of(orbit.rpm)
         us = [u * omega for u in orbit.rates]
         return [
-            number, orbit.label, orbit.rpm, int(orbit.stable), ":".join(orbit.regions),
-            *thetas, *[None] * (most - len(thetas)), q, w * omega,
+            *(orbit.value for _ in first), number, orbit.label, orbit.rpm, int(orbit.stable),
+            ":".join(orbit.regions), *thetas, *[None] * (most - len(thetas)), q, w * omega,
             *multiplier_columns(orbit.multipliers), orbit.trace, orbit.det,
-            *([orbit.value] if other != "rpm" else []), *us, *[None] * (most - len(us)),
+            *(orbit.value for _ in last), *us, *[None] * (most - len(us)),
             *more,
         ]  # fmt: skip
 
@@ -279,12 +328,13 @@ def multiplier_columns(pair: tuple[complex, complex]) -> list[float]:
     return [part for z in pair for part in (z.real + 0.0, z.imag + 0.0)]
 
 
-def _bifurcations_table(found: OrbitsResult) -> Table:
-    """Another parameter than rpm appends its value and error, proofs their enclosure."""
-    other = found.question.parameter
-    more = [UNITS[other], f"{UNITS[other]}_error"] if other != "rpm" else []
-    columns = [*BIFURCATIONS, *more]
-    rows = [bifurcation_row(b, other) for b in found.bifurcations]
+def _bifurcations_table(found: OrbitsResult, keys: Keys) -> Table:
+    """Another parameter than rpm has its value and, at the end, its error, proofs an enclosure."""
+    first, last = _columns(found.question.parameter, keys)
+    columns = [*first, *BIFURCATIONS, *last, *(f"{name}_error" for name in (*first, *last))]
+    rows = [bifurcation_row(b, found.question.parameter) for b in found.bifurcations]
+    if first:
+        rows = [[row[-2], *row[:-2], row[-1]] for row in rows]
     if found.proofs is not None:
         columns += ["proved", "enclosure_low", "enclosure_high"]
         for row, p in zip(rows, found.proofs.events, strict=True):
@@ -308,8 +358,9 @@ def bifurcation_row(b: Bifurcation, parameter: str) -> list:
     return row + more
 
 
-def _curve_table(curves: list[Curve], first: str, second: str) -> Table:
+def _curve_table(curves: list[Curve], section: Orbits, keys: Keys) -> Table:
     """A bifurcation in two parameters, a row per point."""
+    names = {"rpm": "rpm", **UNITS, **keys}
 
     def rows() -> Iterator[tuple]:
         for number, one in enumerate(curves, 1):
@@ -319,7 +370,8 @@ def _curve_table(curves: list[Curve], first: str, second: str) -> Table:
                 at = (number, one.kind, one.label, one.corner, point.first, point.second)
                 yield (*at, theta, *(point.left or own), *(point.right or own))
 
-    columns = ("curve", "kind", "label", "corner", UNITS.get(first, first), UNITS[second], *CURVE)
+    both = names[section.parameter], names[section.curve_in]
+    columns = ("curve", "kind", "label", "corner", *both, *CURVE)
     return Table.of_rows(columns, rows)
 
 

@@ -39,7 +39,7 @@ def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, str]]:
     for name in sections:
         section = getattr(scene, name)
         if name == "basins":
-            given = "rpm" in scene.run.model_fields_set
+            given = "rpm" in scene.run.model_fields_set or section.vary
             low = high = scene.run.rpm if given else _round(PAST * speed)
             why = "that of run.rpm" if given else why
             window = _window(system, low)
@@ -50,7 +50,8 @@ def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, str]]:
         left = {k: v for k, v in window.items() if k == "rpm" or k not in section.model_fields_set}
         update[name] = section.model_copy(update=left)
         speeds = f"{low:g} rpm" if low == high else f"{low:g} to {high:g} rpm"
-        said[name] = f"{name}.rpm is not given: {speeds} of the cam, {why}"
+        if not getattr(section, "vary", ()):
+            said[name] = f"{name}.rpm is not given: {speeds} of the cam, {why}"
     return scene.model_copy(update=update), said
 
 

@@ -239,16 +239,23 @@ def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., Non
     return tick
 
 
-def status_notes(troubled: Iterable[tuple[float, int]]) -> list[str]:
-    """A sentence for each kind of trouble; troubled: (rpm, status)."""
+def counted(values: Sequence[float], key: str) -> str:
+    """So many values of what is varied, the first of them named: `2 speeds (358, 359 rpm)`."""
+    shown = ", ".join(f"{value:.10g}" for value in values[:SHOWN])
+    shown += ", ..." if len(values) > SHOWN else ""
+    s = "s" * (len(values) != 1)
+    if key == "rpm":
+        return f"{len(values)} speed{s} ({shown} rpm)"
+    return f"{len(values)} value{s} of {key} ({shown})"
+
+
+def status_notes(troubled: Iterable[tuple[float, int]], key: str = "rpm") -> list[str]:
+    """A sentence for each kind of trouble; troubled: (value of what is varied, status)."""
     by_status: dict[int, list[float]] = {}
-    for rpm, code in troubled:
-        by_status.setdefault(code, []).append(rpm)
+    for value, code in troubled:
+        by_status.setdefault(code, []).append(value)
     notes = []
-    for code, rpms in sorted(by_status.items()):
+    for code, values in sorted(by_status.items()):
         status = Status(code)
-        shown = ", ".join(f"{rpm:.10g}" for rpm in rpms[:SHOWN])
-        shown += ", ..." if len(rpms) > SHOWN else ""
-        speeds = "1 speed" if len(rpms) == 1 else f"{len(rpms)} speeds"
-        notes.append(f"{status.text} at {speeds} ({shown} rpm): {status.cause}; {status.cure}")
+        notes.append(f"{status.text} at {counted(values, key)}: {status.cause}; {status.cure}")
     return notes

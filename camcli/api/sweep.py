@@ -16,7 +16,7 @@ from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, bare, rpm_grid, sta
 from camcli.analysis.sweep import sweep as run
 from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
 from camcli.api.simulate import height_notes
-from camcli.api.vary import Varied
+from camcli.api.vary import Varied, refuse_to_explain, span_of
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
@@ -95,22 +95,25 @@ def sweep(
     """
     machine = machine_of(scene)
     scene, section = machine.scene, machine.scene.sweep
-    _refuse_to_explain(scene)
+    if section.explain and section.direction != FIXED:
+        what, cure = f"found {section.direction}", "leave --explain out, or set it to fixed"
+        raise SceneError(Fault("--explain", "sweep.direction", what, "expected fixed", cure))
+    if section.explain:
+        refuse_to_explain(section, "sweep")
     if len(section.vary) == 2:
         return _mapped(machine, progress, work or Work())
     if section.curves is not None:
         cure = "vary a second number: --vary KEY=LO:HI"
         raise SceneError(Fault("--curves", "sweep.vary", "found no map", "expected two", cure))
-    axis = section.vary[0] if section.vary else section.rpm
-    values = rpm_grid(axis.start, axis.stop, axis.num)
+    key, values, setup = span_of(machine, section)
     work = work or Work()
     with stopwatch() as watch:
         found = run(
             machine.system,
             values,
             machine.settings,
-            key=section.vary[0].key if section.vary else "rpm",
-            setup=Varied(machine, section.vary) if section.vary else None,
+            key=key,
+            setup=setup,
             direction=section.direction,
             adaptive=section.adaptive,
             impacts="impacts" in section.sections,
@@ -147,9 +150,9 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             on_line=ticks(progress, "lines", two.num),
         )
     counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
-    troubled = [(s.rpm, s.status) for s in found.speeds if s.status != Status.OK]
+    troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]
     unknown = sum(not speed.known for speed in found.speeds)
-    notes = status_notes(troubled)
+    notes = status_notes(troubled, one.key)
     if unknown:
         notes.insert(0, f"{unknown} points undecided: rounding decides after a rest; grey")
 
@@ -218,9 +221,9 @@ def _rows(path: str | PathLike) -> list[dict[str, str]]:
 
 
 def _columns(rows: list[dict[str, str]], keys: Sequence[str]) -> list[str]:
-    """The columns of keys of a scene: restitution, stiffness_n_per_m."""
-    names = [key.rpartition(".")[2] for key in keys]
-    return [next(c for c in rows[0] if c == n or c.startswith(f"{n}_")) for n in names]
+    """The columns of keys of a scene: the key itself, restitution, stiffness_n_per_m."""
+    named = [(key, key.rpartition(".")[2]) for key in keys]
+    return [next(c for c in rows[0] if c in pair or c.startswith(f"{pair[1]}_")) for pair in named]
 
 
 def read_curves(
@@ -243,22 +246,6 @@ def read_curves(
         ]
     except BAD_FILE:
         raise SceneError(Fault("--curves", str(path), "found none", expected, cure)) from None
-
-
-def _refuse_to_explain(scene: Scene) -> None:
-    """Raise SceneError where there are no changes that a fixed start could explain."""
-    section = scene.sweep
-    if section.explain and section.direction != FIXED:
-        cure = "leave --explain out, or set sweep.direction=fixed"
-        found = f"found {section.direction}"
-        raise SceneError(Fault("--explain", "sweep.direction", found, "expected fixed", cure))
-    if section.explain and section.vary:
-        cure = "leave --explain out, or vary the speed (--rpm LO:HI)"
-        found = f"found {section.vary[0].key}"
-        raise SceneError(Fault("--explain", "sweep.vary", found, "expected none", cure))
-    if section.explain and section.rpm.num < 2:
-        found, cure = f"found one speed, {section.rpm.start!r}", "give --rpm LO:HI and --points"
-        raise SceneError(Fault("--explain", "sweep.rpm", found, "expected a range", cure))
 
 
 def _explained(
@@ -311,7 +298,7 @@ def _result(
         events = () if explanation is None else explanation.events
         return draw_sweep(found, machine.system, machine.settings, events, branches)
 
-    troubled = [(speed.rpm, speed.status) for speed in found.troubled]
+    troubled = [(speed.value, speed.status) for speed in found.troubled]
     heights = height_notes(_heights(found), machine.system.cam.top)
     return Result(
         command="sweep",
@@ -323,7 +310,7 @@ def _result(
         pictures={"sweep": draw},
         cost=cost,
         seconds=seconds,
-        notes=(*heights, *_unknown(found), *status_notes(troubled)),
+        notes=(*heights, *_unknown(found), *status_notes(troubled, found.key)),
         complete=not troubled,
     )
 

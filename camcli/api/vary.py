@@ -7,11 +7,33 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from camcli.analysis.integrate import Settings
+from camcli.analysis.sweep import rpm_grid
 from camcli.api.result import Machine, machine_of
-from camcli.scene import Axis, Scene, load_scene, resolved
+from camcli.errors import Fault, SceneError
+from camcli.scene import Axis, Scene, Varying, load_scene, resolved
 from camcli.system import System
 
 MOST_COMPILED = 256  # cams kept
+
+
+def span_of(machine: Machine, section: Varying) -> tuple[str, list[float], Varied | None]:
+    """(key, values, setup) of what a section goes over; setup is None where it is the speed."""
+    axis = section.axis
+    values = rpm_grid(axis.start, axis.stop, section.count)
+    return section.key, values, Varied(machine, section.vary) if section.vary else None
+
+
+def refuse_to_explain(section: Varying, name: str) -> None:
+    """Raise SceneError where a section has no changes over the speed to explain."""
+    if section.vary:
+        found, cure = f"found {section.key}", "leave --explain out, or vary the speed (--rpm LO:HI)"
+        fault = f"{name}.vary", found, "expected none", cure
+    elif section.rpm.num < 2:
+        found, cure = f"found one speed, {section.rpm.start!r}", "give --rpm LO:HI and --points"
+        fault = f"{name}.rpm", found, "expected a range", cure
+    else:
+        return
+    raise SceneError(Fault("--explain", *fault))
 
 
 @dataclass

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from camcli.cli.options import Cluster, Request, Shard
+from camcli.cli.options import Cluster, Request, Shard, Vary
 from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ def basins(
     exponents: Annotated[
         bool, Option("--exponents", help="Multipliers and exponents of attractors.")
     ] = False,
+    vary: Vary = None,
     shard: Shard = None,
     cluster: Cluster = None,
 ) -> int:
@@ -72,13 +73,15 @@ def basins(
     the boundary's dimension is 2 - alpha. Basin and boundary entropy are of boxes of 5 x 5 cells.
     --rpm LO:HI gives fractions against speed; an attractor keeps its number while its state goes
     on continuously, or while each started at the other's speed ends on the other.
+    --vary KEY=LO:HI varies any number of follower, cam or run at the speed --rpm; the first column
+    of attractors.csv then bears the KEY.
     --exponents appends multiplier_1_re, ..., lyapunov_per_period to attractors.csv: multipliers
     where the orbit is solved, the largest exponent per turn everywhere (-inf where it rests).
     The criterion of each attractor, with radius and checks, is in run.json.
     """
     from camcli.cli.run import given, ranges, run
 
-    values = ranges(request, "basins") | given(
+    values = ranges(request, "basins", vary) | given(
         {
             "basins.cells": (_cells(cells), "--cells"),
             "basins.q": (_window(q, "--q"), "--q"),
@@ -121,7 +124,7 @@ def show(result: Result) -> None:
 
     found, question = result.values
     if len(found.speeds) > 1:
-        _show_range(found)
+        _show_range(found, result.scene.basins.key)
         return
     (speed,) = found.speeds
     rows = []
@@ -159,7 +162,7 @@ def _lines(speed: Basins, question: Question) -> list[str]:
     return lines
 
 
-def _show_range(found: Study) -> None:
+def _show_range(found: Study, key: str) -> None:
     from camcli.cli.report import table
 
     rows = []
@@ -169,11 +172,11 @@ def _show_range(found: Study) -> None:
             f"{branch}: {_cut(attractor.label)} {100.0 * speed.fractions[k + 1][0]:.3g} %"
             for k, (branch, attractor) in enumerate(pairs)
         ]
-        rows.append([f"{speed.rpm:.10g}", ", ".join(words), str(speed.undecided)])
-    title = f"{len(rows)} speeds"
+        rows.append([f"{speed.value:.10g}", ", ".join(words), str(speed.undecided)])
+    title = f"{len(rows)} {'speeds' if key == 'rpm' else 'values'}"
     if len(rows) > SHOWN:
         title += f", the first {SHOWN} (all of them in attractors.csv)"
-    table(title, ["rpm", "attractors and their fractions", "undecided cells"], rows[:SHOWN])
+    table(title, [key, "attractors and their fractions", "undecided cells"], rows[:SHOWN])
 
 
 def _share(share: tuple[float, float]) -> str:

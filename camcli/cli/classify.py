@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
-from camcli.cli.options import Request
+from camcli.cli.options import Request, Vary
 from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ def classify(
         int | None, Option("--seed", help="Another cloud of starts.", metavar="N")
     ] = None,
     explain: Annotated[bool, Option("--explain", help="Find the cause of every change.")] = False,
+    vary: Vary = None,
     trace: Annotated[
         str | None, Option("--trace", help="Traces of two linear maps.", metavar="L,R")
     ] = None,
@@ -56,6 +57,8 @@ def classify(
     admissible, attracting orbit of up to 64 turns that the record approaches; contact; aperiodic
     where none does and the largest exponent is positive by three standard errors; undecided where
     neither can be shown, or where a cycle through a rest is an accident of rounding.
+    --vary KEY=LO:HI varies any number of follower, cam or run, at the speed --rpm; the first column
+    then bears the KEY.
     --starts N classifies N more starts at each speed (Halton points, --seed): a row per attractor.
 
     \b
@@ -73,7 +76,7 @@ def classify(
         raise SceneError(Fault("--seed", "", found, "it means nothing there", cure))
     if trace is not None or det is not None:
         return _border_collision(request, trace, det)
-    values = ranges(request, "classify") | given(
+    values = ranges(request, "classify", vary) | given(
         {
             "classify.starts": (starts, "--starts"),
             "classify.seed": (seed, "--seed"),
@@ -88,17 +91,25 @@ def show(result: Result) -> None:
     from camcli.api.classify import remarks
     from camcli.cli.report import plural, table
 
-    motions, explanation = result.values
+    (motions, explanation), key = result.values, result.scene.classify.key
     groups = _ranges(motions)
     rows = [_range_row(group) for group in groups]
     title = f"{plural(len(motions), 'motion')}, {plural(len(groups), 'range')} of one label"
     if len(rows) > SHOWN:
         title += f", the first {SHOWN} (all of them in classify.csv)"
-    columns = ["label", "from (rpm)", "to (rpm)", "impacts", "chatter", "exponent", "transient"]
+    columns = [
+        "label",
+        f"from ({key})",
+        f"to ({key})",
+        "impacts",
+        "chatter",
+        "exponent",
+        "transient",
+    ]
     table(title, columns, rows[:SHOWN])
     if explanation is not None:
         show_explanation(explanation)
-    for line in remarks(motions):
+    for line in remarks(motions, key):
         print(f"- {line}")
 
 
@@ -112,7 +123,7 @@ def _range_row(group: list[Motion]) -> list[str]:
     transients = [m.transient for m in group if m.transient is not None]
     turns = f"{min(transients)} to {max(transients)}" if transients else ""
     return [
-        _short(a.label), f"{a.rpm:.10g}", f"{b.rpm:.10g}", f"{a.impacts:.4g}", a.chatter,
+        _short(a.label), f"{a.value:.10g}", f"{b.value:.10g}", f"{a.impacts:.4g}", a.chatter,
         _exponent(group), turns,
     ]  # fmt: skip
 

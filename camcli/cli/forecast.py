@@ -61,22 +61,21 @@ def size_of(command: str, scene: Scene) -> Size:
                 return Size(
                     "sweep.vary", what, n * m, n * m, n * m * turns, 1e3 * n * m, 6e2 * n * m
                 )
-            axis = scene.sweep.vary[0] if scene.sweep.vary else scene.sweep.rpm
-            speeds, rows = axis.num, run.record * len(scene.sweep.sections)
+            speeds, rows = scene.sweep.count, run.record * len(scene.sweep.sections)
             key = "run.record" if run.record > speeds else "sweep.rpm.num"
             what = f"{speeds} speeds x {run.record} recorded turns"
             memory, disk = 700.0 * speeds + 32.0 * rows, 43.0 * rows * speeds
             disk *= 1 if scene.sweep.tables == "none" else 2
             return Size(key, what, speeds, speeds, speeds * turns, memory, disk)
         case "classify":
-            speeds, starts = scene.classify.rpm.num, scene.classify.starts + 1
+            speeds, starts = scene.classify.count, scene.classify.starts + 1
             key = "run.record" if run.record > speeds else "classify.rpm.num"
             what = f"{speeds} speeds x {starts} starts x {run.record} recorded turns"
             orbits, memory = speeds * starts, 45.0 * speeds * run.record
             return Size(key, what, orbits, orbits, orbits * turns, memory, 790.0 * speeds)
         case "basins":
-            (nq, nv), levels, span = scene.basins.cells, scene.basins.refine, scene.basins.rpm
-            cells, speeds = nq * nv, 1 if span.start == span.stop else span.num
+            (nq, nv), levels = scene.basins.cells, scene.basins.refine
+            cells, speeds = nq * nv, scene.basins.count
             key = "basins.refine" if levels else "basins.cells"
             what, orbits = f"{nq} x {nv} cells, refined {levels} times", cells * speeds
             memory = 70.0 * cells + (14.0 * cells * 4**levels + 20e6 if levels else 0.0)
@@ -99,17 +98,22 @@ def sample_of(command: str, scene: Scene, n: int) -> Scene:
     }
     match command:
         case "sweep":
-            axes = [a.model_copy(update={"num": min(n, a.num)}) for a in scene.sweep.vary]
-            values |= {"sweep.vary": tuple(axes), "sweep.rpm.num": min(n, scene.sweep.rpm.num)}
+            values |= _fewer(scene, command, n)
         case "classify":
-            values = {"classify.starts": 0, "classify.explain": False}
-            values["classify.rpm.num"] = min(n, scene.classify.rpm.num)
+            values = {"classify.starts": 0, "classify.explain": False, **_fewer(scene, command, n)}
         case "basins":
-            values = {"basins.rpm.stop": scene.basins.rpm.start, "basins.refine": 0}
+            values = {"basins.refine": 0, **_fewer(scene, command, 1)}
             values["basins.cells"] = tuple(min(8 * n, side) for side in scene.basins.cells)
         case "detach":
             values = {"detach.rpm.num": min(25 * n, scene.detach.rpm.num)}
     return reduce(lambda scene, pair: _with(scene, *pair), values.items(), scene)
+
+
+def _fewer(scene: Scene, command: str, n: int) -> dict[str, Any]:
+    """At most n values of each number that is varied."""
+    section = getattr(scene, command)
+    axes = [axis.model_copy(update={"num": min(n, axis.num)}) for axis in section.vary]
+    return {f"{command}.vary": tuple(axes), f"{command}.rpm.num": min(n, section.rpm.num)}
 
 
 def _with(model: Any, path: str, value: Any) -> Any:

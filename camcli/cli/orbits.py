@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from camcli.cli.options import Request
+from camcli.cli.options import Request, Vary
 from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ def orbits(
         str | None,
         Option("--in", help="Second parameter of --curve.", metavar="NAME or NAME=LO:HI"),
     ] = None,
+    vary: Vary = None,
     prove: Annotated[bool, Option("--prove", help="Prove what was found.")] = False,
 ) -> int:
     """Periodic orbits: found, solved, followed, and every bifurcation on the way.
@@ -64,11 +65,14 @@ def orbits(
     --at X        where they are found; from the scene's start, a cloud of starts and, with one
                   impact, from the closed equation, which gives all of them
     --label L     only this orbit, 'P(3;3:3:2)'; an unstable one is sought among close returns
-    --parameter   restitution, damping, gravity, stiffness, preload or mass, over --range
+    --vary KEY=LO:HI  a branch in this key at the speed --rpm X, --points at least; the first column
+                  of branch.csv and bifurcations.csv then bears the KEY. KEY: follower.restitution,
+                  .damping, .gravity, .stiffness, .preload or .mass, or rpm. With --curve once for
+                  the second parameter, or twice
+    --parameter NAME --range LO:HI is short for --vary follower.NAME=LO:HI, the column at the end
     --branches N  how many branches that leave from bifurcations are followed too
     --curve KIND  continue the bifurcations of a kind in rpm and --in NAME over --range, or in
                   --parameter over --range and --in NAME=LO:HI
-
     --prove       prove orbits, events and ranges of branches in ball arithmetic, for the numbers
                   of the scene as they are; columns proved (yes, no), enclosure_low, enclosure_high
 
@@ -83,13 +87,16 @@ def orbits(
     degenerate; run.json has the inequalities, and what a simulation shows on either side.
     A root that penetrates the cam or would pull is virtual: in run.json, never in a table.
     """
-    from camcli.cli.run import given, points_of, run
+    from camcli.cli.run import given, points_of, ranges, run
 
-    _refuse_idle(request, at, parameter, range_, curve, second)
+    _refuse_idle(request, at, parameter, range_, curve, second, vary)
+    if vary:
+        values = ranges(request, "orbits", vary, most=2)
+    else:
+        values = _speeds(request) | given({"orbits.rpm.num": (points_of(request)[0], "--points")})
     name, _, between = (second or "").partition("=")
-    values = _speeds(request) | given(
+    values |= given(
         {
-            "orbits.rpm.num": (points_of(request)[0], "--points"),
             "orbits.at": (_numbers(at, "--at", 1), "--at"),
             "orbits.label": (label, "--label"),
             "orbits.parameter": (parameter, "--parameter"),
@@ -120,6 +127,7 @@ def _refuse_idle(
     range_: str | None,
     curve: str | None,
     second: str | None,
+    vary: list[str] | None,
 ) -> None:
     """Raise SceneError for options that would mean nothing together."""
     speeds = _speeds(request)
@@ -128,6 +136,10 @@ def _refuse_idle(
     faults = [
         (second and not curve, "--in", "without --curve", "add --curve KIND"),
         (range_ and free, "--range", "without a parameter", "add --parameter or --curve and --in"),
+        *(
+            (vary and option, name, "with --vary", "give the one or the other")
+            for option, name in ((parameter, "--parameter"), (range_, "--range"), (second, "--in"))
+        ),
         (
             parameter not in (None, "rpm") and speeds and not one_speed, "--parameter",
             "with a range of speeds", "give one speed: --rpm X",

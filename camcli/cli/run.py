@@ -94,17 +94,17 @@ def ranges(
     return values | given({f"{section}.rpm.num": (points, "--points")})
 
 
-def points_of(request: Request, axes: int = 1) -> list[int | None]:
-    """The numbers of --points, one for each axis; None where it is not given."""
+def points_of(request: Request, axes: int = 1) -> Sequence[int | None]:
+    """The numbers of --points, one for each axis or one for all; None where it is not given."""
     if request.points is None:
         return [None] * axes
     words = request.points.split(",")
     readable = all(word.strip().isdecimal() and len(word) <= MOST_DIGITS for word in words)
-    if len(words) != axes or not readable:
-        expected = "expected a whole number" if axes == 1 else f"expected {axes}, N,M"
+    if len(words) not in (1, axes) or not readable:
+        expected = "expected a whole number" + (", or N,M" if axes == 2 else "")
         cure = "give one number for each that is varied"
         raise SceneError(Fault("--points", "", f"found '{shown(request.points)}'", expected, cure))
-    return [int(word) for word in words]
+    return [int(word) for word in words] * (axes // len(words))
 
 
 def _axis(text: str) -> dict[str, Any]:

@@ -34,9 +34,36 @@ MARKS = {  # event: marker, face, edge, size
     "corner-impact": ("o", "white", style.IMPACT, 4.4),
     "grazing": ("v", "white", style.IMPACT, 5.0),
 }
+PARAMETERS = {  # what is varied, where it has a name of its own: name and unit
+    "rpm": ("cam speed", "rpm"),
+    "restitution": ("coefficient of restitution", ""),
+    "damping": ("damping", "N s/m"),
+    "gravity": ("gravity", "m/s²"),
+    "stiffness": ("stiffness", "N/m"),
+    "preload": ("preload", "N"),
+    "mass": ("mass", "kg"),
+}
 
 
 # --- ranges and names of axes
+
+
+def axis_name(key: str) -> str:
+    """The name of an axis over what is varied, a key of the scene."""
+    name, unit = _named(key)
+    return key if unit is None else f"{name} ({unit or '-'})"
+
+
+def valued(key: str, value: str) -> str:
+    """A value of what is varied: 700 rpm, coefficient of restitution 0.8."""
+    name, unit = _named(key)
+    return f"{value} rpm" if unit == "rpm" else f"{name} {value} {unit or ''}".rstrip()
+
+
+def _named(key: str) -> tuple[str, str | None]:
+    """Name and unit of a key; of one without a name of its own the key and None."""
+    section, _, name = key.rpartition(".")
+    return PARAMETERS.get(name, (key, None)) if section in ("", "run", "follower") else (key, None)
 
 
 def padded(values: np.ndarray | Sequence[float], constant: float | None = None) -> tuple:

@@ -13,6 +13,7 @@ from matplotlib.colors import to_rgb
 from camcli.analysis.basins.study import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question, Study
 from camcli.analysis.sweep import status_name
 from camcli.plots import style
+from camcli.plots.axes import axis_name, valued
 from camcli.plots.picture import Panel, Picture
 from camcli.system import System, omega_of
 
@@ -24,11 +25,14 @@ SHAPES = ("o", "s", "^", "D", "v", "P", "X")
 DOTS, RANGE_DOTS = 3000, 150  # states of an aperiodic attractor drawn
 
 
-def draw_basins(study: Study, question: Question, system: System) -> Picture:
-    """Picture of the basins of one speed, or of fractions and attractors over a range of them."""
+def draw_basins(study: Study, question: Question, system: System, key: str = "rpm") -> Picture:
+    """Picture of the basins of one speed, or of fractions and attractors over a range of them.
+
+    key: what is varied, where that is another number.
+    """
     if study.grid is None:
-        return _range(study, question)
-    return _window(study.grid, system)
+        return _range(study, question, key)
+    return _window(study.grid, system, key)
 
 
 def area_colours(labels: Sequence[str], largest: int = 0) -> list[str]:
@@ -44,7 +48,7 @@ def _swatch(colour: str) -> dict[str, Any]:
 # --- one speed
 
 
-def _window(basins: Basins, system: System) -> Picture:
+def _window(basins: Basins, system: System, key: str) -> Picture:
     """The basins of one speed."""
     colours = _colours(basins)
     entries = _entries(basins)
@@ -58,7 +62,7 @@ def _window(basins: Basins, system: System) -> Picture:
     if (basins.codes == BELOW_CODE).any():
         rows.append([_swatch(style.CAM_BODY), "", "none: below the cam"])
     panel = Panel(partial(_draw_window, basins=basins, system=system, colours=colours), 120.0)
-    title = f"Basins of attraction, {style.number(basins.rpm)} rpm"
+    title = f"Basins of attraction, {valued(key, style.number(basins.value))}"
     return Picture(title, {"basins": panel}, _words(basins, system), lists=[rows])
 
 
@@ -152,25 +156,26 @@ def _marker(number: int) -> dict[str, Any]:
 # --- a range of speeds
 
 
-def _range(study: Study, question: Question) -> Picture:
-    """Fractions stacked over speed, and where the attractors are."""
-    colours, edges = branch_colours(study), _edges(np.array([s.rpm for s in study.speeds]))
+def _range(study: Study, question: Question, key: str) -> Picture:
+    """Fractions stacked over what is varied, and where the attractors are."""
+    colours, edges = branch_colours(study), _edges(np.array([s.value for s in study.speeds]))
     areas = {**colours, UNDECIDED_CODE: style.UNDECIDED, -1: "white"}
     rows: list[list[Any]] = [[_swatch(areas[code]), words] for code, words in _range_entries(study)]
     half = (len(rows) + 1) // 2
     head: list[list[Any]] = [["", "branch of attractors"]]
-    window, rpms = question.window, [style.number(study.speeds[k].rpm) for k in (0, -1)]
+    window, ends = question.window, [style.number(study.speeds[k].value) for k in (0, -1)]
+    what = "speeds" if key == "rpm" else "values"
     words = (
-        f"{len(study.speeds)} speeds, {window.nq} × {window.nv} starts each, "
+        f"{len(study.speeds)} {what}, {window.nq} × {window.nv} starts each, "
         f"q from {window.q[0]:g} to {window.q[1]:g} m, "
         f"v from {window.v[0]:g} to {window.v[1]:g} m/s, {question.method} mapping"
     ).replace("-", "−")
-    more: dict[str, Any] = {"study": study, "edges": edges, "colours": colours}
+    more: dict[str, Any] = {"study": study, "edges": edges, "colours": colours, "key": key}
     panels = {
-        "fractions": Panel(partial(_draw_stack, **more), 70.0, "rpm"),
-        "attractors": Panel(partial(_draw_states, **more), 52.0, "rpm"),
+        "fractions": Panel(partial(_draw_stack, **more), 70.0, key),
+        "attractors": Panel(partial(_draw_states, **more), 52.0, key),
     }
-    title = f"Basin fractions, {rpms[0]} to {rpms[1]} rpm"
+    title = f"Basin fractions, {valued(key, ' to '.join(ends))}"
     return Picture(title, panels, words, lists=[head + rows[:half], head + rows[half:]])
 
 
@@ -210,14 +215,16 @@ def branch_colours(study: Study) -> dict[int, str]:
     return dict(zip(numbers, areas, strict=True))
 
 
-def _edges(rpms: np.ndarray) -> np.ndarray:
-    """Limits of the bar of each speed, halfway to its neighbours."""
-    middle = 0.5 * (rpms[1:] + rpms[:-1])
-    first, last = 2.0 * rpms[0] - middle[0], 2.0 * rpms[-1] - middle[-1]
+def _edges(values: np.ndarray) -> np.ndarray:
+    """Limits of the bar of each value, halfway to its neighbours."""
+    middle = 0.5 * (values[1:] + values[:-1])
+    first, last = 2.0 * values[0] - middle[0], 2.0 * values[-1] - middle[-1]
     return np.concatenate(([first], middle, [last]))
 
 
-def _draw_stack(axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, str]) -> None:
+def _draw_stack(
+    axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, str], key: str
+) -> None:
     """The fractions of the branches on one another, then what is undecided."""
     height = np.zeros(len(study.speeds))
     bars: dict[str, Any] = {"width": np.diff(edges), "align": "edge", "lw": 0.0}
@@ -227,12 +234,8 @@ def _draw_stack(axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, 
         height = height + share
     rest = np.where(1.0 - height > 1e-12, 1.0 - height, 0.0)
     axes.bar(edges[:-1], rest, bottom=height, color=style.UNDECIDED, **bars)
-    _speeds(axes, edges)
+    axes.set(xlim=(edges.min(), edges.max()), xlabel=axis_name(key))
     axes.set(ylim=(0.0, 1.0), ylabel="fraction of the window")
-
-
-def _speeds(axes: Axes, edges: np.ndarray) -> None:
-    axes.set(xlim=(edges.min(), edges.max()), xlabel="cam speed (rpm)")
 
 
 def _fraction(speed: Basins, branch: int) -> float:
@@ -240,7 +243,9 @@ def _fraction(speed: Basins, branch: int) -> float:
     return sum(speed.fractions[number][0] for number in numbers)
 
 
-def _draw_states(axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, str]) -> None:
+def _draw_states(
+    axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, str], key: str
+) -> None:
     """The attractors' stroboscopic positions."""
     for speed in study.speeds:
         for branch, attractor in zip(speed.branches, speed.attractors, strict=True):
@@ -248,7 +253,7 @@ def _draw_states(axes: Axes, study: Study, edges: np.ndarray, colours: dict[int,
             size, edge = 3.0, 0.25
             if not attractor.periodic:
                 q, size, edge = q[:: max(1, len(q) // RANGE_DOTS)], 1.6, 0.0
-            x = np.full(len(q), speed.rpm)
+            x = np.full(len(q), speed.value)
             axes.plot(x, q, "o", mfc=colours[branch], mec="black", ms=size, mew=edge, zorder=3)
-    _speeds(axes, edges)
+    axes.set(xlim=(edges.min(), edges.max()), xlabel=axis_name(key))
     axes.set_ylabel("attractors' stroboscopic $q$ (m)")

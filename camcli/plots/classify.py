@@ -23,6 +23,7 @@ from camcli.errors import Status
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.plots import style
 from camcli.plots.axes import (
+    axis_name,
     corner_lines,
     number_events,
     padded,
@@ -30,6 +31,7 @@ from camcli.plots.axes import (
     phase_range,
     say,
     trouble_ticks,
+    valued,
 )
 from camcli.plots.critical_speeds import Numbered, event_lists, numbered
 from camcli.plots.density import PER_MM, Cloud, Columns, Image
@@ -51,43 +53,47 @@ class _Scene:
     columns: Columns
     events: list[Numbered]
     system: System | None
+    key: str  # what is varied
 
     @property
     def single(self) -> bool:
         """Motions of one and the same speed, side by side."""
-        return len({motion.rpm for motion in self.motions}) == 1
+        return len({motion.value for motion in self.motions}) == 1
 
     @property
     def speeds(self) -> str:
         """Their range."""
-        ends = dict.fromkeys(style.number(self.motions[k].rpm) for k in (0, -1))
-        return f"{' to '.join(ends)} rpm"
+        ends = dict.fromkeys(style.number(self.motions[k].value) for k in (0, -1))
+        return valued(self.key, " to ".join(ends))
 
 
 def draw_classify(
-    motions: Sequence[Motion], system: System | None = None, events: Sequence[Event] = ()
+    motions: Sequence[Motion],
+    system: System | None = None,
+    events: Sequence[Event] = (),
+    key: str = "rpm",
 ) -> Picture:
-    """Picture of classified motions, with the corners of the system.
+    """Picture of classified motions over what is varied, with the corners of the system.
 
     Motions of one and the same speed stand side by side. `events` are listed and numbered.
     """
-    rising = sorted(motions, key=lambda motion: motion.rpm)
-    x = [motion.rpm for motion in rising]
+    rising = sorted(motions, key=lambda motion: motion.value)
+    x = [motion.value for motion in rising]
     alone = len(set(x)) == 1
     if alone:
         x, events = [float(k) for k in range(1, len(x) + 1)], ()
-    scene = _Scene(rising, x, Columns.of(sorted(set(x))), numbered(events), system)
+    scene = _Scene(rising, x, Columns.of(sorted(set(x))), numbered(events), system, key)
     kinds = Counter(map(kind, rising))
     words = [f"{name} ({count})" for name, count in sorted(kinds.items())]
     troubles = Counter(status_name(m.status) for m in rising if m.status != Status.OK)
     words += [f"not ok: {name} ({count})" for name, count in sorted(troubles.items())]
     unknown = sum(m.exponents is None for m in rising)
     words += [f"exponent not known for {unknown} of {len(rising)} motions"] if unknown else []
-    many = f"{len(set(x))} speeds, " if not alone else ""
+    many = "" if alone else f"{len(set(x))} {'speeds' if key == 'rpm' else 'values'}, "
     draws = {"phases": (_draw_phases, PHASES), "exponents": (_draw_exponents, GROWTH)}
     draws["labels"] = _draw_labels, STRIP
     panels = {
-        name: Panel(partial(_draw, scene=scene, draw=draw), height, "rpm")
+        name: Panel(partial(_draw, scene=scene, draw=draw), height, key)
         for name, (draw, height) in draws.items()
     }
     title = f"Motions at {many}{scene.speeds}"
@@ -112,7 +118,7 @@ def _draw(axes: Axes, scene: _Scene, draw: Any) -> None:
     draw(axes, scene)
     pairs = [(number, event.rpm) for number, event in scene.events]
     number_events(axes, pairs, named=draw is _draw_phases)
-    axes.set_xlabel("cam speed (rpm)")
+    axes.set_xlabel(axis_name(scene.key))
     if scene.single:
         one = len(scene.motions) == 1
         axes.set_xticks([] if one else scene.x)

@@ -22,7 +22,9 @@ from camcli.analysis.simulate import simulate
 from camcli.plots import style
 from camcli.plots.axes import (
     DASHED,
+    PARAMETERS,
     TURN_DEG,
+    axis_name,
     corner_lines,
     lift_curves,
     mark,
@@ -61,15 +63,6 @@ from camcli.system import System, omega_of
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
-PARAMETERS = {  # name and unit
-    "rpm": ("cam speed", "rpm"),
-    "restitution": ("coefficient of restitution", ""),
-    "damping": ("damping", "N s/m"),
-    "gravity": ("gravity", "m/s²"),
-    "stiffness": ("stiffness", "N/m"),
-    "preload": ("preload", "N"),
-    "mass": ("mass", "kg"),
-}
 CHATTER_TOLERANCE, IMPACT_BUDGET, SAMPLES = 1e-9, 10**6, 360  # of a drawn orbit
 LONGEST, MOST = 14, 16  # rows of the lists of branches and events, of orbits
 
@@ -144,12 +137,6 @@ def _heading(study: OrbitsResult) -> tuple[str, str]:
 def quantity(value: float, parameter: str) -> str:
     """A value of the parameter with its unit."""
     return f"{style.number(float(f'{value:.9g}'))} {PARAMETERS[parameter][1]}".rstrip()
-
-
-def axis_name(parameter: str) -> str:
-    """Label of the axis of a parameter."""
-    name, unit = PARAMETERS[parameter]
-    return f"{name} ({unit or '-'})"
 
 
 # --- panels over the parameter

@@ -19,6 +19,7 @@ from camcli.plots import style
 from camcli.plots.axes import (
     NARROW_DEG,
     TURN_DEG,
+    axis_name,
     corner_lines,
     lift_curves,
     number_events,
@@ -28,6 +29,7 @@ from camcli.plots.axes import (
     say,
     strobe_name,
     trouble_ticks,
+    valued,
 )
 from camcli.plots.critical_speeds import event_lists, numbered
 from camcli.plots.density import PER_MM, Cloud, Columns, Image
@@ -185,16 +187,6 @@ def _title(survey: Survey, key: str) -> str:
         return "Bifurcation diagram"
     ends = dict.fromkeys(style.number(end) for end in (survey.values.min(), survey.values.max()))
     return f"Bifurcation diagram, {valued(key, ' to '.join(ends))}"
-
-
-def valued(key: str, value: str) -> str:
-    """A value of what is varied: 700 rpm, follower.restitution 0.8."""
-    return f"{value} rpm" if key == "rpm" else f"{key} {value}"
-
-
-def axis_name(key: str) -> str:
-    """The name of an axis over what is varied."""
-    return "cam speed (rpm)" if key == "rpm" else key
 
 
 def _started(sweep: Sweep, settings: Settings) -> str:

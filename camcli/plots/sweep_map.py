@@ -13,8 +13,9 @@ from matplotlib.image import AxesImage
 
 from camcli.analysis.sweep import FIXED, Map, Speed
 from camcli.plots import style
+from camcli.plots.axes import axis_name, valued
 from camcli.plots.picture import Panel, Picture
-from camcli.plots.sweep import axis_name, colour_of, kind_of, valued
+from camcli.plots.sweep import colour_of, kind_of
 
 HEIGHT = 90.0  # mm
 NAMES = {

@@ -131,6 +131,28 @@ class Axis(Section):
 Axes = Annotated[tuple[Axis, ...], BeforeValidator(items)]
 
 
+class Varying(Section):
+    """What goes over a range of speeds, or over the values of another number instead."""
+
+    rpm: RpmRange = Field(default_factory=RpmRange, description="range of speeds")
+    vary: Axes = Field((), max_length=1, description="another number to vary instead")
+
+    @property
+    def axis(self) -> Axis | RpmRange:
+        """The first of what is varied: start, stop and num."""
+        return self.vary[0] if self.vary else self.rpm
+
+    @property
+    def count(self) -> int:
+        """How many values it takes."""
+        return 1 if self.axis.start == self.axis.stop else self.axis.num
+
+    @property
+    def key(self) -> str:
+        """Its name, as a column bears it."""
+        return self.vary[0].key if self.vary else "rpm"
+
+
 class Simulate(Section):
     """What `cam simulate` writes and draws."""
 
@@ -160,10 +182,9 @@ class Plot(Section):
     )
 
 
-class Sweep(Section):
+class Sweep(Varying):
     """What `cam sweep` does at each speed of a range."""
 
-    rpm: RpmRange = Field(default_factory=RpmRange, description="range of speeds")
     vary: Axes = Field((), max_length=2, description="numbers varied instead; two make a map")
     direction: Literal["fixed", "up", "down", "both"] = Field(
         "fixed", description="start every speed alike, or carry the state up, down, or up and down"
@@ -223,10 +244,15 @@ class OrbitsRange(RpmRange):
     num: Whole = Field(201, ge=1, le=100_000, description="points across the range, at least")
 
 
-class Orbits(Section):
-    """What `cam orbits` finds, follows and locates."""
+class Orbits(Varying):
+    """What `cam orbits` finds, follows and locates.
+
+    `vary` says what `rpm`, `parameter` and `range`, and of a curve `curve_in` and `curve_range`,
+    say, by keys of the scene.
+    """
 
     rpm: OrbitsRange = Field(default_factory=OrbitsRange, description="range of speeds")
+    vary: Axes = Field((), max_length=2, description="rpm or constants of the follower varied")
     at: Speed | None = Field(
         None, description="speed at which orbits are found; null: run.rpm, or the range's middle"
     )
@@ -263,7 +289,7 @@ class BasinsRange(RpmRange):
     num: Whole = Field(41, ge=1, le=100_000, description="number of speeds, if they differ")
 
 
-class Basins(Section):
+class Basins(Varying):
     """The window of starts at the strobe phase, and how `cam basins` follows them."""
 
     rpm: BasinsRange = Field(default_factory=BasinsRange, description="range of speeds")
@@ -303,7 +329,7 @@ class ClassifyRange(RpmRange):
     num: Whole = Field(101, ge=1, le=MOST_SPEEDS, description="number of speeds")
 
 
-class Classify(Section):
+class Classify(Varying):
     """What `cam classify` names, measures and explains."""
 
     rpm: ClassifyRange = Field(default_factory=ClassifyRange, description="range of speeds")
@@ -313,10 +339,10 @@ class Classify(Section):
 
     @model_validator(mode="after")
     def _few_enough(self) -> Classify:
-        motions = self.rpm.num * (self.starts + 1)
+        motions = self.count * (self.starts + 1)
         if motions > MOST_MOTIONS:
             raise refused(
-                f"found {self.rpm.num} speeds x {self.starts + 1} starts, {motions} motions",
+                f"found {self.count} speeds x {self.starts + 1} starts, {motions} motions",
                 f"expected at most {MOST_MOTIONS}",
                 "ask for fewer speeds or starts",
             )

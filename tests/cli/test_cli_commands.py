@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+import camcli
+from tests.oracle import ArcsCam, corner_impact_rpm
+
 SMALL = ("--set", "run.transient=20", "--set", "run.record=10", "--no-plot")
 TRAJECTORY = "t_s theta_deg q_m v_m_per_s c_m c_dot_m_per_s contact"
 EVENTS = "t_s period theta_deg event q_m u_minus_m_per_s u_plus_m_per_s"
@@ -165,6 +168,78 @@ def test_any_number_of_the_scene_can_be_varied(cam, tmp_path):
     cam("sweep", "--vary", "cam.nose_radius=0.14:0.15", "--points", "2", *words)
     nose = rows(tmp_path / "out/sweep/speeds.csv")
     assert nose[1]["max_gap_m"] == found[1]["max_gap_m"] != nose[0]["max_gap_m"]
+
+
+@pytest.mark.parametrize(
+    ("command", "words", "table"),
+    [("classify", (), "classify.csv"), ("basins", ("--cells", "4"), "attractors.csv")],
+)
+def test_other_commands_vary_any_number_too(cam, tmp_path, command, words, table):
+    """Each value gives the rows that the scene with this number gives at its speed."""
+    words = (
+        *words,
+        "--set",
+        "run.transient=100",
+        "--set",
+        "run.record=20",
+        "--rpm",
+        "690",
+        "--no-plot",
+        "-q",
+    )
+    key = "cam.nose_radius"
+    done = cam(command, "--vary", f"{key}=0.12:0.15", "--points", "2", *words, "-o", "both")
+    assert done.returncode == 0, done.stderr
+    cam(command, "--set", f"{key}=0.12", *words, "-o", "one")
+    found, alone = (rows(tmp_path / name / table) for name in ("both", "one"))
+    assert next(iter(found[0])) == key
+    assert {row[key] for row in found} == {"0.12", "0.15"}
+    first = [row for row in found if row.pop(key) == "0.12"]
+    assert first == [{name: row[name] for name in first[0]} for row in alone]
+
+
+def test_orbits_vary_a_constant_by_its_key_as_by_its_short_name(cam, tmp_path):
+    words = ("--rpm", "700", "--points", "8", "--no-plot", "-q")
+    done = cam("orbits", "--vary", "follower.restitution=0.75:0.85", *words, "-o", "key")
+    assert done.returncode == 0, done.stderr
+    short = ("--parameter", "restitution", "--range", "0.75:0.85")
+    cam("orbits", *short, *words, "-o", "short")
+    by_key, by_name = (rows(tmp_path / name / "branch.csv") for name in ("key", "short"))
+    assert next(iter(by_key[0])) == "follower.restitution"
+    renamed = [{"restitution": row.pop("follower.restitution"), **row} for row in by_key]
+    assert renamed == by_name
+    found = camcli.orbits(
+        camcli.load_scene(None, {
+            "orbits.vary": [{"key": "follower.mass", "start": 1.2, "stop": 1.25, "num": 5}],
+        })
+    ).tables["branch"]  # fmt: skip
+    assert (found["follower.mass"].min(), found["follower.mass"].max()) == (1.2, 1.25)
+    assert set(found["rpm"]) == {700.0}
+
+
+def test_curves_vary_a_second_number(cam, tmp_path):
+    words = ("--curve", "corner-impact", "--rpm", "665:685", "--at", "680", "--no-plot", "-q")
+    vary = ("--vary", "follower.restitution=0.78:0.8", "--points", "12,8")
+    done = cam("orbits", *words, *vary)
+    assert done.returncode == 0, done.stderr
+    first = rows(tmp_path / "out/orbits/curve.csv")[0]
+    wanted = corner_impact_rpm(ArcsCam(), 1.221, 1430.8, float(first["follower.restitution"]))
+    assert abs(float(first["rpm"]) - float(wanted)) < 1e-7
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--vary", "cam.nose_radius=0.1:0.2"), "expected rpm or a constant of the follower"),
+        (("--vary", "follower.mass=1:2", "--parameter", "mass"), "--parameter with --vary"),
+        (("--vary", "follower.mass=1:2", "--vary", "rpm=3:4"), "expected one number"),
+    ],
+)
+def test_what_a_branch_cannot_vary_is_refused(cam, tmp_path, words, said):
+    done = cam("orbits", *words)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ def test_any_order_is_the_ascending_picture_and_trouble_is_marked(motions):
     first = draw_classify(motions)
     assert png(draw_classify(motions[::-1])) == png(first)
     assert count(pixels(first), style.TROUBLE) == 0
-    bad = draw_classify([*motions, replace(motions[0], rpm=400.0, status=Status.IMPACT_BUDGET)])
+    bad = draw_classify([*motions, replace(motions[0], value=400.0, status=Status.IMPACT_BUDGET)])
     assert count(pixels(bad), style.TROUBLE) > 10
     assert bad.words.endswith("not ok: impact-budget (1)")
 

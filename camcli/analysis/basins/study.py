@@ -21,7 +21,7 @@ from camcli.analysis.basins.measures import Uncertainty, entropies, fractions, u
 from camcli.analysis.basins.region import Region
 from camcli.analysis.basins.window import Window
 from camcli.analysis.exponents import of_record
-from camcli.analysis.integrate import Cost, Orbit, Settings, Start, with_turns
+from camcli.analysis.integrate import AtSpeeds, Cost, Orbit, Settings, Setup, Start, with_turns
 from camcli.errors import Status
 from camcli.kernel.arithmetic import natural_log
 from camcli.kernel.cells import UNDECIDED
@@ -70,6 +70,7 @@ class Basins:
     branches: tuple[int, ...] = ()  # number of each attractor that stays from speed to speed
     uncertainty: Uncertainty | None = None
     exponents: tuple[float | None, ...] | None = None  # largest, per turn; None: not asked for
+    value: float = 0.0  # the speed (rpm), or that of what is varied instead
 
     @property
     def cells(self) -> int:
@@ -97,10 +98,11 @@ class Study:
 
 def study(
     system: System,
-    rpms: Sequence[float],
+    values: Sequence[float],
     settings: Settings,
     question: Question,
     *,
+    setup: Callable[[float], Setup] | None = None,
     boundary: bool = False,
     exponents: bool = False,
     work: Work | None = None,
@@ -108,25 +110,29 @@ def study(
 ) -> Study:
     """Basins at every speed, with attractors numbered alike from speed to speed.
 
-    `boundary` and `exponents` ask for the uncertainty exponent and for Lyapunov exponents;
-    `on_cells` is told of finished cells. Raises ShardDone where this is one shard of many.
+    The values are speeds (rpm), or what `setup` makes machines of. `boundary` and `exponents` ask
+    for the uncertainty exponent and for Lyapunov exponents; `on_cells` is told of finished
+    cells. Raises ShardDone where this is one shard of many.
     """
     branches, speeds = Branches(), list[Basins]()
-    work, shared = work or Work(), False
-    for k, rpm in enumerate(rpms):
+    work, shared, setup = work or Work(), False, setup or AtSpeeds(system, settings)
+    for k, value in enumerate(values):
+        own, rpm, runs = setup(value)
         here = work.within(str(k))
         try:
-            found, finder = basins(system, rpm, settings, question, work=here, on_cells=on_cells)
+            found, finder = basins(own, rpm, runs, question, work=here, on_cells=on_cells)
         except ShardDone:
             shared = True
             continue
         doubt = uncertainty(finder, question.window) if boundary else None
         numbers = branches.number(found.attractors, finder)
-        found = replace(found, branches=numbers, uncertainty=doubt, cost=finder.batches.cost)
+        found = replace(
+            found, branches=numbers, uncertainty=doubt, cost=finder.batches.cost, value=value
+        )
         if exponents:
-            grown = [largest_exponent(system, rpm, settings, a) for a in found.attractors]
+            grown = [largest_exponent(own, rpm, runs, a) for a in found.attractors]
             found = replace(found, exponents=tuple(grown))
-        if len(rpms) > 1:
+        if len(values) > 1:
             found = replace(found, codes=found.codes[:0], level=None)
         speeds.append(found)
     if shared:
