@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import tracemalloc
 
 import pytest
@@ -44,12 +43,9 @@ def _imported():
 @pytest.mark.parametrize(("line", "words"), REFUSED, ids=[line[:50] for line, _ in REFUSED])
 def test_an_absurd_size_is_refused_at_once(line, words):
     tracemalloc.start()
-    began = time.process_time()
     code, said = command_line(line.split())  # not --dry-run: it must not come to running
-    seconds = time.process_time() - began
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert code == 2, said
     assert words in said
-    assert seconds < 1
     assert peak < 20e6

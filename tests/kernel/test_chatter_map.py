@@ -3,11 +3,18 @@
 import random
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from camcli.kernel.flight import REFUSED, chatter_map
+from camcli.kernel import flight
+from camcli.kernel.backend import PLAIN
+from camcli.kernel.cam_table import higher
+from camcli.kernel.contact_search import ACCUMULATED, Tally
+from camcli.kernel.flight import BOUNCED, REFUSED, chatter_map
 from camcli.kernel.flow import Constants
+from camcli.kernel.sticking import contact_accel
+from tests.random_flights import CAMS, machine_on
 
 DIGITS = 32
 ORDERS = 24  # terms of the gap's Taylor series in a hop
@@ -129,7 +136,7 @@ EDGES = [  # parts of the chatter's length that add up to the limit, but for a h
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("r", [0.001, 0.05, 0.5, 0.9])
+@pytest.mark.parametrize("r", [0.001, 0.05, 0.5, 0.8])
 @pytest.mark.parametrize(("z", "j", "s", "d"), EDGES)
 @pytest.mark.parametrize("w", [0.0, 0.7])
 def test_the_edge_of_what_the_bound_covers(r, z, j, s, d, w):
@@ -141,6 +148,17 @@ def test_the_edge_of_what_the_bound_covers(r, z, j, s, d, w):
             break
     assert found is not None
     assert found <= 1.0
+
+
+@pytest.mark.parametrize("part", ["Z", "a1", "a2", "a3"])
+def test_beyond_the_range_that_was_checked_the_map_refuses(part):
+    """Of a chatter one unit long: e1 + e2 + e3 <= 1/4."""
+    ball = Chatter(0.8, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0)
+    inside, outside = {"Z": (0.19, 0.23), "a1": (0.24, 0.26), "a2": (0.48, 0.52)}.get(
+        part, (1.1, 1.15)
+    )
+    assert claimed(ball._replace(**{part: inside}))[1] < REFUSED
+    assert claimed(ball._replace(**{part: outside}))[1] == REFUSED
 
 
 @pytest.mark.parametrize("r", [0.05, 0.3, 0.8, 0.98])
@@ -161,3 +179,43 @@ def test_the_map_has_no_scale(scale):
     twin, claim = claimed(Chatter(0.8, 0.01, 0.1, 0.2, 0.02, 0.0, 0.0))
     assert tau == pytest.approx(twin * scale, rel=1e-14)
     assert error == pytest.approx(claim * scale, rel=1e-12)
+
+
+def test_what_the_machine_hands_to_the_map(monkeypatch):
+    """The bound on A''' holds up to the corner, and no accumulation is claimed that may pass it."""
+    asked = []
+
+    def spy(const, hop, slope, curve, drift):
+        tau, error = chatter_map(const, hop, slope, curve, drift)
+        asked.append((drift, tau, error))
+        return tau, error
+
+    monkeypatch.setattr(flight, "chatter_map", spy)
+    rng, held_back, closed = np.random.default_rng(7), 0, 0
+    for draw in range(3600):
+        system, rpm, _ = machine_on(CAMS[draw % len(CAMS)], rng)
+        cam, const = system.cam, system.constants(rpm, 0.0, 1)._replace(tolerance=0.1)
+        i = int(rng.integers(len(cam.stretches)))
+        part = cam.stretches[i]
+        theta = float(rng.uniform(part.start, part.end))
+        force = -contact_accel(cam, const, i, theta)[0]
+        if not force > 0.0:
+            continue
+        hop = (1 - const.r) * (part.end - theta) * rng.uniform(0.7, 1.2)
+        flows = PLAIN.stretch_flows(cam, const)
+        asked.clear()
+        code, reached, _, _ = flight.fly(
+            cam, const, flows, i, theta, 0.0, 0.5 * hop * force, BOUNCED, Tally()
+        )
+        if not asked:
+            continue
+        drift, tau, error = asked[0]
+        ahead = [higher(cam, i, t)[:3] for t in np.linspace(theta, part.end, 50)[:-1]]
+        thirds = [const.W2 * c3 + 2 * const.Z * c4 + c5 for c3, c4, c5 in ahead]
+        assert max(map(abs, thirds)) <= drift * force * (1 + 1e-9)
+        within = theta + tau + error < part.end
+        held_back += not within and tau < part.end - theta and error <= const.tolerance
+        closed += code == ACCUMULATED
+        assert code != ACCUMULATED or (within and reached < part.end)
+    assert held_back
+    assert closed > 100
