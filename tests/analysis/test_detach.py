@@ -224,6 +224,8 @@ def test_a_spring_that_is_not_needed_and_one_that_cannot_hold():
     assert (stiffness.missing_n, both.missing_n, both.detaches_rpm) == (5.0, 5.0, None)
     assert (preload.preload, preload.least_n) == pytest.approx((105.0, 5.0))
     assert hold_to(dwell(-0.1), 100.0, 5.0, 0.2)[2].stiffness == pytest.approx(50.0)
+    heavy = hold_to(dwell(-0.1, gravity=9.81), 100.0, 9.81 + 1e-5, 0.05)[0]
+    assert (heavy.status, heavy.missing_n) == ("impossible", pytest.approx(1e-5))
     assert {hold.obstacle for hold in hold_to(roof(), 10.0, 0.0, 0.05)} == {Obstacle.KINK}
 
 
@@ -245,6 +247,21 @@ def test_a_region_is_filled_where_all_of_it_is_lost_at_one_speed(damping):
             assert loss.fills.rpm == pytest.approx(expected, rel=0.05)
         else:
             assert loss.fills.rpm > 4e4
+
+
+def test_a_region_that_opens_again_before_all_of_it_is_lost_is_never_filled():
+    """c_theta = -s/(1 + 9 theta) on the fall: 1 + 9 theta scales the speeds of every phase alike.
+
+    With A = d^2 s/40 contact is lost from 0.038 to 0.073 times d (1 + 9 theta).
+    """
+    half, low, s, d = decimal_pi(), Decimal("0.1"), Decimal("0.01"), 20.0
+    depth = (1 + 9 * half).ln() * s / 9
+    fall = Part(Decimal(0), half, lambda x: low - (1 + 9 * x).ln() * s / 9)
+    rise = Part(half, 2 * half, lambda x: low - depth * (2 * half - x) / half)
+    system = made([fall, rise], stiffness=0.0, damping=d, gravity=d * d * float(s) / 40)
+    first = next(loss for loss in detachment(system).losses if 0 in loss.region.stretches)
+    assert first.opens.rpm == pytest.approx(d / 18 * (1 - sqrt(0.1)) * 30 / pi, rel=1e-9)
+    assert first.fills.rpm == inf
 
 
 def test_a_speed_that_the_kernel_does_not_confirm_is_unresolved(monkeypatch):

@@ -176,10 +176,10 @@ FREE = {
 }
 
 
-def free(section, **values):
+def free(section, changes=(), **values):
     """The scene at its own speed, with the section of one analysis."""
     rpm = {"start": 12.414085, "stop": 12.414085, "num": 1}
-    return load_scene({**FREE, section: {"rpm": rpm, **values}})
+    return load_scene({**FREE, section: {"rpm": rpm, **values}}, changes)
 
 
 def test_the_orbit_without_impacts_is_an_orbit_like_any_other():
@@ -197,6 +197,14 @@ def test_the_orbit_without_impacts_is_an_orbit_like_any_other():
     mu = exp(-0.05 * turn) * cos(sqrt(1 - 0.05**2) * turn)
     assert orbit["multipliers"][0][0] == pytest.approx(mu, rel=1e-13)
     assert orbit["label"] in camcli.orbits(free("orbits", starts=0)).tables["branch"]["label"]
+
+
+def test_without_damping_the_orbit_without_impacts_is_neutral_and_not_stable():
+    """Both multipliers on the unit circle: exp(+-i w T), and a determinant of exactly 1."""
+    undamped = free("orbits", {"follower.damping": 0.0}, label="P(1;0)")
+    branch = camcli.orbits(undamped).tables["branch"]
+    assert branch["multiplier_1_re"][0] == pytest.approx(cos(60 / 12.414085), rel=1e-13)
+    assert (branch["label"][0], branch["det"][0], branch["stable"][0]) == ("P(1;0)", 1.0, 0)
 
 
 def test_the_orbit_without_impacts_grazes_where_the_cam_reaches_it():
