@@ -105,7 +105,7 @@ class Record:
     @property
     def touches(self) -> bool:
         """False where the follower rested on the cam during the whole record."""
-        return self.detachments > 0 or not self.resting or any(self.impacts)
+        return self.detachments > 0 or not self.resting or any(backend.plain(self.impacts))
 
 
 class Orbit:

@@ -13,6 +13,7 @@ from math import inf
 from camcli.analysis.integrate import Record
 from camcli.analysis.orbits.same_orbit import CLOSE, SAME, State, distance, size_of
 from camcli.errors import Status
+from camcli.kernel.backend import plain
 
 CONTACT, APERIODIC, UNDECIDED = "contact", "aperiodic", "undecided"  # labels without symbols
 LONGEST_PERIOD = 64
@@ -69,9 +70,10 @@ def period_of(label: str) -> int:
 
 def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
     """States at the strobes that begin its whole turns (m, m/rad), and the symbols of these."""
-    n = record.periods
-    states = [(float(record.strobe_q[k]), float(record.strobe_w[k])) for k in range(n)]
-    return states, [inf if record.chatter[k] else float(record.impacts[k]) for k in range(n)]
+    columns = record.strobe_q, record.strobe_w, record.impacts, record.chatter
+    q, w, impacts, chatter = (plain(column[: record.periods]) for column in columns)
+    symbols = [inf if c else float(i) for i, c in zip(impacts, chatter, strict=True)]
+    return list(zip(q, w, strict=True)), symbols
 
 
 def label(record: Record) -> str:
@@ -84,7 +86,7 @@ def label(record: Record) -> str:
     states, symbols = passages(record)
     m = find_period(states, symbols)
     if m == 0:
-        impacts = sum(int(record.impacts[k]) for k in range(record.periods))
+        impacts = sum(plain(record.impacts[: record.periods]))
         return APERIODIC if impacts >= FEWEST_IMPACTS else UNDECIDED
     return Label(symbols[-m:])
 

@@ -205,13 +205,14 @@ def sweep_map(
     *,
     direction: str = FIXED,
     lyapunov: bool = False,
+    decide: bool = False,
     work: Work | None = None,
     on_line: Callable[[Sequence[Speed]], None] = lambda line: None,
 ) -> Map:
     """The motion at every pair of values; `up` and `down` carry the state along the first number.
 
-    A motion that a sweep would follow beyond doubles is undecided here: that takes a tenth of a
-    second and more for each.
+    A motion that a sweep follows beyond doubles is undecided here unless `decide`: that takes a
+    tenth of a second and more for each.
 
     A line of one second value is a piece of `work`: kept, shared and run like the speeds of
     `sweep`. Raises StartError before any work if the first start lies below the cam.
@@ -220,7 +221,7 @@ def sweep_map(
     Orbit(system, rpm, settings)
     turns = len(first) * len(second) * (settings.transient + settings.record)
     ordered = list(first) if direction == FIXED else sorted(first, reverse=direction == DOWN)
-    task = _Line(setup, ordered, direction != FIXED, lyapunov, turns)
+    task = _Line(setup, ordered, direction != FIXED, lyapunov, turns, decide)
     cost = Cost()
 
     def count(line: Sequence[Speed]) -> None:
@@ -241,11 +242,11 @@ class _Line:
     carry: bool
     lyapunov: bool
     turns: float
+    decide: bool
 
     def __call__(self, second: float) -> list[Speed]:
-        task = _Task(
-            lambda x: self.setup(x, second), False, False, self.lyapunov, self.turns, follow=False
-        )
+        plain = False, False, self.lyapunov, self.turns, self.decide
+        task = _Task(lambda x: self.setup(x, second), *plain)
         found: list[Speed] = []
         for x in self.first:
             before = found[-1] if self.carry and found else None
@@ -295,9 +296,10 @@ class _Task:
         record = orbit.run()
         name, end, cost = label(record), orbit.as_start(), record.cost
         n, to_mps, exponent, known = record.periods, orbit.omega, None, True
-        if forgets_too_much(record) and not self.follow:
+        forgets = forgets_too_much(record)
+        if forgets and not self.follow:
             name, known = UNDECIDED, False
-        elif forgets_too_much(record):
+        elif forgets:
             motion, record, end = true_motion(system, rpm, settings, start, record, end)
             name, cost, known = motion.label, cost + motion.cost, motion.label != UNDECIDED
             exponent = None if motion.exponents is None else motion.exponents.largest
@@ -308,7 +310,7 @@ class _Task:
             value=value,
             rpm=rpm,
             label=name,
-            impact_count=int(sum(record.impacts[:n])),
+            impact_count=sum(backend.plain(record.impacts[:n])),
             status=record.status,
             impacts=_impact_rows(record, to_mps) if self.impacts else None,
             strobe=(*strobe, record.impacts[:n], record.chatter[:n]) if self.strobe else None,
@@ -326,7 +328,7 @@ def forgets_too_much(record: Record) -> bool:
     A rest erases all memory, and the turns up to the next one may grow an error of rounding beyond
     all digits: the record is then one of many. Where every turn rests they have no time to.
     """
-    chatter = [bool(x) for x in record.chatter[: record.periods]]
+    chatter = backend.plain(record.chatter[: record.periods])
     return record.status == Status.OK and any(chatter) and not all(chatter)
 
 

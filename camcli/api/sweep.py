@@ -146,15 +146,18 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             Varied(machine, section.vary),
             direction=section.direction,
             lyapunov=section.lyapunov,
+            decide=section.decide,
             work=work,
             on_line=ticks(progress, "lines", two.num),
         )
     counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
     troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]
-    unknown = sum(not speed.known for speed in found.speeds)
+    unknown, total = sum(not speed.known for speed in found.speeds), one.num * two.num
     notes = status_notes(troubled, one.key)
     if unknown:
-        notes.insert(0, f"{unknown} points undecided: rounding decides after a rest; grey")
+        text = f"{unknown} of {total} points undecided, grey: rounding decides after a rest"
+        cure = "; --decide follows each beyond rounding, some seconds for one"
+        notes.insert(0, text + ("" if section.decide else cure))
 
     def rows() -> Iterator[tuple]:
         for second, line in zip(found.second, found.lines, strict=True):

@@ -33,6 +33,9 @@ def sweep(
         str | None,
         Option("--curves", help="A curve.csv of cam orbits, drawn over a map.", metavar="FILE"),
     ] = None,
+    decide: Annotated[
+        bool, Option("--decide", help="Follow points of a map beyond rounding, after rests.")
+    ] = False,
     shard: Shard = None,
     cluster: Cluster = None,
 ) -> int:
@@ -71,7 +74,8 @@ def sweep(
     Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a
     complete chatter); contact: the follower never leaves the cam; aperiodic: no period up to 64
     turns fits; undecided: too few impacts to tell. A motion that rests in some turns only is
-    decided as cam classify does, beyond rounding; where that fails it is undecided and grey.
+    decided as cam classify does, beyond rounding (in a map with --decide, some seconds a point);
+    where that fails it is undecided and grey.
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
     """
     from camcli.cli.run import given, ranges, run
@@ -84,6 +88,7 @@ def sweep(
             "sweep.adaptive": (adaptive, "--adaptive"),
             "sweep.branches": (branches, "--branches"),
             "sweep.curves": (curves, "--curves"),
+            "sweep.decide": (decide, "--decide"),
         }
     )
     return run("sweep", request, values, show, shard=shard, cluster=cluster)

@@ -111,6 +111,11 @@ class Kernel:
         return flows
 
 
+def plain(values: Any) -> list:
+    """A column as a list of Python's own numbers: reading numpy's one by one is slow."""
+    return values.tolist() if hasattr(values, "tolist") else list(values)
+
+
 def row_of(kind: type[Row], row: Any) -> Row:
     """A row of a `Kernel.table` as an object of plain numbers."""
     if isinstance(row, kind):

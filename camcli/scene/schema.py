@@ -190,6 +190,7 @@ class Sweep(Varying):
         "fixed", description="start every speed alike, or carry the state up, down, or up and down"
     )
     adaptive: Flag = Field(False, description="more values where the motion changes (fixed)")
+    decide: Flag = Field(False, description="follow points of a map beyond rounding after a rest")
     sections: Names[SectionName] = Field(("impacts", "strobe"), description="sections recorded")
     tables: Literal["csv", "npz", "none"] = Field(
         "csv", description="form of the sections' tables: text, binary columns, or left out"

@@ -35,6 +35,20 @@ def test_a_row_per_point_with_the_columns_of_its_speed(cam, tmp_path):
     assert sum(entry["points"] for entry in result["labels"]) == 6
 
 
+def test_points_that_rounding_decides_are_counted_and_decided_as_a_sweep_does(cam, tmp_path):
+    speeds = ("--rpm", "358.04:358.1", "--no-plot", *SMALL[:-1])
+    words = ("--vary", "follower.restitution=0.8:0.8", "--points", "2,1")
+    done = cam("sweep", *speeds, *words)
+    assert {row["label"] for row in rows(tmp_path / "out/sweep/map.csv")} == {"undecided"}
+    assert "2 of 2 points undecided" in done.stderr
+    assert "--decide" in done.stderr
+    assert "undecided" not in cam("sweep", *speeds, *words, "--decide").stderr
+    cam("sweep", *speeds, "--points", "2", "-o", "sweep")
+    found, wanted = rows(tmp_path / "out/sweep/map.csv"), rows(tmp_path / "sweep/speeds.csv")
+    assert [row["label"] for row in found] == [row["label"] for row in wanted]
+    assert all("inf" in row["label"] for row in found)
+
+
 @pytest.mark.slow
 def test_the_borders_of_the_orbit_are_within_a_cell_of_the_published_bifurcations(cam, tmp_path):
     """Carried down, P(1;1) lives from its period doubling to its corner impact, at each r."""

@@ -12,6 +12,7 @@ from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import exp_decay
+from camcli.kernel.backend import plain
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS
@@ -173,7 +174,7 @@ class Shooter:
         return self._rooms[n]
 
     def _table(self, values, kind=float):
-        return self.kernel.numbers(_plain(values), kind)
+        return self.kernel.numbers(plain(values), kind)
 
     def correct(
         self,
@@ -199,8 +200,8 @@ class Shooter:
         if status != Status.OK:
             return None
         return Root(
-            x=_plain(x), whole=tuple(whole), turns=turns, machine=tuple(_plain(machine)),
-            parameter=self.parameter, rates=_plain(rates), tangent=_plain(tables.tangent),
+            x=plain(x), whole=tuple(whole), turns=turns, machine=tuple(plain(machine)),
+            parameter=self.parameter, rates=plain(rates), tangent=plain(tables.tangent),
             trace=float(out[TRACE]), step=float(out[STEP]), steps=int(out[STEPS_TAKEN]),
         )  # fmt: skip
 
@@ -208,7 +209,7 @@ class Shooter:
         self, guess: Vector, whole: Sequence[int], turns: int, value: float
     ) -> Root | None:
         """The root near `guess` at a fixed value of the parameter, or None."""
-        x = [*_plain(guess)[:-1], value]
+        x = [*plain(guess)[:-1], value]
         return self.correct(x, whole, turns, [0.0] * (len(x) - 1) + [1.0], x)
 
     def moved(self, root: Root, value: float) -> Root | None:
@@ -255,7 +256,3 @@ def _natural(parameter: int, mass: float, omega: float) -> float:
         PRELOAD: mass * omega * omega,
         RESTITUTION: 1.0,
     }.get(parameter, 0.0)
-
-
-def _plain(values) -> list[float]:
-    return values.tolist() if hasattr(values, "tolist") else list(values)
