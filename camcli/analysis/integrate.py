@@ -21,7 +21,7 @@ from camcli.kernel.orbit_loop import RESTING, Log, Plan, State, Strobe
 from camcli.system import System, omega_of
 
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
-SLICE = 2_000_000  # steps of a call of the compiled kernel, less than half a second
+SLICE = 200_000  # steps of a call of the compiled kernel: some 40 ms, at worst half a second
 FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
 
 
@@ -132,7 +132,8 @@ class Orbit:
         )
         while True:
             status, log, strobe = self._slice(kernel, capacity, strobe)
-            logs.append(tuple(column[: self.state.logged] for column in log[:5]))
+            if self.state.logged or not logs:
+                logs.append(tuple(column[: self.state.logged] for column in log[:5]))
             if status == Status.LOG_FULL:
                 capacity = min(2 * capacity, MOST_CAPACITY)
             elif status == Status.PAUSED and not kernel.compiled:

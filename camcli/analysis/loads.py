@@ -6,9 +6,12 @@ from math import pi
 from typing import NamedTuple
 
 from camcli.analysis.integrate import Record
+from camcli.interrupts import look
 from camcli.kernel import backend, loads
 from camcli.kernel.cam_table import TURN
 from camcli.system import System, omega_of
+
+EVENTS = 20_000  # of a call of the kernel: less than half a second
 
 
 class Loads(NamedTuple):
@@ -35,14 +38,20 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
     if turns == 0:
         return Loads()
     kernel, const = backend.current(), system.constants(rpm, 1.0, 1)
-    table = kernel.table(loads.Loads, [loads.Loads()])
-    kernel.measure_loads(
-        system.cam_for(kernel), const,
-        kernel.numbers(record.kind, int), kernel.numbers(record.period, int),
-        kernel.numbers(record.theta), kernel.numbers(record.u),
-        float(record.strobe_q[0]), float(record.strobe_w[0]),
-        turns, int(record.resting), table,
-    )  # fmt: skip
+    strobe = system.cam.stretches[system.cam.strobe]
+    q, w = float(record.strobe_q[0]), float(record.strobe_w[0])
+    still = int((q, w) == (strobe.start_c, strobe.start_c1))
+    begin = loads.Loads(phase=strobe.start, q=q, w=w, still=still)
+    cam, table, count = system.cam_for(kernel), kernel.table(loads.Loads, [begin]), len(record.kind)
+    for first in range(0, max(count, 1), EVENTS):
+        look()
+        part, last = slice(first, first + EVENTS), first + EVENTS >= count
+        kernel.measure_loads(
+            cam, const,
+            kernel.numbers(record.kind[part], int), kernel.numbers(record.period[part], int),
+            kernel.numbers(record.theta[part]), kernel.numbers(record.u[part]),
+            turns, int(record.resting) if last else loads.GOES_ON, table,
+        )  # fmt: skip
     found, omega = table[0], omega_of(rpm)
     force = system.follower.mass * omega * omega
     rested = found.min_force <= found.max_force

@@ -9,11 +9,12 @@ erases all memory: the few states (gap, rate) at the strobe after one are known 
 they lead to, or that the motion is to be followed on; at another one a start stops.
 """
 
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, NamedTuple
 
 from camcli.kernel.marks import entry, inlined
-from camcli.kernel.orbit_loop import OK, Plan, run
+from camcli.kernel.orbit_loop import OK, PAUSED, Plan, run
 
 
 class Outcome(IntEnum):
@@ -26,8 +27,6 @@ class Outcome(IntEnum):
 
 
 UNDECIDED, FORGOTTEN, GOES_ON, NEW_REST = (int(outcome) for outcome in Outcome)
-ENDLESS = 1 << 62
-SLICE = 50_000  # turns of one call, some tenths of a second
 CHATTERED_TURN = -1  # symbol of a turn in which a chatter is completed, else its impacts
 SETTLED_FORM = 1e-10  # a form below this may be rounding; it need not shrink any more
 
@@ -85,37 +84,71 @@ class Cells(NamedTuple):
     impacts: Any  # int
 
 
+@dataclass(slots=True)
+class Progress:
+    """How far the cell at work has come."""
+
+    begun: int = 0  # 0: no cell is at work
+    used: int = 0  # turns
+    at: int = 0  # the point of a ring that it is at, or -1
+    passed: int = 0  # points of the ring since it was met
+    first: float = 0.0  # the form there
+    box: int = 0  # see `visited_box`
+    stay: int = 0  # turns in that box
+    longest: int = 0  # such stay
+    symbol: int = 0  # of the last turn
+
+
 class Room(NamedTuple):
     """What one cell needs while it runs."""
 
     states: Any  # one State
-    works: Any  # one Work, of all cells
+    cell: Any  # one Progress
+    works: Any  # one Tally, of all cells
     log: Any  # Log without rows
     strobe: Any  # Strobe of one row
 
 
 @entry
-def settle_cells(cam, const, flows, targets, cells, begin, budget, room):
+def settle_cells(cam, const, flows, targets, cells, begin, budget, steps, room):
     """Follow the cells of the block from `begin` on, each for at most `budget` turns.
 
-    Returns the first that is left to do, after `SLICE` turns, or their number.
+    Returns the cell at work when `steps` were done, from which another call goes on and gives the
+    same bits as one long call, or the number of cells.
     """
-    state, turns = room.states[0], 0
+    state, cell, stop = room.states[0], room.cell[0], room.works[0].steps + steps
     for n in range(begin, len(cells.gap)):
-        state.theta = cam.stretches[cam.strobe].start
-        state.gap, state.gap_rate = cells.gap[n], cells.rate[n]
-        state.mode, state.stretch = cells.mode[n], cam.strobe
-        state.impacts, state.chattered, state.idle, state.total_impacts = 0, 0, 0, 0
-        state.flown = 0
-        outcome, used, stay, symbol = settle_cell(cam, const, flows, targets, budget, room)
+        if cell.begun == 0:
+            begin_cell(cam, targets, cells, n, state, cell)
+        outcome = settle_cell(cam, const, flows, targets, budget, stop, room)
+        if outcome == trouble(PAUSED):
+            return n
+        cell.begun = 0
         cells.gap[n], cells.rate[n] = state.gap, state.gap_rate
         cells.mode[n], cells.outcome[n] = state.mode, outcome
-        cells.turns[n], cells.stay[n], cells.symbol[n] = used, stay, symbol
+        cells.turns[n], cells.stay[n], cells.symbol[n] = cell.used, cell.longest, cell.symbol
         cells.impacts[n] = state.total_impacts
-        turns += used
-        if turns >= SLICE:
-            return n + 1
     return len(cells.gap)
+
+
+@inlined
+def begin_cell(cam, targets, cells, n, state, cell):
+    """Put the state of cell n where the motion begins."""
+    state.theta = cam.stretches[cam.strobe].start
+    state.gap, state.gap_rate = cells.gap[n], cells.rate[n]
+    state.mode, state.stretch = cells.mode[n], cam.strobe
+    state.impacts, state.chattered, state.idle, state.total_impacts = 0, 0, 0, 0
+    state.flown, state.period = 0, 0
+    cell.begun, cell.used, cell.stay, cell.longest, cell.symbol = 1, 0, 0, 0, 0
+    cell.box = visited_box(targets, state.gap, state.gap_rate)
+    meet(targets, state.gap, state.gap_rate, cell)
+
+
+@inlined
+def meet(targets, gap, rate, cell):
+    """Look for a ring that the state is at."""
+    cell.at, cell.passed = containing_point(targets, gap, rate), 0
+    cell.first = form(targets, cell.at, gap, rate) if cell.at >= 0 else 0.0
 
 
 @inlined
@@ -125,47 +158,45 @@ def trouble(status):
 
 
 @inlined
-def settle_cell(cam, const, flows, targets, budget, room):
-    """(outcome, turns used, longest stay in boxes, symbol of the last turn) of one cell."""
-    state, plan, strobe = room.states[0], Plan(0, 1, ENDLESS), room.strobe
-    at = containing_point(targets, state.gap, state.gap_rate)
-    first = form(targets, at, state.gap, state.gap_rate) if at >= 0 else 0.0
-    passed = 0
-    box_before = visited_box(targets, state.gap, state.gap_rate)
-    stay, longest, symbol = 0, 0, 0
-    for used in range(1, budget + 1):
-        state.period = 0
-        status = run(cam, const, flows, state, plan, room.log, strobe, room.works[0])
+def settle_cell(cam, const, flows, targets, budget, stop, room):
+    """Outcome of the cell at work; `trouble(PAUSED)` where all work together is `stop` steps."""
+    state, cell, strobe, work = room.states[0], room.cell[0], room.strobe, room.works[0]
+    while cell.used < budget:
+        plan = Plan(0, 1, stop - work.steps)
+        status = run(cam, const, flows, state, plan, room.log, strobe, work)
+        if status == PAUSED:
+            return trouble(PAUSED)
+        cell.used += 1
         if status != OK:
-            return trouble(status), used, longest, symbol
-        symbol = CHATTERED_TURN if strobe.chatter[0] else strobe.impacts[0]
+            return trouble(status)
+        state.period = 0
+        cell.symbol = CHATTERED_TURN if strobe.chatter[0] else strobe.impacts[0]
         gap, rate = state.gap, state.gap_rate
-        if symbol == CHATTERED_TURN and targets.watch_rests:
+        if cell.symbol == CHATTERED_TURN and targets.watch_rests:
             end = known_rest(targets, gap, rate)
             if end != GOES_ON:
-                return end, used, longest, symbol
-        if at >= 0:
-            to = targets.points[at].following
+                return end
+        if cell.at >= 0:
+            to = targets.points[cell.at].following
             size = form(targets, to, gap, rate)
-            if symbol == targets.points[at].symbol and size <= 1.0:
-                at = to
-                passed += 1
-                if passed == targets.points[at].turns:
-                    if size <= targets.points[at].shrink * first or size <= SETTLED_FORM:
-                        return targets.points[at].attractor, used, longest, symbol
-                    first, passed = size, 0
+            if cell.symbol == targets.points[cell.at].symbol and size <= 1.0:
+                cell.at = to
+                cell.passed += 1
+                if cell.passed == targets.points[to].turns:
+                    if size <= targets.points[to].shrink * cell.first or size <= SETTLED_FORM:
+                        return targets.points[to].attractor
+                    cell.first, cell.passed = size, 0
             else:
-                at = -1
-        if at < 0:
-            at, passed = containing_point(targets, gap, rate), 0
-            first = form(targets, at, gap, rate) if at >= 0 else 0.0
+                cell.at = -1
+        if cell.at < 0:
+            meet(targets, gap, rate, cell)
         box = visited_box(targets, gap, rate)
-        stay = stay + 1 if box == box_before and box > 0 else 0
-        box_before = box
-        longest = max(longest, stay)
-        if box > 0 and stay >= targets.stay[box - 1]:
-            return box - 1, used, longest, symbol
-    return UNDECIDED, budget, longest, symbol
+        cell.stay = cell.stay + 1 if box == cell.box and box > 0 else 0
+        cell.box = box
+        cell.longest = max(cell.longest, cell.stay)
+        if box > 0 and cell.stay >= targets.stay[box - 1]:
+            return box - 1
+    return UNDECIDED
 
 
 @inlined

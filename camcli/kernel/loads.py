@@ -17,6 +17,7 @@ from camcli.kernel.sticking import contact_accel
 CELL = TURN / 16.0
 SLIVER = 1e-12  # rad: a rest that ends at a corner ends before it
 STEPS = 40  # of Newton's method or a bisection, at most
+GOES_ON, AIRBORNE, AT_REST = -1, 0, 1  # how a call ends
 FLAT = 1e-9  # rad: nearer to an extremum its value is exact to rounding
 
 
@@ -31,56 +32,64 @@ class Loads:
     max_force: float = 0.0
     lost: float = -1.0  # least phase after the strobe at which contact is lost; below 0: never
     regained: float = -1.0  # largest one at which it is regained
+    # the last event
+    place: float = 0.0  # rad since the first strobe
+    phase: float = 0.0
+    q: float = 0.0
+    w: float = 0.0
+    still: int = 0  # 1: at rest from there on
+    struck: int = 0  # 1: an impact, after which it may rest
 
 
 @entry
-def measure_loads(cam, const, kind, period, theta, u, q, w, turns, rests, loads):
-    """Fill loads[0] for `turns` whole turns from (q, w) at the strobe, with their events in order.
+def measure_loads(cam, const, kind, period, theta, u, turns, ends, loads):
+    """Go on with loads[0] over events of `turns` whole turns; in order, from any call to the next.
 
-    A rest ends with a detachment or after a chatter; `rests`: 1 where the last turn ends at rest.
+    A rest ends with a detachment or after a chatter; `ends`: GOES_ON where more events come, else
+    AIRBORNE or AT_REST, how the last turn ends.
     """
     load = loads[0]
     strobe = cam.stretches[cam.strobe].start
-    c, c1, _ = lift_at(cam, cam.strobe, strobe)
     cell = CELL if const.W * CELL < TURN / 8.0 else TURN / 8.0 / const.W
     steepest = _largest_accel(cam, const)
-    place, phase = 0.0, strobe
-    still = q == c and w == c1
-    struck = False  # an impact that may end at rest
     for n in range(len(kind)):
         if period[n] < 0 or period[n] >= turns:
             continue
         since = theta[n] - strobe + (TURN if theta[n] < strobe else 0.0)
         at = TURN * period[n] + since
         if kind[n] == DETACHMENT:
-            if struck:
-                regain(load, place)
-            still = True
-        if still:
-            _rest(cam, const, phase, at - place, load)
-            if kind[n] != CHATTER and (load.lost < 0.0 or since < load.lost):
-                load.lost = since
-        else:
-            _fly(cam, const, phase, q, w, at - place, steepest, cell, load)
-        i = stretch_at(cam, theta[n])
-        q, c1, _ = lift_at(cam, i, theta[n])
-        w = c1
+            if load.struck == 1:
+                regain(load, load.place)
+            load.still = 1
+        _until(cam, const, at, steepest, cell, load)
+        if load.still == 1 and kind[n] != CHATTER and (load.lost < 0.0 or since < load.lost):
+            load.lost = since
+        load.q, c1, _ = lift_at(cam, stretch_at(cam, theta[n]), theta[n])
+        load.w = c1
         if kind[n] == IMPACT:
-            w = c1 - const.r * u[n]
+            load.w = c1 - const.r * u[n]
             if -u[n] > load.max_impact:
                 load.max_impact = -u[n]
         elif kind[n] == CHATTER:
             regain(load, at)
-        still, struck = kind[n] == CHATTER, kind[n] == IMPACT
-        place, phase = at, theta[n]
-    if rests == 1:
-        if struck:
-            regain(load, place)
-        still = True
-    if still:
-        _rest(cam, const, phase, TURN * turns - place, load)
+        load.still = 1 if kind[n] == CHATTER else 0
+        load.struck = 1 if kind[n] == IMPACT else 0
+        load.place, load.phase = at, theta[n]
+    if ends == AT_REST:
+        if load.struck == 1:
+            regain(load, load.place)
+        load.still = 1
+    if ends != GOES_ON:
+        _until(cam, const, TURN * turns, steepest, cell, load)
+
+
+@inlined
+def _until(cam, const, at, steepest, cell, load):
+    """The rest, or the flight, from the last event up to `at`."""
+    if load.still == 1:
+        _rest(cam, const, load.phase, at - load.place, load)
     else:
-        _fly(cam, const, phase, q, w, TURN * turns - place, steepest, cell, load)
+        _fly(cam, const, load.phase, load.q, load.w, at - load.place, steepest, cell, load)
 
 
 @inlined

@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from camcli.analysis.integrate import Cost, Record, Settings, Start
+from camcli.analysis.integrate import SLICE, Cost, Record, Settings, Start
 from camcli.interrupts import look
 from camcli.kernel import backend
-from camcli.kernel.cells import Cells, Point, Rest, Room, Targets
+from camcli.kernel.cells import Cells, Point, Progress, Rest, Room, Targets
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import BOUNCED, FREE
 from camcli.kernel.orbit_loop import RESTING, State
@@ -128,11 +128,14 @@ class _Task:
         whole = (kernel.zeros(len(gap), int) for _ in range(5))
         cells = Cells(*real, kernel.numbers(mode, int), *whole)
         works = kernel.room(Tally, 1)
-        room = Room(kernel.room(State, 1), works, kernel.log(0), kernel.strobe(1))
+        one = kernel.room(State, 1), kernel.room(Progress, 1)
+        room = Room(*one, works, kernel.log(0), kernel.strobe(1))
         begin = 0
         while begin < len(gap):
             look()
-            begin = kernel.settle_cells(cam, const, flows, known, cells, begin, self.budget, room)
+            begin = kernel.settle_cells(
+                cam, const, flows, known, cells, begin, self.budget, SLICE, room
+            )
         return (
             np.column_stack(cells[:2]),
             np.column_stack(cells[2:7]).astype(np.int32),
