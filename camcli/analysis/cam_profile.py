@@ -11,10 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, sqrt
 
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, detachment
-from camcli.analysis.contact_loss.force import DEG, Force, ForceCurve
+from camcli.analysis.contact_loss.force import DEG, Force, ForceCurve, polar_curvature
 from camcli.cams.regions import SAME_PHASE, corner_list
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.system import System
@@ -129,11 +128,3 @@ def _curvature(force: Force, base: float | None, c, c1, c2) -> Curvature:
         knife=None if base is None else [polar_curvature(q + radius, v, a) for q, v, a in rows],
         roller=sharpest,
     )
-
-
-def polar_curvature(radius: float, slope: float, accel: float) -> float:
-    """kappa above, 1/m, positive where the curve is convex."""
-    square = radius * radius + slope * slope
-    if square == 0.0:
-        return inf
-    return (square + slope * slope - radius * accel) / (square * sqrt(square))

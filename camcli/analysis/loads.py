@@ -12,6 +12,7 @@ from camcli.kernel.cam_table import TURN
 from camcli.system import System, omega_of
 
 EVENTS = 20_000  # of a call of the kernel: less than half a second
+DEG = 180.0 / pi
 
 
 class Loads(NamedTuple):
@@ -20,7 +21,10 @@ class Loads(NamedTuple):
     max_gap_m: the largest q - c; airborne_fraction: share of the time off the cam;
     max_impact_m_per_s: the largest |u|; contact forces over the time at rest on the cam, N;
     contact_lost_deg, contact_regained_deg: the first phase after the strobe at which the follower
-    leaves from rest, and the last at which it comes to rest.
+    leaves from rest, and the last at which it comes to rest; landing_deg, landing_lift_m: phase of
+    the hardest impact, and lift above the lowest there; shut_bounces_per_turn: impacts, a
+    tenth as hard as any before or harder, where the cam is within a hundredth of its lift above its
+    lowest.
     """
 
     max_gap_m: float | None = None
@@ -30,6 +34,9 @@ class Loads(NamedTuple):
     max_contact_force_n: float | None = None
     contact_lost_deg: float | None = None
     contact_regained_deg: float | None = None
+    landing_deg: float | None = None
+    landing_lift_m: float | None = None
+    shut_bounces_per_turn: float | None = None
 
 
 def loads_of(system: System, rpm: float, record: Record) -> Loads:
@@ -54,11 +61,11 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
         )  # fmt: skip
     found, omega = table[0], omega_of(rpm)
     force = system.follower.mass * omega * omega
-    rested = found.min_force <= found.max_force
+    rested, landed = found.min_force <= found.max_force, found.landing >= 0.0
 
     def phase(since: float) -> float | None:
         theta = system.strobe + since
-        return None if since < 0.0 else (theta - TURN * (theta >= TURN)) * (180.0 / pi)
+        return None if since < 0.0 else (theta - TURN * (theta >= TURN)) * DEG
 
     return Loads(
         max_gap_m=float(found.max_gap),
@@ -68,4 +75,7 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
         max_contact_force_n=float(found.max_force) * force if rested else None,
         contact_lost_deg=phase(float(found.lost)),
         contact_regained_deg=phase(float(found.regained)),
+        landing_deg=float(found.landing) * DEG if landed else None,
+        landing_lift_m=float(found.landing_lift) if landed else None,
+        shut_bounces_per_turn=int(found.shut_bounces) / turns,
     )

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 
 from camcli.analysis.contact_loss.detachment import SpeedStatus
+from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.sweep import rpm_grid
-from camcli.api.result import Progress, Result, machine_of, status_notes, ticks
+from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
+from camcli.api.sweep import SPEEDS, speed_row
+from camcli.cams.compile import lift_range
+from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.detach import summary
 from camcli.output.tables import Block, Table
@@ -18,7 +23,7 @@ from camcli.system import omega_of
 DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s")
 ACCUMULATION = ("rpm", "theta_deg")
 CORNER_HITS = ("impact", "corner", "rpm")
-FORCE = ("rpm", "theta_deg", "force_n")
+FORCE = ("rpm", "theta_deg", "force_n", "pressure_pa")
 
 
 def detach(scene: Scene | None = None, progress: Progress | None = None) -> Result:
@@ -42,7 +47,10 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
         contact is never lost), omega_rad_per_s. Their brackets stand in ``summary``.
         Table ``accumulation``, where chatter ends: rpm, theta_deg.
         Table ``corner_hits``, where the n-th impact lands on a corner: impact, corner, rpm.
-        Table ``force``, of a follower kept on the cam: rpm, theta_deg, force_n.
+        Table ``force``, of a follower kept on the cam: rpm, theta_deg, force_n, pressure_pa (Hertz,
+        with the section ``contact``; else NaN).
+        Table ``speeds``, columns as in `sweep`: the motion at some speeds past the first loss of
+        contact, 20 turns from rest and 20 that are measured.
 
     References
     ----------
@@ -50,6 +58,7 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     """
     machine = machine_of(scene)
     section, system, cam = machine.scene.detach, machine.system, machine.scene.cam
+    spring = machine.scene.spring
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
     with stopwatch() as watch:
         found = run(
@@ -63,6 +72,8 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
             margin=section.margin_n,
             precompression=section.precompression_m,
             accel_error=cam.errors.bounds if cam.kind == "table" else (0.0,),
+            solid=inf if spring is None or spring.solid_at is None else spring.solid_at,
+            hertz=_hertz(machine),
             on_speed=ticks(progress, "speeds", len(rpms)),
         )
 
@@ -87,6 +98,7 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
                 CORNER_HITS, lambda: ((hit.impact, hit.corner, hit.rpm) for hit in found.hits)
             ),
             "force": Table(FORCE, lambda: _force_blocks(found)),
+            "speeds": Table.of_rows(("rpm", *SPEEDS), lambda: map(speed_row, found.past)),
         },
         summary=summary(found),
         pictures={"detach": draw},
@@ -117,4 +129,17 @@ def _critical_rows(found: ContactLoss) -> Iterator[tuple]:
 def _force_blocks(found: ContactLoss) -> Iterator[Block]:
     """Two rows at a corner, one for each side."""
     for curve in found.forces:
-        yield curve.rpm, curve.theta_deg, curve.force_n
+        yield curve.rpm, curve.theta_deg, curve.force_n, curve.pressure_pa or None
+
+
+def _hertz(machine: Machine) -> Hertz | None:
+    """The contact of a scene that tells of it."""
+    contact, cam = machine.scene.contact, machine.system.cam
+    if contact is None:
+        return None
+    base = contact.base_radius or getattr(machine.scene.cam, "base_radius", None)
+    if base is None:
+        found, expected = "found no radius of the base circle", "expected it here or in the cam"
+        raise SceneError(Fault("", "contact.base_radius", found, expected, "give it in m"))
+    base -= lift_range(cam)[0]
+    return Hertz(contact.width, contact.modulus, base, contact.follower_radius)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -211,7 +211,7 @@ def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Mach
     from camcli.api.ranges import ranged
 
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    follower = Follower(**scene.follower.model_dump())
+    follower = Follower(*(getattr(scene.follower, f.name) for f in fields(Follower)))
     strobe = scene.run.strobe_deg
     system = System.build(follower, scene.cam.parts(), strobe, scene.cam)
     scene, said = ranged(scene, system)

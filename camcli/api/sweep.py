@@ -78,7 +78,10 @@ def sweep(
         Table ``speeds``: rpm, label, impacts, lyapunov_per_period, status, and of the recorded
         turns max_gap_m, airborne_fraction, max_impact_m_per_s, min_contact_force_n,
         max_contact_force_n (while on the cam), contact_lost_deg (the first phase after the strobe),
-        contact_regained_deg (the last); NaN where they do not apply.
+        contact_regained_deg (the last), landing_deg (phase of the hardest impact), landing_lift_m
+        (lift above the lowest there), shut_bounces_per_turn (impacts, a tenth as hard or harder,
+        where the cam is within a hundredth of its lift above the lowest); NaN where they do not
+        apply.
         The first column bears the key of what is varied, rpm for the speed.
         With ``sweep.explain`` also ``corners``, the corner impacts behind the changes.
         ``sweep.sections`` and ``sweep.tables`` leave out what is not wanted.
@@ -286,7 +289,7 @@ def _result(
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
         if name in section.sections and section.tables != "none"
     }
-    tables["speeds"] = Table.of_rows((found.key, *SPEEDS), lambda: map(_row, found.speeds))
+    tables["speeds"] = Table.of_rows((found.key, *SPEEDS), lambda: map(speed_row, found.speeds))
     if explanation is not None:
         from camcli.api.classify import corners_table
         from camcli.output.explanations import explained
@@ -336,7 +339,8 @@ def _blocks(found: Sweep, section: str) -> Iterator[Block]:
             yield speed.value, *columns
 
 
-def _row(speed: Speed) -> tuple:
+def speed_row(speed: Speed) -> tuple:
+    """A row of speeds.csv."""
     named = speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
     return speed.value, *named, *speed.loads
 

@@ -17,7 +17,16 @@ from math import factorial, inf
 from typing import Any, Protocol
 
 from camcli.cams.decimals import DIGITS, Numbers, pi, radians, sincos
-from camcli.kernel.cam_table import ORDERS, TERMS, TURN, Cam, Stretch, polynomial
+from camcli.kernel.cam_table import (
+    ORDERS,
+    TERMS,
+    TURN,
+    Cam,
+    Stretch,
+    lift_at,
+    polynomial,
+    stretch_at,
+)  # fmt: skip
 
 MOST_PIECES = 64
 CUTS = 4  # cells of a piece in its bounds
@@ -227,6 +236,16 @@ def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
         strobe=[row.start for row in rows].index(strobe),
         top=max(row[0][1] for row in bounds),
     )
+
+
+def lift_range(cam: Cam) -> tuple[float, float]:
+    """(lowest, highest) c, m: of 16 places in every piece, its ends among them."""
+    values = []
+    for stretch in cam.stretches:
+        places, size = 16 * int(stretch.piece_count), stretch.end - stretch.start
+        i = stretch_at(cam, stretch.start)
+        values += [lift_at(cam, i, stretch.start + size * (k / places))[0] for k in range(places)]
+    return min(values), max(values)
 
 
 def column(cam: Cam, name: str) -> list[float]:

@@ -32,7 +32,7 @@ ARTEFACTS = {  # files of other people with these names are looked for before an
         "impacts.csv strobe.csv impacts.npz strobe.npz speeds.csv corners.csv sweep.png "
         "map.csv map.png"
     ),
-    "detach": "detach.csv accumulation.csv corner_hits.csv force.csv detach.png",
+    "detach": "detach.csv accumulation.csv corner_hits.csv force.csv speeds.csv detach.png",
     "orbits": "branch.csv bifurcations.csv curve.csv orbits.png curve.png",
     "basins": "attractors.csv basins.csv basins.png",
     "classify": "classify.csv corners.csv classify.png",

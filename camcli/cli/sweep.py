@@ -47,8 +47,10 @@ def sweep(
                  recorded period, impacts in it and whether a complete chatter ended in it
     speeds.csv   rpm, label, impacts, lyapunov_per_period, status, max_gap_m, airborne_fraction,
                  max_impact_m_per_s, min_contact_force_n, max_contact_force_n, contact_lost_deg,
-                 contact_regained_deg: of the recorded turns; forces while on the cam, the first
-                 phase after the strobe at which contact is lost and the last where it is regained
+                 contact_regained_deg, landing_deg, landing_lift_m, shut_bounces_per_turn: of the
+                 recorded turns; forces while on the cam, the first phase after the strobe at which
+                 contact is lost and the last where it is regained, phase and lift of the hardest
+                 impact, and impacts, a tenth as hard or harder, within a hundredth of the lift
     corners.csv  corner impacts of the solved branches (--explain), columns as bifurcations.csv
     sweep.tables: npz writes impacts.npz and strobe.npz instead (numpy.load); none neither
     map.csv      of two numbers: both KEYs, label, period, impacts_per_turn, lyapunov_per_period,

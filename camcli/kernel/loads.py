@@ -19,6 +19,8 @@ SLIVER = 1e-12  # rad: a rest that ends at a corner ends before it
 STEPS = 40  # of Newton's method or a bisection, at most
 GOES_ON, AIRBORNE, AT_REST = -1, 0, 1  # how a call ends
 FLAT = 1e-9  # rad: nearer to an extremum its value is exact to rounding
+SHUT = 0.01  # of the whole lift: a cam that is lifted by no more counts as shut
+BOUNCE = 0.1  # of the hardest impact before: a softer one is no bounce that counts
 
 
 @dataclass(slots=True)
@@ -32,6 +34,9 @@ class Loads:
     max_force: float = 0.0
     lost: float = -1.0  # least phase after the strobe at which contact is lost; below 0: never
     regained: float = -1.0  # largest one at which it is regained
+    landing: float = -1.0  # phase of the hardest impact; below 0: none
+    landing_lift: float = 0.0  # above the lowest, at it
+    shut_bounces: int = 0  # impacts on a cam that is shut
     # the last event
     place: float = 0.0  # rad since the first strobe
     phase: float = 0.0
@@ -52,6 +57,10 @@ def measure_loads(cam, const, kind, period, theta, u, turns, ends, loads):
     strobe = cam.stretches[cam.strobe].start
     cell = CELL if const.W * CELL < TURN / 8.0 else TURN / 8.0 / const.W
     steepest = _largest_accel(cam, const)
+    low = cam.top
+    for i in range(len(cam.stretches)):
+        low = min(low, cam.stretches[i].start_c)
+    shut = low + SHUT * (cam.top - low)
     for n in range(len(kind)):
         if period[n] < 0 or period[n] >= turns:
             continue
@@ -70,6 +79,9 @@ def measure_loads(cam, const, kind, period, theta, u, turns, ends, loads):
             load.w = c1 - const.r * u[n]
             if -u[n] > load.max_impact:
                 load.max_impact = -u[n]
+                load.landing, load.landing_lift = theta[n], load.q - low
+            if load.q <= shut and -u[n] >= BOUNCE * load.max_impact:
+                load.shut_bounces += 1
         elif kind[n] == CHATTER:
             regain(load, at)
         load.still = 1 if kind[n] == CHATTER else 0

@@ -9,26 +9,45 @@ from typing import Any
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, Settled
 from camcli.analysis.contact_loss.detachment import AlwaysLost, CriticalSpeed, Quantity, Reason
-from camcli.analysis.contact_loss.hold import Hold, HoldStatus, Obstacle
+from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
+
+WAYS = {  # the springs of --hold-to
+    Quantity.HOLD_STIFFNESS: "a stiffer spring with the same preload",
+    Quantity.HOLD_PRELOAD: "more preload on the same spring",
+    Quantity.HOLD_BOTH: "another spring",
+}
 
 
 def sentences(result: ContactLoss) -> list[str]:
-    """What no number says."""
+    """What no number says: everything."""
+    return [*plainly(result), *theory(result)]
+
+
+def plainly(result: ContactLoss) -> list[str]:
+    """What everybody should know."""
     found, rpms = result.detachment, [speed.rpm for speed in result.speeds]
     first = found.first
     said = [_always(place) for place in found.always]
     if found.never:
         said.append("contact is never lost: the contact force stays positive at every speed")
-    never = [loss.region.name for loss in found.losses if loss.opens.rpm == inf]
     if first is not None:
-        if never:
-            said.append(f"contact is never lost in {', '.join(never)}, at any speed")
         if first.rpm > max(rpms):
             said.append(f"contact is held at every speed up to {max(rpms):.10g} rpm, all asked for")
         elif first.rpm < min(rpms):
             said.append(f"contact is lost at every speed asked for, {min(rpms):.10g} rpm and above")
-    places = {loss.region.name: loss.opens.theta_deg for loss in found.losses}
+    told = [h for h in result.holds if h.status is not HoldStatus.OK]
+    return said + [f"{WAYS[h.quantity]}: {spring(h)}" for h in told]
+
+
+def theory(result: ContactLoss) -> list[str]:
+    """How contact is lost and chatter changes."""
+    losses = result.detachment.losses
+    never = [loss.region.name for loss in losses if loss.opens.rpm == inf]
+    places = {loss.region.name: loss.opens.theta_deg for loss in losses}
+    said = []
+    if never and result.detachment.first is not None:
+        said.append(f"contact is never lost in {', '.join(never)}, at any speed")
     said += [
         f"at {f.rpm:.10g} rpm, a little above the opening of {f.region}: "
         + _lift_off(f, places[f.region])
@@ -41,12 +60,10 @@ def sentences(result: ContactLoss) -> list[str]:
             f"it lands on {hit.corner}: it was at {before:.6g} deg, the next contact is at "
             f"{after:.6g} deg"
         )
-    said += [
+    return said + [
         f"at {c.rpm:.10g} rpm the end of the burst from {c.burst} jumps over {c.region}"
         for c in result.jumps
     ]
-    told = [h for h in result.holds if h.status is not HoldStatus.OK]
-    return said + [f"{h.quantity}: {spring(h)}" for h in told]
 
 
 def _always(place: AlwaysLost) -> str:
@@ -84,6 +101,9 @@ def spring(hold: Hold) -> str:
     alone = hold.quantity is Quantity.HOLD_STIFFNESS
     if hold.obstacle is Obstacle.KINK:
         return "impossible: at a downward kink the cam throws the follower off at any speed"
+    if hold.obstacle is Obstacle.SOLID:
+        deep = f"{(hold.missing_n or 0.0) * 1e3:.3g} mm before the highest lift"
+        return f"impossible: compressed so far the spring is solid {deep}"
     if hold.obstacle is not None:
         lacking = f"{hold.missing_n:.6g} N are missing"
         what = lacking if hold.obstacle is Obstacle.LIFT else "the spring would pull"
@@ -94,6 +114,11 @@ def spring(hold: Hold) -> str:
     if hold.status is HoldStatus.NOT_NEEDED:
         what = hold.quantity.removeprefix("hold_").replace("both", "spring")
         return f"no {what} is needed"
+    if hold.status is HoldStatus.ABSURD:
+        return (
+            f"absurd: {hold.nose_n:.4g} N at the highest lift, over {ABSURD:g} times the present "
+            "spring's; is the speed of --hold-to right?"
+        )
     stiffness, preload = f"stiffness {hold.stiffness:.10g} N/m", f"preload {hold.preload:.10g} N"
     if hold.quantity is Quantity.HOLD_PRELOAD:
         return f"{preload}, stiffness as it is"
@@ -129,6 +154,7 @@ def summary(result: ContactLoss) -> dict[str, Any]:
             {"rpm": f.rpm, "force_n": f.lowest_n, "theta_deg": f.lowest_deg} for f in result.forces
         ],
         "hold": [{**_finite(vars(h)), "words": spring(h)} for h in result.holds],
+        "hold_margin_n": result.margin if result.holds else None,
     }
 
 

@@ -3,21 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import ceil, floor, isfinite, log10
-from typing import Any
+from math import ceil, floor, log10
+from typing import Any, NamedTuple
 
 import camcli.analysis.contact_loss.detachment as loss
-from camcli.analysis.contact_loss.hold import HoldStatus
+from camcli.analysis.contact_loss.hold import Hold, HoldStatus
+from camcli.cams.compile import column
+from camcli.output.detach import WAYS
+from camcli.system import System
 
-MM = 1e3  # per m; also N/m per N/mm
+MM = 1e3  # per m
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
 LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
 LARGE_RADIUS = 1.0  # m
 
 
+class Units(NamedTuple):
+    """In which lengths and stiffnesses of a machine are printed: mm where its lift is small."""
+
+    length: str
+    per_m: float
+    stiffness: str
+
+    def lengths(self, metres: float, digits: int = 3) -> str:
+        """With the unit."""
+        return f"{metres * self.per_m:.{digits}g} {self.length}"
+
+    def stiffnesses(self, newtons_per_m: float, digits: int = 4) -> str:
+        """With the unit."""
+        return f"{newtons_per_m / self.per_m:.{digits}g} {self.stiffness}"
+
+
+def units_of(system: System) -> Units:
+    """Those of a machine."""
+    lift = system.cam.top - min(column(system.cam, "c_min"))
+    return Units("mm", MM, "N/mm") if lift < LARGE_LIFT else Units("m", 1.0, "N/m")
+
+
+def crank_of(scene: Any) -> float:
+    """Turns of the crank in a turn of the cam; 0 where there is no crank."""
+    return 2.0 if getattr(scene.cam, "angle", "") == "crank" else 0.0
+
+
 def verdict(result: Any, lift_table: Mapping[str, Any] | None) -> str:
     """Sentences on a `Result`; `lift_table`: what run.json says of the error of a measured cam."""
-    crank = 2.0 if getattr(result.scene.cam, "angle", "") == "crank" else 0.0
+    crank = crank_of(result.scene)
     if result.command == "simulate":
         return _at_one_speed(result, crank)
     found = loss.detachment(result.system)
@@ -58,38 +88,46 @@ def _at_one_speed(result: Any, crank: float) -> str:
 
 
 def _past(result: Any) -> Iterator[str]:
-    """What a sweep saw past the loss of contact."""
+    """What was seen past the loss of contact."""
     speeds = result.tables.get("speeds")
     if speeds is None or not {"rpm", "max_impact_m_per_s"} <= set(speeds.columns):
         return
-    rows = zip(speeds["max_impact_m_per_s"], speeds["max_gap_m"], speeds["rpm"], strict=True)
-    landings = [(u, gap, rpm) for u, gap, rpm in rows if isfinite(u) and u > 0.0]
-    if landings:
-        u, gap = max(row[0] for row in landings), max(row[1] for row in landings)
-        top = max(row[2] for row in landings)
-        yield f"; past it, up to {top:.6g} rpm, the follower lands at up to {u:.2g} m/s"
-        yield f" and flies up to {gap * MM:.2g} mm off the cam"
+    names = "max_impact_m_per_s landing_deg landing_lift_m max_gap_m rpm shut_bounces_per_turn"
+    rows = [
+        row for row in zip(*(speeds[name] for name in names.split()), strict=True) if row[0] > 0.0
+    ]
+    if not rows:
+        return
+    u, theta, lift, *_ = max(rows)
+    gap, top, shut = (max(row[k] for row in rows) for k in (3, 4, 5))
+    mm = units_of(result.system).lengths
+    yield f"; past it, up to {top:.6g} rpm, the follower lands at up to {u:.2g} m/s"
+    yield f" ({theta:.4g} deg, {mm(lift)} above its lowest), flies up to {mm(gap)} off the cam"
+    yield f" and bounces on the shut cam up to {shut:.2g} times a turn" if shut else ""
 
 
 def _springs(result: Any) -> Iterator[str]:
     """The springs of --hold-to."""
-    holds = getattr(result.values, "holds", ())
-    ways = {
-        loss.Quantity.HOLD_STIFFNESS: "a stiffer spring with the same preload: {k} N/mm",
-        loss.Quantity.HOLD_PRELOAD: "more preload on the same spring: {f} N",
-        loss.Quantity.HOLD_BOTH: "another spring: {k} N/mm with {f} N of preload",
-    }
+    holds, units = getattr(result.values, "holds", ()), units_of(result.system)
     springs = [
-        ways[hold.quantity].format(k=f"{hold.stiffness / MM:.4g}", f=f"{hold.preload:.4g}")
+        f"{WAYS[hold.quantity]}: {spring_words(hold, units)}"
         for hold in holds
         if hold.status is HoldStatus.OK
     ]
     if holds:
-        rpm, margin = result.scene.detach.hold_to, result.scene.detach.margin_n
+        rpm, margin = result.scene.detach.hold_to, result.values.margin
         what = (
-            "; or ".join(springs) if springs else "the spring as it is, or none at all: see below"
+            "; or ".join(springs) if springs else "none can be named, or none is needed: see below"
         )
-        yield f"To hold up to {rpm:g} rpm of the cam with {margin:g} N to spare: {what}"
+        yield f"To hold up to {rpm:g} rpm of the cam with {margin:.3g} N to spare: {what}"
+
+
+def spring_words(hold: Hold, units: Units) -> str:
+    """What a spring has that the present one has not."""
+    stiffness, preload = units.stiffnesses(hold.stiffness or 0.0), f"{hold.preload:.4g} N"
+    if hold.quantity is loss.Quantity.HOLD_BOTH:
+        return f"{stiffness} with {preload} of preload"
+    return preload if hold.quantity is loss.Quantity.HOLD_PRELOAD else stiffness
 
 
 def doubts(scene: Any) -> Iterator[str]:
@@ -109,6 +147,9 @@ def doubts(scene: Any) -> Iterator[str]:
     radius = getattr(cam, "base_radius", None)
     if radius is not None and radius > LARGE_RADIUS:
         yield f"warning: a base radius of {radius:.4g} m; is it in m?"
+    solid = getattr(scene.spring, "solid_at", None)
+    if solid is not None and solid < (lift or 0.0) + getattr(cam, "base", 0.0):
+        yield f"warning: the spring is solid at {solid * MM:.4g} mm, below the highest lift"
     if follower.preload < 0.0:
         yield (
             f"warning: a preload of {follower.preload:.4g} N pulls the follower off the cam at "

@@ -27,6 +27,9 @@ NAMES = {
     "max_contact_force_n": "largest contact force (N)",
     "contact_lost_deg": "contact first lost (deg)",
     "contact_regained_deg": "contact last regained (deg)",
+    "landing_deg": "phase of the hardest impact (deg)",
+    "landing_lift_m": "lift at the hardest impact (m)",
+    "shut_bounces_per_turn": "bounces on the shut cam (1/turn)",
 }
 Curve = tuple[str, Sequence[float], Sequence[float]]  # kind of bifurcation, along both numbers
 

@@ -13,8 +13,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from camcli.cams import AnyCam
+from camcli.errors import Fault, SceneError
 from camcli.scene.bench import Bench
 from camcli.scene.fields import (
+    End,
     Flag,
     Names,
     Number,
@@ -35,6 +37,7 @@ MOST_CELLS = 16_384  # along one side of a window
 LARGEST = 1e15  # of a constant of the follower, SI
 FARTHEST, QUICKEST = 1e9, 1e12  # of a start: m and m/s
 Constant = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
+SPRING = ("rate", "preload", "seat_load", "nose_load")
 Side = Annotated[int, Field(strict=True, ge=1, le=MOST_CELLS), BeforeValidator(whole)]
 
 
@@ -46,7 +49,8 @@ PanelName = Literal[
     "mechanism", "outline", "turned", "lift", "velocity", "acceleration", "force", "curvature",
     "impacts", "enlarged", "strobe",  # of sweep
     "kind", "max_gap_m", "airborne_fraction", "max_impact_m_per_s", "min_contact_force_n",
-    "max_contact_force_n", "contact_lost_deg", "contact_regained_deg",  # of its map
+    "max_contact_force_n", "contact_lost_deg", "contact_regained_deg", "landing_deg",
+    "landing_lift_m", "shut_bounces_per_turn",  # of its map
     "phases", "forces", "springs",  # of detach, and of orbits and classify
     "positions", "plane", "multipliers", "event", "orbit", "curves",  # of orbits
     "basins", "fractions", "attractors",  # of basins
@@ -64,6 +68,34 @@ class Follower(Section):
     gravity: Constant = Field(0.0, description="gravity, positive towards the cam, m/s2")
     preload: Constant = Field(0.0, description="spring force at q = 0, positive towards the cam, N")
     restitution: Number = Field(ge=0, le=1, description="coefficient of restitution, 0..1")
+
+
+class Spring(Section):
+    """The spring as its maker measures it: two of SPRING, no follower.stiffness."""
+
+    rate: Annotated[Number, Field(ge=0, le=LARGEST)] | None = Field(None, description="N/m")
+    preload: Constant | None = Field(None, description="force at q = 0, N")
+    seat_load: Constant | None = Field(None, description="force at the lowest lift, N")
+    nose_load: Constant | None = Field(None, description="force at the highest lift, N")
+    solid_at: End | None = Field(
+        None, description="height q at which the spring is solid, m; null: not known"
+    )
+
+
+class Contact(Section):
+    """What presses where the follower touches: with it the Hertz pressure is computed."""
+
+    width: Number = Field(gt=0, le=1e6, description="width of the contact line, m")
+    follower_radius: Annotated[Number, Field(gt=0, le=1e6)] | None = Field(
+        None, description="radius of the roller, m; null: a flat face"
+    )
+    base_radius: Annotated[Number, Field(gt=0, le=1e6)] | None = Field(
+        None, description="radius of the base circle, m; null: cam.base_radius"
+    )
+    modulus: Number = Field(
+        1.154e11, gt=0, le=LARGEST,
+        description="E*, Pa: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; the default is steel on steel",
+    )  # fmt: skip
 
 
 class Start(Section):
@@ -229,11 +261,13 @@ class Detach(Section):
     hold_to: Speed | None = Field(
         None, description="speed up to which a spring shall hold contact; null: not asked"
     )
-    margin_n: Number = Field(
-        0.0, ge=0, le=LARGEST, description="least contact force up to hold_to, N"
+    margin_n: Annotated[Number, Field(ge=0, le=LARGEST)] | None = Field(
+        None,
+        description="least contact force up to hold_to, N; null: a tenth of the force needed",
     )
-    precompression_m: Number = Field(
-        0.05, ge=0, le=1e6, description="preload per stiffness where hold_to chooses both, m"
+    precompression_m: Annotated[Number, Field(ge=0, le=1e6)] | None = Field(
+        None,
+        description="preload per stiffness where hold_to chooses both, m; null: as it is",
     )
 
 
@@ -355,6 +389,8 @@ class Scene(Section):
 
     follower: Follower = Field(description="the follower, its spring and its restitution")
     cam: Cam = Field(description="the cam, by kind")
+    spring: Spring | None = Field(None, description="another way to give the spring")
+    contact: Contact | None = Field(None, description="for the Hertz pressure")
     run: Run = Field(default_factory=Run, description="one simulation")
     plot: Plot = Field(default_factory=Plot, description="form of pictures")
     simulate: Simulate = Field(default_factory=Simulate, description="cam simulate")
@@ -365,6 +401,47 @@ class Scene(Section):
     basins: Basins = Field(default_factory=Basins, description="cam basins")
     bench: Bench = Field(default_factory=Bench, description="cam bench")
     figure: Figure | None = Field(None, description="cam figures: what this scene draws")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _room_for_a_spring(cls, data: Any) -> Any:
+        """The follower may leave out its stiffness where the loads of the spring are given."""
+        follower, spring = ((data or {}).get(name) for name in ("follower", "spring"))
+        if not isinstance(follower, dict) or not isinstance(spring, dict):
+            return data
+        if all(spring.get(name) is None for name in SPRING):
+            return data
+        if twice := [name for name in ("stiffness", "preload") if name in follower]:
+            found = f"found follower.{twice[0]} beside loads of the spring"
+            raise SceneError(Fault("", "spring", found, "expected one of them", "leave one out"))
+        return {**data, "follower": {**follower, "stiffness": 0.0}}
+
+    @model_validator(mode="after")
+    def _spring_of_loads(self) -> Scene:
+        """Stiffness and preload in the place of loads: k c + F0 at the lowest and highest c."""
+        loads = {name: getattr(self.spring, name, None) for name in SPRING}
+        given = {name: float(value) for name, value in loads.items() if value is not None}
+        if self.spring is None or not given:
+            return self
+        if len(given) != 2:
+            expected, cure = f"expected two of {', '.join(SPRING)}", "leave out, or add, the others"
+            raise SceneError(Fault("", "spring", f"found {', '.join(given)}", expected, cure))
+        from camcli.cams.compile import build, lift_range
+
+        low, high = lift_range(build(self.cam.parts(), 0.0))
+        sums = {"rate": (1.0, 0.0), "preload": (0.0, 1.0),
+                "seat_load": (low, 1.0), "nose_load": (high, 1.0)}  # fmt: skip
+        (a, b, x), (d, e, y) = ((*sums[name], value) for name, value in given.items())
+        size = a * e - b * d
+        rate = (x * e - b * y) / size if size else -1.0
+        if rate < 0.0:
+            found = " and ".join(f"{name} {value:.6g} N" for name, value in given.items())
+            lift = f"expected a spring that presses harder at {high:.4g} m than at {low:.4g} m"
+            raise SceneError(Fault("", "spring", f"found {found}", lift, "check both loads"))
+        spring = {"stiffness": rate, "preload": (a * y - x * d) / size}
+        object.__setattr__(self, "follower", self.follower.model_copy(update=spring))
+        object.__setattr__(self, "spring", Spring(solid_at=self.spring.solid_at))
+        return self
 
 
 def json_schema() -> dict[str, Any]:

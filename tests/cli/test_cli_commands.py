@@ -86,6 +86,9 @@ def test_sweep_writes_exact_columns_of_shortest_numbers(cam, tmp_path):
             "max_contact_force_n",
             "contact_lost_deg",
             "contact_regained_deg",
+            "landing_deg",
+            "landing_lift_m",
+            "shut_bounces_per_turn",
         ],
     }
     tables = {name: rows(folder / f"{name}.csv") for name in columns}

@@ -1,9 +1,12 @@
 """From a lift table to a verdict, as somebody who knows engines and no bifurcations would go."""
 
 import json
+from math import pi, sqrt
 
+import numpy as np
 import pytest
 
+import camcli
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.system import Follower, System
 from tests.cams.lift_tables import Lobe, scene, smooth, table
@@ -51,7 +54,7 @@ def test_a_run_begins_with_a_verdict(cam, begun):
     assert speed - error < low + 1
     assert high - 1 < speed + error
     assert error < 0.1 * speed
-    assert "To hold up to 5000 rpm of the cam with 0 N to spare: a stiffer spring" in verdict
+    assert " N to spare: a stiffer spring with the same preload: " in verdict
     assert "; or another spring: " in verdict
 
     done = cam("sweep", "-c", "lobe.yaml", *short)
@@ -96,3 +99,99 @@ def test_a_spring_of_hold_to_holds_the_cam_that_was_measured(cam, begun):
         assert spring["detaches_rpm"] > 5010  # of the smoothed cam: the error is to spare
         follower = Follower(0.12, spring["stiffness"], 20.0, 0.0, spring["preload"], 0.4)
         assert 5000 < detachment(System.build(follower, law)).first.rpm < 6000
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [{"seat_load": 260.0, "nose_load": 680.0}, {"rate": 42000.0, "nose_load": 680.0},
+     {"rate": 42000.0, "seat_load": 260.0}, {"preload": 260.0, "nose_load": 680.0}],
+)  # fmt: skip
+def test_a_spring_is_given_by_any_two_of_its_loads(loads):
+    """42 N/mm, 260 N on the shut valve, 680 N at its lift of 10 mm."""
+    follower = {"mass": 0.12, "restitution": 0.4}
+    made = camcli.load_scene({"follower": follower, "cam": CYCLOIDAL, "spring": loads})
+    assert made.follower.stiffness == pytest.approx(42000.0, rel=1e-6)
+    assert made.follower.preload == pytest.approx(260.0, rel=1e-6)
+    again = camcli.load_scene(json.loads(made.model_dump_json()))
+    assert again == made
+
+
+@pytest.mark.parametrize(
+    ("follower", "spring", "said"),
+    [
+        ({"stiffness": 42000}, {"seat_load": 260}, "found follower.stiffness beside loads"),
+        ({}, {"seat_load": 260}, "spring: found seat_load, expected two of rate, preload"),
+        ({}, {"seat_load": 680, "nose_load": 260}, "expected a spring that presses harder at 0.01"),
+        ({}, {"rate": 1, "seat_load": 2, "nose_load": 3}, "found rate, seat_load, nose_load"),
+        ({}, {"solid_at": 0.012}, "follower.stiffness"),
+    ],
+)
+def test_too_little_or_too_much_of_a_spring_is_one_fault(follower, spring, said):
+    follower = {"mass": 0.12, "restitution": 0.4, **follower}
+    with pytest.raises(camcli.SceneError) as error:
+        camcli.load_scene({"follower": follower, "cam": CYCLOIDAL, "spring": spring})
+    (fault,) = error.value.faults
+    assert said in str(fault)
+
+
+CYCLOIDAL = {
+    "kind": "law", "base": 0.0, "lift": 0.01, "top_dwell_deg": 0.0,
+    "rise": {"start_deg": 115.0, "length_deg": 65.0, "law": "cycloidal"},
+    "fall": {"length_deg": 65.0, "law": "cycloidal"},
+}  # fmt: skip
+VALVE = {
+    "follower": {"mass": 0.12, "stiffness": 42000.0, "preload": 260.0, "restitution": 0.4},
+    "cam": CYCLOIDAL,
+    "detach": {"rpm": {"start": 3000.0, "stop": 4000.0, "num": 3}, "settle": 0},
+}
+
+
+def test_springs_leave_a_margin_and_room_and_are_not_absurd():
+    """The margin is a tenth of the largest force the springs must give, unless it is stated."""
+    found = camcli.detach(camcli.load_scene(VALVE, {"detach.hold_to": 4500.0})).values
+    accel = max(-a for a in camcli.simulate(camcli.load_scene(VALVE), profile_only=True)
+                .tables["profile"]["c_thetatheta_m_per_rad2"])  # fmt: skip
+    assert found.margin == pytest.approx(0.1 * 0.12 * (150 * pi) ** 2 * accel, rel=1e-3)
+    assert [hold.least_n for hold in found.holds] == pytest.approx([found.margin] * 3)
+    assert found.holds[2].preload / found.holds[2].stiffness == pytest.approx(260 / 42000)
+    more = found.holds[1].preload - 260
+    for room, status in ((1.001, "ok"), (0.999, "impossible")):
+        values = {"detach.hold_to": 4500.0, "spring": {"solid_at": 0.01 + room * more / 42000}}
+        holds = camcli.detach(camcli.load_scene(VALVE, values)).values.holds
+        assert [hold.status for hold in holds] == ["ok", status, "ok"]
+    holds = camcli.detach(camcli.load_scene(VALVE, {"detach.hold_to": 45000.0})).values.holds
+    assert {hold.status for hold in holds} == {"absurd"}
+
+
+def test_what_happens_past_the_loss_of_contact(cam, begun):
+    short = ("--no-plot", "--points", "5")
+    done = cam("detach", "-c", "lobe.yaml", *short)
+    verdict = done.stdout.splitlines()[0]
+    result = camcli.detach(camcli.load_scene(begun / "lobe.yaml", {"detach.rpm.num": 5}))
+    first, speeds = result.values.detachment.first.rpm, result.tables["speeds"]
+    assert first < speeds["rpm"][0] < speeds["rpm"][-1] == result.scene.detach.rpm.stop
+    k = int(speeds["max_impact_m_per_s"].argmax())
+    gap, lift = max(speeds["max_gap_m"]), speeds["landing_lift_m"][k]
+    assert f"lands at up to {speeds['max_impact_m_per_s'][k]:.2g} m/s" in verdict
+    assert f"({speeds['landing_deg'][k]:.4g} deg, {lift * 1e3:.3g} mm above its lowest)" in verdict
+    assert f"flies up to {gap * 1e3:.3g} mm off the cam" in verdict
+    assert "Past the loss of contact" in done.stdout
+    assert "bracket, " not in done.stdout
+    assert "Critical speeds" in cam("detach", "-c", "lobe.yaml", *short, "-v").stdout
+
+
+def test_the_pressure_of_a_line_contact():
+    """A round cam: under a flat face R is its radius, under a roller 1/R is the sum of both."""
+    ring = {"kind": "eccentric", "base": 0.0, "lift": 0.01}
+    contact = {"width": 0.012, "base_radius": 0.015, "modulus": 1.1e11}
+    scene = {**VALVE, "cam": ring, "contact": contact}
+    force = camcli.detach(camcli.load_scene(scene)).tables["force"]
+    wanted = np.sqrt(np.maximum(force["force_n"], 0) * 1.1e11 / (pi * 0.012 * 0.020))
+    assert force["pressure_pa"] == pytest.approx(wanted, rel=1e-12)
+    scene = {**VALVE, "contact": {**contact, "follower_radius": 0.01}}
+    force = camcli.detach(camcli.load_scene(scene)).tables["force"]
+    radius = 1 / (1 / 0.015 + 1 / 0.01)  # on the base circle
+    assert force["pressure_pa"][0] == pytest.approx(sqrt(260 * 1.1e11 / (pi * 0.012 * radius)))
+    del contact["base_radius"]
+    with pytest.raises(camcli.SceneError, match=r"contact\.base_radius: found no radius"):
+        camcli.detach(camcli.load_scene({**VALVE, "contact": contact}))

@@ -9,7 +9,7 @@ one quadratic in omega for each phase; contact is lost where N reaches zero.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from math import inf, pi, sqrt
 
@@ -28,13 +28,18 @@ CURVE = 720  # points of a force curve: half a degree, finer than any picture
 
 @dataclass(frozen=True)
 class ForceCurve:
-    """N along one turn at one speed, one-sided on both sides of a corner; deg, N."""
+    """N along one turn at one speed, one-sided on both sides of a corner; deg, N, Pa."""
 
     rpm: float
     theta_deg: list[float]
     force_n: list[float]
     lowest_n: float
     lowest_deg: float
+    pressure_pa: list[float] = field(default_factory=list)  # empty where it is not known
+
+    def highest(self, values: list[float]) -> tuple[float, float]:
+        """(largest, its phase in deg) of the forces or pressures."""
+        return max(zip(values, self.theta_deg, strict=True))
 
 
 class Force:
@@ -118,10 +123,10 @@ class Force:
         """The region that holds a stretch."""
         return next(region for region in self.regions if stretch in region.stretches)
 
-    def curve(self, rpm: float, points: int = CURVE) -> ForceCurve:
-        """N over a turn, `points` per turn at least, and its minimum."""
+    def curve(self, rpm: float, points: int = CURVE, hertz: Hertz | None = None) -> ForceCurve:
+        """N over a turn, `points` per turn at least, and its minimum; with `hertz` the pressure."""
         omega = omega_of(rpm)
-        theta, force = [], []
+        theta, force, pressure = [], [], []
         for i in range(len(self.cam.stretches)):
             low, high = self.starts[i], self.ends[i]
             count = int((high - low) * (points / (self.ends[-1] - self.starts[0]))) + 1
@@ -129,5 +134,43 @@ class Force:
                 x = high if k == count else low + (high - low) * (k / count)
                 theta.append(x * DEG)
                 force.append(self.newton(i, x, omega))
+                if hertz is not None:
+                    pressure.append(hertz.pressure(force[-1], *lift_at(self.cam, i, x)))
         value, _, place = self.weakest(rpm)
-        return ForceCurve(rpm, theta, force, value, place * DEG)
+        return ForceCurve(rpm, theta, force, value, place * DEG, pressure)
+
+
+@dataclass(frozen=True)
+class Hertz:
+    """A flat face or a roller on the cam, all in SI: the pressure of a line contact.
+
+        p = sqrt(N E*/(pi w R)),  1/R = 1/(R_cam + c_thetatheta)  or  1/(r (1 - kappa r))
+
+    of a face on the cam at distance R_cam from its axis, and of a roller of radius r on a pitch
+    curve of curvature kappa (K. L. Johnson, Contact Mechanics, Cambridge University Press 1985,
+    section 4.2). The follower moves along a line through the axis, as in `cam_profile`.
+    """
+
+    width: float
+    modulus: float  # E*
+    base: float  # radius of the cam where c is zero
+    roller: float | None = None
+
+    def pressure(self, force: float, c: float, c1: float, c2: float) -> float:
+        """Largest pressure, Pa; inf where the cam is undercut, 0 where it does not press."""
+        if self.roller is None:
+            radius = self.base + c + c2
+        else:
+            kappa = polar_curvature(self.base + self.roller + c, c1, c2)
+            radius = self.roller * (1.0 - kappa * self.roller)
+        if force <= 0.0:
+            return 0.0
+        return sqrt(force * self.modulus / (pi * self.width * radius)) if radius > 0.0 else inf
+
+
+def polar_curvature(radius: float, slope: float, accel: float) -> float:
+    """(R^2 + 2 R'^2 - R R'')/(R^2 + R'^2)^(3/2), 1/m, positive where the curve is convex."""
+    square = radius * radius + slope * slope
+    if square == 0.0:
+        return inf
+    return (square + slope * slope - radius * accel) / (square * sqrt(square))

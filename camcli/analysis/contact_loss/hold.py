@@ -15,17 +15,21 @@ from math import inf
 
 from camcli.analysis.contact_loss.detachment import Quantity, Reason, detachment
 from camcli.analysis.contact_loss.force import DEG, Force
+from camcli.cams.compile import column
 from camcli.kernel.cam_table import TURN, lift_at
 from camcli.system import System, omega_of
 
 SLIGHT = 1e-12  # relative: a force that is missing by no more is rounding of the sums above
+MARGIN = 0.1  # of the largest force the spring must give: the margin where none is stated
+ABSURD = 20.0  # times the force of the present spring at the nose: no spring for its place
 
 
 class HoldStatus(StrEnum):
-    """Whether there is such a spring, and whether it is needed at all."""
+    """Whether there is such a spring, whether it is needed at all, or absurdly strong (ABSURD)."""
 
     OK = "ok"
     NOT_NEEDED = "not-needed"
+    ABSURD = "absurd"
     IMPOSSIBLE = "impossible"
 
 
@@ -34,11 +38,13 @@ class Obstacle(StrEnum):
 
     KINK: the cam throws the follower off at any speed. LIFT: where c + precompression <= 0 a
     spring does not press, and force is missing. PULL: one stiff enough elsewhere would pull there.
+    SOLID: the present spring, compressed for more preload, is solid below the highest lift.
     """
 
     KINK = "kink"
     LIFT = "no-lift"
     PULL = "pull"
+    SOLID = "solid"
 
 
 @dataclass(frozen=True)
@@ -47,7 +53,8 @@ class Hold:
 
     stiffness N/m, preload N (None where impossible), theta_deg of the deciding phase (None where
     none does), detaches_rpm recomputed with the new spring (inf: never), least force up to the
-    speed asked for in newton. Where it is impossible: the obstacle, and the force missing, N.
+    speed asked for in newton; nose_n: its force at the highest lift, N. Where it is impossible: the
+    obstacle, and the force missing, N (the height missing, m, of a SOLID spring).
     """
 
     quantity: Quantity
@@ -60,6 +67,20 @@ class Hold:
     least_n: float | None = None
     obstacle: Obstacle | None = None
     missing_n: float | None = None
+    nose_n: float | None = None
+
+
+def usual_margin(system: System, rpm: float, accel_error: Sequence[float] = (0.0,)) -> float:
+    """The margin where none is stated: a share of the largest force the spring must give, N."""
+    return max(0.0, MARGIN * Need(system, rpm, 0.0, accel_error).most(lambda p, c: p)[0])
+
+
+def usual_precompression(system: System) -> float:
+    """That of the present spring, m; of one without preload half the lift above no force."""
+    f, low = system.follower, min(column(system.cam, "c_min"))
+    if f.preload > 0.0 and f.stiffness > 0.0:
+        return f.preload / f.stiffness
+    return max(0.0, -low) + 0.5 * (system.cam.top - low)
 
 
 def hold_to(
@@ -68,11 +89,13 @@ def hold_to(
     margin: float,
     precompression: float,
     accel_error: Sequence[float] = (0.0,),
+    solid: float = inf,
 ) -> list[Hold]:
     """Smallest stiffness, smallest preload, and both with preload = stiffness x precompression.
 
     rpm: the speed up to which the force (N) stays at least `margin`; precompression in m.
     accel_error: bounds on the error of a measured c_thetatheta, m/rad2, in equal shares of a turn.
+    solid: height q (m) at which the present spring is solid; more preload brings it nearer.
     """
     kinds = (Quantity.HOLD_STIFFNESS, Quantity.HOLD_PRELOAD, Quantity.HOLD_BOTH)
     if any(place.reason is Reason.KINK for place in detachment(system).always):
@@ -82,6 +105,12 @@ def hold_to(
     stiff = need.least_stiffness(Quantity.HOLD_STIFFNESS, present, 0.0)
     least, i, theta = need.most(lambda p, c: p - k * c)
     preload = need.checked(Quantity.HOLD_PRELOAD, k, max(least, 0.0), least > 0.0, i, theta)
+    lower = (least - present) / k if least > present and k > 0.0 else 0.0
+    if system.cam.top + lower > solid:
+        preload = replace(
+            preload, status=HoldStatus.IMPOSSIBLE, obstacle=Obstacle.SOLID,
+            missing_n=system.cam.top + lower - solid,
+        )  # fmt: skip
     both = need.least_stiffness(Quantity.HOLD_BOTH, 0.0, precompression)
     return [stiff, preload, both]
 
@@ -147,8 +176,11 @@ class Need:
         found = detachment(replaced(self.system, k, preload))
         first = found.first.rpm if found.first else (inf if found.never else None)
         least = 0.0 - self.most(lambda p, c: p - self.margin - k * c - preload)[0]
+        nose, f = k * self.cam.top + preload, self.follower
+        strong = nose > ABSURD * (f.stiffness * self.cam.top + f.preload) > 0.0
+        kind = HoldStatus.ABSURD if strong else HoldStatus.OK
         return Hold(
-            quantity, HoldStatus.OK if needed else HoldStatus.NOT_NEEDED, k, preload,
+            quantity, kind if needed else HoldStatus.NOT_NEEDED, k, preload,
             self.force.region_of(i).name if needed else "", theta * DEG if needed else None,
-            first, least,
+            first, least, nose_n=nose,
         )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from math import inf
 
 from camcli.analysis.contact_loss.accumulation import (
     CornerHit,
@@ -20,15 +21,25 @@ from camcli.analysis.contact_loss.detachment import (
     SpeedStatus,
     detachment,
 )
-from camcli.analysis.contact_loss.force import Force, ForceCurve
-from camcli.analysis.contact_loss.hold import Hold, hold_to, replaced
-from camcli.analysis.integrate import Cost, Settings
-from camcli.analysis.sweep import rpm_grid
+from camcli.analysis.contact_loss.force import Force, ForceCurve, Hertz
+from camcli.analysis.contact_loss.hold import (
+    Hold,
+    hold_to,
+    replaced,
+    usual_margin,
+    usual_precompression,
+)
+from camcli.analysis.integrate import Cost, Orbit, Settings, with_turns
+from camcli.analysis.labels import label
+from camcli.analysis.loads import loads_of
+from camcli.analysis.sweep import Speed, rpm_grid
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.system import System
 
 FEWEST = 41  # speeds of the scan for changes
+PAST = 16  # speeds past the first loss of contact at which the motion is measured
+PAST_TURNS = 20  # of each from rest, and as many that are measured
 LITTLE_WORK = 4000  # turns in all that plain Python does before the kernel would be compiled
 LEAST_WORK = 500  # the same where a compiled kernel only has to be read
 
@@ -39,7 +50,8 @@ class ContactLoss:
 
     ends: speeds at which the end of a chatter reaches a corner, or jumps over it; completion:
     where it is complete no longer; landings: of single impacts on a corner. holds: springs;
-    springs: the force at the speed of hold_to with the present spring (None) and with each of them.
+    springs: the force at the speed of hold_to with the present spring (None) and with each of them;
+    margin: what they leave, N. past: motions past the first loss of contact, without sections.
     """
 
     detachment: Detachment
@@ -51,6 +63,8 @@ class ContactLoss:
     forces: tuple[ForceCurve, ...]
     holds: tuple[Hold, ...]
     springs: tuple[tuple[Hold | None, ForceCurve], ...]
+    margin: float
+    past: tuple[Speed, ...]
     cost: Cost
 
     @property
@@ -85,7 +99,8 @@ class ContactLoss:
     @property
     def troubled(self) -> list[tuple[float, int]]:
         """(rpm, status) of the speeds whose simulation could not be finished."""
-        return [(speed.rpm, speed.status) for speed in self.speeds if speed.status != Status.OK]
+        both = [(s.rpm, s.status) for s in self.speeds] + [(s.rpm, s.status) for s in self.past]
+        return [(rpm, status) for rpm, status in both if status != Status.OK]
 
 
 def detach(
@@ -97,9 +112,11 @@ def detach(
     impacts: int = 8,
     force_rpm: Sequence[float] | None = None,
     hold_rpm: float | None = None,
-    margin: float = 0.0,
-    precompression: float = 0.05,
+    margin: float | None = None,
+    precompression: float | None = None,
     accel_error: Sequence[float] = (0.0,),
+    solid: float = inf,
+    hertz: Hertz | None = None,
     on_speed: Callable[[], None] = lambda: None,
 ) -> ContactLoss:
     """Where contact is lost, where chatter ends, and which spring would hold.
@@ -108,7 +125,9 @@ def detach(
     after `settle` turns; of `settings` the chatter tolerance and the impact budget are used.
     impacts: landings on corners are followed up to this number. force_rpm: speeds of the force
     curves. hold_rpm: find the springs that press with `margin` (N) up to this speed, one of them
-    with so much precompression (m), whatever the error of a measured c_thetatheta in its bounds.
+    with so much precompression (m), whatever the error of a measured c_thetatheta in its bounds;
+    None: as usual (`hold`). solid: height (m) at which the present spring is solid. hertz: the
+    contact, for the pressure along the force curves.
     """
     turns = len(rpms) * (settle + RECORD)
     backend.for_work(turns, LEAST_WORK if backend.is_cached() else LITTLE_WORK)
@@ -136,9 +155,13 @@ def detach(
                 landings += corner_hits(bursts, corner, goal, low, high, impacts)
         completion += completion_loss(bursts, places)
         cost = cost + bursts.cost
-    holds = (
-        [] if hold_rpm is None else hold_to(system, hold_rpm, margin, precompression, accel_error)
-    )
+    past = _past(system, _past_speeds(found, rpms), settings)
+    cost = sum((speed.cost for speed in past), cost)
+    holds: list[Hold] = []
+    if hold_rpm is not None:
+        margin = usual_margin(system, hold_rpm, accel_error) if margin is None else margin
+        reach = usual_precompression(system) if precompression is None else precompression
+        holds = hold_to(system, hold_rpm, margin, reach, accel_error, solid)
     return ContactLoss(
         detachment=found,
         lift_offs=tuple(lift_offs),
@@ -146,9 +169,13 @@ def detach(
         completion=tuple(completion),
         landings=tuple(landings),
         speeds=tuple(speeds),
-        forces=tuple(force.curve(rpm) for rpm in _force_speeds(found, rpms, force_rpm)),
+        forces=tuple(
+            force.curve(rpm, hertz=hertz) for rpm in _force_speeds(found, rpms, force_rpm)
+        ),
         holds=tuple(holds),
         springs=() if hold_rpm is None else tuple(_springs(system, hold_rpm, holds)),
+        margin=margin or 0.0,
+        past=tuple(past),
         cost=cost,
     )
 
@@ -160,6 +187,31 @@ def _springs(
     for hold in holds:
         if hold.stiffness is not None and hold.preload is not None:
             yield hold, Force(replaced(system, hold.stiffness, hold.preload)).curve(rpm)
+
+
+def _past_speeds(found: Detachment, rpms: Sequence[float]) -> list[float]:
+    """Equally spaced up to the end of the range; none where contact holds all over it."""
+    low, high = min(rpms), max(rpms)
+    first = found.first.rpm if found.first else (inf if found.never else low)
+    if first > high:
+        return []
+    low = max(low, first)
+    speeds = rpm_grid(low, high, PAST if low < high else 1)
+    return speeds[1:] if low == first else speeds
+
+
+def _past(system: System, rpms: Sequence[float], settings: Settings) -> list[Speed]:
+    """The motion at each speed, from rest, and what it loads."""
+    turns, found = with_turns(settings, PAST_TURNS, PAST_TURNS), []
+    for rpm in rpms:
+        record = Orbit(system, rpm, turns).run()
+        count, loads = int(sum(record.impacts[: record.periods])), loads_of(system, rpm, record)
+        found.append(
+            Speed(
+                rpm, rpm, label(record), count, record.status, None, None, record.cost, loads=loads
+            )
+        )
+    return found
 
 
 def _force_speeds(
