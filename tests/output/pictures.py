@@ -4,6 +4,7 @@ from io import BytesIO
 from math import cos, pi, sin
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
@@ -65,7 +66,9 @@ def overlaps(texts):
 
 def panel(low=0.0, high=1.0, wide=1140, tall=300):
     """Axes of a size in pixels over a range."""
-    axes = Figure(figsize=(20.0, 10.0), dpi=300).add_axes((0.1, 0.1, wide / 6000, tall / 3000))
+    figure = Figure(figsize=(20.0, 10.0), dpi=300)
+    FigureCanvasAgg(figure)  # has a renderer; without one each extent of a text makes its own
+    axes = figure.add_axes((0.1, 0.1, wide / 6000, tall / 3000))
     axes.set_xlim(low, high)
     return axes
 
