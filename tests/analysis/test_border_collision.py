@@ -157,6 +157,16 @@ def test_chaos_exponent_of_the_lozi_map():
     assert abs(found.exponent - total / steps) < 5.0 * found.spread + 1e-3
 
 
+def test_motion_on_an_invariant_curve_is_not_called_chaos():
+    """det = 1 on both sides; the tangent grows with the number of steps, not exponentially."""
+    (x, y, u, v), steps = (0.0, 0.0, 1.0, 0.0), 100_000
+    for _ in range(steps):
+        trace = -0.7 if x <= 0.0 else -0.8
+        x, y, u, v = trace * x + y + 1.0, -x, trace * u + v, -u
+    assert abs(u) + abs(v) < steps
+    assert "chaos" not in attractor(*sides(-0.7, 1.0, -0.8, 1.0), 1).word
+
+
 def test_huge_numbers_do_not_raise():
     for big in (1e150, 1e308, -1e308):
         assert classify(Side(big, 0.5), Side(0.5, big)).kind in KINDS
