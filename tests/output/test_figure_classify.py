@@ -69,7 +69,9 @@ def labels_panel(motions):
 
 
 def test_several_motions_at_one_speed_stand_side_by_side_and_in_a_range_on_one_another(motions):
-    here, there = ([replace(motion, rpm=rpm, value=rpm) for motion in motions[:3]] for rpm in (1.0, 2.0))
+    here, there = (
+        [replace(motion, rpm=rpm, value=rpm) for motion in motions[:3]] for rpm in (1.0, 2.0)
+    )
     sizes = {(p.get_width(), p.get_height()) for p in labels_panel(here).patches}
     assert {height for _, height in sizes} == {1.0}
     heights = [p.get_height() for p in labels_panel([*here, *there]).patches if not p.get_hatch()]
@@ -80,7 +82,9 @@ def test_the_strip_joins_equal_labels(motions):
     contact, _, three, one, chaos = motions
     speeds = [10.0, 40.0, 49.0, 51.0, 98.0]
     some = [one, one, three, chaos, contact]
-    axes = labels_panel([replace(m, rpm=rpm, value=rpm) for m, rpm in zip(some, speeds, strict=True)])
+    axes = labels_panel(
+        [replace(m, rpm=rpm, value=rpm) for m, rpm in zip(some, speeds, strict=True)]
+    )
     first, second = axes.patches[:2]
     assert first.get_x() + first.get_width() == pytest.approx(44.5)
     assert (second.get_x(), second.get_width()) == pytest.approx((44.5, 5.5))
