@@ -13,13 +13,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from camcli.analysis.integrate import Record, Start
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.identify import departures
 from camcli.analysis.orbits.same_orbit import distance, size_of
-from camcli.system import System, omega_of
+from camcli.cams.compile import Shape
+from camcli.system import Follower, System, omega_of
 
 if TYPE_CHECKING:
     from camcli.exact.motion import Motion
@@ -33,6 +35,7 @@ ENOUGH = 3  # neighbours that end alike
 CLOSE = 1e-8  # relative distance of a state to the one a period before
 SHRINKS = 0.95  # what a period leaves of that distance
 NOTHING_LEFT = 1e-13  # a distance that need not shrink
+REMEMBERED = 4096  # motions
 
 State = tuple[float, float]  # q (m), dq/dtheta (m/rad) at a strobe
 
@@ -99,16 +102,22 @@ def _same(a: After, b: After) -> bool:
 
 def of_machine(system: System, rpm: float, theta: float, share: Decimal = Decimal(0)) -> After:
     """One machine's motion, its speed larger by a share."""
-    shape = system.shape
-    if shape is None:
+    if system.shape is None:
         return After(UNKNOWN)
+    return _of_shape(system.shape, system.follower, system.strobe, rpm, theta, share)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _of_shape(
+    shape: Shape, follower: Follower, strobe: float, rpm: float, theta: float, share: Decimal
+) -> After:
+    """The same; other starts at a speed, or a sweep the other way, come to the same rest."""
     from camcli.exact.balls import UndecidedError, decided
     from camcli.exact.machine import Machine
     from camcli.exact.motion import EndlessError, Motion
 
     def followed() -> After:
-        machine = Machine(shape, system.follower, rpm, share)
-        return _followed(Motion(machine, system.strobe, theta))
+        return _followed(Motion(Machine(shape, follower, rpm, share), strobe, theta))
 
     try:
         return decided(followed)

@@ -66,6 +66,8 @@ class Part:
 class Shape(Protocol):
     """A kind of cam: it gives its smooth parts in the numbers asked for."""
 
+    def __hash__(self) -> int: ...
+
     def parts(self, numbers: Numbers = ...) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
 

@@ -36,6 +36,7 @@ class Outline:
     circles: Sequence[tuple[str, float, float, float]]  # centre's name, distance, direction, radius
     guessed: bool
     flat: bool  # the follower's face
+    sprung: bool  # without a spring the follower is drawn as a ball on a table, if its face is flat
 
     @classmethod
     def of(cls, system: System, base_radius: float | None, cam: Any = None) -> Outline:
@@ -53,7 +54,8 @@ class Outline:
             ]
         corners = style.corner_names(system.corners_deg)
         flat = isinstance(cam, EccentricCam)
-        return cls(theta, radius, corners, circles, base_radius is None, flat)
+        sprung = system.follower.stiffness > 0.0
+        return cls(theta, radius, corners, circles, base_radius is None, flat, sprung)
 
     @property
     def body(self) -> tuple[np.ndarray, np.ndarray]:
@@ -100,23 +102,29 @@ def _body(axes: Axes, outline: Outline, turned: float, left: float = 0.0) -> Non
 def _follower(
     axes: Axes, outline: Outline, gap: float, turned: float, left: float = 0.0, highest: float = 0.0
 ) -> float:
-    """A follower on its stem below a spring, its tip `gap` above the cam; returns the spring's top.
+    """A follower on its stem, its tip `gap` above the cam; returns where its spring ends, or would.
 
     highest: that the tip ever is.
     """
     size = float(outline.radius.max())
     tip, wide, top = outline.at(turned) + gap, WIDE * size, (2.0 + STEM) * size
     top = max(top, highest + (1.0 + STEM) * size)
+    colour = style.FLIGHT if gap > 0.0 else style.STICKING
+    look: dict[str, Any] = {"facecolor": colour, "edgecolor": style.CAM, "lw": 0.8, "zorder": 5}
+    if outline.flat and not outline.sprung:
+        axes.add_patch(Circle((left, tip + 3.0 * wide), 3.0 * wide, **look))
+        table = [left - 5.0 * wide, left + 5.0 * wide]
+        axes.plot(table, [outline.at(turned)] * 2, color=style.CAM, lw=1.6)
+        return top
     foot = 3.0 * wide if outline.flat else 0.0  # beside the tip
     edge = [(left - foot, tip), (left + foot, tip), (left + wide / 2.0, tip + wide)]
     edge.append((left - wide / 2.0, tip + wide))
-    colour = style.FLIGHT if gap > 0.0 else style.STICKING
-    axes.add_patch(
-        Polygon(edge, closed=True, facecolor=colour, edgecolor=style.CAM, lw=0.8, zorder=5)
-    )
+    axes.add_patch(Polygon(edge, closed=True, **look))
     stem = 1.5 * size + (tip - outline.radius.min()) * 0.999
     stem = min(max(stem, tip + 2.0 * wide), top - 2.0 * wide)
     axes.plot([left, left], [tip + wide, stem], color=style.CAM, lw=2.0, zorder=4)
+    if not outline.sprung:
+        return top
     y = np.linspace(stem, top, 2 * COILS + 1)
     x = left + wide * np.array([0.0, *[(-1.0) ** k for k in range(2 * COILS - 1)], 0.0])
     axes.plot(x, y, color=style.CAM, lw=0.8, zorder=4)
