@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from math import pi
 from typing import TYPE_CHECKING, Any
@@ -75,10 +76,15 @@ class Sweep:
     cost: Cost
     key: str = "rpm"  # what is varied
 
+    @cached_property
+    def bare(self) -> list[Speed]:
+        """The speeds without their sections: they fit into memory, and the disk is read once."""
+        return [bare(speed) for speed in self.speeds]
+
     @property
     def troubled(self) -> list[Speed]:
         """Speeds whose status is not ok, without their sections."""
-        return [bare(speed) for speed in self.speeds if speed.status != Status.OK]
+        return [speed for speed in self.bare if speed.status != Status.OK]
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.analysis.labels import CONTACT
 from camcli.analysis.loads import Loads
-from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, bare, rpm_grid, status_name, sweep_map
+from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
 from camcli.api.simulate import height_notes
@@ -261,7 +261,7 @@ def _explained(
     from camcli.analysis.classify import classify
     from camcli.analysis.explain.changes import explain
 
-    rpms = [speed.rpm for speed in found.speeds]
+    rpms = [speed.rpm for speed in found.bare]
     motions = classify(
         machine.system,
         machine.settings,
@@ -289,7 +289,7 @@ def _result(
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
         if name in section.sections and section.tables != "none"
     }
-    tables["speeds"] = Table.of_rows((found.key, *SPEEDS), lambda: map(speed_row, found.speeds))
+    tables["speeds"] = Table.of_rows((found.key, *SPEEDS), lambda: map(speed_row, found.bare))
     if explanation is not None:
         from camcli.api.classify import corners_table
         from camcli.output.explanations import explained
@@ -323,7 +323,7 @@ def _result(
 
 def _unknown(found: Sweep) -> list[str]:
     """How many motions are not known, drawn grey."""
-    count = sum(not speed.known for speed in found.speeds)
+    count = sum(not speed.known for speed in found.bare)
     if not count:
         return []
     return [
@@ -357,9 +357,8 @@ def _summary(found: Sweep) -> dict[str, Any]:
 
 def ranges(found: Sweep) -> list[tuple[str, str, Speed, Speed, int]]:
     """(label, status, first, last, count) of consecutive speeds of one label and status."""
-    plain = map(bare, found.speeds)
     groups = []
-    for (label, status), members in groupby(plain, lambda s: (s.label, status_name(s.status))):
+    for (label, status), members in groupby(found.bare, lambda s: (s.label, status_name(s.status))):
         same = list(members)
         groups.append((label, status, same[0], same[-1], len(same)))
     return groups
