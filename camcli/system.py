@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite, pi
+from typing import NamedTuple
 
 from camcli.cams.compile import Part, Shape, build, column, corners
 from camcli.errors import Fault, SceneError
@@ -104,3 +105,28 @@ class System:
         f = self.follower
         values = (rpm, f.mass, f.stiffness, f.damping, f.gravity, f.preload, f.restitution)
         return [float(value) for value in values]
+
+
+SMALL_LIFT = 0.1  # m: lengths of a smaller cam are printed in mm
+
+
+class Units(NamedTuple):
+    """In which lengths and stiffnesses of a machine are printed: mm where its lift is small."""
+
+    length: str
+    per_m: float
+    stiffness: str
+
+    def lengths(self, metres: float, digits: int = 3) -> str:
+        """With the unit."""
+        return f"{metres * self.per_m:.{digits}g} {self.length}"
+
+    def stiffnesses(self, newtons_per_m: float, digits: int = 4) -> str:
+        """With the unit."""
+        return f"{newtons_per_m / self.per_m:.{digits}g} {self.stiffness}"
+
+
+def units_of(system: System) -> Units:
+    """Those of a machine."""
+    lift = system.cam.top - min(column(system.cam, "c_min"))
+    return Units("mm", 1e3, "N/mm") if lift < SMALL_LIFT else Units("m", 1.0, "N/m")

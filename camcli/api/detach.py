@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import inf
+from typing import BinaryIO
 
 from camcli.analysis.contact_loss.detachment import SpeedStatus
 from camcli.analysis.contact_loss.force import Hertz
@@ -23,10 +24,13 @@ from camcli.system import omega_of
 DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s")
 ACCUMULATION = ("rpm", "theta_deg")
 CORNER_HITS = ("impact", "corner", "rpm")
+FEW = 8  # rows of a table in a report
 FORCE = ("rpm", "theta_deg", "force_n", "pressure_pa")
 
 
-def detach(scene: Scene | None = None, progress: Progress | None = None) -> Result:
+def detach(
+    scene: Scene | None = None, progress: Progress | None = None, *, report: bool = False
+) -> Result:
     """Critical speeds at which contact is lost, from the contact force, and the chatter after it.
 
     The contact force of the follower kept on the cam is N = k c + b c' + m g + F0 + m c''; contact
@@ -39,6 +43,10 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
         The machine and the section ``detach``; the default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
+    report : bool
+        Save a page for print too, ``report.pdf`` (A4): the machine, the verdict, contact force,
+        loft and landing speed, and the springs that hold to ``detach.hold_to``, or else to the end
+        of the range.
 
     Returns
     -------
@@ -58,7 +66,10 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
     """
     machine = machine_of(scene)
     section, system, cam = machine.scene.detach, machine.system, machine.scene.cam
-    spring = machine.scene.spring
+    scene, spring = machine.scene, machine.scene.spring
+    if report and section.hold_to is None:
+        section = section.model_copy(update={"hold_to": max(section.rpm.start, section.rpm.stop)})
+        scene = scene.model_copy(update={"detach": section})
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
     with stopwatch() as watch:
         found = run(
@@ -83,9 +94,9 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
         return draw_detach(found, system)
 
     unsettled = [c for c in found.critical_speeds if c.status is SpeedStatus.UNRESOLVED]
-    return Result(
+    result = Result(
         command="detach",
-        scene=machine.scene,
+        scene=scene,
         system=system,
         values=found,
         tables={
@@ -112,7 +123,32 @@ def detach(scene: Scene | None = None, progress: Progress | None = None) -> Resu
             ),
         ),
         complete=not (found.troubled or unsettled),
+        options={"report": True} if report else {},
+        files={"report.pdf": lambda file: _write_report(result, file)} if report else {},
     )
+    return result
+
+
+def _write_report(result: Result, file: BinaryIO) -> None:
+    """The page of --report."""
+    from camcli.api.lift_table import table_record
+    from camcli.output.detach import answers, machine
+    from camcli.output.pictures import write_picture
+    from camcli.output.verdict import verdict
+    from camcli.plots.detach import draw_report
+    from camcli.plots.mechanism import Outline
+
+    scene, system, cam = result.scene, result.system, result.scene.cam
+    base = getattr(scene.contact, "base_radius", None) or getattr(cam, "base_radius", None)
+    words = verdict(result, table_record(cam, system) if cam.kind == "table" else None)
+    lists = [machine(result)]
+    for title, heads, rows in answers(result):
+        few = rows[:: 1 + (len(rows) - 1) // FEW]
+        lists.append([[title], heads, *few])
+    title = f"Contact of cam and follower: {getattr(cam, 'file', cam.kind)}"
+    picture = draw_report(result.values, system, Outline.of(system, base, cam), title, words, lists)
+    page = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
+    write_picture(picture, file, "pdf", scene.plot.model_copy(update=page), margin=15.0)
 
 
 def _critical_rows(found: ContactLoss) -> Iterator[tuple]:

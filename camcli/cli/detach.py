@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from math import inf
 from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
@@ -16,8 +15,6 @@ if TYPE_CHECKING:
     from camcli.analysis.contact_loss.study import ContactLoss
     from camcli.api.result import Result
 
-ROUNDING = 1e-9  # N: a force that is zero up to rounding is printed as zero
-
 
 def detach(
     request: Request,
@@ -25,6 +22,9 @@ def detach(
         str | None,
         Option("--hold-to", help="Find the spring that holds up to this speed.", metavar="RPM"),
     ] = None,
+    report: Annotated[
+        bool, Option("--report", help="Also write a page for print, report.pdf.")
+    ] = False,
     verbose: Annotated[
         bool, Option("--verbose", "-v", help="Print the theory: critical speeds, bursts, corners.")
     ] = False,
@@ -41,6 +41,7 @@ def detach(
                       contact: loft, landing, bounces on the shut cam, contact forces. On the
                       screen "at lift" is the lift at the hardest landing, "bounces" the impacts a
                       turn, a tenth as hard or harder, within a hundredth of the lift
+    report.pdf        with --report a page: machine, verdict, forces, loft, landing, springs
     detach.png        impacts with accumulation curve and corner hits; the contact force
 
     \b
@@ -69,14 +70,17 @@ def detach(
         found = f"found the range '{hold_to}'"
         raise SceneError(Fault("--hold-to", "", found, "expected one speed", "give its top"))
     values |= given({"detach.hold_to": (top, "--hold-to")})
-    return run("detach", request, values, partial(show, verbose=verbose))
+    options = {"report": True} if report else {}
+    return run("detach", request, values, partial(show, verbose=verbose), options=options)
 
 
 def show(result: Result, verbose: bool = False) -> None:
     """Print what an engineer asks; the theory behind it only where it is asked for."""
-    from camcli.output.detach import plainly, theory
+    from camcli.cli.report import table
+    from camcli.output.detach import answers, plainly, theory
 
-    _show_answers(result)
+    for title, heads, rows in answers(result):
+        table(title, heads, rows)
     if verbose:
         _show_theory(result.values)
     for line in plainly(result.values) + (theory(result.values) if verbose else []):
@@ -85,58 +89,6 @@ def show(result: Result, verbose: bool = False) -> None:
         print(
             "(critical speeds with their brackets, corner hits and bursts: --verbose, or run.json)"
         )
-
-
-def _show_answers(result: Result) -> None:
-    """Past the loss of contact; the contact force; the springs of --hold-to."""
-    from camcli.cli.report import table
-    from camcli.output.detach import WAYS
-    from camcli.output.verdict import crank_of, units_of
-
-    found, units, crank = result.values, units_of(result.system), crank_of(result.scene)
-    names = ["cam (rpm)", *["crank (rpm)"] * bool(crank)]
-
-    exact = 4 if result.scene.cam.kind == "table" else 6  # digits of a speed
-
-    def speed(rpm: float) -> list[str]:
-        return [f"{x * rpm:.{exact}g}" for x in (1.0, crank) if x]
-
-    def between(low: float | None, high: float | None) -> str:
-        return "" if low is None or high is None else f"{low:.4g} to {high:.4g}"
-
-    past = [
-        [*speed(s.rpm), _cell(x.max_gap_m, units.per_m), _cell(x.max_impact_m_per_s),
-         _cell(x.landing_deg, digits=4), _cell(x.landing_lift_m, units.per_m),
-         _cell(x.shut_bounces_per_turn), between(x.min_contact_force_n, x.max_contact_force_n)]
-        for s in found.past
-        for x in (s.loads,)
-    ]  # fmt: skip
-    columns = f"loft ({units.length}), lands (m/s), at (deg), at lift ({units.length})"
-    columns += ", bounces, force (N)"
-    forces = [
-        [*speed(f.rpm), _cell(f.lowest_n if abs(f.lowest_n) > ROUNDING else 0.0, digits=4),
-         _cell(f.lowest_deg, digits=4), _cell(f.highest(f.force_n)[0], digits=4),
-         *([_cell(f.highest(f.pressure_pa)[0], 1e-6)] if f.pressure_pa else [])]
-        for f in found.forces
-    ]  # fmt: skip
-    pressed = ", Hertz (MPa)" if found.forces and found.forces[0].pressure_pa else ""
-    springs = [
-        [WAYS[h.quantity], _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, digits=4),
-         _cell(h.nose_n, digits=4),
-         "never" if h.detaches_rpm == inf else _cell(h.detaches_rpm, digits=exact), h.status]
-        for h in found.holds
-        if h.stiffness is not None
-    ]  # fmt: skip
-    for title, heads, rows in (
-        ("Past the loss of contact", [*names, *columns.split(", ")], past),
-        ("Contact force if the follower is kept on the cam",
-         [*names, *f"least (N), at (deg), largest (N){pressed}".split(", ")], forces),
-        ("Springs that hold contact",
-         ["spring", *f"rate ({units.stiffness}), preload (N), at full lift (N)"
-          ", holds to (rpm), status".split(", ")], springs),
-    ):  # fmt: skip
-        if rows:
-            table(title, heads, rows)
 
 
 def _show_theory(found: ContactLoss) -> None:
@@ -175,7 +127,3 @@ def _show_theory(found: ContactLoss) -> None:
 def _name(c: CriticalSpeed) -> str:
     name = c.quantity.replace("_", " ")
     return "accumulates at" if name.startswith("accumulation") else name
-
-
-def _cell(value: float | None, scale: float = 1.0, digits: int = 3) -> str:
-    return "" if value is None else f"{value * scale:.{digits}g}"

@@ -25,6 +25,7 @@ class Options(BaseModel):
     base_radius: float | None = None
     prove: bool = False
     animate: bool = False
+    report: bool = False
     with_basins: bool = False
     source: str = ""
 

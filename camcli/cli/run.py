@@ -32,7 +32,8 @@ ARTEFACTS = {  # files of other people with these names are looked for before an
         "impacts.csv strobe.csv impacts.npz strobe.npz speeds.csv corners.csv sweep.png "
         "map.csv map.png"
     ),
-    "detach": "detach.csv accumulation.csv corner_hits.csv force.csv speeds.csv detach.png",
+    "detach": "detach.csv accumulation.csv corner_hits.csv force.csv speeds.csv detach.png "
+    "report.pdf",
     "orbits": "branch.csv bifurcations.csv curve.csv orbits.png curve.png",
     "basins": "attractors.csv basins.csv basins.png",
     "classify": "classify.csv corners.csv classify.png",
@@ -159,7 +160,7 @@ def run(
         note(f"{said}; {less}see cam {command} --dry-run")
     if request.dry_run:
         with compiling(request):
-            forecast(command, scene, request, part, profile_only=bool(options))
+            forecast(command, scene, request, part, profile_only="profile_only" in (options or {}))
         return DONE
     return execute(command, scene, request, show, shard=part, cluster=cluster, options=options)
 

@@ -11,6 +11,8 @@ from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, Settled
 from camcli.analysis.contact_loss.detachment import AlwaysLost, CriticalSpeed, Quantity, Reason
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
+from camcli.cams.compile import lift_range
+from camcli.system import units_of
 
 WAYS = {  # the springs of --hold-to
     Quantity.HOLD_STIFFNESS: "a stiffer spring with the same preload",
@@ -177,3 +179,77 @@ def _finite(values: dict[str, Any]) -> dict[str, Any]:
         key: None if isinstance(value, float) and not isfinite(value) else value
         for key, value in values.items()
     }
+
+
+# -- for print ---------------------------------------------------------------------------------
+
+ROUNDING = 1e-9  # N: a force that is zero up to rounding is printed as zero
+
+
+def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
+    """Tables (title, heads, rows): past the loss of contact; contact force; springs that hold."""
+    found, units = result.values, units_of(result.system)
+    crank = 2.0 if getattr(result.scene.cam, "angle", "") == "crank" else 0.0
+    names = ["cam (rpm)", *["crank (rpm)"] * bool(crank)]
+
+    exact = 4 if result.scene.cam.kind == "table" else 6  # digits of a speed
+
+    def speed(rpm: float) -> list[str]:
+        return [f"{x * rpm:.{exact}g}" for x in (1.0, crank) if x]
+
+    def between(low: float | None, high: float | None) -> str:
+        return "" if low is None or high is None else f"{low:.4g} to {high:.4g}"
+
+    past = [
+        [*speed(s.rpm), _cell(x.max_gap_m, units.per_m), _cell(x.max_impact_m_per_s),
+         _cell(x.landing_deg, digits=4), _cell(x.landing_lift_m, units.per_m),
+         _cell(x.shut_bounces_per_turn), between(x.min_contact_force_n, x.max_contact_force_n)]
+        for s in found.past
+        for x in (s.loads,)
+    ]  # fmt: skip
+    columns = f"loft ({units.length}), lands (m/s), at (deg), at lift ({units.length})"
+    columns += ", bounces, force (N)"
+    forces = [
+        [*speed(f.rpm), _cell(f.lowest_n if abs(f.lowest_n) > ROUNDING else 0.0, digits=4),
+         _cell(f.lowest_deg, digits=4), _cell(f.highest(f.force_n)[0], digits=4),
+         *([_cell(f.highest(f.pressure_pa)[0], 1e-6)] if f.pressure_pa else [])]
+        for f in found.forces
+    ]  # fmt: skip
+    pressed = ", Hertz (MPa)" if found.forces and found.forces[0].pressure_pa else ""
+    springs = [
+        [WAYS[h.quantity], _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, digits=4),
+         _cell(h.nose_n, digits=4),
+         "never" if h.detaches_rpm == inf else _cell(h.detaches_rpm, digits=exact), h.status]
+        for h in found.holds
+        if h.stiffness is not None
+    ]  # fmt: skip
+    tables = [
+        ("Past the loss of contact", [*names, *columns.split(", ")], past),
+        ("Contact force if the follower is kept on the cam",
+         [*names, *f"least (N), at (deg), largest (N){pressed}".split(", ")], forces),
+        ("Springs that hold contact",
+         ["spring", *f"rate ({units.stiffness}), preload (N), at full lift (N), holds to (rpm), "
+          "status".split(", ")], springs),
+    ]  # fmt: skip
+    return [(title, heads, rows) for title, heads, rows in tables if rows]
+
+
+def machine(result: Any) -> list[list[str]]:
+    """The machine in rows of a name and a value."""
+    f, cam, units = result.system.follower, result.scene.cam, units_of(result.system)
+    lift = lift_range(result.system.cam)
+    rows = [
+        ["mass", f"{f.mass:.4g} kg"],
+        ["spring", units.stiffnesses(f.stiffness)],
+        ["force at lowest lift", f"{f.preload + f.stiffness * lift[0]:.4g} N"],
+        ["force at full lift", f"{f.preload + f.stiffness * lift[1]:.4g} N"],
+        ["damping", f"{f.damping:.4g} N s/m"],
+        ["restitution", f"{f.restitution:.3g}"],
+        ["cam", getattr(cam, "file", cam.kind)],
+        ["lift", units.lengths(lift[1] - lift[0], 4)],
+    ]
+    return [["machine", ""], *rows]
+
+
+def _cell(value: float | None, scale: float = 1.0, digits: int = 3) -> str:
+    return "" if value is None else f"{value * scale:.{digits}g}"

@@ -22,18 +22,25 @@ SAID: dict[str, dict[str, Any]] = {  # by itself matplotlib writes its version, 
 
 
 def write_picture(
-    picture: Picture, file: BinaryIO, kind: str = "png", form: Plot | None = None
+    picture: Picture,
+    file: BinaryIO,
+    kind: str = "png",
+    form: Plot | None = None,
+    margin: float = 0.0,
 ) -> None:
     """Write a PNG, PDF or SVG: same picture, same bytes on one installation.
+
+    margin: blank around it, mm.
 
     Nothing of the program, the time or the place is put into it, and no setting of the user
     changes it but those of `form`.
     """
     from camcli.plots.style import look
 
-    figure = picture.figure(form)
+    figure, blank = picture.figure(form), margin / 25.4
+    page = figure.bbox_inches.padded(blank) if blank else None
     with look(*((form.font, form.style) if form else ())):
-        figure.savefig(file, format=kind, metadata=SAID[kind])
+        figure.savefig(file, format=kind, metadata=SAID[kind], bbox_inches=page)
 
 
 def animation_kinds() -> tuple[str, ...]:

@@ -4,40 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from math import ceil, floor, log10
-from typing import Any, NamedTuple
+from typing import Any
 
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
-from camcli.cams.compile import column
 from camcli.output.detach import WAYS
-from camcli.system import System
+from camcli.system import Units, units_of
 
 MM = 1e3  # per m
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
 LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
 LARGE_RADIUS = 1.0  # m
-
-
-class Units(NamedTuple):
-    """In which lengths and stiffnesses of a machine are printed: mm where its lift is small."""
-
-    length: str
-    per_m: float
-    stiffness: str
-
-    def lengths(self, metres: float, digits: int = 3) -> str:
-        """With the unit."""
-        return f"{metres * self.per_m:.{digits}g} {self.length}"
-
-    def stiffnesses(self, newtons_per_m: float, digits: int = 4) -> str:
-        """With the unit."""
-        return f"{newtons_per_m / self.per_m:.{digits}g} {self.stiffness}"
-
-
-def units_of(system: System) -> Units:
-    """Those of a machine."""
-    lift = system.cam.top - min(column(system.cam, "c_min"))
-    return Units("mm", MM, "N/mm") if lift < LARGE_LIFT else Units("m", 1.0, "N/m")
 
 
 def crank_of(scene: Any) -> float:

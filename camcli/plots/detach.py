@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
 from typing import Any
@@ -18,9 +18,10 @@ from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.contact_loss.hold import Hold
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.plots import style
-from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, newtons, turn_axis
-from camcli.plots.picture import Panel, Picture
-from camcli.system import System
+from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, newtons, say, turn_axis
+from camcli.plots.mechanism import Outline, machine_panels
+from camcli.plots.picture import Panel, Picture, Rows
+from camcli.system import System, Units, units_of
 
 PHASES, FORCE = 62.0, 46.0  # mm
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
@@ -54,12 +55,12 @@ def draw_detach(study: ContactLoss, system: System) -> Picture:
         zoom = Panel(partial(_draw_phases, view=enlarged[0], **more), PHASES)
         panels = {"enlarged": zoom, **panels}
     if study.forces:
-        names = [_least(f"{style.number(round(c.rpm, 6))} rpm", c) for c in study.forces]
+        names = [_least(f"{c.rpm:.6g} rpm", c) for c in study.forces]
         draw = partial(_draw_forces, curves=study.forces, names=names, corners=corners)
         panels["forces"] = Panel(draw, FORCE)
     if study.springs:
         curves = [curve for _, curve in study.springs]
-        names = [_least(_spring(hold), curve) for hold, curve in study.springs]
+        names = [_least(_spring(hold, units_of(system)), curve) for hold, curve in study.springs]
         where = f"at {style.number(curves[0].rpm)} rpm"
         draw = partial(_draw_forces, curves=curves, names=names, corners=corners, where=where)
         panels["springs"] = Panel(draw, FORCE)
@@ -77,6 +78,41 @@ def _first_loss(study: ContactLoss) -> str:
     if study.completion:
         text += f"; chatter stops being complete at {study.completion[0].rpm:.4f} rpm"
     return text
+
+
+def draw_report(
+    study: ContactLoss,
+    system: System,
+    outline: Outline,
+    title: str,
+    words: str,
+    lists: Sequence[Rows],
+) -> Picture:
+    """A page of one machine: the cam, forces, loft and landing speed, and the springs."""
+    drawn, units = draw_detach(study, system).panels, units_of(system)
+    panels = {"outline": replace(machine_panels(outline, {})["outline"], usual=True)}
+    if "forces" in drawn:
+        panels["forces"] = replace(drawn["forces"], across=2)
+    first = study.detachment.first
+    for name, scale, said in (
+        ("max_gap_m", units.per_m, f"loft off the cam ({units.length})"),
+        ("max_impact_m_per_s", 1.0, "landing speed (m/s)"),
+    ):
+        points = [(first.rpm, 0.0)] if first and study.past else []
+        points += [(s.rpm, scale * (getattr(s.loads, name) or 0.0)) for s in study.past]
+        draw = partial(_draw_load, points=points, said=said)
+        panels[name] = Panel(draw, FORCE, across=2)
+    panels |= {name: panel for name, panel in drawn.items() if name == "springs"}
+    return Picture(title, panels, words, lists=lists)
+
+
+def _draw_load(axes: Axes, points: Sequence[tuple[float, float]], said: str) -> None:
+    axes.set_ylabel(said)
+    if not points:
+        say(axes, "contact holds over the whole range")
+        return
+    axes.plot(*zip(*points, strict=True), "o-", color=style.IMPACT, ms=2.5)
+    axes.set(xlabel="cam speed (rpm)", ylim=(0.0, None))
 
 
 # --- phases over speed
@@ -190,14 +226,14 @@ def _draw_forces(
     draw_forces(axes, curves, names)
     turn_axis(axes, corners)
     axes.set_title(where)
-    axes.legend(fontsize=style.NOTE, loc="lower left")
+    axes.legend(fontsize=style.NOTE, loc="lower left", bbox_to_anchor=(0.0, 1.06))
 
 
 def _least(name: str, curve: ForceCurve) -> str:
-    return f"{name}: least {newtons(curve.lowest_n, 6)} at {curve.lowest_deg:.6g} deg"
+    return f"{name}: least {newtons(curve.lowest_n, 4)} at {curve.lowest_deg:.4g} deg"
 
 
-def _spring(hold: Hold | None) -> str:
+def _spring(hold: Hold | None, units: Units) -> str:
     if hold is None:
         return "present spring"
-    return f"{hold.stiffness:.6g} N/m, preload {hold.preload:.6g} N"
+    return f"{units.stiffnesses(hold.stiffness or 0.0, 5)}, preload {hold.preload:.5g} N"

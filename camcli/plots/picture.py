@@ -200,6 +200,8 @@ class _Heading:
                     colour = style.CAM if row == 0 else "black"
                     text = self._write(left, cell, row, color=colour, size=style.NOTE)
                     self.last.append(text)
+                    if len(cells) == 1 < len(rows[-1]):  # a title over all columns
+                        continue
                     ends.append(left + text.get_window_extent().width / style.DPI / MM)
                 else:
                     middle = self.top + ROW * (row + 0.5)

@@ -1,6 +1,7 @@
 """From a lift table to a verdict, as somebody who knows engines and no bifurcations would go."""
 
 import json
+import re
 from math import pi, sqrt
 
 import numpy as np
@@ -195,3 +196,19 @@ def test_the_pressure_of_a_line_contact():
     del contact["base_radius"]
     with pytest.raises(camcli.SceneError, match=r"contact\.base_radius: found no radius"):
         camcli.detach(camcli.load_scene({**VALVE, "contact": contact}))
+
+
+def test_a_report_is_one_page_for_print(cam, begun):
+    """A4, the same bytes again, with springs for the end of the range where none are asked for."""
+    done = cam("detach", "-c", "lobe.yaml", "--no-plot", "--points", "3", "--report")
+    assert done.returncode == 0, done.stderr
+    page = (begun / "out/detach/report.pdf").read_bytes()
+    assert (page[:5], page.count(b"/Type /Page "), page.count(b"/Count 1")) == (b"%PDF-", 1, 1)
+    width, height = re.search(rb"/MediaBox \[ 0 0 ([0-9.]+) ([0-9.]+) \]", page).groups()
+    assert (float(width), float(height)) == pytest.approx((210 / 25.4 * 72, 297 / 25.4 * 72))
+    record = json.loads((begun / "out/detach/run.json").read_text())
+    assert record["scene"]["detach"]["hold_to"] == record["scene"]["detach"]["rpm"]["stop"]
+    assert len(record["result"]["hold"]) == 3
+    again = cam("rerun", "out/detach/run.json", "--folder", ".", "-o", "again")
+    assert again.returncode == 0, again.stderr
+    assert (begun / "again/report.pdf").read_bytes() == page
