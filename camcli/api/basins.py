@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from camcli.system import omega_of
 ATTRACTORS = ("attractor", "label", "q_m", "v_m_per_s", "fraction", "standard_error", "rpm")
 GROWTH = (*MULTIPLIERS, "lyapunov_per_period")
 BASINS = ("q_m", "v_m_per_s", "attractor")
+SADDLES = ("label", "q_m", "v_m_per_s", *MULTIPLIERS, "led", "tried")
 ROWS = 1 << 16  # of a refined grid at a time
 CRITERION = {
     "orbit": "a cell belongs to a periodic attractor when one whole period leads from ellipse to "
@@ -58,9 +59,12 @@ def basins(
     Result
         Table ``attractors``: attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm;
         before them the key of another number that is varied.
-        Of one speed also ``basins``, a row per cell: q_m, v_m_per_s, attractor (0 is undecided, a
-        negative number a status). In ``summary`` basin entropy, boundary entropy and, with
-        ``basins.boundary``, the uncertainty exponent.
+        Of up to three speeds also ``basins``, a row per cell: q_m, v_m_per_s, attractor (0 is
+        undecided, a negative number a status), of two and three also what is varied. With
+        ``basins.saddles`` also ``saddles``, the saddles on the boundaries: rpm (or what is varied),
+        label, q_m, v_m_per_s, multiplier_1_re to multiplier_2_im, led and tried (motions). In
+        ``summary`` basin entropy, boundary entropy and, with ``basins.boundary``, the uncertainty
+        exponent.
 
     References
     ----------
@@ -89,13 +93,16 @@ def basins(
             setup=setup,
             boundary=section.boundary,
             exponents=section.exponents,
+            saddles=section.saddles,
             work=work or Work(),
             on_cells=on_cells,
         )
     tables = {"attractors": _attractors_table(found, key)}
-    if found.grid is not None:
-        grid = found.grid
-        tables["basins"] = Table(BASINS, lambda: _cell_blocks(grid, question.refine))
+    if found.grids:
+        columns = (*BASINS, key) if len(found.grids) > 1 else BASINS
+        tables["basins"] = Table(columns, lambda: _cell_blocks(found.grids, question.refine))
+    if section.saddles:
+        tables["saddles"] = Table.of_rows((key, *SADDLES), lambda: _saddle_rows(found))
 
     def draw():
         from camcli.plots.basins import draw_basins
@@ -183,8 +190,25 @@ def _growth(speed: Basins, k: int | None) -> list:
     return [*numbers, exponent]
 
 
-def _cell_blocks(grid: Basins, refine: int) -> Iterator[Block]:
-    """Row by row in v, then q; of a refined grid the cells that were not cut."""
+def _saddle_rows(found: Study) -> Iterator[tuple]:
+    for speed in found.speeds:
+        for saddle in speed.saddles or ():
+            q, w = saddle.orbit.states[0]
+            growth = [x for z in saddle.orbit.multipliers for x in (z.real + 0.0, z.imag + 0.0)]
+            at = speed.value, saddle.orbit.label, q, w * omega_of(speed.rpm)
+            yield (*at, *growth, saddle.led, saddle.tried)
+
+
+def _cell_blocks(grids: Sequence[Basins], refine: int) -> Iterator[Block]:
+    """Speed by speed, row by row in v, then q; of a refined grid the cells that were not cut."""
+    for grid in grids:
+        numbers = np.array([*grid.branches, *range(grid.codes.min(initial=0), 1)])
+        for q, v, codes in _cells(grid, refine):
+            known = numbers[np.asarray(codes, dtype=int) - 1]
+            yield (q, v, known, grid.value) if len(grids) > 1 else (q, v, known)
+
+
+def _cells(grid: Basins, refine: int) -> Iterator[Block]:
     window = grid.window
     if grid.level is None:
         q = tuple(window.q_of(np.arange(window.nq)).tolist())
@@ -231,6 +255,9 @@ def _record(speed: Basins, question: Question) -> dict[str, Any]:
         "troubled": {status_name(code): cells for code, cells in speed.troubled.items()},
         "turns_per_cell": dict(zip(("median", "percentile_99", "most"), speed.turns, strict=True)),
         **speed.entropies,
+        "saddles": [
+            {"label": s.orbit.label, "led": s.led, "tried": s.tried} for s in speed.saddles or ()
+        ],
         "uncertainty": None if doubt is None else {
             "exponent": doubt.exponent,
             "standard_error": doubt.error,

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import chain, starmap
 from math import pi
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
+from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Curve, Plane
@@ -17,7 +19,9 @@ from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
-from camcli.api.result import Progress, Result, machine_of, ticks
+from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
+from camcli.api.result import Machine, Progress, Result, machine_of, ticks
+from camcli.api.sweep import IMPACTS, STROBE, blocks
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
@@ -86,7 +90,8 @@ def orbits(
         trace_right, det_right, classification.
         With ``prove`` both append proved (yes, no), bifurcations also enclosure_low and
         enclosure_high of the parameter; ``summary`` has the boxes, and the step that failed.
-        With ``orbits.curve`` also ``curve``, a bifurcation in two parameters.
+        With ``orbits.curve`` also ``curve``, a bifurcation in two parameters, and with
+        ``orbits.simulated`` ``impacts`` and ``strobe`` as of `sweep`.
 
     Raises
     ------
@@ -102,13 +107,15 @@ def orbits(
     (2008).
     """
     machine = machine_of(scene)
-    scene, system = machine.scene, machine.system
+    scene, system, simulated = machine.scene, machine.system, None
     asked = _spelt_out(scene)
     section, question = asked.orbits, _question(asked)
     keys = {_constant(axis): axis.key for axis in section.vary}
     with stopwatch() as watch:
         tick = ticks(progress, "branches", question.branches + 2)
         found = run(system, machine.settings, question, tick)
+        if section.simulated and question.span is not None:
+            simulated = _simulated(machine, found.question, section.simulated)
         if prove:
             from camcli.analysis.orbits.proofs import prove as proofs_of
 
@@ -117,7 +124,7 @@ def orbits(
     def draw():
         from camcli.plots.orbits import draw_orbits
 
-        return draw_orbits(found, system)
+        return draw_orbits(found, system, simulated)
 
     def draw_curve():
         from camcli.plots.orbits import draw_curves
@@ -128,6 +135,10 @@ def orbits(
         "branch": _branch_table(found, keys),
         "bifurcations": _bifurcations_table(found, keys),
     }
+    if simulated is not None:
+        key = keys.get(simulated.key, UNITS.get(simulated.key, simulated.key))
+        for name, columns in (("impacts", IMPACTS), ("strobe", STROBE)):
+            tables[name] = Table((key, *columns), partial(blocks, simulated, name))
     pictures = {"orbits": draw}
     if section.curve is not None:
         tables["curve"] = _curve_table(found.curves, section, keys)
@@ -141,7 +152,7 @@ def orbits(
         tables=tables,
         summary=_summary(found),
         pictures=pictures,
-        cost=found.cost,
+        cost=found.cost + (simulated.cost if simulated else Cost()),
         seconds=watch.seconds,
         notes=tuple(notes),
         complete=not notes,
@@ -245,6 +256,19 @@ def _question(scene: Scene) -> Question:
         curve=curve,
         plane=plane,
     )
+
+
+def _simulated(machine: Machine, question: Question, count: int) -> Sweep:
+    """Motions from the scene's start over the range of the parameter."""
+    span, system, key = question.span, machine.system, question.parameter
+    assert span is not None
+
+    def setup(value: float) -> Setup:
+        return system.with_follower(**{key: value}), question.rpm, machine.settings
+
+    values = rpm_grid(span.low, span.high, count)
+    own = None if key == "rpm" else setup
+    return sweep(system, values, machine.settings, key=key, setup=own)
 
 
 def _refusal(key: str, found: str, expected: str, cure: str) -> SceneError:

@@ -16,7 +16,9 @@ from camcli.scene import Scene
 from camcli.system import omega_of
 
 if TYPE_CHECKING:
+    from camcli.analysis.cam_profile import Profile
     from camcli.analysis.simulate import Simulation
+    from camcli.plots.cam_profile import Drawn
 
 TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "contact")
 EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
@@ -61,7 +63,8 @@ def simulate(
         Table ``events``: t_s, period, theta_deg, event (impact, chatter, detachment), q_m,
         u_minus_m_per_s, u_plus_m_per_s.
         With ``profile_only`` only the table ``profile``: theta_deg, c_m, c_theta_m_per_rad,
-        c_thetatheta_m_per_rad2, force_n; two rows at a corner.
+        c_thetatheta_m_per_rad2, force_n; two rows at a corner. ``profile_2`` and ``profile_3`` are
+        those of the cams in ``simulate.beside``.
 
     Raises
     ------
@@ -166,34 +169,34 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
     """The cam of a scene over one turn, and what a flat face or a roller needs of it."""
     from camcli.analysis.cam_profile import profile
 
-    scene, system = machine.scene, machine.system
-    if base_radius is None:
-        base = getattr(scene.cam, "base_radius", None)
-    elif isfinite(base_radius) and 0.0 < base_radius <= 1e6:
-        base = base_radius
-    else:
+    scene = machine.scene
+    if base_radius is not None and not (isfinite(base_radius) and 0.0 < base_radius <= 1e6):
         found, expected = f"found {base_radius}", "expected a radius greater than 0, at most 1e6"
         raise SceneError(Fault("--base-radius", "", found, expected, "give it in m"))
+    others = [scene.model_copy(update={"cam": cam}) for cam in scene.simulate.beside]
+    machines = [machine, *map(machine_of, others)]
+    bases = [getattr(one.scene.cam, "base_radius", None) for one in machines]
+    bases[0] = bases[0] if base_radius is None else base_radius
+    alike = next(filter(None, bases), None)  # cams side by side, where one does not say
+    bases = [base or alike for base in bases]
+    rpm, samples = scene.run.rpm, scene.simulate.samples
     with stopwatch() as watch:
-        result = profile(system, scene.run.rpm, scene.simulate.samples, base)
+        results = [
+            profile(one.system, rpm, samples, base)
+            for one, base in zip(machines, bases, strict=True)
+        ]
+    result, f, omega = results[0], machine.system.follower, omega_of(rpm)
 
-    def rows() -> Iterator[tuple]:
-        f, omega = system.follower, omega_of(result.force.rpm)
-        for theta, c, c1, c2 in zip(result.theta_deg, result.c, result.c1, result.c2, strict=True):
+    def rows(one: Profile) -> Iterator[tuple]:
+        for theta, c, c1, c2 in zip(one.theta_deg, one.c, one.c1, one.c2, strict=True):
             spring = f.mass * f.gravity + f.preload + f.stiffness * c
             yield theta, c, c1, c2, spring + omega * (f.damping * c1 + f.mass * (omega * c2))
 
     def draw():
-        from camcli.plots.cam_profile import Measured, draw_profile
-        from camcli.plots.mechanism import Outline
+        from camcli.plots.cam_profile import draw_profiles
 
-        cam, measured = scene.cam, None
-        if cam.kind == "table":
-            turn, words = cam.measured, f"error below {cam.accuracy.bound:.2g} m/rad²"
-            own = [k for k, line in enumerate(turn.line) if line]
-            lift = [cam.base + turn.lift[k] for k in own]
-            measured = Measured([turn.theta[k] for k in own], lift, cam.errors.bounds, words)
-        return draw_profile(result, Outline.of(system, base, scene.cam), measured)
+        drawn = zip(results, machines, bases, strict=True)
+        return draw_profiles([_drawn(one, own, base) for one, own, base in drawn])
 
     notes = []
     if result.curvature.undercut:
@@ -207,9 +210,12 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
     return Result(
         command="simulate",
         scene=scene,
-        system=system,
+        system=machine.system,
         values=result,
-        tables={"profile": Table.of_rows(PROFILE, rows)},
+        tables={
+            "profile" + f"_{k}" * (k > 1): Table.of_rows(PROFILE, partial(rows, one))
+            for k, one in enumerate(results, 1)
+        },
         summary=_profile_summary(result),
         pictures={"profile": draw},
         cost=Cost(),
@@ -217,6 +223,22 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
         notes=tuple(notes),
         options={key: value for key, value in options.items() if value is not None},
     )
+
+
+def _drawn(result: Profile, machine: Machine, base: float | None) -> Drawn:
+    """What is drawn of a cam: a measured one with its rows."""
+    from camcli.plots.cam_profile import Drawn, Measured
+    from camcli.plots.mechanism import Outline
+
+    cam, measured = machine.scene.cam, None
+    if cam.kind == "table":
+        turn, words = cam.measured, f"error below {cam.accuracy.bound:.2g} m/rad²"
+        own = [k for k, line in enumerate(turn.line) if line]
+        lift = [cam.base + turn.lift[k] for k in own]
+        measured = Measured([turn.theta[k] for k in own], lift, cam.errors.bounds, words)
+    law = getattr(getattr(cam, "rise", None), "law", cam.kind)
+    name = law if isinstance(law, str) else cam.kind
+    return Drawn(result, Outline.of(machine.system, base, cam), measured, name)
 
 
 def _extreme(extreme) -> dict[str, float] | None:

@@ -58,8 +58,9 @@ def sweep(
     scene : Scene, optional
         The machine, the number of turns (``run.transient``, ``run.record``) and the section
         ``sweep``: ``rpm.start``, ``rpm.stop``, ``rpm.num``, or ``vary`` for a number of the scene
-        other than the speed (``key``, ``start``, ``stop``, ``num``); ``direction`` (fixed, or up
-        and down to carry the state), ``lyapunov``, ``explain``. The default scene if left out.
+        other than the speed (``key``, ``start``, ``stop``, ``num``); ``zoom``, parts of that range
+        with values of their own; ``direction`` (fixed, or up and down to carry the state),
+        ``lyapunov``, ``explain``. The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     work : Work, optional
@@ -109,6 +110,9 @@ def sweep(
         cure = "vary a second number: --vary KEY=LO:HI"
         raise SceneError(Fault("--curves", "sweep.vary", "found no map", "expected two", cure))
     key, values, setup = span_of(machine, section)
+    if section.zoom:
+        values += [x for part in section.zoom for x in rpm_grid(part.start, part.stop, part.num)]
+        values = sorted(set(values), reverse=values[0] > values[-1])
     work = work or Work()
     with stopwatch() as watch:
         found = run(
@@ -285,7 +289,7 @@ def _result(
     path = section.branches
     branches = [] if path is None else read_branches(path, found.key)
     tables: dict[str, Table] = {
-        name: Table((found.key, *columns), partial(_blocks, found, name))
+        name: Table((found.key, *columns), partial(blocks, found, name))
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
         if name in section.sections and section.tables != "none"
     }
@@ -302,7 +306,8 @@ def _result(
         from camcli.plots.sweep import draw_sweep
 
         events = () if explanation is None else explanation.events
-        return draw_sweep(found, machine.system, machine.settings, events, branches)
+        zooms = [(min(z.start, z.stop), max(z.start, z.stop)) for z in section.zoom]
+        return draw_sweep(found, machine.system, machine.settings, events, branches, zooms)
 
     troubled = [(speed.value, speed.status) for speed in found.troubled]
     heights = height_notes(_heights(found), machine.system.cam.top)
@@ -332,7 +337,8 @@ def _unknown(found: Sweep) -> list[str]:
     ]
 
 
-def _blocks(found: Sweep, section: str) -> Iterator[Block]:
+def blocks(found: Sweep, section: str) -> Iterator[Block]:
+    """The rows of the table of a section."""
     for speed in found.speeds:
         columns = getattr(speed, section)
         if len(columns[0]):

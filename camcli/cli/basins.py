@@ -40,6 +40,7 @@ def basins(
         bool, Option("--exponents", help="Multipliers and exponents of attractors.")
     ] = False,
     vary: Vary = None,
+    saddles: Annotated[bool, Option("--saddles", help="Saddles on the boundaries.")] = False,
     shard: Shard = None,
     cluster: Cluster = None,
 ) -> int:
@@ -47,9 +48,11 @@ def basins(
 
     \b
     attractors.csv  attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm
-    basins.csv      q_m, v_m_per_s, attractor: a row per cell at its centre (one speed only); with
-                    refinement cells are of different sizes, those cut in four have no row
-    basins.png      basins with the attractors on them; over a range of speeds, their fractions
+    basins.csv      q_m, v_m_per_s, attractor: a row per cell at its centre (up to three speeds, of
+                    two and three with rpm); with refinement cells are of different sizes, those cut
+                    in four have no row
+    saddles.csv     with --saddles: rpm, label, q_m, v_m_per_s, multiplier_1_re, ..., led, tried
+    basins.png      basins with the attractors on them; over more speeds, their fractions
 
     \b
     The window holds starts (q, v) at the strobe phase, run.strobe_deg.
@@ -77,6 +80,8 @@ def basins(
     of attractors.csv then bears the KEY.
     --exponents appends multiplier_1_re, ..., lyapunov_per_period to attractors.csv: multipliers
     where the orbit is solved, the largest exponent per turn everywhere (-inf where it rests).
+    --saddles brings starts on either side of a boundary together; the motion between them is led to
+    a saddle, whose stable manifold the boundary is: led of the motions tried.
     The criterion of each attractor, with radius and checks, is in run.json.
     """
     from camcli.cli.run import given, ranges, run
@@ -90,6 +95,7 @@ def basins(
             "basins.refine": (refine, "--refine"),
             "basins.boundary": (boundary, "--boundary"),
             "basins.exponents": (exponents, "--exponents"),
+            "basins.saddles": (saddles, "--saddles"),
         }
     )
     return run("basins", request, values, show, shard=shard, cluster=cluster)
@@ -153,6 +159,11 @@ def _lines(speed: Basins, question: Question) -> list[str]:
         f"basin entropy {entropies['basin_entropy']:.4g}, boundary entropy "
         f"{entropies['boundary_entropy']:.4g} ({entropies['boundary_boxes']} of "
         f"{entropies['boxes']} boxes of 5 x 5 cells)",
+    ]
+    lines += [
+        f"saddle {_cut(s.orbit.label)} on the boundary: {s.led} of {s.tried} motions there are led "
+        "to it"
+        for s in speed.saddles or ()
     ]
     if doubt is not None:
         lines.append(

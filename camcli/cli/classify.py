@@ -230,7 +230,7 @@ def _show_collision(left: Side, right: Side, result: Collision) -> None:
 
 
 def _cycle(cycle: Cycle) -> list[str]:
-    where = {1: "mu > 0", -1: "mu < 0", 0: "never"}[cycle.exists_for]
+    where = {1: "parameter > 0", -1: "parameter < 0", 0: "never"}[cycle.exists_for]
     return [cycle.word, where, "yes" if cycle.stable else "no", _multipliers(cycle.multipliers)]
 
 

@@ -28,7 +28,7 @@ from camcli.output.gallery import Shown, page
 from camcli.output.program import program_hash
 from camcli.output.run_folder import run_folder, unchanged
 from camcli.parallel import thread_count
-from camcli.scene import Scene, default_scene_path, load_scene, resolved
+from camcli.scene import Scene, default_scene_path, load_scene
 
 NAME = "figures"
 STATE, REFERENCES = "figure.json", "reference"
@@ -234,13 +234,16 @@ def _commands() -> dict[str, Any]:
 
 
 def _scene_hash(scene: Scene, words: list[str]) -> str:
-    """SHA-256 of the command and of what it reads: not of titles, nor of other commands' keys."""
-    values = resolved(scene)
+    """SHA-256 of the command and of what it reads: not of titles, nor of other commands' keys.
+
+    A key that has its default does not count, so that a new one changes no figure.
+    """
+    values = scene.model_dump(mode="json", exclude_defaults=True)
     values["cam"].pop("sha256", None)
     others = {"figure", *_commands()} - {words[0], *READS.get(words[0], ())}
     read = {key: value for key, value in values.items() if key not in others}
     if CAM_ONLY in words:
-        read = {**read, "run": values["run"]["rpm"]}
+        read = {**read, "run": scene.run.rpm}
         read["follower"] = {k: v for k, v in values["follower"].items() if k != "restitution"}
     text = json.dumps([words, read], sort_keys=True, separators=(",", ":"), allow_nan=False)
     return sha256(text.encode()).hexdigest()

@@ -61,7 +61,8 @@ def size_of(command: str, scene: Scene) -> Size:
                 return Size(
                     "sweep.vary", what, n * m, n * m, n * m * turns, 1e3 * n * m, 6e2 * n * m
                 )
-            speeds, rows = scene.sweep.count, run.record * len(scene.sweep.sections)
+            speeds = scene.sweep.count + sum(part.num for part in scene.sweep.zoom)
+            rows = run.record * len(scene.sweep.sections)
             key = "run.record" if run.record > speeds else "sweep.rpm.num"
             what = f"{speeds} speeds x {run.record} recorded turns"
             memory, disk = 700.0 * speeds + 32.0 * rows, 43.0 * rows * speeds
@@ -98,7 +99,7 @@ def sample_of(command: str, scene: Scene, n: int) -> Scene:
     }
     match command:
         case "sweep":
-            values |= _fewer(scene, command, n)
+            values |= {"sweep.zoom": (), **_fewer(scene, command, n)}
         case "classify":
             values = {"classify.starts": 0, "classify.explain": False, **_fewer(scene, command, n)}
         case "basins":

@@ -26,16 +26,16 @@ MOST_SHARDS = 100_000
 MOST_DIGITS = 30  # of --points; a longer number is nonsense, and slow to read
 IN_PIECES = ("sweep", "basins", "bench")  # commands whose finished pieces are kept on disk
 ARTEFACTS = {  # files of other people with these names are looked for before any work is done
-    "simulate": "trajectory.csv events.csv profile.csv simulate.png profile.png simulate.gif "
-    "simulate.mp4",
+    "simulate": "trajectory.csv events.csv profile.csv profile_2.csv profile_3.csv simulate.png "
+    "profile.png simulate.gif simulate.mp4",
     "sweep": (
         "impacts.csv strobe.csv impacts.npz strobe.npz speeds.csv corners.csv sweep.png "
         "map.csv map.png"
     ),
     "detach": "detach.csv accumulation.csv corner_hits.csv force.csv speeds.csv detach.png "
     "report.pdf",
-    "orbits": "branch.csv bifurcations.csv curve.csv orbits.png curve.png",
-    "basins": "attractors.csv basins.csv basins.png",
+    "orbits": "branch.csv bifurcations.csv curve.csv impacts.csv strobe.csv orbits.png curve.png",
+    "basins": "attractors.csv basins.csv saddles.csv basins.png",
     "classify": "classify.csv corners.csv classify.png",
     "explore": "explore.html",
     "bench": "precision.csv stability.csv precision.png",
@@ -111,11 +111,20 @@ def points_of(request: Request, axes: int = 1) -> Sequence[int | None]:
 def _axis(text: str) -> dict[str, Any]:
     """KEY=LO:HI as an entry of a section's `vary`."""
     key, equals, ends = text.partition("=")
+    cure = "write it as follower.restitution=0.6:0.9"
+    return {
+        "key": key.strip(),
+        **span_of(text, "--vary", ends if equals else "", "KEY=LO:HI", cure),
+    }
+
+
+def span_of(text: str, option: str, ends: str, form: str, cure: str) -> dict[str, Any]:
+    """LO:HI as the start and stop of a section."""
     numbers = [scalar(word.strip()) for word in ends.split(":")]
-    if not equals or len(numbers) != 2 or not all(type(x) in (int, float) for x in numbers):
-        found, cure = f"found '{shown(text)}'", "write it as follower.restitution=0.6:0.9"
-        raise SceneError(Fault("--vary", "", found, "expected KEY=LO:HI", cure))
-    return {"key": key.strip(), "start": numbers[0], "stop": numbers[1]}
+    if len(numbers) != 2 or not all(type(x) in (int, float) for x in numbers):
+        found = f"found '{shown(text)}'"
+        raise SceneError(Fault(option, "", found, f"expected {form}", cure))
+    return {"start": numbers[0], "stop": numbers[1]}
 
 
 def run(

@@ -21,6 +21,10 @@ def sweep(
     ] = False,
     explain: Annotated[bool, Option("--explain", help="Find the cause of every change.")] = False,
     vary: Vary = None,
+    zoom: Annotated[
+        list[str] | None,
+        Option("--zoom", help="A part of the range, enlarged.", metavar="LO:HI"),
+    ] = None,
     both: Annotated[bool, Option("--both", help="Carry the state up, then down.")] = False,
     adaptive: Annotated[
         bool, Option("--adaptive", help="More values where the motion changes.")
@@ -65,6 +69,8 @@ def sweep(
     cam orbits --curve over it.
     In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the
     state from speed to speed in that order; fixed starts every speed alike.
+    --zoom LO:HI gives a part of the range 201 values of its own (sweep.zoom: num) and a panel; it
+    may be given again.
     --both carries it up, then down: the rows of the way down come after those of the way up.
     --adaptive adds values where the motion changes, down to the width of a column of the picture.
     --branches FILE draws solved branches over the points, stable solid and unstable dashed.
@@ -80,10 +86,15 @@ def sweep(
     where that fails it is undecided and grey.
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
     """
-    from camcli.cli.run import given, ranges, run
+    from camcli.cli.run import given, ranges, run, span_of
 
     values = ranges(request, "sweep", vary, most=2) | given(
         {
+            "sweep.zoom": (
+                [span_of(text, "--zoom", text, "LO:HI", "e.g. 739.2:739.5") for text in zoom or ()]
+                or None,
+                "--zoom",
+            ),
             "sweep.lyapunov": (lyapunov, "--lyapunov"),
             "sweep.explain": (explain, "--explain"),
             "sweep.direction": ("both" if both else None, "--both"),

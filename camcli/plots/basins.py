@@ -23,16 +23,16 @@ LABELS = 3  # of a branch of attractors in the list
 PALE = (0.8, 0.3)  # white in the colour of a basin: of the largest, of the others
 SHAPES = ("o", "s", "^", "D", "v", "P", "X")
 DOTS, RANGE_DOTS = 3000, 150  # states of an aperiodic attractor drawn
+BOUNDARY = "black"
+SADDLE: dict[str, Any] = {"marker": "x", "ms": 5.0, "mec": BOUNDARY, "mew": 1.2, "ls": "None"}
 
 
 def draw_basins(study: Study, question: Question, system: System, key: str = "rpm") -> Picture:
-    """Picture of the basins of one speed, or of fractions and attractors over a range of them.
+    """Picture of the basins of a few speeds; of fractions and attractors over a range of them.
 
     key: what is varied, where that is another number.
     """
-    if study.grid is None:
-        return _range(study, question, key)
-    return _window(study.grid, system, key)
+    return _windows(study, system, key) if study.grids else _range(study, question, key)
 
 
 def area_colours(labels: Sequence[str], largest: int = 0) -> list[str]:
@@ -45,34 +45,90 @@ def _swatch(colour: str) -> dict[str, Any]:
     return {"ls": "None", "marker": "s", "ms": 7, "mfc": colour, "mec": style.CAM, "mew": 0.4}
 
 
-# --- one speed
+# --- the windows of a few speeds
 
 
-def _window(basins: Basins, system: System, key: str) -> Picture:
-    """The basins of one speed."""
-    colours = _colours(basins)
-    entries = _entries(basins)
-    outside = {k for k, a in enumerate(basins.attractors, 1) if not _inside(basins, a).any()}
-    rows: list[list[Any]] = [["", "", "basin of", "share of the window"]]
-    for code, name, share in entries:
-        marked = 0 < code <= MOST_NAMED and basins.attractors[code - 1].periodic
-        shape = _marker(code) if marked and code not in outside else ""
-        away = "attractor outside the window" if code in outside else ""
-        rows.append([_swatch(colours.get(code, style.TROUBLE)), shape, name, share, away])
-    if (basins.codes == BELOW_CODE).any():
+def _windows(study: Study, system: System, key: str) -> Picture:
+    """The basins of the speeds side by side; their attractors by branch."""
+    grids = study.grids
+    labels = _labels(grids)
+    order = sorted(labels)
+    weight = [sum(_fraction(speed, branch) for speed in grids) for branch in order]
+    largest = int(np.argmax(weight)) if order else 0
+    areas = area_colours([labels[branch][0] for branch in order], largest)
+    none = {UNDECIDED_CODE: style.UNDECIDED, BELOW_CODE: style.CAM_BODY}
+    colours = {**none, **dict(zip(order, areas, strict=True))}
+    shared = "v" if len(grids) > 1 else ""
+    panels = {}
+    for speed in grids:
+        own = valued(key, style.number(speed.value))
+        draw = partial(_draw_window, basins=speed, colours=colours, named=own)
+        named = f" {own}" * (len(grids) > 1)
+        height = 120.0 if len(grids) == 1 else 66.0
+        panels[f"basins{named}"] = Panel(draw, height, across=len(grids), y=shared)
+    ends = dict.fromkeys(style.number(grids[k].value) for k in (0, -1))
+    title = f"Basins of attraction, {valued(key, ' to '.join(ends))}"
+    lists = [_attractor_rows(grids, labels, colours, key), *_saddle_rows(grids)]
+    return Picture(title, panels, _words(grids, system), lists=lists)
+
+
+def _attractor_rows(
+    grids: Sequence[Basins], labels: dict[int, list[str]], colours: dict[int, str], key: str
+) -> list[list[Any]]:
+    """Attractors by branch, then what belongs to none, with shares of each window."""
+    one = len(grids) == 1
+    at = ["share of the window"] if one else [valued(key, style.number(s.value)) for s in grids]
+    rows: list[list[Any]] = [["", "", "basin of", *at]]
+    for branch in sorted(labels)[:MOST_NAMED]:
+        own = [_code(speed, branch) for speed in grids]
+        there = [(s, s.attractors[k - 1]) for s, k in zip(grids, own, strict=True) if k]
+        inside = any(_inside(speed, attractor).any() for speed, attractor in there)
+        shape = _marker(branch) if inside and there[0][1].periodic else ""
+        name = style.motion(labels[branch][0], CHARS) if one else _branch_labels(labels[branch])
+        shares = [percent(s.fractions[k]) if k else "" for s, k in zip(grids, own, strict=True)]
+        away = "" if inside else "attractor outside the window"
+        rows.append([_swatch(colours[branch]), shape, name, *shares, away])
+    if rest := sorted(labels)[MOST_NAMED:]:
+        sums = [100.0 * sum(_fraction(speed, branch) for branch in rest) for speed in grids]
+        shares = [f"{share:.3g} %" for share in sums]
+        rows.append([_swatch(colours[rest[0]]), "", f"and {len(rest)} more, together", *shares])
+    for code in sorted({c for s in grids for c in s.fractions if c <= 0}, reverse=True):
+        name = "undecided" if code == UNDECIDED_CODE else status_name(-code)
+        shares = [percent(s.fractions[code]) if code in s.fractions else "" for s in grids]
+        rows.append([_swatch(colours.get(code, style.TROUBLE)), "", name, *shares])
+    if any((speed.codes == BELOW_CODE).any() for speed in grids):
         rows.append([_swatch(style.CAM_BODY), "", "none: below the cam"])
-    panel = Panel(partial(_draw_window, basins=basins, system=system, colours=colours), 120.0)
-    title = f"Basins of attraction, {valued(key, style.number(basins.value))}"
-    return Picture(title, {"basins": panel}, _words(basins, system), lists=[rows])
+    return rows
 
 
-def _words(basins: Basins, system: System) -> str:
-    window, phase = basins.window, style.number(round(system.strobe_deg, 9))
-    how = "simple cell mapping" if basins.method == SIMPLE else "orbit mapping"
+def _saddle_rows(grids: Sequence[Basins]) -> list[list[list[Any]]]:
+    """The saddles on the boundaries, and how many motions there were led to them."""
+    led: dict[str, list[int]] = {}
+    for saddle in (saddle for speed in grids for saddle in speed.saddles or ()):
+        counts = led.setdefault(saddle.orbit.label, [0, 0])
+        counts[0], counts[1] = counts[0] + saddle.led, counts[1] + saddle.tried
+    rows: list[list[Any]] = [["", "", "boundary: stable manifold of"]]
+    for label, (some, tried) in led.items():
+        words = f"saddle {style.motion(label, RANGE_CHARS)}: {some} of {tried} motions led to it"
+        rows.append([{"color": BOUNDARY, "lw": 0.8}, SADDLE, words])
+    return [rows] if led else []
+
+
+def _code(speed: Basins, branch: int) -> int:
+    """The code of a branch's attractor at a speed, 0 where it is not there."""
+    return speed.branches.index(branch) + 1 if branch in speed.branches else 0
+
+
+def _words(grids: Sequence[Basins], system: System) -> str:
+    window, phase = grids[0].window, style.number(round(system.strobe_deg, 9))
+    how = "simple cell mapping" if grids[0].method == SIMPLE else "orbit mapping"
     text = f"{window.nq} × {window.nv} starts at θ = {phase} deg, {how}"
-    if basins.level is not None:
-        share = 100.0 * basins.computed / basins.cells
+    if grids[0].level is not None:
+        share = 100.0 * sum(s.computed for s in grids) / sum(s.cells for s in grids)
         text += f", {share:.3g} % of the cells computed (boundaries refined)"
+    if len(grids) > 1:
+        return text
+    (basins,) = grids
     entropies = basins.entropies
     text += f"; basin entropy {entropies['basin_entropy']:.3g}"
     if entropies["boundary_boxes"]:
@@ -81,23 +137,6 @@ def _words(basins: Basins, system: System) -> str:
         doubt = basins.uncertainty
         text += f", boundary dimension {doubt.dimension:.3f} ± {doubt.error:.3f}"
     return text
-
-
-def _entries(basins: Basins) -> list[tuple[int, str, str]]:
-    """(code, name, share) of the list: attractors, then what belongs to none."""
-    found = [
-        (k, style.motion(attractor.label, CHARS), percent(basins.fractions[k]))
-        for k, attractor in enumerate(basins.attractors[:MOST_NAMED], 1)
-    ]
-    rest = range(MOST_NAMED + 1, len(basins.attractors) + 1)
-    if rest:
-        share = 100.0 * sum(basins.fractions[k][0] for k in rest)
-        found.append((rest[0], f"and {len(rest)} more, together", f"{share:.3g} %"))
-    for code, fraction in basins.fractions.items():
-        if code <= 0:
-            name = "undecided" if code == UNDECIDED_CODE else status_name(-code)
-            found.append((code, name, percent(fraction)))
-    return found
 
 
 def percent(share: tuple[float, float]) -> str:
@@ -109,35 +148,42 @@ def percent(share: tuple[float, float]) -> str:
     return f"({value:.{digits}f} ± {error:.{digits}f}) %"
 
 
-def _colours(basins: Basins) -> dict[int, str]:
-    shares = [basins.fractions[k][0] for k, _ in enumerate(basins.attractors, 1)]
-    largest = int(np.argmax(shares)) if shares else 0
-    areas = area_colours([attractor.label for attractor in basins.attractors], largest)
-    none = {UNDECIDED_CODE: style.UNDECIDED, BELOW_CODE: style.CAM_BODY}
-    return {**none, **dict(enumerate(areas, 1))}
-
-
-def _draw_window(axes: Axes, basins: Basins, system: System, colours: dict[int, str]) -> None:
+def _draw_window(axes: Axes, basins: Basins, colours: dict[int, str], named: str) -> None:
     window = basins.window
     codes, index = np.unique(basins.codes, return_inverse=True)
-    table = np.array([to_rgb(colours.get(code, style.TROUBLE)) for code in codes.tolist()])
+    names = [basins.branches[code - 1] if code > 0 else code for code in codes.tolist()]
+    table = np.array([to_rgb(colours.get(name, style.TROUBLE)) for name in names])
     pixels = np.rint(255.0 * table).astype(np.uint8)[index.reshape(basins.codes.shape)]
     axes.imshow(pixels, extent=(*window.q, *window.v), origin="lower", aspect="auto")
-    for number, attractor in enumerate(basins.attractors, 1):
+    if basins.saddles:
+        _draw_boundary(axes, basins)
+    for branch, attractor in zip(basins.branches, basins.attractors, strict=True):
         q, w = attractor.shown().T
         v = w * omega_of(basins.rpm)
         if attractor.periodic:
-            axes.plot(q, v, zorder=5, **_marker(number))
+            axes.plot(q, v, zorder=5, **_marker(branch))
         else:
             step = max(1, len(q) // DOTS)
             axes.plot(q[::step], v[::step], ".", color=style.APERIODIC, ms=1.2, mew=0.0, zorder=4)
-    c = system.cam.stretches[system.cam.strobe].start_c
+    c = basins.cam_q
     low, high = window.q
     if low <= c <= high:
         axes.axvspan(low, c, color=style.CAM_BODY, linewidth=0.0, zorder=2)  # over cells it cuts
         axes.axvline(c, color=style.CAM, linewidth=1.6, zorder=3, label="cam, $q = c$")
     axes.set(xlim=window.q, ylim=window.v)
     axes.set(xlabel="position $q$ of the start (m)", ylabel="velocity $v$ of the start (m/s)")
+    axes.set_title(named)
+
+
+def _draw_boundary(axes: Axes, basins: Basins) -> None:
+    """The boundaries between basins, and the saddles whose stable manifolds they are."""
+    window, codes = basins.window, np.ma.masked_less_equal(basins.codes, UNDECIDED_CODE)
+    q, v = window.q_of(np.arange(window.nq)), window.v_of(np.arange(window.nv))
+    for code in range(1, len(basins.attractors)):  # the last one has no other boundary
+        axes.contour(q, v, codes == code, [0.5], colors=BOUNDARY, linewidths=0.5, zorder=1.5)
+    for saddle in basins.saddles or ():
+        states = [(at, w * omega_of(basins.rpm)) for at, w in saddle.orbit.states]
+        axes.plot(*zip(*states, strict=True), zorder=5, **SADDLE)
 
 
 def _inside(basins: Basins, attractor: Any) -> np.ndarray:
@@ -179,15 +225,19 @@ def _range(study: Study, question: Question, key: str) -> Picture:
     return Picture(title, panels, words, lists=[head + rows[:half], head + rows[half:]])
 
 
+def _labels(speeds: Sequence[Basins]) -> dict[int, list[str]]:
+    """The labels of the branches of attractors, from speed to speed."""
+    labels: dict[int, list[str]] = {}
+    for speed in speeds:
+        for branch, attractor in zip(speed.branches, speed.attractors, strict=True):
+            labels.setdefault(branch, []).append(attractor.label)
+    return labels
+
+
 def _range_entries(study: Study) -> list[tuple[int, str]]:
     """(branch, words) of the list: the largest branches by number, then what is undecided."""
-    labels: dict[int, list[str]] = {}
-    weight: dict[int, float] = {}
-    for speed in study.speeds:
-        pairs = zip(speed.branches, speed.attractors, strict=True)
-        for number, (branch, attractor) in enumerate(pairs, 1):
-            labels.setdefault(branch, []).append(attractor.label)
-            weight[branch] = weight.get(branch, 0.0) + speed.fractions[number][0]
+    labels = _labels(study.speeds)
+    weight = {branch: sum(_fraction(speed, branch) for speed in study.speeds) for branch in labels}
     named = sorted(sorted(weight, key=lambda b: (-weight[b], b))[:MOST_NAMED])
     found = [(branch, f"{branch}: {_branch_labels(labels[branch])}") for branch in named]
     if len(weight) > len(named):
@@ -206,13 +256,9 @@ def _branch_labels(labels: Sequence[str]) -> str:
 
 def branch_colours(study: Study) -> dict[int, str]:
     """Colour of every branch of attractors: that of its first label."""
-    first: dict[int, str] = {}
-    for speed in study.speeds:
-        for branch, attractor in zip(speed.branches, speed.attractors, strict=True):
-            first.setdefault(branch, attractor.label)
-    numbers = sorted(first)
-    areas = area_colours([first[number] for number in numbers])
-    return dict(zip(numbers, areas, strict=True))
+    labels = _labels(study.speeds)
+    numbers = sorted(labels)
+    return dict(zip(numbers, area_colours([labels[n][0] for n in numbers]), strict=True))
 
 
 def _edges(values: np.ndarray) -> np.ndarray:

@@ -26,6 +26,7 @@ PARTS = 12  # of a step, for the curved paths of the multipliers
 FURTHEST = 6.0  # multipliers beyond are not drawn in the plane
 LINEAR = 4.0  # real parts up to this are drawn on a linear axis
 LEAST = 1.2  # half width of the plane around the unit circle
+ROOMY = 1.8  # half width of a plane with room for words beside the unit disk
 SHORT = 0.16  # of the half width, a path without an arrow
 TINY = 0.03  # a path that is drawn as a point
 
@@ -233,7 +234,8 @@ def draw_plane(axes: Axes, largest: float, sizes: Collection[float] = ()) -> Non
     for size in sizes:
         ring: dict[str, Any] = {"color": style.GUIDE, "linewidth": 0.6, "linestyle": DOTTED}
         axes.plot(size * np.cos(around), size * np.sin(around), zorder=1, **ring)
-        at, words = size * 0.5**0.5, rf" $|\mu|$ = {size:.4g}"
+        at = max(size, 1.03 * (half > ROOMY)) * 0.5**0.5  # outside the disk where there is room
+        words = rf" $|\mu|$ = {size:.4g}"
         axes.text(at, -at, words, va="top", size=style.NOTE, color=style.CAM)
     axes.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")
     axes.locator_params(nbins=5)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MultipleLocator
 
 from camcli.analysis.cam_profile import Profile
 from camcli.plots import style
-from camcli.plots.axes import draw_forces, newtons, say, turn_axis
+from camcli.plots.axes import draw_forces, newtons, padded, say, turn_axis
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
 
@@ -26,31 +27,64 @@ class Measured:
     words: str
 
 
-def draw_profile(profile: Profile, outline: Outline, measured: Measured | None = None) -> Picture:
-    """Picture of a cam; its outline and the follower on it where they are asked for."""
+@dataclass(frozen=True)
+class Drawn:
+    """A cam to draw, and its name beside others."""
+
+    profile: Profile
+    outline: Outline
+    measured: Measured | None
+    name: str
+
+
+def draw_profiles(cams: Sequence[Drawn]) -> Picture:
+    """Picture of a cam, others beside it; outline and follower on it where they are asked for."""
+    profile = cams[0].profile
     low, high = profile.ranges["c"]
     first, said = profile.first, "no speed marks a first detachment"
     if first is not None and first.finite:
         said = f"first detachment at {first.rpm:.6g} rpm, {first.theta_deg:.5g} deg"
-    theta, slope = np.asarray(profile.theta_deg), np.asarray(profile.c1)
-    rise, fall = theta[np.argmax(slope)], theta[np.argmin(slope)]
-    room = 0.4 * float(np.ptp(outline.radius))
-    moments = {"at rest": (0.0, 0.0), "lifting": (rise, 0.0), "landing": (fall, room)}
-    panels = machine_panels(outline, moments)
-    for name, draw in DRAW.items():
-        half = name.startswith("curvature")
-        do = partial(_draw, draw=draw, profile=profile, measured=measured)
-        panels[name] = Panel(do, 34.0, "" if half else "theta", 1 + half)
-    return Picture(f"Cam with a lift of {1e3 * (high.value - low.value):.4g} mm", panels, said)
+    many = len(cams) > 1
+    each = [_panels(cam, cams if many else ()) for cam in cams]
+    panels = {
+        name + f" {k}" * (k > 1): own[name]
+        for name in each[0]
+        for k, own in enumerate(each, 1)
+        if k == 1 or name in COMPARED
+    }
+    if not many:
+        return Picture(f"Cam with a lift of {1e3 * (high.value - low.value):.4g} mm", panels, said)
+    return Picture(f"Cams side by side: {', '.join(cam.name for cam in cams)}", panels)
 
 
 Draw = Callable[[Axes, Profile, Measured | None], None]
 
 
-def _draw(axes: Axes, draw: Draw, profile: Profile, measured: Measured | None) -> None:
-    draw(axes, profile, measured)
-    few = len(profile.corners) <= style.MOST_CORNERS
-    turn_axis(axes, profile.corners if few else {}, named=draw is _draw_lift)
+def _panels(cam: Drawn, among: Sequence[Drawn]) -> dict[str, Panel]:
+    """The panels of a cam; among others those that are compared are a column."""
+    profile, outline = cam.profile, cam.outline
+    theta, slope = np.asarray(profile.theta_deg), np.asarray(profile.c1)
+    rise, fall = theta[np.argmax(slope)], theta[np.argmin(slope)]
+    room = 0.4 * float(np.ptp(outline.radius))
+    moments = {"at rest": (0.0, 0.0), "lifting": (rise, 0.0), "landing": (fall, room)}
+    panels = machine_panels(outline, moments, cam.name if among else "")
+    for name, draw in DRAW.items():
+        half = name.startswith("curvature")
+        do = partial(_draw, draw=draw, cam=cam, among=among)
+        panels[name] = Panel(do, 34.0, "" if half else "theta", 1 + half)
+    if among:
+        for name in COMPARED:
+            panels[name] = replace(panels[name], across=len(among), y=name)
+    return panels
+
+
+def _draw(axes: Axes, draw: Draw, cam: Drawn, among: Sequence[Drawn]) -> None:
+    draw(axes, cam.profile, cam.measured)
+    few = len(cam.profile.corners) <= style.MOST_CORNERS
+    turn_axis(axes, cam.profile.corners if few else {}, named=draw is _draw_lift)
+    if among and (values := VALUES.get(draw)):
+        axes.set_ylim(*padded([x for other in among for x in values(other.profile)]))
+        axes.xaxis.set_major_locator(MultipleLocator(180))
 
 
 def _curve(axes: Axes, profile: Profile, values: Sequence[float], colour: str = style.CAM) -> None:
@@ -121,4 +155,11 @@ DRAW: dict[str, Draw] = {
     "force": _draw_force,
     "curvature": _draw_flat,
     "curvature of the pitch curve": _draw_knife,
+}
+COMPARED = ("outline", "lift", "velocity", "acceleration", "force")
+VALUES: dict[Draw, Callable[[Profile], Sequence[float]]] = {
+    _draw_lift: lambda profile: profile.c,
+    _draw_slope: lambda profile: profile.c1,
+    _draw_acceleration: lambda profile: profile.c2,
+    _draw_force: lambda profile: profile.force.force_n,
 }

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -35,13 +36,14 @@ class Cloud:
         self.high[speed] = values.max(initial=self.high[speed])
         self.count[speed] += len(values)
 
-    def ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """Smallest and largest value of every speed that has any."""
-        return self.low[self.count > 0], self.high[self.count > 0]
+    def ends(self, speeds: Any = True) -> tuple[np.ndarray, np.ndarray]:
+        """Smallest and largest value of every speed that has any, of some `speeds` or all."""
+        some = (self.count > 0) & speeds
+        return self.low[some], self.high[some]
 
-    def extremes(self) -> np.ndarray:
-        """Smallest and largest value of all; empty where there is none."""
-        low, high = self.ends()
+    def extremes(self, speeds: Any = True) -> np.ndarray:
+        """Smallest and largest value of some speeds or all; empty where there is none."""
+        low, high = self.ends(speeds)
         return np.array([low.min(), high.max()]) if len(low) else np.empty(0)
 
 
@@ -50,7 +52,8 @@ class Columns:
     """Which column of an image shows which speed, over the range low..high of the axis.
 
     Up to one speed per column, a speed fills its columns (`widest` at most); beyond, the speeds of
-    a column are counted together. `bin_of_speed` and `bin_of_column` meet in the bins; -1 is blank.
+    a column are counted together. `bin_of_speed` and `bin_of_column` meet in the bins; -1 is blank,
+    and a speed beside the range.
     """
 
     low: float
@@ -60,9 +63,18 @@ class Columns:
     bin_of_column: np.ndarray
 
     @classmethod
-    def of(cls, speeds: Sequence[float] | np.ndarray, width: int = WIDE) -> Columns:
-        """From speeds in any order and the width of the image."""
-        rising, which = np.unique(np.asarray(speeds, dtype=float), return_inverse=True)
+    def of(
+        cls,
+        speeds: Sequence[float] | np.ndarray,
+        width: int = WIDE,
+        span: tuple[float, float] = (-np.inf, np.inf),
+    ) -> Columns:
+        """From speeds in any order and the width of the image, over the part `span` of them."""
+        every = np.asarray(speeds, dtype=float)
+        seen = (every >= span[0]) & (every <= span[1])
+        rising, inverse = np.unique(every[seen], return_inverse=True)
+        which = np.full(len(every), -1)
+        which[seen] = inverse
         low, high = float(rising[0]), float(rising[-1])
         steps = max(len(rising) - 1, 1)
         room = (high - low) * min(0.5 / steps, 0.02) or max(abs(low) * 0.01, 1e-6)
@@ -70,7 +82,7 @@ class Columns:
         place = (rising - low) / (high - low) * width
         columns = np.arange(width)
         if len(rising) > width:
-            bins = np.minimum(place.astype(int), width - 1)
+            bins = np.append(np.minimum(place.astype(int), width - 1), -1)
             return cls(low, high, width, bins[which], columns)
         nearest = np.searchsorted((place[1:] + place[:-1]) / 2.0, columns + 0.5)
         far = np.abs(columns + 0.5 - place[nearest]) > WIDEST / 2.0
@@ -88,6 +100,8 @@ class Image:
     def take(self, speed: int, values: np.ndarray) -> None:
         """Count finite values of a speed; those outside low..high do not show."""
         bin_ = self.columns.bin_of_speed[speed]
+        if bin_ < 0:
+            return
         self._totals[bin_] += len(values)
         seen = values[(values >= self.low) & (values <= self.high)]
         row = ((seen - self.low) * (self.height / (self.high - self.low))).astype(np.int64)

@@ -28,7 +28,7 @@ FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
 ROOM = 0.03  # of an axis, beyond what it shows
-HIT_GAP = 0.02  # of the speeds, between numbered hits of one corner
+HIT_GAP = 0.03  # of the speeds, between numbered hits of one corner
 
 
 @dataclass(frozen=True)
@@ -209,8 +209,9 @@ def _draw_hits(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, f
         away = abs(last.get(hit.corner, inf) - hit.rpm)
         if inside and away > HIT_GAP * (view.rpm[1] - view.rpm[0]):
             last[hit.corner] = hit.rpm
-            above: dict[str, Any] = {"textcoords": "offset points", "xytext": (0, 4)}
-            axes.annotate(str(hit.impact), (hit.rpm, y), ha="center", size=style.NOTE, **above)
+            look: dict[str, Any] = {"textcoords": "offset points", "xytext": (3, -4), "va": "top"}
+            look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
+            axes.annotate(str(hit.impact), (hit.rpm, y), size=style.NOTE, **look)
 
 
 # --- forces over the turn

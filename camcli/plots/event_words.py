@@ -11,14 +11,15 @@ from camcli.analysis.orbits.study import Bifurcation
 from camcli.kernel.cam_table import TURN
 
 DEG = 180.0 / pi
+SIDES = {-1: "Where the normal form's parameter is below 0", 1: "Where it is above 0"}
 
 KINDS = {
     "degenerate": "an equality holds within rounding: the linear parts do not decide",
-    "dangerous": "a stable fixed point on both sides, yet its basin shrinks to nothing at mu = 0",
-    "robust-chaos": "a chaotic attractor for one sign of mu, and for all sides close to these",
+    "dangerous": "a stable fixed point on both sides, yet its basin shrinks to nothing between",
+    "robust-chaos": "a chaotic attractor on one side, and for all linear parts close to these",
     "no-attractor": "something attracts on one side, nothing bounded on the other",
-    "nonsmooth-fold": "two fixed points are born for one sign of mu, there is none for the other",
-    "border-period-doubling": "a fixed point on each side, and a cycle LR is born for one sign",
+    "nonsmooth-fold": "two fixed points are born on one side, there is none on the other",
+    "border-period-doubling": "a fixed point on each side, and a cycle LR is born on one of them",
     "persistence": "a fixed point on each side, and no cycle LR is born",
 }
 
@@ -61,9 +62,9 @@ def collision_words(found: Collision) -> list[str]:
     said = [f"{found.kind}: {KINDS[found.kind]}."]
     said += [f"Equal within rounding: {text}." for text in found.equal]
     if found.growth is not None and abs(found.growth.left) <= DECIDED:
-        grows = f"The growth at mu = 0, {found.growth.left:.2g} per step,"
+        grows = f"The growth at the event, {found.growth.left:.2g} per step,"
         said.append(f"{grows} is too small to exclude danger.")
-    said += [f"For mu < 0, {_ends(found.below)}.", f"For mu > 0, {_ends(found.above)}."]
+    said += [f"{SIDES[-1]}, {_ends(found.below)}.", f"{SIDES[1]}, {_ends(found.above)}."]
     return said + _two_cycle(found.cycles[2]) + _no_theorem(found)
 
 
@@ -84,7 +85,7 @@ def _ends(found: Prediction) -> str:
 def _two_cycle(found: Cycle) -> list[str]:
     if not found.exists_for:
         return []
-    sign, first = "<>"[found.exists_for > 0], found.multipliers[0]
+    first = found.multipliers[0]
     twisted = isinstance(first, complex)
     size = (
         f"multipliers {first.real:.6g} +- {first.imag:.6g} i"
@@ -92,7 +93,7 @@ def _two_cycle(found: Cycle) -> list[str]:
         else f"larger multiplier {first:.6g}"
     )
     state = "stable" if found.stable else "unstable"
-    return [f"The cycle LR exists for mu {sign} 0 and is {state}: {size}."]
+    return [f"{SIDES[found.exists_for]}, the cycle LR exists and is {state}: {size}."]
 
 
 def _no_theorem(found: Collision) -> list[str]:

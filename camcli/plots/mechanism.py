@@ -76,14 +76,17 @@ class Outline:
         return float(np.interp(np.radians(theta_deg % 360.0), self.theta, self.radius))
 
 
-def machine_panels(outline: Outline, moments: dict[str, tuple[float, float]]) -> dict[str, Panel]:
-    """Panels `outline`, `turned` by 180 degrees, `mechanism`; moments: phase (deg), gap (m)."""
-    panels = {
-        name: Panel(
-            partial(_draw_outline, outline=outline, turned=turned), 66.0, across=2, usual=False
-        )
-        for name, turned in (("outline", 0.0), ("turned", 180.0))
-    }
+def machine_panels(
+    outline: Outline, moments: dict[str, tuple[float, float]], among: str = ""
+) -> dict[str, Panel]:
+    """Panels `outline`, `turned` by 180 degrees, `mechanism`; moments: phase (deg), gap (m).
+
+    among: the name of the cam where it stands among others, with less room for words.
+    """
+    panels = {}
+    for name, turned in (("outline", 0.0), ("turned", 180.0)):
+        draw = partial(_draw_outline, outline=outline, turned=turned, among=among)
+        panels[name] = Panel(draw, 66.0, across=2, usual=False)
     draw = partial(_draw_mechanism, outline=outline, moments=moments)
     panels["mechanism"] = Panel(draw, 52.0, usual=False)
     return panels
@@ -147,12 +150,12 @@ def _bare(axes: Axes) -> None:
     axes.autoscale_view()
 
 
-def _draw_outline(axes: Axes, outline: Outline, turned: float) -> None:
+def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> None:
     """The cam with its circles, their centres and radii, and its corners by name."""
     _body(axes, outline, turned)
     size = float(outline.radius.max())
     small: dict[str, Any] = {"size": style.NOTE, "zorder": 6}
-    for name, distance, direction, radius in outline.circles:
+    for name, distance, direction, radius in outline.circles[: 1 if among else None]:
         x, y = outline.place(direction, distance, turned)
         look: dict[str, Any] = {
             "fill": False,
@@ -163,22 +166,25 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float) -> None:
         }
         axes.add_patch(Circle((x, y), radius, **look))
         axes.plot([x], [y], ".", color=style.CAM, ms=4.0, zorder=6)
-        axes.text(x + 0.02 * size, y, name, ha="left", va="top", color=style.CAM, **small)
+        left = x < -0.5 * size  # away from the corners
+        look = {"ha": "right" if left else "left", "va": "top", "color": style.CAM, **small}
+        axes.text(x + (-0.02 if left else 0.02) * size, y, name, **look)
     for name, phase in outline.corners.items():
         at = outline.at(phase)
         x, y = outline.place(phase, np.array([0.0, at, 1.08 * at]), turned)
         axes.plot(x[:2], y[:2], color=style.GUIDE, lw=0.5, zorder=3)
         axes.plot(x[1:2], y[1:2], "o", color=style.CAM, ms=2.5, zorder=6)
-        words = rf"{name} {phase:.5g}$\degree$" if turned == 0.0 else name
+        words = name if turned or among else rf"{name} {phase:.5g}$\degree$"
         side, va = (
             "left" if x[2] > 0.0 else "right",
             "center" if abs(y[2]) > 0.1 * size else "bottom",
         )
         axes.text(x[2], y[2], words, ha=side, va=va, **small)
     _follower(axes, outline, 0.0, turned)
-    said = dict.fromkeys(f"{name} {radius:.4g} m" for name, _, _, radius in outline.circles)
-    radii = "base radius not given: 1.5 lifts" if outline.guessed else f"radii: {', '.join(said)}"
-    axes.set_title(rf"$\theta$ = {turned:g} deg" + f"\n{radii}" * (turned == 0.0), loc="center")
+    each = dict.fromkeys(f"{name} {radius:.4g} m" for name, _, _, radius in outline.circles)
+    radii = "base radius not given: 1.5 lifts" if outline.guessed else f"radii: {', '.join(each)}"
+    said = rf"$\theta$ = {turned:g} deg" + f"\n{radii}" * (turned == 0.0)
+    axes.set_title(among or said, loc="center")
     room = 1.4 * size
     _bare(axes)
     axes.set(xlim=(-room, room), ylim=(-room, (2.1 + STEM) * size))
@@ -198,6 +204,10 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
             axes.text(
                 x + left, y, corner, ha="center", va="center", size=6.5, color=style.CAM, zorder=6
             )
+    named = {"cam": (0.0, -0.5), "follower": (0.1, 1.3), "spring": (0.14, 1.9)}
+    for part, (x, y) in named.items():
+        middle: dict[str, Any] = {"ha": "center" if x == 0.0 else "left", "va": "center"}
+        axes.text(x * size, y * size, part, size=style.NOTE, zorder=6, **middle)
     turning = {"arrowstyle": "->", "color": style.CAM, "connectionstyle": "arc3,rad=0.4", "lw": 0.8}
     begin, end = (0.3 * size, -0.12 * size), (0.2 * size, 0.25 * size)
     axes.annotate("", end, begin, arrowprops=turning, zorder=6)

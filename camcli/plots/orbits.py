@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
 
 from camcli.analysis.border_collision import Side
 from camcli.analysis.integrate import Settings, Start
@@ -19,6 +20,7 @@ from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Branch, OrbitsResult
 from camcli.analysis.simulate import simulate
+from camcli.analysis.sweep import Sweep
 from camcli.plots import style
 from camcli.plots.axes import (
     DASHED,
@@ -56,6 +58,7 @@ from camcli.plots.branch_lines import (
     strands,
     turning_real,
 )
+from camcli.plots.density import Columns, Image
 from camcli.plots.event_words import event_words
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.plots.simulate import Trace, angle_axis
@@ -64,6 +67,7 @@ from camcli.system import System, omega_of
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
 CHATTER_TOLERANCE, IMPACT_BUDGET, SAMPLES = 1e-9, 10**6, 360  # of a drawn orbit
+IMAGE = 700  # cells of simulated impacts, from bottom to top
 LONGEST, MOST = 14, 16  # rows of the lists of branches and events, of orbits
 
 
@@ -78,6 +82,7 @@ class _Scene:
     corners: dict[str, float]
     parameter: str
     system: System
+    simulated: Sweep | None
 
     def lines(self, of: Callable[[Sequence[PeriodicOrbit]], list[Strand]]) -> list[list[Strand]]:
         """What `of` makes of the points of every branch."""
@@ -89,8 +94,11 @@ class _Scene:
         return np.array([value for orbit in points for value in of(orbit)])
 
 
-def draw_orbits(study: OrbitsResult, system: System) -> Picture:
-    """Picture of a study; of the orbits of one speed where no branches were followed."""
+def draw_orbits(study: OrbitsResult, system: System, simulated: Sweep | None = None) -> Picture:
+    """Picture of a study; of the orbits of one speed where no branches were followed.
+
+    simulated: motions over the parameter, whose impacts are drawn behind the branches.
+    """
     title, words = _heading(study)
     if not study.branches:
         return Picture(title, *_single(study, system, words))
@@ -98,7 +106,7 @@ def draw_orbits(study: OrbitsResult, system: System) -> Picture:
     events = events_of(study.bifurcations, corners)
     shades = colours([branch.points for branch in study.branches])
     parameter = study.question.parameter
-    scene = _Scene(study, study.branches, shades, events, corners, parameter, system)
+    scene = _Scene(study, study.branches, shades, events, corners, parameter, system, simulated)
     shown = {
         "phases": Panel(partial(_draw_phases, scene=scene), PHASE, parameter),
         "positions": Panel(partial(_draw_positions, scene=scene), STROBE, parameter),
@@ -160,6 +168,8 @@ def _draw_branches(axes: Axes, scene: _Scene, of: Callable, turn: float) -> list
             values = of(branch.points[0])
             x = [branch.points[0].value] * len(values)
             axes.plot(x, values, "o", color=colour, ms=3.0, zorder=4)
+        for line in axes.lines if scene.simulated else ():
+            line.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
         for orbit in _lost(branch):
             mark(axes, Kind.LOST, [orbit.value] * len(of(orbit)), of(orbit))
     return every
@@ -170,7 +180,9 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
     every = scene.every(phases)
     rests = {orbit.resting for branch in scene.branches for orbit in branch.points}
     what = " or ".join({False: "impact", True: "departure"}[rest] for rest in sorted(rests))
-    phase_axis(axes, *phase_range(every), what)
+    limits = phase_range(np.concatenate([every, *_simulated(scene, "impacts")]))
+    _draw_simulated(axes, scene, "impacts", limits)
+    phase_axis(axes, *limits, what)
     if not len(every):
         say(axes, "the follower never leaves the cam")
     _over_parameter(axes, scene, named=True)
@@ -181,6 +193,30 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
     number_branches(axes, lines, scene.branches, scene.colours, scene.events)
 
 
+def _simulated(scene: _Scene, section: str) -> list[np.ndarray]:
+    """The phases (deg) or positions (m) of every simulated motion."""
+    speeds = scene.simulated.speeds if scene.simulated else []
+    return [np.asarray(getattr(speed, section)[1], dtype=float) for speed in speeds]
+
+
+def _draw_simulated(
+    axes: Axes,
+    scene: _Scene,
+    section: str,
+    limits: tuple[float, float],
+    span: tuple = (-np.inf, np.inf),
+) -> None:
+    """Simulated motions, grey, within limits and a part of the parameter."""
+    if scene.simulated is not None:
+        values = [speed.value for speed in scene.simulated.speeds]
+        image = Image(Columns.of(values, span=span), *limits, IMAGE)
+        for k, found in enumerate(_simulated(scene, section)):
+            image.take(k, found)
+        image.draw(axes, style.CAM)
+        axes.plot([], [], "s", color=style.CAM, ms=4, label="simulated")
+    axes.set_ylim(limits)
+
+
 def _lost(branch: Branch) -> list[PeriodicOrbit]:
     """The points at which a branch could not be followed further."""
     return [branch.points[-k] for k in (0, 1) if branch.ends[k] == Kind.LOST]
@@ -188,7 +224,8 @@ def _lost(branch: Branch) -> list[PeriodicOrbit]:
 
 def _draw_positions(axes: Axes, scene: _Scene) -> None:
     """Stroboscopic positions."""
-    axes.set_ylim(*padded(scene.every(positions)))
+    seen = np.concatenate([scene.every(positions), *_simulated(scene, "strobe")])
+    _draw_simulated(axes, scene, "strobe", padded(seen))
     _over_parameter(axes, scene, named=False)
     _draw_branches(axes, scene, positions, 0.0)
     for event in scene.events:
@@ -251,6 +288,8 @@ def lists_of(
 def _branch_words(branch: Branch, events: Sequence[Event], parameter: str) -> str:
     names = [style.motion(label, 22) for label in branch.labels]
     words = f"{branch.number}   {names[0]}" + (f" to {names[-1]}" if len(names) > 1 else "")
+    regions = list(dict.fromkeys(branch.points[len(branch.points) // 2].regions))
+    words += f", impacts in {', '.join(regions)}" * (0 < len(regions) <= 2 and len(names) == 1)
     source = [event.number for event in events if branch.number in event.leaves]
     words += f", from event {source[0]}" if source else ""
     for orbit in _lost(branch)[:1]:
@@ -333,7 +372,7 @@ def hidden(scene: _Scene) -> list[Zoom]:
 
 def _draw_zoom(axes: Axes, zoom: Zoom, scene: _Scene) -> None:
     low, high = zoom.event.value - zoom.aside, zoom.event.value + zoom.aside
-    axes.set(xlim=(low, high), xlabel=axis_name(scene.parameter))
+    axes.set_xlabel(axis_name(scene.parameter))
     axes.set_ylabel(r"phase $\theta$ (deg), enlarged")
     axes.locator_params(axis="x", nbins=5)
     lines = scene.lines(lambda points: strands(curved(points, low, high), phases, TURN_DEG))
@@ -341,7 +380,8 @@ def _draw_zoom(axes: Axes, zoom: Zoom, scene: _Scene) -> None:
     near = [y for x, y in points if low <= x <= high and abs(y - zoom.corner_deg) <= zoom.reach]
     bottom, highest = min([zoom.corner_deg, *near]), max([zoom.corner_deg, *near])
     room = 0.1 * (highest - bottom) or 0.1
-    axes.set_ylim(bottom - room, highest + room)
+    _draw_simulated(axes, scene, "impacts", (bottom - room, highest + room), (low, high))
+    axes.set_xlim(low, high)
     for mine, colour in zip(lines, scene.colours, strict=True):
         draw_strands(axes, mine, colour)
     inside = [event for event in scene.events if low <= event.value <= high]

@@ -21,7 +21,7 @@ from camcli.scene.schema import Plot
 
 MM = 1.0 / 25.4  # inch
 TALLEST = 230.0  # mm: an A4 page without its margins
-NARROWEST = 55.0  # mm, of a panel beside another
+NARROWEST, NARROWER = 55.0, 27.0  # mm, of a panel beside another; without numbers of its own
 SQUEEZED = 0.65  # of its height, what a panel needs at least
 EDGE, LINE, ROW = 2.0, 3.9, 3.4  # mm: around the heading, from line to line in it and in lists
 BELOW = 11.0  # mm, of the numbers and the name below a panel
@@ -36,7 +36,10 @@ Rows = Sequence[Sequence[Cell]]  # a list above the panels, its head first
 
 @dataclass(frozen=True)
 class Panel:
-    """What draws itself into axes. Panels of one `x` below one another share its numbers."""
+    """What draws itself into axes.
+
+    Panels of one `x` below one another share its numbers, those of one `y` beside one another.
+    """
 
     draw: Callable[[Axes], None]
     height: float = 60.0  # mm, without the numbers and the name of its axis
@@ -44,6 +47,7 @@ class Panel:
     across: int = 1  # so many such panels stand side by side: 1, 2 or 3
     usual: bool = True  # False: only where it is asked for
     beside: Sequence[Callable[[Axes], None]] = ()  # narrow curves to the left, on a page only
+    y: str = ""
 
 
 @dataclass(frozen=True)
@@ -87,7 +91,10 @@ class Picture:
             last = rows.pop()
             left_out += [name for name, panel in panels.items() if panel in last]
         heading.left_out(left_out)
-        shared = [len(a) == len(b) == 1 and a[0].x == b[0].x != "" for a, b in pairwise(rows)]
+        shared = [
+            len(a) == len(b) and {panel.x for panel in (*a, *b)} == {a[0].x} != {""}
+            for a, b in pairwise(rows)
+        ]
         heights = [_height([row]) for row in rows]
         below = sum(heights) + BELOW * (len(rows) - sum(shared)) + EDGE
         figure.set_figheight(min(below, room) * MM)
@@ -100,16 +107,20 @@ class Picture:
         drawn: list[Axes] = []
         handles: dict[str, Any] = {}
         for k, row in enumerate(rows):
+            wide, many = COLUMNS // len(row), narrow > 0 and len(row) > 1
+            inner = grid[k, :].subgridspec(1, len(row)) if many else None  # below the curves too
             for column, panel in enumerate(row):
-                wide = COLUMNS // len(row)
                 left = narrow + column * wide
-                axes = figure.add_subplot(grid[k, left : left + wide])
+                axes = figure.add_subplot(inner[column] if inner else grid[k, left : left + wide])
                 panel.draw(axes)
                 for aside, draw in enumerate(panel.beside[:narrow]):
                     draw(figure.add_subplot(grid[k, aside]))
                     axes.tick_params(left=False, labelleft=False)
                     axes.set_ylabel("")
-                drawn += [axes] * (wide == COLUMNS)
+                drawn += [axes] * (wide == COLUMNS or (panel.y != "" and column == 0))
+                if column and panel.y == row[0].y != "":
+                    axes.set_ylabel("")
+                    axes.tick_params(labelleft=False)
                 if k < len(shared) and shared[k]:
                     axes.set_xlabel("")
                     axes.tick_params(labelbottom=False)
@@ -145,7 +156,7 @@ def _rows(panels: dict[str, Panel], width: float) -> list[list[Panel]]:
     """Panels from top to bottom, narrow ones side by side where there is room."""
     rows: list[list[Panel]] = []
     for panel in panels.values():
-        across = min(panel.across, max(1, int(width / NARROWEST)))
+        across = min(panel.across, max(1, int(width / (NARROWER if panel.y else NARROWEST))))
         if rows and panel.across == rows[-1][0].across and across > len(rows[-1]):
             rows[-1].append(panel)
         else:

@@ -32,7 +32,7 @@ from camcli.plots.axes import (
     valued,
 )
 from camcli.plots.critical_speeds import event_lists, numbered
-from camcli.plots.density import PER_MM, Cloud, Columns, Image
+from camcli.plots.density import PER_MM, WIDE, Cloud, Columns, Image
 from camcli.plots.picture import Panel, Picture
 from camcli.system import System
 
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
 SMALL = 0.02  # m: a cam that is smaller throughout is drawn in mm
 ENLARGED_SHARE = 0.4  # of the speeds, for a panel of their own
+ENLARGED_PART, FEW = 0.3, 10  # of the positions, where most of more speeds than a few are
 CURVES = (("$c$", "m"), (r"$c_\theta$", "m/rad"), (r"$c_{\theta\theta}$", "m/rad²"))
 SECTIONS = ("impacts", "strobe")
 STRIP = 26.0  # mm, height of the strip of exponents
@@ -129,26 +130,30 @@ def draw_sweep(
     settings: Settings,
     events: Sequence[Event] = (),
     branches: Sequence[Any] = (),
+    zooms: Sequence[tuple[float, float]] = (),
 ) -> Picture:
     """Picture of a sweep; `settings` tell how its orbits were started.
 
     `events` are listed below the title and numbered above the panels; `branches` are solved orbits
-    with values, stable, phases and q. The speeds are read twice, one at a time.
+    with values, stable, phases and q; `zooms` are parts of the range, enlarged. The speeds are read
+    twice, one at a time.
     """
     survey, found = Survey.of(sweep.speeds), numbered(events)
-    panels = cloud_panels(survey, sweep, system)
+    panels = cloud_panels(survey, sweep, system, zooms)
     if np.isfinite(survey.exponents).any():
         draw_strip = partial(_draw_exponents, survey, axis_name(sweep.key))
         panels["exponents"] = Panel(draw_strip, STRIP, sweep.key)
+        panels = dict(sorted(panels.items(), key=lambda item: item[1].across))  # zooms last
     order = list(panels)
 
     def draw(axes: Axes, name: str) -> None:
         panels[name].draw(axes)
         for branch in branches if name != "exponents" else ():
-            _draw_branch(axes, branch, [branch.q] if name == "strobe" else branch.phases)
+            _draw_branch(axes, branch, [branch.q] if "strobe" in name else branch.phases)
         pairs = [(number, event.rpm) for number, event in found]
         number_events(axes, pairs, named=name == order[0])
-        trouble_ticks(axes, survey.troubled)
+        low, high = axes.get_xlim()
+        trouble_ticks(axes, survey.troubled[(survey.troubled >= low) & (survey.troubled <= high)])
 
     many = {name: replace(panel, draw=partial(draw, name=name)) for name, panel in panels.items()}
     if not panels:
@@ -224,25 +229,51 @@ def _words(survey: Survey, started: str) -> str:
 # --- clouds of points
 
 
-def cloud_panels(survey: Survey, sweep: Sweep, system: System) -> dict[str, Panel]:
-    """Panels of what was recorded, from one pass over the speeds."""
-    ranges: dict[str, tuple[str, tuple[float, float], float]] = {}  # section, range, height
-    enlarged = None
+@dataclass(frozen=True)
+class _View:
+    """What a panel of points shows: a section within a range, over some columns; mm."""
+
+    section: str
+    limits: tuple[float, float]
+    columns: Columns
+    height: float
+    across: int = 1
+
+
+def _views(survey: Survey, zooms: Sequence[tuple[float, float]]) -> dict[str, _View]:
+    """The whole range; phases enlarged where most have few; parts of the range."""
+    if survey.impacts is None and survey.strobe is None:
+        return {}
+    views, every = {}, Columns.of(survey.values)
     if (cloud := survey.impacts) is not None:
         enlarged = enlarged_range(cloud)
         height = 72.0 if enlarged is None else 48.0
-        ranges["impacts"] = "impacts", phase_range(cloud.extremes()), height
+        views["impacts"] = _View("impacts", phase_range(cloud.extremes()), every, height)
         if enlarged is not None:
-            ranges["enlarged"] = "impacts", enlarged, 60.0
+            views["enlarged"] = _View("impacts", enlarged, every, 60.0)
     if (cloud := survey.strobe) is not None:
-        ranges["strobe"] = "strobe", padded(cloud.extremes()), 50.0
-    if not ranges:
-        return {}
-    columns = Columns.of(survey.values)
-    kinds = sorted(set(survey.kinds))
+        views["strobe"] = _View("strobe", padded(cloud.extremes()), every, 50.0)
+        low, high = cloud.ends()
+        if len(low) > FEW:
+            inner = padded([np.quantile(low, 0.1), np.quantile(high, 0.9)])
+            if np.ptp(inner) < ENLARGED_PART * np.ptp(views["strobe"].limits):
+                views["strobe enlarged"] = _View("strobe", inner, every, 60.0)
+    for section, limits in (("impacts", phase_range), ("strobe", padded)):
+        for k, span in enumerate(zooms if section in views else (), 1):
+            columns = Columns.of(survey.values, WIDE // 2, span)
+            seen = getattr(survey, section).extremes(columns.bin_of_speed >= 0)
+            views[f"{section} zoom {k}"] = _View(section, limits(seen), columns, 50.0, 2)
+    return views
+
+
+def cloud_panels(
+    survey: Survey, sweep: Sweep, system: System, zooms: Sequence[tuple[float, float]] = ()
+) -> dict[str, Panel]:
+    """Panels of what was recorded, from one pass over the speeds."""
+    views, kinds = _views(survey, zooms), sorted(set(survey.kinds))
     images = {
-        (name, kind): Image(columns, low, high, round(height * PER_MM))
-        for name, (_, (low, high), height) in ranges.items()
+        (name, kind): Image(view.columns, *view.limits, round(view.height * PER_MM))
+        for name, view in views.items()
         for kind in kinds
     }
 
@@ -250,34 +281,39 @@ def cloud_panels(survey: Survey, sweep: Sweep, system: System) -> dict[str, Pane
         images[name, survey.kinds[k]].take(k, values)
 
     takes: dict[str, list[Take]] = {
-        s: [partial(count, n) for n in ranges if ranges[n][0] == s] for s in SECTIONS
+        s: [partial(count, n) for n, view in views.items() if view.section == s] for s in SECTIONS
     }
-    for _ in read(sweep.speeds, takes):
+    for _ in read(sweep.speeds, takes) if views else ():
         pass
 
     def draw(axes: Axes, name: str) -> None:
+        view = views[name]
         for kind in kinds:
             images[name, kind].draw(axes, colour_of(kind))
-            if name == next(iter(ranges)):
+            if name == next(iter(views)):
                 axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
         axes.set_xlabel(axis_name(sweep.key))
-        if ranges[name][0] == "strobe":
-            axes.set_ylabel(strobe_name(system))
+        if view.section == "strobe":
+            axes.set_ylabel(strobe_name(system) + ", enlarged" * name.endswith("enlarged"))
         else:
-            phase_axis(axes, *ranges[name][1])
+            phase_axis(axes, *view.limits)
             corner_lines(axes, style.corner_names(system.corners_deg).items(), "y")
-        if name == "impacts" and enlarged is not None:
-            axes.axhspan(*enlarged, color=style.BAND, linewidth=0, zorder=0)
-        cloud = getattr(survey, ranges[name][0])
-        if not cloud.count.any():
-            what = "whole turn recorded" if name == "strobe" else "impact"
+        inner = views.get({"impacts": "enlarged"}.get(name, f"{name} enlarged"))
+        if inner is not None:
+            axes.axhspan(*inner.limits, color=style.BAND, linewidth=0, zorder=0)
+        for span in zooms if view.across == 1 else ():
+            axes.axvspan(*span, color=style.BAND, linewidth=0, zorder=0)
+        if not getattr(survey, view.section).count.any():
+            what = "whole turn recorded" if view.section == "strobe" else "impact"
             say(axes, f"no {what} at any of these speeds")
 
     panels = {}
-    for name, (section, (low, high), height) in ranges.items():
+    for name, view in views.items():
         words = ", enlarged" * (name == "enlarged")
-        beside = cam_beside(system, low, high, words) if section == "impacts" else ()
-        panels[name] = Panel(partial(draw, name=name), height, sweep.key, beside=beside)
+        whole = view.across == 1 and view.section == "impacts"
+        beside = cam_beside(system, *view.limits, words) if whole else ()
+        x, across = sweep.key if view.across == 1 else "", view.across
+        panels[name] = Panel(partial(draw, name=name), view.height, x, across, beside=beside)
     return panels
 
 

@@ -160,7 +160,16 @@ class Axis(Section):
         return "run.rpm" if self.key == "rpm" else self.key
 
 
+class Zoom(Section):
+    """A part of the range, with values of its own."""
+
+    start: Number = Field(ge=-LARGEST, le=LARGEST, description="first value")
+    stop: Number = Field(ge=-LARGEST, le=LARGEST, description="last value")
+    num: Whole = Field(201, ge=2, le=MOST_SPEEDS, description="number of values")
+
+
 Axes = Annotated[tuple[Axis, ...], BeforeValidator(items)]
+Zooms = Annotated[tuple[Zoom, ...], BeforeValidator(items)]
 
 
 class Varying(Section):
@@ -192,6 +201,9 @@ class Simulate(Section):
     plot_turns: Whole = Field(
         3, ge=1, le=MOST_TURNS, description="turns drawn, counted from the end"
     )
+    beside: Annotated[tuple[Cam, ...], BeforeValidator(items)] = Field(
+        (), max_length=2, description="further cams, drawn beside this one (--profile-only)"
+    )
 
 
 class Plot(Section):
@@ -218,6 +230,9 @@ class Sweep(Varying):
     """What `cam sweep` does at each speed of a range."""
 
     vary: Axes = Field((), max_length=2, description="numbers varied instead; two make a map")
+    zoom: Zooms = Field(
+        (), max_length=4, description="parts of the range: values of their own, a panel each"
+    )
     direction: Literal["fixed", "up", "down", "both"] = Field(
         "fixed", description="start every speed alike, or carry the state up, down, or up and down"
     )
@@ -235,6 +250,19 @@ class Sweep(Varying):
     )
     lyapunov: Flag = Field(False, description="measure the largest exponent at each speed")
     explain: Flag = Field(False, description="find the cause of every change (direction: fixed)")
+
+    @model_validator(mode="after")
+    def _zooms_inside(self) -> Sweep:
+        axis = self.vary[0] if self.vary else self.rpm
+        low, high = sorted((axis.start, axis.stop))
+        for part in self.zoom:
+            if len(self.vary) == 2 or not low <= min(part.start, part.stop) < max(
+                part.start, part.stop
+            ) <= high:  # fmt: skip
+                found = f"found a zoom from {part.start:.15g} to {part.stop:.15g}"
+                expected = f"expected two ends within {low:.15g} to {high:.15g}, and no map"
+                raise refused(found, expected, "choose another part, or leave it out")
+        return self
 
 
 class DetachRange(RpmRange):
@@ -303,6 +331,9 @@ class Orbits(Varying):
     branches: Whole = Field(
         3, ge=0, le=1000, description="branches followed that leave from bifurcations"
     )
+    simulated: Whole = Field(
+        0, ge=0, le=100_000, description="values of the parameter simulated, drawn behind branches"
+    )
     parameter: ParameterName = Field("rpm", description="parameter varied along a branch")
     range: Annotated[tuple[Constant, Constant] | None, BeforeValidator(items)] = Field(
         None, description="range of the parameter, or of curve_in; null: around its value"
@@ -346,6 +377,7 @@ class Basins(Varying):
     exponents: Flag = Field(
         False, description="multipliers and Lyapunov exponents of the attractors"
     )
+    saddles: Flag = Field(False, description="find the saddles on the boundaries")
 
     @model_validator(mode="after")
     def _one_size_of_cells(self) -> Basins:

@@ -22,6 +22,7 @@ from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import label
 from camcli.analysis.orbits.identify import departures
 from camcli.parallel import Work
+from camcli.system import omega_of
 from tests.conftest import chapter_system, settings
 
 WINDOW = Window((0.1, 0.9), (-50.0, 50.0), 40, 40)
@@ -187,13 +188,28 @@ def test_refined_basins_are_those_of_the_full_grid(chapter):
 
 def test_numbers_of_attractors_stay_from_speed_to_speed(chapter):
     """P(1;2) is born above 355 rpm; a cycle of 26 turns becomes P(3), which doubles its period."""
-    speeds = [355.0, 358.5, 360.0]
+    speeds = [355.0, 358.5, 360.0, 360.5]
     result = study(chapter, speeds, settings(), Question(WINDOW.with_cells(10, 10)))
     named = [
         dict(zip(s.branches, [a.label for a in s.attractors], strict=True)) for s in result.speeds
     ]
-    assert [sorted(names) for names in named] == [[1], [1, 2], [1, 2]]
-    assert [names.get(2) for names in named] == [None, "P(1;2)", "P(1;2)"]
-    assert [names[1] for names in named[1:]] == ["P(3;3:3:2)", "P(6;3:3:2:3:3:2)"]
-    assert result.grid is None
+    assert [sorted(names) for names in named] == [[1], [1, 2], [1, 2], [1, 2]]
+    assert [names.get(2) for names in named] == [None, "P(1;2)", "P(1;2)", "P(1;2)"]
+    assert [names[1] for names in named[1:3]] == ["P(3;3:3:2)", "P(6;3:3:2:3:3:2)"]
+    assert result.grids == ()
     assert all(speed.codes.size == 0 for speed in result.speeds)
+
+
+def test_the_boundary_is_the_stable_manifold_of_the_saddle_found(chapter):
+    """Beside it, along its unstable direction, starts land on different attractors."""
+    asked = Question(WINDOW.with_cells(12, 12))
+    (speed,) = study(chapter, [358.5], settings(), asked, saddles=True).speeds
+    (saddle,) = speed.saddles
+    orbit, (grows, shrinks) = saddle.orbit, saddle.orbit.multipliers
+    assert (orbit.label, saddle.led) == ("P(1;2)", saddle.tried)
+    assert grows.real > 1.0 > shrinks.real > 0.0
+    assert grows.real * shrinks.real == pytest.approx(0.8**4, rel=1e-12)  # two impacts
+    _, finder = basins(chapter, 358.5, settings(), asked)
+    (q, w), omega = orbit.states[0], omega_of(358.5)
+    ends = [finder.destination(q, (w + side) * omega).label for side in (-1e-6, 1e-6)]
+    assert sorted(ends) == ["P(1;2)", "P(3;3:3:2)"]

@@ -53,7 +53,7 @@ def test_trace_and_determinant_of_the_map_are_those_of_the_orbit(damping, strobe
     """The product of saltation matrices at the strobe, beside the solved orbit's own."""
     system = chapter_system(strobe_deg, damping=damping)
     carried = Carried(system, RUN, 750.0, 750.3, 500)
-    saddles = find_saddles(carried, 750.0, carried.run(750.0, True))
+    saddles = find_saddles(system, 750.0, carried.run(750.0, True), carried.size)
     assert len(saddles) >= 10
     for orbit in saddles:
         matrix = monodromy(carried, 750.0, np.array(orbit.states[0]), orbit.turns)

@@ -89,13 +89,15 @@ def test_simple_cell_mapping_says_so(run):
 def test_a_range_gives_fractions_by_speed_and_no_grid(run):
     _, folder = run("--cells", "2")
     assert (folder / "basins.csv").exists()
-    done, folder = run("--rpm", "359:360", "--points", "3", "--cells", "8", "--exponents")
+    done, folder = run("--rpm", "359:360.5", "--points", "4", "--cells", "8", "--exponents")
     assert done.returncode == 0, done.stderr
     found = rows(folder / "attractors.csv")
-    assert [row["rpm"] for row in found] == ["359.0"] * 2 + ["359.5"] * 2 + ["360.0"] * 2
+    assert [row["rpm"] for row in found] == ["359.0"] * 2 + ["359.5"] * 2 + ["360.0"] * 2 + [
+        "360.5"
+    ] * 2
     by_number = {n: [row["label"] for row in found if row["attractor"] == n] for n in "12"}
-    assert by_number["1"] == ["P(1;2)"] * 3
-    assert by_number["2"] == ["P(3;3:3:2)", "P(3;3:3:2)", "P(6;3:3:2:3:3:2)"]
+    assert by_number["1"] == ["P(1;2)"] * 4
+    assert by_number["2"][:3] == ["P(3;3:3:2)", "P(3;3:3:2)", "P(6;3:3:2:3:3:2)"]
     # P(1;2): two impacts in a turn, complex multipliers, so ln|m| = ln(r^2) = 2 ln 0.8
     assert float(found[0]["lyapunov_per_period"]) == pytest.approx(-0.446287102628, rel=1e-9)
     assert float(found[0]["multiplier_1_im"]) > 0.0
@@ -150,3 +152,20 @@ def test_calls_of_the_kernel_that_are_cut_change_nothing(run, monkeypatch):
         _, folder = run("--cells", "6", "--rpm", "745", "--set", "basins.budget=60")
         found.append((folder / "basins.csv").read_bytes())
     assert found[0] == found[1]
+
+
+def test_a_few_speeds_have_their_cells_and_saddles(run):
+    words = "--rpm", "358:359", "--points", "2", "--cells", "16", "--saddles"
+    done, folder = run(*words)
+    assert done.returncode == 0, done.stderr
+    found, cells = rows(folder / "saddles.csv"), rows(folder / "basins.csv")
+    assert [(row["rpm"], row["label"]) for row in found] == [
+        ("358.0", "P(1;2)"),
+        ("359.0", "P(1;2)"),
+    ]
+    assert all(row["led"] == row["tried"] == "24" for row in found)
+    for rpm in ("358.0", "359.0"):
+        own = [row["attractor"] for row in cells if row["rpm"] == rpm]
+        (share,) = (float(row["fraction"]) for row in rows(folder / "attractors.csv")
+                    if (row["rpm"], row["attractor"]) == (rpm, "1"))  # fmt: skip
+        assert own.count("1") / len(own) == pytest.approx(share)

@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from camcli import load_scene, sweep
 from tests.oracle import ArcsCam, corner_impact_rpm, period_doubling_rpm
 
 SMALL = ("--set", "run.transient=100", "--set", "run.record=30", "-q")
@@ -89,3 +90,31 @@ def test_shards_merge_to_the_bytes_of_one_run(cam, tmp_path):
     assert cam("merge", "parts", "-q").returncode == 0
     cam("sweep", *words, "-o", "whole")
     assert (tmp_path / "parts/map.csv").read_bytes() == (tmp_path / "whole/map.csv").read_bytes()
+
+
+def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
+    words = (
+        "--rpm",
+        "739:740",
+        "--points",
+        "3",
+        "--zoom",
+        "739.3:739.4",
+        "--set",
+        "sweep.direction=down",
+    )
+    done = cam("sweep", *words, *SMALL)
+    assert done.returncode == 0, done.stderr
+    found = [float(row["rpm"]) for row in rows(tmp_path / "out/sweep/speeds.csv")]
+    assert found == sorted(found, reverse=True)
+    inside = [rpm for rpm in found if 739.3 <= rpm <= 739.4]
+    assert (len(found), len(inside)) == (204, 201)
+    scene = load_scene(None, {"sweep.rpm": {"start": 739, "stop": 740, "num": 3},
+                              "sweep.zoom": [{"start": 739.3, "stop": 739.4, "num": 5}],
+                              "run.transient": 50, "run.record": 5})  # fmt: skip
+    panels = sweep(scene).pictures["sweep"]().panels
+    assert [name for name in panels if "zoom" in name] == ["impacts zoom 1", "strobe zoom 1"]
+    for part, said in (("738:739.5", "within 739 to 740"), ("x", "--zoom")):
+        refused = cam("sweep", "--rpm", "739:740", "--zoom", part)
+        assert refused.returncode == 2
+        assert said in refused.stderr

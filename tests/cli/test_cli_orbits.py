@@ -176,3 +176,20 @@ def test_bad_usage_is_one_clear_message(cam, words, said):
     assert done.returncode == 2
     assert said in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_simulated_motions_are_drawn_behind_the_branches(cam, tmp_path):
+    words = "--rpm", "738:739", "--points", "5", "--at", "738.5", "--label", "P(1;1)"
+    done = cam(
+        "orbits", *words, "--set", "orbits.simulated=3", "--set", "orbits.stability=stable", *QUICK
+    )
+    assert done.returncode == 0, done.stderr
+    seen = {
+        float(r["rpm"]): float(r["theta_deg"]) for r in rows(tmp_path / "out/orbits/impacts.csv")
+    }
+    solved = {
+        float(r["rpm"]): float(r["theta_deg_1"]) for r in rows(tmp_path / "out/orbits/branch.csv")
+    }
+    assert set(seen) == {738.0, 738.5, 739.0}
+    for rpm in set(seen) & set(solved):  # the simulation has settled on the branch
+        assert seen[rpm] == pytest.approx(solved[rpm], abs=1e-6)

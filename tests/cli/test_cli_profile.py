@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from camcli import load_scene, plot, simulate
 from camcli.analysis.cam_profile import polar_curvature
 from tests.cli.test_cli_startup import imported
 
@@ -166,3 +167,25 @@ def test_a_fault_of_the_table_is_one_line_and_exit_code_two(cam, tmp_path):
 
 def test_other_kinds_import_nothing_for_tables(tmp_path):
     assert imported(tmp_path, *ONLY).isdisjoint({"scipy", "numba", "matplotlib"})
+
+
+def test_cams_side_by_side_share_their_axes(cam, tmp_path):
+    law = {"kind": "law", "base": 0.1, "lift": 0.05, "top_dwell_deg": 40,
+           "rise": {"start_deg": 90, "length_deg": 70, "law": "harmonic"},
+           "fall": {"length_deg": 70, "law": "harmonic"}}  # fmt: skip
+    done = cam(
+        "simulate", "--profile-only", "--set", f"simulate.beside=[{json.dumps(law)}]", "--no-plot"
+    )
+    assert done.returncode == 0, done.stderr
+    first, second = (
+        read(tmp_path / "out/simulate" / f"{name}.csv") for name in ("profile", "profile_2")
+    )
+    assert max(row[1] for row in first) == pytest.approx(0.25393320723821)
+    assert max(row[1] for row in second) == pytest.approx(0.15)
+    result = simulate(load_scene(None, {"simulate.beside": [law]}), profile_only=True)
+    figure = plot(result, panels=["lift", "acceleration"])
+    one, other, three, four = figure.axes[1:]
+    assert one.get_ylim() == other.get_ylim() != three.get_ylim() == four.get_ylim()
+    assert one.get_ylim()[0] < 0.1 < 0.2539 < one.get_ylim()[1]
+    assert not other.get_ylabel()
+    assert one.get_position().y0 == other.get_position().y0

@@ -19,6 +19,7 @@ from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.basins.cell_mapping import refine, settle_by_cells
 from camcli.analysis.basins.measures import Uncertainty, entropies, fractions, uncertainty
 from camcli.analysis.basins.region import Region
+from camcli.analysis.basins.saddles import BoundarySaddle, boundary_saddles
 from camcli.analysis.basins.window import Window
 from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import AtSpeeds, Cost, Orbit, Settings, Setup, Start, with_turns
@@ -32,6 +33,7 @@ ORBIT, SIMPLE = "orbit", "simple"
 # Codes of cells: 1, 2, ... the attractors; and
 UNDECIDED_CODE, BELOW_CODE = 0, -1  # kernel statuses (2, 3, 4) with a minus sign are trouble
 EXPONENT_RECORD = 4000  # turns of an aperiodic attractor
+WINDOWS = 3  # speeds whose cells are kept, to be drawn beside one another
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,10 @@ class Basins:
     """
 
     rpm: float
+    cam_q: float  # of the cam at the strobe, m
     window: Window
     method: str
-    codes: np.ndarray  # (nv, nq) int16; empty in a range of speeds
+    codes: np.ndarray  # (nv, nq) int16; empty where there are more than WINDOWS speeds
     level: np.ndarray | None
     attractors: tuple[Attractor, ...]  # attractor k has code k + 1
     regions: tuple[Region | None, ...]
@@ -71,6 +74,7 @@ class Basins:
     uncertainty: Uncertainty | None = None
     exponents: tuple[float | None, ...] | None = None  # largest, per turn; None: not asked for
     value: float = 0.0  # the speed (rpm), or that of what is varied instead
+    saddles: tuple[BoundarySaddle, ...] | None = None  # on the boundaries; None: not asked for
 
     @property
     def cells(self) -> int:
@@ -86,9 +90,9 @@ class Study:
     cost: Cost
 
     @property
-    def grid(self) -> Basins | None:
-        """The speed with its cells, where there is one speed."""
-        return self.speeds[0] if len(self.speeds) == 1 else None
+    def grids(self) -> tuple[Basins, ...]:
+        """The speeds, where they are few enough to have their cells."""
+        return self.speeds if len(self.speeds) <= WINDOWS else ()
 
     @property
     def troubled(self) -> bool:
@@ -105,14 +109,16 @@ def study(
     setup: Callable[[float], Setup] | None = None,
     boundary: bool = False,
     exponents: bool = False,
+    saddles: bool = False,
     work: Work | None = None,
     on_cells: Callable[[int], None] = lambda cells: None,
 ) -> Study:
     """Basins at every speed, with attractors numbered alike from speed to speed.
 
-    The values are speeds (rpm), or what `setup` makes machines of. `boundary` and `exponents` ask
-    for the uncertainty exponent and for Lyapunov exponents; `on_cells` is told of finished
-    cells. Raises ShardDone where this is one shard of many.
+    The values are speeds (rpm), or what `setup` makes machines of. `boundary`, `exponents` and
+    `saddles` ask for the uncertainty exponent, for Lyapunov exponents and for the saddles on the
+    boundaries; `on_cells` is told of finished cells. Raises ShardDone where this is one shard of
+    many.
     """
     branches, speeds = Branches(), list[Basins]()
     work, shared, setup = work or Work(), False, setup or AtSpeeds(system, settings)
@@ -126,13 +132,16 @@ def study(
             continue
         doubt = uncertainty(finder, question.window) if boundary else None
         numbers = branches.number(found.attractors, finder)
+        if saddles:
+            on_edge = boundary_saddles(finder, found.window, found.codes)
+            found = replace(found, saddles=tuple(on_edge))
         found = replace(
             found, branches=numbers, uncertainty=doubt, cost=finder.batches.cost, value=value
         )
         if exponents:
             grown = [largest_exponent(own, rpm, runs, a) for a in found.attractors]
             found = replace(found, exponents=tuple(grown))
-        if len(values) > 1:
+        if len(values) > WINDOWS:
             found = replace(found, codes=found.codes[:0], level=None)
         speeds.append(found)
     if shared:
@@ -170,6 +179,7 @@ def basins(
     last = len(taken) - 1
     found = Basins(
         rpm=rpm,
+        cam_q=batches.lift[0],
         window=window,
         method=question.method,
         codes=codes,

@@ -97,8 +97,8 @@ def find_crisis(
         return Crisis(kind, far, inf, (near, far), near, turns, carried.cost)
     carried.narrow()
     calm = near + CALM * (carried.stays - near)
-    inside = find_saddles(carried, calm, carried.run(calm, True))
-    beyond = find_saddles(carried, calm, carried.run(carried.leaves, True))
+    inside = find_saddles(system, calm, carried.run(calm, True), carried.size)
+    beyond = find_saddles(system, calm, carried.run(carried.leaves, True), carried.size)
     # W^u of an orbit whose multiplier is below -1 goes both ways
     bases = [orbit for orbit in inside if orbit.multipliers[0].real < -1.0] or inside
     new = [orbit for orbit in beyond if not any(same_orbit(orbit, other) for other in inside)]

@@ -19,6 +19,7 @@ from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.kernel.variational import flight_tangent, saltation_entry
+from camcli.system import System
 
 LONGEST = 8  # turns of the saddles looked for
 TRIES = 40  # close returns tried for each number of turns
@@ -98,15 +99,17 @@ def _flight(const, span: float) -> np.ndarray:
     return np.reshape(flight_tangent(const, span), (2, 2))
 
 
-def find_saddles(carried: Carried, rpm: float, record: Record) -> list[PeriodicOrbit]:
+def find_saddles(
+    system: System, rpm: float, record: Record, size: np.ndarray
+) -> list[PeriodicOrbit]:
     """Unstable orbits of up to LONGEST turns: Newton's method from close returns of a record.
 
     The orbits are those at rpm; the record, with events, may be of another speed nearby. Orbits
-    that it never comes near are not found.
+    that it never comes near are not found. size: widths of its states.
     """
     found: list[PeriodicOrbit] = []
-    shooter, (theta, u, period) = Shooter(carried.system, rpm), impacts_of(record)
-    at = states_of(record) / carried.size
+    shooter, (theta, u, period) = Shooter(system, rpm), impacts_of(record)
+    at = states_of(record) / size
     for turns in range(1, LONGEST + 1):
         for k in _close_returns(at, turns):
             window = slice(*np.searchsorted(period, (k, k + turns)))
@@ -114,7 +117,7 @@ def find_saddles(carried: Carried, rpm: float, record: Record) -> list[PeriodicO
             root = newton_from(shooter, list(rows), turns)
             if root is None:
                 continue
-            orbit = from_root(carried.system, root, shooter.verdict(root)[0])
+            orbit = from_root(system, root, shooter.verdict(root)[0])
             known = any(same_orbit(orbit, other) for other in found)
             if orbit.admissible and not orbit.stable and orbit.primitive and not known:
                 found.append(orbit)
