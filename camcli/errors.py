@@ -18,6 +18,7 @@ class Status(IntEnum):
     NO_RETURN = 3
     UNRESOLVED = 4
     PAUSED = 5  # internal: the caller's slice of work is used up; resume
+    WORK_BUDGET = 6  # of a whole analysis; the kernel does not know of it
 
     @property
     def text(self) -> str:
@@ -51,6 +52,10 @@ STATUS_WORDS = {
         "move the speed by a relative 1e-12, or treat both outcomes as possible",
     ),
     Status.PAUSED: ("the work was interrupted", "run the same command again"),
+    Status.WORK_BUDGET: (
+        "the budget of work was used up, the rest is left out",
+        "raise orbits.budget, or detach.budget",
+    ),
 }
 
 

@@ -6,7 +6,9 @@ same bits, so the switch can happen in the middle of an orbit.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from math import pi
 
@@ -23,6 +25,7 @@ from camcli.system import System, omega_of
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
 SLICE = 200_000  # steps of a call of the compiled kernel: some 40 ms, at worst half a second
 FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
+ROW = 20  # evaluations that take as long as looking at a row of a log
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,54 @@ class AtSpeeds:
 
     def __call__(self, rpm: float) -> Setup:
         return self.system, rpm, self.settings
+
+
+class BudgetSpentError(Exception):
+    """All the work that an analysis may do is done."""
+
+
+class Budget:
+    """Work that a whole analysis may do: evaluations of the gap, or what takes about as long.
+
+    It is counted, not timed, so that where an analysis ends does not depend on the machine. `tick`
+    is called with what is done, and the limit.
+    """
+
+    def __init__(self, limit: int, tick: Callable[[int, int], None]):
+        self.limit, self.tick, self.done = limit, tick, 0
+
+    @property
+    def status(self) -> Status:
+        """OK, or WORK_BUDGET where something was left out."""
+        return Status.OK if self.done < self.limit else Status.WORK_BUDGET
+
+    def spend(self, work: int) -> None:
+        """Count work; raises BudgetSpentError where no more is left."""
+        self.done += work
+        self.tick(min(self.done, self.limit), self.limit)
+        if self.done >= self.limit:
+            raise BudgetSpentError
+
+
+_budget: ContextVar[Budget | None] = ContextVar("budget", default=None)
+
+
+@contextmanager
+def budgeted(limit: int, tick: Callable[[int, int], None]) -> Iterator[Budget]:
+    """Count the work of every orbit and every solve in the block."""
+    budget = Budget(limit, tick)
+    token = _budget.set(budget)
+    try:
+        yield budget
+    finally:
+        _budget.reset(token)
+
+
+def spend(work: int) -> None:
+    """Count work other than an orbit's, in the budget around it if there is one."""
+    budget = _budget.get()
+    if budget is not None:
+        budget.spend(work)
 
 
 class StartError(SceneError):
@@ -121,7 +172,11 @@ class Orbit:
         self.work = Tally()
 
     def run(self, events: bool = True, strobes: bool = True) -> Record:
-        """Run transient and record; `events` and `strobes` say what is logged at all."""
+        """Run transient and record; `events` and `strobes` say what is logged at all.
+
+        Raises BudgetSpentError where there is a `Budget`, and too little left.
+        """
+        spend(0)
         rows, kernel = self.settings.record if strobes else 0, backend.current()
         strobe = kernel.strobe(rows)
         if rows and self.state.period == 0:
@@ -131,7 +186,9 @@ class Orbit:
             min(max(FIRST_CAPACITY, 2 * self.settings.record), MOST_CAPACITY) if events else 0
         )
         while True:
+            done = self.work.steps + self.work.evaluations
             status, log, strobe = self._slice(kernel, capacity, strobe)
+            spend(self.work.steps + self.work.evaluations - done + ROW * self.state.logged)
             if self.state.logged or not logs:
                 logs.append(tuple(column[: self.state.logged] for column in log[:5]))
             if status == Status.LOG_FULL:

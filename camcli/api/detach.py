@@ -10,8 +10,18 @@ from camcli.analysis.contact_loss.detachment import SpeedStatus
 from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
+from camcli.analysis.integrate import budgeted
 from camcli.analysis.sweep import rpm_grid
-from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
+from camcli.api.result import (
+    Machine,
+    Progress,
+    Result,
+    machine_of,
+    share,
+    status_notes,
+    ticks,
+    trouble,
+)
 from camcli.api.sweep import SPEEDS, speed_row
 from camcli.cams.compile import lift_range
 from camcli.errors import Fault, SceneError
@@ -71,7 +81,8 @@ def detach(
         section = section.model_copy(update={"hold_to": max(section.rpm.start, section.rpm.stop)})
         scene = scene.model_copy(update={"detach": section})
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
-    with stopwatch() as watch:
+    tick = share(progress, "of detach.budget")
+    with stopwatch() as watch, budgeted(section.budget, tick) as budget:
         found = run(
             system,
             rpms,
@@ -94,6 +105,18 @@ def detach(
         return draw_detach(found, system)
 
     unsettled = [c for c in found.critical_speeds if c.status is SpeedStatus.UNRESOLVED]
+    notes = [
+        *status_notes(found.troubled),
+        *(
+            []
+            if budget.status in (status for _, status in found.troubled)
+            else trouble(budget.status)
+        ),
+        *(
+            f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket"
+            for c in unsettled
+        ),
+    ]
     result = Result(
         command="detach",
         scene=scene,
@@ -111,18 +134,12 @@ def detach(
             "force": Table(FORCE, lambda: _force_blocks(found)),
             "speeds": Table.of_rows(("rpm", *SPEEDS), lambda: map(speed_row, found.past)),
         },
-        summary=summary(found),
+        summary={"status": budget.status.text, **summary(found)},
         pictures={"detach": draw},
         cost=found.cost,
         seconds=watch.seconds,
-        notes=(
-            *status_notes(found.troubled),
-            *(
-                f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket"
-                for c in unsettled
-            ),
-        ),
-        complete=not (found.troubled or unsettled),
+        notes=tuple(notes),
+        complete=not notes,
         options={"report": True} if report else {},
         files={"report.pdf": lambda file: _write_report(result, file)} if report else {},
     )

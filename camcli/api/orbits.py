@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from camcli.analysis.integrate import Cost
+from camcli.analysis.integrate import Cost, budgeted
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Curve, Plane
@@ -20,7 +20,7 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
-from camcli.api.result import Machine, Progress, Result, machine_of, ticks
+from camcli.api.result import Machine, Progress, Result, machine_of, share, ticks, trouble
 from camcli.api.sweep import IMPACTS, STROBE, blocks
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
@@ -113,7 +113,8 @@ def orbits(
     keys = {_constant(axis): axis.key for axis in section.vary}
     with stopwatch() as watch:
         tick = ticks(progress, "branches", question.branches + 2)
-        found = run(system, machine.settings, question, tick)
+        with budgeted(section.budget, share(progress, "of orbits.budget")) as budget:
+            found = run(system, machine.settings, question, tick)
         if section.simulated and question.span is not None:
             simulated = _simulated(machine, found.question, section.simulated)
         if prove:
@@ -143,14 +144,14 @@ def orbits(
     if section.curve is not None:
         tables["curve"] = _curve_table(found.curves, section, keys)
         pictures["curve"] = draw_curve
-    notes = _notes(found)
+    notes = _notes(found) + trouble(budget.status)
     return Result(
         command="orbits",
         scene=scene,
         system=system,
         values=found,
         tables=tables,
-        summary=_summary(found),
+        summary={"status": budget.status.text, **_summary(found)},
         pictures=pictures,
         cost=found.cost + (simulated.cost if simulated else Cost()),
         seconds=watch.seconds,

@@ -239,6 +239,16 @@ def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., Non
     return tick
 
 
+def share(progress: Progress | None, what: str) -> Callable[[int, int], None]:
+    """A function to call with how much is done, and of how much at most."""
+    return lambda done, most: None if progress is None else progress(what, done, most)
+
+
+def trouble(status: Status) -> list[str]:
+    """The sentence on a status that is not OK."""
+    return [] if status == Status.OK else [f"{status.text}: {status.cause}; {status.cure}"]
+
+
 def counted(values: Sequence[float], key: str) -> str:
     """So many values of what is varied, the first of them named: `2 speeds (358, 359 rpm)`."""
     shown = ", ".join(f"{value:.10g}" for value in values[:SHOWN])

@@ -8,7 +8,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Cost
-from camcli.api.result import Machine, Progress, Result, machine_of
+from camcli.api.result import Machine, Progress, Result, machine_of, trouble
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
@@ -149,8 +149,7 @@ def _many_notes(turn: int | None) -> list[str]:
 
 
 def _ended(troubled: list[tuple[float, int]]) -> list[str]:
-    statuses = [Status(code) for _, code in troubled]
-    return [f"{status.text}: {status.cause}; {status.cure}" for status in statuses]
+    return [text for _, code in troubled for text in trouble(Status(code))]
 
 
 def height_notes(heights, top: float) -> list[str]:

@@ -30,6 +30,8 @@ MUCH = 200e6  # bytes of files that are worth a word
 MOST = 10.0  # s of a sample, then nothing is foreseen
 ENOUGH = 1.0  # s after which no larger sample is run
 SHORT = 100  # turns of transient and of record in a sample; the rest is taken to be like them
+BOUNDED = ("detach", "orbits")  # have a budget
+PER_WORK = 2e-7  # s, for one of it, measured: 1e-7 to 4e-7
 LARGEST = 32  # the largest sample; the first is 2, each is twice the one before
 
 
@@ -163,6 +165,9 @@ def forecast(
             notes.append(
                 f"a small part of it took {MOST:g} s: how long it takes is not known before"
             )
+    if seconds is None and command in BOUNDED:
+        most = getattr(scene, command).budget
+        notes.append(f"{command}.budget = {most} ends it after some {PER_WORK * most:.0f} s")
     files = None if tables is None else ceil(tables + RECORD + (0 if request.no_plot else PICTURE))
     plan = {
         "orbits": ceil(size.orbits / share),

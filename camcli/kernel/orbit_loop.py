@@ -28,7 +28,7 @@ class EventKind(IntEnum):
 
 # numba compiles ints, not members of an enum.
 IMPACT, CHATTER, DETACHMENT = (int(kind) for kind in EventKind)
-OK, LOG_FULL, IMPACT_BUDGET, NO_RETURN, UNRESOLVED, PAUSED = (int(status) for status in Status)
+OK, LOG_FULL, IMPACT_BUDGET, NO_RETURN, UNRESOLVED, PAUSED, _ = (int(status) for status in Status)
 
 RESTING = 3  # a mode beside FREE, BOUNCED, RELEASED
 LONG_FLIGHT = 8  # steps: a landing after more is computed anew from where its flight began

@@ -12,6 +12,7 @@ from camcli.analysis.contact_loss.detachment import AlwaysLost, CriticalSpeed, Q
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.cams.compile import lift_range
+from camcli.errors import Status
 from camcli.system import units_of
 
 WAYS = {  # the springs of --hold-to
@@ -128,7 +129,9 @@ def spring(hold: Hold) -> str:
 
 
 def bursts_text(speed: Settled) -> str:
-    """A2 complete, A4 complete; none where the follower stays on the cam."""
+    """A2 complete, A4 complete; none where the follower stays on the cam; or a status."""
+    if speed.status != Status.OK:
+        return Status(speed.status).text
     said = [f"{b.region} {'in' * (b.end_deg is None)}complete".strip() for b in speed.bursts]
     return ", ".join(dict.fromkeys(said)) or "none"
 

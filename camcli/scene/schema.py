@@ -34,6 +34,7 @@ MOST_TURNS = 10**9
 MOST_SPEEDS = 10_000_000
 MOST_MOTIONS = MOST_SPEEDS  # speeds times starts
 MOST_CELLS = 16_384  # along one side of a window
+BUDGET = 1_000_000_000  # of work that cannot be forecast: some minutes
 LARGEST = 1e15  # of a constant of the follower, SI
 FARTHEST, QUICKEST = 1e9, 1e12  # of a start: m and m/s
 Constant = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
@@ -273,6 +274,16 @@ class DetachRange(RpmRange):
     num: Whole = Field(181, ge=1, le=MOST_SPEEDS, description="number of speeds")
 
 
+Budget = Annotated[
+    Whole,
+    Field(
+        ge=1,
+        le=10**15,
+        description="gap evaluations, or work that takes as long, before the rest is left out",
+    ),
+]
+
+
 class Detach(Section):
     """What `cam detach` looks for; it always starts from rest."""
 
@@ -297,6 +308,7 @@ class Detach(Section):
         None,
         description="preload per stiffness where hold_to chooses both, m; null: as it is",
     )
+    budget: Budget = BUDGET
 
 
 class OrbitsRange(RpmRange):
@@ -345,6 +357,7 @@ class Orbits(Varying):
     curve_range: Annotated[tuple[Constant, Constant] | None, BeforeValidator(items)] = Field(
         None, description="range of curve_in; null: orbits.range if rpm is the first parameter"
     )
+    budget: Budget = BUDGET
 
 
 class BasinsRange(RpmRange):

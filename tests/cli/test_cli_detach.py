@@ -27,6 +27,19 @@ def bare(tmp_path_factory):
     return done, folder / "out/detach"
 
 
+@pytest.mark.parametrize(("budget", "table"), [(200_000, "accumulation"), (800_000, "corner_hits")])
+def test_a_budget_of_work_keeps_what_was_found(bare, cam, tmp_path, budget, table):
+    done = cam("detach", "--no-plot", "--set", f"detach.budget={budget}", "-o", "part")
+    assert done.returncode == 3
+    assert "the budget of work was used up, the rest is left out; raise" in done.stderr
+    result = json.loads((tmp_path / "part" / "run.json").read_text())["result"]
+    assert result["status"] == "work-budget"
+    for name in ("detach", "accumulation", "corner_hits"):
+        whole, part = ((at / f"{name}.csv").read_text() for at in (bare[1], tmp_path / "part"))
+        assert set(part.splitlines()) <= set(whole.splitlines())
+        assert name != table or 1 < len(part.splitlines()) < len(whole.splitlines())
+
+
 def test_bare_command_gives_every_published_number(bare):
     done, folder = bare
     assert (done.returncode, done.stderr) == (0, "")

@@ -48,6 +48,31 @@ def test_the_bare_command(cam, tmp_path):
     assert (tmp_path / "out" / "orbits.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize("budget", ["200000", "1500000"])
+def test_a_budget_of_work_ends_the_search_and_keeps_what_was_found(
+    cam, tmp_path, monkeypatch, budget
+):
+    """The same rows as far as they go, by either kernel, and a sentence that names the knob."""
+    assert cam("orbits", "--no-plot", "-o", "whole", *QUICK).returncode == 0
+    words = ("orbits", "--no-plot", *QUICK, "--set", f"orbits.budget={budget}", "-o")
+    done = cam(*words, "part")
+    assert done.returncode == 3
+    assert "work-budget: the budget of work was used up" in done.stderr
+    assert "raise orbits.budget" in done.stderr
+    result = json.loads((tmp_path / "part" / "run.json").read_text())["result"]
+    assert result["status"] == "work-budget"
+    assert "work-budget" in result["branches"][-1]["ends"]
+    for name in ("branch.csv", "bifurcations.csv"):
+        whole, part = ((tmp_path / folder / name).read_text() for folder in ("whole", "part"))
+        assert set(part.splitlines()) <= set(whole.splitlines())
+        assert len(part) < len(whole)
+    assert len(rows(tmp_path / "part" / "branch.csv")) > 10
+    monkeypatch.setenv("CAMCLI_KERNEL", "compiled")
+    assert cam(*words, "other").returncode == 3
+    same = [(tmp_path / name / "branch.csv").read_bytes() for name in ("part", "other")]
+    assert same[0] == same[1]
+
+
 def test_orbits_at_one_speed(cam, tmp_path):
     done = cam("orbits", "--rpm", "358.5", "--no-plot", "-o", "out")
     assert done.returncode == 0, done.stderr

@@ -77,7 +77,7 @@ def scan_speeds(opens: float, region: str, speeds: Sequence[Settled]) -> list[fl
 
 def reaching(
     bursts: Bursts, corner: Corner, goal: float, speeds: Sequence[float]
-) -> list[CriticalSpeed]:
+) -> Iterator[CriticalSpeed]:
     """Every change, between neighbours of `speeds`, of "the burst accumulates before the corner".
 
     goal: the corner's phase as `corners_ahead` has it. Status JUMP where the end of the chatter
@@ -87,25 +87,20 @@ def reaching(
     def excess(rpm: float) -> float:
         return min(bursts.at(rpm).end, FAR) - goal
 
-    return [
-        CriticalSpeed(Quantity.ACCUMULATION, corner.name, corner.theta, *where, bursts.name)
-        for _, where in _changes(bursts, excess, speeds)
-    ]
+    for _, where in _changes(bursts, excess, speeds):
+        yield CriticalSpeed(Quantity.ACCUMULATION, corner.name, corner.theta, *where, bursts.name)
 
 
-def completion_loss(bursts: Bursts, speeds: Sequence[float]) -> list[CriticalSpeed]:
+def completion_loss(bursts: Bursts, speeds: Sequence[float]) -> Iterator[CriticalSpeed]:
     """Where the burst's end reaches, one turn later, the phase at which the next one begins."""
 
     def excess(rpm: float) -> float:
         burst = bursts.at(rpm)
         return min(burst.end, FAR) - burst.release - TURN if burst.release < inf else FAR
 
-    return [  # the phase is that at which the chatter ends at the last complete speed
-        CriticalSpeed(
-            Quantity.COMPLETION_LOSS, bursts.name, bursts.at(last).release, *where, bursts.name
-        )
-        for last, where in _changes(bursts, excess, speeds)
-    ]
+    for last, where in _changes(bursts, excess, speeds):
+        theta = bursts.at(last).release  # where the chatter ends at the last complete speed
+        yield CriticalSpeed(Quantity.COMPLETION_LOSS, bursts.name, theta, *where, bursts.name)
 
 
 def _changes(
@@ -130,14 +125,13 @@ def _changes(
 
 def corner_hits(
     bursts: Bursts, corner: Corner, goal: float, low: float, high: float, count: int
-) -> list[CornerHit]:
+) -> Iterator[CornerHit]:
     """Hits of impacts 1..count on the corner, at phase `goal`, for speeds from `low` to `high`.
 
     `low`: a speed at which the whole burst lies before the corner. At the root for n, impact n + 1
     lies behind it, so its root lies between `low` and that for n. An impact that is still before
     the corner at `high` has its hit beyond the range.
     """
-    hits = []
     for n in range(1, count + 1):
 
         def excess(rpm: float, n: int = n) -> float:
@@ -152,6 +146,5 @@ def corner_hits(
         status, ends = SpeedStatus.OK, None
         if min(-e_a, e_b) >= AT:
             status, ends = SpeedStatus.JUMP, ((e_a + goal) * DEG, (e_b + goal) * DEG)
-        hits.append(CornerHit(n, corner.name, 0.5 * (a + b), a, b, status, bursts.name, ends))
+        yield CornerHit(n, corner.name, 0.5 * (a + b), a, b, status, bursts.name, ends)
         high = b
-    return hits

@@ -14,7 +14,7 @@ from math import inf
 
 from camcli.analysis.contact_loss.detachment import Loss
 from camcli.analysis.contact_loss.force import DEG, Force
-from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start
+from camcli.analysis.integrate import BudgetSpentError, Cost, Orbit, Record, Settings, Start
 from camcli.cams.regions import SAME_PHASE
 from camcli.errors import Status
 from camcli.kernel.cam_table import TURN, stretch_at
@@ -211,7 +211,11 @@ def settled(
     result = []
     for rpm in rpms:
         orbit = Orbit(system, rpm, turns)
-        record = orbit.run(strobes=False)
+        try:
+            record = orbit.run(strobes=False)
+        except BudgetSpentError:
+            result.append(Settled(rpm, (), (), Status.WORK_BUDGET, Cost()))
+            continue
         bursts, impacts = _bursts(system, orbit, record)
         if record.status == Status.OK:  # of the first turn; one from before it if none begins
             bursts = [b for b in bursts if b.release < inf and b.begin < TURN] or bursts[:1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import inf
 
@@ -29,7 +30,7 @@ from camcli.analysis.contact_loss.hold import (
     usual_margin,
     usual_precompression,
 )
-from camcli.analysis.integrate import Cost, Orbit, Settings, with_turns
+from camcli.analysis.integrate import BudgetSpentError, Cost, Orbit, Settings, with_turns
 from camcli.analysis.labels import label
 from camcli.analysis.loads import loads_of
 from camcli.analysis.sweep import Speed, rpm_grid
@@ -145,17 +146,20 @@ def detach(
         if not loss.opens.finite:
             continue
         bursts = Bursts(system, loss.region.name, loss.opens.theta, settings.impact_budget)
-        lift_offs.append(lift_off(bursts, loss))
-        places = scan_speeds(loss.opens.rpm, loss.region.name, scan)
-        for corner, goal in corners_ahead(bursts):
-            changes = reaching(bursts, corner, goal, places)
-            ends += changes
-            if changes:
-                low, high = changes[0].low, places[-1]
-                landings += corner_hits(bursts, corner, goal, low, high, impacts)
-        completion += completion_loss(bursts, places)
+        with suppress(BudgetSpentError):
+            lift_offs.append(lift_off(bursts, loss))
+            places = scan_speeds(loss.opens.rpm, loss.region.name, scan)
+            for corner, goal in corners_ahead(bursts):
+                before = len(ends)
+                ends += reaching(bursts, corner, goal, places)
+                if len(ends) > before:
+                    low, high = ends[before].low, places[-1]
+                    landings += corner_hits(bursts, corner, goal, low, high, impacts)
+            completion += completion_loss(bursts, places)
         cost = cost + bursts.cost
-    past = _past(system, _past_speeds(found, rpms), settings)
+    past: list[Speed] = []
+    with suppress(BudgetSpentError):
+        past += _past(system, _past_speeds(found, rpms), settings)
     cost = sum((speed.cost for speed in past), cost)
     holds: list[Hold] = []
     if hold_rpm is not None:
@@ -200,18 +204,15 @@ def _past_speeds(found: Detachment, rpms: Sequence[float]) -> list[float]:
     return speeds[1:] if low == first else speeds
 
 
-def _past(system: System, rpms: Sequence[float], settings: Settings) -> list[Speed]:
+def _past(system: System, rpms: Sequence[float], settings: Settings) -> Iterator[Speed]:
     """The motion at each speed, from rest, and what it loads."""
-    turns, found = with_turns(settings, PAST_TURNS, PAST_TURNS), []
+    turns = with_turns(settings, PAST_TURNS, PAST_TURNS)
     for rpm in rpms:
         record = Orbit(system, rpm, turns).run()
         count, loads = int(sum(record.impacts[: record.periods])), loads_of(system, rpm, record)
-        found.append(
-            Speed(
-                rpm, rpm, label(record), count, record.status, None, None, record.cost, loads=loads
-            )
+        yield Speed(
+            rpm, rpm, label(record), count, record.status, None, None, record.cost, loads=loads
         )
-    return found
 
 
 def _force_speeds(

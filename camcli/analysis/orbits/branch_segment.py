@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from camcli.analysis.integrate import BudgetSpentError
 from camcli.analysis.orbits.arclength import Metric, Span, Step, steps
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import (
@@ -45,8 +46,8 @@ class Segment:
 def both_ways(shooter: Shooter, root: Root, span: Span) -> tuple[Segment, Segment]:
     """The segments down and up from a root, by the parameter's sign."""
     up = np.array(root.tangent if root.tangent[-1] >= 0.0 else [-x for x in root.tangent])
-    below, above = follow(shooter, root, -up, span), follow(shooter, root, up, span)
     here = doubling_at(shooter, root)
+    below, above = follow(shooter, root, -up, span), follow(shooter, root, up, span)
     if here is not None:
         above.events.insert(0, (here, None))
     return below, above
@@ -54,21 +55,30 @@ def both_ways(shooter: Shooter, root: Root, span: Span) -> tuple[Segment, Segmen
 
 def follow(shooter: Shooter, root: Root, along: Vector, span: Span) -> Segment:
     """Follow a branch from `root` in the direction `along` to the end of range or of motion."""
-    segment, metric = Segment(points=[root]), Metric.of(root, span.width)
+    segment = Segment(points=[root])
+    try:
+        _follow(segment, shooter, root, along, span)
+    except BudgetSpentError:
+        segment.close(Kind.WORK_BUDGET)
+    return segment
+
+
+def _follow(segment: Segment, shooter: Shooter, root: Root, along: Vector, span: Span) -> None:
+    metric = Metric.of(root, span.width)
     most = POINTS_PER_SPACING * span.width / span.spacing
     while True:
         heading = metric.oriented(root, along)[-1]
         if not span.low < root.value < span.high and (root.value <= span.low) == (heading < 0.0):
             segment.close(Kind.END_OF_RANGE)
-            return segment
+            return
         for step in steps(shooter, root, along, metric, span):
             if step is None or len(segment.points) > most:
-                return segment
+                return
             crossing = _advance(shooter, segment, step, span)
             if segment.end == Kind.LOST and _closes(segment, step):
                 segment.close(Kind.CLOSED)
             if segment.end != Kind.LOST:
-                return segment
+                return
             if crossing is not None:
                 root, along = crossing.far, crossing.ahead
                 break

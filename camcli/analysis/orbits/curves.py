@@ -8,10 +8,12 @@ is the one given, so that the curve may turn round in either.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import sqrt
 
 from camcli.analysis.bracketing import bracket
+from camcli.analysis.integrate import BudgetSpentError
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import MOST_SECANTS, Located, cross, doubling_near, secant
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
@@ -122,7 +124,10 @@ class _Tracer:
             last = not low < value < high
             if last:
                 value = high if slope[given] >= 0.0 else low
-            after = self._advance(roots, 1 - given, value, step)
+            try:
+                after = self._advance(roots, 1 - given, value, step)
+            except BudgetSpentError:
+                return roots[1:], Kind.WORK_BUDGET, ""
             if isinstance(after, Kind):
                 share *= 0.5
                 if share < SMALLEST:
@@ -170,7 +175,9 @@ class _Tracer:
         if self.located.kind == Kind.CORNER_IMPACT:
             free = 0 if PARAMETERS[self.plane.names[0]] == root.parameter else 1
             shooter = self.shooter(root, free, values[1 - free])
-            crossing = cross(shooter, replace(self.located, root=root))
+            crossing = None
+            with suppress(BudgetSpentError):
+                crossing = cross(shooter, replace(self.located, root=root))
             if crossing is not None:
                 left, right = crossing.left, crossing.right
                 return CurvePoint(*values, orbit, (left.trace, left.det), (right.trace, right.det))

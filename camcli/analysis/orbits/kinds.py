@@ -19,6 +19,7 @@ class Kind(StrEnum):
     END_OF_RANGE = "end-of-range"
     CLOSED = "closed"
     LOST = "lost"
+    WORK_BUDGET = "work-budget"  # see integrate.Budget
     # ends of a curve in two parameters
     ANOTHER_CORNER = "an impact reaches a corner"
     NO_MOTION = "the orbit is no motion any more"

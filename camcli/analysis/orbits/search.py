@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import inf
 
-from camcli.analysis.integrate import Cost, Record, Settings, Start
+from camcli.analysis.integrate import BudgetSpentError, Cost, Record, Settings, Start
 from camcli.analysis.labels import LONGEST_PERIOD, Label, passages
 from camcli.analysis.orbits.identify import Impact, identify, impacts_of, newton_from
 from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit, from_root
@@ -58,7 +59,21 @@ def find(
     simulated motions as guesses for an unstable one.
     """
     found, shooter = OrbitsFound(), Shooter(system, rpm)
-    turns = list(range(1, MOST_SINGLE + 1))
+    with suppress(BudgetSpentError):
+        _find(found, shooter, rpm, settings, starts, label, most)
+    if label is not None:
+        found.orbits = [orbit for orbit in found.orbits if orbit.label == label]
+    found.orbits.sort(key=lambda orbit: (not orbit.stable, orbit.turns, orbit.symbols))
+    found.cost = shooter.cost
+    return found
+
+
+def _find(
+    found: OrbitsFound, shooter: Shooter, rpm: float, settings: Settings, starts: int,
+    label: Label | None, most: int,
+) -> None:  # fmt: skip
+    """`find` into `found`, where other orbits than the label's may stand too."""
+    system, turns = shooter.system, list(range(1, MOST_SINGLE + 1))
     if label is not None:
         turns = [len(label.symbols)] if sum(label.symbols) == 1.0 else []
     free = free_orbit(system, rpm)
@@ -78,14 +93,11 @@ def find(
             if orbit is not None:
                 found.add(orbit)
                 if orbit.label == label:
-                    break
-    if label is not None:
-        found.orbits = [orbit for orbit in found.orbits if orbit.label == label]
-        if not found.orbits and not found.continua and 0.0 < sum(label.symbols) < inf:
-            _try_returns(shooter, rpm, settings, max(starts, 4), label, found)
-    found.orbits.sort(key=lambda orbit: (not orbit.stable, orbit.turns, orbit.symbols))
-    found.cost = shooter.cost
-    return found
+                    return
+    if label is None or found.continua or any(orbit.label == label for orbit in found.orbits):
+        return
+    if 0.0 < sum(label.symbols) < inf:
+        _try_returns(shooter, rpm, settings, max(starts, 4), label, found)
 
 
 def cloud(system: System, rpm: float) -> Iterator[Start]:

@@ -8,7 +8,7 @@ from math import sqrt
 
 import numpy as np
 
-from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start
+from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, spend
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import exp_decay
@@ -41,6 +41,8 @@ PARAMETERS = {
     "restitution": RESTITUTION,
 }
 Vector = Sequence[float] | np.ndarray  # theta_1, v_1, ..., theta_n, v_n, parameter
+# Compiled evaluations that take as long as Newton's step of one impact, and as a plain evaluation.
+SOLVED, FLOWN = 600, 400
 SMALL = 1e-3  # share of its natural size below which a parameter or a rate counts as zero
 VERDICTS = {
     ADMISSIBLE: "admissible",
@@ -194,9 +196,11 @@ class Shooter:
         x = self._table(guess)
         ends = Border(self._table(row), self._table(origin), right, self.scale, self.rate)
         machine, places = self._table(self.machine), self._table(whole, int)
+        out[STEPS_TAKEN] = 0.0
         status = self.kernel.correct_orbit(
             self.cam, machine, self.parameter, n, turns, places, x, ends, rates, tables, out
         )
+        spend(SOLVED * n * int(out[STEPS_TAKEN]))
         if status != Status.OK:
             return None
         return Root(
@@ -241,9 +245,11 @@ class Shooter:
         _, (_, _, flows, found, works) = self._room(root.count)
         machine, places = self._table(root.machine), self._table(root.whole, int)
         x, rates = self._table(root.x), self._table(root.rates)
+        before = works[0].evaluations
         code = self.kernel.certify_orbit(
             self.cam, machine, root.count, root.turns, places, x, rates, flows, found, works
         )
+        spend(FLOWN * int(works[0].evaluations - before))
         return int(code), int(found[0]), float(found[1])
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from math import inf, ulp
 
 from camcli.analysis.bracketing import bracket
-from camcli.analysis.integrate import Settings, Start, with_turns
+from camcli.analysis.integrate import BudgetSpentError, Settings, Start, with_turns
 from camcli.analysis.labels import CONTACT
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.identify import identify
@@ -58,6 +58,17 @@ def follow_sticking(
 ) -> StickingSegment:
     """Follow an orbit that rests on the cam, or never meets it, towards one end of the range."""
     segment = StickingSegment([orbit])
+    try:
+        _follow(segment, shooter, settings, orbit, span, up)
+    except BudgetSpentError:
+        segment.end = Kind.WORK_BUDGET
+    return segment
+
+
+def _follow(
+    segment: StickingSegment, shooter: Shooter, settings: Settings, orbit: PeriodicOrbit,
+    span: Span, up: bool,
+) -> None:  # fmt: skip
     for value in _grid(orbit.value, span.high if up else span.low, span.spacing):
         last = segment.points[-1]
         after = _orbit_at(shooter, settings, last, value)
@@ -66,14 +77,13 @@ def follow_sticking(
             segment.changes.append(change)
             segment.points.append(change.orbit)
             segment.end = change.kind
-            return segment
+            return
         if not _same_departures(last, after):
             change = _change(shooter, settings, last, value, _same_departures)
             change = replace(change, kind=Kind.DEPARTURE, beyond=change.beyond or after)
             segment.changes.append(change)
             segment.points.append(change.orbit)
         segment.points.append(after)  # type: ignore[arg-type]  # the same motion is one
-    return segment
 
 
 def _grid(start: float, end: float, spacing: float) -> Iterator[float]:

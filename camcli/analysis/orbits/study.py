@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from camcli.analysis.border_collision import Side
-from camcli.analysis.integrate import Cost, Settings
+from camcli.analysis.integrate import BudgetSpentError, Cost, Settings, spend
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import Segment, both_ways, follow
@@ -174,7 +175,8 @@ def orbits(
 ) -> OrbitsResult:
     """Find, follow and classify; `on_branch` is called after each branch.
 
-    Raises ValueError where the range is empty or does not hold the parameter's value.
+    Within an `integrate.Budget` that is spent, the rest is left out. Raises ValueError where the
+    range is empty or does not hold the parameter's value.
     """
     starts = question.starts if question.label is None else max(question.starts, MOST_STARTS)
     backend.for_work((starts + 1) * (settings.transient + RECORD), 2 * LITTLE_WORK)
@@ -184,13 +186,15 @@ def orbits(
         found.orbits = [orbit for orbit in found.orbits if orbit.stable == question.stable]
     elif question.label is not None and not found.orbits and not found.continua:
         ends = None if span is None or question.parameter != "rpm" else (span.low, span.high)
-        absent = _look_around(system, settings, question.rpm, question.label, ends)
-        if ends is not None and absent.orbit is not None:
+        with suppress(BudgetSpentError):
+            absent = _look_around(system, settings, question.rpm, question.label, ends)
+        if ends is not None and absent is not None and absent.orbit is not None:
             found.orbits, question = [absent.orbit], replace(question, rpm=absent.orbit.rpm)
     shooter = Shooter(system, question.rpm, question.parameter)
     diagram = Diagram(shooter, settings)
     if span is not None:
-        _follow_all(diagram, found.orbits, span, question.branches, on_branch)
+        with suppress(BudgetSpentError):
+            _follow_all(diagram, found.orbits, span, question.branches, on_branch)
     return OrbitsResult(
         question,
         shooter.value,
@@ -240,7 +244,8 @@ def _curves(system: System, bifurcations: Sequence[Bifurcation], question: Quest
     for b in bifurcations if plane is not None else ():
         key = (b.label, b.corner, f"{b.value:.9g}")
         if plane and b.kind == question.curve and b.located is not None and key not in found:
-            found[key] = curve(system, b.located, plane, b.label, b.corner)
+            with suppress(BudgetSpentError):
+                found[key] = curve(system, b.located, plane, b.label, b.corner)
     return list(found.values())
 
 
@@ -282,8 +287,11 @@ class Diagram:
         if start is None:
             return
         segment = follow(self.shooter, *start, span)
-        if len(segment.points) < 2 or self.holds(segment.points[len(segment.points) // 2]):
+        if len(segment.points) < 2:
             return
+        with suppress(BudgetSpentError):  # what cannot be compared any more is kept
+            if self.holds(segment.points[len(segment.points) // 2]):
+                return
         source = self.bifurcations[index]
         self.add_bouncing([segment], source.kind)
         self.bifurcations[index] = replace(source, continues=len(self.branches))
@@ -317,12 +325,13 @@ class Diagram:
                     )
                 )
 
-    def _corner_impact(self, crossing: Crossing) -> CornerImpact:
+    def _corner_impact(self, crossing: Crossing) -> CornerImpact | None:
         """The study of a corner impact, made once for both branches that end in it."""
         key = (crossing.corner, crossing.left.count, f"{crossing.left.value:.11g}")
         if key not in self._corner_impacts:
-            self._corner_impacts[key] = corner_impact(self.shooter, crossing, self.settings)
-        return self._corner_impacts[key]
+            with suppress(BudgetSpentError):
+                self._corner_impacts[key] = corner_impact(self.shooter, crossing, self.settings)
+        return self._corner_impacts.get(key)
 
     def add_sticking(self, start: PeriodicOrbit, span: Span) -> None:
         """A branch of orbits that rest on the cam, both ways from one of them."""
@@ -374,6 +383,7 @@ def _look_around(
         if found.orbits:
             orbit = found.orbits[0]
             return Absence(rpm, low, high, orbit, _reach(system, settings, orbit, rpm))
+        spend(0)  # raises where the search at this speed did not come to its end
     return Absence(rpm, low, high)
 
 
