@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import ceil, pi, sqrt
 from typing import Any, BinaryIO
 
@@ -18,25 +18,30 @@ from camcli.api.basins import basins
 from camcli.api.orbits import orbits
 from camcli.api.result import Machine, Progress, Result, machine_of, ticks
 from camcli.api.sweep import sweep
+from camcli.api.vary import Varied
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.kernel.cam_table import TURN
 from camcli.parallel import Work
+from camcli.plots.axes import axis_name
 from camcli.plots.event_words import event_words
 from camcli.plots.mechanism import Outline
-from camcli.scene import Scene
-from camcli.system import omega_of
+from camcli.plots.sweep_map import cell_edges
+from camcli.scene import Axis, Scene
+from camcli.system import Follower, System, omega_of
 
 STEP = 0.4  # of the follower's fastest motion, rad, between rows: a cubic errs by STEP^4/384 of it
 FEWEST_ROWS = 48  # per turn
 MOST_SPEEDS, MOST_ROWS = 1000, 250_000  # of a page of 8 MB; a row takes 17 bytes
 LONGEST = 16  # turns of a motion that are shown
 MOST_POINTS = 150_000  # of the diagram
-STARTS, START_TURNS = 16, 8  # motions in a window of basins: along each side, and their length
+SIDE = 16  # motions of a window of basins and of a map, along each side
+MOST_TURNS, ROOM = 8, 400_000  # of each of them; rows of a whole page
 PROFILE_ROWS = 720
 KINDS = ("impact", "chatter", "detachment")
 
 Columns = tuple[np.ndarray, np.ndarray]
+NONE: Columns = (np.empty(0), np.empty(0))
 
 
 @dataclass(frozen=True)
@@ -44,8 +49,9 @@ class Motion:
     """One motion of the page, as `cam simulate` computes it from this start.
 
     origin: `fixed`, `up` or `down` for a sweep, `solved` for an orbit, `start` for a start of the
-    basins; q (m) and v (m/s): at the strobe, None where the follower rests on the cam; turns: how
-    many are shown; loops: the last one ends where the first begins.
+    basins, `map` for a point of the map; q (m) and v (m/s): at the strobe, None where the follower
+    rests on the cam; turns: how many are shown; loops: the last one ends where the first begins;
+    place: in the window of basins (q, v) or in the map (both values); system: the machine.
 
     impacts: (theta_deg, u_minus_m_per_s) and strobes: (q_m, v_m_per_s), points of the diagram.
     """
@@ -59,8 +65,11 @@ class Motion:
     loops: bool
     stable: bool | None
     exponent: float | None
-    impacts: Columns
-    strobes: Columns
+    system: System
+    impacts: Columns = NONE
+    strobes: Columns = NONE
+    place: tuple[float, float] | None = None
+    sets: Mapping[str, float] = field(default_factory=dict)  # of a map: what --set would change
 
     def is_near(self, label: str, state: tuple[float, float]) -> bool:
         """Whether a motion of the same speed with this label and state at the strobe is this one.
@@ -80,6 +89,7 @@ class Explored:
     simulations: list[Simulation]
     orbits: Result
     basins: Result | None
+    map: Result | None
 
 
 def explore(
@@ -88,6 +98,7 @@ def explore(
     *,
     work: Work | None = None,
     with_basins: bool = False,
+    with_map: bool = False,
     source: str = "-c SCENE.yaml",
 ) -> Result:
     """A page for a browser: the machine in motion at every speed of ``scene.sweep.rpm``.
@@ -107,6 +118,9 @@ def explore(
         How the speeds are computed. It never changes a result.
     with_basins : bool
         Also the basins at ``basins.rpm.start``, and the motions from a grid of starts.
+    with_map : bool
+        Also the map over both numbers of ``sweep.vary``, or over the speeds and its only one, and
+        the motions at a grid of its points. They are rpm or constants of the follower.
     source : str
         Options that name this scene on the command line, for the commands that the page shows.
 
@@ -119,11 +133,14 @@ def explore(
     Raises
     ------
     SceneError
-        If the start lies below the cam, or a page cannot hold the motions of so many speeds.
+        If the start lies below the cam, a page cannot hold the motions of so many speeds, or
+        there is no map that it can hold.
     """
     machine = machine_of(scene)
     scene = machine.scene
-    samples = _samples(machine)
+    axes = _axes_of_map(scene) if with_map else scene.sweep.vary
+    span = scene.sweep.rpm
+    samples = _samples(machine.system.follower, min(span.start, span.stop))
     most = min(MOST_SPEEDS, MOST_ROWS // samples)
     if scene.sweep.rpm.num > most:
         asked, limit = f"found {scene.sweep.rpm.num} speeds", f"expected at most {most} on a page"
@@ -135,18 +152,25 @@ def explore(
         ]
         solved = orbits(_orbits_scene(scene), progress)
         landed = basins(_basins_scene(scene), progress, work=work) if with_basins else None
+        mapped = sweep(_with(scene, "sweep", vary=axes), progress, work=work) if with_map else None
         motions = _attractors(machine, sweeps, MOST_ROWS // (samples * scene.sweep.rpm.num))
         motions += _solved(machine, solved, motions)
-        motions += [] if landed is None else _starts(machine, landed)
+        left = ROOM - samples * sum(motion.turns for motion in motions)
+        turns = left // (samples * SIDE * SIDE * max(1, with_basins + with_map))
+        turns = max(1, min(MOST_TURNS, turns))
+        motions += [] if landed is None else list(_starts(machine, landed, turns))
+        motions += [] if mapped is None else list(_points(machine, mapped, axes, turns))
         tick = ticks(progress, "motions", len(motions))
         simulations = []
         for motion in motions:
             start = Start(motion.q, motion.v, scene.run.strobe_deg)
             settings = replace(with_turns(machine.settings, 0, motion.turns + 1), start=start)
-            simulations.append(simulate(machine.system, motion.rpm, settings, samples))
+            rows = max(samples, _samples(motion.system.follower, motion.rpm))
+            simulations.append(simulate(motion.system, motion.rpm, settings, rows))
             tick()
-    found = Explored(motions, simulations, solved, landed)
-    parts = [result for _, result in sweeps] + [solved] + ([] if landed is None else [landed])
+    found = Explored(motions, simulations, solved, landed, mapped)
+    more = (result for result in (landed, mapped) if result is not None)
+    parts = [*(result for _, result in sweeps), solved, *more]
 
     def write(file: BinaryIO) -> None:
         from camcli.output.explore import page
@@ -171,7 +195,7 @@ def explore(
         seconds=watch.seconds,
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         complete=all(part.complete for part in parts),
-        options={"with_basins": with_basins, "source": source},
+        options={"with_basins": with_basins, "with_map": with_map, "source": source},
     )
 
 
@@ -181,13 +205,24 @@ def _with(scene: Scene, name: str, **values: Any) -> Scene:
     return scene.model_copy(update={name: section})
 
 
-def _samples(machine: Machine) -> int:
-    """Rows per turn at the lowest speed, so that a cubic from row to row is the motion itself."""
-    f, span = machine.system.follower, machine.scene.sweep.rpm
+def _samples(f: Follower, rpm: float) -> int:
+    """Rows per turn, so that a cubic from row to row is the motion itself."""
     decay, square = f.damping / (2.0 * f.mass), f.stiffness / f.mass
     fastest = max(sqrt(square), decay + sqrt(max(0.0, decay * decay - square)))
-    turn = TURN / omega_of(min(span.start, span.stop))
-    return max(FEWEST_ROWS, ceil(turn * fastest / STEP))
+    return max(FEWEST_ROWS, ceil(TURN / omega_of(rpm) * fastest / STEP))
+
+
+def _axes_of_map(scene: Scene) -> tuple[Axis, ...]:
+    """Both numbers of the map; raises SceneError where a page cannot show their machines."""
+    span, axes = scene.sweep.rpm, scene.sweep.vary
+    if len(axes) == 1:
+        axes = (Axis(key="rpm", start=span.start, stop=span.stop, num=span.num), *axes)
+    found = " and ".join(axis.key for axis in axes) or "none"
+    if len(axes) != 2 or not all(a.path == "run.rpm" or "follower." in a.path for a in axes):
+        cure = "give --vary follower.restitution=LO:HI, or another one"
+        expected = "expected the speed or constants of the follower"
+        raise SceneError(Fault("--with map", "sweep.vary", f"found {found}", expected, cure))
+    return axes
 
 
 def _sweep_scene(scene: Scene, direction: str) -> Scene:
@@ -242,6 +277,7 @@ def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> It
             turns == period,
             True if period else None,
             None if np.isnan(exponent) else exponent,
+            machine.system,
             (hit["theta_deg"][kept][-points:], hit["u_minus_m_per_s"][kept][-points:]),
             (own["q_m"][-(period or points):], own["v_m_per_s"][-(period or points):]),
         )  # fmt: skip
@@ -290,44 +326,59 @@ def _solved(machine: Machine, result: Result, known: list[Motion]) -> list[Motio
         found.append(
             Motion(
                 rpm, label, "solved", *_start(machine, rpm, *state), turns, True, stable, None,
-                (np.empty(0), np.empty(0)), (np.array(state[:1]), np.array(state[1:])),
+                machine.system, NONE, (np.array(state[:1]), np.array(state[1:])),
             )
         )  # fmt: skip
     return found
 
 
-def _starts(machine: Machine, result: Result) -> list[Motion]:
+def _some(count: int) -> list[int]:
+    """At most SIDE of so many in a row, spread evenly, away from the ends."""
+    places = np.linspace(0, count - 1, 2 * min(SIDE, count) + 1)[1::2]
+    return np.unique(places.astype(int)).tolist()
+
+
+def _starts(machine: Machine, result: Result, turns: int) -> Iterator[Motion]:
     """Motions from a grid of starts in the window of the basins, by the attractor they reach."""
     section = machine.scene.basins
     cells, attractors = _columns(result, "basins"), _columns(result, "attractors")
     names = dict(zip(attractors["attractor"].tolist(), attractors["label"].tolist(), strict=True))
-    (wide, high), found = section.cells, []
-    codes = cells["attractor"].reshape(high, wide)
-    for row in np.unique(np.linspace(0, high - 1, 2 * min(STARTS, high) + 1)[1::2].astype(int)):
-        for column in np.unique(
-            np.linspace(0, wide - 1, 2 * min(STARTS, wide) + 1)[1::2].astype(int)
-        ):
-            k = row * wide + column
-            if codes[row, column] == -1:
-                continue  # below the cam
-            q, v = float(cells["q_m"][k]), float(cells["v_m_per_s"][k])
-            label = str(names.get(int(codes[row, column]), "undecided"))
-            none = np.empty(0)
-            found.append(
-                Motion(
-                    section.rpm.start, label, "start", q, v, START_TURNS, False, None, None,
-                    (none, none), (none, none),
-                )
+    (wide, high), codes = section.cells, cells["attractor"].tolist()
+    for k in (row * wide + column for row in _some(high) for column in _some(wide)):
+        if codes[k] == -1:
+            continue  # below the cam
+        start = float(cells["q_m"][k]), float(cells["v_m_per_s"][k])
+        yield Motion(
+            section.rpm.start, str(names.get(codes[k], "undecided")), "start", *start, turns,
+            False, None, None, machine.system, place=start,
+        )  # fmt: skip
+
+
+def _points(
+    machine: Machine, result: Result, axes: tuple[Axis, ...], most: int
+) -> Iterator[Motion]:
+    """Motions at a grid of points of the map, from where their records end."""
+    found, setup = result.values[0], Varied(machine, axes)
+    for row in _some(len(found.second)):
+        line = found.lines[row]
+        for column in _some(len(line)):
+            speed, period = line[column], period_of(line[column].label)
+            if speed.end is None:
+                continue
+            place = speed.value, found.second[row]
+            system, rpm, _ = setup(*place)
+            turns = period if 0 < period <= most else most
+            constants = zip(axes, place, strict=True)
+            yield Motion(
+                rpm, str(speed.label), "map", speed.end.q, speed.end.v, turns, turns == period,
+                True if period else None, speed.exponent, system, place=place,
+                sets={axis.key: x for axis, x in constants if axis.path != "run.rpm"},
             )  # fmt: skip
-    return found
 
 
 def _machine_data(machine: Machine) -> dict[str, Any]:
-    """The cam as a body and as a function of the cam angle, and the contact force on it.
-
-    A follower on the cam is pressed with F = spring + omega damper + omega^2 inertia, by phase.
-    """
-    scene, system, f = machine.scene, machine.system, machine.system.follower
+    """The follower, and the cam as a body and as a function of the cam angle."""
+    scene, system = machine.scene, machine.system
     base = getattr(scene.cam, "base_radius", None)
     body = Outline.of(system, base, scene.cam)
     x, y = body.body
@@ -344,9 +395,7 @@ def _machine_data(machine: Machine) -> dict[str, Any]:
             "told": not body.guessed, "flat": body.flat,
         },
         "cam": {
-            "theta_deg": np.array(turn.theta_deg), "c": c, "c1": c1,
-            "spring": f.mass * f.gravity + f.preload + f.stiffness * c,
-            "damper": f.damping * c1, "inertia": f.mass * c2,
+            "theta_deg": np.array(turn.theta_deg), "c": c, "c1": c1, "c2": c2,
         },
     }  # fmt: skip
 
@@ -372,7 +421,8 @@ def _motion_data(found: Explored) -> dict[str, Any]:
                 "rpm": motion.rpm, "label": motion.label, "origin": motion.origin,
                 "q": motion.q, "v": motion.v, "turns": motion.turns, "loops": motion.loops,
                 "period": period_of(motion.label), "stable": motion.stable,
-                "exponent": motion.exponent, "rows": len(kept), "events": len(happened),
+                "exponent": motion.exponent, "place": motion.place, "sets": motion.sets,
+                "rows": len(kept), "events": len(happened),
                 "impacts": len(motion.impacts[0]), "strobes": len(motion.strobes[0]),
             }
         )  # fmt: skip
@@ -392,7 +442,10 @@ def _motion_data(found: Explored) -> dict[str, Any]:
             "theta_deg": impacts[0], "u": impacts[1], "q": strobes[0], "v": strobes[1],
         },
         "branches": _branches(found.orbits), "bifurcations": _bifurcations(found.orbits),
-        "basins": None if found.basins is None else _basins_data(found.basins),
+        "planes": [
+            *([] if found.basins is None else [_basins_data(found.basins)]),
+            *([] if found.map is None else [_map_data(found.map)]),
+        ],
     }  # fmt: skip
 
 
@@ -438,13 +491,40 @@ def _bifurcations(solved: Result) -> list[dict[str, Any]]:
 def _basins_data(landed: Result) -> dict[str, Any]:
     """The window with the attractor of every cell."""
     section, attractors = landed.scene.basins, _columns(landed, "attractors")
+    named = list(
+        zip(
+            *(attractors[name].tolist() for name in ("attractor", "label", "fraction")), strict=True
+        )
+    )
+    codes = [number for number, _, _ in named]
+    shares = [f"{label} takes {100.0 * share:.3g} %" for n, label, share in named if n > 0]
     return {
-        "rpm": section.rpm.start, "q": section.q, "v": section.v, "cells": section.cells,
-        "codes": landed.tables["basins"]["attractor"].astype(np.int8).view(np.uint8),
-        "attractors": [
-            {"number": int(number), "label": str(label), "fraction": float(fraction)}
-            for number, label, fraction in zip(
-                *(attractors[name] for name in ("attractor", "label", "fraction")), strict=True
-            )
-        ],
+        "of": "start", "name": "Basins of attraction", "cells": section.cells,
+        "x": section.q, "y": section.v,
+        "names": ["position q at the strobe (m)", "velocity v at the strobe (m/s)"],
+        "labels": [str(label) for _, label, _ in named],
+        "codes": _indices(landed.tables["basins"]["attractor"], codes),
+        "words": f"At {section.rpm.start:.10g} rpm: {', '.join(shares)} of the starts.",
     }  # fmt: skip
+
+
+def _map_data(result: Result) -> dict[str, Any]:
+    """The kind of motion at every point, its period and no more."""
+    found = result.values[0]
+    kinds = [[str(s.label).partition(";")[0] for s in line] for line in found.lines]
+    names = sorted({kind for line in kinds for kind in line})
+    codes = np.array([[names.index(kind) for kind in line] for line in kinds])
+    x, y = found.first, found.second
+    return {
+        "of": "map", "name": "Map of motions", "cells": [len(x), len(y)],
+        "x": cell_edges(x), "y": cell_edges(y), "names": [axis_name(key) for key in found.keys],
+        "labels": names,
+        "codes": codes[np.argsort(y)][:, np.argsort(x)].astype(np.uint8).ravel(),
+        "words": "",
+    }  # fmt: skip
+
+
+def _indices(codes: np.ndarray, known: Sequence[int]) -> np.ndarray:
+    """Where each code is among those known, 255 for none (below the cam)."""
+    table = {code: k for k, code in enumerate(known)}
+    return np.array([table.get(code, 255) for code in codes.tolist()], np.uint8)

@@ -163,7 +163,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     notes = status_notes(troubled, one.key)
     if unknown:
         text = f"{unknown} of {total} points undecided, grey: rounding decides after a rest"
-        cure = "; --decide follows each beyond rounding, some seconds for one"
+        cure = "; sweep.decide (--decide) follows each beyond rounding, some seconds for one"
         notes.insert(0, text + ("" if section.decide else cure))
 
     def rows() -> Iterator[tuple]:

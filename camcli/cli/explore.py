@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from camcli.cli.options import Request
+from camcli.cli.options import Request, Vary
+from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
+    from camcli.cli.run import Values
 
 
 def explore(
     request: Request,
     with_: Annotated[
-        str | None, Option("--with", help="Also: basins (of basins.rpm).", metavar="WHAT")
+        str | None, Option("--with", help="Also: basins (of basins.rpm), map.", metavar="A,B")
     ] = None,
+    vary: Vary = None,
 ) -> int:
     """One page for a browser on which the machine moves, for every speed of a range.
 
@@ -29,16 +33,34 @@ def explore(
     The speeds are those of sweep.rpm (--rpm LO:HI, --points), at most 1000. The motions: of a
     sweep from the scene's start, of sweeps up and down where they end elsewhere, and the orbits
     solved over these speeds, stable and unstable. --with basins adds the basins at basins.rpm and
-    the motions from a grid of starts in their window. Every motion is a cam simulate, whose
-    command the page shows.
+    the motions from a grid of starts in their window; --with map the map over the speeds and
+    --vary KEY=LO:HI (a constant of the follower; --points N,M), or over two of them, and the
+    motions at a grid of its points. Every motion is a cam simulate, whose command the page shows.
     """
-    from camcli.cli.run import ranges, run
-    from camcli.errors import Fault, SceneError
+    from camcli.cli.run import run
 
-    if with_ not in (None, "basins"):
-        raise SceneError(Fault("--with", "", f"found '{with_}'", "expected basins", ""))
-    options = {"with_basins": with_ == "basins", "source": _source(request)}
-    return run("explore", request, ranges(request, "sweep"), _show, options=options)
+    asked = set(filter(None, (with_ or "").split(",")))
+    if not asked <= {"basins", "map"}:
+        cure = "e.g. --with basins,map"
+        raise SceneError(Fault("--with", "", f"found '{with_}'", "expected basins or map", cure))
+    if vary and "map" not in asked:
+        found, cure = "found it without --with map", "add --with map"
+        raise SceneError(Fault("--vary", "", found, "it means nothing there", cure))
+    chosen = {f"with_{name}": name in asked for name in ("basins", "map")}
+    options = {**chosen, "source": _source(request)}
+    return run("explore", request, _values(request, vary or []), _show, options=options)
+
+
+def _values(request: Request, vary: list[str]) -> Values:
+    """The speeds, and what a map varies: --points N of the speeds, M of each other number."""
+    from camcli.cli.run import ranges
+
+    if not vary:
+        return ranges(request, "sweep")
+    count, _, more = (request.points or "").partition(",")
+    others = replace(request, rpm=None, points=more or None)
+    speeds = ranges(replace(request, points=count or None), "sweep")
+    return speeds | ranges(others, "sweep", vary, most=2)
 
 
 def _source(request: Request) -> str:

@@ -46,7 +46,7 @@ def draw_map(found: Map, curves: Sequence[Curve] = ()) -> Picture:
         for label, x, y in curves:
             axes.plot(x, y, color="white", lw=2.0, zorder=3)
             axes.plot(x, y, color="black", lw=0.8, zorder=4, ls=_dashes(label), label=label)
-        axes.set(xlim=_ends(found.first), ylim=_ends(found.second))
+        axes.set(xlim=cell_edges(found.first), ylim=cell_edges(found.second))
         axes.set_xlabel(axis_name(found.keys[0]))
         axes.set_ylabel(axis_name(found.keys[1]))
 
@@ -77,7 +77,7 @@ def _dashes(label: str):
     return styles.get(label, "-")
 
 
-def _ends(values: Sequence[float]) -> tuple[float, float]:
+def cell_edges(values: Sequence[float]) -> tuple[float, float]:
     """Edges of the cells around the first and the last value, ascending."""
     low, high = min(values), max(values)
     half = 0.5 * (high - low) / max(len(values) - 1, 1) or 0.01 * abs(low) or 1e-6
@@ -87,7 +87,7 @@ def _ends(values: Sequence[float]) -> tuple[float, float]:
 def _image(axes: Axes, found: Map, cells: np.ndarray, **look: Any) -> AxesImage:
     """Cells in ascending order of both numbers."""
     cells = cells[np.argsort(found.second)][:, np.argsort(found.first)]
-    extent = (*_ends(found.first), *_ends(found.second))
+    extent = (*cell_edges(found.first), *cell_edges(found.second))
     return axes.imshow(
         cells, extent=extent, origin="lower", aspect="auto", interpolation="nearest", **look
     )

@@ -17,7 +17,13 @@ import camcli
 pytestmark = pytest.mark.slow
 FEW = {"sweep.rpm.num": 11, "run.transient": 300, "run.record": 60, "orbits.starts": 6}
 SCENES = {
-    "chapter": (None, {"basins.cells": [40, 40]}),
+    "chapter": (
+        None,
+        {
+            "basins.cells": [40, 40],
+            "sweep.vary": [{"key": "follower.mass", "start": 1.1, "stop": 1.3, "num": 3}],
+        },
+    ),
     "valve-train": (
         "configs/valve-train.yaml",
         {"sweep.rpm.start": 3200, "sweep.rpm.stop": 3400, "orbits.at": 3300},
@@ -37,7 +43,8 @@ def made(request, tmp_path_factory):
     scene = camcli.load_scene(path, {**FEW, **values})
     source = "" if path is None else shlex.join(["-c", path])
     folder = tmp_path_factory.mktemp(request.param)
-    camcli.explore(scene, source=source, with_basins=file is None).save(folder)
+    planes = {"with_basins": file is None, "with_map": file is None}
+    camcli.explore(scene, source=source, **planes).save(folder)
     return scene, folder, data_of(folder)
 
 
@@ -67,8 +74,9 @@ def command_of(data, motion):
     """The arguments of the command that the page shows for a motion."""
     start = {"q": motion["q"], "v": motion["v"], "theta_deg": data["strobe_deg"]}
     text = json.dumps(start).replace('"', "")
+    sets = [word for key, value in motion["sets"].items() for word in ("--set", f"{key}={value}")]
     return [
-        "simulate", *shlex.split(data["source"]), "--rpm", repr(motion["rpm"]),
+        "simulate", *shlex.split(data["source"]), "--rpm", repr(motion["rpm"]), *sets,
         "--set", "run.transient=0", "--set", f"run.record={motion['turns']}",
         "--set", f"run.start={text}", "--no-plot",
     ]  # fmt: skip
@@ -173,8 +181,9 @@ def test_the_contact_force_is_that_of_the_profile(made):
     scene, _, data = made
     rpm = scene.run.rpm
     wanted = camcli.simulate(scene, profile_only=True).tables["profile"]
-    omega, cam_ = rpm * np.pi / 30.0, data["cam"]
-    force = cam_["spring"] + omega * (cam_["damper"] + omega * cam_["inertia"])
+    omega, cam_, f = rpm * np.pi / 30.0, data["cam"], data["follower"]
+    force = f["mass"] * f["gravity"] + f["preload"] + f["stiffness"] * cam_["c"]
+    force += omega * (f["damping"] * cam_["c1"] + omega * f["mass"] * cam_["c2"])
     at = np.searchsorted(cam_["theta_deg"], wanted["theta_deg"].astype(np.float32) - 1e-4)
     smooth = np.append(np.diff(wanted["theta_deg"]) > 0, True) & np.insert(
         np.diff(wanted["theta_deg"]) > 0, 0, True
@@ -339,18 +348,45 @@ def test_motion_is_for_those_who_want_it_and_all_fits_a_phone(made, browser):
 
 @pytest.mark.browser
 @needs_browser
-def test_a_click_into_the_basins_shows_the_motion_of_that_start(made, browser):
-    scene, folder, data = made
+def test_a_click_into_a_plane_shows_the_motion_of_that_place(made, browser):
+    """The basins' starts and the map's points; the command and a link say which it is."""
+    _, folder, data = made
     page = browser(folder)
-    assert page.is_visible("#basins") == (data["basins"] is not None)
-    if data["basins"] is None:
-        return
-    page.locator("#window").scroll_into_view_if_needed()
-    page.locator("#window").click(position={"x": 300, "y": 100})
-    q, v = page.evaluate("[state.motion.q, state.motion.v]")
-    at = page.evaluate("[data.window.axes.fromX(300), data.window.axes.fromY(100)]")
-    for value, wanted, (low, high) in zip(
-        (q, v), at, (scene.basins.q, scene.basins.v), strict=True
+    assert page.locator(".plane").count() == len(data["planes"])
+    for number, plane in enumerate(data["planes"]):
+        box = page.locator(f"#{plane['of']}-plane")
+        box.scroll_into_view_if_needed()
+        box.click(position={"x": 300, "y": 100})
+        place = page.evaluate("state.motion.place")
+        at = page.evaluate(
+            f"(({{axes}}) => [axes.fromX(300), axes.fromY(100)])(data.planes[{number}])"
+        )
+        for value, wanted, (low, high), cells in zip(
+            place, at, (plane["x"], plane["y"]), plane["cells"], strict=True
+        ):
+            assert abs(value - wanted) < 1.01 * (high - low) / min(cells, 16)
+        command = page.inner_text("#command")
+        if plane["of"] == "map":
+            assert f"--rpm {place[0]:g} --set follower.mass={place[1]}" in command
+            assert f"follower.mass = {place[1]:.10g}" in said(page)
+        else:
+            assert f"q: {place[0]!r}, v: {place[1]!r}" in command
+        box.press("ArrowLeft")
+        left = page.evaluate("state.motion.place")
+        assert left[0] < place[0]
+        assert left[1] == place[1]
+        page.wait_for_timeout(300)
+        again = browser(folder, page.evaluate("location.hash"))
+        assert again.evaluate("state.motion.place") == left
+
+
+def test_a_map_needs_a_number_and_one_machine(cam):
+    for words, said in (
+        (("--with", "map"), "found none"),
+        (("--with", "map", "--vary", "cam.nose_radius=0.1:0.2"), "constants of the follower"),
+        (("--with", "maps"), "expected basins or map"),
+        (("--vary", "follower.mass=1:2"), "without --with map"),
     ):
-        assert abs(value - wanted) < 1.01 * (high - low) / 16
-    assert f"q: {q!r}, v: {v!r}" in page.inner_text("#command")
+        done = cam("explore", *words)
+        assert done.returncode == 2
+        assert said in done.stderr
