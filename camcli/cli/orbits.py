@@ -117,7 +117,8 @@ def _speeds(request: Request) -> Values:
         return {}
     rpm = parse_rpm(request.rpm)
     low, high = rpm if isinstance(rpm, tuple) else (rpm, rpm)
-    return {"orbits.rpm.start": (low, "--rpm"), "orbits.rpm.stop": (high, "--rpm")}
+    ends = {"orbits.rpm.start": (low, "--rpm"), "orbits.rpm.stop": (high, "--rpm")}
+    return ends | ({"orbits.at": (low, "--rpm")} if low == high else {})
 
 
 def _refuse_idle(

@@ -37,8 +37,8 @@ class Shown:
 
     @property
     def heading(self) -> str:
-        """Number and title, as HTML."""
-        return escape(f"{self.name} {self.title}")
+        """Number, where its name is one, and title, as HTML."""
+        return escape(f"{self.name} {self.title}" if self.name[:1].isdigit() else self.title)
 
     @property
     def id(self) -> str:
@@ -62,10 +62,13 @@ def page(figures: Sequence[Shown]) -> str:
     template = Template((files("camcli.output") / "gallery.html").read_text(encoding="utf-8"))
     groups = groupby(figures, lambda p: re.sub(r"(?<=\d)[a-z]$", "", p.name))
     contents = "".join(
-        f"<h2>{escape(name)}</h2>\n<ul>\n{''.join(map(_thumbnail, members))}</ul>\n"
+        f"<section>\n<h2>{escape(name)}</h2>\n<ul>\n{''.join(map(_thumbnail, members))}</ul>\n"
+        "</section>\n"
         for name, members in groups
     )
-    return template.substitute(contents=contents, figures="".join(map(_article, figures)))
+    first = next((_image(p, p.pictures[0]) + "\n" for p in figures if p.pictures), "")
+    articles = "".join(map(_article, figures))
+    return template.substitute(contents=contents, first=first, figures=articles)
 
 
 def _thumbnail(p: Shown) -> str:
@@ -94,7 +97,8 @@ def _opens(page: tuple[str, str]) -> str:
     return f'<p>{words} <a href="{link}">Open the page</a></p>\n'
 
 
-def _figure(p: Shown, source: str) -> str:
+def _image(p: Shown, source: str) -> str:
+    """A picture with its size and its caption in words."""
     try:
         with open(p.folder / Path(source).name, "rb") as png:
             head = png.read(24)
@@ -102,10 +106,13 @@ def _figure(p: Shown, source: str) -> str:
         head = b""
     wide, high = (int.from_bytes(head[k : k + 4], "big") for k in (16, 20))
     words = escape(p.caption or p.title)
+    return f'<img src="{source}" width="{wide}" height="{high}" loading="lazy"\nalt="{words}">'
+
+
+def _figure(p: Shown, source: str) -> str:
     return f"""<figure>
-<a href="{source}"><img src="{source}" width="{wide}" height="{high}" loading="lazy"
-alt="{words}"></a>
-<figcaption>{words}</figcaption>
+<a href="{source}">{_image(p, source)}</a>
+<figcaption>{escape(p.caption or p.title)}</figcaption>
 </figure>
 """
 

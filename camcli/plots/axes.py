@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MultipleLocator
+from matplotlib.axis import Axis
+from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from camcli.cams.compile import column
 from camcli.kernel.cam_table import PIECE, TERMS, Cam
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from camcli.analysis.contact_loss.force import ForceCurve
 
 TURN_DEG = 360.0
+UNITS, SMALL = {"m": 1.0, "mm": 1e-3}, 0.02  # less than this share of a unit is in the next one
 NARROW_DEG = 120.0  # impact phases within less are shown enlarged
 DOTTED, DASHED = (0, (1, 2)), (0, (3.2, 1.6))
 ROOM = {"x": 6.0, "y": 6.5}  # pt, from one name or number beside a panel to the next
@@ -99,6 +101,14 @@ def turn_axis(axes: Axes, corners: dict[str, float], **more: Any) -> None:
     axes.set(xlim=(0.0, TURN_DEG), xlabel=r"cam angle $\theta$ (deg)")
     axes.xaxis.set_major_locator(MultipleLocator(60))
     corner_lines(axes, corners.items(), "x", **more)
+
+
+def length_axis(axis: Axis, name: str, largest: float) -> None:
+    """The name of an axis over lengths in m, whose numbers are mm or µm where all are small."""
+    unit, size = next(((u, s) for u, s in UNITS.items() if largest >= SMALL * s), ("µm", 1e-6))
+    axis.set_label_text(f"{name} ({unit})")
+    if size != 1.0:
+        axis.set_major_formatter(FuncFormatter(lambda x, _: style.number(round(x / size, 9))))
 
 
 def strobe_name(system: System) -> str:

@@ -28,6 +28,7 @@ from camcli.plots.axes import (
     TURN_DEG,
     axis_name,
     corner_lines,
+    length_axis,
     lift_curves,
     mark,
     mark_look,
@@ -61,7 +62,7 @@ from camcli.plots.branch_lines import (
 from camcli.plots.density import Columns, Image
 from camcli.plots.event_words import event_words
 from camcli.plots.picture import Panel, Picture, Rows
-from camcli.plots.simulate import Trace, angle_axis
+from camcli.plots.simulate import GAP, Trace, angle_axis
 from camcli.system import System, omega_of
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
@@ -468,7 +469,7 @@ def _draw_motion(
             axes.plot(trace.angle, rests, color=style.STICKING, lw=3.0, zorder=2, label="sticking")
         for points in (trace.events[kind] for kind in trace.events if kind == "impact"):
             mark(axes, "impact", points[:, 0], points[:, 1], label="impact")
-    axes.set_ylabel("position $q$ (m)")
+    length_axis(axes.yaxis, "position $q$", max(np.abs(trace.q).max() for trace in traces))
     angle_axis(axes, longest)
 
 
@@ -481,7 +482,7 @@ def _draw_orbit(
     for trace, orbit, shade in zip(traces, orbits, shades, strict=False):
         closed = (np.append(values, values[0]) for values in (trace.gap, trace.u))
         axes.plot(*closed, color=shade, **line_look(orbit.stable))
-    axes.set_xlabel("relative position $q - c$ (m)")
+    length_axis(axes.xaxis, GAP, max(trace.gap.max() for trace in traces))
     axes.set_ylabel(r"relative velocity $u = v - \dot c$ (m/s)")
 
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
 from camcli.errors import Status
 from camcli.plots import style
-from camcli.plots.axes import TURN_DEG, corner_lines, lift, mark, places_beside, say
+from camcli.plots.axes import TURN_DEG, corner_lines, length_axis, lift, mark, places_beside, say
 from camcli.plots.picture import Panel, Picture
 from camcli.system import System
 
@@ -22,6 +22,7 @@ NAMED_TURNS = 4.5  # turns up to which corners are drawn
 NAMES = {"chatter": "chatter accumulates"}  # of events, where it is another than their kind
 BLINK = 1e-9  # turns: closer is the same time
 ASIDE = 1e-13  # of the time, from a corner to what stands for its sides
+GAP = "relative position $q - c$"
 AROUND = 8.0  # deg, before a detachment in the panel `passage`
 FINER = 8  # points from one row to the next
 MOST_POINTS = 400_000
@@ -165,7 +166,8 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     """Positions of cam and follower, coloured by the contact, with all events; time above."""
     low, high = float(trace.cam.min()), float(trace.q.max())
     room = 0.06 * (high - low) or 0.06 * abs(high) or 1.0
-    axes.set(ylim=(low - room, high + room), ylabel="position $q$ (m)")
+    axes.set(ylim=(low - room, high + room))
+    length_axis(axes.yaxis, "position $q$", max(abs(low), abs(high)))
     axes.fill_between(trace.angle, low - room, trace.cam, color=style.CAM_BODY, linewidth=0)
     axes.plot(trace.angle, trace.cam, color=style.CAM, linewidth=0.8, label="cam")
     _draw_contact(axes, trace, trace.q, named=True)
@@ -216,7 +218,7 @@ def _draw_gap(axes: Axes, trace: Trace, _: Simulation) -> None:
     _draw_contact(axes, trace, trace.gap)
     for kind, points in trace.events.items():
         mark(axes, kind, points[:, 0], np.zeros(len(points)), zorder=4)
-    axes.set_ylabel("relative position $q - c$ (m)")
+    length_axis(axes.yaxis, GAP, trace.gap.max())
     angle_axis(axes, trace)
 
 
@@ -230,7 +232,7 @@ def _draw_phase(axes: Axes, trace: Trace, _: Simulation) -> None:
     axes.plot(np.zeros_like(ends), ends, "o-", color=style.IMPACT, linewidth=0.5, ms=2.0)
     if trace.sticks.any():
         axes.plot([0.0], [0.0], color=style.STICKING, marker="o", ms=5.0, zorder=4)
-    axes.set_xlabel("relative position $q - c$ (m)")
+    length_axis(axes.xaxis, GAP, trace.gap.max())
     axes.set_ylabel(r"relative velocity $u = v - \dot c$ (m/s)")
 
 
@@ -243,11 +245,13 @@ def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     gap = np.where((phase > low) & (phase < high), trace.gap, np.nan)
     for sticking, colour, width in ((False, style.FLIGHT, 1.0), (True, style.STICKING, 3.0)):
         part = trace.during(gap, trace.sticks == sticking)
-        axes.plot(np.where(np.isnan(part), np.nan, phase), part * 1e3, color=colour, lw=width)
+        axes.plot(np.where(np.isnan(part), np.nan, phase), part, color=colour, lw=width)
     axes.axhline(0.0, color=style.CAM, linewidth=0.6)
     inside = gap[phase < middle]
-    axes.set(xlim=(low, high), ylim=(-0.02e3 * np.nanmax(inside), 0.4e3 * np.nanmax(inside)))
-    axes.set(xlabel=r"cam angle $\theta$ (deg)", ylabel="relative position $q - c$ (mm)")
+    largest = float(np.nanmax(inside) or 2.5 * np.nanmax(gap) or 1.0)  # it may rest before
+    axes.set(xlim=(low, high), ylim=(-0.02 * largest, 0.4 * largest))
+    axes.set_xlabel(r"cam angle $\theta$ (deg)")
+    length_axis(axes.yaxis, GAP, 0.4 * largest)
     corner_lines(axes, style.corner_names(simulation.corners_deg).items(), "x")
 
 

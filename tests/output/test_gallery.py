@@ -91,7 +91,7 @@ def test_every_link_leads_somewhere_and_stays_here(shown, out):
     ids = [one["id"] for one in shown.found if "id" in one]
     assert len(ids) == len(set(ids))
     links = [one["href"] for one in shown.all("a")] + [one["src"] for one in shown.all("img")]
-    assert len(links) == 1 + 2 + 1 + 3 + 2  # skip, list, picture, files, images
+    assert len(links) == 1 + 2 + 1 + 3 + 3  # skip, list, picture, files, images
     for link in links:
         parts = urlsplit(link)
         assert not parts.scheme
@@ -110,7 +110,8 @@ def test_nothing_is_fetched_from_elsewhere(shown):
 
 
 def test_pictures_have_words_a_size_and_a_link(shown):
-    small, image = shown.all("img")
+    first, small, image = shown.all("img")
+    assert (first["src"], first["alt"]) == (image["src"], image["alt"])
     assert (small["alt"], small["src"]) == ("", image["src"])
     assert image["alt"] == "What <it> $shows"
     assert (image["width"], image["height"]) == ("1340", "900")
