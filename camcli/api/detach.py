@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import inf
 from typing import BinaryIO
 
@@ -23,11 +24,13 @@ from camcli.api.result import (
     trouble,
 )
 from camcli.api.sweep import SPEEDS, speed_row
+from camcli.api.tolerances import tolerances, tolerated
 from camcli.cams.compile import lift_range
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.detach import summary
 from camcli.output.tables import Block, Table
+from camcli.parallel import Work
 from camcli.scene import Scene
 from camcli.system import omega_of
 
@@ -39,7 +42,11 @@ FORCE = ("rpm", "theta_deg", "force_n", "pressure_pa")
 
 
 def detach(
-    scene: Scene | None = None, progress: Progress | None = None, *, report: bool = False
+    scene: Scene | None = None,
+    progress: Progress | None = None,
+    *,
+    report: bool = False,
+    work: Work | None = None,
 ) -> Result:
     """Critical speeds at which contact is lost, from the contact force, and the chatter after it.
 
@@ -57,6 +64,9 @@ def detach(
         Save a page for print too, ``report.pdf`` (A4): the machine, the verdict, contact force,
         loft and landing speed, and the springs that hold to ``detach.hold_to``, or else to the end
         of the range.
+    work : Work, optional
+        How the machines of ``detach.tolerance`` are computed: threads, pieces kept on disk. It
+        never changes a result.
 
     Returns
     -------
@@ -69,6 +79,9 @@ def detach(
         with the section ``contact``; else NaN).
         Table ``speeds``, columns as in `sweep`: the motion at some speeds past the first loss of
         contact, 20 turns from rest and 20 that are measured.
+        Table ``tolerance``, with ``detach.tolerance``: its keys, first_detachment_rpm, and for each
+        spring of ``detach.hold_to`` the speed to which it holds (hold_stiffness_rpm, ...); first
+        the corners of the tolerances, then ``detach.machines`` machines that are equally likely.
 
     References
     ----------
@@ -80,6 +93,8 @@ def detach(
     if report and section.hold_to is None:
         section = section.model_copy(update={"hold_to": max(section.rpm.start, section.rpm.stop)})
         scene = scene.model_copy(update={"detach": section})
+        machine = replace(machine, scene=scene)
+    machines = tolerated(machine)
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
     tick = share(progress, "of detach.budget")
     with stopwatch() as watch, budgeted(section.budget, tick) as budget:
@@ -98,6 +113,12 @@ def detach(
             hertz=_hertz(machine),
             on_speed=ticks(progress, "speeds", len(rpms)),
         )
+
+    tables: dict[str, Table] = {}
+    words = summary(found)
+    if section.tolerance:
+        done = tolerances(machines, found, work or Work(), progress)
+        tables["tolerance"], words["tolerance"] = done
 
     def draw():
         from camcli.plots.detach import draw_detach
@@ -133,8 +154,9 @@ def detach(
             ),
             "force": Table(FORCE, lambda: _force_blocks(found)),
             "speeds": Table.of_rows(("rpm", *SPEEDS), lambda: map(speed_row, found.past)),
+            **tables,
         },
-        summary={"status": budget.status.text, **summary(found)},
+        summary={"status": budget.status.text, **words},
         pictures={"detach": draw},
         cost=found.cost,
         seconds=watch.seconds,

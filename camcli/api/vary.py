@@ -46,6 +46,7 @@ class Varied:
 
     machine: Machine
     axes: Sequence[Axis]
+    option: str = "--vary"
     compiled: dict[tuple, Machine] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
@@ -72,5 +73,8 @@ class Varied:
         return system, speed, machine.settings
 
     def _loaded(self, changes: dict[str, Any]) -> Scene:
-        named = {path: (value, "--vary") for path, value in changes.items()}
-        return load_scene(resolved(self.machine.scene), (), named)
+        scene = self.machine.scene
+        named = {path: (value, self.option) for path, value in changes.items()}
+        if getattr(scene.cam, "outside", ""):
+            named["cam.allow_outside"] = (True, self.option)
+        return load_scene(resolved(scene), (), named, folder=getattr(scene.cam, "folder", ""))

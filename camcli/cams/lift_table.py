@@ -91,12 +91,13 @@ class TableCam(BaseModel):
     )
     _turn: Turn = PrivateAttr()
     _outside: str = PrivateAttr("")
+    _folder: Path = PrivateAttr(Path())
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo) -> TableCam:
         if (self.lift == "fraction") != (self.max_lift is not None):
             raise ValueError("lift: fraction and max_lift belong together: give both, or neither")
-        folder = Path((info.context or {}).get("folder", Path()))
+        self._folder = folder = Path((info.context or {}).get("folder", Path()))
         name = str(folder / self.file)
         try:
             home, place = os.path.realpath(folder), os.path.realpath(folder / self.file)
@@ -167,6 +168,11 @@ class TableCam(BaseModel):
     def outside(self) -> str:
         """The file's real path where it is not in the scene's folder, else ''."""
         return self._outside
+
+    @property
+    def folder(self) -> Path:
+        """The scene's, where the file is looked for."""
+        return self._folder
 
     @property
     def measured(self) -> Turn:

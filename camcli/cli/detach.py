@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
 from camcli.cli.options import Request
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, shown
+from camcli.scene.document import scalar
 
 if TYPE_CHECKING:
     from camcli.analysis.contact_loss.detachment import CriticalSpeed
@@ -21,6 +22,10 @@ def detach(
     hold_to: Annotated[
         str | None,
         Option("--hold-to", help="Find the spring that holds up to this speed.", metavar="RPM"),
+    ] = None,
+    tolerance: Annotated[
+        str | None,
+        Option("--tolerance", help="By how much numbers may be off.", metavar="KEY=5%,..."),
     ] = None,
     report: Annotated[
         bool, Option("--report", help="Also write a page for print, report.pdf.")
@@ -41,6 +46,9 @@ def detach(
                       contact: loft, landing, bounces on the shut cam, contact forces. On the
                       screen "at lift" is the lift at the hardest landing, "bounces" the impacts a
                       turn, a tenth as hard or harder, within a hundredth of the lift
+    tolerance.csv     with --tolerance the KEYs, first_detachment_rpm, and of each spring of
+                      --hold-to the speed it holds to: the corners of the tolerances, then machines
+                      in between, all equally likely (detach.machines of them)
     report.pdf        with --report a page: machine, verdict, forces, loft, landing, springs
     detach.png        impacts with accumulation curve and corner hits; the contact force
 
@@ -70,8 +78,21 @@ def detach(
         found = f"found the range '{hold_to}'"
         raise SceneError(Fault("--hold-to", "", found, "expected one speed", "give its top"))
     values |= given({"detach.hold_to": (top, "--hold-to")})
+    if tolerance is not None:
+        rows = [_tolerance(word) for word in tolerance.split(",")]
+        values["detach.tolerance"] = (rows, "--tolerance")
     options = {"report": True} if report else {}
     return run("detach", request, values, partial(show, verbose=verbose), options=options)
+
+
+def _tolerance(text: str) -> dict[str, Any]:
+    """KEY=5% as an entry of detach.tolerance."""
+    key, _, share = text.partition("=")
+    percent = scalar(share.strip().removesuffix("%"))
+    if not share.strip().endswith("%") or type(percent) not in (int, float):
+        found, cure = f"found '{shown(text)}'", "e.g. follower.mass=5%,follower.stiffness=3%"
+        raise SceneError(Fault("--tolerance", "", found, "expected KEY=PERCENT%", cure))
+    return {"key": key.strip(), "percent": percent}
 
 
 def show(result: Result, verbose: bool = False) -> None:

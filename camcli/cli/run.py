@@ -32,15 +32,15 @@ ARTEFACTS = {  # files of other people with these names are looked for before an
         "impacts.csv strobe.csv impacts.npz strobe.npz speeds.csv corners.csv sweep.png "
         "map.csv map.png"
     ),
-    "detach": "detach.csv accumulation.csv corner_hits.csv force.csv speeds.csv detach.png "
-    "report.pdf",
+    "detach": "detach.csv accumulation.csv corner_hits.csv force.csv speeds.csv "
+    "tolerance.csv detach.png report.pdf",
     "orbits": "branch.csv bifurcations.csv curve.csv impacts.csv strobe.csv orbits.png curve.png",
     "basins": "attractors.csv basins.csv saddles.csv basins.png",
     "classify": "classify.csv corners.csv classify.png",
     "explore": "explore.html",
     "bench": "precision.csv stability.csv precision.png",
 }
-IN_THREADS = ("sweep", "basins", "classify", "explore")  # analyses that take `work`
+IN_THREADS = ("sweep", "basins", "classify", "explore", "detach")  # analyses that take `work`
 
 
 def given(values: Mapping[str, tuple[Any, str]]) -> Values:
@@ -223,7 +223,8 @@ def open_folder(
 
     values, place = resolved(scene), request.folder(command)
     read = {key: values[key] for key in ("follower", "cam", "run", command) if key in values}
-    key = {"command": command, "scene": read} if command in IN_PIECES else None
+    kept = command in IN_PIECES or (command == "detach" and scene.detach.tolerance)
+    key = {"command": command, "scene": read} if kept else None
     with run_folder(
         place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts,
         names=_names(command, scene), about={"scene": values, "plot": not request.no_plot},

@@ -36,7 +36,7 @@ def verdict(result: Any, lift_table: Mapping[str, Any] | None) -> str:
         return "Contact holds at every speed."
     low, high = lift_table["first_detachment_rpm"] if lift_table else (None, None)
     said = f"Contact holds up to {_speed(found.first.rpm, low, high, crank)}"
-    return ". ".join([said + "".join(_past(result)), *_springs(result)]) + "."
+    return ". ".join([said + "".join(_past(result)), *_springs(result), *_tolerances(result)]) + "."
 
 
 def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> str:
@@ -97,6 +97,23 @@ def _springs(result: Any) -> Iterator[str]:
             "; or ".join(springs) if springs else "none can be named, or none is needed: see below"
         )
         yield f"To hold up to {rpm:g} rpm of the cam with {margin:.3g} N to spare: {what}"
+
+
+def _tolerances(result: Any) -> Iterator[str]:
+    """The chance and the worst case within the tolerances."""
+    found = result.summary.get("tolerance")
+    if found is None:
+        return
+    off = ", ".join(f"{t.key} {t.percent:g} %" for t in result.scene.detach.tolerance)
+    yield (
+        f"Within the tolerances ({off}) contact holds up to {found['median_rpm']:.4g} rpm of the "
+        f"cam in half of the machines, up to {found['worst_rpm']:.4g} in the worst"
+    )
+    for quantity, spring in found["springs"].items():
+        yield (
+            f"With {WAYS[loss.Quantity(quantity)]} {100.0 * spring['chance']:.3g} % of them hold "
+            f"up to {result.scene.detach.hold_to:g}, the worst up to {spring['worst_rpm']:.4g}"
+        )
 
 
 def spring_words(hold: Hold, units: Units) -> str:

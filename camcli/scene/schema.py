@@ -266,6 +266,15 @@ class Sweep(Varying):
         return self
 
 
+class Tolerance(Section):
+    """By how much a number of the machine may be off."""
+
+    key: Annotated[str, Field(max_length=200)] = Field(
+        description="path of the number, as in --set: follower.mass"
+    )
+    percent: Number = Field(gt=0, le=90, description="largest deviation, percent of the number")
+
+
 class DetachRange(RpmRange):
     """Equally spaced speeds of the accumulation curve."""
 
@@ -309,6 +318,15 @@ class Detach(Section):
         description="preload per stiffness where hold_to chooses both, m; null: as it is",
     )
     budget: Budget = BUDGET
+    tolerance: Annotated[tuple[Tolerance, ...], BeforeValidator(items)] = Field(
+        (), max_length=6, description="numbers of the machine that may be off"
+    )
+    machines: Whole = Field(
+        100,
+        ge=1,
+        le=100_000,
+        description="machines sampled within the tolerances",
+    )
 
 
 class OrbitsRange(RpmRange):

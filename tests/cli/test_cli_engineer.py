@@ -212,3 +212,45 @@ def test_a_report_is_one_page_for_print(cam, begun):
     again = cam("rerun", "out/detach/run.json", "--folder", ".", "-o", "again")
     assert again.returncode == 0, again.stderr
     assert (begun / "again/report.pdf").read_bytes() == page
+
+
+def test_tolerances_give_the_chance_and_the_worst_case(cam, tmp_path):
+    """Without damping a speed goes with 1/sqrt(m); 6 % of mass take half the margin of 6 %."""
+    loss = {"detach.hold_to": 4500.0, "detach.margin_n": 0.0, "detach.machines": 40}
+    names = "first_detachment", "hold_stiffness", "hold_preload", "hold_both"
+    found = {}
+    for percent in (6.0, 12.0):
+        keys = {"detach.tolerance": [{"key": "follower.mass", "percent": percent}]}
+        found = camcli.detach(camcli.load_scene(VALVE, {**loss, **keys}))
+        table, said = found.tables["tolerance"], found.summary["tolerance"]
+        root = np.sqrt(table["follower.mass"] / 0.12)
+        assert root[:2] ** 2 == pytest.approx([1 - percent / 100, 1 + percent / 100])
+        for name, nominal in zip(names, (found.values.detachment.first.rpm, *[4500] * 3),
+                                 strict=True):  # fmt: skip
+            assert table[f"{name}_rpm"] * root == pytest.approx(nominal, rel=1e-9)
+        assert said["worst_rpm"] == pytest.approx(min(table["first_detachment_rpm"]))
+        chance = np.mean(table["follower.mass"][2:] <= 0.12)
+        assert 0.3 < chance < 0.7
+        assert {spring["chance"] for spring in said["springs"].values()} == {chance}
+    (tmp_path / "valve.yaml").write_text(json.dumps({**VALVE, "run": {"rpm": 3000.0}}))
+    words = ("detach", "-c", "valve.yaml", "--no-plot", "--set", "detach.machines=40",
+             "--set", "detach.margin_n=0", "--hold-to", "4500")  # fmt: skip
+    done = cam(*words, "--tolerance", "follower.mass=12%")
+    assert "(follower.mass 12 %) contact holds up to " in done.stdout.splitlines()[0]
+    rows = (tmp_path / "out/detach/tolerance.csv").read_text()
+    assert rows == "".join(found.tables["tolerance"].csv())
+    for wrong, said in (("follower.mass=5", "expected KEY=PERCENT%"), ("run.rpm=5%", "run.rpm"),
+                        ("follower.gravity=5%", "a number of follower or cam")):  # fmt: skip
+        done = cam(*words, "--tolerance", wrong)
+        assert (done.returncode, done.stderr.count("--tolerance")) == (2, 1)
+        assert said in done.stderr
+
+
+def test_a_table_elsewhere_is_found_when_numbers_vary(cam, begun):
+    vary = ("--vary", "cam.rocker_ratio=1:1.1", "--points", "2", "--no-plot")
+    (begun / "elsewhere").mkdir()
+    (begun / "lobe.csv").rename(begun / "elsewhere/lobe.csv")
+    (begun / "lobe.yaml").rename(begun / "elsewhere/lobe.yaml")
+    short = ("--set", "run.transient=2", "--set", "run.record=2", "--rpm", "2000")
+    done = cam("sweep", "-c", "elsewhere/lobe.yaml", *vary, *short)
+    assert done.returncode == 0, done.stderr

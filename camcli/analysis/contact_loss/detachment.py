@@ -174,6 +174,11 @@ def _always(force: Force, losses: Sequence[Loss]) -> tuple[AlwaysLost, ...]:
     return (*kinks, AlwaysLost(Reason.FORCE, theta * DEG, weakest))
 
 
+def first_loss(force: Force) -> float:
+    """The rpm at which contact is first lost; 0 at standstill, inf never."""
+    return force.lowest(lambda i, x: force.lost(i, x)[0])[0] * RPM
+
+
 def first_loss_range(system: System, bounds: Sequence[float]) -> tuple[float, float]:
     """(lowest, highest) rpm of the first detachment of a cam that is measured; inf: never.
 
@@ -182,7 +187,7 @@ def first_loss_range(system: System, bounds: Sequence[float]) -> tuple[float, fl
 
     def first(sign: float) -> float:
         last = len(bounds) - 1
-        force = Force(system, lambda x: sign * bounds[min(int(x / TURN * (last + 1)), last)])
-        return force.lowest(lambda i, x: force.lost(i, x)[0])[0] * RPM
+        error = lambda x: sign * bounds[min(int(x / TURN * (last + 1)), last)]  # noqa: E731
+        return first_loss(Force(system, error))
 
     return first(-1.0), first(1.0)

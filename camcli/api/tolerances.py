@@ -1,0 +1,106 @@
+"""Machines within the tolerances of their numbers: the speed to which each holds contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from itertools import product
+from random import Random
+from statistics import median
+from typing import Any
+
+from camcli.analysis.contact_loss.detachment import first_loss
+from camcli.analysis.contact_loss.force import Force
+from camcli.analysis.contact_loss.hold import Hold, replaced
+from camcli.analysis.contact_loss.study import ContactLoss
+from camcli.api.result import Machine, Progress, ticks
+from camcli.api.vary import Varied
+from camcli.errors import Fault, SceneError
+from camcli.output.tables import Table
+from camcli.parallel import Codec, Work
+from camcli.scene import Axis, resolved
+
+NUMBERS = Codec(list, list)
+
+
+@dataclass(frozen=True)
+class _Holds:
+    """To which speed a machine holds, rpm: as it is, and with each of the springs.
+
+    A spring is off by as much as the machine's own.
+    """
+
+    machines: Varied
+    springs: Sequence[Hold]
+
+    def __call__(self, values: Sequence[float]) -> list[float]:
+        system, _, _ = self.machines(*values)
+        nominal, own = self.machines.machine.system.follower, system.follower
+        found = [first_loss(Force(system))]
+        for hold in self.springs:
+            k, preload = hold.stiffness or 0.0, hold.preload or 0.0
+            k *= own.stiffness / nominal.stiffness if nominal.stiffness else 1.0
+            preload *= own.preload / nominal.preload if nominal.preload else 1.0
+            found.append(first_loss(Force(replaced(system, k, preload))))
+        return found
+
+
+def tolerated(machine: Machine) -> Varied:
+    """The machines within the tolerances; raises SceneError."""
+    axes = [_axis(machine, t.key, t.percent) for t in machine.scene.detach.tolerance]
+    return Varied(machine, axes, "--tolerance")
+
+
+def tolerances(
+    machines: Varied, found: ContactLoss, work: Work, progress: Progress | None
+) -> tuple[Table, dict[str, Any]]:
+    """The table ``tolerance``, and the chance and the worst case it shows.
+
+    The corners of the tolerances first, then machines in between, all equally likely; the n-th is
+    always the same.
+    """
+    section, axes = machines.machine.scene.detach, machines.axes
+    draw, springs = Random(0), [hold for hold in found.holds if hold.stiffness is not None]
+    corners = list(product(*((axis.start, axis.stop) for axis in axes)))
+    between = [tuple(draw.uniform(a.start, a.stop) for a in axes) for _ in range(section.machines)]
+    pieces = [*corners, *between]
+    rows = work.collect(
+        _Holds(machines, springs), pieces, NUMBERS, ticks(progress, "machines", len(pieces))
+    )
+    rows = [[float(rpm) for rpm in row] for row in rows]
+    columns = [axis.key for axis in axes] + ["first_detachment_rpm"]
+    columns += [f"{hold.quantity}_rpm" for hold in springs]
+    sampled = list(zip(*rows[len(corners) :], strict=True))
+    worst = [min(column) for column in zip(*rows, strict=True)]
+    said = {
+        "machines": section.machines,
+        "worst_rpm": worst[0],
+        "median_rpm": median(sampled[0]),
+        "springs": {
+            str(hold.quantity): {
+                "worst_rpm": least,
+                "chance": sum(rpm >= (section.hold_to or 0.0) for rpm in speeds) / len(speeds),
+            }
+            for hold, least, speeds in zip(springs, worst[1:], sampled[1:], strict=True)
+        },
+    }
+    table = Table.of_rows(
+        columns, lambda: ((*piece, *row) for piece, row in zip(pieces, rows, strict=True))
+    )
+    return table, said
+
+
+def _axis(machine: Machine, key: str, percent: float) -> Axis:
+    """The range of a number of the machine."""
+    try:
+        value = reduce(lambda at, name: at[name], key.split("."), resolved(machine.scene))
+    except (LookupError, TypeError):
+        value = None
+    named = key.partition(".")[0] in ("follower", "cam")
+    if not named or isinstance(value, bool) or not isinstance(value, int | float) or value == 0:
+        expected = "expected a number of follower or cam that is not zero"
+        fault = Fault("--tolerance", key, f"found {value!r}", expected, "e.g. follower.mass=5%")
+        raise SceneError(fault)
+    share = abs(value) * percent / 100.0
+    return Axis(key=key, start=value - share, stop=value + share, num=2)
