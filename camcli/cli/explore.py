@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
+from camcli.cli.exit_codes import note
 from camcli.cli.options import Request, Vary
 from camcli.errors import Fault, SceneError
 
@@ -21,6 +22,7 @@ def explore(
         str | None, Option("--with", help="Also: basins (of basins.rpm), map.", metavar="A,B")
     ] = None,
     vary: Vary = None,
+    open_: Annotated[bool, Option("--open", help="Open the page when it is written.")] = False,
 ) -> int:
     """One page for a browser on which the machine moves, for every speed of a range.
 
@@ -48,7 +50,14 @@ def explore(
         raise SceneError(Fault("--vary", "", found, "it means nothing there", cure))
     chosen = {f"with_{name}": name in asked for name in ("basins", "map")}
     options = {**chosen, "source": _source(request)}
-    return run("explore", request, _values(request, vary or []), _show, options=options)
+    done = run("explore", request, _values(request, vary or []), _show, options=options)
+    if open_ and not request.dry_run:
+        import webbrowser
+
+        page = (request.folder("explore") / "explore.html").resolve().as_uri()
+        if not webbrowser.open(page):
+            note(f"no browser was found; open {page}")
+    return done
 
 
 def _values(request: Request, vary: list[str]) -> Values:

@@ -380,6 +380,17 @@ def test_a_click_into_a_plane_shows_the_motion_of_that_place(made, browser):
         assert again.evaluate("state.motion.place") == left
 
 
+def test_the_page_opens_in_the_browser_when_it_is_written(cam, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", lambda page: bool(opened.append(page)))
+    words = ("--rpm", "700:701", "--points", "2", "--set", "orbits.starts=0", "-q")
+    done = cam("explore", *words, "--set", "run.transient=50", "--set", "run.record=20", "--open")
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "out/explore/explore.html").as_uri()
+    assert opened == [page]
+    assert f"no browser was found; open {page}" in done.stderr
+
+
 def test_a_map_needs_a_number_and_one_machine(cam):
     for words, said in (
         (("--with", "map"), "found none"),
