@@ -7,49 +7,39 @@ Newton's method and enclosed by an interval Newton step (R. E. Moore, Interval A
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 from flint import arb, ctx
 
-from camcli.exact.balls import UndecidedError
+from camcli.exact.balls import COARSE, UndecidedError, coarsely
 
 Function = Callable[[arb], list[arb]]  # x -> [value, slope, second derivative, ...]
 LEAST_BITS = 400  # cutting gives up, too near a double zero, at half of the digits or at these
-COARSE = 64  # bits that exclude zeros
 NEWTON = 30  # steps
+MARGIN = 24  # bits more than half of those that the next step has
 
 
-def first_root(f: Function, low: arb, high: arb) -> arb | None:
+def first_root(f: Function, low: arb, high: arb, cut: arb | None = None) -> arb | None:
     """The first zero of f between two points, or None; f is positive just after `low`.
 
-    Raises UndecidedError near a double zero, and where `high` itself may be a zero.
+    Looked for before `cut` first. Raises UndecidedError near a double zero, and where `high` itself
+    may be a zero.
     """
-    low, high, full = low.mid(), high.mid(), ctx.prec
-    try:  # few digits exclude as surely as many, where they do
-        ctx.prec = COARSE
-        found = _bracket(f, low, high)
-    except UndecidedError:
-        ctx.prec = full
-        found = _bracket(f, low, high)
-    finally:
-        ctx.prec = full
+    ends = [x.mid() for x in (low, high) if cut is None] or [low.mid(), cut.mid(), high.mid()]
+    found = coarsely(lambda: _bracket(f, ends))
     return None if found is None else _enclosed(f, *found)
 
 
-def _bracket(f: Function, low: arb, high: arb) -> tuple[arb, arb] | None:
+def _bracket(f: Function, ends: list[arb]) -> tuple[arb, arb] | None:
     """Two points with the first zero and no other between them, the second beyond it."""
-    least = float(high - low) * 2.0 ** -min(ctx.prec // 2, LEAST_BITS)
-    todo = [(low, high)]
+    least = float(ends[-1] - ends[0]) * 2.0 ** -min(ctx.prec // 2, LEAST_BITS)
+    todo = [*pairwise(ends)][::-1]
     while todo:
         a, b = todo.pop()
         x = a.union(b)
         whole = f(x)
         if whole[0] > 0:
-            continue
-        middle = x.mid()
-        at = f(middle)
-        h = x - middle
-        if at[0] + h * (at[1] + h * whole[2] / 2) > 0:
             continue
         if whole[1] < 0 or whole[2] < 0:  # at most one zero: it falls, or is concave from above 0
             end = f(b)[0]
@@ -57,6 +47,11 @@ def _bracket(f: Function, low: arb, high: arb) -> tuple[arb, arb] | None:
                 continue
             if end < 0:
                 return a, b
+        middle = x.mid()
+        at = f(middle)
+        h = x - middle
+        if at[0] + h * (at[1] + h * whole[2] / 2) > 0:
+            continue
         if float(b - a) < least:
             raise UndecidedError
         if at[0].contains(0):  # a zero on the cut would belong to both sides
@@ -69,18 +64,21 @@ def _enclosed(f: Function, a: arb, b: arb) -> arb:
     """The only zero between a, where f is positive or zero, and b, where it is negative."""
     x = ((a + b) / 2).mid()
     for _ in range(NEWTON):
-        value, slope = f(x)[:2]
+        value, slope, second = f(x)[:3]
         if value > 0:
             a = x
         elif value < 0:
             b = x
         else:
             break  # as near as the radius of f allows
-        after = (x - value / slope).mid()
-        if slope < 0 and abs(after - x) <= abs(x) * arb(2) ** (8 - ctx.prec):
-            break
-        x = after if slope < 0 and a < after < b else ((a + b) / 2).mid()
-    value, slope = f(x)[:2]
+        bend, after = slope * slope - 2 * value * second, x
+        if bend > 0:  # where the parabola falls through zero
+            after = (x + 2 * value / (bend.sqrt() - slope)).mid()
+            if abs(after - x) <= abs(x) * arb(2) ** (8 - ctx.prec):
+                break
+        x = after if a < after < b else ((a + b) / 2).mid()
+    else:
+        raise UndecidedError
     room = 4 * (abs(value) / abs(slope)).abs_upper() + arb(2) ** (16 - ctx.prec)
     around = arb(x, room)
     slope = f(around)[1]
@@ -90,11 +88,32 @@ def _enclosed(f: Function, a: arb, b: arb) -> arb:
     return root
 
 
-def refined(f: Function, x: arb) -> arb:
-    """The zero in x of a function that falls on all of it, as sharply as its own balls allow."""
-    while True:
-        middle = x.mid()
-        root = middle - f(middle)[0] / f(x)[1]
-        if not root.rad() < x.rad() / 2:
-            return x
-        x = root
+def sharpened(f: Function, s: arb, slopes: Sequence[arb]) -> tuple[arb, arb]:
+    """(zero, slope there) with all digits in use, of the only zero in a ball s that has few.
+
+    slopes: f1, f2, f3, the derivatives of f on all of s. From x near the zero, d = -f(x)/(f1(x) +
+    R f2) is the interval Newton step in the room R, and the slope at x + d is f1(x) + d f2(x) +
+    d^2 f3/2.
+    """
+    full, x = ctx.prec, s.mid()
+    few = [full]
+    while few[-1] > 2 * COARSE:
+        few.append(few[-1] // 2 + MARGIN)
+    try:
+        for ctx.prec in reversed(few[1:]):
+            value, slope = f(x)[:2]
+            x = (x - value / slope).mid()
+    finally:
+        ctx.prec = full
+    for _ in range(NEWTON):
+        value, slope, second = f(x)
+        step = -value / slope
+        if not step * step * abs(second) > value.rad():
+            break
+        x = (x + step).mid()
+    room = arb(0, 2 * abs(step).upper() + arb(2) ** (16 - ctx.prec))
+    falls, bend, jerk = slopes
+    step = -value / (slope + room * bend)
+    if not (falls < 0 and s.contains(x + room) and room.contains_interior(step)):
+        raise UndecidedError
+    return x + step, slope + step * (second + step * jerk / 2)

@@ -12,13 +12,14 @@ from math import inf
 from flint import arb, arb_mat, ctx
 
 from camcli.cams.compile import SMALLEST_KICK
-from camcli.exact.balls import UndecidedError, below
-from camcli.exact.first_root import Function, first_root, refined
+from camcli.exact.balls import UndecidedError, below, coarsely
+from camcli.exact.first_root import Function, first_root, sharpened
 from camcli.exact.machine import Machine
 from camcli.exact.parallelogram import Parallelogram
 
 BEFORE = 1e-6  # rad: so long before a departure, as doubles know it, the follower rests
 MOST_STRETCHES = 10_000  # of one flight
+HOP = 2.5  # times rate/fall: a hop lasts 2 of them, more or less
 MOST_HALVINGS = 60  # of the first interval of a flight
 GUARD = 64  # bits beyond the known ones
 LIFT_OFF, CORNER, BLOW = 3, 2, 1  # order of the first derivative of the gap that is above zero
@@ -60,11 +61,14 @@ class Motion:
 
     def step(self) -> None:
         """One impact further, or from it through a rest to the next departure."""
-        s, i, n = self._contact()
-        self._strobes(self.phi + s)
-        at, u = self._landing(s, i, n)
+        i, n, s, (u, *more), jacobian, unit = coarsely(self._landing)
+        later, rate = sharpened(self._gap(i, n, middle=True), s, (u, *more))
+        reset = arb_mat([[self.at.middle[0, 0] + later], [-self.machine.r * rate]])
+        at = self.at.image(reset, jacobian, unit)
+        self._strobes(at.hull()[0])
         self.i, self.n = i, n
         self._off(at, BLOW)
+        u = -self.rate / self.machine.r if self.machine.r > 0 else u
         self._struck(u)
         if self.machine.r == 0:
             self.order, self.resting = CORNER, below(0, self.fall)
@@ -105,7 +109,10 @@ class Motion:
         """Begin a flight; `at` holds phi and the rate relative to the cam."""
         self.at, self.order = at, order
         self.phi, self.rate = at.hull()
-        self.fall = -self._gap(self.i, self.n)(arb(0))[2]  # gap'' = -fall as the flight begins
+        c, machine = self._cam(self.phi, self.i, self.n), self.machine
+        self.q, self.w = c[0], c[1] + self.rate
+        # gap'' = -fall as the flight begins
+        self.fall = machine.G + machine.W2 * self.q + 2 * machine.Z * self.w + c[2]
         known = max(x.rel_accuracy_bits() for x in (self.phi, self.rate))
         ctx.prec = min(self.bits, known + GUARD)  # further digits say nothing
 
@@ -118,9 +125,11 @@ class Motion:
 
         From all states of the parallelogram, or from the one in the middle.
         """
-        phi, rate = self.at.middle.entries() if middle else (self.phi, self.rate)
-        c = self._cam(phi, self.i, self.n)
-        q, w = c[0], c[1] + rate
+        phi, q, w = self.phi, self.q, self.w
+        if middle:
+            phi, rate = self.at.middle.entries()
+            q, w = self._cam(phi, self.i, self.n, 1)
+            w += rate
 
         def gap(s: arb) -> list[arb]:
             flight, cam = self.machine.move(q, w, s), self._cam(phi + s, i, n, order)
@@ -130,51 +139,54 @@ class Motion:
 
     def _contact(self) -> tuple[arb, int, int]:
         """(angle of flight to the next contact, stretch, turn)."""
-        i, n, low = self.i, self.n, arb(0)
-        for count in range(MOST_STRETCHES):
+        i, n, (low, cut) = self.i, self.n, self._opening()
+        for _ in range(MOST_STRETCHES):
             gap, high = self._gap(i, n), self._end(i, n) - self.phi
-            if count == 0:
-                low = self._opening(high)
-            elif not gap(low)[0] > 0:
-                raise UndecidedError
-            s = first_root(gap, low, high.upper()) if low < high else None
+            s = first_root(gap, low, high.upper(), cut) if low < high else None
             if s is not None and below(s, high):
                 return s, i, n
-            if not gap(high)[0] > 0:
+            (i, n), low, cut = self._next(i, n), high, None
+            if not self._gap(i, n)(low)[0] > 0:
                 raise UndecidedError
-            (i, n), low = self._next(i, n), high
         raise EndlessError
 
-    def _opening(self, high: arb) -> arb:
-        """An angle up to which the gap is above zero: its derivative of order self.order is."""
+    def _opening(self) -> tuple[arb, arb | None]:
+        """An angle up to which the gap is above zero, and one where it may be below again.
+
+        Its derivative of order self.order is above zero so far; or all along it is concave.
+        """
+        high = self._end(self.i, self.n) - self.phi
         gap, s = self._gap(self.i, self.n, order=LIFT_OFF), high.upper()
-        if self.order == BLOW and self.fall > 0:
-            s = min(s, (self.rate / self.fall).mid())
+        if self.order == BLOW and self.rate > 0 and self.fall > 0:
+            hop = (HOP * self.rate / self.fall).mid()
+            if hop < high and gap(arb(0).union(hop))[2] < 0:
+                return arb(0), hop
+            s = min(s, hop)
         for _ in range(MOST_HALVINGS):
             if gap(arb(0).union(s))[self.order] > 0:
-                return s
+                return s, None
             s = (s / 2).mid()
         raise UndecidedError
 
-    def _landing(self, s: arb, i: int, n: int) -> tuple[Parallelogram, arb]:
-        """(phi and rate after the impact, incoming rate u) of a flight of s rad.
+    def _landing(self) -> tuple[int, int, arb, list[arb], arb_mat, arb_mat]:
+        """(stretch, turn, s, slopes, jacobian, unit) of the impact after s rad.
+
+        slopes: the first three derivatives of the gap there.
 
         A start (dphi, drate) beside is at equal phi a difference (dq, dw) = (-rate dphi,
         drate - gap'' dphi). It lands at dphi = -dq/u later, its u different by dw + gap'' dphi.
         """
-        machine, lands = self.machine, self._gap(i, n)(s)
+        machine, (s, i, n) = self.machine, self._contact()
+        s = arb(s.mid(), 2 * s.rad())
+        _, u, accel, jerk = self._gap(i, n, order=3)(s)
         b, b1, _ = machine.flow(s)
-        u = lands[1]
         if not u < 0:
             raise UndecidedError
         equal = arb_mat([[-self.rate, 0], [self.fall, 1]])
         flight = arb_mat([[b1 + 2 * machine.Z * b, b], [-machine.W2 * b, b1]])
-        later = arb_mat([[-1 / u, 0], [machine.r * lands[2] / u, -machine.r]])
-        middle = self._gap(i, n, middle=True)
-        at = refined(middle, s)
-        reset = arb_mat([[self.at.middle[0, 0] + at], [-machine.r * middle(at)[1]]])
-        unit = arb_mat([[1, 0], [lands[2], u]]).mid()
-        return self.at.image(reset, later * flight * equal, unit), u
+        later = arb_mat([[-1 / u, 0], [machine.r * accel / u, -machine.r]])
+        slopes = [u, accel, jerk]
+        return i, n, s, slopes, later * flight * equal, arb_mat([[1, 0], [accel, u]]).mid()
 
     def _accumulates(self) -> bool:
         """After an impact: does the follower come to rest before its stretch and turn end?
