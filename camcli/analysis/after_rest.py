@@ -3,16 +3,19 @@
 A rest erases all memory, so the motion after it is one motion of the machine. Two questions are
 asked about it, in ball arithmetic (`camcli.exact`). What do these data do, exactly? The motion is
 followed until it repeats (SETTLED), has run LONGEST turns without (WANDERS), or comes back to a
-departure it has had (CYCLE). And what do all machines do whose data read the same? A cycle may hang
-on digits that no scene has, so machines are followed whose speeds differ by SHARES, within half its
-last digit: the first ENOUGH that go through the same cycle, or else settle, must all end alike.
+departure it has had (CYCLE). And what does every machine do whose speed reads the same? All are
+followed at once: where errors grow little they end as the exact data do, certainly. Else a cycle
+may hang on digits that no scene has, so machines are followed whose speeds differ by SHARES, within
+half the last digit: the first ENOUGH that go through the same cycle, or else settle, must all end
+alike. `HoldsFor` says which of these was answered.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
+from enum import StrEnum
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
     from camcli.exact.motion import Motion
 
 SETTLED, WANDERS, CYCLE, UNKNOWN = "settled", "wanders", "cycle", "unknown"
+LAST_DIGIT_DIGITS = (60,)  # for balls of 1e-16
 LONGEST = 400  # turns followed
 MOST_IMPACTS = 4_000
 SAME = 1e-5  # of the states: motions of neighbours that settled are nearer than this
@@ -37,6 +41,15 @@ SHRINKS = 0.95  # what a period leaves of that distance
 NOTHING_LEFT = 1e-13  # a distance that need not shrink
 REMEMBERED = 4096  # motions
 
+
+class HoldsFor(StrEnum):
+    """Which machines an answer found in ball arithmetic is about."""
+
+    LAST_DIGIT = "last-digit"  # every machine whose speed rounds to this one: proved for all
+    EXACT_DATA = "exact-data"  # the machine of these doubles, exactly; others may differ
+    SAMPLED = "sampled"  # ENOUGH machines within the last digit; these very data may differ
+
+
 State = tuple[float, float]  # q (m), dq/dtheta (m/rad) at a strobe
 
 
@@ -45,7 +58,8 @@ class After:
     """Where the motion after a rest ends.
 
     states: of the strobes of one period, the last one `turns` turns after the departure; symbols:
-    of the turns that end there; leaves: (turn, rad) of the departures of a cycle.
+    of the turns that end there; leaves: (turn, rad) of the departures of a cycle; holds_for: None
+    where nothing is decided.
     """
 
     kind: str
@@ -53,6 +67,7 @@ class After:
     states: tuple[State, ...] = ()
     symbols: tuple[float, ...] = ()
     leaves: tuple[tuple[int, float], ...] = ()
+    holds_for: HoldsFor | None = None
 
     def start(self, system: System, rpm: float) -> Start | None:
         """The last state, to go on from in doubles; None where nothing is known."""
@@ -71,7 +86,14 @@ def after_first_rest(system: System, rpm: float, record: Record) -> After:
 def after_rest(system: System, rpm: float, theta: float) -> After:
     """Where the motion ends that leaves the cam from rest near the phase theta (rad)."""
     found = of_machine(system, rpm, theta)
-    return found if found.kind != CYCLE else _of_neighbours(system, rpm, theta, found)
+    if found.kind not in (SETTLED, CYCLE):
+        return found
+    every = of_machine(system, rpm, theta, None)
+    if every.kind == found.kind and every.symbols == found.symbols and _same(every, found):
+        return replace(found, holds_for=HoldsFor.LAST_DIGIT)
+    if found.kind == SETTLED:
+        return replace(found, holds_for=HoldsFor.EXACT_DATA)
+    return _of_neighbours(system, rpm, theta, found)
 
 
 def _of_neighbours(system: System, rpm: float, theta: float, cycle: After) -> After:
@@ -86,7 +108,9 @@ def _of_neighbours(system: System, rpm: float, theta: float, cycle: After) -> Af
             if not _same(agreed[0], found):
                 break
             if len(agreed) == ENOUGH:
-                return cycle if found.kind == CYCLE else agreed[0]
+                return replace(
+                    cycle if found.kind == CYCLE else agreed[0], holds_for=HoldsFor.SAMPLED
+                )
     return After(UNKNOWN, cycle.turns)
 
 
@@ -100,8 +124,10 @@ def _same(a: After, b: After) -> bool:
     )
 
 
-def of_machine(system: System, rpm: float, theta: float, share: Decimal = Decimal(0)) -> After:
-    """One machine's motion, its speed larger by a share."""
+def of_machine(
+    system: System, rpm: float, theta: float, share: Decimal | None = Decimal(0)
+) -> After:
+    """One machine's motion, its speed larger by a share; None: that of all with this speed."""
     if system.shape is None:
         return After(UNKNOWN)
     return _of_shape(system.shape, system.follower, system.strobe, rpm, theta, share)
@@ -109,26 +135,34 @@ def of_machine(system: System, rpm: float, theta: float, share: Decimal = Decima
 
 @lru_cache(maxsize=REMEMBERED)
 def _of_shape(
-    shape: Shape, follower: Follower, strobe: float, rpm: float, theta: float, share: Decimal
+    shape: Shape, follower: Follower, strobe: float, rpm: float, theta: float, share: Decimal | None
 ) -> After:
     """The same; other starts at a speed, or a sweep the other way, come to the same rest."""
-    from camcli.exact.balls import UndecidedError, decided
+    from camcli.exact.balls import DIGITS, UndecidedError, decided
     from camcli.exact.machine import Machine
     from camcli.exact.motion import EndlessError, Motion
 
     def followed() -> After:
-        return _followed(Motion(Machine(shape, follower, rpm, share), strobe, theta))
+        if share is None:
+            machine = Machine.within_last_digit(shape, follower, rpm)
+        else:
+            machine = Machine(shape, follower, rpm, share)
+        return _followed(Motion(machine, strobe, theta))
 
     try:
-        return decided(followed)
+        return decided(followed, LAST_DIGIT_DIGITS if share is None else DIGITS)
     except (UndecidedError, EndlessError):
         return After(UNKNOWN)
 
 
 def _followed(motion: Motion) -> After:
+    from camcli.exact.balls import UndecidedError
+
     trail, states = motion.trail, list[State]()
     while len(states) < LONGEST and len(trail.impacts) < MOST_IMPACTS:
         for q, w in trail.states[len(states) :]:
+            if max(q.rad(), w.rad()) > CLOSE * max(abs(q), abs(w)):  # too wide to be compared
+                raise UndecidedError
             states.append((float(q), float(w)))
             if m := repeats(states, trail.symbols[: len(states)]):
                 symbols = tuple(trail.symbols[len(states) - m : len(states)])

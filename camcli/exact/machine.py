@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
+from math import ulp
 from typing import Any
 
-from flint import arb
+from flint import arb, arb_mat, arb_series
 
 from camcli.cams.compile import Part, Piece, Shape
 from camcli.exact import balls
@@ -37,7 +38,10 @@ class Stretch:
 
 
 class Machine:
-    """The follower's constants per rad of cam angle, W^2, Z, G and r, and the cam's stretches."""
+    """The follower's constants per rad of cam angle, W^2, Z, G and r, and the cam's stretches.
+
+    center: the machine itself, or of many machines (`within_last_digit`) the one in the middle.
+    """
 
     def __init__(
         self,
@@ -58,6 +62,23 @@ class Machine:
         self.frequency = (damped if self.over else -damped).sqrt() / (2 * m * omega)
         self.turn = 2 * arb.pi()
         self.stretches = cam if isinstance(cam, list) else stretches_of(cam)
+        self.center, self.slopes, self.width = self, self, 0.0
+
+    @classmethod
+    def within_last_digit(cls, shape: Shape, follower: Follower, rpm: float) -> Machine:
+        """Every machine at once whose speed rounds to rpm."""
+        center, width = cls(shape, follower, rpm), ulp(rpm) / 2
+        speeds = arb(rpm, width)
+        machine = cls(center.stretches, follower, speeds)
+        machine.center, machine.width = center, width
+        machine.slopes = cls(center.stretches, follower, arb_series([speeds, 1], 2))
+        return machine
+
+    def drift(self, q: arb, w: arb, s: arb) -> arb_mat:
+        """How far the speeds of these machines spread (q, w) after s rad of flight, m and m/rad."""
+        if self.width == 0.0:
+            return arb_mat(2, 1)
+        return arb_mat([[x[1] * self.width] for x in self.slopes.move(q, w, s)[:2]])
 
     def flow(self, s: arb) -> tuple[arb, arb, arb]:
         """(B, B', P) after s rad of flight.

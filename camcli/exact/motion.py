@@ -61,10 +61,10 @@ class Motion:
 
     def step(self) -> None:
         """One impact further, or from it through a rest to the next departure."""
-        i, n, s, (u, *more), jacobian, unit = coarsely(self._landing)
+        i, n, s, (u, *more), jacobian, drift, unit = coarsely(self._landing)
         later, rate = sharpened(self._gap(i, n, middle=True), s, (u, *more))
         reset = arb_mat([[self.at.middle[0, 0] + later], [-self.machine.r * rate]])
-        at = self.at.image(reset, jacobian, unit)
+        at = self.at.image(reset, jacobian, drift, unit)
         self._strobes(at.hull()[0])
         self.i, self.n = i, n
         self._off(at, BLOW)
@@ -125,14 +125,15 @@ class Motion:
 
         From all states of the parallelogram, or from the one in the middle.
         """
-        phi, q, w = self.phi, self.q, self.w
+        phi, q, w, machine = self.phi, self.q, self.w, self.machine
         if middle:
+            machine = machine.center
             phi, rate = self.at.middle.entries()
             q, w = self._cam(phi, self.i, self.n, 1)
             w += rate
 
         def gap(s: arb) -> list[arb]:
-            flight, cam = self.machine.move(q, w, s), self._cam(phi + s, i, n, order)
+            flight, cam = machine.move(q, w, s), self._cam(phi + s, i, n, order)
             return [x - y for x, y in zip(flight, cam, strict=False)]
 
         return gap
@@ -168,16 +169,16 @@ class Motion:
             s = (s / 2).mid()
         raise UndecidedError
 
-    def _landing(self) -> tuple[int, int, arb, list[arb], arb_mat, arb_mat]:
-        """(stretch, turn, s, slopes, jacobian, unit) of the impact after s rad.
+    def _landing(self) -> tuple[int, int, arb, list[arb], arb_mat, arb_mat, arb_mat]:
+        """(stretch, turn, s, slopes, jacobian, drift, unit) of the impact after s rad.
 
-        slopes: the first three derivatives of the gap there.
+        slopes: the first three derivatives of the gap there; drift: by the width of the speeds.
 
         A start (dphi, drate) beside is at equal phi a difference (dq, dw) = (-rate dphi,
         drate - gap'' dphi). It lands at dphi = -dq/u later, its u different by dw + gap'' dphi.
         """
         machine, (s, i, n) = self.machine, self._contact()
-        s = arb(s.mid(), 2 * s.rad())
+        s = arb(s.mid(), 4 * s.rad())
         _, u, accel, jerk = self._gap(i, n, order=3)(s)
         b, b1, _ = machine.flow(s)
         if not u < 0:
@@ -186,7 +187,8 @@ class Motion:
         flight = arb_mat([[b1 + 2 * machine.Z * b, b], [-machine.W2 * b, b1]])
         later = arb_mat([[-1 / u, 0], [machine.r * accel / u, -machine.r]])
         slopes = [u, accel, jerk]
-        return i, n, s, slopes, later * flight * equal, arb_mat([[1, 0], [accel, u]]).mid()
+        drift, unit = machine.drift(self.q, self.w, s), arb_mat([[1, 0], [accel, u]]).mid()
+        return i, n, s, slopes, later * flight * equal, later * drift, unit
 
     def _accumulates(self) -> bool:
         """After an impact: does the follower come to rest before its stretch and turn end?

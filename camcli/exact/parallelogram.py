@@ -16,9 +16,10 @@ from camcli.exact.balls import UndecidedError
 
 @dataclass(frozen=True)
 class Parallelogram:
-    """m + Q e; `middle` and `frame` are exact."""
+    """m + p t + Q e, where m, p and Q are exact and |t| <= 1 is the same all along a motion."""
 
     middle: arb_mat
+    lean: arb_mat  # p
     frame: arb_mat
     error: arb_mat
 
@@ -26,19 +27,23 @@ class Parallelogram:
     def around(cls, x: arb, y: arb) -> Parallelogram:
         """Two independent balls."""
         middle = arb_mat([[x.mid()], [y.mid()]])
-        return cls(middle, arb_mat([[1, 0], [0, 1]]), arb_mat([[x], [y]]) - middle)
+        frame = arb_mat([[1, 0], [0, 1]])
+        return cls(middle, arb_mat(2, 1), frame, arb_mat([[x], [y]]) - middle)
 
     def hull(self) -> tuple[arb, arb]:
         """The balls that hold each number."""
-        x, y = (self.middle + self.frame * self.error).entries()
+        x, y = (self.middle + self.lean * arb(0, 1) + self.frame * self.error).entries()
         return x, y
 
-    def image(self, of_middle: arb_mat, jacobian: arb_mat, unit: arb_mat) -> Parallelogram:
-        """F(m) + J Q e, where J holds the derivatives of F at all its points (mean value form).
+    def image(
+        self, of_middle: arb_mat, jacobian: arb_mat, drift: arb_mat, unit: arb_mat
+    ) -> Parallelogram:
+        """F(m) + (J p + d) t + J Q e: J, d hold the derivatives of F at all its points and all t.
 
         The new Q is orthonormal in numbers y = x / unit.
         """
-        middle = of_middle.mid()
+        middle, leans = of_middle.mid(), jacobian * self.lean + drift
+        lean = leans.mid()
         spread = jacobian * self.frame
         a, b, c, d = (unit.inv() * spread).mid().entries()
         first, second = (x.rad() for x in self.error.entries())
@@ -46,7 +51,8 @@ class Parallelogram:
             a, c = b, d  # the longer side keeps its direction
         frame = (unit * arb_mat([[a, -c], [c, a]]) / (a * a + c * c).sqrt()).mid()
         try:
-            error = frame.inv() * (spread * self.error + (of_middle - middle))
+            rest = of_middle - middle + (leans - lean) * arb(0, 1)
+            error = frame.inv() * (spread * self.error + rest)
         except ZeroDivisionError:  # its columns are known too badly to tell them apart
             raise UndecidedError from None
-        return Parallelogram(middle, frame, error)
+        return Parallelogram(middle, lean, frame, error)

@@ -41,6 +41,19 @@ def ends(system, rpm):
     return after_first_rest(system, rpm, Orbit(system, rpm, settings(0, 3)).run())
 
 
+def test_which_machines_an_answer_is_about(chapter, monkeypatch):
+    """All whose speed reads so where errors grow little; else these data, or some neighbours."""
+    assert ends(chapter, 203.0).holds_for == "last-digit"
+    assert ends(chapter, 358.0).holds_for == "exact-data"
+    assert ends(chapter, 358.3).holds_for == "sampled"
+    assert ends(chapter, 745.0).holds_for is None
+    one, other = (After(SETTLED, 50, ((q, 1.0),), (2.0,)) for q in (0.3, 0.4))
+    for every, holds_for in ((one, "last-digit"), (other, "exact-data")):
+        answers = iter([one, every])
+        monkeypatch.setattr(module, "of_machine", lambda *words, a=answers: next(a))
+        assert after_rest(chapter, 358.0, 2.6).holds_for == holds_for
+
+
 @pytest.mark.parametrize("rpm", [357.9, 358.0, 358.5, 359.0])
 def test_chaotic_transients_settle(chapter, rpm):
     """At 358.0 errors grow by 1e46 on the way: 40 digits of the cam's corners would not do."""
@@ -82,9 +95,11 @@ def test_neighbours_that_disagree_say_nothing(chapter, monkeypatch):
     for row, kind in (((one, one, one), SETTLED), ((one, two, one), UNKNOWN),
                       ((one, cycle, one), UNKNOWN), ((cycle, cycle, cycle), CYCLE),
                       ((one, one), UNKNOWN), ((), UNKNOWN)):  # fmt: skip
-        answers = iter([cycle, *row, *[replace(cycle, symbols=(7.0,))] * 9])
+        answers = iter([cycle, After(UNKNOWN), *row, *[replace(cycle, symbols=(7.0,))] * 9])
         monkeypatch.setattr(module, "of_machine", lambda *words, a=answers: next(a))
-        assert after_rest(chapter, 358.0, 2.6).kind == kind, row
+        found = after_rest(chapter, 358.0, 2.6)
+        assert found.kind == kind, row
+        assert found.holds_for == (None if kind == UNKNOWN else "sampled")
     assert all(0 < abs(share) < Decimal("5.5e-17") for share in SHARES)  # within half a digit
     assert len(set(SHARES)) == len(SHARES) >= 2 * ENOUGH
 
