@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from math import inf
+from typing import TYPE_CHECKING
 
 from camcli.analysis.exponents import Exponents, of_orbit, of_record
 from camcli.analysis.integrate import (
@@ -29,6 +30,9 @@ from camcli.kernel.orbit_loop import IMPACT
 from camcli.parallel import in_threads
 from camcli.system import System
 
+if TYPE_CHECKING:
+    from camcli.analysis.after_rest import HoldsFor
+
 COMPLETE, INCOMPLETE, NONE = "complete", "incomplete", "none"
 BURST = 8  # impacts in a row, each weaker than the one before, that make an incomplete chatter
 LONGER = 8  # times the record, where neither a period nor an exponent was certain
@@ -41,7 +45,8 @@ class Motion:
     value: the speed (rpm), or that of what is varied instead; label: P(m;...), contact, aperiodic
     or undecided; orbit: solved, where periodic; exponents: None where the record shows too little;
     transient: turns until the orbit is reached (None without one); impacts: in one period of the
-    orbit, or the mean per turn; record: of the recorded turns.
+    orbit, or the mean per turn; record: of the recorded turns; holds_for: the machines that a label
+    is about which doubles alone could not tell (`after_rest`).
     """
 
     value: float
@@ -56,6 +61,7 @@ class Motion:
     status: int
     cost: Cost
     record: Record
+    holds_for: HoldsFor | None = None
 
     @property
     def period(self) -> int:
@@ -129,8 +135,9 @@ def classify_at(
         cost = cost + more.cost
         orbit, exponents = _solved(system, rpm, more)
         record = more if more.status == Status.OK else record
+    holds_for = None
     if record.status == Status.OK and orbit is None and any(record.chatter[: record.periods]):
-        orbit, exponents, after = _after_rest(system, rpm, settings, record)
+        orbit, exponents, after, holds_for = _after_rest(system, rpm, settings, record)
         if after is not record:
             record, cost = after, cost + after.cost
     certain = record.status == Status.OK and _certain(orbit, exponents)
@@ -147,6 +154,7 @@ def classify_at(
         status=record.status,
         cost=cost,
         record=record,
+        holds_for=holds_for if orbit else None,
     )
 
 
@@ -166,19 +174,19 @@ def _certain(orbit: PeriodicOrbit | None, exponents: Exponents | None) -> bool:
 
 def _after_rest(
     system: System, rpm: float, settings: Settings, record: Record
-) -> tuple[PeriodicOrbit | None, Exponents | None, Record]:
-    """(orbit, exponents, record) of the true motion after the rest in a record, if it is known."""
+) -> tuple[PeriodicOrbit | None, Exponents | None, Record, HoldsFor | None]:
+    """(orbit, exponents, record) of the true motion after a rest, if known, and for whom it is."""
     from camcli.analysis.after_rest import CYCLE, after_first_rest
 
     found = after_first_rest(system, rpm, record)
     if found.kind == CYCLE:
         orbit = resting_orbit(system, rpm, found.states, found.symbols, found.leaves)
-        return orbit, of_orbit(system, orbit), record
+        return orbit, of_orbit(system, orbit), record, found.holds_for
     start = found.start(system, rpm)
     if start is not None:
         run = with_turns(settings, settings.transient, max(settings.record, RECORD))
         record = Orbit(system, rpm, run, start).run()
-    return *_solved(system, rpm, record), record
+    return *_solved(system, rpm, record), record, found.holds_for
 
 
 def attractors(

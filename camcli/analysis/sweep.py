@@ -50,7 +50,7 @@ class Speed:
     chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
     exponent: the largest one per turn, None where it was not asked for or is not known; end: where
     the next speed starts, of a sweep that carries its state; loads: of the record; known: False
-    where the record is one of many motions and the true one is not known.
+    where the record is one of many motions and the true one is not known; holds_for: as `classify`.
     """
 
     value: float
@@ -65,6 +65,7 @@ class Speed:
     end: Start | None = None
     loads: Loads = NOTHING
     known: bool = True
+    holds_for: str | None = None
 
 
 @dataclass(frozen=True)
@@ -301,13 +302,14 @@ class _Task:
         orbit = Orbit(system, rpm, settings, start)
         record = orbit.run()
         name, end, cost = label(record), orbit.as_start(), record.cost
-        n, to_mps, exponent, known = record.periods, orbit.omega, None, True
+        n, to_mps, exponent, known, holds_for = record.periods, orbit.omega, None, True, None
         forgets = forgets_too_much(record)
         if forgets and not self.follow:
             name, known = UNDECIDED, False
         elif forgets:
             motion, record, end = true_motion(system, rpm, settings, start, record, end)
             name, cost, known = motion.label, cost + motion.cost, motion.label != UNDECIDED
+            holds_for = motion.holds_for
             exponent = None if motion.exponents is None else motion.exponents.largest
         elif self.lyapunov:
             exponent = _exponent(system, rpm, record)
@@ -325,6 +327,7 @@ class _Task:
             end=end if record.status == Status.OK else None,
             loads=loads_of(system, rpm, record) if known else NOTHING,
             known=known,
+            holds_for=holds_for,
         )
 
 
@@ -427,7 +430,9 @@ def _load(stored: list) -> Speed:
     )
 
 
-STORED = ("value", "rpm", "label", "impact_count", "status", "impacts", "exponent", "known")
+STORED = (
+    "value", "rpm", "label", "impact_count", "status", "impacts", "exponent", "known", "holds_for",
+)  # fmt: skip
 CODEC = Codec(_store, _load)
 LINES = Codec(
     lambda line: [_store(speed) for speed in line], lambda stored: [_load(one) for one in stored]

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import degrees
 from typing import Any
 
 import numpy as np
 
+from camcli.analysis.after_rest import CYCLE, SETTLED
 from camcli.analysis.basins.cell_mapping import leaves
 from camcli.analysis.basins.study import Basins, Question, Study, study
 from camcli.analysis.basins.window import Window
+from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
+from camcli.api.classify import decided_words
 from camcli.api.orbits import MULTIPLIERS
 from camcli.api.result import Progress, Result, machine_of
 from camcli.api.vary import span_of
@@ -63,7 +67,8 @@ def basins(
         undecided, a negative number a status), of two and three also what is varied. With
         ``basins.saddles`` also ``saddles``, the saddles on the boundaries: rpm (or what is varied),
         label, q_m, v_m_per_s, multiplier_1_re to multiplier_2_im, led and tried (motions). In
-        ``summary`` basin entropy, boundary entropy and, with ``basins.boundary``, the uncertainty
+        ``summary`` the rests whose end only ball arithmetic tells with holds_for as in
+        ``classify``, basin entropy, boundary entropy and, with ``basins.boundary``, the uncertainty
         exponent.
 
     References
@@ -136,6 +141,8 @@ def _notes(found: Study, question: Question) -> list[str]:
     notes = []
     if not any(speed.computed for speed in found.speeds):
         notes.append("no start of this window lies above the cam: raise basins.q")
+    ends = (end.holds_for for speed in found.speeds for _, end in speed.rests)
+    notes += decided_words(ends, "departures")
     words = undecided_words(found, question)
     if words:
         notes.append(words)
@@ -252,6 +259,11 @@ def _record(speed: Basins, question: Question) -> dict[str, Any]:
         "computed": speed.computed,
         "computed_share": speed.computed / speed.cells,
         "undecided": speed.undecided,
+        "rests": [
+            {"departure_deg": degrees(theta), "ends": end.kind, "holds_for": end.holds_for,
+             "label": Label(end.symbols) if end.kind in (SETTLED, CYCLE) else None}
+            for theta, end in speed.rests
+        ],
         "troubled": {status_name(code): cells for code, cells in speed.troubled.items()},
         "turns_per_cell": dict(zip(("median", "percentile_99", "most"), speed.turns, strict=True)),
         **speed.entropies,

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
+from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.classify import Motion
 from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
@@ -35,7 +37,14 @@ if TYPE_CHECKING:
     from camcli.analysis.exponents import Exponents
 
 # columns after the one of what is varied
-CLASSIFY = ("label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status")
+CLASSIFY = (
+    "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status", "holds_for",
+)  # fmt: skip
+DECIDED = {
+    HoldsFor.LAST_DIGIT: "for every speed that rounds to the given one (proved)",
+    HoldsFor.EXACT_DATA: "for the data exactly as they are, not for every speed that rounds so",
+    HoldsFor.SAMPLED: "by three speeds within the last digit that agree (the data may differ)",
+}
 
 
 def classify(
@@ -63,7 +72,10 @@ def classify(
     Result
         Table ``classify``, a row per attractor found at a speed: rpm, or the key of what is
         varied, label, period (turns, 0 where it does not repeat), impacts, chatter (complete,
-        incomplete, none), stable, lyapunov_per_period, status.
+        incomplete, none), stable, lyapunov_per_period, status, holds_for: of a label that doubles
+        cannot tell after a rest, the machines it was decided for in ball arithmetic. last-digit:
+        proved for every speed that rounds to this one; exact-data: for these data as they are;
+        sampled: three speeds within the last digit agree, these data may differ. Else empty.
         Table ``corners``: corner impacts behind the changes, with ``classify.explain``.
 
     Raises
@@ -143,7 +155,15 @@ def corners_table(explanation: Explanation | None) -> Table:
 def _row(m: Motion) -> tuple:
     stable = None if m.stable is None else int(m.stable)
     exponent = None if m.exponents is None else m.exponents.largest
-    return m.value, m.label, m.period, m.impacts, m.chatter, stable, exponent, status_name(m.status)
+    named = m.value, m.label, m.period, m.impacts, m.chatter, stable, exponent
+    return *named, status_name(m.status), m.holds_for
+
+
+def decided_words(found: Iterable[str | None], what: str) -> list[str]:
+    """A sentence on the machines that answers after a rest hold for; `what` was decided."""
+    counts = Counter(filter(None, found))
+    words = [f"{counts[name]} {text}" for name, text in DECIDED.items() if counts[name]]
+    return [f"{what} decided in ball arithmetic after a rest: {', '.join(words)}"] if words else []
 
 
 def remarks(motions: list[Motion], key: str = "rpm") -> list[str]:
@@ -160,6 +180,7 @@ def remarks(motions: list[Motion], key: str = "rpm") -> list[str]:
             "where the follower rests on the cam both exponents are -inf: every difference between "
             "two motions is forgotten"
         )
+    said += decided_words((m.holds_for for m in motions), "motions")
     said += _shown([m for m in motions if m.orbit is None and m.status == Status.OK], key)
     undecided = [m.value for m in motions if m.label == UNDECIDED]
     if undecided:
@@ -203,7 +224,7 @@ def _motion(m: Motion) -> dict[str, Any]:
         "impacts": _plain(m.impacts),
         "chatter": m.chatter, "stable": m.stable, "transient_turns": m.transient,
         "status": status_name(m.status), "start": vars(m.start),
-        "turns": m.record.periods, "complete_chatters": m.chatters,
+        "holds_for": m.holds_for, "turns": m.record.periods, "complete_chatters": m.chatters,
         "multipliers": None if m.orbit is None else [[z.real, z.imag] for z in m.orbit.multipliers],
         "exponents": None if e is None else {
             "largest": _plain(e.largest), "second": _plain(e.second), "standard_error": e.spread,

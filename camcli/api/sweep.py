@@ -33,7 +33,7 @@ STROBE = ("period", "q_m", "v_m_per_s", "impacts", "chatter")
 # of a file that is no table of ours
 BAD_FILE = (OSError, UnicodeError, csv.Error, ValueError, KeyError, IndexError, StopIteration)
 MAP = ("label", "period", "impacts_per_turn", "lyapunov_per_period", *Loads._fields)
-SPEEDS = ("label", "impacts", "lyapunov_per_period", "status", *Loads._fields)
+SPEEDS = ("label", "impacts", "lyapunov_per_period", "status", *Loads._fields, "holds_for")
 
 
 class Branch(NamedTuple):
@@ -82,7 +82,7 @@ def sweep(
         contact_regained_deg (the last), landing_deg (phase of the hardest impact), landing_lift_m
         (lift above the lowest there), shut_bounces_per_turn (impacts, a tenth as hard or harder,
         where the cam is within a hundredth of its lift above the lowest); NaN where they do not
-        apply.
+        apply; holds_for as in ``classify``.
         The first column bears the key of what is varied, rpm for the speed.
         With ``sweep.explain`` also ``corners``, the corner impacts behind the changes.
         ``sweep.sections`` and ``sweep.tables`` leave out what is not wanted.
@@ -327,13 +327,17 @@ def _result(
 
 
 def _unknown(found: Sweep) -> list[str]:
-    """How many motions are not known, drawn grey."""
+    """How many motions were decided in ball arithmetic, and how many are not known, drawn grey."""
+    from camcli.api.classify import decided_words
+
+    decided = decided_words((speed.holds_for for speed in found.bare), "speeds")
     count = sum(not speed.known for speed in found.bare)
     if not count:
-        return []
+        return decided
     return [
+        *decided,
         f"{count} of {len(found.speeds)} undecided: after a rest rounding decides, and the true "
-        "motion could not be told; grey in the picture"
+        "motion could not be told; grey in the picture",
     ]
 
 
@@ -348,12 +352,13 @@ def blocks(found: Sweep, section: str) -> Iterator[Block]:
 def speed_row(speed: Speed) -> tuple:
     """A row of speeds.csv."""
     named = speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
-    return speed.value, *named, *speed.loads
+    return speed.value, *named, *speed.loads, speed.holds_for
 
 
 def _summary(found: Sweep) -> dict[str, Any]:
     return {
         "direction": found.direction,
+        "holds_for": Counter(filter(None, (speed.holds_for for speed in found.speeds))),
         "ranges": [
             {"label": label, "status": status, "from_rpm": a.value, "to_rpm": b.value, "speeds": n}
             for label, status, a, b, n in ranges(found)

@@ -40,7 +40,8 @@ def classify(
     """Name the motion at each speed, measure its exponents, explain where it changes.
 
     \b
-    classify.csv  rpm, label, period, impacts, chatter, stable, lyapunov_per_period, status
+    classify.csv  rpm, label, period, impacts, chatter, stable, lyapunov_per_period, status,
+                  holds_for
     corners.csv   corner impacts of the solved branches (--explain), columns as bifurcations.csv
     classify.png  labels and largest exponent against speed
 
@@ -57,6 +58,11 @@ def classify(
     admissible, attracting orbit of up to 64 turns that the record approaches; contact; aperiodic
     where none does and the largest exponent is positive by three standard errors; undecided where
     neither can be shown, or where a cycle through a rest is an accident of rounding.
+    holds_for: after a rest whose motion doubles forget, the label is decided in ball arithmetic,
+    and this says for which machines. last-digit: proved for every speed that rounds to this one;
+    exact-data: for the data as they are, not for every speed within the last digit; sampled: for
+    three speeds within the last digit that agree, the data themselves may do otherwise. Empty
+    where doubles tell, or nothing does.
     --vary KEY=LO:HI varies any number of follower, cam or run, at the speed --rpm; the first column
     then bears the KEY.
     --starts N classifies N more starts at each speed (Halton points, --seed): a row per attractor.

@@ -54,7 +54,8 @@ def sweep(
                  contact_regained_deg, landing_deg, landing_lift_m, shut_bounces_per_turn: of the
                  recorded turns; forces while on the cam, the first phase after the strobe at which
                  contact is lost and the last where it is regained, phase and lift of the hardest
-                 impact, and impacts, a tenth as hard or harder, within a hundredth of the lift
+                 impact, and impacts, a tenth as hard or harder, within a hundredth of the lift;
+                 holds_for: last-digit, exact-data or sampled as in cam classify, mostly empty
     corners.csv  corner impacts of the solved branches (--explain), columns as bifurcations.csv
     sweep.tables: npz writes impacts.npz and strobe.npz instead (numpy.load); none neither
     map.csv      of two numbers: both KEYs, label, period, impacts_per_turn, lyapunov_per_period,

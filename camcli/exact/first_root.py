@@ -26,7 +26,7 @@ def first_root(f: Function, low: arb, high: arb, cut: arb | None = None) -> arb 
     Looked for before `cut` first. Raises UndecidedError near a double zero, and where `high` itself
     may be a zero.
     """
-    ends = [x.mid() for x in (low, high) if cut is None] or [low.mid(), cut.mid(), high.mid()]
+    ends = [low.mid(), *([] if cut is None else [cut.mid()]), high.mid()]
     found = coarsely(lambda: _bracket(f, ends))
     return None if found is None else _enclosed(f, *found)
 

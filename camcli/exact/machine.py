@@ -78,7 +78,8 @@ class Machine:
         """How far the speeds of these machines spread (q, w) after s rad of flight, m and m/rad."""
         if self.width == 0.0:
             return arb_mat(2, 1)
-        return arb_mat([[x[1] * self.width] for x in self.slopes.move(q, w, s)[:2]])
+        ends: list[Any] = self.slopes.move(q, w, s)[:2]
+        return arb_mat([[end[1] * self.width] for end in ends])
 
     def flow(self, s: arb) -> tuple[arb, arb, arb]:
         """(B, B', P) after s rad of flight.

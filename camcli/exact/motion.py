@@ -48,6 +48,11 @@ class Trail:
 class Motion:
     """A follower that rests on the cam before its first departure, then moves on by `step`."""
 
+    rate: arb  # relative to the cam, m/rad
+    q: arb  # m
+    w: arb  # dq/dtheta, m/rad
+    fall: arb  # -gap'' as the flight begins, m/rad^2
+
     def __init__(self, machine: Machine, strobe: float, theta: float):
         """Up to the departure near theta, seen through the strobe phase; both in rad, [0, 2 pi)."""
         self.machine, self.turn, self.trail = machine, machine.turn, Trail()
@@ -111,7 +116,6 @@ class Motion:
         self.phi, self.rate = at.hull()
         c, machine = self._cam(self.phi, self.i, self.n), self.machine
         self.q, self.w = c[0], c[1] + self.rate
-        # gap'' = -fall as the flight begins
         self.fall = machine.G + machine.W2 * self.q + 2 * machine.Z * self.w + c[2]
         known = max(x.rel_accuracy_bits() for x in (self.phi, self.rate))
         ctx.prec = min(self.bits, known + GUARD)  # further digits say nothing

@@ -89,6 +89,7 @@ def test_sweep_writes_exact_columns_of_shortest_numbers(cam, tmp_path):
             "landing_deg",
             "landing_lift_m",
             "shut_bounces_per_turn",
+            "holds_for",
         ],
     }
     tables = {name: rows(folder / f"{name}.csv") for name in columns}

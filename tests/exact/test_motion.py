@@ -219,8 +219,12 @@ def test_a_parallelogram_holds_the_image_of_all_its_points():
         box = Parallelogram.around(arb("0.3", "1e-3"), arb("-2", "1e-4"))
         shift, unit = arb_mat([["1.5"], ["0.25"]]), arb_mat([[1, 0], ["0.3", "0.5"]])
         drift = arb_mat([["3e-4"], ["-2e-4"]])  # of a parameter t from -1 to 1
-        corners = [(arb_mat([[x], [y]]), t)
-                   for x in ("0.299", "0.301") for y in ("-2.0001", "-1.9999") for t in (-1, 1)]  # fmt: skip
+        corners = [
+            (arb_mat([[x], [y]]), t)
+            for x in ("0.299", "0.301")
+            for y in ("-2.0001", "-1.9999")
+            for t in (-1, 1)
+        ]
         for _ in range(5):
             image = jacobian.mid() * box.middle + shift
             corners = [

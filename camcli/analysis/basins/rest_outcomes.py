@@ -54,6 +54,11 @@ class RestOutcomes:
         """m and m/rad within which two states are one."""
         return SAME * max(abs(float(self.finder.batches.system.cam.top)), 1e-3)
 
+    @property
+    def decided(self) -> tuple[tuple[float, After], ...]:
+        """Departures (rad) that were followed in ball arithmetic, and what they lead to."""
+        return tuple((place * SAME, end) for place, end in sorted(self.followed.items()))
+
     def fill(self, targets: Targets) -> Targets:
         """The kernel's table with what is known."""
         known = [Rest(*state, end) for state, end in zip(self.states, self.ends, strict=True)]

@@ -12,6 +12,7 @@ from math import inf, sqrt
 
 import numpy as np
 
+from camcli.analysis.after_rest import After
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import BELOW, AttractorFinder
 from camcli.analysis.basins.branches import Branches
@@ -73,6 +74,7 @@ class Basins:
     branches: tuple[int, ...] = ()  # number of each attractor that stays from speed to speed
     uncertainty: Uncertainty | None = None
     exponents: tuple[float | None, ...] | None = None  # largest, per turn; None: not asked for
+    rests: tuple[tuple[float, After], ...] = ()  # departures (rad) that doubles could not follow
     value: float = 0.0  # the speed (rpm), or that of what is varied instead
     saddles: tuple[BoundarySaddle, ...] | None = None  # on the boundaries; None: not asked for
 
@@ -194,6 +196,7 @@ def basins(
         computed=computed,
         turns=(taken[last // 2], taken[last * 99 // 100], taken[last]),
         cost=batches.cost,
+        rests=finder.rests.decided,
     )
     return found, finder
 
