@@ -20,7 +20,7 @@ from camcli.api.result import Machine, Progress, Result, machine_of, ticks
 from camcli.api.sweep import sweep
 from camcli.api.vary import Varied
 from camcli.errors import Fault, SceneError
-from camcli.kernel.backend import stopwatch
+from camcli.kernel.backend import for_work, stopwatch
 from camcli.kernel.cam_table import TURN
 from camcli.parallel import Work
 from camcli.plots.axes import axis_name
@@ -38,6 +38,7 @@ MOST_POINTS = 150_000  # of the diagram
 SIDE = 16  # motions of a window of basins and of a map, along each side
 MOST_TURNS, ROOM = 8, 400_000  # of each of them; rows of a whole page
 PROFILE_ROWS = 720
+DIRECTIONS = ("fixed", "up", "down")  # of sweeps
 KINDS = ("impact", "chatter", "detachment")
 
 Columns = tuple[np.ndarray, np.ndarray]
@@ -146,9 +147,11 @@ def explore(
         asked, limit = f"found {scene.sweep.rpm.num} speeds", f"expected at most {most} on a page"
         raise SceneError(Fault("", "sweep.rpm.num", asked, limit, "give --points"))
     with stopwatch() as watch:
+        runs = len(DIRECTIONS) * scene.sweep.rpm.num + scene.orbits.starts
+        for_work(runs * (scene.run.transient + scene.run.record))
         sweeps = [
             (direction, sweep(_sweep_scene(scene, direction), progress, work=work))
-            for direction in ("fixed", "up", "down")
+            for direction in DIRECTIONS
         ]
         solved = orbits(_orbits_scene(scene), progress)
         landed = basins(_basins_scene(scene), progress, work=work) if with_basins else None
@@ -169,8 +172,9 @@ def explore(
             simulations.append(simulate(motion.system, motion.rpm, settings, rows))
             tick()
     found = Explored(motions, simulations, solved, landed, mapped)
-    more = (result for result in (landed, mapped) if result is not None)
-    parts = [*(result for _, result in sweeps), solved, *more]
+    parts = {f"sweep {direction}": result for direction, result in sweeps}
+    more = {"orbits": solved, "basins": landed, "map": mapped}
+    parts |= {name: result for name, result in more.items() if result is not None}
 
     def write(file: BinaryIO) -> None:
         from camcli.output.explore import page
@@ -191,10 +195,12 @@ def explore(
         },
         pictures={},
         files={"explore.html": write},
-        cost=sum((one.cost for one in simulations), sum((part.cost for part in parts), Cost())),
+        cost=sum(
+            (one.cost for one in simulations), sum((part.cost for part in parts.values()), Cost())
+        ),
         seconds=watch.seconds,
-        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
-        complete=all(part.complete for part in parts),
+        notes=tuple(f"{name}: {note}" for name, part in parts.items() for note in part.notes),
+        complete=all(part.complete for part in parts.values()),
         options={"with_basins": with_basins, "with_map": with_map, "source": source},
     )
 
