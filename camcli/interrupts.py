@@ -1,8 +1,9 @@
 """Signals that end a run: never lost, seen within a second, and kept waiting over a commit.
 
 A handler that only raises can lose its signal: what is raised inside a callback of a C library is
-swallowed there. So the handler also makes a note, which is looked at between pieces, and a thread
-ends the process where the main thread is kept in one long call.
+swallowed there. So the handler also makes a note, which is looked at between calls of the kernel,
+none of which takes longer than half a second. A thread ends the process where the main thread is
+kept in a call that nobody can cut: a pass of the compiler, a picture with many points.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any
 
 ENDING = (signal.SIGINT, signal.SIGTERM)
 EXIT_CODE = 130
-PATIENCE = 0.8  # s that the main thread has to begin its end
+PATIENCE = 0.6  # s that the main thread has to come to its end
 
 _came = _ending = False
 _holding = 0

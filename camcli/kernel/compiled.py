@@ -15,6 +15,7 @@ from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from threading import Lock
+from time import time
 from types import FunctionType
 from typing import Any
 from uuid import uuid4
@@ -27,6 +28,8 @@ from numba.core.serialize import dumps
 
 from camcli.kernel.backend import read_intact
 from camcli.kernel.marks import ENTRIES, FUNCTIONS, OUTLINED
+
+ABANDONED = 60.0  # s: nobody writes a file for so long
 
 
 class CompiledEntry:
@@ -91,7 +94,7 @@ class _DiskCache(_Cache):
 
     The file's name is that of the entry and of all that its code depends on beside the kernel's
     sources, which name the folder. What cannot be read, or is damaged, is compiled again; what
-    cannot be written is not kept.
+    cannot be written is not kept. A file that a killed process left half written is removed.
     """
 
     def __init__(self, folder: Path, entry: str):
@@ -122,6 +125,9 @@ class _DiskCache(_Cache):
         part = path.with_suffix(f".{uuid4().hex}")
         with contextlib.suppress(OSError):
             self._folder.mkdir(parents=True, exist_ok=True)
+            for other in self._folder.glob("*"):
+                if other.suffix != path.suffix and time() - other.stat().st_mtime > ABANDONED:
+                    other.unlink()
             try:
                 part.write_bytes(sha256(content).digest() + content)
                 part.replace(path)

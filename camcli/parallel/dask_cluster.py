@@ -8,11 +8,13 @@ hands to another one. The task travels with each chunk, since data left with a w
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import warnings
 from asyncio import CancelledError
 from collections.abc import Callable, Iterator, Sequence
 from concurrent import futures
+from contextlib import suppress
 from time import monotonic, perf_counter
 from typing import Any
 
@@ -71,6 +73,11 @@ class DaskCluster:
 
     def __exit__(self, *failure: object) -> None:
         with held():  # an interrupt leaves no process behind
+            if self.local is not None and failure[0] is not None:
+                for nanny in self.local.workers.values():  # what they are at is not waited for
+                    nanny.auto_restart = False
+                    with suppress(OSError, TypeError):  # it has gone, or is not there yet
+                        os.kill(nanny.pid, signal.SIGKILL)
             self.client.close(timeout=CONNECT)
             self._end_local()
 
@@ -170,7 +177,15 @@ def _silence() -> None:
 
 def _local(distributed: Any, count: int) -> Any:
     """Processes of this machine, one thread each."""
-    return distributed.LocalCluster(
-        n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None,
-        silence_logs=logging.CRITICAL + 1, preload=["camcli.parallel.dask_cluster"],
-    )  # fmt: skip
+    filters = os.environ.get("PYTHONWARNINGS")
+    # for multiprocessing's own process, which speaks where an interrupt ends the start
+    os.environ["PYTHONWARNINGS"] = "ignore:resource_tracker"
+    try:
+        return distributed.LocalCluster(
+            n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None,
+            silence_logs=logging.CRITICAL + 1, preload=["camcli.parallel.dask_cluster"],
+        )  # fmt: skip
+    finally:
+        os.environ.pop("PYTHONWARNINGS")
+        if filters is not None:
+            os.environ["PYTHONWARNINGS"] = filters

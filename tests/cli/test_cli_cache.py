@@ -60,11 +60,16 @@ DAMAGES = {
 def test_a_damaged_cache_is_said_and_made_anew(cache, warm, tmp_path, how):
     for path in code_files(cache):
         path.write_bytes(DAMAGES[how](path.read_bytes()))
+    killed, at_work = (path.with_suffix(f".{name}") for name in ("killed", "now"))
+    for part in (killed, at_work):
+        part.write_bytes(b"half")
+    os.utime(killed, (0, 0))
     words = [word for word in WORDS if word != "-q"]
     done = cam(cache, *words, cwd=tmp_path)
     assert (done.returncode, "was damaged and is removed" in done.stderr) == (0, True), done.stderr
     assert (tmp_path / "out/simulate/events.csv").read_bytes() == warm[1]
     assert "compiling" not in cam(cache, *words, cwd=tmp_path).stderr
+    assert (killed.exists(), at_work.exists()) == (False, True)
 
 
 @pytest.mark.slow
