@@ -77,6 +77,7 @@ def _attractor_rows(
 ) -> list[list[Any]]:
     """Attractors by branch, then what belongs to none, with shares of each window."""
     one = len(grids) == 1
+    say = percent if one else _short
     at = ["share of the window"] if one else [valued(key, style.number(s.value)) for s in grids]
     rows: list[list[Any]] = [["", "", "basin of", *at]]
     for branch in sorted(labels)[:MOST_NAMED]:
@@ -85,7 +86,7 @@ def _attractor_rows(
         inside = any(_inside(speed, attractor).any() for speed, attractor in there)
         shape = _marker(branch) if inside and there[0][1].periodic else ""
         name = style.motion(labels[branch][0], CHARS) if one else _branch_labels(labels[branch])
-        shares = [percent(s.fractions[k]) if k else "" for s, k in zip(grids, own, strict=True)]
+        shares = [say(s.fractions[k]) if k else "" for s, k in zip(grids, own, strict=True)]
         away = "" if inside else "attractor outside the window"
         rows.append([_swatch(colours[branch]), shape, name, *shares, away])
     if rest := sorted(labels)[MOST_NAMED:]:
@@ -94,7 +95,7 @@ def _attractor_rows(
         rows.append([_swatch(colours[rest[0]]), "", f"and {len(rest)} more, together", *shares])
     for code in sorted({c for s in grids for c in s.fractions if c <= 0}, reverse=True):
         name = "undecided" if code == UNDECIDED_CODE else status_name(-code)
-        shares = [percent(s.fractions[code]) if code in s.fractions else "" for s in grids]
+        shares = [say(s.fractions[code]) if code in s.fractions else "" for s in grids]
         rows.append([_swatch(colours.get(code, style.TROUBLE)), "", name, *shares])
     if any((speed.codes == BELOW_CODE).any() for speed in grids):
         rows.append([_swatch(style.CAM_BODY), "", "none: below the cam"])
@@ -122,7 +123,7 @@ def _code(speed: Basins, branch: int) -> int:
 def _words(grids: Sequence[Basins], system: System) -> str:
     window, phase = grids[0].window, style.number(round(system.strobe_deg, 9))
     how = "simple cell mapping" if grids[0].method == SIMPLE else "orbit mapping"
-    text = f"{window.nq} × {window.nv} starts at θ = {phase} deg, {how}"
+    text = f"{window.nq} × {window.nv} starts (q, v) at θ = {phase} deg, {how}"
     if grids[0].level is not None:
         share = 100.0 * sum(s.computed for s in grids) / sum(s.cells for s in grids)
         text += f", {share:.3g} % of the cells computed (boundaries refined)"
@@ -171,7 +172,7 @@ def _draw_window(axes: Axes, basins: Basins, colours: dict[int, str], named: str
         axes.axvspan(low, c, color=style.CAM_BODY, linewidth=0.0, zorder=2)  # over cells it cuts
         axes.axvline(c, color=style.CAM, linewidth=1.6, zorder=3, label="cam, $q = c$")
     axes.set(xlim=window.q, ylim=window.v)
-    axes.set(xlabel="position $q$ of the start (m)", ylabel="velocity $v$ of the start (m/s)")
+    axes.set(xlabel="position $q$ (m)", ylabel="velocity $v$ (m/s)")
     axes.set_title(named)
 
 
@@ -259,6 +260,10 @@ def branch_colours(study: Study) -> dict[int, str]:
     labels = _labels(study.speeds)
     numbers = sorted(labels)
     return dict(zip(numbers, area_colours([labels[n][0] for n in numbers]), strict=True))
+
+
+def _short(share: tuple[float, float]) -> str:
+    return f"{100.0 * share[0]:.3g} %"
 
 
 def _edges(values: np.ndarray) -> np.ndarray:

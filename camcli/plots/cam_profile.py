@@ -84,6 +84,7 @@ def _draw(axes: Axes, draw: Draw, cam: Drawn, among: Sequence[Drawn]) -> None:
     turn_axis(axes, cam.profile.corners if few else {}, named=draw is _draw_lift)
     if among and (values := VALUES.get(draw)):
         axes.set_ylim(*padded([x for other in among for x in values(other.profile)]))
+        axes.set_xlabel(r"$\theta$ (deg)")
         axes.xaxis.set_major_locator(MultipleLocator(180))
 
 
@@ -102,12 +103,12 @@ def _draw_lift(axes: Axes, profile: Profile, measured: Measured | None) -> None:
 
 def _draw_slope(axes: Axes, profile: Profile, _: Measured | None) -> None:
     _curve(axes, profile, profile.c1)
-    axes.set_ylabel("$c_\\theta$ (m/rad)")
+    axes.set_ylabel("$c_\\theta$ (m/rad)", size=style.WITH_INDEX)
 
 
 def _draw_acceleration(axes: Axes, profile: Profile, measured: Measured | None) -> None:
     _curve(axes, profile, profile.c2)
-    axes.set_ylabel(r"$c_{\theta\theta}$ (m/rad²)")
+    axes.set_ylabel(r"$c_{\theta\theta}$ (m/rad²)", size=style.WITH_INDEX)
     if measured is None:
         return
     axes.set_title(measured.words)

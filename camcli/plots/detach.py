@@ -28,7 +28,7 @@ FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
 ROOM = 0.03  # of an axis, beyond what it shows
-HIT_GAP = 0.03  # of the speeds, between numbered hits of one corner
+HIT_ROOM = 5.0  # mm, between numbered hits of one corner
 
 
 @dataclass(frozen=True)
@@ -204,10 +204,12 @@ def _draw_hits(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, f
     at = view.phase([corners[hit.corner] for hit in hits])
     mark(axes, "corner-impact", [hit.rpm for hit in hits], at, label="n-th impact on a corner")
     last: dict[str, float] = {}
+    wide = axes.get_window_extent().width / style.DPI * 25.4
+    room = HIT_ROOM / wide * (view.rpm[1] - view.rpm[0])
     for hit, y in zip(hits, at, strict=True):
         inside = view.rpm[0] < hit.rpm < view.rpm[1] and view.low < y < view.high
         away = abs(last.get(hit.corner, inf) - hit.rpm)
-        if inside and away > HIT_GAP * (view.rpm[1] - view.rpm[0]):
+        if inside and away > room:
             last[hit.corner] = hit.rpm
             look: dict[str, Any] = {"textcoords": "offset points", "xytext": (3, -4), "va": "top"}
             look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}

@@ -22,7 +22,9 @@ from camcli.plots.axes import lift
 from camcli.plots.picture import Panel
 from camcli.system import System
 
+NARROW = 35.0  # mm, of a panel without room for the names of corners
 GUESSED = 1.5  # lifts, a base radius that is not known
+TALL = 1.27  # height to width of the machine
 COILS, STEM, WIDE = 6, 0.15, 0.09  # of the spring; its length and half width in largest radii
 
 
@@ -49,8 +51,8 @@ class Outline:
         if isinstance(cam, ArcsCam):
             circles += [
                 ("O", 0.0, 0.0, float(radius.max())),
-                (r"O$_1$", cam.flank_center, min(system.corners_deg) - 180.0, cam.flank_radius),
-                (r"O$_2$", cam.nose_center, 180.0 - cam.top_dwell_deg / 2.0, cam.nose_radius),
+                ("O₁", cam.flank_center, min(system.corners_deg) - 180.0, cam.flank_radius),
+                ("O₂", cam.nose_center, 180.0 - cam.top_dwell_deg / 2.0, cam.nose_radius),
             ]
         corners = style.corner_names(system.corners_deg)
         flat = isinstance(cam, EccentricCam)
@@ -86,7 +88,7 @@ def machine_panels(
     panels = {}
     for name, turned in (("outline", 0.0), ("turned", 180.0)):
         draw = partial(_draw_outline, outline=outline, turned=turned, among=among)
-        panels[name] = Panel(draw, 66.0, across=2, usual=False)
+        panels[name] = Panel(draw, 66.0, across=2, usual=False, shape=TALL)
     draw = partial(_draw_mechanism, outline=outline, moments=moments)
     panels["mechanism"] = Panel(draw, 52.0, usual=False)
     return panels
@@ -169,6 +171,7 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         left = x < -0.5 * size  # away from the corners
         look = {"ha": "right" if left else "left", "va": "top", "color": style.CAM, **small}
         axes.text(x + (-0.02 if left else 0.02) * size, y, name, **look)
+    narrow = axes.get_window_extent().width < NARROW / 25.4 * style.DPI
     for name, phase in outline.corners.items():
         at = outline.at(phase)
         x, y = outline.place(phase, np.array([0.0, at, 1.08 * at]), turned)
@@ -179,7 +182,7 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
             "left" if x[2] > 0.0 else "right",
             "center" if abs(y[2]) > 0.1 * size else "bottom",
         )
-        axes.text(x[2], y[2], words, ha=side, va=va, **small)
+        axes.text(x[2], y[2], "" if narrow else words, ha=side, va=va, **small)
     _follower(axes, outline, 0.0, turned)
     each = dict.fromkeys(f"{name} {radius:.4g} m" for name, _, _, radius in outline.circles)
     radii = "base radius not given: 1.5 lifts" if outline.guessed else f"radii: {', '.join(each)}"

@@ -289,12 +289,13 @@ def lists_of(
 def _branch_words(branch: Branch, events: Sequence[Event], parameter: str) -> str:
     names = [style.motion(label, 22) for label in branch.labels]
     words = f"{branch.number}   {names[0]}" + (f" to {names[-1]}" if len(names) > 1 else "")
-    regions = list(dict.fromkeys(branch.points[len(branch.points) // 2].regions))
-    words += f", impacts in {', '.join(regions)}" * (0 < len(regions) <= 2 and len(names) == 1)
     source = [event.number for event in events if branch.number in event.leaves]
     words += f", from event {source[0]}" if source else ""
     for orbit in _lost(branch)[:1]:
         words += f", lost at {quantity(orbit.value, parameter)}"
+    regions = list(dict.fromkeys(branch.points[len(branch.points) // 2].regions))
+    more = f", impacts in {', '.join(regions)}" if regions and len(names) == 1 else ""
+    words += more if len(words + more) <= WORDS else ""
     return textwrap.shorten(words, WORDS, placeholder="…") if len(words) > WORDS else words
 
 
@@ -530,7 +531,7 @@ def _draw_impacts(
         for phase in at:
             look = {**line_look(orbit.stable), "linewidth": 0.7}
             axes.axvline(phase, color=shade, alpha=0.6, zorder=1, **look)
-    axes.set_ylabel(list(LIFTS.values())[order])
+    axes.set_ylabel(list(LIFTS.values())[order], size=style.WITH_INDEX)
     turn_axis(axes, style.corner_names(system.corners_deg), named=order == 0)
 
 

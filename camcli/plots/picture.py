@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from math import inf
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -48,6 +49,7 @@ class Panel:
     usual: bool = True  # False: only where it is asked for
     beside: Sequence[Callable[[Axes], None]] = ()  # narrow curves to the left, on a page only
     y: str = ""
+    shape: float = inf  # of its height to its width, at most
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ class Picture:
         rows = _rows(panels, form.width)
         room = (form.height or TALLEST) - heading.top
         left_out: list[str] = []
-        while len(rows) > 1 and SQUEEZED * _height(rows) + BELOW * len(rows) > room:
+        while len(rows) > 1 and SQUEEZED * _height(rows, form) + BELOW * len(rows) > room:
             last = rows.pop()
             left_out += [name for name, panel in panels.items() if panel in last]
         heading.left_out(left_out)
@@ -95,7 +97,7 @@ class Picture:
             len(a) == len(b) and {panel.x for panel in (*a, *b)} == {a[0].x} != {""}
             for a, b in pairwise(rows)
         ]
-        heights = [_height([row]) for row in rows]
+        heights = [_height([row], form) for row in rows]
         below = sum(heights) + BELOW * (len(rows) - sum(shared)) + EDGE
         figure.set_figheight(min(below, room) * MM)
         besides = [len(panel.beside) for row in rows for panel in row]
@@ -148,8 +150,14 @@ class _Page(Figure):
             super().draw(renderer)
 
 
-def _height(rows: list[list[Panel]]) -> float:
-    return sum(max(panel.height for panel in row) for row in rows)
+def _folded(row: Sequence[Cell], most: int) -> list[Sequence[Cell]]:
+    """A row of a list without its last words, and these below it."""
+    return [row[:-1], ["", "", row[-1]]] if len(row) == most and row[-1] else [row]
+
+
+def _height(rows: list[list[Panel]], form: Plot) -> float:
+    each = ([min(p.height, p.shape * form.width / len(row)) for p in row] for row in rows)
+    return sum(map(max, each))
 
 
 def _rows(panels: dict[str, Panel], width: float) -> list[list[Panel]]:
@@ -181,13 +189,22 @@ class _Heading:
         left, below = EDGE, self.top
         for rows in filter(None, picture.lists):
             right = self._list(left, rows)
-            if right > self.wide and left > EDGE:
-                for artist in self.last:
-                    artist.remove()
+            if right > self.wide + SPACE and left > EDGE:
+                self._undo()
                 self.top = below
+                right = self._list(EDGE, rows)
+            if right > self.wide + SPACE:  # the last words of each row below it
+                self._undo()
+                most = max(map(len, rows))
+                rows = [part for row in rows for part in _folded(row, most)]
                 right = self._list(EDGE, rows)
             left, below = right, max(below, self.top + ROW * len(rows))
         self.top = below
+
+    def _undo(self) -> None:
+        """Take back the last list."""
+        for artist in self.last:
+            artist.remove()
 
     def left_out(self, names: Sequence[str]) -> None:
         """Say which panels had no room on the page."""

@@ -14,6 +14,7 @@ from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
 from camcli.errors import Fault, SceneError
 
 DPI = 300
+WITH_INDEX = 9  # pt, of words with an index, which is 0.7 of them
 NOTE = 7  # pt, of what stands inside or above a panel
 MOST_CORNERS = len(ascii_lowercase)  # a cam with more is drawn without them
 

@@ -345,6 +345,6 @@ def cam_beside(system: System, low: float, high: float, what: str) -> list[Calla
         axes.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 5, 10], min_n_ticks=2))
         if not what:
             axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90, labelsize=7)
-            axes.set_title(f"{name}\n{'m' * milli}{unit}", loc="center")
+            axes.set_title(f"{name}\n{'m' * milli}{unit}", loc="center", size=style.WITH_INDEX)
 
     return [partial(draw, k=k) for k in range(len(CURVES))]

@@ -88,6 +88,12 @@ def test_orbits_at_one_speed(cam, tmp_path):
     assert not rows(tmp_path / "out" / "bifurcations.csv")
 
 
+def test_one_speed_of_the_command_line_beats_that_of_the_scene(cam, tmp_path):
+    words = "--rpm", "700", "--set", "orbits.at=690", "--label", "P(1;1)", *QUICK, "--no-plot"
+    assert cam("orbits", *words).returncode == 0
+    assert {row["rpm"] for row in rows(tmp_path / "out/orbits/branch.csv")} == {"700.0"}
+
+
 def test_the_chattering_orbit_has_zero_multipliers_and_named_ends(cam, tmp_path):
     done = cam("orbits", "--rpm", "100:205", "--at", "190", "--no-plot", "-o", "out", *QUICK)
     assert done.returncode == 0, done.stderr

@@ -15,8 +15,9 @@ from matplotlib.text import Text
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.errors import SceneError
 from camcli.plots import style
-from camcli.plots.axes import draw_forces, newtons, spread
+from camcli.plots.axes import draw_forces, length_axis, newtons, spread
 from camcli.plots.branch_lines import colours
+from camcli.plots.picture import Panel, Picture
 from camcli.plots.simulate import draw_simulation
 from camcli.plots.sweep import draw_sweep
 from camcli.scene.schema import Plot
@@ -177,3 +178,27 @@ def test_fonts_and_styles_are_named_or_refused(drawn, tmp_path):
     ):
         with pytest.raises(SceneError, match=said):
             drawn().figure(form)
+
+
+def test_a_list_wider_than_the_page_has_its_last_words_below():
+    rows = [["", "", "event", "rpm"], ["", "1", "corner impact at c", "739.377929649", "x" * 18]]
+    picture = Picture("x", {"one": Panel(lambda axes: None)}, lists=[rows])
+    for width, lines in ((170.0, 2), (85.0, 3)):
+        figure = picture.figure(Plot(width=width))
+        heading = [text for text in figure.axes[0].texts if text.get_text() in rows[1][1:]]
+        figure.canvas.draw()
+        boxes = [text.get_window_extent() for text in heading]
+        assert max(box.x1 for box in boxes) <= figure.bbox.x1
+        assert len({round(text.get_position()[1], 3) for text in heading}) == lines - 1
+
+
+@pytest.mark.parametrize(
+    ("largest", "unit", "shown"), [(0.25, "m", ""), (0.01, "mm", "10"), (1e-5, "µm", "10")]
+)
+def test_small_lengths_are_mm_and_micrometres(largest, unit, shown):
+    axes = panel()
+    axes.set_ylim(0.0, largest)
+    length_axis(axes.yaxis, "$q$", largest)
+    assert axes.get_ylabel() == f"$q$ ({unit})"
+    if shown:
+        assert axes.yaxis.get_major_formatter()(largest, 0) == shown
