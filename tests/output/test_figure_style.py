@@ -181,7 +181,7 @@ def test_fonts_and_styles_are_named_or_refused(drawn, tmp_path):
 
 
 def test_a_list_wider_than_the_page_has_its_last_words_below():
-    rows = [["", "", "event", "rpm"], ["", "1", "corner impact at c", "739.377929649", "x" * 18]]
+    rows = [["", "", "event", "rpm"], ["", "1", "corner impact at c", "739.377929649", "x" * 28]]
     picture = Picture("x", {"one": Panel(lambda axes: None)}, lists=[rows])
     for width, lines in ((170.0, 2), (85.0, 3)):
         figure = picture.figure(Plot(width=width))
