@@ -126,10 +126,11 @@ def show(result: Result) -> None:
         [label, f"{a.value:.10g}", f"{b.value:.10g}", str(n), status]
         for label, status, a, b, n in groups
     ]
-    title = f"{plural(len(found.speeds), 'speed')}, {plural(len(groups), 'range')} of one label"
+    what = "speed" if found.key == "rpm" else "value"
+    title = f"{plural(len(found.speeds), what)}, {plural(len(groups), 'range')} of one label"
     if len(rows) > SHOWN:
         title += f", the first {SHOWN} (all of them in speeds.csv)"
     ends = [f"from ({found.key})", f"to ({found.key})"]
-    table(title, ["label", *ends, "speeds", "status"], rows[:SHOWN])
+    table(title, ["label", *ends, f"{what}s", "status"], rows[:SHOWN])
     if explanation is not None:
         show_explanation(explanation)

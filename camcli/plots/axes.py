@@ -62,6 +62,11 @@ def valued(key: str, value: str) -> str:
     return f"{value} rpm" if unit == "rpm" else f"{name} {value} {unit or ''}".rstrip()
 
 
+def one_of(key: str) -> str:
+    """What one of the things varied is called."""
+    return "speed" if _named(key)[1] == "rpm" else "value"
+
+
 def _named(key: str) -> tuple[str, str | None]:
     """Name and unit of a key; of one without a name of its own the key and None."""
     section, _, name = key.rpartition(".")

@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgb
 from camcli.analysis.basins.study import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question, Study
 from camcli.analysis.sweep import status_name
 from camcli.plots import style
-from camcli.plots.axes import axis_name, valued
+from camcli.plots.axes import axis_name, one_of, valued
 from camcli.plots.picture import Panel, Picture
 from camcli.system import System, omega_of
 
@@ -211,9 +211,8 @@ def _range(study: Study, question: Question, key: str) -> Picture:
     half = (len(rows) + 1) // 2
     head: list[list[Any]] = [["", "branch of attractors"]]
     window, ends = question.window, [style.number(study.speeds[k].value) for k in (0, -1)]
-    what = "speeds" if key == "rpm" else "values"
     words = (
-        f"{len(study.speeds)} {what}, {window.nq} × {window.nv} starts each, "
+        f"{len(study.speeds)} {one_of(key)}s, {window.nq} × {window.nv} starts each, "
         f"q from {window.q[0]:g} to {window.q[1]:g} m, "
         f"v from {window.v[0]:g} to {window.v[1]:g} m/s, {question.method} mapping"
     ).replace("-", "−")

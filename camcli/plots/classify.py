@@ -26,6 +26,7 @@ from camcli.plots.axes import (
     axis_name,
     corner_lines,
     number_events,
+    one_of,
     padded,
     phase_axis,
     phase_range,
@@ -89,7 +90,7 @@ def draw_classify(
     words += [f"not ok: {name} ({count})" for name, count in sorted(troubles.items())]
     unknown = sum(m.exponents is None for m in rising)
     words += [f"exponent not known for {unknown} of {len(rising)} motions"] if unknown else []
-    many = "" if alone else f"{len(set(x))} {'speeds' if key == 'rpm' else 'values'}, "
+    many = "" if alone else f"{len(set(x))} {one_of(key)}s, "
     draws = {"phases": (_draw_phases, PHASES), "exponents": (_draw_exponents, GROWTH)}
     draws["labels"] = _draw_labels, STRIP
     panels = {

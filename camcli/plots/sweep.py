@@ -23,6 +23,7 @@ from camcli.plots.axes import (
     corner_lines,
     lift_curves,
     number_events,
+    one_of,
     padded,
     phase_axis,
     phase_range,
@@ -158,7 +159,7 @@ def draw_sweep(
     many = {name: replace(panel, draw=partial(draw, name=name)) for name, panel in panels.items()}
     if not panels:
         many = {"speeds": Panel(lambda axes: say(axes, "nothing was recorded"), 30.0)}
-    words = _words(survey, _started(sweep, settings))
+    words = _words(survey, _started(sweep, settings), sweep.key)
     return Picture(_title(survey, sweep.key), many, words, lists=event_lists(found))
 
 
@@ -196,7 +197,7 @@ def _title(survey: Survey, key: str) -> str:
 
 def _started(sweep: Sweep, settings: Settings) -> str:
     """How the orbits were started."""
-    start, turns = settings.start, settings.transient
+    start, turns = settings.start, f"{settings.transient} turns of transient"
     if start.q is None and start.v is None:
         place = "at rest on the cam"
     else:
@@ -204,19 +205,17 @@ def _started(sweep: Sweep, settings: Settings) -> str:
         v = "the cam's v" if start.v is None else f"v = {start.v:g} m/s"
         place = f"at {q}, {v}"
     if sweep.direction == FIXED or not sweep.speeds:
-        return f"each speed started {place}, {turns} turns of transient"
+        return f"each {one_of(sweep.key)} started {place}, {turns}"
+    turns += f" at each {one_of(sweep.key)}"
     if sweep.direction == BOTH:
-        return f"carried up, then down, started {place}; {turns} turns of transient at each speed"
+        return f"carried up, then down, started {place}; {turns}"
     first = valued(sweep.key, f"{sweep.speeds[0].value:g}")
-    return (
-        f"carried {sweep.direction} from {first}, started there {place}; "
-        f"{turns} turns of transient at each speed"
-    )
+    return f"carried {sweep.direction} from {first}, started there {place}; {turns}"
 
 
-def _words(survey: Survey, started: str) -> str:
+def _words(survey: Survey, started: str, key: str) -> str:
     many = len(survey.values)
-    parts = [started, f"{many} speed" + ("s" if many != 1 else "")]
+    parts = [started, f"{many} {one_of(key)}" + ("s" if many != 1 else "")]
     troubles = Counter(map(status_name, survey.status[survey.status != Status.OK].tolist()))
     if troubles:
         kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
