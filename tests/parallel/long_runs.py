@@ -209,12 +209,14 @@ class Case:
         assert list(self.folder.glob(".*")) == []
         return said
 
-    def soak(self, seed: int, count: int, cold: bool = False) -> float:
-        """Kill it so many times at random moments, the same work going on.
+    def soak(self, seed: int, count: int, cold: bool = False) -> dict[str, float]:
+        """Kill it so many times at random moments, the same work going on; what was seen.
 
-        Returns the longest time from an interrupt to the end, s. cold: the kernel is compiled.
+        longest: s from a signal to the end; ended: runs that were at their end already when the
+        signal came, and latest: the longest of them, where a lost signal would be seen. cold: the
+        kernel is compiled.
         """
-        rng, met, longest = random.Random(seed), 0, 0.0
+        rng, met, seen = random.Random(seed), 0, {"longest": 0.0, "ended": 0, "latest": 0.0}
         env = {**os.environ, "CAMCLI_KERNEL": "compiled" if cold else "auto"}
         if cold:
             env["XDG_CACHE_HOME"] = str(self.cwd / "cache")
@@ -225,10 +227,10 @@ class Case:
             wait = rng.uniform(0.0, 0.2) if early else rng.uniform(0.25, 1.0) * seconds
             process = begin(command(*self.words, "-o", "out"), self.cwd, env=env)
             time.sleep(wait)
+            alive, began = process.poll() is None, time.monotonic()
             process.send_signal(how)
-            began = time.monotonic()
             code, said = ended(process, 60)
-            longest = max(longest, time.monotonic() - began)
+            took = time.monotonic() - began
             assert "internal fault" not in said
             starting = code == -how or ("KeyboardInterrupt" in said and "camcli" not in said)
             assert code in (0, 130) or starting, (how, code, said)
@@ -236,10 +238,13 @@ class Case:
             if code == 0:
                 assert but_record(files(self.folder)) == but_record(self.new)
                 self.reset()
+                seen["ended"] += alive
+                seen["latest"] = max(seen["latest"], took * alive)
             else:
                 met += 1
+                seen["longest"] = max(seen["longest"], took * (how != signal.SIGKILL))
         self.finish()
-        return longest
+        return seen
 
 
 def gone(mark: str, seconds: float = 10.0) -> bool:
