@@ -16,8 +16,8 @@ rounding through.
 The error of c_thetatheta has two parts. Rounding passes through the linear smoother: a standard
 error, and a worst case in which every row is wrong by half a digit in the worst direction.
 Smoothing bends: how much, shows in what twice the length changes. Where the cam's c_thetatheta has
-corners the bending falls by half with half the length; where it jumps, it does not, and its bound
-is wider.
+corners the bending falls by half with half the length, where it has none by more, as far as that
+shows; where it jumps, it does not fall, and its bound is wider.
 
 The coefficients come from additions, multiplications and divisions in a fixed order, element by
 element: LAPACK and BLAS may give other last bits on another machine, these do not.
@@ -58,6 +58,7 @@ NORMAL = 0.6745  # median of |x| of a normal distribution
 ERRORS = 4.0  # standard errors in the bound
 SAFETY = 1.25  # of the estimate of the bending
 LEAST_RATIO, CORNER = 1.33, 2.0  # of the bending when the length doubles: at a jump, at a corner
+SMOOTH = 4.0  # the same without corners; more is not counted on
 JUMP = 1.5  # a smaller ratio speaks of a jump
 NEAR = 2.0  # smoothing lengths around a phase in which bending counts there
 
@@ -419,7 +420,7 @@ class Errors:
     @property
     def factor(self) -> float:
         """Of the bending over what it changes when the length doubles."""
-        return SAFETY / (min(max(self.ratio, LEAST_RATIO), CORNER) - 1.0)
+        return SAFETY / (min(max(self.ratio, LEAST_RATIO), SMOOTH) - 1.0)
 
     @cached_property
     def bounds(self) -> list[float]:
