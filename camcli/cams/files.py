@@ -49,14 +49,15 @@ def read_bytes(path: Path, name: str, most: int, expected: str, cure: str, key: 
     return data
 
 
-def decoded(data: bytes, name: str, key: str = "", utf16: bool = False) -> str:
+def decoded(data: bytes, name: str, key: str = "", table: bool = False) -> str:
     """The text of UTF-8 with or without a byte order mark; raises SceneError with the place.
 
-    utf16: with its byte order mark it is read too, as spreadsheets write it.
+    table: UTF-16 with its byte order mark and the letters of Windows are read too, as spreadsheets
+    and measuring machines write them.
     """
     marked = data[:2] in (b"\xff\xfe", b"\xfe\xff")
     try:
-        text = data.decode("utf-16" if marked and utf16 else "utf-8-sig")
+        text = data.decode("utf-16" if marked and table else "utf-8-sig")
         odd = _CONTROL.search(text)
         if odd is None:
             return text
@@ -64,6 +65,9 @@ def decoded(data: bytes, name: str, key: str = "", utf16: bool = False) -> str:
         found, expected = f"found the control character 0x{ord(odd[0]):02x}", "expected text"
         cure = "is this a binary file?"
     except UnicodeDecodeError as error:
+        letters = data.decode("cp1252", "replace")
+        if table and not marked and _CONTROL.search(letters) is None:
+            return letters
         before = "" if marked else data[: error.start].decode("utf-8-sig")
         found, expected = f"found byte 0x{data[error.start]:02x}", "expected UTF-8 text"
         cure = "save the file as UTF-8" if 0 not in data else "is this a binary file?"

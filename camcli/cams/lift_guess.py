@@ -31,7 +31,7 @@ class Guess:
 
 def guess(data: bytes, name: str) -> Guess:
     """How the table in these bytes seems to be written; raises SceneError where there is none."""
-    lines = text_lines(decoded(data, name, utf16=True), name)
+    lines = text_lines(decoded(data, name, table=True), name)
     decimal, start, rows = max(
         ((decimal, *_longest_run(lines, decimal)) for decimal in ("point", "comma")),
         key=lambda run: len(run[2]),

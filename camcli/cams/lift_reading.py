@@ -92,7 +92,7 @@ class Turn:
 
 def read_turn(data: bytes, name: str, reading: Reading) -> Turn:
     """The turn of a table's bytes; raises SceneError with every fault and its line."""
-    turn = _one_turn(_rows(decoded(data, name, "file", utf16=True), name, reading), reading)
+    turn = _one_turn(_rows(decoded(data, name, "file", table=True), name, reading), reading)
     _refuse_spikes(turn, name)
     return turn
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from shlex import quote
 from typing import Annotated, Any
 
 from typer import Argument, Option
@@ -58,7 +59,7 @@ def init(
     if table is None:
         path = Path("scene.yaml")
         _write(path, (FOLLOWER + "\n" + LAW).encode(), force)
-        print(f"{path}: fill in mass, spring and cam, then: cam detach -c {path}")
+        print(f"{path}: fill in mass, spring and cam, then: cam detach -c {quote(str(path))}")
         return
     keys, unsure = _look(table)
     path = table.with_suffix(".yaml")
@@ -67,7 +68,7 @@ def init(
     for key, why in unsure.items():
         print(f"CHECK {key}: {keys[key]} is a guess: {why}")
     _draw(path, force)
-    print(f"{path}: fill in mass and spring, then: cam detach -c {path}")
+    print(f"{path}: fill in mass and spring, then: cam detach -c {quote(str(path))}")
 
 
 def _look(table: Path) -> tuple[dict[str, Any], dict[str, str]]:

@@ -186,7 +186,7 @@ def _finite(values: dict[str, Any]) -> dict[str, Any]:
 
 # -- for print ---------------------------------------------------------------------------------
 
-ROUNDING = 1e-9  # N: a force that is zero up to rounding is printed as zero
+ROUNDING = 1e-9  # N
 
 
 def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
@@ -194,14 +194,13 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     found, units = result.values, units_of(result.system)
     crank = 2.0 if getattr(result.scene.cam, "angle", "") == "crank" else 0.0
     names = ["cam (rpm)", *["crank (rpm)"] * bool(crank)]
-
     exact = 4 if result.scene.cam.kind == "table" else 6  # digits of a speed
 
     def speed(rpm: float) -> list[str]:
         return [f"{x * rpm:.{exact}g}" for x in (1.0, crank) if x]
 
     def between(low: float | None, high: float | None) -> str:
-        return "" if low is None or high is None else f"{low:.4g} to {high:.4g}"
+        return "" if low is None or high is None else f"{_zero(low):.4g} to {high:.4g}"
 
     past = [
         [*speed(s.rpm), _cell(x.max_gap_m, units.per_m), _cell(x.max_impact_m_per_s),
@@ -213,7 +212,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     columns = f"loft ({units.length}), lands (m/s), at (deg), at lift ({units.length})"
     columns += ", bounces, force (N)"
     forces = [
-        [*speed(f.rpm), _cell(f.lowest_n if abs(f.lowest_n) > ROUNDING else 0.0, digits=4),
+        [*speed(f.rpm), _cell(_zero(f.lowest_n), digits=4),
          _cell(f.lowest_deg, digits=4), _cell(f.highest(f.force_n)[0], digits=4),
          *([_cell(f.highest(f.pressure_pa)[0], 1e-6)] if f.pressure_pa else [])]
         for f in found.forces
@@ -256,3 +255,8 @@ def machine(result: Any) -> list[list[str]]:
 
 def _cell(value: float | None, scale: float = 1.0, digits: int = 3) -> str:
     return "" if value is None else f"{value * scale:.{digits}g}"
+
+
+def _zero(force: float) -> float:
+    """A force that is zero up to rounding is printed as zero."""
+    return force if abs(force) > ROUNDING else 0.0

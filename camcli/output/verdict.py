@@ -80,7 +80,7 @@ def _past(result: Any) -> Iterator[str]:
     mm = units_of(result.system).lengths
     yield f"; past it, up to {top:.6g} rpm, the follower lands at up to {u:.2g} m/s"
     yield f" ({theta:.4g} deg, {mm(lift)} above its lowest), flies up to {mm(gap)} off the cam"
-    yield f" and bounces on the shut cam up to {shut:.2g} times a turn" if shut else ""
+    yield f", and bounces on the shut cam ({shut:.2g} a turn at most)" if shut else ""
 
 
 def _springs(result: Any) -> Iterator[str]:

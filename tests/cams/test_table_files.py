@@ -38,6 +38,10 @@ FILES = {  # lines (or bytes), the law, zero of the file in deg of the cam, keys
     "spreadsheet's unicode text": (
         "\r\n".join(["Winkel °KW\tHub (mm)", *rows(CRANK, scale=0.5, form="{:g}\t{:.4f}")])
         .replace(".", ",").encode("utf-16"), LOBE, 0, {"angle": "crank", "decimal": "comma"}),
+    "letters of Windows": (
+        "\r\n".join(["Prüfprotokoll;;", "Winkel (° NW);Hub (mm)", *german(rows(TURN))])
+        .encode("cp1252"), LOBE, 0,
+        {"decimal": "comma", "skip_lines": 1, "angle_column": "Winkel (° NW)"}),
     "separator told": (
         ["sep=;", *german(["angle cam,lift mm", *rows(TURN)])], LOBE, 0, {"skip_lines": 0}),
     "units in a second line": (
