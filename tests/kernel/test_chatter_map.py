@@ -50,9 +50,9 @@ def series(case, t, rate):
 
 def hop(rows, guess):
     """(duration, landing rate) of a hop by Newton on gap/s, None where it does not land."""
-    s = guess
+    s, highest_first = guess, rows[::-1]
     for _ in range(40):
-        value, slope = mp.polyval(rows, s, derivative=True, asc=True)
+        value, slope = mp.polyval(highest_first, s, derivative=True)
         if not slope < 0:
             return None
         step = value / slope
