@@ -76,6 +76,7 @@ class Sweep:
     direction: str
     cost: Cost
     key: str = "rpm"  # what is varied
+    also: Sequence[Start] = ()  # started from too
 
     @cached_property
     def bare(self) -> list[Speed]:
@@ -129,6 +130,7 @@ def sweep(
     key: str = "rpm",
     setup: Callable[[float], Setup] | None = None,
     direction: str = FIXED,
+    also: Sequence[Start] = (),
     adaptive: bool = False,
     impacts: bool = True,
     strobe: bool = True,
@@ -138,13 +140,16 @@ def sweep(
 ) -> Sweep:
     """Run every value; `up` and `down` carry the state from each to the next, `both` up, then down.
 
-    `adaptive` adds values between two whose labels differ, or the sizes of whose chaos do, down to
-    FINEST of the range; only where each starts alike (`fixed`). The values are speeds (rpm), or
-    what `setup` makes machines of. Where `work` has a checkpoint, the speeds are kept in it and
-    read from it. `on_speed` is called with each finished speed, in order. Raises StartError before
-    any work if the start lies below the cam.
+    All is done again from each start of `also`. `adaptive` adds values between two whose labels
+    differ, or the sizes of whose chaos do, down to FINEST of the range; only where each starts
+    alike (`fixed`). The values are speeds (rpm), or what `setup` makes machines of. Where `work`
+    has a checkpoint, the speeds are kept in it and read from it. `on_speed` is called with each
+    finished speed, in order. Raises StartError before any work if a start lies below the cam.
     """
     task = _task(system, values, settings, setup, impacts, strobe, lyapunov)
+    tasks = [task, *(replace(task, start=start) for start in also)]
+    for one in tasks if values else ():
+        Orbit(*one.setup(values[0]), one.start)
     work, cost = work or Work(), Cost()
 
     def count(speed: Speed) -> None:
@@ -153,14 +158,16 @@ def sweep(
         on_speed(speed)
 
     parts: list[Sequence[Speed]] = []
-    if direction == FIXED:
-        parts.append(work.collect(task, values, CODEC, count))
-        while adaptive and (more := _between(parts)):
-            parts.append(work.collect(task, more, CODEC, count))
-    for way in (UP, DOWN) if direction == BOTH else {direction} - {FIXED}:
-        ordered = sorted(values, reverse=way == DOWN)
-        parts.append(work.collect_chain(task.after, None, ordered, CODEC, count))
-    return Sweep(_Joined(parts, adaptive and len(parts) > 1), direction, cost, key)
+    for one in tasks:
+        if direction == FIXED:
+            own = [work.collect(one, values, CODEC, count)]
+            while adaptive and (more := _between(own)):
+                own.append(work.collect(one, more, CODEC, count))
+            parts += own
+        for way in (UP, DOWN) if direction == BOTH else {direction} - {FIXED}:
+            ordered = sorted(values, reverse=way == DOWN)
+            parts.append(work.collect_chain(one.after, None, ordered, CODEC, count))
+    return Sweep(_Joined(parts, adaptive and len(parts) > 1), direction, cost, key, also)
 
 
 class _Joined(Sequence[Speed]):
@@ -271,8 +278,6 @@ def _task(
     lyapunov: bool,
 ) -> _Task:
     setup = setup or AtSpeeds(system, settings)
-    if values:
-        Orbit(*setup(values[0]))
     turns = len(values) * (settings.transient + settings.record)
     return _Task(setup, impacts, strobe, lyapunov, turns)
 
@@ -287,14 +292,15 @@ class _Task:
     lyapunov: bool
     turns: float  # of all speeds
     follow: bool = True  # beyond doubles, where a rest makes the record one of many
+    start: Start | None = None  # another than the scene's
 
     def __call__(self, value: float) -> Speed:
-        """The speed, from the start of the scene."""
-        return self._at(value, None)
+        """The speed, from its start."""
+        return self._at(value, self.start)
 
     def after(self, before: Speed | None, value: float) -> Speed:
         """The speed, from where the one before ended."""
-        return self._at(value, None if before is None else before.end)
+        return self._at(value, self.start if before is None else before.end)
 
     def _at(self, value: float, start: Start | None) -> Speed:
         backend.for_work(self.turns)

@@ -10,6 +10,7 @@ from itertools import groupby
 from os import PathLike
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from camcli.analysis.integrate import Start
 from camcli.analysis.labels import CONTACT
 from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
@@ -60,7 +61,7 @@ def sweep(
         ``sweep``: ``rpm.start``, ``rpm.stop``, ``rpm.num``, or ``vary`` for a number of the scene
         other than the speed (``key``, ``start``, ``stop``, ``num``); ``zoom``, parts of that range
         with values of their own; ``direction`` (fixed, or up and down to carry the state),
-        ``lyapunov``, ``explain``. The default scene if left out.
+        ``also``, further starts, ``lyapunov``, ``explain``. The default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     work : Work, optional
@@ -122,12 +123,13 @@ def sweep(
             key=key,
             setup=setup,
             direction=section.direction,
+            also=[Start(start.q, start.v, start.theta_deg) for start in section.also],
             adaptive=section.adaptive,
             impacts="impacts" in section.sections,
             strobe="strobe" in section.sections,
             lyapunov=section.lyapunov,
             work=work,
-            on_speed=ticks(progress, "speeds", len(values)),
+            on_speed=ticks(progress, "speeds", len(values) * (1 + len(section.also))),
         )
         if section.explain:
             motions, explanation = _explained(machine, found, progress, work)
@@ -265,7 +267,7 @@ def _explained(
     from camcli.analysis.classify import classify
     from camcli.analysis.explain.changes import explain
 
-    rpms = [speed.rpm for speed in found.bare]
+    rpms = list(dict.fromkeys(speed.rpm for speed in found.bare))
     motions = classify(
         machine.system,
         machine.settings,

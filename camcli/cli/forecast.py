@@ -64,6 +64,7 @@ def size_of(command: str, scene: Scene) -> Size:
                     "sweep.vary", what, n * m, n * m, n * m * turns, 1e3 * n * m, 6e2 * n * m
                 )
             speeds = scene.sweep.count + sum(part.num for part in scene.sweep.zoom)
+            speeds *= 1 + len(scene.sweep.also)
             rows = run.record * len(scene.sweep.sections)
             key = "run.record" if run.record > speeds else "sweep.rpm.num"
             what = f"{speeds} speeds x {run.record} recorded turns"
@@ -101,7 +102,7 @@ def sample_of(command: str, scene: Scene, n: int) -> Scene:
     }
     match command:
         case "sweep":
-            values |= {"sweep.zoom": (), **_fewer(scene, command, n)}
+            values |= {"sweep.zoom": (), "sweep.also": (), **_fewer(scene, command, n)}
         case "classify":
             values = {"classify.starts": 0, "classify.explain": False, **_fewer(scene, command, n)}
         case "basins":

@@ -72,6 +72,7 @@ def sweep(
     state from speed to speed in that order; fixed starts every speed alike.
     --zoom LO:HI gives a part of the range 201 values of its own (sweep.zoom: num) and a panel; it
     may be given again.
+    sweep.also: [{q: 0.5, v: 30}] starts each speed from there too, for motions side by side.
     --both carries it up, then down: the rows of the way down come after those of the way up.
     --adaptive adds values where the motion changes, down to the width of a column of the picture.
     --branches FILE draws solved branches over the points, stable solid and unstable dashed.

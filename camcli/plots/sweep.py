@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from camcli.analysis.integrate import Settings
+from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, status_name
 from camcli.errors import Status
 from camcli.plots import style
@@ -197,13 +197,8 @@ def _title(survey: Survey, key: str) -> str:
 
 def _started(sweep: Sweep, settings: Settings) -> str:
     """How the orbits were started."""
-    start, turns = settings.start, f"{settings.transient} turns of transient"
-    if start.q is None and start.v is None:
-        place = "at rest on the cam"
-    else:
-        q = "on the cam" if start.q is None else f"q = {start.q:g} m"
-        v = "the cam's v" if start.v is None else f"v = {start.v:g} m/s"
-        place = f"at {q}, {v}"
+    turns = f"{settings.transient} turns of transient"
+    place = ", and ".join(map(_place, (settings.start, *sweep.also)))
     if sweep.direction == FIXED or not sweep.speeds:
         return f"each {one_of(sweep.key)} started {place}, {turns}"
     turns += f" at each {one_of(sweep.key)}"
@@ -213,8 +208,16 @@ def _started(sweep: Sweep, settings: Settings) -> str:
     return f"carried {sweep.direction} from {first}, started there {place}; {turns}"
 
 
+def _place(start: Start) -> str:
+    if start.q is None and start.v is None:
+        return "at rest on the cam"
+    q = "on the cam" if start.q is None else f"q = {start.q:g} m"
+    v = "the cam's v" if start.v is None else f"v = {start.v:g} m/s"
+    return f"at {q}, {v}"
+
+
 def _words(survey: Survey, started: str, key: str) -> str:
-    many = len(survey.values)
+    many = len(np.unique(survey.values))
     parts = [started, f"{many} {one_of(key)}" + ("s" if many != 1 else "")]
     troubles = Counter(map(status_name, survey.status[survey.status != Status.OK].tolist()))
     if troubles:
@@ -300,6 +303,8 @@ def cloud_panels(
         inner = views.get({"impacts": "enlarged"}.get(name, f"{name} enlarged"))
         if inner is not None:
             axes.axhspan(*inner.limits, color=style.BAND, linewidth=0, zorder=0)
+        if view.across > 1:
+            axes.locator_params(axis="x", nbins=4)
         for span in zooms if view.across == 1 else ():
             axes.axvspan(*span, color=style.BAND, linewidth=0, zorder=0)
         if not getattr(survey, view.section).count.any():
@@ -344,6 +349,8 @@ def cam_beside(system: System, low: float, high: float, what: str) -> list[Calla
         axes.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 5, 10], min_n_ticks=2))
         if not what:
             axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90, labelsize=7)
-            axes.set_title(f"{name}\n{'m' * milli}{unit}", loc="center", size=style.WITH_INDEX)
+            axes.set_title(name, loc="center", size=style.WITH_INDEX)
+            axes.xaxis.set_label_position("top")
+            axes.set_xlabel("m" * milli + unit, size=style.NOTE)
 
     return [partial(draw, k=k) for k in range(len(CURVES))]

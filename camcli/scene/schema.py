@@ -237,6 +237,9 @@ class Sweep(Varying):
     direction: Literal["fixed", "up", "down", "both"] = Field(
         "fixed", description="start every speed alike, or carry the state up, down, or up and down"
     )
+    also: Annotated[tuple[Start, ...], BeforeValidator(items)] = Field(
+        (), max_length=16, description="further starts; their rows come after those of run.start"
+    )
     adaptive: Flag = Field(False, description="more values where the motion changes (fixed)")
     decide: Flag = Field(False, description="follow points of a map beyond rounding after a rest")
     sections: Names[SectionName] = Field(("impacts", "strobe"), description="sections recorded")

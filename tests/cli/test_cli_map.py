@@ -118,3 +118,27 @@ def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
         refused = cam("sweep", "--rpm", "739:740", "--zoom", part)
         assert refused.returncode == 2
         assert said in refused.stderr
+
+
+def test_motions_from_further_starts_come_after_those_of_the_first(cam, tmp_path):
+    """At 358.5 rpm P(1;2) exists beside P(3;3:3:2)."""
+    words = (
+        "--rpm",
+        "358.5",
+        "--set",
+        "sweep.also=[{q: 0.55, v: 32.5}]",
+        "--set",
+        "run.transient=400",
+    )
+    done = cam("sweep", *words, "--set", "run.record=12", "--no-plot")
+    assert done.returncode == 0, done.stderr
+    found = rows(tmp_path / "out/sweep/speeds.csv")
+    assert [(row["rpm"], row["label"]) for row in found] == [
+        ("358.5", "P(3;3:3:2)"),
+        ("358.5", "P(1;2)"),
+    ]
+    points = [float(row["q_m"]) for row in rows(tmp_path / "out/sweep/strobe.csv")]
+    assert (len(points), points[-1]) == (24, pytest.approx(0.546, abs=1e-3))
+    low = cam("sweep", *words[:2], "--set", "sweep.also=[{q: 0.01}]")
+    assert low.returncode == 2
+    assert "below the cam" in low.stderr
