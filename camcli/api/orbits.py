@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
+from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.integrate import Cost, budgeted
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
@@ -344,6 +345,12 @@ def _branch_table(found: OrbitsResult, keys: Keys) -> Table:
     return Table.of_rows(columns, lambda: starmap(row, each))
 
 
+WHOSE = {  # machines that a proof of an orbit is about
+    HoldsFor.LAST_DIGIT: " and every value that rounds to it",
+    HoldsFor.EXACT_DATA: ", exactly these data",
+}
+
+
 def _yes(proof: Proof) -> str:
     return "yes" if proof.proved else "no"
 
@@ -453,7 +460,10 @@ def _proved(result: OrbitsResult) -> Iterator[str]:
     if result.proofs is None:
         return
     name, proofs = result.question.parameter, result.proofs
-    named = [(str(o.label), p) for o, p in zip(result.orbits, proofs.orbits, strict=True)]
+    named = [
+        (f"{o.label} at {o.value!r}{WHOSE[p.holds_for]}" if p.proved else str(o.label), p)
+        for o, p in zip(result.orbits, proofs.orbits, strict=True)
+    ]
     named += [
         (f"{b.kind} of {b.label}", p)
         for b, p in zip(result.bifurcations, proofs.events, strict=True)
@@ -468,10 +478,16 @@ def _proved(result: OrbitsResult) -> Iterator[str]:
         done = sum(p.proved for p in points)
         yield f"proved: {done} of the {len(points)} points of branch {branch.number}"
     for one in proofs.ranges:
-        state = "stable" if one.stable else "unstable"
+        state, of = "stable" if one.stable else "unstable", f"branch {one.branch}"
+        if one.failed_step is not None:
+            yield (
+                f"not proved: {one.label} for all {name} from {one.low} to {one.high} ({of}): "
+                f"{one.failed_step}"
+            )
+            continue
         yield (
             f"proved: {one.label} exists and is {state} for all {name} from {one.low} to "
-            f"{one.high} (branch {one.branch}, {one.boxes} boxes)"
+            f"{one.high} ({of}, {one.boxes} boxes)"
         )
 
 
@@ -520,7 +536,8 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
 def _proof(p: Proof) -> dict[str, Any]:
     """box: phase (rad) and outgoing rate (m/rad) of the impacts, or the position (m) in flight."""
     return {
-        "proved": p.proved, "refuted": p.refuted, "failed_step": p.step, "value": p.value or None,
+        "proved": p.proved, "holds_for": p.holds_for if p.proved else None, "refuted": p.refuted,
+        "failed_step": p.step, "value": p.value or None,
         "box": list(p.box), "signs": [list(pair) for pair in p.signs],
     }  # fmt: skip
 

@@ -51,6 +51,7 @@ class Step(StrEnum):
     NEUTRAL = "a multiplier is too near to the unit circle"
     CROSSING = "the crossing condition could not be shown"
     NUMBER = "the value lies outside the error that is claimed for it"
+    BOXES = "more boxes would be needed than are tried"
     MODEL = "it rests on the cam in a way that is not followed exactly"
 
 
@@ -92,6 +93,14 @@ class Box:
         """Where the given unknown differs by eta from its middle."""
         parts = zip(self.middle, self.tangent, self.error, strict=True)
         return [z + t * eta + e for z, t, e in parts]
+
+    def holds(self, orbit: Sequence[arb]) -> bool:
+        """True where an orbit, known in a ball, lies in the box: it is the one of its eta."""
+        eta = orbit[self.fixed] - self.middle[self.fixed]
+        parts = zip(orbit, self.middle, self.tangent, self.error, strict=True)
+        return abs(eta) <= self.half and all(
+            k == self.fixed or e.contains(x - z - t * eta) for k, (x, z, t, e) in enumerate(parts)
+        )
 
 
 @dataclass(frozen=True)
@@ -192,7 +201,8 @@ class Shooting:
             step = (inverse * value).entries()
             for k, change in zip(free, step, strict=True):
                 z[k] = (z[k] - change).mid()
-            if all(abs(s) < (1 + abs(z[k])) * small for k, s in zip(free, step, strict=True)):
+            pairs = zip(free, step, strict=True)
+            if all(s.contains(0) or abs(s) < (1 + abs(z[k])) * small for k, s in pairs):
                 break
         value, slopes = self.equations(z)
         off, eta = inverse * value, arb(0, half)
@@ -277,12 +287,17 @@ class Shooting:
         return a + d, det
 
     def admissible(
-        self, hull: Sequence[arb], ends: Sequence[int] = (), touch: tuple[int, arb] | None = None
+        self,
+        hull: Sequence[arb],
+        ends: Sequence[int] = (),
+        touch: tuple[int, arb] | None = None,
+        fading: int | None = None,
     ) -> None:
         """Show that every orbit in the hull is a motion: raises NotProvedError.
 
         Every impact lies in its region (those in `ends` on its boundary), bounces, and no flight
-        meets the cam on its way; the touch (flight, rad of it) is a gap of zero that is none.
+        meets the cam on its way; the touch (flight, rad of it) is a gap of zero that is none. The
+        fading impact has no rate left, exactly.
         """
         machine = self.machine(hull[-1])
         for k in range(self.n):
@@ -291,11 +306,11 @@ class Shooting:
             if not inside and k not in ends:
                 outside = theta < stretch.start or theta > stretch.end
                 raise NotProvedError(Step.ELSEWHERE, bool(outside))
-            if not hull[2 * k + 1] > 0:
+            if k != fading and not hull[2 * k + 1] > 0:
                 raise NotProvedError(Step.PULLS, bool(hull[2 * k + 1] < 0))
         for k in range(self.n):
             try:
-                self._clear(machine, hull, k, touch[1] if touch and touch[0] == k else None)
+                self._clear(machine, hull, k, touch[1] if touch and touch[0] == k else None, fading)
             except UndecidedError:
                 raise NotProvedError(Step.GRAZES) from None
 
@@ -310,17 +325,26 @@ class Shooting:
 
         return gap
 
-    def _clear(self, machine: Machine, x: Sequence[arb], k: int, touch: arb | None) -> None:
+    def _clear(
+        self,
+        machine: Machine,
+        x: Sequence[arb],
+        k: int,
+        touch: arb | None,
+        fading: int | None,
+    ) -> None:
         """Show that the gap is above zero during flight k, or raise; a touch is passed over."""
+        convex = k == fading, (k + 1) % self.n == fading  # at its ends, instead of rising, falling
         whole, (i, turn) = self.span(x, k), self.places[(k + 1) % self.n]
         last = i, turn + (self.turns if k == self.n - 1 else 0)
         place, low = self.places[k], arb(0)
 
         def rises(at: Place) -> Callable[[arb], bool]:
-            return lambda s: self.gap(machine, x, k, at)(arb(0).union(s))[1] > 0
+            return lambda s: self.gap(machine, x, k, at)(arb(0).union(s))[1 + convex[0]] > 0
 
         def falls(at: Place, end: arb) -> Callable[[arb], bool]:
-            return lambda s: self.gap(machine, x, k, at)((end - s).union(end))[1] < 0
+            slope, sign = (2, 1) if convex[1] else (1, -1)
+            return lambda s: sign * self.gap(machine, x, k, at)((end - s).union(end))[slope] > 0
 
         for _ in range(MOST_STRETCHES):
             end, begun = self._end(place, k) - x[2 * k], [place]

@@ -1,22 +1,26 @@
 """Which of the orbits and events found are proved, in ball arithmetic (`camcli.exact.shooting`).
 
-The data are those of the scene as doubles, exactly. An orbit is proved where a box holds exactly
-one orbit of its impacts, agrees with the numbers found, is a motion, and has its multipliers inside
-or outside the unit circle; an event where its parameter is enclosed and the test function crosses
-zero there. An orbit that rests is followed exactly until it repeats (`camcli.analysis.after_rest`).
+The data are those of the scene as doubles, exactly; of the orbits found it is also asked whether
+the same holds for every value of the parameter that rounds to theirs (`HoldsFor`). An orbit is
+proved where a box holds exactly one orbit of its impacts, agrees with the numbers found, is a
+motion, and has its multipliers inside or outside the unit circle; an event where its parameter is
+enclosed and the test function crosses zero there. An orbit that rests is followed exactly until it
+repeats (`camcli.analysis.after_rest`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
+from functools import partial
 from itertools import pairwise
 from math import inf, nextafter, ulp
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import arb
 
-from camcli.analysis.after_rest import CYCLE, cycle, of_machine
+from camcli.analysis.after_rest import CYCLE, HoldsFor, cycle, of_machine
 from camcli.analysis.labels import CONTACT, Label
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
@@ -41,11 +45,11 @@ INSIDE = 1e-9  # rad within a stretch of the kernel's table, to find the exact o
 WIDENINGS = 16  # by a factor of four
 HALVINGS = 40  # of the bracket of a change: some twelve digits more
 MOST_IMPACTS = 64  # in one period
-REACHES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of a range: how far an event's own box is tried to reach
+REACHES = (0.3, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the way to the next point: boxes about events
 MOST_BOXES = 2400  # of one range, over the number of impacts
 SLOWEST = 0.2  # of them may be spent before the first progress
 OVERLAP = 1.01  # of a box with the next one
-NARROWEST = 1e-8  # of a range: a box this narrow that fails ends the proof
+NARROWEST = 1e-12  # of a range: a box this narrow that fails ends the proof
 
 
 @dataclass(frozen=True)
@@ -54,7 +58,8 @@ class Proof:
 
     step: the one that failed, None where all is proved; refuted: the contrary was shown; box: phase
     (rad) and outgoing rate (m/rad) of every impact, value: the parameter, as text "[middle +/-
-    radius]"; low, high: doubles about the value; signs: of the conditions of a corner impact.
+    radius]"; low, high: doubles about the value; signs: of the conditions of a corner impact;
+    holds_for: the machines that the proof is about.
     """
 
     step: Step | None = None
@@ -64,6 +69,7 @@ class Proof:
     low: float | None = None
     high: float | None = None
     signs: tuple[tuple[str, int], ...] = ()
+    holds_for: HoldsFor = HoldsFor.EXACT_DATA
 
     @property
     def proved(self) -> bool:
@@ -74,7 +80,7 @@ class Proof:
 class Range:
     """A branch proved from end to end: boxes that overlap, every orbit in them a motion.
 
-    low, high: the ends, as text; stable: of all its orbits.
+    low, high: the ends, as text; stable: of all its orbits; failed_step: None where it is proved.
     """
 
     branch: int
@@ -82,7 +88,8 @@ class Range:
     stable: bool
     low: str
     high: str
-    boxes: int
+    boxes: int = 0
+    failed_step: Step | None = None
 
 
 @dataclass(frozen=True)
@@ -99,7 +106,7 @@ def prove(system: System, found: OrbitsResult) -> Proofs:
     """Prove what `study.orbits` found."""
     parameter = found.question.parameter
     return Proofs(
-        [prove_orbit(system, orbit, parameter) for orbit in found.orbits],
+        [prove_widely(system, orbit, parameter) for orbit in found.orbits],
         [[prove_orbit(system, o, parameter) for o in branch.points] for branch in found.branches],
         [prove_event(system, event, parameter) for event in found.bifurcations],
         [
@@ -112,8 +119,18 @@ def prove(system: System, found: OrbitsResult) -> Proofs:
     )
 
 
-def prove_orbit(system: System, orbit: PeriodicOrbit, parameter: str = "rpm") -> Proof:
-    """Prove an orbit at its own value of the parameter."""
+def prove_widely(system: System, orbit: PeriodicOrbit, parameter: str = "rpm") -> Proof:
+    """Prove an orbit, if possible for every value of the parameter that rounds to its own."""
+    proof = prove_orbit(system, orbit, parameter)
+    if proof.proved and prove_orbit(system, orbit, parameter, ulp(orbit.value) / 2).proved:
+        return replace(proof, holds_for=HoldsFor.LAST_DIGIT)
+    return proof
+
+
+def prove_orbit(
+    system: System, orbit: PeriodicOrbit, parameter: str = "rpm", half: float = 0.0
+) -> Proof:
+    """Prove an orbit at its own value of the parameter, or at all values within `half` of it."""
     if orbit.root is None and parameter != "rpm":
         follower = replace(system.follower, **{parameter: orbit.value})
         system = replace(system, follower=follower)
@@ -122,8 +139,10 @@ def prove_orbit(system: System, orbit: PeriodicOrbit, parameter: str = "rpm") ->
         try:
             with precision(digits):
                 if orbit.root is not None:
-                    return _bouncing(system, orbit.root, orbit.stable)
-                return _free(system, orbit) if orbit.free else _resting(system, orbit)
+                    return _bouncing(system, orbit.root, orbit.stable, half)
+                if half and parameter != "rpm":
+                    raise NotProvedError(Step.MODEL)
+                return (_free if orbit.free else _resting)(system, orbit, bool(half))
         except NotProvedError as failed:
             failure = failed
             if failed.step not in MORE_DIGITS or failed.refuted:
@@ -162,9 +181,9 @@ def shooting_of(system: System, root: Root) -> Shooting:
     return replace(empty, places=tuple(places))
 
 
-def _bouncing(system: System, root: Root, stable: bool) -> Proof:
+def _bouncing(system: System, root: Root, stable: bool, half: float) -> Proof:
     shooting = shooting_of(system, root)
-    box = shooting.box([arb(x) for x in root.x], 2 * root.count)
+    box = shooting.box([arb(x) for x in root.x], 2 * root.count, arb(half))
     hull = box.hull()
     rate = max(abs(v) for v in root.x[1:-1:2])
     for k, claimed in enumerate(root.x[:-1]):
@@ -173,24 +192,44 @@ def _bouncing(system: System, root: Root, stable: bool) -> Proof:
         if not abs(hull[k] - claimed) < allowed:
             raise NotProvedError(Step.NO_ORBIT)
     shooting.admissible(hull)
-    _prove_stability(shooting, hull, stable)
+    _prove_stability(shooting, box, stable)
     return Proof(box=_texts(hull[:-1]))
 
 
-def _prove_stability(shooting: Shooting, hull: Sequence[arb], stable: bool) -> None:
-    """Both multipliers inside the unit circle (Jury's conditions), or one outside."""
-    trace, det = shooting.trace_det(hull)
-    inside = det < 1 and abs(trace) < 1 + det
-    outside = det > 1 or trace > 1 + det or trace < -(1 + det)
-    if not (inside if stable else outside):
-        raise NotProvedError(Step.NEUTRAL, bool(outside if stable else inside))
+def _prove_stability(shooting: Shooting, box: Box, stable: bool) -> None:
+    """Both multipliers inside the unit circle (Jury's conditions), or one outside.
+
+    Where the numbers of all orbits of the box are too wide, by those of its middle and their
+    derivatives along the branch.
+    """
+    trace, det = shooting.trace_det(box.hull())
+    if not _decided(trace, det):
+        slopes = shooting.trace_det(shooting.along(box.hull(), box.fixed))
+        about = shooting.trace_det(box.at(arb(0)))
+        trace, det = (x + y[1] * arb(0, box.half) for x, y in zip(about, slopes, strict=True))
+    if _decided(trace, det) != (1 if stable else -1):
+        raise NotProvedError(Step.NEUTRAL, _decided(trace, det) != 0)
 
 
-def _free(system: System, orbit: PeriodicOrbit) -> Proof:
-    """The balance of spring and load is above the whole cam; the flight has the multipliers."""
+def _decided(trace: arb, det: arb) -> int:
+    """1: both multipliers inside the unit circle, -1: one outside, 0: it cannot be told."""
+    if det < 1 and abs(trace) < 1 + det:
+        return 1
+    return -1 if det > 1 or trace > 1 + det or trace < -(1 + det) else 0
+
+
+def _machine(system: System, rpm: float, widely: bool) -> Machine:
+    """The machine, or all whose speed rounds to this one; raises NotProvedError."""
     if system.shape is None:
         raise NotProvedError(Step.MODEL)
-    machine = Machine(system.shape, system.follower, orbit.rpm)
+    if widely:
+        return Machine.within_last_digit(system.shape, system.follower, rpm)
+    return Machine(system.shape, system.follower, rpm)
+
+
+def _free(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
+    """The balance of spring and load is above the whole cam; the flight has the multipliers."""
+    machine = _machine(system, orbit.rpm, widely)
     try:
         if not _clears(machine, system.follower):
             raise NotProvedError(Step.CONTACT, True)
@@ -286,19 +325,18 @@ def _keeps(system: System, parameter: str, orbit: PeriodicOrbit, p: arb, kind: K
     return False
 
 
-def _resting(system: System, orbit: PeriodicOrbit) -> Proof:
+def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
     """Follow the motion after a rest until it repeats; its multipliers are zero."""
-    if system.shape is None:
-        raise NotProvedError(Step.MODEL)
     if orbit.label == CONTACT:
         try:
-            Motion(Machine(system.shape, system.follower, orbit.rpm), system.strobe, 0.0)
+            Motion(_machine(system, orbit.rpm, widely), system.strobe, 0.0)
         except EndlessError:  # the cam presses on it all along
             return Proof()
         except UndecidedError:
             raise NotProvedError(Step.GRAZES) from None
         raise NotProvedError(Step.CONTACT, True)
-    found = of_machine(system, orbit.rpm, orbit.theta[0]) if orbit.theta else None
+    share = None if widely else Decimal(0)
+    found = of_machine(system, orbit.rpm, orbit.theta[0], share) if orbit.theta else None
     if found is None or found.kind != CYCLE:
         raise NotProvedError(Step.MODEL)
     if Label(found.symbols) != orbit.label:
@@ -307,19 +345,35 @@ def _resting(system: System, orbit: PeriodicOrbit) -> Proof:
 
 
 def _located(system: System, event: Bifurcation, located: Located) -> Proof:
-    root, fixed = located.root, 2 * located.root.count
-    if event.kind == Kind.FOLD:
-        fixed = max(range(fixed), key=lambda k: abs(root.tangent[k]))
-    shooting = shooting_of(system, root)
-    box, _ = shooting.zero([arb(x) for x in root.x], fixed, _test(shooting, located))
-    hull = box.hull()
-    _admit(shooting, hull, located)
+    root, fixed = located.root, _given(located, located.root)
+    shooting, guess = shooting_of(system, root), [arb(x) for x in root.x]
+    if located.fading is None:
+        hull = shooting.zero(guess, fixed, _test(shooting, located))[0].hull()
+        _admit(shooting, hull, located)
+    else:
+        guess[fixed] = arb(0)
+        hull = shooting.box(guess, fixed).hull()
+        shooting.admissible(hull, fading=located.fading)
+        if shooting.along(hull, fixed)[-1][1].contains(0):  # then it fades on neither side
+            raise NotProvedError(Step.CROSSING)
     value = hull[-1]
     _agree(value, event)
     signs = _corner_signs(shooting, hull, located) if event.kind == Kind.CORNER_IMPACT else ()
     if 0 in (sign for _, sign in signs):
         raise NotProvedError(Step.CROSSING)
     return replace(_enclosed(value, _texts(hull[:-1])), signs=signs)
+
+
+def _given(located: Located, root: Root) -> int:
+    """The unknown that is given about an event: the parameter, but where it turns round.
+
+    At a fold it is the one that changes most, at a fading impact its own rate, which is zero there.
+    """
+    if located.fading is not None:
+        return 2 * located.fading + 1
+    if located.kind != Kind.FOLD:
+        return 2 * root.count
+    return max(range(2 * root.count), key=lambda k: abs(root.tangent[k]))
 
 
 def _enclosed(value: arb, box: tuple[str, ...]) -> Proof:
@@ -340,7 +394,7 @@ def _admit(shooting: Shooting, hull: Sequence[arb], located: Located) -> None:
 def _test(shooting: Shooting, located: Located) -> Test:
     """The function that is zero at an event, of the unknowns and the parameter."""
     k, kind = located.impact, located.kind
-    if located.fading is not None:  # no velocity is left: the linear parts have no limit
+    if located.fading is not None:  # no rate is left: the linear parts have no limit
         raise NotProvedError(Step.MODEL)
 
     def test(z: list[Number]) -> Number:
@@ -377,12 +431,14 @@ def _corner_signs(
 
 def prove_ranges(system: System, branch: Branch, events: Sequence[Bifurcation]) -> Iterator[Range]:
     """The branch from event to event, where every point between them lies in the same regions."""
-    for first, *inner, last in _sections(branch, events):
+    for points in _sections(branch, events):
+        middle, low, high = points[len(points) // 2], points[0].value, points[-1].value
+        of = partial(Range, branch.number, middle.label, middle.stable)
         try:
             with precision(DIGITS[0]):
-                yield _range(system, branch.number, [first, *inner, last], events)
-        except NotProvedError:
-            continue
+                yield from _ranges(of, system, points, events)
+        except NotProvedError as failed:
+            yield of(repr(low), repr(high), failed_step=failed.step)
 
 
 def _sections(branch: Branch, events: Sequence[Bifurcation]) -> Iterator[list[PeriodicOrbit]]:
@@ -408,113 +464,121 @@ def _event_at(point: PeriodicOrbit, events: Sequence[Bifurcation]) -> Bifurcatio
     return next(here, None)
 
 
-def _range(
-    system: System, number: int, points: list[PeriodicOrbit], events: Sequence[Bifurcation]
-) -> Range:
-    """Prove a piece: the boxes about its ends, then box after box from one to the other."""
-    middle, span = points[len(points) // 2], points[-1].value - points[0].value
-    if middle.root is None or points[1].root is None:
+class End(NamedTuple):
+    """An end of a piece as text, and an orbit there or beside it in the box about an event."""
+
+    text: str
+    orbit: Sequence[arb]
+    box: Box | None = None
+
+
+def _ranges(
+    of: Callable[..., Range],
+    system: System,
+    points: list[PeriodicOrbit],
+    events: Sequence[Bifurcation],
+) -> Iterator[Range]:
+    """A piece as one range: boxes about its ends, then box after box from one to the other.
+
+    Where the box about an event fails, the range goes to the point beside it. The boxes lean along
+    the parameter; where an end is a fold, along the unknown that goes through it. The branch is
+    continuous, so the parameter takes all values between those of the ends.
+    """
+    middle = points[len(points) // 2]
+    if middle.root is None:
         raise NotProvedError(Step.MODEL)
-    shooting, stable = shooting_of(system, middle.root), middle.stable
-    ends: list[tuple[str, Box | None]] = []
+    shooting, ends, gaps = shooting_of(system, middle.root), list[End](), list[Range]()
+    fixed = 2 * middle.root.count
     for at, inner in ((points[0], points[1]), (points[-1], points[-2])):
         event = _event_at(at, events)
-        if event is None or event.located is None or at.root is None:
-            ends.append((repr(at.value), None))
-        elif event.kind == Kind.FOLD:  # the branch has no slope there
-            ends.append((repr(inner.value), None))
-        else:
-            ends.append(_about(shooting, at.root, event.located, span, stable))
-    (low, first), (high, last) = ends
-    boxes = _chain(
-        shooting, points[1].root, (arb(low).mid(), first), (arb(high).mid(), last), stable
-    )
-    return Range(number, middle.label, stable, low, high, boxes)
+        if at.root is None or inner.root is None:
+            raise NotProvedError(Step.MODEL)
+        if event is None or event.located is None:
+            ends.append(_plain(shooting, at.root))
+            continue
+        try:
+            ends.append(_about(shooting, at.root, inner.root, event.located, middle.stable))
+            if event.kind == Kind.FOLD:
+                fixed = _given(event.located, at.root)
+        except NotProvedError as failed:
+            ends.append(_plain(shooting, inner.root))
+            low, high = sorted((at.value, inner.value))
+            gaps.append(of(repr(low), repr(high), failed_step=failed.step))
+    start, stop = ends
+    boxes = _chain(shooting, start, stop, fixed, middle.stable)
+    yield of(start.text, stop.text, boxes)
+    yield from gaps
 
 
-def _about(
-    shooting: Shooting, root: Root, located: Located, span: float, stable: bool
-) -> tuple[str, Box]:
-    """An event at one end of a piece as text, and a box around it.
+def _plain(shooting: Shooting, root: Root) -> End:
+    return End(repr(root.value), shooting.box([arb(x) for x in root.x], 2 * root.count).hull())
+
+
+def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable: bool) -> End:
+    """An event at one end of a piece, whose next point is `inner`, with a box around it.
 
     Within the box the test function changes its sign at the event only, so that all of one side has
     the stability of the piece.
     """
-    fixed, own = 2 * root.count, replace(located, root=root)
+    fixed, own = _given(located, root), replace(located, root=root)
     if root.whole != located.root.whole:  # the side behind a corner
         own = replace(own, side=-located.side)
     guess, failure = [arb(x) for x in root.x], NotProvedError(Step.SINGULAR)
     for reach in REACHES:
         try:
-            exact, box = shooting.zero(guess, fixed, _test(shooting, own), arb(reach * span))
+            width = arb(reach * abs(inner.x[fixed] - root.x[fixed]))
+            exact, box = shooting.zero(guess, fixed, _test(shooting, own), width)
             _admit(shooting, box.hull(), own)
             trace, det = shooting.trace_det(box.hull())
-            if located.kind != Kind.PERIOD_DOUBLING:
-                _prove_stability(shooting, box.hull(), stable)
-            elif not (det < 1 and trace < 1 + det):  # nothing but the multiplier -1 may cross
-                raise NotProvedError(Step.NEUTRAL)
+            if located.kind not in (Kind.PERIOD_DOUBLING, Kind.FOLD):
+                _prove_stability(shooting, box, stable)
+            elif not (det < 1 and (-trace if located.kind == Kind.FOLD else trace) < 1 + det):
+                raise NotProvedError(Step.NEUTRAL)  # nothing but the multiplier -1, or 1, may cross
+            side = 1 if inner.x[fixed] > root.x[fixed] else -1
+            orbit = shooting.box(box.at((side * box.half / 2).mid()), fixed).hull()
         except NotProvedError as failed:
             failure = failed
         else:
-            return exact.hull()[-1].str(SHOWN), box
+            return End(exact.hull()[-1].str(SHOWN), orbit, box)
     raise failure
 
 
-def _chain(
-    shooting: Shooting,
-    root: Root,
-    start: tuple[arb, Box | None],
-    stop: tuple[arb, Box | None],
-    stable: bool,
-) -> int:
-    """Boxes from one value to another, each with the same orbit as the next where they meet.
+def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) -> int:
+    """Boxes from one orbit to another, each with the same orbit as the next where they meet.
 
-    A box about either end goes before or behind; the number of all is returned.
+    The number of all, those about the ends included.
     """
-    fixed, (at, before), (end, last) = 2 * root.count, start, stop
-    at = at if before is None else (before.middle[fixed] + before.half).mid()
-    end = end if last is None else (last.middle[fixed] - last.half / 2).mid()
-    width, guess = (end - at) / 16, [arb(x) for x in root.x]
-    least = width * 16 * NARROWEST
-    begun, count, boxes = at, 0, 0
-    while count < MOST_BOXES // root.count * max(SLOWEST, float((at - begun) / (end - begun))):
+    at, end = (one.orbit[fixed].mid() for one in (start, stop))
+    width, guess, before = (end - at) / 16, [x.mid() for x in start.orbit], start.box
+    least, begun, orbit = abs(width) * 16 * NARROWEST, at, start.orbit
+    count = boxes = 0
+    while count < MOST_BOXES // shooting.n * max(SLOWEST, float((at - begun) / (end - begun))):
         count += 1
-        whole = not width < end - at  # the last box, which overlaps the end
+        whole = not abs(width) < abs(end - at)  # the last box, which overlaps the end
         half = ((end - at if whole else width) / 2).mid()
-        if before is not None:
+        if boxes and before is not None:
             guess = before.at(at + half - before.middle[fixed])
         guess[fixed] = (at + half).mid()
         try:
-            box = shooting.box(guess, fixed, OVERLAP * half)
+            box = shooting.box(guess, fixed, abs(OVERLAP * half))
             shooting.admissible(box.hull())
-            _prove_stability(shooting, box.hull(), stable)
-            if before is not None and not _meet(shooting, before, box):
+            _prove_stability(shooting, box, stable)
+            if boxes and before is not None:
+                orbit = shooting.box([*box.at(at - box.middle[fixed])], fixed).hull()
+            if not (box.holds(orbit) and (before is None or before.holds(orbit))):
                 raise NotProvedError(Step.SINGULAR)
         except NotProvedError:
             width = width / 2
-            if not width > least:
+            if not abs(width) > least:
                 raise
             continue
         before, width, at = box, width * 1.5, (at + 2 * half).mid()
         boxes += 1
         if whole:
-            if last is not None and not _meet(shooting, box, last):
+            if not box.holds(stop.orbit):
                 raise NotProvedError(Step.SINGULAR)
-            return boxes + (start[1] is not None) + (last is not None)
-    raise NotProvedError(Step.SINGULAR)
-
-
-def _meet(shooting: Shooting, before: Box, after: Box) -> bool:
-    """True where both boxes hold the orbit at a value of the parameter that both have."""
-    fixed = before.fixed
-    low, high = after.middle[fixed] - after.half, before.middle[fixed] + before.half
-    at = ((low + high) / 2).mid()
-    point = shooting.box([*before.at(at - before.middle[fixed])[:-1], at], fixed).hull()
-    return all(
-        x.contains(y)
-        for box in (before, after)
-        for x, y in zip(box.at(at - box.middle[fixed]), point, strict=True)
-    )
+            return boxes + (start.box is not None) + (stop.box is not None)
+    raise NotProvedError(Step.BOXES)
 
 
 def _texts(values: Sequence[arb]) -> tuple[str, ...]:
