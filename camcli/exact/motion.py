@@ -19,6 +19,7 @@ from camcli.exact.parallelogram import Parallelogram
 
 BEFORE = 1e-6  # rad: so long before a departure, as doubles know it, the follower rests
 MOST_STRETCHES = 10_000  # of one flight
+SLACK = 2.0**-48  # of the length of a flight
 HOP = 2.5  # times rate/fall: a hop lasts 2 of them, more or less
 MOST_HALVINGS = 60  # of the first interval of a flight
 GUARD = 64  # bits beyond the known ones
@@ -182,7 +183,7 @@ class Motion:
         drate - gap'' dphi). It lands at dphi = -dq/u later, its u different by dw + gap'' dphi.
         """
         machine, (s, i, n) = self.machine, self._contact()
-        s = arb(s.mid(), 4 * s.rad())
+        s = arb(s.mid(), 4 * s.rad() + SLACK * abs(s).upper())  # room to sharpen it in
         _, u, accel, jerk = self._gap(i, n, order=3)(s)
         b, b1, _ = machine.flow(s)
         if not u < 0:

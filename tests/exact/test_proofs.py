@@ -3,7 +3,9 @@
 The judge is mpmath at 40 digits: closed flights from `tests.oracle`, cams from their definitions.
 """
 
+from bisect import bisect
 from dataclasses import replace
+from functools import cache, reduce
 from itertools import pairwise
 from math import pi
 from random import Random
@@ -14,9 +16,15 @@ from mpmath import iv, mp, mpf
 
 import camcli
 from camcli.analysis.orbits.orbit import from_root
-from camcli.analysis.orbits.proofs import prove_event, prove_orbit
+from camcli.analysis.orbits.proofs import (
+    prove_event,
+    prove_orbit,
+    prove_ranges,
+    prove_widely,
+)
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import single_impact_roots
+from camcli.cams.compile import Piece
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
 from camcli.exact.shooting import Step
@@ -42,11 +50,65 @@ def high():
 
 
 @pytest.fixture(scope="module")
-def three():
-    """Events on the branch of P(3;3:3:2), by kind, the last of each."""
+def three_turns():
+    """The branch of P(3;3:3:2) from fold to grazing."""
     speeds = {"rpm__start": 357.0, "rpm__stop": 380.0, "rpm__num": 80, "at": 358.5}
-    found = study(label="P(3;3:3:2)", branches=0, **speeds).values.bifurcations
-    return {b.kind: b for b in found}
+    return study(label="P(3;3:3:2)", branches=0, **speeds).values
+
+
+@pytest.fixture(scope="module")
+def three(three_turns):
+    """Its events by kind, the last of each."""
+    return {b.kind: b for b in three_turns.bifurcations}
+
+
+@pytest.mark.slow
+def test_a_branch_is_proved_from_its_fold_to_its_doubling(three_turns):
+    """At the fold the parameter turns round: the boxes there lean along an impact's phase."""
+    (branch,) = three_turns.branches
+    events = {b.kind: prove_event(SYSTEM, b).value for b in three_turns.bifurcations}
+    one = next(r for r in prove_ranges(SYSTEM, branch, three_turns.bifurcations) if r.stable)
+    assert (one.low, one.high) == (events["fold"], events["period-doubling"])
+    assert one.failed_step is None
+
+
+def test_an_impact_that_fades_at_a_graze_is_enclosed():
+    """A damped follower that rests at -preload/k fades on the cam's top, where both are exact."""
+    changes = {
+        "follower": {"mass": 1, "stiffness": 1, "damping": 0.1, "preload": 0.1, "restitution": 0.8},
+        "cam": {"kind": "eccentric", "base": -2.2, "lift": 2},
+        "orbits": {"rpm": {"start": 12.414085, "stop": 12.414085, "num": 1},
+                   "parameter": "preload", "range": [0, 0.5], "starts": 4},
+    }  # fmt: skip
+    result = camcli.orbits(load_scene(changes))
+    found = [b for b in result.values.bifurcations if b.label == "P(1;1)"]
+    assert {b.located.fading for b in found} == {0}
+    top = mpf(-2.2) + 2
+    for event in found:
+        value = interval(prove_event(result.system, event, "preload").value)
+        assert -top in value
+        assert value.delta < 1e-25
+        moved_ahead = replace(event, value=event.value * (1 + 1e-9))
+        assert prove_event(result.system, moved_ahead, "preload").step == Step.NUMBER
+
+
+def test_what_holds_for_the_data_need_not_hold_within_their_last_digit(high):
+    """At the double nearest to a doubling it is certain on which side it lies, but only for it."""
+    for orbit in high.values.orbits:
+        assert prove_widely(SYSTEM, orbit).holds_for == "last-digit"
+    event = next(b for b in high.values.bifurcations if b.kind == "period-doubling")
+    proof = prove_event(SYSTEM, event)
+    nearest = float(mpf(interval(proof.value).mid))
+    beside = Shooter(SYSTEM, nearest).moved(event.located.root, nearest)
+    orbit = from_root(SYSTEM, beside)
+    either = [
+        prove_widely(SYSTEM, replace(orbit, trace=-1 - orbit.det + by)) for by in (1e-9, -1e-9)
+    ]
+    assert [p.proved for p in either] == [
+        nearest < interval(proof.value),
+        nearest > interval(proof.value),
+    ]
+    assert {p.holds_for for p in either if p.proved} == {"exact-data"}
 
 
 def orbit_of(result, label):
@@ -169,7 +231,7 @@ def test_columns_and_boxes_of_the_command(cam, tmp_path):
 
 
 def machine_of(rng):
-    """(system, rpm, cam as mpmath sees it): all damping regimes, four kinds of cam."""
+    """(system, rpm, cam as mpmath sees it): all damping regimes, five kinds of cam."""
     omega, mass = 10 ** rng.uniform(0, 2), 10 ** rng.uniform(-1, 1)
     w = omega * 10 ** rng.uniform(-1.2, 0.3)
     damped = rng.choice([0.0, 0.0, rng.uniform(0, 0.3), 0.9999, 1.0, 1.5])
@@ -177,7 +239,10 @@ def machine_of(rng):
         mass, mass * w * w, 2 * mass * w * damped, rng.choice([0.0, 9.81]),
         rng.choice([0.0, mass * w * w * rng.uniform(-0.5, 0.5)]), rng.uniform(0.2, 0.95),
     )  # fmt: skip
-    kind = rng.choice(["arcs", "eccentric", "cycloidal", "3-4-5"])
+    kind = rng.choice(["arcs", "eccentric", "cycloidal", "3-4-5", "table"])
+    if kind == "table":  # its base is at zero: without a load any phase of the dwell would do
+        follower = replace(follower, preload=mass * w * w * rng.uniform(0.005, 0.03))
+        return replace(table(), follower=follower), omega * 30 / pi, kind
     if kind == "arcs":
         shape = SYSTEM.shape
     elif kind == "eccentric":
@@ -189,9 +254,39 @@ def machine_of(rng):
     return System.build(follower, shape.parts(), 0.0, shape), omega * 30 / pi, kind
 
 
+@cache
+def table():
+    """A system with the measured lift of `configs/lift-table.yaml`."""
+    shape = load_scene("configs/lift-table.yaml").cam
+    return System.build(SYSTEM.follower, shape.parts(), 0.0, shape)
+
+
+@cache
+def polynomials():
+    """(end in rad, centre, coefficients and those of the slope, highest power first)."""
+    found = []
+    for part in table().shape.parts():
+        pieces = part.pieces or [Piece(0.0, 0.0, (float(part.level),))]
+        start, end = mpf(str(part.start)), mpf(str(part.end))
+        for k, piece in enumerate(pieces, 1):
+            high = [mpf(x) for x in reversed(piece.coefficients)]
+            slope = [x * n for n, x in zip(range(len(high) - 1, 0, -1), high, strict=False)]
+            end_k = start + (end - start) * k / len(pieces)
+            found.append((end_k, mpf(piece.center), high, slope or [mpf(0)]))
+    return found
+
+
+def horner(coefficients, x):
+    return reduce(lambda total, a: total * x + a, coefficients, mpf(0))
+
+
 def lift(kind, theta):
     """(c, c_theta) from the cam's definition."""
     theta = theta - 2 * mp.pi * mp.floor(theta / (2 * mp.pi))
+    if kind == "table":
+        k = bisect([end for end, *_ in polynomials()], theta)
+        _, center, high, slope = polynomials()[k]
+        return horner(high, theta - center), horner(slope, theta - center)
     if kind == "arcs":
         return oracle.ArcsCam().laws(theta)[:2]
     if kind == "eccentric":
@@ -238,7 +333,7 @@ def contradicted(system, rpm, kind, root, proof):
 @pytest.mark.slow
 def test_two_hundred_random_machines():
     """Proved or honestly not; a proof and the certificate of the doubles never contradict."""
-    rng, seen = Random(8), {"proved": 0, "refuted": 0, "open": 0}
+    rng, seen, tables = Random(8), {"proved": 0, "refuted": 0, "open": 0}, 0
     for _ in range(200):
         system, rpm, kind = machine_of(rng)
         shooter = Shooter(system, rpm)
@@ -248,10 +343,12 @@ def test_two_hundred_random_machines():
                 proof = prove_orbit(system, orbit)
                 seen["proved" if proof.proved else "refuted" if proof.refuted else "open"] += 1
                 if proof.proved:
+                    tables += kind == "table"
                     assert shooter.verdict(root)[0] == ADMISSIBLE
                     assert contradicted(system, rpm, kind, root, proof) is None
                 elif proof.refuted:
                     assert shooter.verdict(root)[0] != ADMISSIBLE
     assert seen["proved"] > 50
     assert seen["refuted"] > 100
+    assert tables > 20
     assert seen["open"] < 0.1 * sum(seen.values()), seen
