@@ -102,6 +102,13 @@ def test_every_link_leads_somewhere_and_stays_here(shown, out):
             assert parts.fragment in ids, link
 
 
+def test_a_figure_that_is_a_page_is_opened_by_a_link(out):
+    (out / "motion").mkdir()
+    (out / "motion" / "run.json").write_text(json.dumps(RECORD))
+    found = Page(page([picture(out, "motion", files=["explore.html", "run.json"])]))
+    assert [a["href"] for a in found.all("a") if a["text"][:4] == "Open"] == ["motion/explore.html"]
+
+
 def test_nothing_is_fetched_from_elsewhere(shown):
     assert {one["tag"] for one in shown.found} & {"script", "link", "iframe", "object"} == set()
     (style,) = shown.all("style")
