@@ -72,7 +72,8 @@ def sweep(
     -------
     Result
         With two numbers to vary table ``map``, a row per point: both keys, label, period (turns),
-        impacts_per_turn, lyapunov_per_period, the columns of ``speeds`` from max_gap_m on, status.
+        impacts_per_turn, lyapunov_per_period, the columns of ``speeds`` from max_gap_m on, status,
+        holds_for.
         Table ``impacts``, a row per recorded impact: rpm, period (recorded turn, from 0),
         theta_deg, q_m, u_minus_m_per_s (velocity relative to the cam just before).
         Table ``strobe``, a row per recorded turn: rpm, period, q_m, v_m_per_s at its start,
@@ -140,6 +141,8 @@ def sweep(
 
 def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     """The map over two numbers."""
+    from camcli.api.classify import decided_words
+
     section = machine.scene.sweep
     if section.direction == BOTH:
         cure = "choose one, e.g. sweep.direction=up"
@@ -161,8 +164,9 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         )
     counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
     troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]
+    decided = decided_words((speed.holds_for for speed in found.speeds), "points")
     unknown, total = sum(not speed.known for speed in found.speeds), one.num * two.num
-    notes = status_notes(troubled, one.key)
+    notes = [*decided, *status_notes(troubled, one.key)]
     if unknown:
         text = f"{unknown} of {total} points undecided, grey: rounding decides after a rest"
         cure = "; sweep.decide (--decide) follows each beyond rounding, some seconds for one"
@@ -173,7 +177,8 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             for speed in line:
                 turns, period = machine.settings.record, _period(speed.label)
                 named = speed.label, period, speed.impact_count / turns, speed.exponent
-                yield speed.value, second, *named, *speed.loads, status_name(speed.status)
+                ends = status_name(speed.status), speed.holds_for
+                yield speed.value, second, *named, *speed.loads, *ends
 
     def draw():
         from camcli.plots.sweep_map import draw_map
@@ -185,7 +190,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         scene=machine.scene,
         system=machine.system,
         values=(found, None),
-        tables={"map": Table.of_rows((*keys, *MAP, "status"), rows)},
+        tables={"map": Table.of_rows((*keys, *MAP, "status", "holds_for"), rows)},
         summary={
             "direction": found.direction,
             "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],

@@ -74,7 +74,9 @@ def orbits(
     --curve KIND  continue the bifurcations of a kind in rpm and --in NAME over --range, or in
                   --parameter over --range and --in NAME=LO:HI
     --prove       prove orbits, events and ranges of branches in ball arithmetic, for the numbers
-                  of the scene as they are; columns proved (yes, no), enclosure_low, enclosure_high
+                  of the scene as they are; columns proved (yes, no), enclosure_low, enclosure_high;
+                  run.json has the boxes, and holds_for: last-digit where an orbit is proved for
+                  every value of the parameter that rounds to its own, else exact-data
 
     \b
     Kinds: period-doubling (1 + trace + det = 0); fold (the parameter turns round); corner-impact

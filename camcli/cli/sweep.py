@@ -59,7 +59,7 @@ def sweep(
     corners.csv  corner impacts of the solved branches (--explain), columns as bifurcations.csv
     sweep.tables: npz writes impacts.npz and strobe.npz instead (numpy.load); none neither
     map.csv      of two numbers: both KEYs, label, period, impacts_per_turn, lyapunov_per_period,
-                 and the columns of speeds.csv from max_gap_m on, status
+                 and the columns of speeds.csv from max_gap_m on, status, holds_for
     map.png      the kind of motion over two numbers; --panels also exponents and each column
     sweep.png    impact phases beside the cam's c, c', c''; stroboscopic positions
 
