@@ -26,20 +26,26 @@ LONG = {
         "run.transient=5000000",
     ),
 }
+BOTH = signal.SIGINT, signal.SIGTERM
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("name", LONG)
-def test_a_signal_ends_what_would_take_minutes(tmp_path, name, how):
-    process = begin(command(*LONG[name], "--no-plot", "-o", "out"), tmp_path)
-    time.sleep(4.0)
-    assert process.poll() is None
-    process.send_signal(how)
-    said = process.communicate(timeout=20)[1]  # a second, where the machine is not busy
-    code = process.returncode
-    assert (code, said.count("interrupted"), "Traceback" in said) == (130, 1, False), said
-    assert files(tmp_path / "out") == {}
+@pytest.mark.parametrize("signals", [BOTH, pytest.param(BOTH[::-1], marks=pytest.mark.soak)])
+def test_a_signal_ends_what_would_take_minutes(tmp_path, signals):
+    """All at once, one signal to every second one."""
+    running = []
+    for name, words in LONG.items():
+        (tmp_path / name).mkdir()
+        running.append(begin(command(*words, "--no-plot", "-o", "out"), tmp_path / name))
+    time.sleep(10.0)
+    for n, (name, process) in enumerate(zip(LONG, running, strict=True)):
+        assert process.poll() is None, name
+        process.send_signal(signals[n % 2])
+    for name, process in zip(LONG, running, strict=True):
+        said = process.communicate(timeout=20)[1]  # a second, where the machine is not busy
+        seen = process.returncode, said.count("interrupted"), "Traceback" in said
+        assert seen == (130, 1, False), (name, said)
+        assert files(tmp_path / name / "out") == {}
 
 
 SWALLOWING = """

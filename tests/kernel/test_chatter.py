@@ -25,7 +25,6 @@ SCENES = {
     "r = 0.3": (150.0, {"restitution": 0.3}, 1),
     "r = 0.6": (125.0, {"restitution": 0.6}, 1),
     "r = 0.9": (119.0, {"restitution": 0.9}, 1),
-    "r = 0.95": (118.0, {"restitution": 0.95}, 1),
     "r = 0.98": (116.5, {"restitution": 0.98}, 1),
 }
 
