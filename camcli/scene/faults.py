@@ -110,7 +110,7 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
         said = said.replace("a valid ", "a ").partition(" after validation")[0]
         expected = _EXPECTED[kind].format(**ctx) if kind in _EXPECTED else said
         if said == "Field required":
-            expected = f"{schemas[0]['minItems']} values"
+            expected = f"{next(s['minItems'] for s in schemas if 'minItems' in s)} values"
     found = f"found {_shown(document, path)}"
     cure = _cure(value, path, kind, words) + about
     return Finding(place.value, path, found, f"expected {expected}", cure)
