@@ -36,7 +36,7 @@ MOST_SPEEDS, MOST_ROWS = 1000, 250_000  # of a page of 8 MB; a row takes 17 byte
 LONGEST = 16  # turns of a motion that are shown
 MOST_POINTS = 150_000  # of the diagram
 SIDE = 16  # motions of a window of basins and of a map, along each side
-MOST_TURNS, ROOM = 8, 400_000  # of each of them; rows of a whole page
+MOST_TURNS, ROOM = 8, 350_000  # of each of them; rows of a whole page
 PROFILE_ROWS = 720
 DIRECTIONS = ("fixed", "up", "down")  # of sweeps
 KINDS = ("impact", "chatter", "detachment")
@@ -340,8 +340,8 @@ def _solved(machine: Machine, result: Result, known: list[Motion]) -> list[Motio
 
 def _some(count: int) -> list[int]:
     """At most SIDE of so many in a row, spread evenly, away from the ends."""
-    places = np.linspace(0, count - 1, 2 * min(SIDE, count) + 1)[1::2]
-    return np.unique(places.astype(int)).tolist()
+    most = min(SIDE, count)
+    return [(2 * k + 1) * count // (2 * most) for k in range(most)]
 
 
 def _starts(machine: Machine, result: Result, turns: int) -> Iterator[Motion]:

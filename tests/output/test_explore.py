@@ -365,6 +365,10 @@ def test_a_click_into_a_plane_shows_the_motion_of_that_place(made, browser):
             place, at, (plane["x"], plane["y"]), plane["cells"], strict=True
         ):
             assert abs(value - wanted) < 1.01 * (high - low) / min(cells, 16)
+        label = page.evaluate("state.motion.label")
+        if plane["of"] == "map" and label.startswith("P("):
+            label = f"period {label[2:].partition(';')[0]}"
+        assert box.get_attribute("title") == label
         command = page.inner_text("#command")
         if plane["of"] == "map":
             assert f"--rpm {place[0]:g} --set follower.mass={place[1]}" in command
