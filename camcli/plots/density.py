@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, LogNorm, to_rgb
+from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
 from camcli.plots import style
 
@@ -126,7 +126,7 @@ class Image:
         extent = (self.columns.low, self.columns.high, self.low, self.high)
         shades = LinearSegmentedColormap.from_list(
             "points", [style.mixed(colour, 1.0 - PALEST), colour]
-        ).with_extremes(bad=(*to_rgb(colour), 0.0))  # a viewer mixes even what is not seen
+        )
         axes.imshow(
             self.shares(), extent=extent, origin="lower", aspect="auto", interpolation="nearest",
             cmap=shades, norm=LogNorm(least, FULLEST, clip=True), zorder=2,
