@@ -109,7 +109,7 @@ def sample_of(command: str, scene: Scene, n: int) -> Scene:
             values = {"basins.refine": 0, **_fewer(scene, command, 1)}
             values["basins.cells"] = tuple(min(8 * n, side) for side in scene.basins.cells)
         case "detach":
-            values = {"detach.rpm.num": min(25 * n, scene.detach.rpm.num)}
+            values = {"detach.rpm.num": min(25 * n, scene.detach.rpm.num), "detach.tolerance": ()}
     return reduce(lambda scene, pair: _with(scene, *pair), values.items(), scene)
 
 
@@ -152,6 +152,8 @@ def forecast(
     notes = [f"shard {shard.number} of {shard.total}: pieces only, no tables"] if shard else []
     if getattr(getattr(scene, command, None), "explain", False):
         notes.append("what --explain takes is not known before: 5 to 15 s for many a change")
+    if command == "detach" and scene.detach.tolerance:
+        notes.append(f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each")
     impacts = seconds = tables = None
     if command == "orbits":
         notes.append("how many branches there are, and so the time, is not known before")
