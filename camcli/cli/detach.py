@@ -9,7 +9,6 @@ from typer import Option
 
 from camcli.cli.options import Request
 from camcli.errors import Fault, SceneError, shown
-from camcli.scene.document import scalar
 
 if TYPE_CHECKING:
     from camcli.analysis.contact_loss.detachment import CriticalSpeed
@@ -87,6 +86,8 @@ def detach(
 
 def _tolerance(text: str) -> dict[str, Any]:
     """KEY=5% as an entry of detach.tolerance."""
+    from camcli.scene.document import scalar
+
     key, _, share = text.partition("=")
     percent = scalar(share.strip().removesuffix("%"))
     if not share.strip().endswith("%") or type(percent) not in (int, float):

@@ -114,6 +114,7 @@ def show(result: Result) -> None:
     from camcli.api.sweep import ranges
     from camcli.cli.classify import show_explanation
     from camcli.cli.report import plural, table
+    from camcli.output.verdict import motion
 
     found, explanation = result.values
     if "labels" in result.summary:
@@ -124,7 +125,7 @@ def show(result: Result) -> None:
         return
     groups = ranges(found)
     rows = [
-        [label, f"{a.value:.10g}", f"{b.value:.10g}", str(n), status]
+        [label, motion(label), f"{a.value:.10g}", f"{b.value:.10g}", str(n), status]
         for label, status, a, b, n in groups
     ]
     what = "speed" if found.key == "rpm" else "value"
@@ -132,6 +133,6 @@ def show(result: Result) -> None:
     if len(rows) > SHOWN:
         title += f", the first {SHOWN} (all of them in speeds.csv)"
     ends = [f"from ({found.key})", f"to ({found.key})"]
-    table(title, ["label", *ends, f"{what}s", "status"], rows[:SHOWN])
+    table(title, ["label", "motion", *ends, f"{what}s", "status"], rows[:SHOWN])
     if explanation is not None:
         show_explanation(explanation)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import ceil, floor, log10
+from math import ceil, floor, inf, log10
 from typing import Any
 
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
+from camcli.analysis.labels import APERIODIC, CONTACT, Label
 from camcli.output.detach import WAYS
 from camcli.system import Units, units_of
 
@@ -77,8 +78,8 @@ def _past(result: Any) -> Iterator[str]:
         return
     u, theta, lift, *_ = max(rows)
     gap, top, shut = (max(row[k] for row in rows) for k in (3, 4, 5))
-    mm = units_of(result.system).lengths
-    yield f"; past it, up to {top:.6g} rpm, the follower lands at up to {u:.2g} m/s"
+    mm, speed = units_of(result.system).lengths, f"{u:.0f}" if u >= 10.0 else f"{u:.2g}"
+    yield f"; past it, up to {top:.6g} rpm, the follower lands at up to {speed} m/s"
     yield f" ({theta:.4g} deg, {mm(lift)} above its lowest), flies up to {mm(gap)} off the cam"
     yield f", and bounces on the shut cam ({shut:.2g} a turn at most)" if shut else ""
 
@@ -122,6 +123,20 @@ def spring_words(hold: Hold, units: Units) -> str:
     if hold.quantity is loss.Quantity.HOLD_BOTH:
         return f"{stiffness} with {preload} of preload"
     return preload if hold.quantity is loss.Quantity.HOLD_PRELOAD else stiffness
+
+
+def motion(label: str) -> str:
+    """A label in words."""
+    if not label.startswith("P("):
+        words = {CONTACT: "stays on the cam", APERIODIC: "never repeats"}
+        return words.get(label, "not known")
+    symbols = Label.parse(label).symbols
+    turns, resting = len(symbols), symbols.count(inf)
+    repeats = "every turn alike" if turns == 1 else f"repeats every {turns} turns"
+    if resting:
+        some = "" if resting == turns else f" in {resting} of them"
+        return f"{repeats}, bounces to rest{some}"
+    return f"{repeats}, {sum(symbols):g} impact{'s' * (sum(symbols) != 1)}"
 
 
 def doubts(scene: Any) -> Iterator[str]:

@@ -9,6 +9,7 @@ import pytest
 
 import camcli
 from camcli.analysis.contact_loss.detachment import detachment
+from camcli.output.verdict import motion
 from camcli.system import Follower, System
 from tests.cams.lift_tables import Lobe, scene, smooth, table
 
@@ -260,3 +261,19 @@ def test_a_table_elsewhere_is_found_when_numbers_vary(cam, begun):
     short = ("--set", "run.transient=2", "--set", "run.record=2", "--rpm", "2000")
     done = cam("sweep", "-c", "elsewhere/lobe.yaml", *vary, *short)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("label", "said"),
+    [
+        ("contact", "stays on the cam"),
+        ("aperiodic", "never repeats"),
+        ("undecided", "not known"),
+        ("P(1;1)", "every turn alike, 1 impact"),
+        ("P(3;3:3:2)", "repeats every 3 turns, 8 impacts"),
+        ("P(1;inf)", "every turn alike, bounces to rest"),
+        ("P(2;inf:3)", "repeats every 2 turns, bounces to rest in 1 of them"),
+    ],
+)
+def test_a_label_in_words(label, said):
+    assert motion(label) == said
