@@ -17,7 +17,7 @@ from camcli.exact.balls import COARSE, UndecidedError, coarsely
 Function = Callable[[arb], list[arb]]  # x -> [value, slope, second derivative, ...]
 LEAST_BITS = 400  # cutting gives up, too near a double zero, at half of the digits or at these
 NEWTON = 30  # steps
-MARGIN = 24  # bits more than half of those that the next step has
+MARGIN = 24  # bits more than a third of those that the next step has
 
 
 def first_root(f: Function, low: arb, high: arb, cut: arb | None = None) -> arb | None:
@@ -71,12 +71,10 @@ def _enclosed(f: Function, a: arb, b: arb) -> arb:
             b = x
         else:
             break  # as near as the radius of f allows
-        bend, after = slope * slope - 2 * value * second, x
-        if bend > 0:  # where the parabola falls through zero
-            after = (x + 2 * value / (bend.sqrt() - slope)).mid()
-            if abs(after - x) <= abs(x) * arb(2) ** (8 - ctx.prec):
-                break
-        x = after if a < after < b else ((a + b) / 2).mid()
+        step = _step(value, slope, second)
+        if abs(step) <= abs(x) * arb(2) ** (-ctx.prec // 2):  # the last one doubles the digits
+            break
+        x = (x + step).mid() if a < x + step < b else ((a + b) / 2).mid()
     else:
         raise UndecidedError
     room = 4 * (abs(value) / abs(slope)).abs_upper() + arb(2) ** (16 - ctx.prec)
@@ -88,32 +86,38 @@ def _enclosed(f: Function, a: arb, b: arb) -> arb:
     return root
 
 
+def _step(value: arb, slope: arb, second: arb) -> arb:
+    """To where the parabola of a function falls through zero: Euler's method, of third order."""
+    bend = slope * slope - 2 * value * second
+    return (2 * value / (bend.sqrt() - slope)).mid()
+
+
 def sharpened(f: Function, s: arb, slopes: Sequence[arb]) -> tuple[arb, arb]:
     """(zero, slope there) with all digits in use, of the only zero in a ball s that has few.
 
     slopes: f1, f2, f3, the derivatives of f on all of s. From x near the zero, d = -f(x)/(f1(x) +
-    R f2) is the interval Newton step in the room R, and the slope at x + d is f1(x) + d f2(x) +
-    d^2 f3/2.
+    R f2) is the interval Newton step in the room R, which Taylor's formula makes sharper, and the
+    slope at x + d is f1(x) + d f2(x) + d^2 f3/2.
     """
     full, x = ctx.prec, s.mid()
     few = [full]
-    while few[-1] > 2 * COARSE:
-        few.append(few[-1] // 2 + MARGIN)
+    while few[-1] > 3 * COARSE:
+        few.append(few[-1] // 3 + MARGIN)
     try:
         for ctx.prec in reversed(few[1:]):
-            value, slope = f(x)[:2]
-            x = (x - value / slope).mid()
+            x = (x + _step(*f(x))).mid()
     finally:
         ctx.prec = full
+    falls, bend, jerk = slopes
     for _ in range(NEWTON):
         value, slope, second = f(x)
         step = -value / slope
-        if not step * step * abs(second) > value.rad():
+        if not abs(step) ** 3 * (abs(bend) + abs(jerk)) > value.rad():
             break
-        x = (x + step).mid()
+        x = (x + _step(value, slope, second)).mid()
     room = arb(0, 2 * abs(step).upper() + arb(2) ** (16 - ctx.prec))
-    falls, bend, jerk = slopes
     step = -value / (slope + room * bend)
     if not (falls < 0 and s.contains(x + room) and room.contains_interior(step)):
         raise UndecidedError
+    step = -value / (slope + step * (second + step * jerk / 3) / 2)
     return x + step, slope + step * (second + step * jerk / 2)
