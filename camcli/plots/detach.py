@@ -28,7 +28,7 @@ FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
 FLAT = 36.0  # deg, less than this is shown enlarged even where all speeds are
 JUMP = 20.0  # deg, between speeds, breaks the accumulation curve
 ROOM = 0.03  # of an axis, beyond what it shows
-HIT_ROOM = 5.0  # mm, between numbered hits of one corner
+HIT_ROOM = 4.0  # mm, between numbered hits of one corner
 
 
 @dataclass(frozen=True)
