@@ -6,8 +6,10 @@ import csv
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import partial
+from io import StringIO
 from itertools import groupby
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.analysis.integrate import Start
@@ -18,6 +20,7 @@ from camcli.analysis.sweep import sweep as run
 from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
 from camcli.api.simulate import height_notes
 from camcli.api.vary import Varied, refuse_to_explain, span_of
+from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
     from camcli.analysis.classify import Motion
     from camcli.analysis.explain.changes import Explanation
 
+MOST_BYTES = 500_000_000  # of a table that is drawn over the points
 # columns after the one of what is varied
 IMPACTS = ("period", "theta_deg", "q_m", "u_minus_m_per_s")
 STROBE = ("period", "q_m", "v_m_per_s", "impacts", "chatter")
@@ -233,8 +237,8 @@ def read_branches(path: str | PathLike, key: str) -> list[Branch]:
 
 
 def _rows(path: str | PathLike) -> list[dict[str, str]]:
-    with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    text = decoded(read_bytes(Path(path), str(path), MOST_BYTES, "", ""), str(path))
+    return list(csv.DictReader(StringIO(text, newline="")))
 
 
 def _columns(rows: list[dict[str, str]], keys: Sequence[str]) -> list[str]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from string import ascii_lowercase
 from threading import RLock
 from typing import Any
@@ -11,9 +13,12 @@ from typing import Any
 import matplotlib
 from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
 
+from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError
 
 DPI = 300
+MOST_BYTES = 256_000  # of a style's file
+COMMENT = re.compile(r'("[^"]*")|#.*')  # in it, or quoted text
 WITH_INDEX = 9  # pt, of words with an index, which is 0.7 of them
 NOTE = 7  # pt, of what stands inside or above a panel
 MOST_CORNERS = len(ascii_lowercase)  # a cam with more is drawn without them
@@ -107,15 +112,23 @@ def _sheet(sheet: str) -> dict[Any, Any]:
     """The settings of a matplotlib style."""
     from matplotlib.style import library
 
-    try:
-        if sheet in library:
-            return dict(library[sheet])
-        return dict(matplotlib.rc_params_from_file(sheet, use_default_template=False))
-    except OSError as error:
-        found = f"found '{sheet}' ({error.strerror or 'it cannot be read'})"
-        cure = "python -c 'import matplotlib.style; print(matplotlib.style.available)' lists them"
-        expected = "expected a matplotlib style: its name, or a file"
-        raise SceneError(Fault("plot.style", "", found, expected, cure)) from None
+    if sheet in library:
+        return dict(library[sheet])
+    expected = "expected a matplotlib style: its name, or a file of lines `key: value`"
+    cure = "python -c 'import matplotlib.style; print(matplotlib.style.available)' lists the names"
+    text = decoded(read_bytes(Path(sheet), sheet, MOST_BYTES, expected, cure, "plot.style"), sheet)
+    settings = matplotlib.RcParams()
+    for number, line in enumerate(text.splitlines(), 1):  # matplotlib's reader would print them
+        key, colon, value = COMMENT.sub(lambda found: found[1] or "", line).partition(":")
+        if not key.strip() and not colon:
+            continue
+        try:
+            settings[key.strip()] = value.strip().removeprefix('"').removesuffix('"')
+        except (KeyError, ValueError):
+            found, where = "found no setting of matplotlib", f"{sheet}:{number}"
+            cure = "correct the line, or leave it out"
+            raise SceneError(Fault(where, "plot.style", found, expected, cure)) from None
+    return dict(settings)
 
 
 def _refuse_unknown(font: str) -> None:

@@ -1,5 +1,6 @@
 """What all pictures share: colours of one meaning, figures that leave matplotlib as it was."""
 
+import os
 import re
 from concurrent.futures import ThreadPoolExecutor
 from itertools import combinations
@@ -165,19 +166,26 @@ def test_no_text_is_smaller_than_six_points(drawn):
         assert min(sizes) >= 6.0
 
 
-def test_fonts_and_styles_are_named_or_refused(drawn, tmp_path):
+def test_fonts_and_styles_are_named_or_refused(drawn, tmp_path, capfd):
     serif = drawn().figure(Plot(font="DejaVu Serif"))
     assert serif.axes[0].texts[0].get_fontname() == "DejaVu Serif"
     sheet = tmp_path / "mine.mplstyle"
-    sheet.write_text("axes.linewidth: 3\n")
+    sheet.write_text('axes.linewidth: 3  # mm\n\ngrid.color: "#ff0000"  # "red"\n')
     assert drawn().figure(Plot(style=str(sheet))).axes[1].spines["left"].get_linewidth() == 3
     assert drawn().figure(Plot(style="ggplot"))
+    foreign, pipe = tmp_path / "passwd", tmp_path / "pipe"
+    foreign.write_text("secret:x:0\n")
+    os.mkfifo(pipe)
     for form, said in (
         (Plot(font="Nonesuch"), "plot.font"),
-        (Plot(style="nonesuch"), "plot.style"),
+        (Plot(style="nonesuch"), "plot.style: no such file"),
+        (Plot(style=str(foreign)), "passwd:1: plot.style: found no setting of matplotlib"),
+        (Plot(style=str(pipe)), "plot.style: found a pipe"),
+        (Plot(style="http://127.0.0.1:9/x"), "plot.style: no such file"),
     ):
-        with pytest.raises(SceneError, match=said):
+        with pytest.raises(SceneError, match=said) as fault:
             drawn().figure(form)
+        assert "secret" not in str(fault.value) + "".join(capfd.readouterr())
 
 
 def test_a_list_wider_than_the_page_has_its_last_words_below():
