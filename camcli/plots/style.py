@@ -117,7 +117,7 @@ def _sheet(sheet: str) -> dict[Any, Any]:
     expected = "expected a matplotlib style: its name, or a file of lines `key: value`"
     cure = "python -c 'import matplotlib.style; print(matplotlib.style.available)' lists the names"
     text = decoded(read_bytes(Path(sheet), sheet, MOST_BYTES, expected, cure, "plot.style"), sheet)
-    settings = matplotlib.RcParams()
+    settings: Any = matplotlib.RcParams()
     for number, line in enumerate(text.splitlines(), 1):  # matplotlib's reader would print them
         key, colon, value = COMMENT.sub(lambda found: found[1] or "", line).partition(":")
         if not key.strip() and not colon:

@@ -15,17 +15,20 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import chdir, redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass, field
+from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryFile
 
 import camcli.cli.sweep  # noqa: F401 - once here, not in each fork
+from camcli.cli.app import app
 from camcli.cli.app import main as cam_main
 from camcli.parallel.checkpoint import Checkpoint, records
 from camcli.parallel.work import Kept
 
 SIGNALS = (signal.SIGKILL, signal.SIGINT, signal.SIGTERM)
+OWN = 8  # see Case.soak
 SOAK = int(os.environ.get("CAMCLI_SOAK", "1000"))  # kills at random moments of the soak
 TIMES = ("run.json", "figure.json", "index.html")  # files that hold times
 
@@ -47,11 +50,17 @@ class Fork:
                 sys.argv = ["cam", *words]
                 arm()
                 cam_main()
+            except KeyboardInterrupt:  # before `cam` has begun
+                os._exit(130)
             except SystemExit as end:
                 sys.stderr.flush()
                 os._exit(end.code or 0)
             finally:
                 os._exit(99)
+
+    def poll(self) -> bool | None:
+        """None as long as it runs."""
+        return os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) and True
 
     def send_signal(self, which: int) -> None:
         """As a terminal, or a batch system, would."""
@@ -83,8 +92,10 @@ def begin(words: list[str], cwd: Path, **options) -> subprocess.Popen:
     )  # fmt: skip
 
 
-def ended(process: subprocess.Popen, most: float = 600) -> tuple[int, str]:
+def ended(process: subprocess.Popen | Fork, most: float = 600) -> tuple[int, str]:
     """(exit code, stderr); nothing may hang."""
+    if isinstance(process, Fork):
+        return process.ended()
     said = process.communicate(timeout=most)[1]
     return process.returncode, said
 
@@ -211,25 +222,34 @@ class Case:
 
         longest: s from a signal to the end; ended: runs that were at their end already when the
         signal came, and latest: the longest of them, where a lost signal would be seen. cold: the
-        kernel is compiled.
+        kernel is compiled. One in OWN is a process of its own, the others are forks of this one,
+        which spares their start.
         """
         rng, met, seen = random.Random(seed), 0, {"longest": 0.0, "ended": 0, "latest": 0.0}
         env = {**os.environ, "CAMCLI_KERNEL": "compiled" if cold else "auto"}
         if cold:
             env["XDG_CACHE_HOME"] = str(self.cwd / "cache")
-        began = time.monotonic()
-        assert ended(begin(command(*self.words, "-o", "out"), self.cwd, env=env))[0] == 0
-        seconds = time.monotonic() - began
+        words, seconds = (*self.words, "-o", "out"), {}
+
+        def start(own: bool) -> Fork | subprocess.Popen:
+            return begin(command(*words), self.cwd, env=env) if own else Fork(words, self.cwd)
+
+        with chdir(self.cwd), redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+            # what it imports, forks have then
+            app(list(words), standalone_mode=False)
+        for own in (True, False):
+            began = time.monotonic()
+            assert ended(start(own))[0] == 0
+            seconds[own] = time.monotonic() - began
         self.reset()
         while met < count:
             shutil.rmtree(self.cwd / "cache", ignore_errors=True)
-            how, early = rng.choice(SIGNALS), rng.random() < 0.2
-            wait = rng.uniform(0.0, 0.2) if early else rng.uniform(0.25, 1.0) * seconds
-            process = begin(command(*self.words, "-o", "out"), self.cwd, env=env)
-            time.sleep(wait)
+            how, own = rng.choice(SIGNALS), cold or rng.random() < 1.0 / OWN
+            process = start(own)
+            time.sleep(rng.random() * seconds[own])
             alive, began = process.poll() is None, time.monotonic()
             process.send_signal(how)
-            code, said = ended(process, 60)
+            code, said = ended(process)
             took = time.monotonic() - began
             assert "internal fault" not in said
             starting = code == -how or ("KeyboardInterrupt" in said and "camcli" not in said)
