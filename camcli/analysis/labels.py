@@ -40,6 +40,12 @@ class Label(str):
         label.symbols = named
         return label
 
+    @property
+    def repeats(self) -> bool:
+        """True where the symbols are those of fewer turns, several times: P(2;1:1)."""
+        m, found = len(self.symbols), self.symbols
+        return any(m % d == 0 and found == found[:d] * (m // d) for d in range(1, m))
+
     def __reduce__(self) -> tuple:
         return Label, (self.symbols,)
 

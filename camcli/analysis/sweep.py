@@ -19,7 +19,7 @@ from camcli.analysis.integrate import (
     Start,
     with_turns,
 )
-from camcli.analysis.labels import APERIODIC, UNDECIDED, label, passages
+from camcli.analysis.labels import APERIODIC, UNDECIDED, Label, label, passages
 from camcli.analysis.loads import Loads, loads_of
 from camcli.analysis.orbits.same_orbit import SAME, distance, size_of
 from camcli.errors import Status
@@ -317,8 +317,10 @@ class _Task:
             name, cost, known = motion.label, cost + motion.cost, motion.label != UNDECIDED
             holds_for = motion.holds_for
             exponent = None if motion.exponents is None else motion.exponents.largest
-        elif self.lyapunov:
-            exponent = _exponent(system, rpm, record)
+        else:
+            if isinstance(name, Label) and name.repeats:
+                name = _solved_name(system, rpm, record) or name
+            exponent = _exponent(system, rpm, record) if self.lyapunov else None
         strobe = (range(n), record.strobe_q[:n], _scaled(record.strobe_w[:n], to_mps))
         return Speed(
             value=value,
@@ -335,6 +337,17 @@ class _Task:
             known=known,
             holds_for=holds_for,
         )
+
+
+def _solved_name(system: System, rpm: float, record: Record) -> str | None:
+    """The label of the orbit that a record approaches, None where none could be solved.
+
+    A motion that spirals in slowly comes near itself after many turns before it does after few.
+    """
+    from camcli.analysis.orbits.identify import identify
+
+    orbit = identify(system, rpm, record)
+    return None if orbit is None else orbit.label
 
 
 def forgets_too_much(record: Record) -> bool:

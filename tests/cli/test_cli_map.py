@@ -67,6 +67,17 @@ def test_the_borders_of_the_orbit_are_within_a_cell_of_the_published_bifurcation
         assert high - 1.0 < max(own) < high
 
 
+def test_a_slow_spiral_into_an_orbit_is_named_after_the_orbit(cam, tmp_path):
+    """Close below its period doubling P(1;1) is the attractor; the record comes near itself in 11
+    turns long before it does in one."""
+    rpm, r = 739.8319327731092, 0.9
+    assert rpm < period_doubling_rpm(ArcsCam(), 1.221, 1430.8, r)
+    words = ("--set", f"follower.restitution={r}", "--set", "run.transient=200", "--no-plot", "-q")
+    done = cam("sweep", "--rpm", str(rpm), *words, "--set", "run.record=100")
+    assert done.returncode == 0, done.stderr
+    assert [row["label"] for row in rows(tmp_path / "out/sweep/speeds.csv")] == ["P(1;1)"]
+
+
 def test_curves_of_orbits_are_laid_over_a_map(cam, tmp_path):
     curve = (
         "curve,kind,label,corner,rpm,restitution\n1,fold,P(1;1),,690,0.7\n1,fold,P(1;1),,700,0.8\n"
