@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from flint import arb, arb_series, ctx
 
-DIGITS = (350, 700, 1400)  # one after the other; 350 last for 400 turns of weak chaos
+DIGITS = (380, 760, 1520)  # one after the other; 380 last for 400 turns of weak chaos
 COARSE = 64  # bits that exclude contacts as surely as many, where they do
 _alone = RLock()  # python-flint has one precision for all threads
 Answer = TypeVar("Answer")

@@ -17,7 +17,7 @@ from camcli.exact.balls import COARSE, UndecidedError, coarsely
 Function = Callable[[arb], list[arb]]  # x -> [value, slope, second derivative, ...]
 LEAST_BITS = 400  # cutting gives up, too near a double zero, at half of the digits or at these
 NEWTON = 30  # steps
-MARGIN = 24  # bits more than a third of those that the next step has
+MARGIN = 24  # bits more than what the order of the next step makes of them
 
 
 def first_root(f: Function, low: arb, high: arb, cut: arb | None = None) -> arb | None:
@@ -96,28 +96,27 @@ def sharpened(f: Function, s: arb, slopes: Sequence[arb]) -> tuple[arb, arb]:
     """(zero, slope there) with all digits in use, of the only zero in a ball s that has few.
 
     slopes: f1, f2, f3, the derivatives of f on all of s. From x near the zero, d = -f(x)/(f1(x) +
-    R f2) is the interval Newton step in the room R, which Taylor's formula makes sharper, and the
-    slope at x + d is f1(x) + d f2(x) + d^2 f3/2.
+    R f2) is the interval Newton step in the room R, and the slope at x + d is f1(x) + d f2(x) +
+    d^2 f3/2.
     """
     full, x = ctx.prec, s.mid()
-    few = [full]
+    few = [full // 2 + MARGIN]
     while few[-1] > 3 * COARSE:
         few.append(few[-1] // 3 + MARGIN)
     try:
-        for ctx.prec in reversed(few[1:]):
+        for ctx.prec in reversed(few):
             x = (x + _step(*f(x))).mid()
     finally:
         ctx.prec = full
-    falls, bend, jerk = slopes
     for _ in range(NEWTON):
         value, slope, second = f(x)
         step = -value / slope
-        if not abs(step) ** 3 * (abs(bend) + abs(jerk)) > value.rad():
+        if not step * step * abs(second) > value.rad():
             break
-        x = (x + _step(value, slope, second)).mid()
+        x = (x + step).mid()
+    falls, bend, jerk = slopes
     room = arb(0, 2 * abs(step).upper() + arb(2) ** (16 - ctx.prec))
     step = -value / (slope + room * bend)
     if not (falls < 0 and s.contains(x + room) and room.contains_interior(step)):
         raise UndecidedError
-    step = -value / (slope + step * (second + step * jerk / 3) / 2)
     return x + step, slope + step * (second + step * jerk / 2)
