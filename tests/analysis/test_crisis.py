@@ -34,7 +34,7 @@ def reads_well(found):
         assert not re.search(r"\d\.\d{7}|None|inf\b|run\.start|found|\(\(", said)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_crisis_of_the_example(chapter):
     """By runs of 4 million turns and finer samples; the others: test_cli_sweep_explain."""
     found = find_crisis(chapter, RUN, 740.0, 740.3)
