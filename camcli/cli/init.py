@@ -19,6 +19,9 @@ follower:
   damping: 20          # N s/m: oil and friction; 0 to leave it out
   gravity: 0           # m/s2, 9.81 where the weight presses on the cam
   restitution: 0.4     # -, 0..1: speed after an impact over speed before; oiled steel 0.3 to 0.6
+# in the place of stiffness and preload, loads of the spring on the shut and on the open valve, N:
+# spring: {seat_load: 250, nose_load: 650, solid_at: 0.012}   # m, lift at which it is solid
+# contact: {width: 0.012, base_radius: 0.017, follower_radius: null}   # m: for the Hertz pressure
 """
 LAW = """\
 cam:

@@ -500,11 +500,12 @@ class Scene(Section):
         (a, b, x), (d, e, y) = ((*sums[name], value) for name, value in given.items())
         size = a * e - b * d
         rate = (x * e - b * y) / size if size else -1.0
-        if rate < 0.0:
+        preload = (a * y - x * d) / size if size else 0.0
+        if not 0.0 <= rate <= LARGEST or not abs(preload) <= LARGEST:
             found = " and ".join(f"{name} {value:.6g} N" for name, value in given.items())
             lift = f"expected a spring that presses harder at {high:.4g} m than at {low:.4g} m"
             raise SceneError(Fault("", "spring", f"found {found}", lift, "check both loads"))
-        spring = {"stiffness": rate, "preload": (a * y - x * d) / size}
+        spring = {"stiffness": rate, "preload": preload}
         object.__setattr__(self, "follower", self.follower.model_copy(update=spring))
         object.__setattr__(self, "spring", Spring(solid_at=self.spring.solid_at))
         return self
