@@ -27,6 +27,7 @@ class Options(BaseModel):
     animate: bool = False
     report: bool = False
     with_basins: bool = False
+    with_map: bool = False
     source: str = ""
 
     def arguments(self) -> dict[str, Any]:

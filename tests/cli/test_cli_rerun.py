@@ -12,7 +12,11 @@ RUNS = {
     "basins": ("basins", "--cells", "16", "--no-plot"),
     "detach": ("detach", "--points", "3", "--no-plot"),
     "orbits": ("orbits", "--rpm", "700", "--no-plot"),
-}
+    "explore": (
+        "explore", "--rpm", "700:701", "--points", "2,2", "--with", "map", "--vary",
+        "follower.preload=0:5", "--set", "orbits.starts=0", *TURNS,
+    ),
+}  # fmt: skip
 
 
 @pytest.fixture
