@@ -47,7 +47,7 @@ class Parallelogram:
         spread = jacobian * self.frame
         a, b, c, d = (unit.inv() * spread).mid().entries()
         first, second = (x.rad() for x in self.error.entries())
-        if (a * a + c * c) * first**2 < (b * b + d * d) * second**2:
+        if (a * a + c * c) * first**2 <= (b * b + d * d) * second**2:
             a, c = b, d  # the longer side keeps its direction
         frame = (unit * arb_mat([[a, -c], [c, a]]) / (a * a + c * c).sqrt()).mid()
         try:
