@@ -229,9 +229,10 @@ class Smoother:
         u = turn.theta * n / 360.0
         self.interval = np.minimum(u.astype(int), n - 1)
         self.weights = basis(u - self.interval)
-        share = np.sqrt(_shares(turn.lift))
-        factors = self.weights * share[:, None]
-        self.normal, self.right = self._equations(self.interval, factors, turn.lift * share)
+        self.shares = _shares(turn.lift)
+        root = np.sqrt(self.shares)
+        factors = self.weights * root[:, None]
+        self.normal, self.right = self._equations(self.interval, factors, turn.lift * root)
         self.rows_per_knot = len(turn.lift) / n
         self.fits: dict[bytes, Fit] = {}
 
@@ -455,7 +456,7 @@ class Errors:
         accels, most = np.abs(s.accels(self.fit)), int(np.argmax(self.changes[0]))
         middle = s.moving[[np.argmax(accels) // 2]]
         answer = s.response(self.fit, middle, basis(np.array([0.5]), 2))
-        answer = at(answer, s.interval, s.weights)[turn.line > 0]
+        answer = (s.shares * at(answer, s.interval, s.weights).T).T[turn.line > 0]
         bound = float(max(self.bounds))
         jump = self.changes[0][most] > BALANCE * max(self.standard) and self.ratio < JUMP
         return Accuracy(

@@ -126,6 +126,14 @@ def test_the_fit_and_its_error_are_those_of_dense_algebra(tmp_path, lobe):
         answer = oracle.rows[:, oracle.free] @ inverse @ oracle.weights(i, 0.0, 2)[oracle.free]
         standard = cam.accuracy.noise * np.sqrt(answer @ answer) / knot**2
         assert errors.standard[k] == pytest.approx(standard, rel=1e-6, abs=1e-12)
+        assert errors.bounds[i] >= 4.0 * standard * (1.0 - 1e-6)
+    accels = [
+        abs(oracle.weights(i, t, 2) @ coefficients) for i in smoother.moving for t in (0, 0.5)
+    ]
+    middle = oracle.weights(smoother.moving[np.argmax(accels) // 2], 0.5, 2)
+    answer = oracle.rows[:, oracle.free] @ inverse @ middle[oracle.free] * np.sqrt(shares)
+    worst = 0.5 * turn.quantum * np.abs(answer).sum() / knot**2
+    assert cam.accuracy.worst == pytest.approx(worst, rel=1e-6)
     assert cam.accuracy.bound == pytest.approx(max(errors.bounds), rel=1e-12)
 
 
