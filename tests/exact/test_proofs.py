@@ -187,6 +187,10 @@ def test_a_branch_is_stable_from_event_to_event(high):
     assert (one.low, interval(one.high).mid) == ("690.0", pytest.approx(739.319780216, abs=1e-9))
     said = " ".join(high.summary["words"])
     assert f"P(1;1) exists and is stable for all rpm from 690.0 to {one.high}" in said
+    (doubled,) = (r for r in high.values.proofs.ranges if r.stable and r.label == "P(2;1:1)")
+    assert doubled.failed_step is None
+    assert interval(doubled.high).mid == pytest.approx(739.3779296493, abs=5e-11)
+    assert 0 < float(doubled.low) - mpf(interval(one.high).mid) < 1e-3  # beside its birth
 
 
 def test_fold_and_doubling_of_the_orbit_of_three_turns(three):

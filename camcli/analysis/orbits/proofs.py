@@ -47,6 +47,7 @@ HALVINGS = 40  # of the bracket of a change: some twelve digits more
 MOST_IMPACTS = 64  # in one period
 REACHES = (0.3, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the way to the next point: boxes about events
 MOST_BOXES = 2400  # of one range, over the number of impacts
+STEEP = 4.0  # times the mean slope: near a fold, or where a doubled orbit is born
 SLOWEST = 0.2  # of them may be spent before the first progress
 OVERLAP = 1.01  # of a box with the next one
 NARROWEST = 1e-12  # of a range: a box this narrow that fails ends the proof
@@ -481,14 +482,20 @@ def _ranges(
     """A piece as one range: boxes about its ends, then box after box from one to the other.
 
     Where the box about an event fails, the range goes to the point beside it. The boxes lean along
-    the parameter; where an end is a fold, along the unknown that goes through it. The branch is
-    continuous, so the parameter takes all values between those of the ends.
+    the parameter; where the branch is steep, along the unknown that changes most: it is continuous,
+    so that the parameter takes all values between those of the ends.
     """
-    middle = points[len(points) // 2]
-    if middle.root is None:
+    middle, roots = points[len(points) // 2], [p.root for p in points if p.root is not None]
+    if len(roots) < len(points):
         raise NotProvedError(Step.MODEL)
-    shooting, ends, gaps = shooting_of(system, middle.root), list[End](), list[Range]()
-    fixed = 2 * middle.root.count
+    shooting, ends, gaps = shooting_of(system, roots[len(roots) // 2]), list[End](), list[Range]()
+    changes = [abs(a - b) for a, b in zip(roots[0].x, roots[-1].x, strict=True)]
+    fixed, span = max(range(len(changes) - 1), key=changes.__getitem__), changes[-1]
+    if not any(
+        abs(r.tangent[fixed]) * span > STEEP * changes[fixed] * abs(r.tangent[-1])
+        for r in (roots[0], roots[-1])
+    ):
+        fixed = 2 * shooting.n
     for at, inner in ((points[0], points[1]), (points[-1], points[-2])):
         event = _event_at(at, events)
         if at.root is None or inner.root is None:
@@ -498,8 +505,6 @@ def _ranges(
             continue
         try:
             ends.append(_about(shooting, at.root, inner.root, event.located, middle.stable))
-            if event.kind == Kind.FOLD:
-                fixed = _given(event.located, at.root)
         except NotProvedError as failed:
             ends.append(_plain(shooting, inner.root))
             low, high = sorted((at.value, inner.value))
@@ -552,7 +557,8 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
     width, guess, before = (end - at) / 16, [x.mid() for x in start.orbit], start.box
     least, begun, orbit = abs(width) * 16 * NARROWEST, at, start.orbit
     count = boxes = 0
-    while count < MOST_BOXES // shooting.n * max(SLOWEST, float((at - begun) / (end - begun))):
+    done, first = 0.0, least  # of the way, in steps that grow like the distance from its beginning
+    while count < MOST_BOXES // shooting.n * max(SLOWEST, done):
         count += 1
         whole = not abs(width) < abs(end - at)  # the last box, which overlaps the end
         half = ((end - at if whole else width) / 2).mid()
@@ -573,7 +579,8 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
                 raise
             continue
         before, width, at = box, width * 1.5, (at + 2 * half).mid()
-        boxes += 1
+        first, boxes = first if boxes else 2 * abs(half), boxes + 1
+        done = float((1 + abs(at - begun) / first).log() / (1 + abs(end - begun) / first).log())
         if whole:
             if not box.holds(stop.orbit):
                 raise NotProvedError(Step.SINGULAR)
