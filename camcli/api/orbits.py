@@ -461,7 +461,7 @@ def _proved(result: OrbitsResult) -> Iterator[str]:
         return
     name, proofs = result.question.parameter, result.proofs
     named = [
-        (f"{o.label} at {o.value!r}{WHOSE[p.holds_for]}" if p.proved else str(o.label), p)
+        (f"{o.label}, {name} = {o.value!r}{WHOSE[p.holds_for]}" if p.proved else str(o.label), p)
         for o, p in zip(result.orbits, proofs.orbits, strict=True)
     ]
     named += [
