@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from math import inf
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from pydantic_core import to_json
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
 ROWS = 1 << 12  # rows that become a block at a time
 KINDS = {float, int, str, type(None)}
-SAME_FORM = 1e-4  # magnitude from which JSON and Python write a number alike
+SAME_FORM, EXPONENT = 1e-4, 1e16  # magnitudes between which JSON and Python write a number alike
 
 
 @dataclass(frozen=True, repr=False)
@@ -131,8 +130,8 @@ def _texts(column: Any) -> list[str]:
         return ["" if value is None else str(value) for value in values]
     # The same shortest digits as Python's, several times as fast.
     texts = to_json(values)[1:-1].decode().split(",")
-    if float in kinds:  # small numbers and what is no number look different
+    if float in kinds:  # others look different, each in some version of pydantic
         for k, value in enumerate(values):
-            if not SAME_FORM <= abs(value) < inf:
+            if not SAME_FORM <= abs(value) < EXPONENT:
                 texts[k] = repr(value)
     return texts
