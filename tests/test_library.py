@@ -47,6 +47,7 @@ def test_columns_are_arrays_of_the_numbers_in_the_file(tmp_path):
     result.save(tmp_path, plot=False)
     read = np.genfromtxt(tmp_path / "impacts.csv", delimiter=",", names=True)
     table = result.tables["impacts"]
+    assert set(dict(table)) == set(table.columns) == set(table)
     for column in table.columns:
         np.testing.assert_array_equal(table[column], read[column])
     assert result.tables["speeds"]["label"].dtype.kind == "U"

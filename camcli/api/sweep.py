@@ -116,6 +116,7 @@ def sweep(
         cure = "vary a second number: --vary KEY=LO:HI"
         raise SceneError(Fault("--curves", "sweep.vary", "found no map", "expected two", cure))
     key, values, setup = span_of(machine, section)
+    branches = [] if section.branches is None else read_branches(section.branches, key)
     if section.zoom:
         values += [x for part in section.zoom for x in rpm_grid(part.start, part.stop, part.num)]
         values = sorted(set(values), reverse=values[0] > values[-1])
@@ -140,7 +141,7 @@ def sweep(
             motions, explanation = _explained(machine, found, progress, work)
         else:
             motions, explanation = [], None
-    return _result(machine, found, motions, explanation, watch.seconds)
+    return _result(machine, found, branches, motions, explanation, watch.seconds)
 
 
 def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
@@ -222,6 +223,8 @@ def read_branches(path: str | PathLike, key: str) -> list[Branch]:
     try:
         rows = _rows(path)
         (column,) = _columns(rows, [key])
+        if len({row[column] for row in rows}) == 1 < len(rows):
+            raise ValueError("solved along another parameter")
         phases = [name for name in rows[0] if name.startswith("theta_deg_")]
         return [
             Branch(
@@ -232,8 +235,12 @@ def read_branches(path: str | PathLike, key: str) -> list[Branch]:
             )
             for some in (list(members) for _, members in groupby(rows, lambda row: row["branch"]))
         ]
-    except BAD_FILE:
-        raise SceneError(Fault("--branches", str(path), "found none", expected, cure)) from None
+    except BAD_FILE as error:
+        raise SceneError(Fault("--branches", str(path), _bad(error), expected, cure)) from None
+
+
+def _bad(error: Exception) -> str:
+    return "found no such file" if isinstance(error, FileNotFoundError) else "found none"
 
 
 def _rows(path: str | PathLike) -> list[dict[str, str]]:
@@ -265,8 +272,8 @@ def read_curves(
                 for ends, members in groupby(rows, lambda row: (row["curve"], row["kind"]))
             )
         ]
-    except BAD_FILE:
-        raise SceneError(Fault("--curves", str(path), "found none", expected, cure)) from None
+    except BAD_FILE as error:
+        raise SceneError(Fault("--curves", str(path), _bad(error), expected, cure)) from None
 
 
 def _explained(
@@ -291,14 +298,13 @@ def _explained(
 def _result(
     machine: Machine,
     found: Sweep,
+    branches: list[Branch],
     motions: list[Motion],
     explanation: Explanation | None,
     seconds: float,
 ) -> Result:
     scene, section = machine.scene, machine.scene.sweep
     cost, summary = found.cost, _summary(found)
-    path = section.branches
-    branches = [] if path is None else read_branches(path, found.key)
     tables: dict[str, Table] = {
         name: Table((found.key, *columns), partial(blocks, found, name))
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))

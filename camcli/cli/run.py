@@ -276,9 +276,8 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
             from camcli.api.lift_table import bound_line
 
             print(bound_line(record["error"]["lift_table"]))
-    for text in result.notes:
-        if not (request.quiet and text.startswith("warning")):
-            note(text)
+    for text in () if request.quiet and result.complete else result.notes:
+        note(text)
 
 
 def compiling(request: Request) -> AbstractContextManager[Stopwatch]:

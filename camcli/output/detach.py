@@ -38,7 +38,8 @@ def plainly(result: ContactLoss) -> list[str]:
         if first.rpm > max(rpms):
             said.append(f"contact is held at every speed up to {max(rpms):.10g} rpm, all asked for")
         elif first.rpm < min(rpms):
-            said.append(f"contact is lost at every speed asked for, {min(rpms):.10g} rpm and above")
+            beyond = " and above" if len(rpms) > 1 else ""
+            said.append(f"contact is lost at every speed asked for, {min(rpms):.10g} rpm{beyond}")
     told = [h for h in result.holds if h.status is not HoldStatus.OK]
     return said + [f"{WAYS[h.quantity]}: {spring(h)}" for h in told]
 

@@ -59,6 +59,13 @@ class Table:
         found = np.concatenate(parts) if parts else np.empty(0)
         return found.astype(np.int64) if found.dtype.kind in "iu" else found
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def keys(self) -> tuple[str, ...]:
+        """The names, so that ``dict(table)`` has every column."""
+        return self.columns
+
     def __len__(self) -> int:
         return sum(_length(block) for block in self.blocks())
 

@@ -78,8 +78,10 @@ def _past(result: Any) -> Iterator[str]:
         return
     u, theta, lift, *_ = max(rows)
     gap, top, shut = (max(row[k] for row in rows) for k in (3, 4, 5))
+    lowest = min(row[4] for row in rows)
     mm, speed = units_of(result.system).lengths, f"{u:.0f}" if u >= 10.0 else f"{u:.2g}"
-    yield f"; past it, up to {top:.6g} rpm, the follower lands at up to {speed} m/s"
+    where = f"at {top:.6g} rpm" if lowest == top else f"from {lowest:.6g} to {top:.6g} rpm"
+    yield f"; past it, {where}, the follower lands at up to {speed} m/s"
     yield f" ({theta:.4g} deg, {mm(lift)} above its lowest), flies up to {mm(gap)} off the cam"
     yield f", and bounces on the shut cam ({shut:.2g} a turn at most)" if shut else ""
 
@@ -87,17 +89,25 @@ def _past(result: Any) -> Iterator[str]:
 def _springs(result: Any) -> Iterator[str]:
     """The springs of --hold-to."""
     holds, units = getattr(result.values, "holds", ()), units_of(result.system)
+    if not holds:
+        return
+    rpm, margin = result.scene.detach.hold_to, result.values.margin
+    asked = f"up to {rpm:g} rpm of the cam with {margin:.3g} N to spare"
+    enough = any(
+        hold.status is HoldStatus.NOT_NEEDED
+        or (hold.quantity is loss.Quantity.HOLD_STIFFNESS and hold.stiffness is not None
+            and hold.stiffness <= result.system.follower.stiffness)
+        for hold in holds
+    )  # fmt: skip
+    if enough:
+        yield f"The present spring holds {asked}"
+        return
     springs = [
         f"{WAYS[hold.quantity]}: {spring_words(hold, units)}"
         for hold in holds
         if hold.status is HoldStatus.OK
     ]
-    if holds:
-        rpm, margin = result.scene.detach.hold_to, result.values.margin
-        what = (
-            "; or ".join(springs) if springs else "none can be named, or none is needed: see below"
-        )
-        yield f"To hold up to {rpm:g} rpm of the cam with {margin:.3g} N to spare: {what}"
+    yield f"To hold {asked}: {'; or '.join(springs) or 'no spring can be named, see below'}"
 
 
 def _tolerances(result: Any) -> Iterator[str]:
@@ -110,7 +120,10 @@ def _tolerances(result: Any) -> Iterator[str]:
         f"Within the tolerances ({off}) contact holds up to {found['median_rpm']:.4g} rpm of the "
         f"cam in half of the machines, up to {found['worst_rpm']:.4g} in the worst"
     )
+    usable = [hold.quantity for hold in result.values.holds if hold.status is HoldStatus.OK]
     for quantity, spring in found["springs"].items():
+        if loss.Quantity(quantity) not in usable:
+            continue
         yield (
             f"With {WAYS[loss.Quantity(quantity)]} {100.0 * spring['chance']:.3g} % of them hold "
             f"up to {result.scene.detach.hold_to:g}, the worst up to {spring['worst_rpm']:.4g}"

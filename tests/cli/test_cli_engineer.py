@@ -65,6 +65,14 @@ def test_a_run_begins_with_a_verdict(cam, begun):
     assert " N to spare: a stiffer spring with the same preload: " in verdict
     assert "; or another spring: " in verdict
 
+    done = cam("detach", "-c", "lobe.yaml", *short, "--hold-to", "1000")
+    assert "The present spring holds up to 1000 rpm" in done.stdout.splitlines()[0]
+
+    solid = ("--set", "spring.solid_at=0.0101", "--tolerance", "follower.mass=5%")
+    done = cam("detach", "-c", "lobe.yaml", *short, "--hold-to", "5000", *solid)
+    assert "impossible" in done.stdout
+    assert "With more preload" not in done.stdout.splitlines()[0]
+
     done = cam("sweep", "-c", "lobe.yaml", *short)
     assert done.stdout.startswith(f"Contact holds up to {speed:.0f} +- ")
     assert " rpm, the follower lands at up to " in done.stdout.splitlines()[0]
