@@ -235,12 +235,10 @@ def read_branches(path: str | PathLike, key: str) -> list[Branch]:
             )
             for some in (list(members) for _, members in groupby(rows, lambda row: row["branch"]))
         ]
-    except BAD_FILE as error:
-        raise SceneError(Fault("--branches", str(path), _bad(error), expected, cure)) from None
-
-
-def _bad(error: Exception) -> str:
-    return "found no such file" if isinstance(error, FileNotFoundError) else "found none"
+    except SceneError:
+        raise
+    except BAD_FILE:
+        raise SceneError(Fault("--branches", str(path), "found none", expected, cure)) from None
 
 
 def _rows(path: str | PathLike) -> list[dict[str, str]]:
@@ -272,8 +270,10 @@ def read_curves(
                 for ends, members in groupby(rows, lambda row: (row["curve"], row["kind"]))
             )
         ]
-    except BAD_FILE as error:
-        raise SceneError(Fault("--curves", str(path), _bad(error), expected, cure)) from None
+    except SceneError:
+        raise
+    except BAD_FILE:
+        raise SceneError(Fault("--curves", str(path), "found none", expected, cure)) from None
 
 
 def _explained(
