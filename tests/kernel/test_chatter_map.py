@@ -52,7 +52,9 @@ def hop(rows, guess):
     """(duration, landing rate) of a hop by Newton on gap/s, None where it does not land."""
     s, highest_first = guess, rows[::-1]
     for _ in range(40):
-        value, slope = mp.polyval(highest_first, s, derivative=True)
+        value = slope = mpf(0)
+        for row in reversed(rows):
+            slope, value = slope * s + value, value * s + row
         if not slope < 0:
             return None
         step = value / slope
