@@ -50,7 +50,7 @@ def series(case, t, rate):
 
 def hop(rows, guess):
     """(duration, landing rate) of a hop by Newton on gap/s, None where it does not land."""
-    s, highest_first = guess, rows[::-1]
+    s = guess
     for _ in range(40):
         value = slope = mpf(0)
         for row in reversed(rows):
