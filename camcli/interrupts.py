@@ -44,8 +44,11 @@ def _handle(number: int, frame: object) -> None:
 
 
 def look() -> None:
-    """Raise KeyboardInterrupt where a signal has come that may not have been seen."""
-    if _came and not _holding:
+    """Raise KeyboardInterrupt where a signal has come that may not have been seen.
+
+    Not once the first has reached the end of the command: another one is no other news.
+    """
+    if _came and not _holding and not _ending:
         raise KeyboardInterrupt
 
 

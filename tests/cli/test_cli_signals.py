@@ -50,9 +50,10 @@ def test_a_signal_ends_what_would_take_minutes(tmp_path, signals):
 
 SWALLOWING = """
 import os, signal
+from camcli.cli import exit_codes
 from camcli.cli.app import main
 from camcli.parallel.work import Kept
-real = Kept.put
+real, said = Kept.put, exit_codes.note
 def put(*args):
     try:
         os.kill(os.getpid(), signal.SIGINT)
@@ -60,7 +61,10 @@ def put(*args):
     except KeyboardInterrupt:
         pass
     return real(*args)
-Kept.put = put
+def note(text):
+    os.kill(os.getpid(), signal.SIGINT)  # once more, while the end is told
+    said(text)
+Kept.put, exit_codes.note = put, note
 main()
 """
 
