@@ -52,6 +52,11 @@ def look() -> None:
         raise KeyboardInterrupt
 
 
+def came() -> bool:
+    """Whether a signal has come: what fails after it is the interrupt in another dress."""
+    return _came
+
+
 def arrived() -> None:
     """Say that the interrupt has reached the end of the command: nobody has swallowed it."""
     global _ending

@@ -13,7 +13,7 @@ from io import BytesIO, TextIOWrapper
 from typing import TextIO
 
 from camcli.errors import Fault, SceneError
-from camcli.interrupts import arrived
+from camcli.interrupts import arrived, came
 
 DONE, INTERNAL, USAGE, NUMERICS, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -38,6 +38,9 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
         code, faults = INTERRUPTED, [_only("interrupted")]
     except Exception as error:
         code, faults = _failure(error)
+        if came():  # a library made another error of it
+            arrived()
+            code, faults = INTERRUPTED, [_only("interrupted")]
     for fault in faults:
         note(str(fault))
     with suppress(SceneError):

@@ -74,3 +74,10 @@ def test_a_signal_that_a_library_swallows_is_seen_at_the_next_piece(tmp_path, th
     words = ("sweep", "--points", "50", "--no-plot", "--threads", threads)
     code, said = ended(begin([sys.executable, "-c", SWALLOWING, *words], tmp_path))
     assert (code, "interrupted" in said) == (130, True), said
+
+
+def test_a_signal_that_a_library_makes_another_error_of_is_an_interrupt(tmp_path):
+    words = ("sweep", "--points", "50", "--no-plot", "--threads", "1")
+    script = SWALLOWING.replace("        pass\n", "        raise RuntimeError('half imported')\n")
+    code, said = ended(begin([sys.executable, "-c", script, *words], tmp_path))
+    assert (code, "interrupted" in said, "internal fault" in said) == (130, True, False), said
