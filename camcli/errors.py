@@ -54,7 +54,7 @@ STATUS_WORDS = {
     Status.PAUSED: ("the work was interrupted", "run the same command again"),
     Status.WORK_BUDGET: (
         "the budget of work was used up, the rest is left out",
-        "raise orbits.budget, or detach.budget",
+        "raise run.work_budget",
     ),
 }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -19,10 +20,12 @@ from camcli.api.result import (
     Machine,
     Progress,
     Result,
+    budget_of,
     counted,
     machine_of,
     status_notes,
     ticks,
+    trouble,
 )
 from camcli.api.vary import refuse_to_explain, span_of
 from camcli.errors import Status
@@ -105,7 +108,7 @@ def classify(
             ticks(progress, "speeds", len(values)),
             setup,
         )
-        explanation = _explanation(machine, motions, progress) if section.explain else None
+        explanation = explanation_of(machine, motions, progress) if section.explain else None
 
     def draw():
         from camcli.plots.classify import draw_classify
@@ -114,6 +117,7 @@ def classify(
         return draw_classify(motions, machine.system, events, key)
 
     troubled = [(m.value, m.status) for m in motions if m.status != Status.OK]
+    cut = trouble(explanation.status) if explanation else []
     return Result(
         command="classify",
         scene=machine.scene,
@@ -131,18 +135,22 @@ def classify(
         pictures={"classify": draw},
         cost=sum((m.cost for m in motions), explanation.cost if explanation else Cost()),
         seconds=watch.seconds,
-        notes=tuple(status_notes(troubled, key)),
-        complete=not troubled,
+        notes=(*status_notes(troubled, key), *cut),
+        complete=not troubled and not cut,
     )
 
 
-def _explanation(machine: Machine, motions: list[Motion], progress) -> Explanation:
-    """The changes of the motion from the scene's own start."""
+def explanation_of(
+    machine: Machine, motions: list[Motion], progress: Progress | None
+) -> Explanation:
+    """The changes of the motion from the scene's own start, as far as run.work_budget goes."""
     from camcli.analysis.explain.changes import explain
 
     own = [m for m in motions if m.start == machine.settings.start]
     tick = ticks(progress, "changes", max(1, len(own) - 1))
-    return explain(machine.system, machine.settings, own, tick)
+    with budget_of(machine.scene, progress) as budget:
+        found = explain(machine.system, machine.settings, own, tick)
+    return replace(found, status=budget.status)
 
 
 def corners_table(explanation: Explanation | None) -> Table:

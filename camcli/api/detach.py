@@ -11,14 +11,13 @@ from camcli.analysis.contact_loss.detachment import SpeedStatus
 from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
-from camcli.analysis.integrate import budgeted
 from camcli.analysis.sweep import rpm_grid
 from camcli.api.result import (
     Machine,
     Progress,
     Result,
+    budget_of,
     machine_of,
-    share,
     status_notes,
     ticks,
     trouble,
@@ -96,8 +95,7 @@ def detach(
         machine = replace(machine, scene=scene)
     machines = tolerated(machine)
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
-    tick = share(progress, "of detach.budget")
-    with stopwatch() as watch, budgeted(section.budget, tick) as budget:
+    with stopwatch() as watch, budget_of(scene, progress) as budget:
         found = run(
             system,
             rpms,

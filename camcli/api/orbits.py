@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from camcli.analysis.after_rest import HoldsFor
-from camcli.analysis.integrate import Cost, budgeted
+from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Curve, Plane
@@ -21,7 +21,7 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
-from camcli.api.result import Machine, Progress, Result, machine_of, share, ticks, trouble
+from camcli.api.result import Machine, Progress, Result, budget_of, machine_of, ticks, trouble
 from camcli.api.sweep import IMPACTS, STROBE, blocks
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
@@ -114,14 +114,14 @@ def orbits(
     keys = {_constant(axis): axis.key for axis in section.vary}
     with stopwatch() as watch:
         tick = ticks(progress, "branches", question.branches + 2)
-        with budgeted(section.budget, share(progress, "of orbits.budget")) as budget:
+        with budget_of(scene, progress) as budget:
             found = run(system, machine.settings, question, tick)
+            if prove:
+                from camcli.analysis.orbits.proofs import prove as proofs_of
+
+                found = replace(found, proofs=proofs_of(system, found))
         if section.simulated and question.span is not None:
             simulated = _simulated(machine, found.question, section.simulated)
-        if prove:
-            from camcli.analysis.orbits.proofs import prove as proofs_of
-
-            found = replace(found, proofs=proofs_of(system, found))
 
     def draw():
         from camcli.plots.orbits import draw_orbits

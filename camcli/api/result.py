@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, fields
 from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from camcli.analysis.integrate import Cost, Settings, Start
+from camcli.analysis.integrate import Budget, Cost, Settings, Start, budgeted
 from camcli.errors import Status
 from camcli.scene import Scene, load_scene, resolved, scene_hash
 from camcli.system import Follower, System
@@ -239,9 +240,10 @@ def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., Non
     return tick
 
 
-def share(progress: Progress | None, what: str) -> Callable[[int, int], None]:
-    """A function to call with how much is done, and of how much at most."""
-    return lambda done, most: None if progress is None else progress(what, done, most)
+def budget_of(scene: Scene, progress: Progress | None) -> AbstractContextManager[Budget]:
+    """Let the work in the block end where run.work_budget is spent."""
+    tell = progress or (lambda *_: None)
+    return budgeted(scene.run.work_budget, partial(tell, "of run.work_budget"))
 
 
 def trouble(status: Status) -> list[str]:

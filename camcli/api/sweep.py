@@ -17,7 +17,7 @@ from camcli.analysis.labels import CONTACT
 from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
-from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks
+from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks, trouble
 from camcli.api.simulate import height_notes
 from camcli.api.vary import Varied, refuse_to_explain, span_of
 from camcli.cams.files import decoded, read_bytes
@@ -281,7 +281,7 @@ def _explained(
 ) -> tuple[list[Motion], Explanation]:
     """The motions from the scene's own start, and the causes of their changes."""
     from camcli.analysis.classify import classify
-    from camcli.analysis.explain.changes import explain
+    from camcli.api.classify import explanation_of
 
     rpms = list(dict.fromkeys(speed.rpm for speed in found.bare))
     motions = classify(
@@ -291,8 +291,7 @@ def _explained(
         threads=work.threads,
         on_speed=ticks(progress, "motions", len(rpms)),
     )
-    tick = ticks(progress, "changes", len(motions) - 1)
-    return motions, explain(machine.system, machine.settings, motions, tick)
+    return motions, explanation_of(machine, motions, progress)
 
 
 def _result(
@@ -304,7 +303,7 @@ def _result(
     seconds: float,
 ) -> Result:
     scene, section = machine.scene, machine.scene.sweep
-    cost, summary = found.cost, _summary(found)
+    cost, summary, cut = found.cost, _summary(found), []
     tables: dict[str, Table] = {
         name: Table((found.key, *columns), partial(blocks, found, name))
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
@@ -317,6 +316,7 @@ def _result(
 
         cost = sum((motion.cost for motion in motions), cost + explanation.cost)
         summary |= explained(explanation)
+        cut = trouble(explanation.status)
         tables["corners"] = corners_table(explanation)
 
     def draw():
@@ -338,8 +338,8 @@ def _result(
         pictures={"sweep": draw},
         cost=cost,
         seconds=seconds,
-        notes=(*heights, *_unknown(found), *status_notes(troubled, found.key)),
-        complete=not troubled,
+        notes=(*heights, *_unknown(found), *status_notes(troubled, found.key), *cut),
+        complete=not troubled and not cut,
     )
 
 

@@ -150,7 +150,8 @@ def forecast(
     """Print what the run would do and cost; nothing is written."""
     size, share = size_of(command, scene), 1 if shard is None else shard.total
     notes = [f"shard {shard.number} of {shard.total}: pieces only, no tables"] if shard else []
-    if getattr(getattr(scene, command, None), "explain", False):
+    explains = getattr(getattr(scene, command, None), "explain", False)
+    if explains:
         notes.append("what --explain takes is not known before: 5 to 15 s for many a change")
     if command == "detach" and scene.detach.tolerance:
         notes.append(f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each")
@@ -168,9 +169,9 @@ def forecast(
             notes.append(
                 f"a small part of it took {MOST:g} s: how long it takes is not known before"
             )
-    if seconds is None and command in BOUNDED:
-        most = getattr(scene, command).budget
-        notes.append(f"{command}.budget = {most} ends it after some {PER_WORK * most:.0f} s")
+    if explains or (seconds is None and command in BOUNDED):
+        most = scene.run.work_budget
+        notes.append(f"run.work_budget = {most} ends it after some {PER_WORK * most:.0f} s")
     files = None if tables is None else ceil(tables + RECORD + (0 if request.no_plot else PICTURE))
     plan = {
         "orbits": ceil(size.orbits / share),

@@ -52,6 +52,7 @@ class Step(StrEnum):
     CROSSING = "the crossing condition could not be shown"
     NUMBER = "the value lies outside the error that is claimed for it"
     BOXES = "more boxes would be needed than are tried"
+    WORK_BUDGET = "the budget of work was used up"
     MODEL = "it rests on the cam in a way that is not followed exactly"
 
 

@@ -13,6 +13,7 @@ from camcli.analysis.explain.crisis import Crisis, CrisisKind
 from camcli.analysis.explain.events import Event
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
+from camcli.errors import Status
 from camcli.plots.event_words import event_words
 
 MOST_DECIMALS = 9  # of a speed in rpm
@@ -21,6 +22,7 @@ MOST_DECIMALS = 9  # of a speed in rpm
 def explained(explanation: Explanation) -> dict[str, Any]:
     """Events and changes for run.json."""
     return {
+        "status": explanation.status.text,
         "events": [
             {
                 "rpm": e.rpm, "error": e.error, "kind": e.kind, "label": e.label,
@@ -78,6 +80,8 @@ def change_sentence(change: Change, events: Sequence[Event]) -> str:
             return "; ".join(_coexists(label, events) for label in change.persists)
         lives = "the chaotic attractor lives on at both speeds, the start changes basins."
         return " ".join([lives, *tried])
+    if change.status != Status.OK:
+        return f"{change.status.text}: {change.status.cause}"
     if change.cause == UNEXPLAINED:
         said = (
             "tried: bifurcations of solved branches, none lies in it; branches through it, none is "

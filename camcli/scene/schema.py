@@ -34,7 +34,6 @@ MOST_TURNS = 10**9
 MOST_SPEEDS = 10_000_000
 MOST_MOTIONS = MOST_SPEEDS  # speeds times starts
 MOST_CELLS = 16_384  # along one side of a window
-BUDGET = 1_000_000_000  # of work that cannot be forecast: some minutes
 LARGEST = 1e15  # of a constant of the follower, SI
 FARTHEST, QUICKEST = 1e9, 1e12  # of a start: m and m/s
 Constant = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
@@ -127,6 +126,13 @@ class Run(Section):
     )
     impact_budget: Whole = Field(
         1_000_000, ge=1, le=10**15, description="impacts in one turn before the run is given up"
+    )
+    work_budget: Whole = Field(
+        1_000_000_000,  # some minutes
+        ge=1,
+        le=10**15,
+        description="gap evaluations, or work that takes as long, of what cannot be foreseen "
+        "(detach, orbits, --explain) before the rest is left out",
     )
 
 
@@ -286,16 +292,6 @@ class DetachRange(RpmRange):
     num: Whole = Field(181, ge=1, le=MOST_SPEEDS, description="number of speeds")
 
 
-Budget = Annotated[
-    Whole,
-    Field(
-        ge=1,
-        le=10**15,
-        description="gap evaluations, or work that takes as long, before the rest is left out",
-    ),
-]
-
-
 class Detach(Section):
     """What `cam detach` looks for; it always starts from rest."""
 
@@ -320,7 +316,6 @@ class Detach(Section):
         None,
         description="preload per stiffness where hold_to chooses both, m; null: as it is",
     )
-    budget: Budget = BUDGET
     tolerance: Annotated[tuple[Tolerance, ...], BeforeValidator(items)] = Field(
         (), max_length=6, description="numbers of the machine that may be off"
     )
@@ -378,7 +373,6 @@ class Orbits(Varying):
     curve_range: Annotated[tuple[Constant, Constant] | None, BeforeValidator(items)] = Field(
         None, description="range of curve_in; null: orbits.range if rpm is the first parameter"
     )
-    budget: Budget = BUDGET
 
 
 class BasinsRange(RpmRange):

@@ -40,6 +40,25 @@ def test_a_range_is_explained_with_its_sentences(cam, tmp_path):
     assert "as predicted" in said
 
 
+@pytest.mark.parametrize(
+    ("rpm", "budget", "kinds", "words"),
+    [("736:740", 200_000, ["period-doubling"], "P(1;1)"), ("740.15:740.4", 9_999, [], "budget")],
+)
+def test_a_budget_of_work_keeps_the_causes_found(cam, tmp_path, rpm, budget, kinds, words):
+    """Cut on a branch, of which a doubling was seen; and before the search for a crisis."""
+    asked = ("--rpm", rpm, "--points", "2", "--set", f"run.work_budget={budget}")
+    done = cam("classify", "--explain", "--no-plot", "-o", "out", *asked)
+    assert done.returncode == 3
+    assert "work-budget: the budget of work was used up" in done.stderr
+    assert "raise run.work_budget" in done.stderr
+    result = json.loads((tmp_path / "out" / "run.json").read_text())["result"]
+    assert result["status"] == "work-budget"
+    assert [event["kind"] for event in result["events"]] == kinds
+    (change,) = result["changes"]
+    assert change["cause"] == (kinds or ["unexplained"])[0]
+    assert words in change["words"]
+
+
 @pytest.mark.slow
 def test_the_low_range_is_explained(cam, tmp_path):
     result = explained(cam, tmp_path, "--rpm", "110:200", "--points", "46")

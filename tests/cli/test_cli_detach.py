@@ -29,7 +29,7 @@ def bare(tmp_path_factory):
 
 @pytest.mark.parametrize(("budget", "table"), [(200_000, "accumulation"), (800_000, "corner_hits")])
 def test_a_budget_of_work_keeps_what_was_found(bare, cam, tmp_path, budget, table):
-    done = cam("detach", "--no-plot", "--set", f"detach.budget={budget}", "-o", "part")
+    done = cam("detach", "--no-plot", "--set", f"run.work_budget={budget}", "-o", "part")
     assert done.returncode == 3
     assert "the budget of work was used up, the rest is left out; raise" in done.stderr
     result = json.loads((tmp_path / "part" / "run.json").read_text())["result"]

@@ -54,11 +54,11 @@ def test_a_budget_of_work_ends_the_search_and_keeps_what_was_found(
 ):
     """The same rows as far as they go, by either kernel, and a sentence that names the knob."""
     assert cam("orbits", "--no-plot", "-o", "whole", *QUICK).returncode == 0
-    words = ("orbits", "--no-plot", *QUICK, "--set", f"orbits.budget={budget}", "-o")
+    words = ("orbits", "--no-plot", *QUICK, "--set", f"run.work_budget={budget}", "-o")
     done = cam(*words, "part")
     assert done.returncode == 3
     assert "work-budget: the budget of work was used up" in done.stderr
-    assert "raise orbits.budget" in done.stderr
+    assert "raise run.work_budget" in done.stderr
     result = json.loads((tmp_path / "part" / "run.json").read_text())["result"]
     assert result["status"] == "work-budget"
     assert "work-budget" in result["branches"][-1]["ends"]
@@ -74,6 +74,14 @@ def test_a_budget_of_work_ends_the_search_and_keeps_what_was_found(
     assert cam(*words, "other").returncode == 3
     same = [(tmp_path / name / "branch.csv").read_bytes() for name in ("part", "other")]
     assert same[0] == same[1]
+
+
+def test_proofs_share_the_budget_of_work(cam, tmp_path):
+    words = ("--rpm", "700", "--set", "orbits.starts=2", "--set", "run.work_budget=90000")
+    done = cam("orbits", "--prove", "--no-plot", *words, "-o", "out")
+    assert done.returncode == 3
+    assert "not proved: P(1;1): the budget of work was used up" in done.stdout
+    assert [row["proved"] for row in rows(tmp_path / "out" / "branch.csv")] == ["yes", "no"]
 
 
 def test_orbits_at_one_speed(cam, tmp_path):

@@ -13,12 +13,13 @@ from camcli.analysis.classify import COMPLETE, Motion
 from camcli.analysis.explain.attractor import impacts_of
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, find_crisis
 from camcli.analysis.explain.events import Event, Events, find_events
-from camcli.analysis.integrate import Cost, Settings
+from camcli.analysis.integrate import BudgetSpentError, Cost, Settings, spend
 from camcli.analysis.labels import APERIODIC
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.sticking_orbits import follow_sticking
 from camcli.analysis.orbits.study import Bifurcation
+from camcli.errors import Status
 from camcli.system import System
 
 ENLARGED = 1.25  # ratio of the widths of the impact phases that counts as another attractor
@@ -34,7 +35,7 @@ class Change:
     cause: the kinds of its events with + between, `basin` (both attractors exist on both sides, the
     start changes basins) or `unexplained`; persists: labels of the orbits that attract on both
     sides; crisis: the search for one, None where there was none; may_search: False where there was
-    none because MOST_CRISES were made.
+    none because MOST_CRISES were made; status: WORK_BUDGET where the search for a cause was cut.
     """
 
     low: float
@@ -46,16 +47,21 @@ class Change:
     persists: tuple[str, ...] = ()
     crisis: Crisis | None = None
     may_search: bool = True
+    status: Status = Status.OK
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """Events of attractors in the range, the changes of the diagram, and all bifurcations found."""
+    """Events of attractors in the range, the changes of the diagram, and all bifurcations found.
+
+    status: WORK_BUDGET where something was left out.
+    """
 
     events: list[Event]
     changes: list[Change]
     bifurcations: list[Bifurcation]
     cost: Cost
+    status: Status = Status.OK
 
 
 def explain(
@@ -67,6 +73,7 @@ def explain(
     """Every critical speed of the attractors among `motions`, and every change with its cause.
 
     At most MOST_CRISES changes are searched for a crisis; on_change is called after each change.
+    Within an `integrate.Budget` that is spent, causes are those found up to there.
     """
     motions = sorted(motions, key=lambda m: m.rpm)
     found = find_events(system, settings, motions)
@@ -75,7 +82,11 @@ def explain(
     for a, b in pairwise(motions):
         if not changes_between(a, b):
             continue
-        change = _change(system, settings, found, a, b, searches < MOST_CRISES)
+        try:
+            change = _change(system, settings, found, a, b, searches < MOST_CRISES)
+        except BudgetSpentError:
+            ends = (a.rpm, b.rpm, a.label, b.label)
+            change = Change(*ends, UNEXPLAINED, status=Status.WORK_BUDGET)
         if change.crisis is not None:
             cost, searches = cost + change.crisis.cost, searches + 1
         events += [e for e in change.events if e not in found.events]
@@ -115,6 +126,7 @@ def _change(
     resting = _rest_ends(system, settings, a, b)
     if resting is not None:
         return Change(*ends, resting.kind, (resting,))
+    spend(0)  # raises where branches may have been cut short
     persists = tuple(m.label for m in (a, b) if m.orbit is not None and _persists(found, m, a, b))
     chaotic, crisis = [m for m in (a, b) if m.label == APERIODIC], None
     if chaotic and may_search:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from camcli.analysis.classify import COMPLETE, Motion
@@ -10,7 +11,7 @@ from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalSpeed
 from camcli.analysis.contact_loss.study import detach
 from camcli.analysis.explain.crisis import Crisis
-from camcli.analysis.integrate import Cost, Settings
+from camcli.analysis.integrate import BudgetSpentError, Cost, Settings
 from camcli.analysis.labels import CONTACT
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import both_ways
@@ -71,7 +72,8 @@ def find_events(system: System, settings: Settings, motions: Sequence[Motion]) -
     spacing = (high - low) / max(1, len(motions) - 1)
     shooter = Shooter(system, 0.5 * (low + high))
     diagram = Diagram(shooter, settings)
-    _follow(diagram, motions, Span(low, high, max(spacing, (high - low) / POINTS[0])))
+    with suppress(BudgetSpentError):
+        _follow(diagram, motions, Span(low, high, max(spacing, (high - low) / POINTS[0])))
     events = [
         Event(b.value, b.error, b.kind, b.label, b.corner, b.classification, b.status, b)
         for b in diagram.bifurcations

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 from flint import arb
 
 from camcli.analysis.after_rest import CYCLE, HoldsFor, cycle, of_machine
+from camcli.analysis.integrate import BudgetSpentError, spend
 from camcli.analysis.labels import CONTACT, Label
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
@@ -50,6 +51,7 @@ MOST_BOXES = 2400  # of one range, over the number of impacts
 STEEP = 4.0  # times the mean slope: near a fold, or where a doubled orbit is born
 SLOWEST = 0.2  # of them may be spent before the first progress
 OVERLAP = 1.01  # of a box with the next one
+BOXED = 20_000  # evaluations of the gap that take as long as a box, for each of its impacts
 NARROWEST = 1e-12  # of a range: a box this narrow that fails ends the proof
 
 
@@ -138,6 +140,7 @@ def prove_orbit(
     failure = NotProvedError(Step.MODEL)
     for digits in DIGITS:
         try:
+            _spend(len(orbit.theta))
             with precision(digits):
                 if orbit.root is not None:
                     return _bouncing(system, orbit.root, orbit.stable, half)
@@ -158,12 +161,21 @@ def prove_event(system: System, event: Bifurcation, parameter: str = "rpm") -> P
     only.
     """
     try:
+        _spend(len(event.orbit.theta))
         with precision(CHANGE_DIGITS if event.located is None else DIGITS[0]):
             if event.located is not None:
                 return _located(system, event, event.located)
             return _change(system, event, parameter)
     except NotProvedError as failed:
         return Proof(failed.step, failed.refuted)
+
+
+def _spend(impacts: int) -> None:
+    """Count the work of a box; raises NotProvedError where there is a `Budget`, and it is spent."""
+    try:
+        spend(BOXED * max(1, impacts))
+    except BudgetSpentError:
+        raise NotProvedError(Step.WORK_BUDGET) from None
 
 
 def shooting_of(system: System, root: Root) -> Shooting:
@@ -565,6 +577,7 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
         if boxes and before is not None:
             guess = before.at(at + half - before.middle[fixed])
         guess[fixed] = (at + half).mid()
+        _spend(shooting.n)
         try:
             box = shooting.box(guess, fixed, abs(OVERLAP * half))
             shooting.admissible(box.hull())
