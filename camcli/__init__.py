@@ -28,25 +28,15 @@ if TYPE_CHECKING:
     from camcli.scene import Scene, load_scene
     from camcli.system import Follower, System
 
+_ANALYSES = ("basins", "classify", "detach", "explore", "orbits", "simulate", "sweep")
 _PLACES = {
-    "Fault": "camcli.errors",
-    "Follower": "camcli.system",
-    "Result": "camcli.api.result",
-    "Scene": "camcli.scene",
-    "SceneError": "camcli.errors",
-    "System": "camcli.system",
+    **{name: f"camcli.api.{name}" for name in _ANALYSES},
+    **dict.fromkeys(("Result", "plot"), "camcli.api.result"),
+    **dict.fromkeys(("Fault", "SceneError"), "camcli.errors"),
+    **dict.fromkeys(("Scene", "load_scene"), "camcli.scene"),
+    **dict.fromkeys(("Follower", "System"), "camcli.system"),
     "Work": "camcli.parallel",
-    "basins": "camcli.api.basins",
-    "classify": "camcli.api.classify",
-    "detach": "camcli.api.detach",
-    "explore": "camcli.api.explore",
-    "load_scene": "camcli.scene",
-    "orbits": "camcli.api.orbits",
-    "plot": "camcli.api.result",
-    "simulate": "camcli.api.simulate",
-    "sweep": "camcli.api.sweep",
 }
-
 __all__ = [
     "Fault", "Follower", "Result", "Scene", "SceneError", "System", "Work", "__version__", "basins",
     "classify", "detach", "explore", "load_scene", "orbits", "plot", "simulate", "sweep",

@@ -3,7 +3,8 @@
 A handler that only raises can lose its signal: what is raised inside a callback of a C library is
 swallowed there. So the handler also makes a note, which is looked at between calls of the kernel,
 none of which takes longer than half a second. A thread ends the process where the main thread is
-kept in a call that nobody can cut: a pass of the compiler, a picture with many points.
+kept in a call that nobody can cut: a pass of the compiler, a picture with many points. A child of
+`cam figures` ends when its parent is killed; its finished pieces stay on disk.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ from typing import Any
 ENDING = (signal.SIGINT, signal.SIGTERM)
 EXIT_CODE = 130
 PATIENCE = 0.6  # s that the main thread has to come to its end
+PARENT = "CAMCLI_PARENT"  # environment: process whose end is ours too
+INTERVAL = 0.5  # s
 
 _came = _ending = False
 _holding = 0
@@ -35,6 +38,9 @@ def install() -> None:
     sys.unraisablehook = _unraisable
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     Thread(target=_watch, args=(reader,), daemon=True).start()
+    parent = os.environ.pop(PARENT, "")
+    if parent.isdigit():
+        Thread(target=_end_with, args=(int(parent),), daemon=True).start()
 
 
 def _handle(number: int, frame: object) -> None:
@@ -93,3 +99,9 @@ def _watch(reader: int) -> None:
             sys.stderr.write("interrupted\n")
             sys.stderr.flush()
         os._exit(EXIT_CODE)
+
+
+def _end_with(parent: int) -> None:
+    while os.getppid() == parent:
+        sleep(INTERVAL)
+    os._exit(EXIT_CODE)

@@ -75,10 +75,6 @@ def main() -> None:
     from camcli.cli.exit_codes import INTERRUPTED, guarded, hold_output
 
     interrupts.install()
-    if "CAMCLI_PARENT" in os.environ:
-        from camcli.cli.parent_watch import end_with_parent
-
-        end_with_parent()
     os.environ.pop("MPLBACKEND", None)  # pictures are files; a name unknown here would stop them
     real = sys.stdout
     hold_output()

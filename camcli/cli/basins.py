@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from camcli.cli.options import Cluster, Request, Shard, Vary
-from camcli.errors import Fault, SceneError
+from camcli.cli.options import Cluster, Request, Shard, Vary, given, numbers
+from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
     from camcli.analysis.basins.study import Basins, Question, Study
     from camcli.api.result import Result
 
-SHOWN = 40  # rows of the table on stdout
+LONG = 30  # characters of a label
 
 
 def basins(
@@ -84,20 +84,16 @@ def basins(
     a saddle, whose stable manifold the boundary is: led of the motions tried.
     The criterion of each attractor, with radius and checks, is in run.json.
     """
-    from camcli.cli.run import given, ranges, run
+    from camcli.cli.run import ranges, run
 
-    values = ranges(request, "basins", vary) | given(
-        {
-            "basins.cells": (_cells(cells), "--cells"),
-            "basins.q": (_window(q, "--q"), "--q"),
-            "basins.v": (_window(v, "--v"), "--v"),
-            "basins.method": (method, "--method"),
-            "basins.refine": (refine, "--refine"),
-            "basins.boundary": (boundary, "--boundary"),
-            "basins.exponents": (exponents, "--exponents"),
-            "basins.saddles": (saddles, "--saddles"),
-        }
-    )
+    values = ranges(request, "basins", vary)
+    low_high = "two numbers LO:HI"
+    window = {
+        "q": numbers(q, "--q", low_high, "0.1:0.9"),
+        "v": numbers(v, "--v", low_high, "-20:40"),
+    }
+    values |= given("basins", cells=_cells(cells), **window, method=method, refine=refine)
+    values |= given("basins", boundary=boundary, exponents=exponents, saddles=saddles)
     return run("basins", request, values, show, shard=shard, cluster=cluster)
 
 
@@ -112,19 +108,9 @@ def _cells(text: str | None) -> list[int] | None:
     return [int(words[0]), int(words[-1])]
 
 
-def _window(text: str | None, name: str) -> list[float] | None:
-    if text is None:
-        return None
-    try:
-        low, high = map(float, text.split(":"))
-    except ValueError:
-        expected = "expected LO:HI, two numbers"
-        raise SceneError(Fault(name, "", f"found '{text}'", expected, "e.g. -20:40")) from None
-    return [low, high]
-
-
 def show(result: Result) -> None:
     """The table of attractors, and for one speed what else the grid says."""
+    from camcli.analysis.sweep import status_name
     from camcli.cli.report import table
     from camcli.system import omega_of
 
@@ -137,12 +123,13 @@ def show(result: Result) -> None:
     for k, (attractor, branch) in enumerate(zip(speed.attractors, speed.branches, strict=True)):
         q, w = attractor.states[0]
         rows.append(
-            [_cut(attractor.label), str(branch), f"{q:.9g}", f"{w * omega_of(speed.rpm):.9g}"]
-        )
-        rows[-1].append(_share(speed.fractions[k + 1]))
+            [shown(attractor.label, LONG), str(branch), f"{q:.9g}",
+             f"{w * omega_of(speed.rpm):.9g}", _share(speed.fractions[k + 1])]
+        )  # fmt: skip
     for code, share in speed.fractions.items():
         if code <= 0:
-            rows.append([_name(code), str(code), "", "", _share(share)])
+            name = status_name(-code) if code else "undecided"
+            rows.append([name, str(code), "", "", _share(share)])
     title = f"{speed.rpm:.10g} rpm, {question.method} mapping"
     table(title, ["attractor", "no.", "q (m)", "v (m/s)", "fraction"], rows)
     for line in _lines(speed, question):
@@ -161,8 +148,8 @@ def _lines(speed: Basins, question: Question) -> list[str]:
         f"{entropies['boxes']} boxes of 5 x 5 cells)",
     ]
     lines += [
-        f"saddle {_cut(s.orbit.label)} on the boundary: {s.led} of {s.tried} motions there are led "
-        "to it"
+        f"saddle {shown(s.orbit.label, LONG)} on the boundary: {s.led} of {s.tried} motions there "
+        "are led to it"
         for s in speed.saddles or ()
     ]
     if doubt is not None:
@@ -180,25 +167,14 @@ def _show_range(found: Study, key: str) -> None:
     for speed in found.speeds:
         pairs = zip(speed.branches, speed.attractors, strict=True)
         words = [
-            f"{branch}: {_cut(attractor.label)} {100.0 * speed.fractions[k + 1][0]:.3g} %"
+            f"{branch}: {shown(attractor.label, LONG)} {100.0 * speed.fractions[k + 1][0]:.3g} %"
             for k, (branch, attractor) in enumerate(pairs)
         ]
         rows.append([f"{speed.value:.10g}", ", ".join(words), str(speed.undecided)])
     title = f"{len(rows)} {'speeds' if key == 'rpm' else 'values'}"
-    if len(rows) > SHOWN:
-        title += f", the first {SHOWN} (all of them in attractors.csv)"
-    table(title, [key, "attractors and their fractions", "undecided cells"], rows[:SHOWN])
+    columns = [key, "attractors and their fractions", "undecided cells"]
+    table(title, columns, rows, "attractors.csv")
 
 
 def _share(share: tuple[float, float]) -> str:
     return f"{100.0 * share[0]:.4f} +- {100.0 * share[1]:.4f} %"
-
-
-def _cut(label: str, longest: int = 30) -> str:
-    return label if len(label) <= longest else label[: longest - 4] + "...)"
-
-
-def _name(code: int) -> str:
-    from camcli.analysis.sweep import status_name
-
-    return "undecided" if code == 0 else status_name(-code)

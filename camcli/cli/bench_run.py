@@ -15,16 +15,16 @@ from camcli.analysis.bench import precision, stability
 from camcli.analysis.bench.machine import Machines
 from camcli.analysis.integrate import Cost
 from camcli.cli.exit_codes import DONE, NUMERICS, note
-from camcli.cli.options import Request
+from camcli.cli.options import Request, given
 from camcli.cli.report import progress_bar, table
-from camcli.cli.run import compiling, given, open_folder
+from camcli.cli.run import compiling, open_folder
 from camcli.errors import Fault, SceneError
 from camcli.output.run_folder import RunFolder
 from camcli.output.run_record import cost_record, run_record, to_text
 from camcli.output.tables import Table
 from camcli.parallel import Codec
 from camcli.scene import load_scene, resolved, scene_hash
-from camcli.scene.bench import Bench
+from camcli.scene.schema import Bench
 
 NAME = "bench"
 PARTS: dict[str, Any] = {
@@ -58,9 +58,7 @@ def run(request: Request, part: str | None, quick: bool) -> int:
         if word is not None:
             expected, cure = "expected none: every case has its own", "choose bench.cases instead"
             raise SceneError(Fault(name, "", f"found {word}", expected, cure))
-    scene = load_scene(
-        request.config, request.sets or (), given({"bench.quick": (quick, "--quick")})
-    )
+    scene = load_scene(request.config, request.sets or (), given("bench", quick=quick))
     parts = list(PARTS) if part is None else [part]
     work = {name: _work(name, scene.bench) for name in parts}
     if request.dry_run:

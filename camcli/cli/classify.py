@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from itertools import groupby
-from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
-from camcli.cli.options import Request, Vary
-from camcli.errors import Fault, SceneError
+from camcli.cli.options import Request, Vary, given, numbers, refuse_idle
+from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
-    from camcli.analysis.border_collision import Collision, Cycle, Side
+    from camcli.analysis.border_collision import Collision, Side
     from camcli.analysis.classify import Motion
     from camcli.analysis.explain.changes import Explanation
-    from camcli.analysis.explain.events import Event
     from camcli.api.result import Result
-
-SHOWN = 40  # rows of a table on stdout
-LONG = 60  # characters of a cell
 
 
 def classify(
@@ -75,20 +70,14 @@ def classify(
     itinerary (impacts of a resting orbit change), or unexplained with what was tried.
     --trace L,R --det L,R needs no machine: it names the border collision of two linear maps.
     """
-    from camcli.cli.run import given, ranges, run
+    from camcli.cli.run import ranges, run
 
-    if seed is not None and starts is None:
-        found, cure = "found it without --starts", "add --starts N"
-        raise SceneError(Fault("--seed", "", found, "it means nothing there", cure))
+    idle = seed is not None and starts is None
+    refuse_idle((idle, "--seed", "without --starts", "add --starts N"))
     if trace is not None or det is not None:
         return _border_collision(request, trace, det)
-    values = ranges(request, "classify", vary) | given(
-        {
-            "classify.starts": (starts, "--starts"),
-            "classify.seed": (seed, "--seed"),
-            "classify.explain": (explain, "--explain"),
-        }
-    )
+    values = ranges(request, "classify", vary)
+    values |= given("classify", starts=starts, seed=seed, explain=explain)
     return run("classify", request, values, show)
 
 
@@ -98,30 +87,15 @@ def show(result: Result) -> None:
     from camcli.cli.report import plural, table
 
     (motions, explanation), key = result.values, result.scene.classify.key
-    groups = _ranges(motions)
-    rows = [_range_row(group) for group in groups]
-    title = f"{plural(len(motions), 'motion')}, {plural(len(groups), 'range')} of one label"
-    if len(rows) > SHOWN:
-        title += f", the first {SHOWN} (all of them in classify.csv)"
-    columns = [
-        "label",
-        f"from ({key})",
-        f"to ({key})",
-        "impacts",
-        "chatter",
-        "exponent",
-        "transient",
-    ]
-    table(title, columns, rows[:SHOWN])
+    alike = groupby(motions, lambda m: (m.label, m.status))
+    rows = [_range_row(list(group)) for _, group in alike]
+    title = f"{plural(len(motions), 'motion')}, {plural(len(rows), 'range')} of one label"
+    columns = f"label, from ({key}), to ({key}), impacts, chatter, exponent, transient".split(", ")
+    table(title, columns, rows, "classify.csv")
     if explanation is not None:
         show_explanation(explanation)
     for line in remarks(motions, key):
         print(f"- {line}")
-
-
-def _ranges(motions: list[Motion]) -> list[list[Motion]]:
-    key = lambda m: (m.label, m.status)  # noqa: E731 - used once
-    return [list(group) for _, group in groupby(motions, key)]
 
 
 def _range_row(group: list[Motion]) -> list[str]:
@@ -129,7 +103,7 @@ def _range_row(group: list[Motion]) -> list[str]:
     transients = [m.transient for m in group if m.transient is not None]
     turns = f"{min(transients)} to {max(transients)}" if transients else ""
     return [
-        _short(a.label), f"{a.value:.10g}", f"{b.value:.10g}", f"{a.impacts:.4g}", a.chatter,
+        shown(a.label), f"{a.value:.10g}", f"{b.value:.10g}", f"{a.impacts:.4g}", a.chatter,
         _exponent(group), turns,
     ]  # fmt: skip
 
@@ -146,22 +120,19 @@ def _exponent(group: list[Motion]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _short(text: str) -> str:
-    return text if len(text) <= LONG else text[: LONG - 3] + "..."
-
-
 def show_explanation(explanation: Explanation) -> None:
     """Print the events, the changes and a sentence for each."""
     from camcli.cli.report import table
-    from camcli.output.explanations import change_sentence
+    from camcli.output.explanations import change_sentence, speed_text
 
     rows = [
-        [_digits(e.rpm, e.error), f"{e.error:.0e}", _kind(e), _short(e.label), e.classification]
+        [speed_text(e.rpm, e.error), f"{e.error:.0e}", f"{e.kind} {e.corner}".strip(),
+         shown(e.label), e.classification]
         for e in explanation.events
-    ]
+    ]  # fmt: skip
     table("Critical speeds of attractors", ["rpm", "error", "event", "motion", "class"], rows)
     rows = [
-        [f"{c.low:.10g} - {c.high:.10g}", _short(c.before), _short(c.after), c.cause]
+        [f"{c.low:.10g} - {c.high:.10g}", shown(c.before), shown(c.after), c.cause]
         for c in explanation.changes
     ]
     table("Changes of the diagram", ["rpm", "from", "to", "cause"], rows)
@@ -170,46 +141,25 @@ def show_explanation(explanation: Explanation) -> None:
         print(f"- {c.low:.10g} to {c.high:.10g} rpm, {c.cause}: {sentence}")
 
 
-def _digits(rpm: float, error: float) -> str:
-    """A speed with the digits its error allows, ten at most."""
-    if not 0.0 < error < 1.0:
-        return f"{rpm:.10g}"
-    decimals = min(max(0, 1 - int(f"{error:e}".split("e")[1])), 9)
-    return f"{float(f'{rpm:.{decimals}f}'):.10g}"
-
-
-def _kind(event: Event) -> str:
-    return f"{event.kind} {event.corner}".strip()
-
-
 def _border_collision(request: Request, trace: str | None, det: str | None) -> int:
     """Print the class, the inequalities and what attracts on each side."""
     from camcli.analysis.border_collision import Side, classify
     from camcli.output.run_record import to_text
 
-    traces, dets = _pair(trace, "--trace"), _pair(det, "--det")
-    left, right = (Side(t, d) for t, d in zip(traces, dets, strict=True))
+    pairs = []
+    for name, text, example in (("--trace", trace, "1.64,1.37"), ("--det", det, "0.64,0.64")):
+        pair = numbers(text, name, "two numbers L,R", example)
+        if pair is None:
+            expected, cure = "expected both --trace and --det", f"e.g. {name} {example}"
+            raise SceneError(Fault(name, "", f"found no {name}", expected, cure))
+        pairs.append(pair)
+    left, right = (Side(*pair) for pair in zip(*pairs, strict=True))
     result = classify(left, right)
     if request.json:
         print(to_text(_record(left, right, result)), end="")
     else:
         _show_collision(left, right, result)
     return 0
-
-
-def _pair(text: str | None, option: str) -> list[float]:
-    cure = "e.g. --trace 1.64,1.37 --det 0.64,0.64"
-    if text is None:
-        found = f"found no {option}"
-        raise SceneError(Fault(option, "", found, "expected both --trace and --det", cure))
-    try:
-        values = [float(word) for word in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != 2 or not all(isfinite(value) for value in values):
-        found = f"found '{text}'"
-        raise SceneError(Fault(option, "", found, "expected two numbers L,R", cure))
-    return values
 
 
 def _show_collision(left: Side, right: Side, result: Collision) -> None:
@@ -226,18 +176,14 @@ def _show_collision(left: Side, right: Side, result: Collision) -> None:
         for i in result.inequalities
     ]
     table("Inequalities", ["inequality", "left", "right", ""], rows)
-    table(
-        "Fixed points and the 2-cycle",
-        ["word", "exists for", "stable", "multipliers"],
-        [_cycle(cycle) for cycle in result.cycles],
-    )
+    where = {1: "parameter > 0", -1: "parameter < 0", 0: "never"}
+    rows = [
+        [c.word, where[c.exists_for], "yes" if c.stable else "no", _multipliers(c.multipliers)]
+        for c in result.cycles
+    ]
+    table("Fixed points and the 2-cycle", ["word", "exists for", "stable", "multipliers"], rows)
     for line in collision_words(result):
         print(f"- {line}")
-
-
-def _cycle(cycle: Cycle) -> list[str]:
-    where = {1: "parameter > 0", -1: "parameter < 0", 0: "never"}[cycle.exists_for]
-    return [cycle.word, where, "yes" if cycle.stable else "no", _multipliers(cycle.multipliers)]
 
 
 def _multipliers(pair) -> str:

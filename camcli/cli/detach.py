@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
-from camcli.cli.options import Request
+from camcli.cli.options import Request, given
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def detach(
     (the end of the chatter jumps over a corner); unresolved, exit code 3. A curve of corner hits
     may end where its impact ceases to exist: run.json says where.
     """
-    from camcli.cli.run import given, ranges, run
+    from camcli.cli.run import ranges, run
     from camcli.scene import parse_rpm
 
     values = ranges(request, "detach")
@@ -76,10 +76,8 @@ def detach(
     if isinstance(top, tuple):
         found = f"found the range '{hold_to}'"
         raise SceneError(Fault("--hold-to", "", found, "expected one speed", "give its top"))
-    values |= given({"detach.hold_to": (top, "--hold-to")})
-    if tolerance is not None:
-        rows = [_tolerance(word) for word in tolerance.split(",")]
-        values["detach.tolerance"] = (rows, "--tolerance")
+    rows = None if tolerance is None else [_tolerance(word) for word in tolerance.split(",")]
+    values |= given("detach", hold_to=top, tolerance=rows)
     options = {"report": True} if report else {}
     return run("detach", request, values, partial(show, verbose=verbose), options=options)
 

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Option
 
 from camcli.cli.exit_codes import note
-from camcli.cli.options import Request, Vary
+from camcli.cli.options import Request, Values, Vary, refuse_idle
 from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
-    from camcli.cli.run import Values
 
 
 def explore(
@@ -45,9 +44,7 @@ def explore(
     if not asked <= {"basins", "map"}:
         cure = "e.g. --with basins,map"
         raise SceneError(Fault("--with", "", f"found '{with_}'", "expected basins or map", cure))
-    if vary and "map" not in asked:
-        found, cure = "found it without --with map", "add --with map"
-        raise SceneError(Fault("--vary", "", found, "it means nothing there", cure))
+    refuse_idle((vary and "map" not in asked, "--vary", "without --with map", "add --with map"))
     chosen = {f"with_{name}": name in asked for name in ("basins", "map")}
     options = {**chosen, "source": _source(request)}
     done = run("explore", request, _values(request, vary or []), _show, options=options)

@@ -20,9 +20,9 @@ from pydantic import BaseModel, ValidationError
 
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request
-from camcli.cli.parent_watch import PARENT
 from camcli.cli.report import plural, progress_bar, table
 from camcli.errors import Fault, SceneError
+from camcli.interrupts import PARENT
 from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, caption, digest, drifts
 from camcli.output.gallery import Shown, page
 from camcli.output.program import program_hash
@@ -300,7 +300,7 @@ def compute(
     """Run the figures, as many at a time as there are threads, the longest first.
 
     Each is marked as finished at once. On an interrupt no more are begun, and those at work end
-    with this process (`parent_watch`); their finished pieces stay on disk.
+    with this process (`interrupts`); their finished pieces stay on disk.
     """
     seconds = {f.name: last_seconds(f, out) for f in wanted}
     ordered = sorted(wanted, key=lambda f: -(seconds[f.name] or 1e9))  # unknown ones come first

@@ -9,21 +9,65 @@ from collections.abc import Callable, Collection
 from contextlib import ExitStack, redirect_stdout
 from dataclasses import dataclass, field
 from functools import cache
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from typer import Option
 
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, shown
 
 MOST_THREADS = 4096
+Values = dict[str, tuple[Any, str]]  # scene path -> (value, option it came from)
+
+
+def given(section: str, option: str = "", /, **values: Any) -> Values:
+    """The keys of a section whose options were given: neither None nor a flag left out.
+
+    An option bears the name of its key, where it is not named.
+    """
+    return {
+        f"{section}.{key}": (value, option or f"--{key.replace('_', '-')}")
+        for key, value in values.items()
+        if value is not None and value is not False
+    }
 
 
 def _folder(text: str) -> Path:
     if not text:
         raise typer.BadParameter("found '', expected the name of a folder, e.g. -o .")
     return Path(text)
+
+
+def numbers(text: str | None, option: str, form: str, example: str) -> list[float] | None:
+    """The numbers of an option's text in a form like `two numbers LO:HI`; None where not given."""
+    if text is None:
+        return None
+    from camcli.scene import scalar
+
+    mark = "," if "," in form else ":"
+    values = [scalar(word.strip()) for word in text.rpartition("=")[2].split(mark)]
+    real = [x for x in values if isinstance(x, int | float) and not isinstance(x, bool)]
+    found = [float(x) for x in real if isfinite(x)]
+    if not len(found) == len(values) == 1 + form.count(mark) or ("=" in form) != ("=" in text):
+        said = f"found '{shown(text)}'"
+        raise SceneError(Fault(option, "", said, f"expected {form}", f"e.g. {example}"))
+    return found
+
+
+def refuse_idle(*faults: tuple[object, str, str, str]) -> None:
+    """Raise SceneError for options that mean nothing together.
+
+    Of each (whether that is so, its name, without or with what, what to do).
+    """
+    found = [
+        Fault(name, "", f"found it {beside}", "it means nothing there", cure)
+        for wrong, name, beside, cure in faults
+        if wrong
+    ]
+    if found:
+        raise SceneError(*found)
 
 
 @dataclass(frozen=True)
@@ -80,18 +124,12 @@ class Request:
     ] = False
     extra: dict[str, Any] = field(default_factory=dict)  # options of one command only
 
-    def form(self) -> dict[str, tuple[Any, str]]:
+    def form(self) -> Values:
         """What the options of pictures set in the scene's section `plot`."""
-        given = {
-            "plot.formats": (_names(self.formats), "--format"),
-            "plot.width": (_millimetres(self.width, "--width"), "--width"),
-            "plot.height": (_millimetres(self.height, "--height"), "--height"),
-            "plot.font": (self.font, "--font"),
-            "plot.style": (self.style, "--style"),
-            "plot.title": (False if self.no_title else None, "--no-title"),
-            "plot.panels": (_names(self.panels), "--panels"),
-        }
-        return {key: pair for key, pair in given.items() if pair[0] is not None}
+        size = {name: _millimetres(getattr(self, name), name) for name in ("width", "height")}
+        looks = given("plot", **size, font=self.font, style=self.style, panels=_names(self.panels))
+        title = {"plot.title": (False, "--no-title")} if self.no_title else {}
+        return looks | title | given("plot", "--format", formats=_names(self.formats))
 
     def folder(self, command: str) -> Path:
         """Where the artefacts go."""
@@ -106,14 +144,14 @@ def _names(text: str | None) -> list[str] | None:
     return None if text is None else [name.strip() for name in text.split(",")]
 
 
-def _millimetres(text: str | None, option: str) -> float | None:
+def _millimetres(text: str | None, name: str) -> float | None:
     """A length with its unit."""
     if text is None:
         return None
     match = re.fullmatch(r"\s*(\d+\.?\d*)\s*(|mm|cm|in|pt)\s*", text)
     if match is None:
         expected = f"expected a number and one of {', '.join(filter(None, UNITS))}"
-        raise SceneError(Fault(option, "", f"found '{text}'", expected, "e.g. 85mm"))
+        raise SceneError(Fault(f"--{name}", "", f"found '{text}'", expected, "e.g. 85mm"))
     return float(match[1]) * UNITS[match[2]]
 
 

@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from camcli.cli.options import Request, Vary
-from camcli.errors import Fault, SceneError
+from camcli.cli.options import Request, Values, Vary, given, numbers, refuse_idle
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.orbit import PeriodicOrbit
-    from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
     from camcli.api.result import Result
-    from camcli.cli.run import Values
 
 SHOWN_PHASES = 6
 
@@ -89,26 +86,33 @@ def orbits(
     degenerate; run.json has the inequalities, and what a simulation shows on either side.
     A root that penetrates the cam or would pull is virtual: in run.json, never in a table.
     """
-    from camcli.cli.run import given, points_of, ranges, run
+    from camcli.cli.run import points_of, ranges, run
 
-    _refuse_idle(request, at, parameter, range_, curve, second, vary)
+    speeds, free = _speeds(request), not (parameter or curve)
+    one_speed = bool(speeds) and speeds["orbits.rpm.start"][0] == speeds["orbits.rpm.stop"][0]
+    over = parameter not in (None, "rpm") and speeds and not one_speed
+    alone = (("--parameter", parameter), ("--range", range_), ("--in", second))
+    refuse_idle(
+        (second and not curve, "--in", "without --curve", "add --curve KIND"),
+        (range_ and free, "--range", "without a parameter", "add --parameter or --curve and --in"),
+        *(
+            (vary and other, name, "with --vary", "give the one or the other")
+            for name, other in alone
+        ),
+        (over, "--parameter", "with a range of speeds", "give one speed: --rpm X"),
+        (at and one_speed, "--at", "with one speed", "give --rpm LO:HI, or leave --at out"),
+    )
     if vary:
         values = ranges(request, "orbits", vary, most=2)
     else:
-        values = _speeds(request) | given({"orbits.rpm.num": (points_of(request)[0], "--points")})
+        values = speeds | given("orbits.rpm", "--points", num=points_of(request)[0])
     name, _, between = (second or "").partition("=")
-    values |= given(
-        {
-            "orbits.at": (_numbers(at, "--at", 1), "--at"),
-            "orbits.label": (label, "--label"),
-            "orbits.parameter": (parameter, "--parameter"),
-            "orbits.branches": (branches, "--branches"),
-            "orbits.curve": (curve, "--curve"),
-            "orbits.curve_in": (name or None, "--in"),
-            "orbits.curve_range": (_numbers(between or None, "--in", 2), "--in"),
-            "orbits.range": (_numbers(range_, "--range", 2), "--range"),
-        }
-    )
+    where = numbers(at, "--at", "one number", "700")
+    values |= given("orbits", at=where and where[0], label=label, parameter=parameter)
+    values |= given("orbits", branches=branches, curve=curve)
+    ends = numbers(between or None, "--in", "two numbers LO:HI", "0.6:0.9")
+    values |= given("orbits", "--in", curve_in=name or None, curve_range=ends)
+    values |= given("orbits", range=numbers(range_, "--range", "two numbers LO:HI", "0.6:0.9"))
     return run("orbits", request, values, show, options={"prove": True} if prove else None)
 
 
@@ -123,55 +127,6 @@ def _speeds(request: Request) -> Values:
     return ends | ({"orbits.at": (low, "--rpm")} if low == high else {})
 
 
-def _refuse_idle(
-    request: Request,
-    at: str | None,
-    parameter: str | None,
-    range_: str | None,
-    curve: str | None,
-    second: str | None,
-    vary: list[str] | None,
-) -> None:
-    """Raise SceneError for options that would mean nothing together."""
-    speeds = _speeds(request)
-    one_speed = bool(speeds) and speeds["orbits.rpm.start"][0] == speeds["orbits.rpm.stop"][0]
-    free = not (parameter or curve)
-    faults = [
-        (second and not curve, "--in", "without --curve", "add --curve KIND"),
-        (range_ and free, "--range", "without a parameter", "add --parameter or --curve and --in"),
-        *(
-            (vary and option, name, "with --vary", "give the one or the other")
-            for option, name in ((parameter, "--parameter"), (range_, "--range"), (second, "--in"))
-        ),
-        (
-            parameter not in (None, "rpm") and speeds and not one_speed, "--parameter",
-            "with a range of speeds", "give one speed: --rpm X",
-        ),
-        (at and one_speed, "--at", "with one speed", "give --rpm LO:HI, or leave --at out"),
-    ]  # fmt: skip
-    found = [
-        Fault(name, "", f"found {name} {what}", "it means nothing there", cure)
-        for wrong, name, what, cure in faults
-        if wrong
-    ]
-    if found:
-        raise SceneError(*found)
-
-
-def _numbers(text: str | None, option: str, count: int) -> float | list[float] | None:
-    """One number, or LO:HI."""
-    if text is None:
-        return None
-    try:
-        values = [float(word) for word in text.split(":")]
-    except ValueError:
-        values = []
-    if len(values) != count or any(value != value for value in values):
-        expected = "expected one number" if count == 1 else "expected two numbers LO:HI"
-        raise SceneError(Fault(option, "", f"found '{text}'", expected, "e.g. 0.6:0.9"))
-    return values[0] if count == 1 else values
-
-
 def show(result: Result) -> None:
     """Print orbits, branches, bifurcations and curves, then sentences."""
     from camcli.api.orbits import remarks
@@ -184,10 +139,19 @@ def show(result: Result) -> None:
         table(f"Periodic orbits at {found.question.rpm:.10g} rpm", columns, rows)
     if found.branches:
         columns = ["branch", "labels", "from", "to", "points", "ends"]
-        table(f"Branches in {found.question.parameter}", columns, _branch_rows(found))
+        rows = [
+            [str(branch.number), ", ".join(branch.labels[:3]), f"{branch.points[0].value:.10g}",
+             f"{branch.points[-1].value:.10g}", str(len(branch.points)), " | ".join(branch.ends)]
+            for branch in found.branches
+        ]  # fmt: skip
+        table(f"Branches in {found.question.parameter}", columns, rows)
     if found.bifurcations:
         columns = ["branch", "orbit", "event", found.question.parameter, "error", "class"]
-        rows = [_event_row(b) for b in found.bifurcations]
+        rows = [
+            [str(b.branch), b.label, f"{b.kind} at {b.corner}" if b.corner else b.kind,
+             f"{b.value:.13g}", f"{b.error:.1e}", b.classification]
+            for b in found.bifurcations
+        ]  # fmt: skip
         table("Bifurcations", columns, rows)
     for number, c in enumerate(found.curves, 1):
         table(
@@ -204,34 +168,16 @@ def show(result: Result) -> None:
 
 def _orbit_row(orbit: PeriodicOrbit) -> list[str]:
     large, small = orbit.multipliers
+    pair = f"{large.real:.7g}, {small.real:.7g}"
+    if large.imag:
+        pair = f"{large.real:.7g} +- {large.imag:.7g} i"
     return [
-        orbit.label, "yes" if orbit.stable else "no", _phases(orbit), _pair(large, small),
+        orbit.label, "yes" if orbit.stable else "no", _phases(orbit), pair,
         f"{orbit.trace:.10g}", f"{orbit.det:.10g}",
     ]  # fmt: skip
-
-
-def _pair(large: complex, small: complex) -> str:
-    if large.imag:
-        return f"{large.real:.7g} +- {large.imag:.7g} i"
-    return f"{large.real:.7g}, {small.real:.7g}"
 
 
 def _phases(orbit: PeriodicOrbit) -> str:
     words = [f"{degrees(theta):.8g}" for theta in orbit.theta[:SHOWN_PHASES]]
     more = len(orbit.theta) - len(words)
     return ", ".join(words) + (f" and {more} more" if more > 0 else "")
-
-
-def _branch_rows(found: OrbitsResult) -> list[list[str]]:
-    return [
-        [
-            str(branch.number), ", ".join(branch.labels[:3]), f"{branch.points[0].value:.10g}",
-            f"{branch.points[-1].value:.10g}", str(len(branch.points)), " | ".join(branch.ends),
-        ]
-        for branch in found.branches
-    ]  # fmt: skip
-
-
-def _event_row(b: Bifurcation) -> list[str]:
-    kind = f"{b.kind} at {b.corner}" if b.corner else b.kind
-    return [str(b.branch), b.label, kind, f"{b.value:.13g}", f"{b.error:.1e}", b.classification]

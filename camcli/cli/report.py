@@ -11,13 +11,18 @@ if TYPE_CHECKING:
     from camcli.api.result import Progress
 
 FILE_WIDTH = 140  # columns of a table that no person watches
+SHOWN = 40  # rows of one that may be long
 
 
-def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """A table for people on stdout."""
+def table(
+    title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], whole: str = ""
+) -> None:
+    """A table for people on stdout; whole: the file that has all rows of one that may be long."""
     from rich.console import Console
     from rich.table import Table
 
+    if whole and len(rows) > SHOWN:
+        title, rows = f"{title}, the first {SHOWN} (all of them in {whole})", rows[:SHOWN]
     grid = Table(title=title, title_justify="left")
     for k, column in enumerate(columns):
         grid.add_column(column, justify="left" if k == 0 else "right", overflow="fold")

@@ -9,18 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.exit_codes import DONE, NUMERICS, note
-from camcli.cli.options import Request
+from camcli.cli.options import Request, Values, given, numbers
 from camcli.errors import Fault, SceneError, shown
 from camcli.kernel.backend import Stopwatch, stopwatch
 from camcli.scene import Scene, load_scene, parse_rpm, resolved
-from camcli.scene.document import scalar
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
     from camcli.output.run_folder import RunFolder
     from camcli.parallel import Shard
 
-Values = dict[str, tuple[Any, str]]  # scene path -> (value, option it came from)
 Show = Callable[["Result"], None]
 MOST_SHARDS = 100_000
 MOST_DIGITS = 30  # of --points; a longer number is nonsense, and slow to read
@@ -43,13 +41,6 @@ ARTEFACTS = {  # files of other people with these names are looked for before an
 IN_THREADS = ("sweep", "basins", "classify", "explore", "detach")  # analyses that take `work`
 
 
-def given(values: Mapping[str, tuple[Any, str]]) -> Values:
-    """The options that were given: neither None nor a flag left out."""
-    return {
-        key: pair for key, pair in values.items() if pair[0] is not None and pair[0] is not False
-    }
-
-
 def one_speed(request: Request) -> Values:
     """--rpm and --points of a command for one speed."""
     rpm = None if request.rpm is None else parse_rpm(request.rpm)
@@ -57,7 +48,7 @@ def one_speed(request: Request) -> Values:
         found = f"found the range '{request.rpm}'"
         raise SceneError(Fault("--rpm", "", found, "expected one speed", "use cam sweep"))
     (points,) = points_of(request)
-    return given({"run.rpm": (rpm, "--rpm"), "simulate.samples": (points, "--points")})
+    return given("run", rpm=rpm) | given("simulate", "--points", samples=points)
 
 
 def ranges(
@@ -70,7 +61,11 @@ def ranges(
     rpm = None if request.rpm is None else parse_rpm(request.rpm)
     values: Values = {}
     if vary:
-        axes = [_axis(text) for text in vary]
+        example = "follower.restitution=0.6:0.9"
+        axes: list[dict[str, Any]] = [
+            {"key": text.partition("=")[0].strip(), **span_of(text, "--vary", "KEY=LO:HI", example)}
+            for text in vary
+        ]
         if isinstance(rpm, tuple):
             axes.insert(0, {"key": "rpm", "start": rpm[0], "stop": rpm[1]})
         elif rpm is not None:
@@ -92,7 +87,7 @@ def ranges(
     if points is not None and points > 1 and f"{section}.rpm.num" in values:
         found, cure = f"found {points} and one speed", "give a range: --rpm LO:HI"
         raise SceneError(Fault("--points", "", found, "", cure))
-    return values | given({f"{section}.rpm.num": (points, "--points")})
+    return values | given(f"{section}.rpm", "--points", num=points)
 
 
 def points_of(request: Request, axes: int = 1) -> Sequence[int | None]:
@@ -108,23 +103,10 @@ def points_of(request: Request, axes: int = 1) -> Sequence[int | None]:
     return [int(word) for word in words] * (axes // len(words))
 
 
-def _axis(text: str) -> dict[str, Any]:
-    """KEY=LO:HI as an entry of a section's `vary`."""
-    key, equals, ends = text.partition("=")
-    cure = "write it as follower.restitution=0.6:0.9"
-    return {
-        "key": key.strip(),
-        **span_of(text, "--vary", ends if equals else "", "KEY=LO:HI", cure),
-    }
-
-
-def span_of(text: str, option: str, ends: str, form: str, cure: str) -> dict[str, Any]:
+def span_of(text: str, option: str, form: str, example: str) -> dict[str, float]:
     """LO:HI as the start and stop of a section."""
-    numbers = [scalar(word.strip()) for word in ends.split(":")]
-    if len(numbers) != 2 or not all(type(x) in (int, float) for x in numbers):
-        found = f"found '{shown(text)}'"
-        raise SceneError(Fault(option, "", found, f"expected {form}", cure))
-    return {"start": numbers[0], "stop": numbers[1]}
+    ends = numbers(text, option, form, example) or ()
+    return dict(zip(("start", "stop"), ends, strict=True))
 
 
 def run(

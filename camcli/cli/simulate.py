@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from camcli.cli.options import Request
-from camcli.errors import Fault, SceneError
+from camcli.cli.options import Request, refuse_idle
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -64,12 +63,11 @@ def simulate(
     """
     from camcli.cli.run import one_speed, run
 
-    if base_radius is not None and not profile_only:
-        found, cure = "found it without --profile-only", "add --profile-only"
-        raise SceneError(Fault("--base-radius", "", found, "it means nothing there", cure))
-    if animate and profile_only:
-        found, cure = "found it with --profile-only", "leave one of them out"
-        raise SceneError(Fault("--animate", "", found, "a cam alone does not move", cure))
+    idle = base_radius is not None and not profile_only
+    refuse_idle(
+        (idle, "--base-radius", "without --profile-only", "add --profile-only"),
+        (animate and profile_only, "--animate", "with --profile-only", "leave one of them out"),
+    )
     show = _show_profile if profile_only else _show
     options = {"profile_only": True, "base_radius": base_radius} if profile_only else {}
     options |= {"animate": True} if animate else {}

@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from camcli.cli.options import Cluster, Request, Shard, Vary
+from camcli.cli.options import Cluster, Request, Shard, Vary, given
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
-
-SHOWN = 40  # rows of the table on stdout
 
 
 def sweep(
@@ -88,24 +86,13 @@ def sweep(
     where that fails it is undecided and grey.
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
     """
-    from camcli.cli.run import given, ranges, run, span_of
+    from camcli.cli.run import ranges, run, span_of
 
-    values = ranges(request, "sweep", vary, most=2) | given(
-        {
-            "sweep.zoom": (
-                [span_of(text, "--zoom", text, "LO:HI", "e.g. 739.2:739.5") for text in zoom or ()]
-                or None,
-                "--zoom",
-            ),
-            "sweep.lyapunov": (lyapunov, "--lyapunov"),
-            "sweep.explain": (explain, "--explain"),
-            "sweep.direction": ("both" if both else None, "--both"),
-            "sweep.adaptive": (adaptive, "--adaptive"),
-            "sweep.branches": (branches, "--branches"),
-            "sweep.curves": (curves, "--curves"),
-            "sweep.decide": (decide, "--decide"),
-        }
-    )
+    zooms = [span_of(text, "--zoom", "LO:HI", "739.2:739.5") for text in zoom or ()]
+    values = ranges(request, "sweep", vary, most=2)
+    values |= given("sweep", zoom=zooms or None, lyapunov=lyapunov, explain=explain)
+    values |= given("sweep", "--both", direction="both" if both else None)
+    values |= given("sweep", adaptive=adaptive, branches=branches, curves=curves, decide=decide)
     return run("sweep", request, values, show, shard=shard, cluster=cluster)
 
 
@@ -121,7 +108,7 @@ def show(result: Result) -> None:
         counted = sorted(result.summary["labels"], key=lambda row: -row["points"])
         rows = [[row["label"], str(row["points"]), row["status"]] for row in counted]
         title = f"{' x '.join(found.keys)}: {sum(row['points'] for row in counted)} points"
-        table(title, ["label", "points", "status"], rows[:SHOWN])
+        table(title, ["label", "points", "status"], rows, "run.json")
         return
     groups = ranges(found)
     rows = [
@@ -130,9 +117,7 @@ def show(result: Result) -> None:
     ]
     what = "speed" if found.key == "rpm" else "value"
     title = f"{plural(len(found.speeds), what)}, {plural(len(groups), 'range')} of one label"
-    if len(rows) > SHOWN:
-        title += f", the first {SHOWN} (all of them in speeds.csv)"
     ends = [f"from ({found.key})", f"to ({found.key})"]
-    table(title, ["label", "motion", *ends, f"{what}s", "status"], rows[:SHOWN])
+    table(title, ["label", "motion", *ends, f"{what}s", "status"], rows, "speeds.csv")
     if explanation is not None:
         show_explanation(explanation)

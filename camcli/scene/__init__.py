@@ -5,16 +5,6 @@ from camcli.scene.load import default_scene_path, load_scene, parse_rpm, resolve
 from camcli.scene.schema import Axis, Cam, Orbits, Scene, Varying, json_schema
 
 __all__ = [
-    "Axis",
-    "Cam",
-    "Orbits",
-    "Scene",
-    "Varying",
-    "default_scene_path",
-    "json_schema",
-    "load_scene",
-    "parse_rpm",
-    "resolved",
-    "scalar",
-    "scene_hash",
-]
+    "Axis", "Cam", "Orbits", "Scene", "Varying", "default_scene_path", "json_schema", "load_scene",
+    "parse_rpm", "resolved", "scalar", "scene_hash",
+]  # fmt: skip

@@ -24,8 +24,7 @@ from camcli.scene.document import (
     parse,
     scalar,
 )
-from camcli.scene.fields import FASTEST, SLOWEST
-from camcli.scene.schema import Scene
+from camcli.scene.schema import FASTEST, SLOWEST, Scene
 
 MAX_BYTES = 256_000  # a scene is a few kB
 MAX_FAULTS = 100  # a file with more is not a scene; the last fault then says how many

@@ -8,39 +8,90 @@ constants stay finite numbers and a turn of any speed has an end.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+import shlex
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from camcli.cams import AnyCam
 from camcli.errors import Fault, SceneError
-from camcli.scene.bench import Bench
-from camcli.scene.fields import (
-    End,
-    Flag,
-    Names,
-    Number,
-    Section,
-    Span,
-    Speed,
-    Whole,
-    items,
-    refused,
-    whole,
-)
-from camcli.scene.figure import Figure
 
+SLOWEST, FASTEST = 1e-9, 1e9  # rpm
+SWITCHES = {"yes": True, "on": True, "no": False, "off": False}
 MOST_TURNS = 10**9
 MOST_SPEEDS = 10_000_000
 MOST_MOTIONS = MOST_SPEEDS  # speeds times starts
 MOST_CELLS = 16_384  # along one side of a window
 LARGEST = 1e15  # of a constant of the follower, SI
 FARTHEST, QUICKEST = 1e9, 1e12  # of a start: m and m/s
-Constant = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
 SPRING = ("rate", "preload", "seat_load", "nose_load")
+
+
+def refused(found: str, expected: str, cure: str) -> SceneError:
+    """The error of a check of its own; validation adds the place."""
+    return SceneError(Fault("", "", found, expected, cure))
+
+
+def whole(value: Any) -> Any:
+    """600.0 is a whole number; anything else is left to the validation."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _switch(value: Any) -> Any:
+    """`yes`, `on`, `no` and `off` where true or false is asked for."""
+    return SWITCHES.get(value.lower(), value) if isinstance(value, str) else value
+
+
+def items(value: Any) -> Any:
+    """A list as a tuple; anything else is left to the validation."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
+    if len(set(values)) < len(values):
+        twice = next(name for k, name in enumerate(values) if name in values[:k])
+        found = f"found the same name twice: '{twice}'"
+        raise refused(found, "expected each name once", "keep one of the two")
+    return values
+
+
+def _ascending(values: tuple[float, float]) -> tuple[float, float]:
+    if not values[0] < values[1]:
+        found = f"found [{values[0]:.15g}, {values[1]:.15g}]"
+        same = values[0] == values[1]
+        cure = "give a window of some width" if same else "exchange the two"
+        raise refused(found, "expected [low, high], two different ends", cure)
+    return values
+
+
+Name = TypeVar("Name")
+Names = Annotated[
+    tuple[Name, ...],
+    Field(min_length=1, json_schema_extra={"uniqueItems": True}),
+    BeforeValidator(items),
+    AfterValidator(_unique),
+]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Whole = Annotated[int, Field(strict=True), BeforeValidator(whole)]
+Speed = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
+End = Annotated[Number, Field(ge=-1e12, le=1e12)]
+Span = Annotated[tuple[End, End], BeforeValidator(items), AfterValidator(_ascending)]
+Flag = Annotated[bool, Field(strict=True), BeforeValidator(_switch)]
+
+
+class Section(BaseModel):
+    """Base of the sections: unknown keys are faults, nothing changes after validation."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _left_out(cls, data: Any) -> Any:
+        return {} if data is None else data
+
+
+Constant = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
 Side = Annotated[int, Field(strict=True, ge=1, le=MOST_CELLS), BeforeValidator(whole)]
-
-
 SectionName = Literal["impacts", "strobe"]
 ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
@@ -442,6 +493,61 @@ class Classify(Varying):
                 "ask for fewer speeds or starts",
             )
         return self
+
+
+CaseName = Literal[
+    "periodic", "chatter", "incomplete", "p3", "chaotic", "critical", "overdamped", "stiff",
+    "eccentric",
+]  # fmt: skip
+MethodName = Literal["core", "rk45", "dop853", "lsoda", "radau", "heyoka", "rk4"]
+CASES = get_args(CaseName)
+METHODS = get_args(MethodName)
+
+
+class Bench(Section):
+    """What `cam bench` measures: motions, methods and how often."""
+
+    cases: Names[CaseName] = Field(CASES, description="motions compared by precision")
+    methods: Names[MethodName] = Field(METHODS, description="methods compared by precision")
+    repeats: Whole = Field(3, ge=1, le=1000, description="timings of a point, after a first call")
+    quick: Flag = Field(False, description="a subset, within a minute")
+
+
+def _splits(text: str) -> str:
+    """The text, or ValueError where a shell could not split it into words."""
+    try:
+        words = shlex.split(text)
+    except ValueError as error:
+        found = f"found {text!r}: {str(error).lower()}"
+        raise refused(found, "expected words as in a shell", "close the quotes") from None
+    if not words or "--" in words:
+        found = f"found '--' in {text!r}" if words else "found no command"
+        raise refused(found, "expected a command of cam and its options", "name one, without '--'")
+    return text
+
+
+class Figure(Section):
+    """A figure: what it shows, and the command that draws it from this scene."""
+
+    title: Annotated[str, Field(min_length=1, max_length=200)] = Field(
+        description="what the figure shows, in one line"
+    )
+    command: Annotated[str, Field(max_length=1000), AfterValidator(_splits)] = Field(
+        description="command and options that draw it, as after `cam`; -c and -o are added"
+    )
+    shows: Annotated[str, Field(max_length=2000)] = Field(
+        "",
+        description="caption, also for who cannot see it; {NAME|.2f} is a number of the run, by "
+        "its name in the reference",
+    )
+    printed: dict[str, float] = Field(
+        {}, description="numbers of the run, by their names in the reference, as printed elsewhere"
+    )
+
+    @property
+    def words(self) -> list[str]:
+        """The command and its options."""
+        return shlex.split(self.command)
 
 
 class Scene(Section):
