@@ -235,7 +235,10 @@ def test_curves_vary_a_second_number(cam, tmp_path):
     ("words", "said"),
     [
         (("--vary", "cam.nose_radius=0.1:0.2"), "expected rpm or a constant of the follower"),
-        (("--vary", "follower.mass=1:2", "--parameter", "mass"), "--parameter: found it with --vary"),
+        (
+            ("--vary", "follower.mass=1:2", "--parameter", "mass"),
+            "--parameter: found it with --vary",
+        ),
         (("--vary", "follower.mass=1:2", "--vary", "rpm=3:4"), "expected one number"),
     ],
 )
