@@ -82,14 +82,12 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     pairs, logs = kernel.table(Pair, [Pair()]), []
     chatters = 0
     sums = [0.0] * 4  # first, area, impacts, length
+    columns = [kernel.numbers(x, int) for x in (record.kind, record.period)]
+    columns += [kernel.numbers(x) for x in (record.theta, record.u)]
     for k in range(BATCHES):
         part = slice(k * size, rows if k == BATCHES - 1 else (k + 1) * size)
         growths = kernel.table(Growth, [Growth()])
-        kernel.stretch_events(
-            cam, const,
-            kernel.numbers(record.kind[part], int), kernel.numbers(record.period[part], int),
-            kernel.numbers(record.theta[part]), kernel.numbers(record.u[part]), pairs, growths,
-        )  # fmt: skip
+        kernel.stretch_events(cam, const, *(x[part] for x in columns), pairs, growths)
         growth = growths[0]
         chatters += int(growth.chatters)
         if not growth.length > 0.0 or growth.first == 0.0 or growth.area == 0.0:

@@ -93,7 +93,7 @@ def label(record: Record) -> str:
     m = find_period(states, symbols)
     if m == 0:
         impacts = sum(plain(record.impacts[: record.periods]))
-        return APERIODIC if impacts >= FEWEST_IMPACTS else UNDECIDED
+        return APERIODIC if len(states) > 1 and impacts >= FEWEST_IMPACTS else UNDECIDED
     return Label(symbols[-m:])
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from math import pi
 
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, with_turns
-from camcli.analysis.labels import find_period, label, passages
-from camcli.analysis.orbits.identify import TOO_LARGE
+from camcli.analysis.labels import period_of
+from camcli.analysis.orbits.identify import TOO_LARGE, named
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import natural_log
@@ -59,27 +59,30 @@ def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Si
     first = orbit.position(), orbit.state.theta
     record = _plain(orbit.run())
     sampler = _Sampler(system, orbit, record, samples)
+    name, _ = named(system, rpm, record)
     return Simulation(
         rpm=rpm,
         trajectory=list(sampler.rows(first)) if samples else [],
         events=list(_events(record, orbit, sampler.strobe)),
-        label=label(record),
+        label=name,
         status=record.status,
         periods=record.periods,
         corners_deg=system.corners_deg,
         cost=record.cost,
-        one_of_many=one_of_many_from(system, rpm, settings, record),
+        one_of_many=one_of_many_from(system, rpm, settings, record, name),
     )
 
 
-def one_of_many_from(system: System, rpm: float, settings: Settings, record: Record) -> int | None:
+def one_of_many_from(
+    system: System, rpm: float, settings: Settings, record: Record, name: str
+) -> int | None:
     """The turn in which an error of rounding has grown TOO_LARGE, negative in the transient.
 
     From there on the record is one of many motions that rounding allows. Saltation matrices carry
     a difference from impact to impact (`kernel.variational`), a rest ends it. None where that does
     not happen, and for a record on an orbit without rests: it attracts.
     """
-    if find_period(*passages(record)) and not any(record.chatter):
+    if period_of(name) and not any(record.chatter):
         return None
     turns = settings.transient + record.periods
     whole = Orbit(system, rpm, with_turns(settings, 0, turns)).run(strobes=False)

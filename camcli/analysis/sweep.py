@@ -19,7 +19,7 @@ from camcli.analysis.integrate import (
     Start,
     with_turns,
 )
-from camcli.analysis.labels import APERIODIC, UNDECIDED, Label, label, passages
+from camcli.analysis.labels import APERIODIC, UNDECIDED, passages
 from camcli.analysis.loads import Loads, loads_of
 from camcli.analysis.orbits.same_orbit import SAME, distance, size_of
 from camcli.errors import Status
@@ -307,20 +307,19 @@ class _Task:
         system, rpm, settings = self.setup(value)
         orbit = Orbit(system, rpm, settings, start)
         record = orbit.run()
-        name, end, cost = label(record), orbit.as_start(), record.cost
-        n, to_mps, exponent, known, holds_for = record.periods, orbit.omega, None, True, None
+        end, cost, n, to_mps = orbit.as_start(), record.cost, record.periods, orbit.omega
+        exponents, known, holds_for = None, True, None
         forgets = forgets_too_much(record)
         if forgets and not self.follow:
             name, known = UNDECIDED, False
         elif forgets:
             motion, record, end = true_motion(system, rpm, settings, start, record, end)
             name, cost, known = motion.label, cost + motion.cost, motion.label != UNDECIDED
-            holds_for = motion.holds_for
-            exponent = None if motion.exponents is None else motion.exponents.largest
+            holds_for, exponents = motion.holds_for, motion.exponents
         else:
-            if isinstance(name, Label) and name.repeats:
-                name = _solved_name(system, rpm, record) or name
-            exponent = _exponent(system, rpm, record) if self.lyapunov else None
+            from camcli.analysis.orbits.identify import named
+
+            name, exponents = named(system, rpm, record, self.lyapunov)
         strobe = (range(n), record.strobe_q[:n], _scaled(record.strobe_w[:n], to_mps))
         return Speed(
             value=value,
@@ -331,23 +330,12 @@ class _Task:
             impacts=_impact_rows(record, to_mps) if self.impacts else None,
             strobe=(*strobe, record.impacts[:n], record.chatter[:n]) if self.strobe else None,
             cost=cost,
-            exponent=exponent if self.lyapunov else None,
+            exponent=exponents.largest if self.lyapunov and exponents else None,
             end=end if record.status == Status.OK else None,
             loads=loads_of(system, rpm, record) if known else NOTHING,
             known=known,
             holds_for=holds_for,
         )
-
-
-def _solved_name(system: System, rpm: float, record: Record) -> str | None:
-    """The label of the orbit that a record approaches, None where none could be solved.
-
-    A motion that spirals in slowly comes near itself after many turns before it does after few.
-    """
-    from camcli.analysis.orbits.identify import identify
-
-    orbit = identify(system, rpm, record)
-    return None if orbit is None else orbit.label
 
 
 def forgets_too_much(record: Record) -> bool:
@@ -456,18 +444,6 @@ CODEC = Codec(_store, _load)
 LINES = Codec(
     lambda line: [_store(speed) for speed in line], lambda stored: [_load(one) for one in stored]
 )
-
-
-def _exponent(system: System, rpm: float, record: Record) -> float | None:
-    """Largest exponent of a record: of its solved orbit, else of its impacts."""
-    from camcli.analysis.exponents import of_orbit, of_record
-    from camcli.analysis.orbits.identify import identify
-
-    if record.status != Status.OK:
-        return None
-    orbit = identify(system, rpm, record)
-    found = of_record(system, rpm, record) if orbit is None else of_orbit(system, orbit)
-    return None if found is None else found.largest
 
 
 def _impact_rows(record, omega: float) -> tuple:

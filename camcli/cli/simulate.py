@@ -47,8 +47,9 @@ def simulate(
     \b
     Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a
     complete chatter); contact: the follower never leaves the cam; aperiodic: no period up to 64
-    turns fits; undecided: too few impacts to tell. A label is what the record shows; near
-    358 rpm a long cycle through inf may be an accident of rounding: cam classify tells.
+    turns fits, and no orbit is being approached; undecided: too few turns or impacts to tell. A
+    label is what the record shows; near 358 rpm a long cycle through inf may be an accident of
+    rounding: cam classify tells.
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
 
     \b

@@ -81,9 +81,9 @@ def sweep(
     \b
     Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a
     complete chatter); contact: the follower never leaves the cam; aperiodic: no period up to 64
-    turns fits; undecided: too few impacts to tell. A motion that rests in some turns only is
-    decided as cam classify does, beyond rounding (in a map with --decide, some seconds a point);
-    where that fails it is undecided and grey.
+    turns fits, and no orbit is being approached; undecided: too few turns or impacts to tell. A
+    motion that rests in some turns only is decided as cam classify does, beyond rounding (in a map
+    with --decide, some seconds a point); where that fails it is undecided and grey.
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
     """
     from camcli.cli.run import ranges, run, span_of

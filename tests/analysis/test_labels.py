@@ -77,3 +77,8 @@ def test_quasiperiodic_and_chaotic_records_have_no_period():
 @pytest.mark.parametrize(("record", "label"), [(10, "undecided"), (40, "aperiodic")])
 def test_a_record_of_few_impacts_is_undecided(chapter, record, label):
     assert sweep(chapter, [745.0], settings(100, record)).speeds[0].label == label
+
+
+def test_one_turn_does_not_tell_whether_it_repeats(chapter):
+    """However many impacts it has: here some twenty."""
+    assert sweep(chapter, [199.0], settings(2, 1)).speeds[0].label == "undecided"

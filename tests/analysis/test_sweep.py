@@ -46,6 +46,15 @@ def test_carried_down_it_lives_to_the_corner_impact(chapter):
     assert labels[673.0] != "P(1;1)"
 
 
+def test_an_orbit_still_settling_is_named_after_it(chapter):
+    """Stable up to the doubling at 739.3198 rpm: a multiplier near -1, or a record too short."""
+    for rpm, turns in ((700.0, (30, 20)), (739.3164, (600, 400))):
+        named = [sweep(chapter, [rpm], settings(*turns), lyapunov=on).speeds[0] for on in (0, 1)]
+        assert [speed.label for speed in named] == ["P(1;1)", "P(1;1)"]
+        assert named[0].exponent is None
+        assert named[1].exponent < 0.0
+
+
 def test_up_runs_in_ascending_order(chapter):
     result = sweep(chapter, [190.0, 150.0], settings(5, 5), direction="up")
     assert [s.rpm for s in result.speeds] == [150.0, 190.0]

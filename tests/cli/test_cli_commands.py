@@ -124,6 +124,14 @@ def test_json_is_one_object_that_equals_the_record(cam, tmp_path):
     assert "impacts.csv" in record["artefacts"]
 
 
+def test_an_orbit_still_settling_is_named_after_it(cam, tmp_path):
+    for rpm, label in (("739.3164", "P(1;1)"), ("745", "aperiodic")):
+        done = cam("simulate", "--rpm", rpm, "--no-plot", "--json")
+        assert json.loads(done.stdout)["result"]["label"] == label
+    cam("detach", "--rpm", "700", "--no-plot")  # from rest, 20 turns before and 20 measured
+    assert [row["label"] for row in rows(tmp_path / "out/detach/speeds.csv")] == ["P(1;1)"]
+
+
 def test_dry_run_writes_nothing(cam, tmp_path):
     done = cam("sweep", "--rpm", "660:760", "--dry-run")
     assert done.returncode == 0

@@ -31,8 +31,8 @@ from camcli.analysis.contact_loss.hold import (
     usual_precompression,
 )
 from camcli.analysis.integrate import BudgetSpentError, Cost, Orbit, Settings, with_turns
-from camcli.analysis.labels import label
 from camcli.analysis.loads import loads_of
+from camcli.analysis.orbits.identify import named
 from camcli.analysis.sweep import Speed, rpm_grid
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -210,9 +210,8 @@ def _past(system: System, rpms: Sequence[float], settings: Settings) -> Iterator
     for rpm in rpms:
         record = Orbit(system, rpm, turns).run()
         count, loads = int(sum(record.impacts[: record.periods])), loads_of(system, rpm, record)
-        yield Speed(
-            rpm, rpm, label(record), count, record.status, None, None, record.cost, loads=loads
-        )
+        name, _ = named(system, rpm, record)
+        yield Speed(rpm, rpm, name, count, record.status, None, None, record.cost, loads=loads)
 
 
 def _force_speeds(

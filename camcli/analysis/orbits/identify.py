@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
+from camcli.analysis.exponents import Exponents, of_orbit, of_record
 from camcli.analysis.integrate import Orbit, Record, Settings, Start, with_turns
-from camcli.analysis.labels import LONGEST_PERIOD, passages
+from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, Label, label, passages
 from camcli.analysis.orbits.orbit import (
     PeriodicOrbit,
     free_orbit,
@@ -29,6 +30,27 @@ MOST_IMPACTS = 2000  # in one period of an orbit to be solved
 TOO_LARGE = 7e10  # growth of a phase error that leaves five digits of a turn
 
 Impact = tuple[int, float, float]  # period, theta (rad), incoming u (m/rad)
+
+
+def named(
+    system: System, rpm: float, record: Record, measured: bool = False
+) -> tuple[str, Exponents | None]:
+    """The label of what a record ends on, and its exponents where `measured`.
+
+    A slow spiral towards an orbit comes near itself after many turns before it does after few, and
+    in a short record not at all: where `label` finds no period, or that of fewer turns repeated,
+    the orbit is solved. None is looked for where the record's exponent says chaos.
+    """
+    name, ok = label(record), record.status == Status.OK
+    doubtful = name == APERIODIC or (isinstance(name, Label) and name.repeats)
+    exponents = of_record(system, rpm, record) if ok and name == APERIODIC else None
+    if (measured or doubtful) and not (exponents and exponents.chaotic):
+        orbit = identify(system, rpm, record)
+        if orbit is not None:
+            return (orbit.label if doubtful else name), of_orbit(system, orbit)
+    if measured and ok and exponents is None:
+        exponents = of_record(system, rpm, record)
+    return name, exponents
 
 
 def solve_from(
