@@ -15,12 +15,6 @@ from camcli.cams.compile import lift_range
 from camcli.errors import Status
 from camcli.system import units_of
 
-WAYS = {  # the springs of --hold-to
-    Quantity.HOLD_STIFFNESS: "a stiffer spring with the same preload",
-    Quantity.HOLD_PRELOAD: "more preload on the same spring",
-    Quantity.HOLD_BOTH: "another spring",
-}
-
 
 def sentences(result: ContactLoss) -> list[str]:
     """What no number says: everything."""
@@ -41,7 +35,7 @@ def plainly(result: ContactLoss) -> list[str]:
             beyond = " and above" if len(rpms) > 1 else ""
             said.append(f"contact is lost at every speed asked for, {min(rpms):.10g} rpm{beyond}")
     told = [h for h in result.holds if h.status is not HoldStatus.OK]
-    return said + [f"{WAYS[h.quantity]}: {spring(h)}" for h in told]
+    return said + [f"{way(h)}: {spring(h)}" for h in told]
 
 
 def theory(result: ContactLoss) -> list[str]:
@@ -98,6 +92,17 @@ def _lift_off(seen: LiftOff, place: float) -> str:
         LiftOffKind.WITHIN: f"{released} the weakest phase, lands {lands}",
         LiftOffKind.UNSEEN: "no lift-off was seen: contact is lost at no phase after a rest",
     }[seen.kind]
+
+
+def way(hold: Hold) -> str:
+    """What is done about the present spring."""
+    if hold.quantity is Quantity.HOLD_STIFFNESS:
+        return f"a {'stiffer' if hold.more else 'softer'} spring with the same preload"
+    if hold.quantity is Quantity.HOLD_BOTH:
+        return "another spring"
+    if hold.status is HoldStatus.NOT_NEEDED:
+        return "the same spring without preload"
+    return f"{'more' if hold.more else 'less'} preload on the same spring"
 
 
 def spring(hold: Hold) -> str:
@@ -220,7 +225,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     ]  # fmt: skip
     pressed = ", Hertz (MPa)" if found.forces and found.forces[0].pressure_pa else ""
     springs = [
-        [WAYS[h.quantity], _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, digits=4),
+        [way(h), _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, digits=4),
          _cell(h.nose_n, digits=4),
          "never" if h.detaches_rpm == inf else _cell(h.detaches_rpm, digits=exact), h.status]
         for h in found.holds

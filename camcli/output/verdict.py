@@ -9,7 +9,7 @@ from typing import Any
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
 from camcli.analysis.labels import APERIODIC, CONTACT, Label
-from camcli.output.detach import WAYS
+from camcli.output.detach import way
 from camcli.system import Units, units_of
 
 MM = 1e3  # per m
@@ -93,17 +93,11 @@ def _springs(result: Any) -> Iterator[str]:
         return
     rpm, margin = result.scene.detach.hold_to, result.values.margin
     asked = f"up to {rpm:g} rpm of the cam with {margin:.3g} N to spare"
-    enough = any(
-        hold.status is HoldStatus.NOT_NEEDED
-        or (hold.quantity is loss.Quantity.HOLD_STIFFNESS and hold.stiffness is not None
-            and hold.stiffness <= result.system.follower.stiffness)
-        for hold in holds
-    )  # fmt: skip
-    if enough:
+    if any(h.quantity is loss.Quantity.HOLD_PRELOAD and not h.more for h in holds):
         yield f"The present spring holds {asked}"
         return
     springs = [
-        f"{WAYS[hold.quantity]}: {spring_words(hold, units)}"
+        f"{way(hold)}: {spring_words(hold, units)}"
         for hold in holds
         if hold.status is HoldStatus.OK
     ]
@@ -120,12 +114,12 @@ def _tolerances(result: Any) -> Iterator[str]:
         f"Within the tolerances ({off}) contact holds up to {found['median_rpm']:.4g} rpm of the "
         f"cam in half of the machines, up to {found['worst_rpm']:.4g} in the worst"
     )
-    usable = [hold.quantity for hold in result.values.holds if hold.status is HoldStatus.OK]
-    for quantity, spring in found["springs"].items():
-        if loss.Quantity(quantity) not in usable:
+    for hold in result.values.holds:
+        spring = found["springs"].get(hold.quantity)
+        if spring is None or hold.status is not HoldStatus.OK:
             continue
         yield (
-            f"With {WAYS[loss.Quantity(quantity)]} {100.0 * spring['chance']:.3g} % of them hold "
+            f"With {way(hold)} {100.0 * spring['chance']:.3g} % of them hold "
             f"up to {result.scene.detach.hold_to:g}, the worst up to {spring['worst_rpm']:.4g}"
         )
 

@@ -93,6 +93,11 @@ def test_hold_to_gives_springs_and_their_own_detachment(cam, tmp_path):
     assert stiffness == pytest.approx(1430.8 * (150.0 / 114.979326744) ** 2, rel=1e-9)
 
 
+# where c = -0.05 m the spring pulls with 95 N: a force of 5 N is left, and the margin is 10
+PULLS = ("--hold-to", "60", "--set", "cam.offset=0.45", "--set", "detach.margin_n=10",
+         "--set", "follower.preload=100", "--set", "follower.stiffness=1900")  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -101,6 +106,12 @@ def test_hold_to_gives_springs_and_their_own_detachment(cam, tmp_path):
         (("--set", "follower.stiffness=0"), "the contact force is zero at"),
         (("--set", "follower.preload=-200", "--hold-to", "150"), "not held even at standstill"),
         (("--set", "cam.offset=0.45", "--hold-to", "150"), "impossible with stiffness alone"),
+        (("--hold-to", "100"), "The present spring holds up to 100 rpm"),
+        (
+            PULLS,
+            "a softer spring with the same preload: 1.254 N/m; or more preload on the same "
+            "spring: 105 N",
+        ),
     ],
 )
 def test_what_no_number_says_is_said_in_words(cam, tmp_path, words, said):

@@ -67,6 +67,7 @@ def test_a_run_begins_with_a_verdict(cam, begun):
 
     done = cam("detach", "-c", "lobe.yaml", *short, "--hold-to", "1000")
     assert "The present spring holds up to 1000 rpm" in done.stdout.splitlines()[0]
+    assert "a softer spring with the same preload" in done.stdout
 
     solid = ("--set", "spring.solid_at=0.0101", "--set", "detach.machines=1")
     some = (*solid, "--tolerance", "follower.mass=5%")

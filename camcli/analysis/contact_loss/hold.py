@@ -54,7 +54,9 @@ class Hold:
     stiffness N/m, preload N (None where impossible), theta_deg of the deciding phase (None where
     none does), detaches_rpm recomputed with the new spring (inf: never), least force up to the
     speed asked for in newton; nose_n: its force at the highest lift, N. Where it is impossible: the
-    obstacle, and the force missing, N (the height missing, m, of a SOLID spring).
+    obstacle, and the force missing, N (the height missing, m, of a SOLID spring). more: than the
+    present spring has, of stiffness, or of preload where only that is another: if less of it would
+    do, the present spring holds.
     """
 
     quantity: Quantity
@@ -68,6 +70,7 @@ class Hold:
     obstacle: Obstacle | None = None
     missing_n: float | None = None
     nose_n: float | None = None
+    more: bool = True
 
 
 def usual_margin(system: System, rpm: float, accel_error: Sequence[float] = (0.0,)) -> float:
@@ -105,7 +108,8 @@ def hold_to(
     stiff = need.least_stiffness(Quantity.HOLD_STIFFNESS, present, 0.0)
     least, i, theta = need.most(lambda p, c: p - k * c)
     preload = need.checked(Quantity.HOLD_PRELOAD, k, max(least, 0.0), least > 0.0, i, theta)
-    lower = (least - present) / k if least > present and k > 0.0 else 0.0
+    preload = replace(preload, more=least > present)
+    lower = (least - present) / k if preload.more and k > 0.0 else 0.0
     if system.cam.top + lower > solid:
         preload = replace(
             preload, status=HoldStatus.IMPOSSIBLE, obstacle=Obstacle.SOLID,
@@ -182,5 +186,5 @@ class Need:
         return Hold(
             quantity, kind if needed else HoldStatus.NOT_NEEDED, k, preload,
             self.force.region_of(i).name if needed else "", theta * DEG if needed else None,
-            first, least, nose_n=nose,
+            first, least, nose_n=nose, more=k > f.stiffness,
         )  # fmt: skip
