@@ -71,7 +71,7 @@ def period_of(label: str) -> int:
     """Turns after which a motion with this label repeats; 0 where it does not."""
     if label == CONTACT:
         return 1
-    return len(Label.parse(label).symbols) if label.startswith("P(") else 0
+    return int(label[2:].partition(";")[0]) if label.startswith("P(") else 0
 
 
 def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:

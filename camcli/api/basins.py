@@ -15,10 +15,9 @@ from camcli.analysis.basins.window import Window
 from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
 from camcli.api.classify import decided_words
-from camcli.api.orbits import MULTIPLIERS
-from camcli.api.result import Progress, Result, machine_of
-from camcli.api.vary import span_of
-from camcli.errors import Status
+from camcli.api.machine import machine_of, span_of
+from camcli.api.orbits import MULTIPLIERS, multiplier_columns
+from camcli.api.result import Progress, Result, trouble
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
@@ -78,9 +77,10 @@ def basins(
     """
     machine = machine_of(scene)
     scene, section, system = machine.scene, machine.scene.basins, machine.system
-    question = _question(scene)
+    window = Window(section.q, section.v, *section.cells)
+    question = Question(window, section.method, section.budget, section.refine)
     key, values, setup = span_of(machine, section)
-    total = question.window.count * len(values)
+    total = window.count * len(values)
     done = 0
 
     def on_cells(cells: int) -> None:
@@ -130,12 +130,6 @@ def basins(
     )
 
 
-def _question(scene: Scene) -> Question:
-    section = scene.basins
-    window = Window(section.q, section.v, *section.cells)
-    return Question(window, section.method, section.budget, section.refine)
-
-
 def _notes(found: Study, question: Question) -> list[str]:
     """What stayed undecided, and a sentence for each kind of trouble."""
     notes = []
@@ -143,13 +137,15 @@ def _notes(found: Study, question: Question) -> list[str]:
         notes.append("no start of this window lies above the cam: raise basins.q")
     ends = (end.holds_for for speed in found.speeds for _, end in speed.rests)
     notes += decided_words(ends, "departures")
-    words = undecided_words(found, question)
-    if words:
-        notes.append(words)
+    if cells := sum(speed.undecided for speed in found.speeds):
+        total = sum(speed.cells for speed in found.speeds)
+        notes.append(
+            f"undecided: {cells} of {total} cells met no attractor within {question.budget} turns; "
+            "raise basins.budget, or the motion is a long transient or has no attractor"
+        )
     for code in sorted({code for speed in found.speeds for code in speed.troubled}):
         cells = sum(speed.troubled.get(code, 0) for speed in found.speeds)
-        status = Status(code)
-        notes.append(f"{status.text} in {cells} cells: {status.cause}; {status.cure}")
+        notes += trouble(code, f" in {cells} cells")
     return notes
 
 
@@ -163,9 +159,7 @@ def _attractors_table(found: Study, key: str) -> Table:
     first = () if key == "rpm" else (key,)
     return Table.of_rows(
         (*first, *ATTRACTORS, *(GROWTH if asked else ())),
-        lambda: (
-            (*(speed.value for _ in first), *row) for speed in found.speeds for row in _rows(speed)
-        ),
+        lambda: ((*[s.value] * len(first), *row) for s in found.speeds for row in _rows(s)),
     )
 
 
@@ -193,17 +187,15 @@ def _growth(speed: Basins, k: int | None) -> list:
     pair, exponent = speed.attractors[k].multipliers, speed.exponents[k]
     if pair is None:
         return [None] * 4 + [exponent]
-    numbers = [x for z in pair for x in (z.real + 0.0, z.imag + 0.0)]
-    return [*numbers, exponent]
+    return [*multiplier_columns(pair), exponent]
 
 
 def _saddle_rows(found: Study) -> Iterator[tuple]:
     for speed in found.speeds:
         for saddle in speed.saddles or ():
             q, w = saddle.orbit.states[0]
-            growth = [x for z in saddle.orbit.multipliers for x in (z.real + 0.0, z.imag + 0.0)]
             at = speed.value, saddle.orbit.label, q, w * omega_of(speed.rpm)
-            yield (*at, *growth, saddle.led, saddle.tried)
+            yield (*at, *multiplier_columns(saddle.orbit.multipliers), saddle.led, saddle.tried)
 
 
 def _cell_blocks(grids: Sequence[Basins], refine: int) -> Iterator[Block]:
@@ -274,7 +266,7 @@ def _record(speed: Basins, question: Question) -> dict[str, Any]:
             "exponent": doubt.exponent,
             "standard_error": doubt.error,
             "boundary_dimension": doubt.dimension,
-            "error_share_count": [list(row) for row in doubt.rows],
+            "error_share_count": doubt.rows,
         },
     }  # fmt: skip
 
@@ -287,7 +279,7 @@ def _attractor(speed: Basins, k: int) -> dict[str, Any]:
         "label": attractor.label,
         "turns": attractor.turns or None,
         "states_q_m_v_m_per_s": [[q, w * omega_of(speed.rpm)] for q, w in attractor.states],
-        "multipliers": [[z.real, z.imag] for z in map(complex, attractor.multipliers or ())],
+        "multipliers": list(map(complex, attractor.multipliers or ())),
         "fraction": fraction,
         "standard_error": error,
     }
@@ -302,15 +294,3 @@ def _attractor(speed: Basins, k: int) -> dict[str, Any]:
             [dq, dw * omega_of(speed.rpm)] for dq, dw in region.half_widths().tolist()
         ],
     }
-
-
-def undecided_words(result: Study, question: Question) -> str:
-    """A note on cells that stayed undecided, '' where none did."""
-    cells = sum(speed.undecided for speed in result.speeds)
-    if not cells:
-        return ""
-    total = sum(speed.cells for speed in result.speeds)
-    return (
-        f"undecided: {cells} of {total} cells met no attractor within {question.budget} turns; "
-        "raise basins.budget, or the motion is a long transient or has no attractor"
-    )

@@ -15,19 +15,9 @@ from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import APERIODIC, UNDECIDED
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.sweep import status_name
+from camcli.api.machine import Machine, machine_of, refuse_to_explain, span_of
 from camcli.api.orbits import BIFURCATIONS, bifurcation_row
-from camcli.api.result import (
-    Machine,
-    Progress,
-    Result,
-    budget_of,
-    counted,
-    machine_of,
-    status_notes,
-    ticks,
-    trouble,
-)
-from camcli.api.vary import refuse_to_explain, span_of
+from camcli.api.result import Progress, Result, budget_of, counted, status_notes, ticks, trouble
 from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.explanations import explained
@@ -229,20 +219,13 @@ def _motion(m: Motion) -> dict[str, Any]:
     e = m.exponents
     return {
         "value": m.value, "rpm": m.rpm, "label": m.label, "period": m.period,
-        "impacts": _plain(m.impacts),
+        "impacts": m.impacts,
         "chatter": m.chatter, "stable": m.stable, "transient_turns": m.transient,
         "status": status_name(m.status), "start": vars(m.start),
         "holds_for": m.holds_for, "turns": m.record.periods, "complete_chatters": m.chatters,
-        "multipliers": None if m.orbit is None else [[z.real, z.imag] for z in m.orbit.multipliers],
+        "multipliers": None if m.orbit is None else m.orbit.multipliers,
         "exponents": None if e is None else {
-            "largest": _plain(e.largest), "second": _plain(e.second), "standard_error": e.spread,
-            "sum_rule": _plain(e.rule), "defect": _plain(e.defect),
+            "largest": e.largest, "second": e.second, "standard_error": e.spread,
+            "sum_rule": e.rule, "defect": e.defect,
         },
     }  # fmt: skip
-
-
-def _plain(value: float) -> float | str | None:
-    """JSON has no infinities: they are words, and nan is null."""
-    if isfinite(value):
-        return value
-    return None if value != value else ("inf" if value > 0.0 else "-inf")

@@ -12,23 +12,15 @@ from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.sweep import rpm_grid
-from camcli.api.result import (
-    Machine,
-    Progress,
-    Result,
-    budget_of,
-    machine_of,
-    status_notes,
-    ticks,
-    trouble,
-)
+from camcli.api.machine import Machine, machine_of
+from camcli.api.result import Progress, Result, budget_of, status_notes, ticks, trouble
 from camcli.api.sweep import SPEEDS, speed_row
 from camcli.api.tolerances import tolerances, tolerated
 from camcli.cams.compile import lift_range
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.detach import summary
-from camcli.output.tables import Block, Table
+from camcli.output.tables import Table
 from camcli.parallel import Work
 from camcli.scene import Scene
 from camcli.system import omega_of
@@ -123,18 +115,15 @@ def detach(
 
         return draw_detach(found, system)
 
-    unsettled = [c for c in found.critical_speeds if c.status is SpeedStatus.UNRESOLVED]
-    notes = [
-        *status_notes(found.troubled),
-        *(
-            []
-            if budget.status in (status for _, status in found.troubled)
-            else trouble(budget.status)
-        ),
-        *(
-            f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket"
-            for c in unsettled
-        ),
+    # two rows at a corner, one for each side
+    forces = [(f.rpm, f.theta_deg, f.force_n, f.pressure_pa or None) for f in found.forces]
+    notes = status_notes(found.troubled)
+    if budget.status not in (status for _, status in found.troubled):
+        notes += trouble(budget.status)
+    notes += [
+        f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket"
+        for c in found.critical_speeds
+        if c.status is SpeedStatus.UNRESOLVED
     ]
     result = Result(
         command="detach",
@@ -144,13 +133,12 @@ def detach(
         tables={
             "detach": Table.of_rows(DETACH, lambda: _critical_rows(found)),
             "accumulation": Table.of_rows(
-                ACCUMULATION,
-                lambda: ((speed.rpm, end) for speed in found.speeds for end in speed.ends),
+                ACCUMULATION, lambda: ((s.rpm, end) for s in found.speeds for end in s.ends)
             ),
             "corner_hits": Table.of_rows(
                 CORNER_HITS, lambda: ((hit.impact, hit.corner, hit.rpm) for hit in found.hits)
             ),
-            "force": Table(FORCE, lambda: _force_blocks(found)),
+            "force": Table(FORCE, lambda: iter(forces)),
             "speeds": Table.of_rows(("rpm", *SPEEDS), lambda: map(speed_row, found.past)),
             **tables,
         },
@@ -197,12 +185,6 @@ def _critical_rows(found: ContactLoss) -> Iterator[tuple]:
         if hold.detaches_rpm is not None:
             rpm = hold.detaches_rpm
             yield hold.quantity, hold.region, hold.theta_deg, rpm, omega_of(rpm)
-
-
-def _force_blocks(found: ContactLoss) -> Iterator[Block]:
-    """Two rows at a corner, one for each side."""
-    for curve in found.forces:
-        yield curve.rpm, curve.theta_deg, curve.force_n, curve.pressure_pa or None
 
 
 def _hertz(machine: Machine) -> Hertz | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import ceil, pi, sqrt
 from typing import Any, BinaryIO
@@ -15,10 +15,10 @@ from camcli.analysis.labels import period_of
 from camcli.analysis.orbits.same_orbit import CLOSE, distance_to
 from camcli.analysis.simulate import STICKING, Simulation, simulate
 from camcli.api.basins import basins
+from camcli.api.machine import Machine, Varied, machine_of
 from camcli.api.orbits import orbits
-from camcli.api.result import Machine, Progress, Result, machine_of, ticks
+from camcli.api.result import Progress, Result, ticks
 from camcli.api.sweep import sweep
-from camcli.api.vary import Varied
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import for_work, stopwatch
 from camcli.kernel.cam_table import TURN
@@ -149,12 +149,14 @@ def explore(
     with stopwatch() as watch:
         runs = len(DIRECTIONS) * scene.sweep.rpm.num + scene.orbits.starts
         for_work(runs * (scene.run.transient + scene.run.record))
-        sweeps = [
-            (direction, sweep(_sweep_scene(scene, direction), progress, work=work))
-            for direction in DIRECTIONS
-        ]
+        whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
+        ways = [_with(scene, "sweep", **whole, explain=False, direction=d) for d in DIRECTIONS]
+        results = [sweep(one, progress, work=work) for one in ways]
+        sweeps = list(zip(DIRECTIONS, results, strict=True))
         solved = orbits(_orbits_scene(scene), progress)
-        landed = basins(_basins_scene(scene), progress, work=work) if with_basins else None
+        speed = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
+        window = _with(scene, "basins", rpm=speed, refine=0)  # one speed, cells of one size
+        landed = basins(window, progress, work=work) if with_basins else None
         mapped = sweep(_with(scene, "sweep", vary=axes), progress, work=work) if with_map else None
         motions = _attractors(machine, sweeps, MOST_ROWS // (samples * scene.sweep.rpm.num))
         motions += _solved(machine, solved, motions)
@@ -231,12 +233,6 @@ def _axes_of_map(scene: Scene) -> tuple[Axis, ...]:
     return axes
 
 
-def _sweep_scene(scene: Scene, direction: str) -> Scene:
-    sections = ("impacts", "strobe")
-    values = {"direction": direction, "sections": sections, "tables": "csv", "explain": False}
-    return _with(scene, "sweep", vary=(), lyapunov=True, **values)
-
-
 def _orbits_scene(scene: Scene) -> Scene:
     """The same speeds for the orbits."""
     span, at = scene.sweep.rpm, scene.orbits.at
@@ -244,12 +240,6 @@ def _orbits_scene(scene: Scene) -> Scene:
     rpm = scene.orbits.rpm.model_copy(update={"start": low, "stop": high})
     at = at if at is not None and low <= at <= high else None
     return _with(scene, "orbits", rpm=rpm, at=at, parameter="rpm", range=None, curve=None)
-
-
-def _basins_scene(scene: Scene) -> Scene:
-    """One speed, and cells of one size."""
-    rpm = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
-    return _with(scene, "basins", rpm=rpm, refine=0)
 
 
 def _attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) -> list[Motion]:
@@ -434,18 +424,15 @@ def _motion_data(found: Explored) -> dict[str, Any]:
         )  # fmt: skip
     t, q, v, rest = zip(*rows, strict=True)
     at, kind, u = zip(*events, strict=True) if events else ((), (), ())
-    impacts = [
-        np.concatenate(parts) for parts in zip(*(m.impacts for m in found.motions), strict=True)
-    ]
-    strobes = [
-        np.concatenate(parts) for parts in zip(*(m.strobes for m in found.motions), strict=True)
-    ]
+    theta, speed, positions, velocities = map(
+        np.concatenate, zip(*((*m.impacts, *m.strobes) for m in found.motions), strict=True)
+    )
     return {
         "motions": motions,
         "rows": {"t": np.array(t), "q": np.array(q), "v": np.array(v), "rest": np.array(rest)},
         "events": {"t": np.array(at), "kind": np.array(kind, np.uint8), "u": np.array(u)},
         "points": {
-            "theta_deg": impacts[0], "u": impacts[1], "q": strobes[0], "v": strobes[1],
+            "theta_deg": theta, "u": speed, "q": positions, "v": velocities,
         },
         "branches": _branches(found.orbits), "bifurcations": _bifurcations(found.orbits),
         "planes": [
@@ -497,19 +484,17 @@ def _bifurcations(solved: Result) -> list[dict[str, Any]]:
 def _basins_data(landed: Result) -> dict[str, Any]:
     """The window with the attractor of every cell."""
     section, attractors = landed.scene.basins, _columns(landed, "attractors")
-    named = list(
-        zip(
-            *(attractors[name].tolist() for name in ("attractor", "label", "fraction")), strict=True
-        )
-    )
-    codes = [number for number, _, _ in named]
+    columns = (attractors[name].tolist() for name in ("attractor", "label", "fraction"))
+    named = list(zip(*columns, strict=True))
+    place = {number: k for k, (number, _, _) in enumerate(named)}  # 255: below the cam
+    codes = [place.get(n, 255) for n in landed.tables["basins"]["attractor"].tolist()]
     shares = [f"{label} takes {100.0 * share:.3g} %" for n, label, share in named if n > 0]
     return {
         "of": "start", "name": "Basins of attraction", "cells": section.cells,
         "x": section.q, "y": section.v,
         "names": ["position q at the strobe (m)", "velocity v at the strobe (m/s)"],
         "labels": [str(label) for _, label, _ in named],
-        "codes": _indices(landed.tables["basins"]["attractor"], codes),
+        "codes": np.array(codes, np.uint8),
         "words": f"At {section.rpm.start:.10g} rpm: {', '.join(shares)} of the starts.",
     }  # fmt: skip
 
@@ -528,9 +513,3 @@ def _map_data(result: Result) -> dict[str, Any]:
         "codes": codes[np.argsort(y)][:, np.argsort(x)].astype(np.uint8).ravel(),
         "words": "",
     }  # fmt: skip
-
-
-def _indices(codes: np.ndarray, known: Sequence[int]) -> np.ndarray:
-    """Where each code is among those known, 255 for none (below the cam)."""
-    table = {code: k for k, code in enumerate(known)}
-    return np.array([table.get(code, 255) for code in codes.tolist()], np.uint8)

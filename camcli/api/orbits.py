@@ -21,7 +21,8 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
-from camcli.api.result import Machine, Progress, Result, budget_of, machine_of, ticks, trouble
+from camcli.api.machine import Machine, machine_of
+from camcli.api.result import Progress, Result, budget_of, ticks, trouble
 from camcli.api.sweep import IMPACTS, STROBE, blocks
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
@@ -236,11 +237,8 @@ def _question(scene: Scene) -> Question:
     if curve is not None:
         second = section.curve_in
         if second in (parameter, "rpm"):
-            found, expected = (
-                f"found {second} as the second parameter",
-                "a constant of the follower",
-            )
-            raise _refusal("curve_in", found, expected, f"another one than {parameter}")
+            found, cure = f"found {second} as the second parameter", f"another one than {parameter}"
+            raise _refusal("curve_in", found, "a constant of the follower", cure)
         if low == high:
             raise _refusal("rpm", "found one speed", "a range for a curve", "give --rpm LO:HI")
         own = section.curve_range is not None or parameter != "rpm"
@@ -516,13 +514,13 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
         "branches": [
             {"branch": branch.number, "origin": branch.origin, "labels": branch.labels,
              "from": branch.points[0].value, "to": branch.points[-1].value,
-             "points": len(branch.points), "ends": list(branch.ends)}
+             "points": len(branch.points), "ends": branch.ends}
             for branch in result.branches
         ],
         "bifurcations": [_event(b) for b in result.bifurcations],
         "curves": [
             {"kind": c.kind, "label": c.label, "corner": c.corner, "points": len(c.points),
-             "ends": list(c.ends), "limits": list(c.limits)}
+             "ends": c.ends, "limits": c.limits}
             for c in result.curves
         ],
         **({} if proofs is None else {"proofs": {
@@ -538,16 +536,16 @@ def _proof(p: Proof) -> dict[str, Any]:
     return {
         "proved": p.proved, "holds_for": p.holds_for if p.proved else None, "refuted": p.refuted,
         "failed_step": p.step, "value": p.value or None,
-        "box": list(p.box), "signs": [list(pair) for pair in p.signs],
+        "box": p.box, "signs": p.signs,
     }  # fmt: skip
 
 
 def _orbit(orbit: PeriodicOrbit) -> dict[str, Any]:
     return {
         "label": orbit.label, "rpm": orbit.rpm, "stable": orbit.stable, "verdict": orbit.verdict,
-        "theta_deg": [theta * DEG for theta in orbit.theta], "regions": list(orbit.regions),
+        "theta_deg": [theta * DEG for theta in orbit.theta], "regions": orbit.regions,
         "u_minus_m_per_s": [u * omega_of(orbit.rpm) for u in orbit.rates],
-        "multipliers": [[z.real, z.imag] for z in orbit.multipliers],
+        "multipliers": orbit.multipliers,
         "trace": orbit.trace, "det": orbit.det,
     }  # fmt: skip
 
@@ -558,7 +556,5 @@ def _event(b: Bifurcation) -> dict[str, Any]:
         "branch": b.branch, "label": b.label, "kind": b.kind, "value": b.value, "error": b.error,
         "status": b.status, "corner": b.corner, "classification": b.classification,
         "continues_as_branch": b.continues, "prediction_agrees": b.agrees, "words": event_words(b),
-        "inequalities": [
-            {"text": i.text, "left": i.left, "right": i.right, "holds": i.holds} for i in rests_on
-        ],
+        "inequalities": [{**vars(i), "holds": i.holds} for i in rests_on],
     }  # fmt: skip

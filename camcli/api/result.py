@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import partial
-from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from camcli.analysis.integrate import Budget, Cost, Settings, Start, budgeted
+from camcli.analysis.integrate import Budget, Cost, budgeted
 from camcli.errors import Status
 from camcli.scene import Scene, load_scene, resolved, scene_hash
-from camcli.system import Follower, System
+from camcli.system import System
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -77,6 +76,11 @@ class Result:
     complete: bool = True
     options: Mapping[str, Any] = field(default_factory=dict)
     files: Mapping[str, Callable[[BinaryIO], Any]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        from camcli.output.run_record import plain
+
+        object.__setattr__(self, "summary", plain(self.summary))
 
     def __repr__(self) -> str:
         return f"<Result of {self.command}: tables {', '.join(self.tables)}>"
@@ -197,36 +201,6 @@ def plot(
     return figure
 
 
-@dataclass(frozen=True)
-class Machine:
-    """What the analyses need of a scene."""
-
-    scene: Scene
-    system: System
-    settings: Settings
-    said: Mapping[str, str] = field(default_factory=dict)  # why it has these speeds, by section
-
-
-def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Machine:
-    """The compiled machine of a scene, or of what `load_scene` takes, and its runs' settings."""
-    from camcli.api.ranges import ranged
-
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    follower = Follower(*(getattr(scene.follower, f.name) for f in fields(Follower)))
-    strobe = scene.run.strobe_deg
-    system = System.build(follower, scene.cam.parts(), strobe, scene.cam)
-    scene, said = ranged(scene, system)
-    run = scene.run
-    settings = Settings(
-        transient=run.transient,
-        record=run.record,
-        chatter_tolerance=run.chatter_tolerance,
-        impact_budget=run.impact_budget,
-        start=Start(run.start.q, run.start.v, run.start.theta_deg),
-    )
-    return Machine(scene, system, settings, said)
-
-
 def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., None]:
     """A function to call once for each of `total` things that are done."""
     done = 0
@@ -246,9 +220,10 @@ def budget_of(scene: Scene, progress: Progress | None) -> AbstractContextManager
     return budgeted(scene.run.work_budget, partial(tell, "of run.work_budget"))
 
 
-def trouble(status: Status) -> list[str]:
+def trouble(code: int, where: str = "") -> list[str]:
     """The sentence on a status that is not OK."""
-    return [] if status == Status.OK else [f"{status.text}: {status.cause}; {status.cure}"]
+    status = Status(code)
+    return [f"{status.text}{where}: {status.cause}; {status.cure}"] if status != Status.OK else []
 
 
 def counted(values: Sequence[float], key: str) -> str:
@@ -266,8 +241,5 @@ def status_notes(troubled: Iterable[tuple[float, int]], key: str = "rpm") -> lis
     by_status: dict[int, list[float]] = {}
     for value, code in troubled:
         by_status.setdefault(code, []).append(value)
-    notes = []
-    for code, values in sorted(by_status.items()):
-        status = Status(code)
-        notes.append(f"{status.text} at {counted(values, key)}: {status.cause}; {status.cure}")
-    return notes
+    kinds = sorted(by_status.items())
+    return [s for code, values in kinds for s in trouble(code, f" at {counted(values, key)}")]

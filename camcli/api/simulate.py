@@ -8,7 +8,8 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Cost
-from camcli.api.result import Machine, Progress, Result, machine_of, trouble
+from camcli.api.machine import Machine, machine_of
+from camcli.api.result import Progress, Result, trouble
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
@@ -84,7 +85,6 @@ def simulate(
     scene, system = machine.scene, machine.system
     with stopwatch() as watch:
         found = run(system, scene.run.rpm, machine.settings, scene.simulate.samples)
-    ended = [(found.rpm, found.status)] if found.status != Status.OK else []
     highest = max((row[2] for row in found.trajectory), default=0.0)
 
     def draw():
@@ -117,9 +117,9 @@ def simulate(
         notes=(
             *height_notes([(found.rpm, highest)], system.cam.top),
             *_many_notes(found.one_of_many),
-            *_ended(ended),
+            *trouble(found.status),
         ),
-        complete=not ended,
+        complete=found.status == Status.OK,
     )
 
 
@@ -146,10 +146,6 @@ def _many_notes(turn: int | None) -> list[str]:
         f"from {place} on this is one of many motions that rounding allows: an error of the last "
         "digit has grown beyond five digits of a turn (cam classify names the true motion)"
     ]
-
-
-def _ended(troubled: list[tuple[float, int]]) -> list[str]:
-    return [text for _, code in troubled for text in trouble(Status(code))]
 
 
 def height_notes(heights, top: float) -> list[str]:
@@ -240,27 +236,23 @@ def _drawn(result: Profile, machine: Machine, base: float | None) -> Drawn:
     return Drawn(result, Outline.of(machine.system, base, cam), measured, name)
 
 
-def _extreme(extreme) -> dict[str, float] | None:
-    return None if extreme is None else {"value": extreme.value, "theta_deg": extreme.theta_deg}
-
-
 def _profile_summary(result) -> dict[str, Any]:
     bent, first = result.curvature, result.first
     return {
         "rpm": result.force.rpm,
         "corners_deg": result.corners,
         "ranges": {
-            f"{name} ({UNITS[name]})": [_extreme(low), _extreme(high)]
+            f"{name} ({UNITS[name]})": [vars(low), vars(high)]
             for name, (low, high) in result.ranges.items()
         },
         "least_force_n": {"value": result.force.lowest_n, "theta_deg": result.force.lowest_deg},
         "first_detachment_rpm": first.rpm if first is not None and first.finite else None,
         "base_radius_m": bent.base_radius,
         "flat_faced": {
-            "least_radius_m": _extreme(bent.flat_least) if bent.base_radius else None,
+            "least_radius_m": vars(bent.flat_least) if bent.base_radius else None,
             "undercut": bent.undercut if bent.base_radius else None,
             "least_base_radius_m": bent.least_base_radius,
         },
-        "largest_roller_radius_m": _extreme(bent.roller),
+        "largest_roller_radius_m": bent.roller and vars(bent.roller),
         "assumed": "the follower moves along a line through the axis, at base_radius + c - least c",
     }

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.analysis.integrate import Start
-from camcli.analysis.labels import CONTACT
+from camcli.analysis.labels import period_of
 from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
-from camcli.api.result import Machine, Progress, Result, machine_of, status_notes, ticks, trouble
+from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of
+from camcli.api.result import Progress, Result, status_notes, ticks, trouble
 from camcli.api.simulate import height_notes
-from camcli.api.vary import Varied, refuse_to_explain, span_of
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
@@ -36,7 +36,7 @@ MOST_BYTES = 500_000_000  # of a table that is drawn over the points
 IMPACTS = ("period", "theta_deg", "q_m", "u_minus_m_per_s")
 STROBE = ("period", "q_m", "v_m_per_s", "impacts", "chatter")
 # of a file that is no table of ours
-BAD_FILE = (OSError, UnicodeError, csv.Error, ValueError, KeyError, IndexError, StopIteration)
+BAD_FILE = (csv.Error, ValueError, LookupError, StopIteration)
 MAP = ("label", "period", "impacts_per_turn", "lyapunov_per_period", *Loads._fields)
 SPEEDS = ("label", "impacts", "lyapunov_per_period", "status", *Loads._fields, "holds_for")
 
@@ -180,7 +180,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     def rows() -> Iterator[tuple]:
         for second, line in zip(found.second, found.lines, strict=True):
             for speed in line:
-                turns, period = machine.settings.record, _period(speed.label)
+                turns, period = machine.settings.record, period_of(speed.label) or None
                 named = speed.label, period, speed.impact_count / turns, speed.exponent
                 ends = status_name(speed.status), speed.holds_for
                 yield speed.value, second, *named, *speed.loads, *ends
@@ -208,20 +208,15 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     )
 
 
-def _period(label: str) -> int | None:
-    if label.startswith("P("):
-        return int(label[2:].partition(";")[0])
-    return 1 if label == CONTACT else None
-
-
 def read_branches(path: str | PathLike, key: str) -> list[Branch]:
     """The branches of a branch.csv of `orbits` along a key of a scene.
 
     Raises SceneError where the file is none, or is in another parameter.
     """
     expected, cure = f"expected a branch.csv in {key}", "see cam orbits"
+    text = _text(path)
     try:
-        rows = _rows(path)
+        rows = list(csv.DictReader(text))
         (column,) = _columns(rows, [key])
         if len({row[column] for row in rows}) == 1 < len(rows):
             raise ValueError("solved along another parameter")
@@ -235,15 +230,13 @@ def read_branches(path: str | PathLike, key: str) -> list[Branch]:
             )
             for some in (list(members) for _, members in groupby(rows, lambda row: row["branch"]))
         ]
-    except SceneError:
-        raise
     except BAD_FILE:
         raise SceneError(Fault("--branches", str(path), "found none", expected, cure)) from None
 
 
-def _rows(path: str | PathLike) -> list[dict[str, str]]:
-    text = decoded(read_bytes(Path(path), str(path), MOST_BYTES, "", ""), str(path))
-    return list(csv.DictReader(StringIO(text, newline="")))
+def _text(path: str | PathLike) -> StringIO:
+    name = str(path)
+    return StringIO(decoded(read_bytes(Path(path), name, MOST_BYTES, "", ""), name), newline="")
 
 
 def _columns(rows: list[dict[str, str]], keys: Sequence[str]) -> list[str]:
@@ -260,8 +253,9 @@ def read_curves(
     Raises SceneError where the file is none, or is in other parameters.
     """
     expected, cure = f"expected a curve.csv in {keys[0]} and {keys[1]}", "see cam orbits --curve"
+    text = _text(path)
     try:
-        rows = _rows(path)
+        rows = list(csv.DictReader(text))
         places = _columns(rows, keys)
         return [
             (kind, *([float(row[column]) for row in some] for column in places))
@@ -270,8 +264,6 @@ def read_curves(
                 for ends, members in groupby(rows, lambda row: (row["curve"], row["kind"]))
             )
         ]
-    except SceneError:
-        raise
     except BAD_FILE:
         raise SceneError(Fault("--curves", str(path), "found none", expected, cure)) from None
 
@@ -327,7 +319,8 @@ def _result(
         return draw_sweep(found, machine.system, machine.settings, events, branches, zooms)
 
     troubled = [(speed.value, speed.status) for speed in found.troubled]
-    heights = height_notes(_heights(found), machine.system.cam.top)
+    flown = [(s.rpm, max(s.strobe[1], default=0.0)) for s in found.speeds if s.strobe is not None]
+    heights = height_notes(flown, machine.system.cam.top)
     return Result(
         command="sweep",
         scene=scene,
@@ -390,10 +383,3 @@ def ranges(found: Sweep) -> list[tuple[str, str, Speed, Speed, int]]:
         same = list(members)
         groups.append((label, status, same[0], same[-1], len(same)))
     return groups
-
-
-def _heights(found: Sweep) -> Iterator[tuple[float, float]]:
-    """(rpm, largest q at the strobe, m)."""
-    for speed in found.speeds:
-        if speed.strobe is not None:
-            yield speed.rpm, max(speed.strobe[1], default=0.0)

@@ -14,8 +14,8 @@ from camcli.analysis.contact_loss.detachment import first_loss
 from camcli.analysis.contact_loss.force import Force
 from camcli.analysis.contact_loss.hold import Hold, replaced
 from camcli.analysis.contact_loss.study import ContactLoss
-from camcli.api.result import Machine, Progress, ticks
-from camcli.api.vary import Varied
+from camcli.api.machine import Machine, Varied
+from camcli.api.result import Progress, ticks
 from camcli.errors import Fault, SceneError
 from camcli.output.tables import Table
 from camcli.parallel import Codec, Work

@@ -123,14 +123,12 @@ def run(
 
     values: what the options set in the scene; options: further arguments of the API function.
     """
-    from camcli.api.ranges import is_open
+    from camcli.api.machine import is_open, machine_of
 
     scene = load_scene(request.config, request.sets or (), values | request.form())
     if not request.quiet:
         _tell(scene)
     if is_open(scene, command):
-        from camcli.api.result import machine_of
-
         machine = machine_of(scene)
         scene = machine.scene
         if command in machine.said and not request.quiet:

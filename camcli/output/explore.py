@@ -9,11 +9,11 @@ import json
 from base64 import b64encode
 from collections.abc import Mapping
 from importlib.resources import files
-from math import isfinite
 from typing import Any
 
 import numpy as np
 
+from camcli.output.run_record import plain
 from camcli.plots import style
 
 COLOURS = {
@@ -29,21 +29,13 @@ def page(data: Mapping[str, Any]) -> str:
     """The page that shows the data: plain values, and NumPy arrays of numbers or flags."""
     template = (files("camcli.output") / "explore.html").read_text(encoding="utf-8")
     colours = " ".join(f"--{name}: {colour};" for name, colour in COLOURS.items())
-    text = json.dumps(_plain(data), separators=(",", ":"), allow_nan=False)
+    text = json.dumps(plain(data), separators=(",", ":"), allow_nan=False, default=_packed)
     return template.replace("/*COLOURS*/", colours).replace(
         "/*DATA*/", text.replace("<", "\\u003c")
     )
 
 
-def _plain(value: Any) -> Any:
-    """Arrays as base64 of float32 or uint8, infinities as words."""
-    if isinstance(value, Mapping):
-        return {key: _plain(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(inner) for inner in value]
-    if isinstance(value, np.ndarray):
-        kind = "f4" if value.dtype.kind == "f" else "u1"
-        return {kind: b64encode(value.astype(f"<{kind}").tobytes()).decode()}
-    if isinstance(value, float) and not isfinite(value):
-        return None if value != value else ("inf" if value > 0.0 else "-inf")
-    return value
+def _packed(array: np.ndarray) -> dict[str, str]:
+    """An array as base64 of float32 or uint8."""
+    kind = "f4" if array.dtype.kind == "f" else "u1"
+    return {kind: b64encode(array.astype(f"<{kind}").tobytes()).decode()}

@@ -66,16 +66,17 @@ def run_record(**parts: Any) -> dict[str, Any]:
 
 def to_text(record: Mapping[str, Any]) -> str:
     """JSON text: infinities are "inf" and "-inf", NaN is null, a complex number [re, im]."""
-    return json.dumps(_plain(record), indent=2, allow_nan=False) + "\n"
+    return json.dumps(plain(record), indent=2, allow_nan=False) + "\n"
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """A value as JSON holds it: lists for tuples, and what `to_text` says of numbers."""
     if isinstance(value, Mapping):
-        return {key: _plain(inner) for key, inner in value.items()}
+        return {key: plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(inner) for inner in value]
+        return [plain(inner) for inner in value]
     if isinstance(value, complex):
-        return [_plain(value.real), _plain(value.imag)]
+        return [plain(value.real), plain(value.imag)]
     if isinstance(value, float) and not isfinite(value):
         return None if value != value else ("inf" if value > 0.0 else "-inf")
     return value

@@ -81,7 +81,7 @@ def _attractor_rows(
     at = ["share of the window"] if one else [valued(key, style.number(s.value)) for s in grids]
     rows: list[list[Any]] = [["", "", "basin of", *at]]
     for branch in sorted(labels)[:MOST_NAMED]:
-        own = [_code(speed, branch) for speed in grids]
+        own = [s.branches.index(branch) + 1 if branch in s.branches else 0 for s in grids]
         there = [(s, s.attractors[k - 1]) for s, k in zip(grids, own, strict=True) if k]
         inside = any(_inside(speed, attractor).any() for speed, attractor in there)
         shape = _marker(branch) if inside and there[0][1].periodic else ""
@@ -113,11 +113,6 @@ def _saddle_rows(grids: Sequence[Basins]) -> list[list[list[Any]]]:
         words = f"saddle {style.motion(label, RANGE_CHARS)}: {some} of {tried} motions led to it"
         rows.append([{"color": BOUNDARY, "lw": 0.8}, SADDLE, words])
     return [rows] if led else []
-
-
-def _code(speed: Basins, branch: int) -> int:
-    """The code of a branch's attractor at a speed, 0 where it is not there."""
-    return speed.branches.index(branch) + 1 if branch in speed.branches else 0
 
 
 def _words(grids: Sequence[Basins], system: System) -> str:
@@ -205,7 +200,9 @@ def _marker(number: int) -> dict[str, Any]:
 
 def _range(study: Study, question: Question, key: str) -> Picture:
     """Fractions stacked over what is varied, and where the attractors are."""
-    colours, edges = branch_colours(study), _edges(np.array([s.value for s in study.speeds]))
+    colours, values = branch_colours(study), np.array([s.value for s in study.speeds])
+    middle = 0.5 * (values[1:] + values[:-1])  # edges: halfway from each value to the next
+    edges = np.array([2.0 * values[0] - middle[0], *middle, 2.0 * values[-1] - middle[-1]])
     areas = {**colours, UNDECIDED_CODE: style.UNDECIDED, -1: "white"}
     rows: list[list[Any]] = [[_swatch(areas[code]), words] for code, words in _range_entries(study)]
     half = (len(rows) + 1) // 2
@@ -263,13 +260,6 @@ def branch_colours(study: Study) -> dict[int, str]:
 
 def _short(share: tuple[float, float]) -> str:
     return f"{100.0 * share[0]:.3g} %"
-
-
-def _edges(values: np.ndarray) -> np.ndarray:
-    """Limits of the bar of each value, halfway to its neighbours."""
-    middle = 0.5 * (values[1:] + values[:-1])
-    first, last = 2.0 * values[0] - middle[0], 2.0 * values[-1] - middle[-1]
-    return np.concatenate(([first], middle, [last]))
 
 
 def _draw_stack(

@@ -66,7 +66,8 @@ def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:
         name, colour, shape = METHODS[method]
         x, y = [m.seconds for m in some], [max(m.error, FLOOR) for m in some]
         order = 6 if method == "core" else 3
-        (line,) = axes.plot(x, y, color=colour, zorder=order, label=name, **_mark(shape))
+        look: Look = {"ms": 4.0, "mew": 0.7, "lw": 0.7, "zorder": order}
+        (line,) = axes.plot(x, y, color=colour, marker=shape, label=name, **look)
         if limited:
             line.set(markerfacecolor="white", linestyle=DASHED)
             line.set_label(f"{name}, steps of at most 1/16 turn")
@@ -74,13 +75,5 @@ def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:
             bad = [k for k, m in enumerate(some) if m.status in statuses]
             if bad:
                 at = [x[k] for k in bad], [y[k] for k in bad]
-                axes.plot(*at, zorder=8, label=words, **_sign(sign, size))
-
-
-def _mark(shape: str) -> Look:
-    return {"marker": shape, "markersize": 4.0, "markeredgewidth": 0.7, "linewidth": 0.7}
-
-
-def _sign(shape: str, size: float) -> Look:
-    look: Look = {"color": style.TROUBLE, "linestyle": "", "markeredgewidth": 0.9}
-    return {**look, "marker": shape, "markersize": size}
+                look = {"color": style.TROUBLE, "ls": "", "mew": 0.9, "ms": size, "zorder": 8}
+                axes.plot(*at, marker=sign, label=words, **look)

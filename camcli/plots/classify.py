@@ -16,11 +16,11 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Rectangle
 
 from camcli.analysis.classify import Motion
+from camcli.analysis.explain.attractor import impacts_of
 from camcli.analysis.explain.events import Event
 from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED
 from camcli.analysis.sweep import status_name
 from camcli.errors import Status
-from camcli.kernel.orbit_loop import IMPACT
 from camcli.plots import style
 from camcli.plots.axes import (
     axis_name,
@@ -126,16 +126,9 @@ def _draw(axes: Axes, scene: _Scene, draw: Any) -> None:
         axes.set_xlabel(f"{'motion' if one else 'motions, numbered,'} at {scene.speeds}")
 
 
-def _impact_phases(motion: Motion) -> np.ndarray:
-    """Of the record, deg."""
-    record = motion.record
-    keep = (np.asarray(record.kind) == IMPACT) & (np.asarray(record.period) >= 0)
-    return np.degrees(np.asarray(record.theta, dtype=float)[keep]) % 360.0
-
-
 def _draw_phases(axes: Axes, scene: _Scene) -> None:
     """Impacts as a cloud."""
-    every = [_impact_phases(motion) for motion in scene.motions]
+    every = [np.degrees(impacts_of(motion.record)[0]) % 360.0 for motion in scene.motions]
     places = {x: k for k, x in enumerate(dict.fromkeys(scene.x))}
     cloud = Cloud(len(places))
     for x, phases in zip(scene.x, every, strict=True):

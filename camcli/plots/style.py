@@ -11,8 +11,9 @@ from threading import RLock
 from typing import Any
 
 import matplotlib
-from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
+from matplotlib.colors import to_hex, to_rgb
 
+from camcli.analysis.labels import period_of
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError
 
@@ -46,8 +47,6 @@ PERIODS = ("#332288", "#88CCEE", "#CC6677", "#999933")
 LONGER = "#AA4499"
 CONTACT = "#F7DFA8"  # always in contact
 APERIODIC, UNDECIDED = "#000000", "#BDBDBD"
-
-DENSITY = LinearSegmentedColormap.from_list("points", ["#C8C8C8", "#6E6E6E", "#1A1A1A", "#000000"])
 
 KEPT = ("backend", "backend_fallback", "interactive", "toolbar")  # not of our business
 RC = {
@@ -148,7 +147,7 @@ def period_colour(period: int) -> str:
 def label_colour(label: str) -> str:
     """Colour of the motion with a label."""
     if label.startswith("P("):
-        return period_colour(int(label[2:].split(";")[0]))
+        return period_colour(period_of(label))
     return {"contact": CONTACT, "undecided": UNDECIDED}.get(label, APERIODIC)
 
 

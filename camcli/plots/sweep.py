@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.integrate import Settings, Start
+from camcli.analysis.labels import period_of
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, status_name
 from camcli.errors import Status
 from camcli.plots import style
@@ -56,8 +57,6 @@ KINDS = {
     UNKNOWN: style.UNDECIDED,
 }
 
-Take = Callable[[int, np.ndarray], None]  # index of a speed, and its values
-
 
 @dataclass(frozen=True)
 class Survey:
@@ -73,13 +72,17 @@ class Survey:
     @classmethod
     def of(cls, speeds: Sequence[Speed]) -> Survey:
         """Pass over all speeds once."""
-        clouds = {name: Cloud(len(speeds)) for name in SECTIONS}
-        rows = list(read(speeds, {name: [cloud.take] for name, cloud in clouds.items()}))
-        values, status = np.array([row[:2] for row in rows]).reshape(-1, 2).T
-        found = {name: any(name in row[3] for row in rows) for name in SECTIONS}
-        some = [cloud if found[name] else None for name, cloud in clouds.items()]
-        exponents = np.array([row[4] for row in rows], dtype=float)
-        return cls(values, status.astype(int), [row[2] for row in rows], exponents, *some)
+        clouds, found = {name: Cloud(len(speeds)) for name in SECTIONS}, set()
+        rows, kinds = [], []
+        for k, speed in enumerate(speeds):
+            rows.append((speed.value, speed.status, speed.exponent))
+            kinds.append(kind_of(speed))
+            for name, values in recorded(speed).items():
+                clouds[name].take(k, values)
+                found.add(name)
+        some = [clouds[name] if name in found else None for name in SECTIONS]
+        values, status, exponents = np.array(rows, dtype=float).reshape(-1, 3).T
+        return cls(values, status.astype(int), kinds, exponents, *some)
 
     @property
     def troubled(self) -> np.ndarray:
@@ -95,7 +98,7 @@ def kind_of(speed: Speed) -> str:
         return speed.label
     if "inf" in speed.label:
         return "with rests"
-    period = int(speed.label[2:].partition(";")[0])
+    period = period_of(speed.label)
     return f"period {period}" if period <= len(style.PERIODS) else "longer periods"
 
 
@@ -106,23 +109,11 @@ def colour_of(kind: str) -> str:
     return KINDS[kind]
 
 
-def read(
-    speeds: Iterable[Speed], takes: dict[str, list[Take]]
-) -> Iterable[tuple[float, int, str, list[str], float | None]]:
-    """One pass over speeds that may come from a disk: value, status, kind, recorded, exponent.
-
-    `takes` get the finite phases (impacts) and positions (strobe).
-    """
-    for k, speed in enumerate(speeds):
-        recorded = []
-        for name in takes:
-            columns = getattr(speed, name)
-            if columns is not None:
-                recorded.append(name)
-                values = np.asarray(columns[1], dtype=float)
-                for take in takes[name]:
-                    take(k, values[np.isfinite(values)])
-        yield speed.value, speed.status, kind_of(speed), recorded, speed.exponent
+def recorded(speed: Speed) -> dict[str, np.ndarray]:
+    """The finite phases (impacts) and positions (strobe) of a speed that may come from a disk."""
+    columns = {name: getattr(speed, name) for name in SECTIONS}
+    values = {k: np.asarray(v[1], dtype=float) for k, v in columns.items() if v is not None}
+    return {name: own[np.isfinite(own)] for name, own in values.items()}
 
 
 def draw_sweep(
@@ -279,14 +270,11 @@ def cloud_panels(
         for kind in kinds
     }
 
-    def count(name: str, k: int, values: np.ndarray) -> None:
-        images[name, survey.kinds[k]].take(k, values)
-
-    takes: dict[str, list[Take]] = {
-        s: [partial(count, n) for n, view in views.items() if view.section == s] for s in SECTIONS
-    }
-    for _ in read(sweep.speeds, takes) if views else ():
-        pass
+    for k, speed in enumerate(sweep.speeds) if views else ():
+        seen = recorded(speed)
+        for name, view in views.items():
+            if view.section in seen:
+                images[name, survey.kinds[k]].take(k, seen[view.section])
 
     def draw(axes: Axes, name: str) -> None:
         view = views[name]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ NAMES = {
     "landing_lift_m": "lift at the hardest impact (m)",
     "shut_bounces_per_turn": "bounces on the shut cam (1/turn)",
 }
+DASHES = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1, 1)), "grazing": (0, (4, 1, 1, 1))}
 Curve = tuple[str, Sequence[float], Sequence[float]]  # kind of bifurcation, along both numbers
 
 
@@ -45,14 +47,15 @@ def draw_map(found: Map, curves: Sequence[Curve] = ()) -> Picture:
         draw(axes)
         for label, x, y in curves:
             axes.plot(x, y, color="white", lw=2.0, zorder=3)
-            axes.plot(x, y, color="black", lw=0.8, zorder=4, ls=_dashes(label), label=label)
+            axes.plot(x, y, color="black", lw=0.8, zorder=4, ls=DASHES.get(label, "-"), label=label)
         axes.set(xlim=cell_edges(found.first), ylim=cell_edges(found.second))
         axes.set_xlabel(axis_name(found.keys[0]))
         axes.set_ylabel(axis_name(found.keys[1]))
 
     panels = {"kind": Panel(partial(over, partial(_draw_kinds, found, rows)), HEIGHT)}
     for name, words in NAMES.items():
-        values = np.array([[_number(speed, name) for speed in row] for row in rows])
+        of = attrgetter("exponent" if name == "exponents" else f"loads.{name}")
+        values = np.array([[of(speed) for speed in row] for row in rows], dtype=float)
         usual = name == "exponents" and bool(np.isfinite(values).any())
         draw = partial(_draw_values, found, values, words)
         panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual)
@@ -64,17 +67,6 @@ def draw_map(found: Map, curves: Sequence[Curve] = ()) -> Picture:
     if found.direction != FIXED:
         words += f", the state carried {found.direction} along {found.keys[0]}"
     return Picture(f"Map of motions, {', '.join(ends)}", panels, words)
-
-
-def _number(speed: Speed, name: str) -> float:
-    value = speed.exponent if name == "exponents" else getattr(speed.loads, name)
-    return np.nan if value is None else value
-
-
-def _dashes(label: str):
-    """A line of its own for each kind of bifurcation."""
-    styles = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1, 1)), "grazing": (0, (4, 1, 1, 1))}
-    return styles.get(label, "-")
 
 
 def cell_edges(values: Sequence[float]) -> tuple[float, float]:

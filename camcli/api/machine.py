@@ -1,0 +1,180 @@
+"""The machine of a scene, the speeds that a scene leaves open, and the numbers that are varied."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from math import pi, sqrt
+from os import PathLike
+from typing import Any
+
+from camcli.analysis.contact_loss.detachment import detachment
+from camcli.analysis.integrate import Settings, Start
+from camcli.analysis.sweep import rpm_grid
+from camcli.errors import Fault, SceneError
+from camcli.scene import Axis, Scene, Varying, load_scene, resolved
+from camcli.system import Follower, System, omega_of
+
+MOST_COMPILED = 256  # cams kept
+RANGES = {  # of the first loss of contact; of the natural frequency where contact is never lost
+    "sweep": (0.9, 1.5, 0.5, 2.0),
+    "detach": (0.9, 1.3, 0.5, 2.0),
+    "orbits": (1.0, 1.4, 0.5, 2.0),
+    "classify": (1.0, 1.4, 0.5, 2.0),
+}
+PAST = 1.05  # one speed, of the first loss of contact
+HIGH, FAST = 2.0, 4.0  # of the lift above it, and of lift times omega: windows of starts
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What the analyses need of a scene."""
+
+    scene: Scene
+    system: System
+    settings: Settings
+    said: Mapping[str, str] = field(default_factory=dict)  # why it has these speeds, by section
+
+
+def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Machine:
+    """The compiled machine of a scene, or of what `load_scene` takes, and its runs' settings."""
+    scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    follower = Follower(*(getattr(scene.follower, f.name) for f in fields(Follower)))
+    strobe = scene.run.strobe_deg
+    system = System.build(follower, scene.cam.parts(), strobe, scene.cam)
+    scene, said = ranged(scene, system)
+    run = scene.run
+    settings = Settings(
+        transient=run.transient,
+        record=run.record,
+        chatter_tolerance=run.chatter_tolerance,
+        impact_budget=run.impact_budget,
+        start=Start(run.start.q, run.start.v, run.start.theta_deg),
+    )
+    return Machine(scene, system, settings, said)
+
+
+def is_open(scene: Scene, section: str) -> bool:
+    """Whether the scene leaves the speeds of a section open."""
+    ranges = getattr(getattr(scene, section, None), "rpm", None)
+    return ranges is not None and ranges.model_fields_set.isdisjoint({"start", "stop"})
+
+
+def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, str]]:
+    """The scene with the speeds filled in that it leaves open, and why, by section.
+
+    They are those of its machine: about the first loss of contact, or the natural frequency where
+    contact is never or always lost. What the scene gives stays.
+    """
+    sections = [name for name in (*RANGES, "basins") if is_open(scene, name)]
+    speed, lost, why = _natural(system) if sections else (0.0, False, "")
+    if speed == 0.0:
+        return scene, {}
+    said, update = {}, {}
+    for name in sections:
+        section = getattr(scene, name)
+        if name == "basins":
+            given = "rpm" in scene.run.model_fields_set or section.vary
+            low = high = scene.run.rpm if given else _round(PAST * speed)
+            why = "that of run.rpm" if given else why
+            bottom, lift = _lift(system)
+            fast = _round(FAST * lift * omega_of(low))
+            top = _round(bottom + (1.0 + HIGH) * lift)
+            window = {"q": (_round(bottom), top), "v": (-fast, fast)}
+        else:
+            shares, window = RANGES[name][0 if lost else 2 :], {}
+            low, high = (_round(share * speed) for share in shares[:2])
+        window["rpm"] = section.rpm.model_copy(update={"start": low, "stop": high})
+        left = {k: v for k, v in window.items() if k == "rpm" or k not in section.model_fields_set}
+        update[name] = section.model_copy(update=left)
+        speeds = f"{low:g} rpm" if low == high else f"{low:g} to {high:g} rpm"
+        if not getattr(section, "vary", ()):
+            said[name] = f"{name}.rpm is not given: {speeds} of the cam, {why}"
+    return scene.model_copy(update=update), said
+
+
+def _natural(system: System) -> tuple[float, bool, str]:
+    """(speed in rpm, whether contact is lost there first, why)."""
+    first, f = detachment(system).first, system.follower
+    if first is not None:
+        return first.rpm, True, f"from the first loss of contact at {first.rpm:.5g} rpm"
+    if f.stiffness > 0.0:
+        speed = sqrt(f.stiffness / f.mass) * 30.0 / pi
+        return speed, False, f"from the natural frequency, {speed:.5g} per minute"
+    pull = max(0.0, f.gravity + f.preload / f.mass)
+    speed = sqrt(pull / _lift(system)[1]) * 30.0 / pi
+    return speed, False, "where the cam accelerates as the follower falls"
+
+
+def _lift(system: System) -> tuple[float, float]:
+    """(lowest c, highest minus lowest), m."""
+    low = min(stretch.c_min for stretch in system.cam.stretches)
+    return low, (system.cam.top - low) or 1.0
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.3g}")
+
+
+def span_of(machine: Machine, section: Varying) -> tuple[str, list[float], Varied | None]:
+    """(key, values, setup) of what a section goes over; setup is None where it is the speed."""
+    axis = section.axis
+    values = rpm_grid(axis.start, axis.stop, section.count)
+    return section.key, values, Varied(machine, section.vary) if section.vary else None
+
+
+def refuse_to_explain(section: Varying, name: str) -> None:
+    """Raise SceneError where a section has no changes over the speed to explain."""
+    if section.vary:
+        found, cure = f"found {section.key}", "leave --explain out, or vary the speed (--rpm LO:HI)"
+        fault = f"{name}.vary", found, "expected none", cure
+    elif section.rpm.num < 2:
+        found, cure = f"found one speed, {section.rpm.start!r}", "give --rpm LO:HI and --points"
+        fault = f"{name}.rpm", found, "expected a range", cure
+    else:
+        return
+    raise SceneError(Fault("--explain", *fault))
+
+
+@dataclass
+class Varied:
+    """The machine of a scene at values of some of its numbers.
+
+    Raises SceneError with every fault where an axis names no number of the scene, or one of its
+    ends is none that the scene allows.
+    """
+
+    machine: Machine
+    axes: Sequence[Axis]
+    option: str = "--vary"
+    compiled: dict[tuple, Machine] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        for axis in self.axes:
+            for value in (axis.start, axis.stop):
+                self._loaded({axis.path: value})
+
+    def __call__(self, *values: float) -> tuple[System, float, Settings]:
+        """(system, rpm, settings) at a value of each axis."""
+        changes = dict(zip((axis.path for axis in self.axes), values, strict=True))
+        rpm = changes.pop("run.rpm", None)
+        quick = {k: changes.pop(k) for k in list(changes) if k.startswith("follower.")}
+        key = tuple(changes.items())
+        machine = self.compiled.get(key)
+        if machine is None:
+            machine = machine_of(self._loaded(changes)) if changes else self.machine
+            if len(self.compiled) >= MOST_COMPILED:
+                self.compiled.clear()
+            self.compiled[key] = machine
+        system, speed = machine.system, machine.scene.run.rpm if rpm is None else rpm
+        if quick:
+            named = {path.partition(".")[2]: value for path, value in quick.items()}
+            system = system.with_follower(**named)
+        return system, speed, machine.settings
+
+    def _loaded(self, changes: dict[str, Any]) -> Scene:
+        scene = self.machine.scene
+        named = {path: (value, self.option) for path, value in changes.items()}
+        if getattr(scene.cam, "outside", ""):
+            named["cam.allow_outside"] = (True, self.option)
+        return load_scene(resolved(scene), (), named, folder=getattr(scene.cam, "folder", ""))
