@@ -10,53 +10,45 @@ from enum import IntEnum
 
 
 class Status(IntEnum):
-    """How the kernel ended: data, not an exception, so the row is kept."""
+    """How the kernel ended: data, not an exception, so the row is kept.
+
+    cause: what happened; cure: what to do about it, in words.
+    """
+
+    cause: str
+    cure: str
+
+    def __new__(cls, value: int, cause: str = "", cure: str = "") -> Status:
+        status = int.__new__(cls, value)
+        status._value_, status.cause, status.cure = value, cause, cure
+        return status
 
     OK = 0
-    LOG_FULL = 1  # internal: the caller provides more room and resumes
-    IMPACT_BUDGET = 2
-    NO_RETURN = 3
-    UNRESOLVED = 4
-    PAUSED = 5  # internal: the caller's slice of work is used up; resume
-    WORK_BUDGET = 6  # of a whole analysis; the kernel does not know of it
+    LOG_FULL = 1, "the event log was too small", "this is a fault of the program"  # it resumes
+    IMPACT_BUDGET = (
+        2,
+        "more impacts in one turn than run.impact_budget allows",
+        "raise run.impact_budget, raise run.chatter_tolerance, or lower restitution",
+    )
+    NO_RETURN = (
+        3,
+        "the follower left the cam and nothing brings it back",
+        "give it a spring, gravity or a preload",
+    )
+    UNRESOLVED = (
+        4,
+        "a contact is closer to grazing than double precision can tell",
+        "move the speed by a relative 1e-12, or treat both outcomes as possible",
+    )
+    PAUSED = 5, "the work was interrupted", "run the same command again"  # the caller resumes
+    WORK_BUDGET = (  # of a whole analysis; the kernel does not know of it
+        6, "the budget of work was used up, the rest is left out", "raise run.work_budget",
+    )  # fmt: skip
 
     @property
     def text(self) -> str:
         """The status as it stands in a `status` column."""
         return self.name.lower().replace("_", "-")
-
-    @property
-    def cause(self) -> str:
-        """What happened, in words."""
-        return STATUS_WORDS[self][0]
-
-    @property
-    def cure(self) -> str:
-        """What to do about it, in words."""
-        return STATUS_WORDS[self][1]
-
-
-STATUS_WORDS = {
-    Status.OK: ("", ""),
-    Status.LOG_FULL: ("the event log was too small", "this is a fault of the program"),
-    Status.IMPACT_BUDGET: (
-        "more impacts in one turn than run.impact_budget allows",
-        "raise run.impact_budget, raise run.chatter_tolerance, or lower restitution",
-    ),
-    Status.NO_RETURN: (
-        "the follower left the cam and nothing brings it back",
-        "give it a spring, gravity or a preload",
-    ),
-    Status.UNRESOLVED: (
-        "a contact is closer to grazing than double precision can tell",
-        "move the speed by a relative 1e-12, or treat both outcomes as possible",
-    ),
-    Status.PAUSED: ("the work was interrupted", "run the same command again"),
-    Status.WORK_BUDGET: (
-        "the budget of work was used up, the rest is left out",
-        "raise run.work_budget",
-    ),
-}
 
 
 @dataclass(frozen=True)

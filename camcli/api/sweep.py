@@ -51,10 +51,7 @@ class Branch(NamedTuple):
 
 
 def sweep(
-    scene: Scene | None = None,
-    progress: Progress | None = None,
-    *,
-    work: Work | None = None,
+    scene: Scene | None = None, progress: Progress | None = None, *, work: Work | None = None
 ) -> Result:
     """Brute-force bifurcation diagram over the speeds of ``scene.sweep.rpm``, or another number.
 

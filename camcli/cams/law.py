@@ -30,15 +30,9 @@ from camcli.cams.compile import Part
 from camcli.cams.decimals import DIGITS, Numbers
 
 LawName = Literal[
-    "harmonic",
-    "cycloidal",
-    "3-4-5",
-    "4-5-6-7",
-    "modified-trapezoid",
-    "modified-sine",
-    "constant-acceleration",
-    "constant-velocity",
-]
+    "harmonic", "cycloidal", "3-4-5", "4-5-6-7", "modified-trapezoid", "modified-sine",
+    "constant-acceleration", "constant-velocity",
+]  # fmt: skip
 POLYNOMIALS = {
     "constant-velocity": {1: 1},
     "3-4-5": {3: 10, 4: -15, 5: 6},

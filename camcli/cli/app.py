@@ -62,8 +62,7 @@ def _version(asked: bool) -> None:
 @app.callback()
 def _of_all_commands(
     version: Annotated[
-        bool,
-        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
     pass

@@ -11,7 +11,6 @@ from camcli.cli.options import Request, given
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
-    from camcli.analysis.contact_loss.detachment import CriticalSpeed
     from camcli.analysis.contact_loss.study import ContactLoss
     from camcli.api.result import Result
 
@@ -117,17 +116,11 @@ def _show_theory(found: ContactLoss) -> None:
     from camcli.output.detach import burst_ranges
 
     critical = [
-        [
-            _name(c),
-            c.region,
-            f"{c.theta_deg:.8f}",
-            f"{c.rpm:.9f}",
-            f"{c.high - c.low:.1e}",
-            c.status,
-        ]
+        [c.quantity.replace("accumulation", "accumulates").replace("_", " "), c.region,
+         f"{c.theta_deg:.8f}", f"{c.rpm:.9f}", f"{c.high - c.low:.1e}", c.status]
         for c in found.critical_speeds
         if c.finite
-    ]
+    ]  # fmt: skip
     hits = [
         [str(h.impact), h.corner, f"{h.rpm:.9f}", f"{h.high - h.low:.1e}", h.status]
         for h in found.hits
@@ -142,8 +135,3 @@ def _show_theory(found: ContactLoss) -> None:
     ):
         if rows:
             table(title, columns.split(", "), rows)
-
-
-def _name(c: CriticalSpeed) -> str:
-    name = c.quantity.replace("_", " ")
-    return "accumulates at" if name.startswith("accumulation") else name

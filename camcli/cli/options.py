@@ -160,12 +160,10 @@ Vary = Annotated[
     Option("--vary", help="A number of the scene to vary, as in --set.", metavar="KEY=LO:HI"),
 ]
 Shard = Annotated[
-    str | None,
-    Option("--shard", help="Only part I of N; cam merge joins them.", metavar="I/N"),
+    str | None, Option("--shard", help="Only part I of N; cam merge joins them.", metavar="I/N")
 ]
 Cluster = Annotated[
-    str | None,
-    Option("--cluster", help="Dask scheduler HOST:PORT, or local.", metavar="ADDRESS"),
+    str | None, Option("--cluster", help="Dask scheduler HOST:PORT, or local.", metavar="ADDRESS")
 ]
 
 

@@ -13,8 +13,7 @@ from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request
 
 HomeFolder = Annotated[
-    Path | None,
-    Option("--folder", help="Where the files are that the scene names.", metavar="DIR"),
+    Path | None, Option("--folder", help="Where the files are that the scene names.", metavar="DIR")
 ]
 REPEATED = ("config", "sets", "rpm", "points", "dry_run")  # these stand in the record
 SAME, OTHER, MISSING = "same bytes", "other bytes", "not made"

@@ -20,8 +20,7 @@ def sweep(
     explain: Annotated[bool, Option("--explain", help="Find the cause of every change.")] = False,
     vary: Vary = None,
     zoom: Annotated[
-        list[str] | None,
-        Option("--zoom", help="A part of the range, enlarged.", metavar="LO:HI"),
+        list[str] | None, Option("--zoom", help="A part of the range, enlarged.", metavar="LO:HI")
     ] = None,
     both: Annotated[bool, Option("--both", help="Carry the state up, then down.")] = False,
     adaptive: Annotated[

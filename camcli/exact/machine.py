@@ -44,11 +44,7 @@ class Machine:
     """
 
     def __init__(
-        self,
-        cam: Shape | list[Stretch],
-        follower: Follower,
-        rpm: Any,
-        share: Decimal = Decimal(0),
+        self, cam: Shape | list[Stretch], follower: Follower, rpm: Any, share: Decimal = Decimal(0)
     ):
         """At the speed rpm (1 + share). The constants may be doubles, balls or series of balls."""
         m, k, b, g, load, self.r = (balls.number(x) for x in vars(follower).values())

@@ -327,12 +327,7 @@ class Shooting:
         return gap
 
     def _clear(
-        self,
-        machine: Machine,
-        x: Sequence[arb],
-        k: int,
-        touch: arb | None,
-        fading: int | None,
+        self, machine: Machine, x: Sequence[arb], k: int, touch: arb | None, fading: int | None
     ) -> None:
         """Show that the gap is above zero during flight k, or raise; a touch is passed over."""
         convex = k == fading, (k + 1) % self.n == fading  # at its ends, instead of rising, falling

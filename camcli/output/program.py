@@ -8,16 +8,8 @@ from pathlib import Path
 
 # What can change a number: not the command line and its help texts, nor the pictures.
 RESULTS = (
-    "errors.py",
-    "system.py",
-    "kernel",
-    "cams",
-    "exact",
-    "analysis",
-    "parallel",
-    "scene",
-    "api",
-)
+    "errors.py", "system.py", "kernel", "cams", "exact", "analysis", "parallel", "scene", "api",
+)  # fmt: skip
 PICTURES = ("plots", "output")
 
 

@@ -200,25 +200,13 @@ def number_events(axes: Axes, events: Sequence[tuple[int | None, float]], named:
     seen = [(value, number) for value, number in seen if named and number is not None]
     crowded = len(seen) > CROWDED
     places = places_beside(axes, [v for v, _ in seen], "x", 0.8 if crowded else 1.5)
+    line = {"arrowstyle": "-", "color": style.GUIDE, "lw": 0.5, "shrinkA": 0, "shrinkB": 0}
+    look: dict[str, Any] = {"ha": "center", "va": "bottom", "size": style.NOTE}
+    look |= {"xycoords": axes.get_xaxis_transform(), "textcoords": ("data", "offset points")}
+    look["annotation_clip"] = False
     for k, ((value, number), place) in enumerate(zip(seen, places, strict=True)):
-        axes.annotate(
-            str(number),
-            (value, 1.0),
-            (place, 11 + 8 * (k % 2) * crowded),
-            xycoords=axes.get_xaxis_transform(),
-            textcoords=("data", "offset points"),
-            ha="center",
-            va="bottom",
-            size=style.NOTE,
-            annotation_clip=False,
-            arrowprops={
-                "arrowstyle": "-",
-                "color": style.GUIDE,
-                "lw": 0.5,
-                "shrinkA": 0,
-                "shrinkB": 0,
-            },
-        )
+        begin, end = (place, 11 + 8 * (k % 2) * crowded), (value, 1.0)
+        axes.annotate(str(number), end, begin, arrowprops=line, **look)
 
 
 def trouble_ticks(axes: Axes, x: Sequence[float] | np.ndarray) -> None:

@@ -513,11 +513,7 @@ def _dot(orbit: PeriodicOrbit, shade: str) -> dict[str, Any]:
 
 
 def _draw_impacts(
-    axes: Axes,
-    order: int,
-    orbits: Sequence[PeriodicOrbit],
-    shades: Sequence[str],
-    system: System,
+    axes: Axes, order: int, orbits: Sequence[PeriodicOrbit], shades: Sequence[str], system: System
 ) -> None:
     """The cam's lift, or a derivative, over the turn with the impacts on it."""
     theta, orders = lift_curves(system.cam, order + 1)

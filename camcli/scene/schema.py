@@ -360,21 +360,16 @@ class Detach(Section):
         None, description="speed up to which a spring shall hold contact; null: not asked"
     )
     margin_n: Annotated[Number, Field(ge=0, le=LARGEST)] | None = Field(
-        None,
-        description="least contact force up to hold_to, N; null: a tenth of the force needed",
+        None, description="least contact force up to hold_to, N; null: a tenth of the force needed"
     )
     precompression_m: Annotated[Number, Field(ge=0, le=1e6)] | None = Field(
-        None,
-        description="preload per stiffness where hold_to chooses both, m; null: as it is",
+        None, description="preload per stiffness where hold_to chooses both, m; null: as it is"
     )
     tolerance: Annotated[tuple[Tolerance, ...], BeforeValidator(items)] = Field(
         (), max_length=6, description="numbers of the machine that may be off"
     )
     machines: Whole = Field(
-        100,
-        ge=1,
-        le=100_000,
-        description="machines sampled within the tolerances",
+        100, ge=1, le=100_000, description="machines sampled within the tolerances"
     )
 
 

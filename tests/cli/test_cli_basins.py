@@ -127,7 +127,7 @@ def test_cells_below_the_cam_undecided_cells_and_trouble(run):
     [
         (("--cells", "none"), "--cells: found 'none'"),
         (("--cells", "0"), "basins.cells"),
-        (("--q", "0.5"), "--q: found '0.5', expected LO:HI"),
+        (("--q", "0.5"), "--q: found '0.5', expected two numbers LO:HI"),
         (("--q", "0.9:0.1"), "found [0.9, 0.1], expected [low, high]"),
         (("--method", "magic"), "basins.method"),
         (("--method", "simple", "--refine", "2"), "basins.refine"),

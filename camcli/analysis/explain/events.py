@@ -30,12 +30,8 @@ MOST_LEAVING = 8  # branches followed that leave from events on attractors
 MOST_SEEDS = 12  # orbits followed; windows in chaos have no end
 FEWEST = 41  # speeds of the study of detachment
 CHATTER = "P(1;inf)"  # the motion whose bursts are studied
-DETACHMENT, ACCUMULATION, COMPLETION, HIT = (
-    "first-detachment",
-    "accumulation-at-corner",
-    "chatter-completion",
-    "corner-hit",
-)
+DETACHMENT, ACCUMULATION = "first-detachment", "accumulation-at-corner"
+COMPLETION, HIT = "chatter-completion", "corner-hit"
 
 
 @dataclass(frozen=True)

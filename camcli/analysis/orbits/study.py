@@ -22,12 +22,7 @@ from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.search import MOST_STARTS, RECORD, find
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.analysis.orbits.single_impact import Continuum
-from camcli.analysis.orbits.sticking_orbits import (
-    BRACKETS,
-    RUN,
-    Change,
-    follow_sticking,
-)
+from camcli.analysis.orbits.sticking_orbits import BRACKETS, RUN, Change, follow_sticking
 from camcli.cams.regions import corner_list
 from camcli.kernel import backend
 from camcli.kernel.backend import LITTLE_WORK
@@ -168,15 +163,11 @@ class OrbitsResult:
 
 
 def orbits(
-    system: System,
-    settings: Settings,
-    question: Question,
-    on_branch: Tick = lambda: None,
+    system: System, settings: Settings, question: Question, on_branch: Tick = lambda: None
 ) -> OrbitsResult:
     """Find, follow and classify; `on_branch` is called after each branch.
 
-    Within an `integrate.Budget` that is spent, the rest is left out. Raises ValueError where the
-    range is empty or does not hold the parameter's value.
+    Within an `integrate.Budget` that is spent, the rest is left out.
     """
     starts = question.starts if question.label is None else max(question.starts, MOST_STARTS)
     backend.for_work((starts + 1) * (settings.transient + RECORD), 2 * LITTLE_WORK)
@@ -214,10 +205,6 @@ def _follow_all(
 ) -> None:
     """Branches through the orbits found, then up to `most` that leave from events on them."""
     shooter = diagram.shooter
-    if not span.width > 0.0:
-        raise ValueError("a range needs two different ends; leave the span out for one value")
-    if not span.holds(shooter.value):
-        raise ValueError("the parameter where orbits are found lies outside the range")
     # each point of a branch of resting orbits is a simulation
     runs = sum(orbit.resting for orbit in found) * (span.width / span.spacing + BRACKETS)
     backend.for_work(RUN * runs, LEAST_WORK if backend.is_cached() else LITTLE_WORK)
@@ -311,19 +298,14 @@ class Diagram:
                     self.branch_points.append((len(self.bifurcations), found))
                 elif crossing is not None and crossing is segment.turned:
                     self.branch_points.append((len(self.bifurcations), crossing))
-                self.bifurcations.append(
-                    Bifurcation(
-                        number,
-                        found.kind,
-                        found.root.value,
-                        found.error,
-                        found.status,
-                        from_root(system, found.root),
-                        corner="" if crossing is None else crossing.corner,
-                        located=found,
-                        corner_impact=None if crossing is None else self._corner_impact(crossing),
-                    )
-                )
+                event = Bifurcation(
+                    number, found.kind, found.root.value, found.error, found.status,
+                    from_root(system, found.root), located=found,
+                )  # fmt: skip
+                if crossing is not None:
+                    impact = self._corner_impact(crossing)
+                    event = replace(event, corner=crossing.corner, corner_impact=impact)
+                self.bifurcations.append(event)
 
     def _corner_impact(self, crossing: Crossing) -> CornerImpact | None:
         """The study of a corner impact, made once for both branches that end in it."""
@@ -343,17 +325,12 @@ class Diagram:
         self.branches.append(Branch(number, "found", points, (down.end, up.end)))
         self.bifurcations += [
             Bifurcation(
-                number,
-                change.kind,
-                change.value,
-                change.error,
-                Bracket.OK,
-                change.orbit,
+                number, change.kind, change.value, change.error, Bracket.OK, change.orbit,
                 corner=_corner_of(system, change),
-                beyond="" if change.beyond is None else change.beyond.label,
+                beyond=change.beyond.label if change.beyond else "",
             )
             for change in (*down.changes, *up.changes)
-        ]
+        ]  # fmt: skip
 
 
 def _corner_of(system: System, change: Change) -> str:
@@ -369,11 +346,7 @@ def _corner_of(system: System, change: Change) -> str:
 
 
 def _look_around(
-    system: System,
-    settings: Settings,
-    rpm: float,
-    label: Label,
-    ends: tuple[float, float] | None,
+    system: System, settings: Settings, rpm: float, label: Label, ends: tuple[float, float] | None
 ) -> Absence:
     """Look for the label at other speeds, nearest first, and follow its branch towards `rpm`."""
     low, high = ends or (rpm * (1.0 - AROUND), rpm * (1.0 + AROUND))
