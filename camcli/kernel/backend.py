@@ -1,9 +1,9 @@
 """The seam between plain Python and the compiled kernel: everybody above calls a `Kernel`.
 
-Importing numba costs about 0.4 s and compiling some seconds; plain Python does some ten thousand
-impacts a second. So little work runs in plain Python, and `for_work` and `compiled` give a `Kernel`
-of numba's where there is more. Both give the same bits; a kernel that is in hand stays what it is,
-so nothing changes under a thread that uses it.
+Loading what is compiled costs about 0.1 s and compiling some seconds; plain Python does some ten
+thousand impacts a second. So little work runs in plain Python, and `for_work` and `compiled` give a
+`Kernel` of machine code where there is more. Both give the same bits; a kernel that is in hand
+stays what it is, so nothing changes under a thread that uses it.
 """
 
 from __future__ import annotations

@@ -1,18 +1,21 @@
-"""The kernel compiled by numba, and kept on disk for exactly these sources.
+"""The kernel's machine code: compiled by numba once, kept on disk for exactly these sources.
 
-Imports numba (0.4 s with the scipy.linalg that numba looks for), so only `backend` imports this,
-when it is worth it. Compiling takes some 15 s of processor time, once per machine.
+Importing numba takes longer than most runs, so it is imported to compile, and not to run: code on
+disk is loaded by LLVM alone, and called as numba calls its own functions from each other.
 """
 
 from __future__ import annotations
 
 import contextlib
-import pickle
+import os
+import struct
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
-from functools import partial
+from ctypes import CFUNCTYPE, addressof, byref, c_char, c_char_p, c_int32, c_int64, c_void_p
+from functools import cache, partial
 from hashlib import sha256
+from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
 from time import time
@@ -20,40 +23,62 @@ from types import FunctionType
 from typing import Any
 from uuid import uuid4
 
-import llvmlite
-import numba
-from numba.core.caching import _Cache
-from numba.core.compiler import CompileResult
-from numba.core.serialize import dumps
+import llvmlite.binding as llvm
+from numpy import ndarray
 
 from camcli.kernel.backend import read_intact
 from camcli.kernel.marks import ENTRIES, FUNCTIONS, OUTLINED
 
 ABANDONED = 60.0  # s: nobody writes a file for so long
+# Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
+OPTIONS |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# numba's own convention: where the result goes, where an exception goes, arguments
+CALL = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_char_p)
 
 
 class CompiledEntry:
-    """A compiled entry with one signature, that of its first call.
+    """A compiled entry with one signature, that of its first call; it returns an int or nothing.
 
-    Any other kind of argument is a fault of the caller and raises TypeError: it would be compiled
-    for seconds, and unseen.
+    Any other kind of argument is a fault of the caller and raises TypeError.
     """
 
-    def __init__(self, dispatcher: Any, waiting: Callable[[], AbstractContextManager]):
-        self._dispatcher, self._waiting = dispatcher, waiting
-        self._ready, self._lock = False, Lock()
+    def __init__(self, folder: Path, name: str, waiting: Callable[[], AbstractContextManager]):
+        self._folder, self._name, self._waiting = folder, name, waiting
+        self._function: Any = None
+        self._lock = Lock()
 
-    def __call__(self, *args: Any) -> Any:
-        if not self._ready:
-            self._compile(args)
-        return self._dispatcher(*args)
+    def __call__(self, *args: Any) -> int:
+        numbers: list = []
+        kinds: list = []
+        _flatten(args, numbers, kinds)
+        if self._function is None:
+            self._load(args, numbers, kinds)
+        if kinds != self._kinds:
+            raise TypeError(f"{self._name} was compiled for other columns")
+        try:
+            packed = self._form.pack(*numbers)
+        except struct.error as error:
+            raise TypeError(f"{self._name} was compiled for other arguments ({error})") from None
+        returned = c_int64()
+        failed = self._function(byref(returned), None, packed)
+        assert not failed  # the kernel raises nothing
+        return returned.value
 
-    def _compile(self, args: tuple) -> None:
+    def _load(self, args: tuple, numbers: list, kinds: list) -> None:
         with self._waiting(), self._lock:
-            if not self._ready:
-                self._dispatcher.compile(tuple(map(self._dispatcher.typeof_pyval, args)))
-                self._dispatcher.disable_compile()
-                self._ready = True
+            if self._function is None:
+                form = "=" + "".join("d" if isinstance(x, float) else "q" for x in numbers)
+                depends = *_machine(), [kind.descr for kind in kinds], form
+                name = f"{self._name}.{sha256(repr(depends).encode()).hexdigest()[:16]}.nbc"
+                path = self._folder / name
+                code = _from_disk(path)
+                if code is None:
+                    with _alone(self._folder):
+                        code = _from_disk(path) or _compiled(path, self._name, args)
+                self._engine, address = code
+                self._kinds, self._form = kinds, struct.Struct(form)
+                self._function = CALL(address)
 
 
 def compile_entries(
@@ -61,90 +86,142 @@ def compile_entries(
 ) -> dict[str, CompiledEntry]:
     """The entries by name, compiled at their first call; `waiting` is entered while that lasts.
 
-    The compiled functions see copies of their modules' names, so a plain function still calls
-    plain ones. Code is read from `folder` and kept there.
+    Code is read from `folder` and kept there. What cannot be read, or is damaged, is compiled
+    again; what cannot be written is not kept.
     """
+    return {name: CompiledEntry(folder, name, partial(waiting, name)) for name in ENTRIES}
+
+
+def _flatten(values: tuple, numbers: list, kinds: list) -> None:
+    """The numbers that numba makes of arguments, each of 8 bytes.
+
+    A tuple is its entries; a column its owner (none: nobody counts references), size, width of an
+    entry, address, shape and strides. kinds: what the columns and tables hold.
+    """
+    for value in values:
+        if isinstance(value, tuple):
+            _flatten(value, numbers, kinds)
+        elif isinstance(value, ndarray):
+            if not (value.flags.carray and value.ndim == 1):
+                raise TypeError("the kernel takes columns that are contiguous and may be written")
+            size, width = value.size, value.itemsize
+            address = addressof(c_char.from_buffer(value)) if size else 0  # type: ignore[arg-type]
+            numbers += (0, 0, size, width, address, size, width)
+            kinds.append(value.dtype)
+        else:
+            numbers.append(value)
+
+
+@cache
+def _machine() -> tuple:
+    """All that the code depends on beside the kernel's sources, which name the folder."""
+    cpu = llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features()
+    settings = sorted((key, os.environ[key]) for key in os.environ if key.startswith("NUMBA_"))
+    return *map(version, ("numba", "llvmlite")), sys.version, *map(str, cpu), settings
+
+
+@contextlib.contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """One process compiles while others that start with it wait, where the system has locks."""
+    handle = None
+    try:
+        with contextlib.suppress(ImportError, OSError):
+            import fcntl
+
+            folder.mkdir(parents=True, exist_ok=True)
+            handle = os.open(folder, os.O_RDONLY)
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        if handle is not None:
+            os.close(handle)
+
+
+def _from_disk(path: Path) -> tuple[Any, int] | None:
+    """(what owns the code, its address), or None."""
+    content = read_intact(path)
+    if content is None:
+        return None
+    symbol, _, code = content.partition(b"\n")
+    try:
+        return _linked(symbol.decode(), code)
+    except Exception:  # a sum says that it was written so, not that it can be used
+        return None
+
+
+def _linked(symbol: str, code: bytes) -> tuple[Any, int]:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine()
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return engine, engine.get_function_address(symbol)
+
+
+def _compiled(path: Path, name: str, args: tuple) -> tuple[Any, int]:
+    """The same, compiled for these arguments and kept at the path."""
+    import numba
+    from numba.extending import intrinsic
+
+    types = numba.types.Tuple(tuple(map(numba.typeof, args)))
+
+    @intrinsic
+    def unpacked(typing: Any, address: Any) -> Any:
+        def load(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            place = context.get_value_type(types).as_pointer()
+            return builder.load(builder.inttoptr(values[0], place))
+
+        return types(address), load
+
+    entry = _dispatchers()[ENTRIES[name]]
+
+    @numba.njit(**OPTIONS)
+    def call(address: int) -> int:
+        return entry(*unpacked(address))  # type: ignore[call-arg]
+
+    call.compile((numba.types.intp,))
+    (result,) = call.overloads.values()
+    symbol = result.fndesc.llvm_func_name
+    _, _, (code, _) = result.library.serialize_using_object_code()
+    _keep(path, symbol.encode() + b"\n" + code)
+    return _linked(symbol, code)
+
+
+@cache
+def _dispatchers() -> dict[Callable, Any]:
+    """What compiles each function of the kernel.
+
+    They see copies of their modules' names, so a plain function still calls plain ones.
+    """
+    import numba
+
     modules = {function.__module__ for function in FUNCTIONS}
     spaces = {name: dict(vars(sys.modules[name])) for name in modules}
-    compiled, entry_functions = {}, set(ENTRIES.values())
+    compiled = {}
     for function in FUNCTIONS:
         copy = FunctionType(function.__code__, spaces[function.__module__], function.__name__)
         copy.__module__, copy.__doc__ = function.__module__, function.__doc__
-        # Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
-        options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
-        inner = function not in entry_functions  # Python does not call it: no wrapper to compile
-        options |= {"no_cpython_wrapper": inner, "no_cfunc_wrapper": True}
-        options["forceinline"] = function not in OUTLINED and inner
-        compiled[function] = numba.njit(**options)(copy)
+        compiled[function] = numba.njit(forceinline=function not in OUTLINED, **OPTIONS)(copy)
     for space in spaces.values():
         for name, value in space.items():
             if isinstance(value, FunctionType) and value in compiled:
                 space[name] = compiled[value]
-    entries = {}
-    for name, function in ENTRIES.items():
-        dispatcher = compiled[function]
-        # What `cache=True` does, but neither in numba's folder nor by one file's time stamp.
-        dispatcher._cache = _DiskCache(folder, name)
-        entries[name] = CompiledEntry(dispatcher, partial(waiting, name))
-    return entries
+    return compiled
 
 
-class _DiskCache(_Cache):
-    """Machine code of one entry in a file of `folder`: its SHA-256, then what numba pickles.
+def _keep(path: Path, content: bytes) -> None:
+    """Write a file with its SHA-256; beside its place first, so that nobody finds half of it.
 
-    The file's name is that of the entry and of all that its code depends on beside the kernel's
-    sources, which name the folder. What cannot be read, or is damaged, is compiled again; what
-    cannot be written is not kept. A file that a killed process left half written is removed.
+    A file that a killed process left half written is removed.
     """
-
-    def __init__(self, folder: Path, entry: str):
-        self._folder, self._entry = folder, entry
-
-    @property
-    def cache_path(self) -> str:
-        """Where the code is kept."""
-        return str(self._folder)
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The code for a signature, or None."""
-        target_context.refresh()
-        data = read_intact(self._path(sig, target_context))
+    part = path.with_suffix(f".{uuid4().hex}")
+    with contextlib.suppress(OSError):
+        for other in path.parent.glob("*"):
+            if other.suffix != path.suffix and time() - other.stat().st_mtime > ABANDONED:
+                other.unlink()
         try:
-            return (
-                None
-                if data is None
-                else CompileResult._rebuild(target_context, *pickle.loads(data))
-            )
-        except Exception:  # a sum says that it was written so, not that it can be used
-            return None
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep the code; beside its place first, so that no other process finds half of it."""
-        path = self._path(sig, data.target_context)
-        content = dumps(data._reduce())
-        part = path.with_suffix(f".{uuid4().hex}")
-        with contextlib.suppress(OSError):
-            self._folder.mkdir(parents=True, exist_ok=True)
-            for other in self._folder.glob("*"):
-                if other.suffix != path.suffix and time() - other.stat().st_mtime > ABANDONED:
-                    other.unlink()
-            try:
-                part.write_bytes(sha256(content).digest() + content)
-                part.replace(path)
-            finally:
-                part.unlink(missing_ok=True)
-
-    def _path(self, sig: Any, target_context: Any) -> Path:
-        machine = target_context.codegen().magic_tuple()
-        depends = numba.__version__, llvmlite.__version__, sys.version, str(sig), machine
-        name = sha256(repr(depends).encode()).hexdigest()[:16]
-        return self._folder / f"{self._entry}.{name}.nbc"
-
-    def enable(self) -> None:
-        """It always is."""
-
-    def disable(self) -> None:
-        """It never is."""
-
-    def flush(self) -> None:
-        """Nothing waits."""
+            part.write_bytes(sha256(content).digest() + content)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)

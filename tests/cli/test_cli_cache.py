@@ -16,7 +16,8 @@ ROOT = Path(__file__).parents[2]
 
 def cam(cache: Path, *words: str, **options) -> subprocess.CompletedProcess:
     """The command with the kernel compiled, and its code kept in `cache`."""
-    env = {**os.environ, "XDG_CACHE_HOME": str(cache), "CAMCLI_KERNEL": "compiled"}
+    env = {**options.pop("env", os.environ), "XDG_CACHE_HOME": str(cache)}
+    env["CAMCLI_KERNEL"] = "compiled"
     command = [sys.executable, "-m", "camcli", *(words or WORDS)]
     return subprocess.run(command, capture_output=True, text=True, env=env, **options)
 
@@ -70,6 +71,38 @@ def test_a_damaged_cache_is_said_and_made_anew(cache, warm, tmp_path, how):
     assert (tmp_path / "out/simulate/events.csv").read_bytes() == warm[1]
     assert "compiling" not in cam(cache, *words, cwd=tmp_path).stderr
     assert (killed.exists(), at_work.exists()) == (False, True)
+
+
+@pytest.fixture
+def without_numba(tmp_path):
+    """The environment of a program that fails where it imports numba."""
+    (tmp_path / "numba.py").write_text("raise ImportError")
+    path = f"{tmp_path}{os.pathsep}{ROOT}"
+    return {**os.environ, "PYTHONPATH": path, "CAMCLI_KERNEL": "compiled"}
+
+
+def test_compiled_code_runs_without_numba(cache, warm, tmp_path, without_numba):
+    done = cam(cache, cwd=tmp_path, env=without_numba)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out/simulate/events.csv").read_bytes() == warm[1]
+
+
+def test_of_processes_that_start_at_once_one_compiles(warm, tmp_path, without_numba):
+    """A process that finds another at work waits for its code, and compiles nothing itself."""
+    fcntl = pytest.importorskip("fcntl")
+    folder = tmp_path / "cache" / "camcli" / backend.cache_dir().name
+    folder.mkdir(parents=True)
+    command = [sys.executable, "-m", "camcli", *(word for word in WORDS if word != "-q")]
+    env = {**without_numba, "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    handle = os.open(folder, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_EX)
+    with subprocess.Popen(command, stderr=subprocess.PIPE, env=env, cwd=tmp_path) as process:
+        assert "compiling" in process.stderr.readline().decode()
+        for path in code_files(warm[0]):
+            shutil.copy(path, folder)
+        os.close(handle)
+    assert process.returncode == 0
+    assert (tmp_path / "out/simulate/events.csv").read_bytes() == warm[1]
 
 
 @pytest.mark.slow
