@@ -30,6 +30,7 @@ from camcli.kernel.backend import read_intact
 from camcli.kernel.marks import ENTRIES, FUNCTIONS, OUTLINED
 
 ABANDONED = 60.0  # s: nobody writes a file for so long
+UNUSED = 30 * 86400.0  # s, after which code goes, of whatever sources it is
 # Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
 OPTIONS |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
@@ -142,6 +143,8 @@ def _from_disk(path: Path) -> tuple[Any, int] | None:
     content = read_intact(path)
     if content is None:
         return None
+    with contextlib.suppress(OSError):
+        os.utime(path)  # when it was used last
     symbol, _, code = content.partition(b"\n")
     try:
         return _linked(symbol.decode(), code)
@@ -213,15 +216,18 @@ def _dispatchers() -> dict[Callable, Any]:
 def _keep(path: Path, content: bytes) -> None:
     """Write a file with its SHA-256; beside its place first, so that nobody finds half of it.
 
-    A file that a killed process left half written is removed.
+    A file that a killed process left half written is removed, and code that nobody uses any more.
     """
     part = path.with_suffix(f".{uuid4().hex}")
     with contextlib.suppress(OSError):
-        for other in path.parent.glob("*"):
-            if other.suffix != path.suffix and time() - other.stat().st_mtime > ABANDONED:
-                other.unlink()
         try:
             part.write_bytes(sha256(content).digest() + content)
             part.replace(path)
         finally:
             part.unlink(missing_ok=True)
+    for other in path.parent.parent.glob("kernel-*/*"):
+        with contextlib.suppress(OSError):
+            unused = time() - other.stat().st_mtime
+            if unused > (UNUSED if other.suffix == path.suffix else ABANDONED):
+                other.unlink()
+                other.parent.rmdir()

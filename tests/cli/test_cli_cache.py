@@ -64,13 +64,23 @@ def test_a_damaged_cache_is_said_and_made_anew(cache, warm, tmp_path, how):
     killed, at_work = (path.with_suffix(f".{name}") for name in ("killed", "now"))
     for part in (killed, at_work):
         part.write_bytes(b"half")
-    os.utime(killed, (0, 0))
+    old, recent = (cache / "camcli" / f"kernel-{age}" / "advance.0.nbc" for age in ("old", "new"))
+    for code in (old, recent):
+        code.parent.mkdir()
+        code.touch()
+    for path in (killed, old):
+        os.utime(path, (0, 0))
     words = [word for word in WORDS if word != "-q"]
     done = cam(cache, *words, cwd=tmp_path)
     assert (done.returncode, "was damaged and is removed" in done.stderr) == (0, True), done.stderr
     assert (tmp_path / "out/simulate/events.csv").read_bytes() == warm[1]
+    kept = [path for path in code_files(cache) if path != recent]
+    for path in kept:
+        os.utime(path, (0, 0))
     assert "compiling" not in cam(cache, *words, cwd=tmp_path).stderr
+    assert any(path.stat().st_mtime > 0 for path in kept)
     assert (killed.exists(), at_work.exists()) == (False, True)
+    assert (old.parent.exists(), recent.exists()) == (False, True)
 
 
 @pytest.fixture
