@@ -6,7 +6,6 @@ took; some tens of the kills meet a kernel that is being compiled.
 
 import json
 import signal
-import time
 
 import pytest
 
@@ -15,13 +14,8 @@ from tests.parallel.long_runs import (
     Case,
     Fork,
     at_work,
-    begin,
     but_record,
     cam,
-    command,
-    ended,
-    files,
-    gone,
     slow,
 )
 
@@ -115,7 +109,18 @@ OTHERS = {
     "proved": (("orbits", "--prove", "--no-plot", "--rpm", "700"), ("--rpm", "720")),
     "page": (("explore", "--rpm", "690:745", "--points", "4", *MANY), ("--points", "2")),
     "explained": ((*SWEEP[:3], "--points", "3", "--explain", *MANY), ("--points", "2")),
-}
+    "report": (("detach", "--report", "--points", "30"), ("--points", "5")),
+    "animated": (("simulate", "--rpm", "700", "--animate", "--no-plot"), ("--rpm", "710")),
+    "bench": (
+        ("bench", "precision", "--quick", "--set", "bench.methods=[core]", "--no-plot"),
+        ("--set", "bench.cases=[periodic]"),
+    ),
+    "merged": (("merge", "parts"), None, tuple(
+        (*SWEEP[:-1], "--shard", f"{k}/2", "-o", "parts") for k in (1, 2)
+    )),
+    "run again": (("rerun", "before"), None, ((*SWEEP[:-1], "-o", "before"),)),
+    "cluster": ((*SWEEP, "--cluster", "local"), ("--points", "9"), (), True),
+}  # fmt: skip
 
 
 @pytest.mark.slow
@@ -123,20 +128,6 @@ OTHERS = {
 def test_killed_at_random_moments(tmp_path, name):
     words, earlier = CASES[name]
     Case(tmp_path, words, earlier).soak(list(CASES).index(name), 1)
-
-
-COLD_SHARE = 30  # compiling takes half a minute: so many warm kills to a cold one
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("cold", [False, True], ids=["warm", "cold"])
-@pytest.mark.parametrize("name", [*CASES, *OTHERS])
-def test_killed_many_times(tmp_path, name, cold, capsys):
-    words, earlier = (CASES | OTHERS)[name]
-    count = -(-SOAK // (len(CASES) + len(OTHERS)) // (COLD_SHARE if cold else 1))
-    seen = Case(tmp_path, words, earlier).soak(count, count, cold)
-    with capsys.disabled():
-        print(f"\n{name}: {count} kills, cold: {cold}, {seen}")
 
 
 SCENE = """
@@ -149,25 +140,31 @@ sweep: {rpm: {start: 690, stop: 745, num: 90}, sections: [strobe]}
 """
 
 
-@pytest.mark.slow
-def test_figures_killed_at_any_moment_end_the_same_and_leave_no_children(tmp_path):
+def figures(tmp_path):
+    """`cam figures` of one figure."""
     (tmp_path / "scenes").mkdir()
     (tmp_path / "scenes" / "1.1.yaml").write_text(SCENE)
     words = ("figures", "--folder", str(tmp_path / "scenes"), "--threads", "2")
-    began = time.perf_counter()
-    assert cam((*words, "-o", "new"), tmp_path)[0] == 0
-    seconds = time.perf_counter() - began
-    new, met = files(tmp_path / "new"), 0
-    for how, part in ((signal.SIGKILL, 0.6), (signal.SIGINT, 0.5)):
-        process = begin(command(*words, "-o", "out"), tmp_path)
-        time.sleep(part * seconds)
-        process.send_signal(how)
-        code = ended(process)[0]
-        assert gone(str(tmp_path))
-        assert code in (0, 130, -how)
-        met += code != 0
-    assert met >= 1
-    code, said = cam((*words, "-o", "out"), tmp_path)
-    assert code == 0, said
-    assert but_record(files(tmp_path / "out")) == but_record(new)
-    assert len(but_record(new)) == 3
+    return Case(tmp_path, words, None, (), True)
+
+
+@pytest.mark.slow
+def test_figures_killed_at_any_moment_end_the_same_and_leave_no_children(tmp_path):
+    case = figures(tmp_path)
+    case.soak(1, 2)
+    assert len(but_record(case.new)) == 3
+
+
+COLD_SHARE = 30  # compiling takes half a minute: so many warm kills to a cold one
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("cold", [False, True], ids=["warm", "cold"])
+@pytest.mark.parametrize("name", [*CASES, *OTHERS, "figures"])
+def test_killed_many_times(tmp_path, name, cold, capsys):
+    count = -(-SOAK // (len(CASES) + len(OTHERS) + 1) // (COLD_SHARE if cold else 1))
+    words = (CASES | OTHERS).get(name)
+    case = figures(tmp_path) if words is None else Case(tmp_path, *words)
+    seen = case.soak(count, count, cold)
+    with capsys.disabled():
+        print(f"\n{name}: {count} kills, cold: {cold}, {seen}")
