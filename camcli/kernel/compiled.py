@@ -18,7 +18,7 @@ from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
-from time import time
+from time import sleep, time
 from types import FunctionType
 from typing import Any
 from uuid import uuid4
@@ -29,7 +29,8 @@ from numpy import ndarray
 from camcli.kernel.backend import read_intact
 from camcli.kernel.marks import ENTRIES, FUNCTIONS, OUTLINED
 
-ABANDONED = 60.0  # s: nobody writes a file for so long
+ABANDONED = 60.0  # s: nobody compiles, or writes a file, for so long
+LOOKS = 600  # in that time, whether the other one is done
 UNUSED = 30 * 86400.0  # s, after which code goes, of whatever sources it is
 # Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
@@ -123,7 +124,10 @@ def _machine() -> tuple:
 
 @contextlib.contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """One process compiles while others that start with it wait, where the system has locks."""
+    """One process compiles while others that start with it wait, where the system has locks.
+
+    Not for ever: it may have been stopped.
+    """
     handle = None
     try:
         with contextlib.suppress(ImportError, OSError):
@@ -131,7 +135,11 @@ def _alone(folder: Path) -> Iterator[None]:
 
             folder.mkdir(parents=True, exist_ok=True)
             handle = os.open(folder, os.O_RDONLY)
-            fcntl.flock(handle, fcntl.LOCK_EX)
+            for _ in range(LOOKS):
+                with contextlib.suppress(BlockingIOError):
+                    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    break
+                sleep(ABANDONED / LOOKS)
         yield
     finally:
         if handle is not None:

@@ -14,11 +14,19 @@ WORDS = ("simulate", "--rpm", "190", "--no-plot", "-q", "--set", "run.transient=
 ROOT = Path(__file__).parents[2]
 
 
-def cam(cache: Path, *words: str, **options) -> subprocess.CompletedProcess:
+IMPATIENT = """
+from camcli.kernel import compiled
+compiled.ABANDONED = 1.0
+from camcli.cli.app import main
+main()
+"""
+
+
+def cam(cache: Path, *words: str, start=("-m", "camcli"), **options):
     """The command with the kernel compiled, and its code kept in `cache`."""
     env = {**options.pop("env", os.environ), "XDG_CACHE_HOME": str(cache)}
     env["CAMCLI_KERNEL"] = "compiled"
-    command = [sys.executable, "-m", "camcli", *(words or WORDS)]
+    command = [sys.executable, *start, *(words or WORDS)]
     return subprocess.run(command, capture_output=True, text=True, env=env, **options)
 
 
@@ -68,10 +76,14 @@ def test_a_damaged_cache_is_said_and_made_anew(cache, warm, tmp_path, how):
     for code in (old, recent):
         code.parent.mkdir()
         code.touch()
-    for path in (killed, old):
-        os.utime(path, (0, 0))
+    for path, written in ((killed, 0), (old, 0), (at_work, 2**33)):
+        os.utime(path, (written, written))
     words = [word for word in WORDS if word != "-q"]
-    done = cam(cache, *words, cwd=tmp_path)
+    fcntl = pytest.importorskip("fcntl")
+    handle = os.open(killed.parent, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_EX)  # as one that was stopped while it compiled
+    done = cam(cache, *words, start=("-c", IMPATIENT), cwd=tmp_path)
+    os.close(handle)
     assert (done.returncode, "was damaged and is removed" in done.stderr) == (0, True), done.stderr
     assert (tmp_path / "out/simulate/events.csv").read_bytes() == warm[1]
     kept = [path for path in code_files(cache) if path != recent]
