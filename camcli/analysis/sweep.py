@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import pairwise
 from math import pi
 from typing import TYPE_CHECKING, Any
@@ -50,7 +49,8 @@ class Speed:
     chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
     exponent: the largest one per turn, None where it was not asked for or is not known; end: where
     the next speed starts, of a sweep that carries its state; loads: of the record; known: False
-    where the record is one of many motions and the true one is not known; holds_for: as `classify`.
+    where the record is one of many motions and the true one is not known; holds_for: as `classify`;
+    highest: the largest q at the strobe, m.
     """
 
     value: float
@@ -66,6 +66,7 @@ class Speed:
     loads: Loads = NOTHING
     known: bool = True
     holds_for: str | None = None
+    highest: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -77,11 +78,7 @@ class Sweep:
     cost: Cost
     key: str = "rpm"  # what is varied
     also: Sequence[Start] = ()  # started from too
-
-    @cached_property
-    def bare(self) -> list[Speed]:
-        """The speeds without their sections: they fit into memory, and the disk is read once."""
-        return [bare(speed) for speed in self.speeds]
+    bare: Sequence[Speed] = ()  # without their sections, which may be on disk
 
     @property
     def troubled(self) -> list[Speed]:
@@ -150,35 +147,35 @@ def sweep(
     tasks = [task, *(replace(task, start=start) for start in also)]
     for one in tasks if values else ():
         Orbit(*one.setup(values[0]), one.start)
-    work, cost = work or Work(), Cost()
+    work, rows = work or Work(), list[Speed]()
 
     def count(speed: Speed) -> None:
-        nonlocal cost
-        cost = cost + speed.cost
+        rows.append(bare(speed))
         on_speed(speed)
 
     parts: list[Sequence[Speed]] = []
     for one in tasks:
         if direction == FIXED:
-            own = [work.collect(one, values, CODEC, count)]
-            while adaptive and (more := _between(own)):
-                own.append(work.collect(one, more, CODEC, count))
-            parts += own
+            begin = len(rows)
+            parts.append(work.collect(one, values, CODEC, count))
+            while adaptive and (more := _between(rows[begin:])):
+                parts.append(work.collect(one, more, CODEC, count))
         for way in (UP, DOWN) if direction == BOTH else {direction} - {FIXED}:
             ordered = sorted(values, reverse=way == DOWN)
             parts.append(work.collect_chain(one.after, None, ordered, CODEC, count))
-    return Sweep(_Joined(parts, adaptive and len(parts) > 1), direction, cost, key, also)
+    order = list(range(len(rows)))
+    if adaptive and len(parts) > 1:
+        order.sort(key=lambda k: rows[k].value)
+    cost = sum((speed.cost for speed in rows), Cost())
+    return Sweep(_Joined(parts, order), direction, cost, key, also, [rows[k] for k in order])
 
 
 class _Joined(Sequence[Speed]):
-    """Sequences that may come from a disk as one: in their order, or by value."""
+    """Sequences that may come from a disk as one, in another order."""
 
-    def __init__(self, parts: Sequence[Sequence[Speed]], by_value: bool):
-        self.parts = parts
-        self.places = [(n, k) for n, part in enumerate(parts) for k in range(len(part))]
-        if by_value:
-            values = {place: parts[place[0]][place[1]].value for place in self.places}
-            self.places.sort(key=lambda place: values[place])
+    def __init__(self, parts: Sequence[Sequence[Speed]], order: Sequence[int]):
+        places = [(n, k) for n, part in enumerate(parts) for k in range(len(part))]
+        self.parts, self.places = parts, [places[k] for k in order]
 
     def __len__(self) -> int:
         return len(self.places)
@@ -190,9 +187,9 @@ class _Joined(Sequence[Speed]):
         return self.parts[n][own]
 
 
-def _between(parts: Sequence[Sequence[Speed]]) -> list[float]:
+def _between(speeds: Sequence[Speed]) -> list[float]:
     """The middles between neighbours that differ and are further apart than FINEST."""
-    rows = sorted((bare(speed) for part in parts for speed in part), key=lambda s: s.value)
+    rows = sorted(speeds, key=lambda s: s.value)
     if len(rows) < 2:
         return []
     least = (rows[-1].value - rows[0].value) / FINEST
@@ -335,6 +332,7 @@ class _Task:
             loads=loads_of(system, rpm, record) if known else NOTHING,
             known=known,
             holds_for=holds_for,
+            highest=max(backend.plain(record.strobe_q[:n]), default=0.0),
         )
 
 
@@ -439,6 +437,7 @@ def _load(stored: list) -> Speed:
 
 STORED = (
     "value", "rpm", "label", "impact_count", "status", "impacts", "exponent", "known", "holds_for",
+    "highest",
 )  # fmt: skip
 CODEC = Codec(_store, _load)
 LINES = Codec(

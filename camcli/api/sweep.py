@@ -316,8 +316,7 @@ def _result(
         return draw_sweep(found, machine.system, machine.settings, events, branches, zooms)
 
     troubled = [(speed.value, speed.status) for speed in found.troubled]
-    flown = [(s.rpm, max(s.strobe[1], default=0.0)) for s in found.speeds if s.strobe is not None]
-    heights = height_notes(flown, machine.system.cam.top)
+    heights = height_notes([(s.rpm, s.highest) for s in found.bare], machine.system.cam.top)
     return Result(
         command="sweep",
         scene=scene,
@@ -365,7 +364,7 @@ def speed_row(speed: Speed) -> tuple:
 def _summary(found: Sweep) -> dict[str, Any]:
     return {
         "direction": found.direction,
-        "holds_for": Counter(filter(None, (speed.holds_for for speed in found.speeds))),
+        "holds_for": Counter(filter(None, (speed.holds_for for speed in found.bare))),
         "ranges": [
             {"label": label, "status": status, "from_rpm": a.value, "to_rpm": b.value, "speeds": n}
             for label, status, a, b, n in ranges(found)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import errno
 import json
 import os
-from base64 import b64decode, b64encode
+from binascii import a2b_base64, b2a_base64
 from collections.abc import Iterator
 from pathlib import Path
 from stat import S_ISREG
@@ -209,7 +209,7 @@ def _outline(value: Any) -> Any:
     if hasattr(value, "dtype"):
         little = value.astype(value.dtype.newbyteorder("<"), copy=False)
         if little.dtype.str in DTYPES:
-            text = b64encode(little.tobytes()).decode()
+            text = b2a_base64(little.tobytes(), newline=False).decode()
             return {"dtype": little.dtype.str, "shape": little.shape, "base64": text}
     raise TypeError(f"a {type(value).__name__} cannot be kept")
 
@@ -227,5 +227,5 @@ def _array(outline: dict) -> Any:
         case {"dtype": str(name), "shape": list(shape), "base64": str(text)} if name in DTYPES:
             import numpy as np
 
-            return np.frombuffer(b64decode(text, validate=True), name).reshape(shape)
+            return np.frombuffer(a2b_base64(text, strict_mode=True), name).reshape(shape)
     return outline
