@@ -27,7 +27,6 @@ from camcli.scene import Scene
 
 if TYPE_CHECKING:
     from camcli.analysis.explain.changes import Explanation
-    from camcli.analysis.exponents import Exponents
 
 # columns after the one of what is varied
 CLASSIFY = (
@@ -167,13 +166,14 @@ def decided_words(found: Iterable[str | None], what: str) -> list[str]:
 def remarks(motions: list[Motion], key: str = "rpm") -> list[str]:
     """Sentences: the sum rule, sticking, what is undecided."""
     said = []
-    defects = [abs(m.exponents.defect) for m in motions if m.exponents and _finite(m.exponents)]
+    known = [m.exponents for m in motions if m.exponents]
+    defects = [abs(e.defect) for e in known if isfinite(e.largest) and isfinite(e.second)]
     if defects:
         said.append(
             "sum of the exponents minus (2 ln r) impacts per turn + b T/m: at most "
             f"{max(defects):.1g} over {len(defects)} motions"
         )
-    if any(m.exponents and m.exponents.largest == -inf for m in motions):
+    if any(e.largest == -inf for e in known):
         said.append(
             "where the follower rests on the cam both exponents are -inf: every difference between "
             "two motions is forgotten"
@@ -209,10 +209,6 @@ def _shown(unsolved: list[Motion], key: str) -> Iterator[str]:
                 f"in some {turns / m.chatters:.3g}; after a rest the motion is always the same "
                 "one, which could not be followed to the next rest"
             )
-
-
-def _finite(e: Exponents) -> bool:
-    return isfinite(e.largest) and isfinite(e.second)
 
 
 def _motion(m: Motion) -> dict[str, Any]:

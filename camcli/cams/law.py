@@ -77,16 +77,12 @@ class SccaLaw(BaseModel):
     scca: Widths = Field(description="widths b, c, d of sine, constant, cosine acceleration")
 
 
-def _tag(value: Any) -> str:
-    return "scca" if isinstance(value, dict | SccaLaw) else "name"
-
-
 Length = Annotated[
     float, Field(ge=1e-6, le=360, allow_inf_nan=False, description="length of the motion, deg")
 ]
 Law = Annotated[
     Annotated[LawName, Tag("name")] | Annotated[SccaLaw, Tag("scca")],
-    Discriminator(_tag),
+    Discriminator(lambda value: "scca" if isinstance(value, dict | SccaLaw) else "name"),
     Field(description="law of motion: a name, or {scca: {b: ..., c: ..., d: ...}}"),
 ]
 

@@ -50,12 +50,6 @@ class Shown:
         """Its pictures, as links."""
         return [quote(f"{self.name}/{file}") for file in self.files if file.endswith(".png")]
 
-    @property
-    def pages(self) -> list[tuple[str, str]]:
-        """Its pages, as links with the words of the caption."""
-        links = [quote(f"{self.name}/{file}") for file in self.files if file.endswith(".html")]
-        return [(link, escape(self.caption or self.title)) for link in links]
-
 
 def page(figures: Sequence[Shown]) -> str:
     """The page."""
@@ -78,7 +72,10 @@ def _thumbnail(p: Shown) -> str:
 
 def _article(p: Shown) -> str:
     none = "This command draws no picture." if p.files else "Not computed yet."
-    shown = "".join(_figure(p, source) for source in p.pictures) + "".join(map(_opens, p.pages))
+    pages = [quote(f"{p.name}/{file}") for file in p.files if file.endswith(".html")]
+    words = escape(p.caption or p.title)
+    shown = "".join(_figure(p, source) for source in p.pictures)
+    shown += "".join(f'<p>{words} <a href="{link}">Open the page</a></p>\n' for link in pages)
     shown = shown or f"<p>{none}</p>\n"
     label = escape(f"Scene of {p.name}")
     return f"""<article id="{p.id}" aria-labelledby="{p.id}-title">
@@ -90,11 +87,6 @@ def _article(p: Shown) -> str:
 </details>
 </article>
 """
-
-
-def _opens(page: tuple[str, str]) -> str:
-    link, words = page
-    return f'<p>{words} <a href="{link}">Open the page</a></p>\n'
 
 
 def _image(p: Shown, source: str) -> str:
@@ -132,13 +124,7 @@ def _numbers(p: Shown) -> str:
         cost = record["cost"]
         counted = f"{cost['impacts']} impacts, {cost['gap_evaluations']} gap evaluations, "
         gone = ", ".join(sorted({*record.get("artefacts", ())} - {*p.files}))
-    except (
-        OSError,
-        ValueError,
-        LookupError,
-        TypeError,
-        RecursionError,
-    ):  # of another program, or damaged
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):  # another's, or damaged
         record, counted, gone = {"result": {}}, "", ""
     links = [f'<a href="{quote(f"{p.name}/{file}")}">{escape(file)}</a>' for file in p.files]
     made = f"; the command also writes {escape(gone)}, too large to be kept" if gone else ""

@@ -10,11 +10,10 @@ from camcli.analysis.basins import recurrence, rest_outcomes
 from camcli.analysis.basins import region as region_module
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import AttractorFinder
-from camcli.analysis.basins.branches import Branches, distance
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
 from camcli.analysis.basins.region import Region, _holds, overlap, parted, rings, size_of
 from camcli.analysis.basins.rest_outcomes import record_of
-from camcli.analysis.basins.study import Question, basins
+from camcli.analysis.basins.study import Branches, Question, basins, distance
 from camcli.analysis.basins.window import Window
 from camcli.kernel.cells import FORGOTTEN, GOES_ON
 from tests.conftest import chapter_system, settings

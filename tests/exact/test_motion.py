@@ -18,8 +18,7 @@ from camcli.cams.law import LawCam
 from camcli.exact.balls import DIGITS, UndecidedError, decided, precision
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import Machine
-from camcli.exact.motion import Motion
-from camcli.exact.parallelogram import Parallelogram
+from camcli.exact.motion import Motion, Parallelogram
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.kernel.orbit_loop import EventKind
 from camcli.scene import load_scene

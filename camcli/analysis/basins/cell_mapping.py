@@ -98,7 +98,10 @@ def refine(finder: AttractorFinder, window: Window, levels: int, on_cells: Calla
         table = table.repeat(2, axis=0).repeat(2, axis=1)
         while todo.any():
             cut |= todo
-            cells = _children(todo, fine)
+            rows, columns = np.nonzero(todo)
+            corner = 2 * rows * fine.nq + 2 * columns
+            below = corner + fine.nq
+            cells = np.sort(np.concatenate([corner, corner + 1, below, below + 1]))
             outcome, turns = finder.settle(*fine.centres(cells), on_cells)
             table.ravel()[cells] = outcome
             every.append(turns)
@@ -132,10 +135,3 @@ def _on_cam(finder: AttractorFinder, window: Window) -> np.ndarray:
     half = 0.5 * (window.q[1] - window.q[0]) / window.nq
     columns = np.abs(window.q_of(np.arange(window.nq)) - c) < half
     return np.broadcast_to(columns, (window.nv, window.nq))
-
-
-def _children(todo: np.ndarray, fine: Window) -> np.ndarray:
-    """Flat indices of the four parts of each cell."""
-    rows, columns = np.nonzero(todo)
-    corner = 2 * rows * fine.nq + 2 * columns
-    return np.sort(np.concatenate([corner, corner + 1, corner + fine.nq, corner + fine.nq + 1]))

@@ -59,7 +59,11 @@ class Lift:
     """
 
     def __init__(self, section: Mapping[str, Any]):
-        self.regions = _arcs(section) if section["kind"] == "arcs" else _eccentric(section)
+        if section["kind"] == "arcs":
+            self.regions = _arcs(section)
+        else:  # c = base + lift (1 - cos theta)/2: one region, of two turns
+            half = 0.5 * section["lift"]
+            self.regions = [Region(-half, section["base"] + half, 0.0, 0.0, 0.0, 2.0 * TWO_PI)]
         self.breaks = [region.end for region in self.regions[:-1]]
         self.top, self.sky = self.at(math.pi)[0], len(self.regions)
         self.regions.append(Region(0.0, self.top + CLEAR, 0.0, 0.0, 0.0, math.inf))
@@ -103,12 +107,6 @@ def _arcs(s: Mapping[str, Any]) -> list[Region]:
         Region(-k1, r1, k1, offset, f, f),
         Region(0.0, base, 0.0, offset, 0.0, TWO_PI + a),
     ]
-
-
-def _eccentric(s: Mapping[str, Any]) -> list[Region]:
-    """c = base + lift (1 - cos theta)/2: one region, of two turns."""
-    half = 0.5 * s["lift"]
-    return [Region(-half, s["base"] + half, 0.0, 0.0, 0.0, 2.0 * TWO_PI)]
 
 
 class BudgetError(Exception):

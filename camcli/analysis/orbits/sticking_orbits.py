@@ -8,7 +8,7 @@ orbit without impacts is known in closed form, and its branch ends where the cam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from math import inf, ulp
 
@@ -69,7 +69,10 @@ def _follow(
     segment: StickingSegment, shooter: Shooter, settings: Settings, orbit: PeriodicOrbit,
     span: Span, up: bool,
 ) -> None:  # fmt: skip
-    for value in _grid(orbit.value, span.high if up else span.low, span.spacing):
+    start, end = orbit.value, span.high if up else span.low
+    count = max(1, round(abs(end - start) / span.spacing)) if end != start else 0
+    for k in range(1, count + 1):
+        value = end if k == count else start + (end - start) * (k / count)
         last = segment.points[-1]
         after = _orbit_at(shooter, settings, last, value)
         if not _same_motion(last, after):
@@ -84,12 +87,6 @@ def _follow(
             segment.changes.append(change)
             segment.points.append(change.orbit)
         segment.points.append(after)  # type: ignore[arg-type]  # the same motion is one
-
-
-def _grid(start: float, end: float, spacing: float) -> Iterator[float]:
-    count = max(1, round(abs(end - start) / spacing)) if end != start else 0
-    for k in range(1, count + 1):
-        yield end if k == count else start + (end - start) * (k / count)
 
 
 def _orbit_at(
