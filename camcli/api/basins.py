@@ -17,7 +17,7 @@ from camcli.analysis.sweep import status_name
 from camcli.api.classify import decided_words
 from camcli.api.machine import machine_of, span_of
 from camcli.api.orbits import MULTIPLIERS, multiplier_columns
-from camcli.api.result import Progress, Result, trouble
+from camcli.api.result import Progress, Result, drawn_by, trouble
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
@@ -109,12 +109,7 @@ def basins(
     if section.saddles:
         tables["saddles"] = Table.of_rows((key, *SADDLES), lambda: _saddle_rows(found))
 
-    def draw():
-        from camcli.plots.basins import draw_basins
-
-        own = system if setup is None else setup(values[0])[0]
-        return draw_basins(found, question, own, key)
-
+    own = system if setup is None else setup(values[0])[0]
     return Result(
         command="basins",
         scene=scene,
@@ -122,7 +117,7 @@ def basins(
         values=(found, question),
         tables=tables,
         summary=_summary(found, question),
-        pictures={"basins": draw},
+        pictures={"basins": drawn_by("basins.draw_basins", found, question, own, key)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=tuple(_notes(found, question)),

@@ -17,7 +17,16 @@ from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.sweep import status_name
 from camcli.api.machine import Machine, machine_of, refuse_to_explain, span_of
 from camcli.api.orbits import BIFURCATIONS, bifurcation_row
-from camcli.api.result import Progress, Result, budget_of, counted, status_notes, ticks, trouble
+from camcli.api.result import (
+    Progress,
+    Result,
+    budget_of,
+    counted,
+    drawn_by,
+    status_notes,
+    ticks,
+    trouble,
+)
 from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.explanations import explained
@@ -99,12 +108,8 @@ def classify(
         )
         explanation = explanation_of(machine, motions, progress) if section.explain else None
 
-    def draw():
-        from camcli.plots.classify import draw_classify
-
-        events = explanation.events if explanation else ()
-        return draw_classify(motions, machine.system, events, key)
-
+    events = explanation.events if explanation else ()
+    draw = drawn_by("classify.draw_classify", motions, machine.system, events, key)
     troubled = [(m.value, m.status) for m in motions if m.status != Status.OK]
     cut = trouble(explanation.status) if explanation else []
     return Result(

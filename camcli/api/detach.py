@@ -13,7 +13,7 @@ from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.sweep import rpm_grid
 from camcli.api.machine import Machine, machine_of
-from camcli.api.result import Progress, Result, budget_of, status_notes, ticks, trouble
+from camcli.api.result import Progress, Result, budget_of, drawn_by, status_notes, ticks, trouble
 from camcli.api.sweep import SPEEDS, speed_row
 from camcli.api.tolerances import tolerances, tolerated
 from camcli.cams.compile import lift_range
@@ -110,11 +110,6 @@ def detach(
         done = tolerances(machines, found, work or Work(), progress)
         tables["tolerance"], words["tolerance"] = done
 
-    def draw():
-        from camcli.plots.detach import draw_detach
-
-        return draw_detach(found, system)
-
     # two rows at a corner, one for each side
     forces = [(f.rpm, f.theta_deg, f.force_n, f.pressure_pa or None) for f in found.forces]
     notes = status_notes(found.troubled)
@@ -143,7 +138,7 @@ def detach(
             **tables,
         },
         summary={"status": budget.status.text, **words},
-        pictures={"detach": draw},
+        pictures={"detach": drawn_by("detach.draw_detach", found, system)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=tuple(notes),

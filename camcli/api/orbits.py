@@ -22,7 +22,7 @@ from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
 from camcli.api.machine import Machine, machine_of
-from camcli.api.result import Progress, Result, budget_of, ticks, trouble
+from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks, trouble
 from camcli.api.sweep import IMPACTS, STROBE, blocks
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
@@ -124,16 +124,6 @@ def orbits(
         if section.simulated and question.span is not None:
             simulated = _simulated(machine, found.question, section.simulated)
 
-    def draw():
-        from camcli.plots.orbits import draw_orbits
-
-        return draw_orbits(found, system, simulated)
-
-    def draw_curve():
-        from camcli.plots.orbits import draw_curves
-
-        return draw_curves(found.curves, section.curve_in)
-
     tables = {
         "branch": _branch_table(found, keys),
         "bifurcations": _bifurcations_table(found, keys),
@@ -142,10 +132,10 @@ def orbits(
         key = keys.get(simulated.key, UNITS.get(simulated.key, simulated.key))
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE)):
             tables[name] = Table((key, *columns), partial(blocks, simulated, name))
-    pictures = {"orbits": draw}
+    pictures = {"orbits": drawn_by("orbits.draw_orbits", found, system, simulated)}
     if section.curve is not None:
         tables["curve"] = _curve_table(found.curves, section, keys)
-        pictures["curve"] = draw_curve
+        pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, section.curve_in)
     notes = _notes(found) + trouble(budget.status)
     return Result(
         command="orbits",

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -199,6 +200,12 @@ def plot(
     figure = own[0].get_figure(root=True)
     assert figure is not None
     return figure
+
+
+def drawn_by(place: str, *args: Any) -> Callable[[], Picture]:
+    """What draws a picture: a function of the plots, `module.function`, imported when it does."""
+    module, _, name = place.partition(".")
+    return lambda: getattr(import_module(f"camcli.plots.{module}"), name)(*args)
 
 
 def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., None]:

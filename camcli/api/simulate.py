@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Cost
 from camcli.api.machine import Machine, machine_of
-from camcli.api.result import Progress, Result, trouble
+from camcli.api.result import Progress, Result, drawn_by, trouble
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
@@ -87,11 +87,7 @@ def simulate(
         found = run(system, scene.run.rpm, machine.settings, scene.simulate.samples)
     highest = max((row[2] for row in found.trajectory), default=0.0)
 
-    def draw():
-        from camcli.plots.simulate import draw_simulation
-
-        return draw_simulation(found, system, scene.simulate.plot_turns)
-
+    draw = drawn_by("simulate.draw_simulation", found, system, scene.simulate.plot_turns)
     return Result(
         command="simulate",
         scene=scene,

@@ -18,7 +18,7 @@ from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of
-from camcli.api.result import Progress, Result, status_notes, ticks, trouble
+from camcli.api.result import Progress, Result, drawn_by, status_notes, ticks, trouble
 from camcli.api.simulate import height_notes
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError, Status
@@ -182,11 +182,6 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
                 ends = status_name(speed.status), speed.holds_for
                 yield speed.value, second, *named, *speed.loads, *ends
 
-    def draw():
-        from camcli.plots.sweep_map import draw_map
-
-        return draw_map(found, lines)
-
     return Result(
         command="sweep",
         scene=machine.scene,
@@ -197,7 +192,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             "direction": found.direction,
             "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],
         },
-        pictures={"map": draw},
+        pictures={"map": drawn_by("sweep_map.draw_map", found, lines)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=tuple(notes),
@@ -308,13 +303,10 @@ def _result(
         cut = trouble(explanation.status)
         tables["corners"] = corners_table(explanation)
 
-    def draw():
-        from camcli.plots.sweep import draw_sweep
-
-        events = () if explanation is None else explanation.events
-        zooms = [(min(z.start, z.stop), max(z.start, z.stop)) for z in section.zoom]
-        return draw_sweep(found, machine.system, machine.settings, events, branches, zooms)
-
+    events = () if explanation is None else explanation.events
+    zooms = [(min(z.start, z.stop), max(z.start, z.stop)) for z in section.zoom]
+    own = machine.system, machine.settings
+    draw = drawn_by("sweep.draw_sweep", found, *own, events, branches, zooms)
     troubled = [(speed.value, speed.status) for speed in found.troubled]
     heights = height_notes([(s.rpm, s.highest) for s in found.bare], machine.system.cam.top)
     return Result(
