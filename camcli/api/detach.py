@@ -12,7 +12,7 @@ from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.sweep import rpm_grid
-from camcli.api.machine import Machine, machine_of
+from camcli.api.machine import Machine, machine_of, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, status_notes, ticks, trouble
 from camcli.api.sweep import SPEEDS, speed_row
 from camcli.api.tolerances import tolerances, tolerated
@@ -82,9 +82,8 @@ def detach(
     section, system, cam = machine.scene.detach, machine.system, machine.scene.cam
     scene, spring = machine.scene, machine.scene.spring
     if report and section.hold_to is None:
-        section = section.model_copy(update={"hold_to": max(section.rpm.start, section.rpm.stop)})
-        scene = scene.model_copy(update={"detach": section})
-        machine = replace(machine, scene=scene)
+        scene = with_values(scene, "detach", hold_to=max(section.rpm.start, section.rpm.stop))
+        section, machine = scene.detach, replace(machine, scene=scene)
     machines = tolerated(machine)
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
     with stopwatch() as watch, budget_of(scene, progress) as budget:

@@ -15,7 +15,7 @@ from camcli.analysis.labels import period_of
 from camcli.analysis.orbits.same_orbit import CLOSE, distance_to
 from camcli.analysis.simulate import STICKING, Simulation, simulate
 from camcli.api.basins import basins
-from camcli.api.machine import Machine, Varied, machine_of
+from camcli.api.machine import Machine, Varied, machine_of, with_values
 from camcli.api.orbits import orbits
 from camcli.api.result import Progress, Result, ticks
 from camcli.api.sweep import sweep
@@ -150,14 +150,18 @@ def explore(
         runs = len(DIRECTIONS) * scene.sweep.rpm.num + scene.orbits.starts
         for_work(runs * (scene.run.transient + scene.run.record))
         whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
-        ways = [_with(scene, "sweep", **whole, explain=False, direction=d) for d in DIRECTIONS]
+        ways = [
+            with_values(scene, "sweep", **whole, explain=False, direction=d) for d in DIRECTIONS
+        ]
         results = [sweep(one, progress, work=work) for one in ways]
         sweeps = list(zip(DIRECTIONS, results, strict=True))
         solved = orbits(_orbits_scene(scene), progress)
         speed = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
-        window = _with(scene, "basins", rpm=speed, refine=0)  # one speed, cells of one size
+        window = with_values(scene, "basins", rpm=speed, refine=0)  # one speed, cells of one size
         landed = basins(window, progress, work=work) if with_basins else None
-        mapped = sweep(_with(scene, "sweep", vary=axes), progress, work=work) if with_map else None
+        mapped = (
+            sweep(with_values(scene, "sweep", vary=axes), progress, work=work) if with_map else None
+        )
         motions = _attractors(machine, sweeps, MOST_ROWS // (samples * scene.sweep.rpm.num))
         motions += _solved(machine, solved, motions)
         left = ROOM - samples * sum(motion.turns for motion in motions)
@@ -207,12 +211,6 @@ def explore(
     )
 
 
-def _with(scene: Scene, name: str, **values: Any) -> Scene:
-    """The scene with some values of a section replaced."""
-    section = getattr(scene, name).model_copy(update=values)
-    return scene.model_copy(update={name: section})
-
-
 def _samples(f: Follower, rpm: float) -> int:
     """Rows per turn, so that a cubic from row to row is the motion itself."""
     decay, square = f.damping / (2.0 * f.mass), f.stiffness / f.mass
@@ -239,7 +237,7 @@ def _orbits_scene(scene: Scene) -> Scene:
     low, high = sorted((span.start, span.stop))
     rpm = scene.orbits.rpm.model_copy(update={"start": low, "stop": high})
     at = at if at is not None and low <= at <= high else None
-    return _with(scene, "orbits", rpm=rpm, at=at, parameter="rpm", range=None, curve=None)
+    return with_values(scene, "orbits", rpm=rpm, at=at, parameter="rpm", range=None, curve=None)
 
 
 def _attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) -> list[Motion]:

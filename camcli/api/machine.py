@@ -116,6 +116,12 @@ def _round(value: float) -> float:
     return float(f"{value:.3g}")
 
 
+def with_values(scene: Scene, name: str, **values: Any) -> Scene:
+    """The scene with some values of a section replaced."""
+    section = getattr(scene, name).model_copy(update=values)
+    return scene.model_copy(update={name: section})
+
+
 def span_of(machine: Machine, section: Varying) -> tuple[str, list[float], Varied | None]:
     """(key, values, setup) of what a section goes over; setup is None where it is the speed."""
     axis = section.axis

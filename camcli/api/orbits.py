@@ -21,7 +21,7 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
-from camcli.api.machine import Machine, machine_of
+from camcli.api.machine import Machine, machine_of, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks, trouble
 from camcli.api.sweep import IMPACTS, STROBE, blocks
 from camcli.errors import Fault, SceneError
@@ -196,7 +196,7 @@ def _spelt_out(scene: Scene) -> Scene:
         low, high = changed["range"] if axis.path == "run.rpm" else (scene.run.rpm,) * 2
         ends = {"start": low, "stop": high, "num": axis.num}
         changed["rpm"] = section.rpm.model_copy(update=ends)
-    return scene.model_copy(update={"orbits": section.model_copy(update=changed)})
+    return with_values(scene, "orbits", **changed)
 
 
 def _constant(axis: Axis) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from functools import reduce
 from math import ceil
 from pathlib import Path
 from time import perf_counter
@@ -96,35 +95,29 @@ def size_of(command: str, scene: Scene) -> Size:
 
 def sample_of(command: str, scene: Scene, n: int) -> Scene:
     """The scene with few of its pieces, of few turns each."""
-    values: dict[str, Any] = {
-        "run.transient": min(SHORT, scene.run.transient),
-        "run.record": min(25 * n if command == "simulate" else SHORT, scene.run.record),
-    }
+    from camcli.api.machine import with_values
+
+    run, few, section = scene.run, dict[str, Any](), getattr(scene, command)
+    record = min(25 * n if command == "simulate" else SHORT, run.record)
     match command:
         case "sweep":
-            values |= {"sweep.zoom": (), "sweep.also": (), **_fewer(scene, command, n)}
+            few = {"zoom": (), "also": (), **_fewer(section, n)}
         case "classify":
-            values = {"classify.starts": 0, "classify.explain": False, **_fewer(scene, command, n)}
+            few = {"starts": 0, "explain": False, **_fewer(section, n)}
         case "basins":
-            values = {"basins.refine": 0, **_fewer(scene, command, 1)}
-            values["basins.cells"] = tuple(min(8 * n, side) for side in scene.basins.cells)
+            cells = tuple(min(8 * n, side) for side in section.cells)
+            few = {"refine": 0, "cells": cells, **_fewer(section, 1)}
         case "detach":
-            values = {"detach.rpm.num": min(25 * n, scene.detach.rpm.num), "detach.tolerance": ()}
-    return reduce(lambda scene, pair: _with(scene, *pair), values.items(), scene)
+            few = {"rpm": _fewer(section, 25 * n)["rpm"], "tolerance": ()}
+    scene = with_values(scene, "run", transient=min(SHORT, run.transient), record=record)
+    return with_values(scene, command, **few)
 
 
-def _fewer(scene: Scene, command: str, n: int) -> dict[str, Any]:
+def _fewer(section: Any, n: int) -> dict[str, Any]:
     """At most n values of each number that is varied."""
-    section = getattr(scene, command)
-    axes = [axis.model_copy(update={"num": min(n, axis.num)}) for axis in section.vary]
-    return {f"{command}.vary": tuple(axes), f"{command}.rpm.num": min(n, section.rpm.num)}
-
-
-def _with(model: Any, path: str, value: Any) -> Any:
-    first, _, rest = path.partition(".")
-    return model.model_copy(
-        update={first: _with(getattr(model, first), rest, value) if rest else value}
-    )
+    axes = [section.rpm, *getattr(section, "vary", ())]
+    rpm, *vary = (axis.model_copy(update={"num": min(n, axis.num)}) for axis in axes)
+    return {"rpm": rpm, "vary": tuple(vary)}
 
 
 def refuse_too_large(command: str, scene: Scene, folder: Path, shard: Shard | None) -> None:
