@@ -150,18 +150,16 @@ def explore(
         runs = len(DIRECTIONS) * scene.sweep.rpm.num + scene.orbits.starts
         for_work(runs * (scene.run.transient + scene.run.record))
         whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
-        ways = [
-            with_values(scene, "sweep", **whole, explain=False, direction=d) for d in DIRECTIONS
-        ]
-        results = [sweep(one, progress, work=work) for one in ways]
-        sweeps = list(zip(DIRECTIONS, results, strict=True))
+        sweeps = []
+        for way in DIRECTIONS:
+            own = with_values(scene, "sweep", **whole, explain=False, direction=way)
+            sweeps.append((way, sweep(own, progress, work=work)))
         solved = orbits(_orbits_scene(scene), progress)
         speed = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
         window = with_values(scene, "basins", rpm=speed, refine=0)  # one speed, cells of one size
         landed = basins(window, progress, work=work) if with_basins else None
-        mapped = (
-            sweep(with_values(scene, "sweep", vary=axes), progress, work=work) if with_map else None
-        )
+        over = with_values(scene, "sweep", vary=axes)
+        mapped = sweep(over, progress, work=work) if with_map else None
         motions = _attractors(machine, sweeps, MOST_ROWS // (samples * scene.sweep.rpm.num))
         motions += _solved(machine, solved, motions)
         left = ROOM - samples * sum(motion.turns for motion in motions)
@@ -254,39 +252,31 @@ def _attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) 
 
 def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> Iterator[Motion]:
     """The last turns of every speed that has any; `most`: turns shown."""
-    speeds, impacts, strobe = (_columns(result, n) for n in ("speeds", "impacts", "strobe"))
-    points = MOST_POINTS // len(speeds["rpm"])
-    for k, rpm in enumerate(speeds["rpm"].tolist()):
-        own, hit = _rows_at(strobe, rpm), _rows_at(impacts, rpm)
-        recorded, label = len(own["q_m"]), str(speeds["label"][k])
+    speeds = result.values[0].speeds
+    points = MOST_POINTS // len(speeds)
+    for speed in speeds:
+        turn, theta, _, u = map(np.asarray, speed.impacts)
+        q, v = map(np.asarray, speed.strobe[1:3])
+        recorded, label = len(q), str(speed.label)
         if not recorded:
             continue
-        period, exponent = period_of(label), float(speeds["lyapunov_per_period"][k])
+        period = period_of(label)
         turns = min(recorded, period if 0 < period <= most else most)
-        kept = hit["period"] >= recorded - (period or recorded)
+        kept = turn >= recorded - (period or recorded)
         yield Motion(
-            rpm, label, direction,
-            *_start(machine, rpm, own["q_m"][-turns], own["v_m_per_s"][-turns]),
-            turns,
+            speed.rpm, label, direction, *_start(machine, speed.rpm, q[-turns], v[-turns]), turns,
             turns == period,
             True if period else None,
-            None if np.isnan(exponent) else exponent,
+            speed.exponent,
             machine.system,
-            (hit["theta_deg"][kept][-points:], hit["u_minus_m_per_s"][kept][-points:]),
-            (own["q_m"][-(period or points):], own["v_m_per_s"][-(period or points):]),
+            (theta[kept][-points:], u[kept][-points:]),
+            (q[-(period or points):], v[-(period or points):]),
         )  # fmt: skip
 
 
 def _columns(result: Result, name: str) -> dict[str, np.ndarray]:
     table = result.tables[name]
     return {column: table[column] for column in table.columns}
-
-
-def _rows_at(columns: dict[str, np.ndarray], rpm: float) -> dict[str, np.ndarray]:
-    """The rows of one speed, which stand together."""
-    (found,) = np.nonzero(columns["rpm"] == rpm)
-    some = slice(found[0], found[-1] + 1) if len(found) else slice(0)
-    return {name: column[some] for name, column in columns.items()}
 
 
 def _start(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | None, float | None]:
@@ -300,29 +290,32 @@ def _start(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | No
 
 def _solved(machine: Machine, result: Result, known: list[Motion]) -> list[Motion]:
     """The orbits of the branches that no sweep has found, one per step of the sweep and branch."""
-    branch, span = _columns(result, "branch"), machine.scene.sweep.rpm
+    span, solved = machine.scene.sweep.rpm, result.values
     step = abs(span.stop - span.start) / max(1, span.num - 1)
     speeds = np.array([motion.rpm for motion in known])
     found: list[Motion] = []
-    last = (0, 0.0, True)
-    for k, rpm in enumerate(branch["rpm"].tolist()):
-        label, stable = str(branch["label"][k]), bool(branch["stable"][k])
-        state = (float(branch["q_m"][k]), float(branch["v_m_per_s"][k]))
-        number, before, as_before = last
-        if number == branch["branch"][k] and stable == as_before and abs(rpm - before) < step:
-            continue
-        if len(speeds):
-            near = np.flatnonzero(np.abs(speeds - rpm) <= 0.5 * step * (1.0 + 1e-9))
-            if stable and any(known[n].is_near(label, state) for n in near):
+    lines = [branch.points for branch in solved.branches]
+    if solved.question.span is None:
+        lines = [(orbit,) for orbit in solved.orbits]
+    for points in lines:
+        last = None
+        for orbit in points:
+            if (
+                last is not None
+                and last.stable == orbit.stable
+                and abs(orbit.rpm - last.rpm) < step
+            ):
                 continue
-        last = (int(branch["branch"][k]), rpm, stable)
-        turns = period_of(label)
-        found.append(
-            Motion(
-                rpm, label, "solved", *_start(machine, rpm, *state), turns, True, stable, None,
-                machine.system, NONE, (np.array(state[:1]), np.array(state[1:])),
-            )
-        )  # fmt: skip
+            q, w = orbit.states[0]
+            state = q, w * omega_of(orbit.rpm)
+            near = np.flatnonzero(np.abs(speeds - orbit.rpm) <= 0.5 * step * (1.0 + 1e-9))
+            if orbit.stable and any(known[n].is_near(orbit.label, state) for n in near):
+                continue
+            last = orbit
+            at = *_start(machine, orbit.rpm, *state), period_of(orbit.label), True, orbit.stable
+            strobes = np.array(state[:1]), np.array(state[1:])
+            own = machine.system, NONE, strobes
+            found.append(Motion(orbit.rpm, str(orbit.label), "solved", *at, None, *own))
     return found
 
 
