@@ -282,12 +282,6 @@ def test_a_seed_or_an_end_exactly_at_a_period_doubling():
     assert stable.points[-1].value == pytest.approx(739.3197802160017, rel=1e-14)
 
 
-@pytest.mark.parametrize(("low", "high"), [(710.0, 720.0), (680.0, 690.0), (700.0, 700.0)])
-def test_a_range_that_does_not_hold_the_speed_is_refused(low, high):
-    with pytest.raises(ValueError, match="range"):
-        studied(700.0, low, high)
-
-
 CHAOTIC = {
     "preload": (754.4, (-30.0, 60.0), {"restitution": 0.304, "gravity": 9.81}),
     "damping": (
