@@ -12,6 +12,7 @@ from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.sweep import rpm_grid
+from camcli.api.lift_table import accel_errors
 from camcli.api.machine import Machine, machine_of, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, status_notes, ticks, trouble
 from camcli.api.sweep import SPEEDS, speed_row
@@ -70,9 +71,10 @@ def detach(
         with the section ``contact``; else NaN).
         Table ``speeds``, columns as in `sweep`: the motion at some speeds past the first loss of
         contact, 20 turns from rest and 20 that are measured.
-        Table ``tolerance``, with ``detach.tolerance``: its keys, first_detachment_rpm, and for each
-        spring of ``detach.hold_to`` the speed to which it holds (hold_stiffness_rpm, ...); first
-        the corners of the tolerances, then ``detach.machines`` machines that are equally likely.
+        Table ``tolerance``, with ``detach.tolerance``: its keys, table_error (of a measured cam:
+        -1 to 1 times the bound on the error of its second derivative), first_detachment_rpm, and
+        for each spring of ``detach.hold_to`` the speed to which it holds (hold_stiffness_rpm, ...);
+        first the corners of the tolerances, then ``detach.machines`` equally likely machines.
 
     References
     ----------
@@ -97,7 +99,7 @@ def detach(
             hold_rpm=section.hold_to,
             margin=section.margin_n,
             precompression=section.precompression_m,
-            accel_error=cam.errors.bounds if cam.kind == "table" else (0.0,),
+            accel_error=accel_errors(cam),
             solid=inf if spring is None or spring.solid_at is None else spring.solid_at,
             hertz=_hertz(machine),
             on_speed=ticks(progress, "speeds", len(rpms)),

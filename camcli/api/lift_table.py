@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from math import isfinite, sqrt
 from typing import TYPE_CHECKING, Any
@@ -21,12 +22,17 @@ MEANING = (
 )
 
 
+def accel_errors(cam: Any) -> Sequence[float]:
+    """Bounds on the error of c_thetatheta, m/rad2, in equal parts of the turn; 0 of a law."""
+    return cam.errors.bounds if cam.kind == "table" else (0.0,)
+
+
 def table_record(cam: TableCam, system: System) -> dict[str, Any]:
     """The fit of the lift table, and the speeds between which contact is first lost."""
-    from camcli.analysis.contact_loss.detachment import first_loss_range
+    from camcli.analysis.contact_loss.detachment import first_loss
 
     accuracy = cam.accuracy
-    speeds = first_loss_range(system, cam.errors.bounds)
+    speeds = [first_loss(system, cam.errors.bounds, side) for side in (-1.0, 1.0)]
     return {
         **asdict(accuracy),
         "bound": accuracy.bound,

@@ -11,9 +11,9 @@ from statistics import median
 from typing import Any
 
 from camcli.analysis.contact_loss.detachment import first_loss
-from camcli.analysis.contact_loss.force import Force
 from camcli.analysis.contact_loss.hold import Hold, replaced
 from camcli.analysis.contact_loss.study import ContactLoss
+from camcli.api.lift_table import accel_errors
 from camcli.api.machine import Machine, Varied
 from camcli.api.result import Progress, ticks
 from camcli.errors import Fault, SceneError
@@ -28,21 +28,24 @@ NUMBERS = Codec(list, list)
 class _Holds:
     """To which speed a machine holds, rpm: as it is, and with each of the springs.
 
-    A spring is off by as much as the machine's own.
+    A spring is off by as much as the machine's own, a measured cam by a share of its error.
     """
 
     machines: Varied
     springs: Sequence[Hold]
 
-    def __call__(self, values: Sequence[float]) -> list[float]:
-        system, _, _ = self.machines(*values)
+    def __call__(self, piece: Sequence[float]) -> list[float]:
+        known = len(self.machines.axes)
+        system, _, _ = self.machines(*piece[:known])
+        share = piece[known] if len(piece) > known else 0.0
+        errors = accel_errors(system.shape)
         nominal, own = self.machines.machine.system.follower, system.follower
-        found = [first_loss(Force(system))]
+        found = [first_loss(system, errors, share)]
         for hold in self.springs:
             k, preload = hold.stiffness or 0.0, hold.preload or 0.0
             k *= own.stiffness / nominal.stiffness if nominal.stiffness else 1.0
             preload *= own.preload / nominal.preload if nominal.preload else 1.0
-            found.append(first_loss(Force(replaced(system, k, preload))))
+            found.append(first_loss(replaced(system, k, preload), errors, share))
         return found
 
 
@@ -58,18 +61,23 @@ def tolerances(
     """The table ``tolerance``, and the chance and the worst case it shows.
 
     The corners of the tolerances first, then machines in between, all equally likely; the n-th is
-    always the same.
+    always the same. A measured cam is off by a share of the bound on its error, from -1 to 1.
     """
     section, axes = machines.machine.scene.detach, machines.axes
     draw, springs = Random(0), [hold for hold in found.holds if hold.stiffness is not None]
-    corners = list(product(*((axis.start, axis.stop) for axis in axes)))
-    between = [tuple(draw.uniform(a.start, a.stop) for a in axes) for _ in range(section.machines)]
+    ranges = [(axis.start, axis.stop) for axis in axes]
+    keys = [axis.key for axis in axes]
+    measured = machines.machine.scene.cam.kind == "table"
+    if measured:
+        ranges, keys = [*ranges, (-1.0, 1.0)], [*keys, "table_error"]
+    corners = list(product(*ranges))
+    between = [tuple(draw.uniform(*ends) for ends in ranges) for _ in range(section.machines)]
     pieces = [*corners, *between]
     rows = work.collect(
         _Holds(machines, springs), pieces, NUMBERS, ticks(progress, "machines", len(pieces))
     )
     rows = [[float(rpm) for rpm in row] for row in rows]
-    columns = [axis.key for axis in axes] + ["first_detachment_rpm"]
+    columns = [*keys, "first_detachment_rpm"]
     columns += [f"{hold.quantity}_rpm" for hold in springs]
     sampled = list(zip(*rows[len(corners) :], strict=True))
     worst = [min(column) for column in zip(*rows, strict=True)]

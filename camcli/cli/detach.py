@@ -44,9 +44,10 @@ def detach(
                       contact: loft, landing, bounces on the shut cam, contact forces. On the
                       screen "at lift" is the lift at the hardest landing, "bounces" the impacts a
                       turn, a tenth as hard or harder, within a hundredth of the lift
-    tolerance.csv     with --tolerance the KEYs, first_detachment_rpm, and of each spring of
-                      --hold-to the speed it holds to: the corners of the tolerances, then machines
-                      in between, all equally likely (detach.machines of them)
+    tolerance.csv     with --tolerance the KEYs, table_error (of a measured cam, in bounds on its
+                      error), first_detachment_rpm, and of each spring of --hold-to the speed it
+                      holds to: the corners of the tolerances, then machines in between, all
+                      equally likely (detach.machines of them)
     report.pdf        with --report a page: machine, verdict, forces, loft, landing, springs
     detach.png        impacts with accumulation curve and corner hits; the contact force
 

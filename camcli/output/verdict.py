@@ -110,6 +110,7 @@ def _tolerances(result: Any) -> Iterator[str]:
     if found is None:
         return
     off = ", ".join(f"{t.key} {t.percent:g} %" for t in result.scene.detach.tolerance)
+    off += ", the error of the table" if result.scene.cam.kind == "table" else ""
     yield (
         f"Within the tolerances ({off}) contact holds up to {found['median_rpm']:.4g} rpm of the "
         f"cam in half of the machines, up to {found['worst_rpm']:.4g} in the worst"

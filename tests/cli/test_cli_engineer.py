@@ -106,10 +106,21 @@ def test_a_wrong_unit_or_sign_is_doubted(cam, begun, sets, said):
 
 
 def test_a_spring_of_hold_to_holds_the_cam_that_was_measured(cam, begun):
-    """The table is rounded; with its true law the springs hold as well."""
+    """The table is rounded; with its true law and any error in its bound they hold as well."""
     short = ("--no-plot", "--points", "2", "--set", "detach.settle=0", "--hold-to", "5000")
-    assert cam("detach", "-c", "lobe.yaml", *short).returncode == 0
-    springs = json.loads((begun / "out/detach/run.json").read_text())["result"]["hold"]
+    little = ("--tolerance", "follower.mass=1e-6%", "--set", "detach.machines=5")
+    done = cam("detach", "-c", "lobe.yaml", *short, *little)
+    assert "(follower.mass 1e-06 %, the error of the table)" in done.stdout
+    record = json.loads((begun / "out/detach/run.json").read_text())
+    rows = np.genfromtxt(begun / "out/detach/tolerance.csv", delimiter=",", names=True)
+    assert rows["table_error"][:4].tolist() == [-1.0, 1.0, -1.0, 1.0]
+    ends = record["error"]["lift_table"]["first_detachment_rpm"]
+    lost = rows["first_detachment_rpm"]
+    assert [min(lost), max(lost)] == pytest.approx(ends, rel=1e-7)
+    assert max(lost[4:]) - min(lost[4:]) > 0.2 * (ends[1] - ends[0])
+    springs = record["result"]["hold"]
+    chances = record["result"]["tolerance"]["springs"].values()
+    assert [spring["chance"] for spring in chances] == [1.0, 1.0, 1.0]
     exact = begun / "exact"
     exact.mkdir()
     law = scene(exact, table(Lobe(smooth), 0.5, decimals=12)).cam.parts()

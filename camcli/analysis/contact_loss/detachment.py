@@ -174,20 +174,12 @@ def _always(force: Force, losses: Sequence[Loss]) -> tuple[AlwaysLost, ...]:
     return (*kinks, AlwaysLost(Reason.FORCE, theta * DEG, weakest))
 
 
-def first_loss(force: Force) -> float:
-    """The rpm at which contact is first lost; 0 at standstill, inf never."""
-    return force.lowest(lambda i, x: force.lost(i, x)[0])[0] * RPM
+def first_loss(system: System, errors: Sequence[float] = (0.0,), share: float = 0.0) -> float:
+    """The rpm at which contact is first lost; 0 at standstill, inf never.
 
-
-def first_loss_range(system: System, bounds: Sequence[float]) -> tuple[float, float]:
-    """(lowest, highest) rpm of the first detachment of a cam that is measured; inf: never.
-
-    `bounds` are bounds on the error of c_thetatheta, m/rad2, of equal shares of the turn.
+    errors: bounds on the error of a measured c_thetatheta, m/rad2, in equal parts of the turn;
+    share: by how much of them it is off, from -1, lost soonest, to 1.
     """
-
-    def first(sign: float) -> float:
-        last = len(bounds) - 1
-        error = lambda x: sign * bounds[min(int(x / TURN * (last + 1)), last)]  # noqa: E731
-        return first_loss(Force(system, error))
-
-    return first(-1.0), first(1.0)
+    last = len(errors) - 1
+    force = Force(system, lambda x: share * errors[min(int(x / TURN * (last + 1)), last)])
+    return force.lowest(lambda i, x: force.lost(i, x)[0])[0] * RPM
