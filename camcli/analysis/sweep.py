@@ -81,6 +81,14 @@ class Sweep:
     bare: Sequence[Speed] = ()  # without their sections, which may be on disk
 
     @property
+    def ways(self) -> list[tuple[str, ...]]:
+        """(up,) or (down,) for each speed, () where the state is not carried both ways."""
+        if self.direction != BOTH:
+            return [()] * len(self.speeds)
+        n = len(self.speeds) // (2 * (1 + len(self.also)))
+        return ([(UP,)] * n + [(DOWN,)] * n) * (1 + len(self.also))
+
+    @property
     def troubled(self) -> list[Speed]:
         """Speeds whose status is not ok, without their sections."""
         return [speed for speed in self.bare if speed.status != Status.OK]

@@ -86,7 +86,8 @@ def sweep(
         (lift above the lowest there), shut_bounces_per_turn (impacts, a tenth as hard or harder,
         where the cam is within a hundredth of its lift above the lowest); NaN where they do not
         apply; holds_for as in ``classify``.
-        The first column bears the key of what is varied, rpm for the speed.
+        The first column bears the key of what is varied, rpm for the speed; where the state is
+        carried both ways the last one, direction, says up or down.
         With ``sweep.explain`` also ``corners``, the corner impacts behind the changes.
         ``sweep.sections`` and ``sweep.tables`` leave out what is not wanted.
 
@@ -288,12 +289,16 @@ def _result(
 ) -> Result:
     scene, section = machine.scene, machine.scene.sweep
     cost, summary, cut = found.cost, _summary(found), []
+    way = ("direction",) if found.direction == BOTH else ()
     tables: dict[str, Table] = {
-        name: Table((found.key, *columns), partial(blocks, found, name))
+        name: Table((found.key, *columns, *way), partial(blocks, found, name))
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
         if name in section.sections and section.tables != "none"
     }
-    tables["speeds"] = Table.of_rows((found.key, *SPEEDS), lambda: map(speed_row, found.bare))
+    tables["speeds"] = Table.of_rows(
+        (found.key, *SPEEDS, *way),
+        lambda: ((*speed_row(a), *b) for a, b in zip(found.bare, found.ways, strict=True)),
+    )
     if explanation is not None:
         from camcli.api.classify import corners_table
         from camcli.output.explanations import explained
@@ -341,10 +346,10 @@ def _unknown(found: Sweep) -> list[str]:
 
 def blocks(found: Sweep, section: str) -> Iterator[Block]:
     """The rows of the table of a section."""
-    for speed in found.speeds:
+    for speed, way in zip(found.speeds, found.ways, strict=True):
         columns = getattr(speed, section)
         if len(columns[0]):
-            yield speed.value, *columns
+            yield speed.value, *columns, *way
 
 
 def speed_row(speed: Speed) -> tuple:
@@ -359,15 +364,19 @@ def _summary(found: Sweep) -> dict[str, Any]:
         "holds_for": Counter(filter(None, (speed.holds_for for speed in found.bare))),
         "ranges": [
             {"label": label, "status": status, "from_rpm": a.value, "to_rpm": b.value, "speeds": n}
-            for label, status, a, b, n in ranges(found)
+            | ({"direction": way[0]} if way else {})
+            for label, status, way, a, b, n in ranges(found)
         ],
     }
 
 
-def ranges(found: Sweep) -> list[tuple[str, str, Speed, Speed, int]]:
-    """(label, status, first, last, count) of consecutive speeds of one label and status."""
+def ranges(found: Sweep) -> list[tuple[str, str, tuple[str, ...], Speed, Speed, int]]:
+    """(label, status, way, first, last, count) of consecutive speeds alike in the first three."""
     groups = []
-    for (label, status), members in groupby(found.bare, lambda s: (s.label, status_name(s.status))):
-        same = list(members)
-        groups.append((label, status, same[0], same[-1], len(same)))
+    for (label, status, way), members in groupby(
+        zip(found.bare, found.ways, strict=True),
+        lambda pair: (pair[0].label, status_name(pair[0].status), pair[1]),
+    ):
+        same = [speed for speed, _ in members]
+        groups.append((label, status, way, same[0], same[-1], len(same)))
     return groups

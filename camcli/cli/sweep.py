@@ -70,7 +70,7 @@ def sweep(
     --zoom LO:HI gives a part of the range 201 values of its own (sweep.zoom: num) and a panel; it
     may be given again.
     sweep.also: [{q: 0.5, v: 30}] starts each speed from there too, for motions side by side.
-    --both carries it up, then down: the rows of the way down come after those of the way up.
+    --both carries it up, then down: a last column of all tables, direction, tells up from down.
     --adaptive adds values where the motion changes, down to the width of a column of the picture.
     --branches FILE draws solved branches over the points, stable solid and unstable dashed.
     --lyapunov fills lyapunov_per_period: the largest exponent, -inf where the follower rests; a
@@ -111,12 +111,12 @@ def show(result: Result) -> None:
         return
     groups = ranges(found)
     rows = [
-        [label, motion(label), f"{a.value:.10g}", f"{b.value:.10g}", str(n), status]
-        for label, status, a, b, n in groups
+        [label, motion(label), f"{a.value:.10g}", f"{b.value:.10g}", *way, str(n), status]
+        for label, status, way, a, b, n in groups
     ]
     what = "speed" if found.key == "rpm" else "value"
     title = f"{plural(len(found.speeds), what)}, {plural(len(groups), 'range')} of one label"
-    ends = [f"from ({found.key})", f"to ({found.key})"]
+    ends = [f"from ({found.key})", f"to ({found.key})", *["direction"] * len(found.ways[0])]
     table(title, ["label", "motion", *ends, f"{what}s", "status"], rows, "speeds.csv")
     if explanation is not None:
         show_explanation(explanation)

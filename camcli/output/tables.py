@@ -96,6 +96,9 @@ class Table:
             for k, name in enumerate(self.columns):
                 first = next((_spread(block, k) for block in self.blocks()), ())
                 kind = np.dtype("<i8" if np.asarray(first).dtype.kind == "i" else "<f8")
+                if np.asarray(first).dtype.kind == "U":
+                    texts = (text for block in self.blocks() for text in set(_spread(block, k)))
+                    kind = np.dtype(f"<U{max(map(len, texts))}")
                 header = {"descr": kind.str, "fortran_order": False, "shape": (count,)}
                 with archive.open(ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
                     np.lib.format.write_array_header_1_0(member, header)

@@ -3,6 +3,7 @@
 import csv
 import json
 
+import numpy as np
 import pytest
 
 from camcli import load_scene, sweep
@@ -129,6 +130,23 @@ def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
         refused = cam("sweep", "--rpm", "739:740", "--zoom", part)
         assert refused.returncode == 2
         assert said in refused.stderr
+
+
+def test_the_ways_up_and_down_are_told_apart(cam, tmp_path):
+    """At 680 rpm chaos from rest, and P(1;1) where the state is carried down."""
+    done = cam("sweep", "--rpm", "680:700", "--points", "2", "--both", *SMALL, "--no-plot",
+               "--set", "sweep.tables=npz")  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    ways = [("680.0", "aperiodic", "up"), ("700.0", "P(1;1)", "up"),
+            ("700.0", "P(1;1)", "down"), ("680.0", "P(1;1)", "down")]  # fmt: skip
+    speeds = rows(tmp_path / "out/sweep/speeds.csv")
+    assert [(row["rpm"], row["label"], row["direction"]) for row in speeds] == ways
+    ranges = json.loads((tmp_path / "out/sweep/run.json").read_text())["result"]["ranges"]
+    assert [(row["direction"], row["speeds"]) for row in ranges] == [
+        ("up", 1), ("up", 1), ("down", 2)
+    ]  # fmt: skip
+    strobe = np.load(tmp_path / "out/sweep/strobe.npz")["direction"]
+    assert strobe.tolist() == ["up"] * 60 + ["down"] * 60
 
 
 def test_motions_from_further_starts_come_after_those_of_the_first(cam, tmp_path):
