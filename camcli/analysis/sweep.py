@@ -81,7 +81,7 @@ class Sweep:
     bare: Sequence[Speed] = ()  # without their sections, which may be on disk
 
     @property
-    def ways(self) -> list[tuple[str, ...]]:
+    def ways(self) -> Sequence[tuple[str, ...]]:
         """(up,) or (down,) for each speed, () where the state is not carried both ways."""
         if self.direction != BOTH:
             return [()] * len(self.speeds)

@@ -105,6 +105,7 @@ def _axis(machine: Machine, key: str, percent: float) -> Axis:
         value = reduce(lambda at, name: at[name], key.split("."), resolved(machine.scene))
     except (LookupError, TypeError):
         value = None
+        Varied(machine, [Axis(key=key, start=1.0, stop=1.0)], "--tolerance")  # the nearest name
     named = key.partition(".")[0] in ("follower", "cam")
     if not named or isinstance(value, bool) or not isinstance(value, int | float) or value == 0:
         expected = "expected a number of follower or cam that is not zero"

@@ -161,7 +161,7 @@ def _lines(speed: Basins, question: Question) -> list[str]:
 
 
 def _show_range(found: Study, key: str) -> None:
-    from camcli.cli.report import table
+    from camcli.cli.report import at_speed, table
 
     rows = []
     for speed in found.speeds:
@@ -172,6 +172,7 @@ def _show_range(found: Study, key: str) -> None:
         ]
         rows.append([f"{speed.value:.10g}", ", ".join(words), str(speed.undecided)])
     title = f"{len(rows)} {'speeds' if key == 'rpm' else 'values'}"
+    title += at_speed([key], found.speeds[0].rpm)
     columns = [key, "attractors and their fractions", "undecided cells"]
     table(title, columns, rows, "attractors.csv")
 

@@ -75,6 +75,11 @@ def classify(
     idle = seed is not None and starts is None
     refuse_idle((idle, "--seed", "without --starts", "add --starts N"))
     if trace is not None or det is not None:
+        names = "-c", "--set", "--rpm", "-o", "--vary", "--starts", "--explain"
+        values = request.config, request.sets, request.rpm, request.out, vary, starts, explain
+        said = "with --trace", "leave it out: no machine, no files"
+        beside = zip(names, values, strict=True)
+        refuse_idle(*((x not in (None, False), name, *said) for name, x in beside))
         return _border_collision(request, trace, det)
     values = ranges(request, "classify", vary)
     values |= given("classify", starts=starts, seed=seed, explain=explain)
@@ -84,12 +89,13 @@ def classify(
 def show(result: Result) -> None:
     """Print ranges of one label, the explanation, and the check."""
     from camcli.api.classify import remarks
-    from camcli.cli.report import plural, table
+    from camcli.cli.report import at_speed, plural, table
 
     (motions, explanation), key = result.values, result.scene.classify.key
     alike = groupby(motions, lambda m: (m.label, m.status))
     rows = [_range_row(list(group)) for _, group in alike]
-    title = f"{plural(len(motions), 'motion')}, {plural(len(rows), 'range')} of one label"
+    title = plural(len(motions), "motion") + at_speed([key], motions[0].rpm)
+    title += f", {plural(len(rows), 'range')} of one label"
     columns = f"label, from ({key}), to ({key}), impacts, chatter, exponent, transient".split(", ")
     table(title, columns, rows, "classify.csv")
     if explanation is not None:

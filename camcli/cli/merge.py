@@ -103,7 +103,7 @@ def _record(paths: Sequence[Path]) -> Record:
         absent = (n for n in range(1, total + 1) if n not in numbers[total])
         names = ", ".join(map(str, islice(absent, SHOWN)))
         more = ", ..." if lacking[total] > SHOWN else ""
-        found = f"found {len(numbers[total])} of {total} parts, {names}{more} missing"
+        found = f"found {len(numbers[total])} of {total} parts, not there: {names}{more}"
         raise _refusal("", found, "run --shard of those too", "expected all")
     return record
 

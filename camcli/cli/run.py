@@ -97,8 +97,8 @@ def points_of(request: Request, axes: int = 1) -> Sequence[int | None]:
     words = request.points.split(",")
     readable = all(word.strip().isdecimal() and len(word) <= MOST_DIGITS for word in words)
     if len(words) not in (1, axes) or not readable:
-        expected = "expected a whole number" + (", or N,M" if axes == 2 else "")
-        cure = "give one number for each that is varied"
+        expected = "expected a whole number above 0" + (", or N,M" if axes == 2 else "")
+        cure = "give one number for each that is varied" if readable else "e.g. --points 41"
         raise SceneError(Fault("--points", "", f"found '{shown(request.points)}'", expected, cure))
     return [int(word) for word in words] * (axes // len(words))
 
@@ -127,7 +127,7 @@ def run(
 
     scene = load_scene(request.config, request.sets or (), values | request.form())
     if not request.quiet:
-        _tell(scene)
+        _tell(scene, request.config)
     if is_open(scene, command):
         machine = machine_of(scene)
         scene = machine.scene
@@ -290,10 +290,16 @@ def shard_of(text: str | None) -> Shard | None:
     raise SceneError(Fault("--shard", "", f"found '{text}'", expected, "e.g. 3/16"))
 
 
-def _tell(scene: Scene) -> None:
+def _tell(scene: Scene, config: Path | None) -> None:
     """What a user should know before anything is computed."""
     from camcli.output.verdict import doubts
 
+    if config is not None and config.is_file():
+        lines = config.read_text(errors="replace").splitlines()
+        left = [str(n) for n, line in enumerate(lines, 1) if "FILL IN" in line.partition("#")[2]]
+        if left:
+            where = f"{config}: line{'s' * (len(left) > 1)} {', '.join(left)}"
+            note(f"note: {where}: FILL IN: numbers that cam init made up; put yours there")
     for text in doubts(scene):
         note(text)
     if scene.cam.kind == "table":

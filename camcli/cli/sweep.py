@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
@@ -67,8 +68,8 @@ def sweep(
     cam orbits --curve over it.
     In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the
     state from speed to speed in that order; fixed starts every speed alike.
-    --zoom LO:HI gives a part of the range 201 values of its own (sweep.zoom: num) and a panel; it
-    may be given again.
+    --zoom LO:HI gives a part of the range values of its own, 201 or M of --points N,M, and a panel;
+    it may be given again.
     sweep.also: [{q: 0.5, v: 30}] starts each speed from there too, for motions side by side.
     --both carries it up, then down: a last column of all tables, direction, tells up from down.
     --adaptive adds values where the motion changes, down to the width of a column of the picture.
@@ -85,9 +86,15 @@ def sweep(
     with --decide, some seconds a point); where that fails it is undecided and grey.
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
     """
-    from camcli.cli.run import ranges, run, span_of
+    from camcli.cli.run import points_of, ranges, run, span_of
 
-    zooms = [span_of(text, "--zoom", "LO:HI", "739.2:739.5") for text in zoom or ()]
+    zooms: list[dict[str, Any]] = [
+        {**span_of(text, "--zoom", "LO:HI", "739.2:739.5")} for text in zoom or ()
+    ]
+    if zooms and "," in (request.points or ""):
+        points, own = points_of(request, 2)
+        request = replace(request, points=str(points))
+        zooms = [{**part, "num": own} for part in zooms]
     values = ranges(request, "sweep", vary, most=2)
     values |= given("sweep", zoom=zooms or None, lyapunov=lyapunov, explain=explain)
     values |= given("sweep", "--both", direction="both" if both else None)
@@ -99,7 +106,7 @@ def show(result: Result) -> None:
     """Print the ranges of one label, and the explanation if there is one."""
     from camcli.api.sweep import ranges
     from camcli.cli.classify import show_explanation
-    from camcli.cli.report import plural, table
+    from camcli.cli.report import at_speed, plural, table
     from camcli.output.verdict import motion
 
     found, explanation = result.values
@@ -107,6 +114,7 @@ def show(result: Result) -> None:
         counted = sorted(result.summary["labels"], key=lambda row: -row["points"])
         rows = [[row["label"], str(row["points"]), row["status"]] for row in counted]
         title = f"{' x '.join(found.keys)}: {sum(row['points'] for row in counted)} points"
+        title += at_speed(found.keys, found.lines[0][0].rpm)
         table(title, ["label", "points", "status"], rows, "run.json")
         return
     groups = ranges(found)
@@ -115,7 +123,8 @@ def show(result: Result) -> None:
         for label, status, way, a, b, n in groups
     ]
     what = "speed" if found.key == "rpm" else "value"
-    title = f"{plural(len(found.speeds), what)}, {plural(len(groups), 'range')} of one label"
+    title = plural(len(found.speeds), what) + at_speed([found.key], found.bare[0].rpm)
+    title += f", {plural(len(groups), 'range')} of one label"
     ends = [f"from ({found.key})", f"to ({found.key})", *["direction"] * len(found.ways[0])]
     table(title, ["label", "motion", *ends, f"{what}s", "status"], rows, "speeds.csv")
     if explanation is not None:

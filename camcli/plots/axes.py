@@ -56,10 +56,13 @@ def axis_name(key: str) -> str:
     return key if unit is None else f"{name} ({unit or '-'})"
 
 
-def valued(key: str, value: str) -> str:
-    """A value of what is varied: 700 rpm, coefficient of restitution 0.8."""
+def valued(key: str, value: str, rpm: float | None = None) -> str:
+    """A value of what is varied: 700 rpm, coefficient of restitution 0.8 (at 700 rpm)."""
     name, unit = _named(key)
-    return f"{value} rpm" if unit == "rpm" else f"{name} {value} {unit or ''}".rstrip()
+    if unit == "rpm":
+        return f"{value} rpm"
+    beside = "" if rpm is None else f" at {style.number(rpm)} rpm"
+    return f"{name} {value} {unit or ''}".rstrip() + beside
 
 
 def one_of(key: str) -> str:

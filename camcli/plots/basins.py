@@ -67,7 +67,7 @@ def _windows(study: Study, system: System, key: str) -> Picture:
         height = 120.0 if len(grids) == 1 else 66.0
         panels[f"basins{named}"] = Panel(draw, height, across=len(grids), y=shared)
     ends = dict.fromkeys(style.number(grids[k].value) for k in (0, -1))
-    title = f"Basins of attraction, {valued(key, ' to '.join(ends))}"
+    title = f"Basins of attraction, {valued(key, ' to '.join(ends), grids[0].rpm)}"
     lists = [_attractor_rows(grids, labels, colours, key), *_saddle_rows(grids)]
     return Picture(title, panels, _words(grids, system), lists=lists)
 
@@ -218,7 +218,7 @@ def _range(study: Study, question: Question, key: str) -> Picture:
         "fractions": Panel(partial(_draw_stack, **more), 70.0, key),
         "attractors": Panel(partial(_draw_states, **more), 52.0, key),
     }
-    title = f"Basin fractions, {valued(key, ' to '.join(ends))}"
+    title = f"Basin fractions, {valued(key, ' to '.join(ends), study.speeds[0].rpm)}"
     return Picture(title, panels, words, lists=[head + rows[:half], head + rows[half:]])
 
 

@@ -65,7 +65,7 @@ class _Scene:
     def speeds(self) -> str:
         """Their range."""
         ends = dict.fromkeys(style.number(self.motions[k].value) for k in (0, -1))
-        return valued(self.key, " to ".join(ends))
+        return valued(self.key, " to ".join(ends), self.motions[0].rpm)
 
 
 def draw_classify(

@@ -151,7 +151,7 @@ def draw_sweep(
     if not panels:
         many = {"speeds": Panel(lambda axes: say(axes, "nothing was recorded"), 30.0)}
     words = _words(survey, _started(sweep, settings), sweep.key)
-    return Picture(_title(survey, sweep.key), many, words, lists=event_lists(found))
+    return Picture(_title(survey, sweep), many, words, lists=event_lists(found))
 
 
 def _draw_branch(axes: Axes, branch: Any, columns: Sequence[Sequence[float]]) -> None:
@@ -179,11 +179,11 @@ def _draw_exponents(survey: Survey, name: str, axes: Axes) -> None:
     axes.set(xlim=(columns.low, columns.high), xlabel=name, ylabel="exponent (1/turn)")
 
 
-def _title(survey: Survey, key: str) -> str:
+def _title(survey: Survey, sweep: Sweep) -> str:
     if not len(survey.values):
         return "Bifurcation diagram"
     ends = dict.fromkeys(style.number(end) for end in (survey.values.min(), survey.values.max()))
-    return f"Bifurcation diagram, {valued(key, ' to '.join(ends))}"
+    return f"Bifurcation diagram, {valued(sweep.key, ' to '.join(ends), sweep.speeds[0].rpm)}"
 
 
 def _started(sweep: Sweep, settings: Settings) -> str:

@@ -64,6 +64,8 @@ def draw_map(found: Map, curves: Sequence[Curve] = ()) -> Picture:
         for key, values in zip(found.keys, (found.first, found.second), strict=True)
     ]
     words = f"{len(found.first)} x {len(found.second)} points"
+    if "rpm" not in found.keys:
+        words += f" at {style.number(found.lines[0][0].rpm)} rpm"
     if found.direction != FIXED:
         words += f", the state carried {found.direction} along {found.keys[0]}"
     return Picture(f"Map of motions, {', '.join(ends)}", panels, words)

@@ -11,7 +11,16 @@ from __future__ import annotations
 import shlex
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from camcli.cams import AnyCam
 from camcli.errors import Fault, SceneError
@@ -312,18 +321,21 @@ class Sweep(Varying):
     lyapunov: Flag = Field(False, description="measure the largest exponent at each speed")
     explain: Flag = Field(False, description="find the cause of every change (direction: fixed)")
 
-    @model_validator(mode="after")
-    def _zooms_inside(self) -> Sweep:
-        axis = self.vary[0] if self.vary else self.rpm
+    @field_validator("zoom")
+    @classmethod
+    def _zooms_inside(cls, zoom: Zooms, info: ValidationInfo) -> Zooms:
+        vary, rpm = (info.data.get(name) for name in ("vary", "rpm"))
+        if vary is None or rpm is None:  # a fault of its own
+            return zoom
+        axis = vary[0] if vary else rpm
         low, high = sorted((axis.start, axis.stop))
-        for part in self.zoom:
-            if len(self.vary) == 2 or not low <= min(part.start, part.stop) < max(
-                part.start, part.stop
-            ) <= high:  # fmt: skip
+        for part in zoom:
+            first, last = sorted((part.start, part.stop))
+            if len(vary) == 2 or not low <= first < last <= high:
                 found = f"found a zoom from {part.start:.15g} to {part.stop:.15g}"
                 expected = f"expected two ends within {low:.15g} to {high:.15g}, and no map"
                 raise refused(found, expected, "choose another part, or leave it out")
-        return self
+        return zoom
 
 
 class Tolerance(Section):

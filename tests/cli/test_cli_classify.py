@@ -128,6 +128,7 @@ def test_the_calculator(cam):
     [
         (["--trace", "1,2"], "expected both --trace and --det"),
         (["--trace", "1", "--det", "1,2"], "expected two numbers L,R"),
+        (["--trace", "1,2", "--det", "1,2", "-o", "a"], "-o: found it with --trace"),
         (["--trace", "1,nan", "--det", "1,2"], "expected two numbers L,R"),
         (["--rpm", "700", "--explain"], "expected a range"),
         (["--starts", "-3"], "classify.starts"),

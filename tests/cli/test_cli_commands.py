@@ -197,11 +197,11 @@ def test_other_commands_vary_any_number_too(cam, tmp_path, command, words, table
         "--rpm",
         "690",
         "--no-plot",
-        "-q",
     )
     key = "cam.nose_radius"
     done = cam(command, "--vary", f"{key}=0.12:0.15", "--points", "2", *words, "-o", "both")
     assert done.returncode == 0, done.stderr
+    assert " at 690 rpm" in done.stdout
     cam(command, "--set", f"{key}=0.12", *words, "-o", "one")
     found, alone = (rows(tmp_path / name / table) for name in ("both", "one"))
     assert next(iter(found[0])) == key

@@ -126,6 +126,10 @@ def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
                               "run.transient": 50, "run.record": 5})  # fmt: skip
     panels = sweep(scene).pictures["sweep"]().panels
     assert [name for name in panels if "zoom" in name] == ["impacts zoom 1", "strobe zoom 1"]
+    both = ("--rpm", "739:740", "--zoom", "739.2:739.3", "--points", "3,2")
+    cam("sweep", *both, *SMALL, "--no-plot")
+    speeds = [row["rpm"] for row in rows(tmp_path / "out/sweep/speeds.csv")]
+    assert speeds == ["739.0", "739.2", "739.3", "739.5", "740.0"]
     for part, said in (("738:739.5", "within 739 to 740"), ("x", "--zoom")):
         refused = cam("sweep", "--rpm", "739:740", "--zoom", part)
         assert refused.returncode == 2

@@ -82,7 +82,7 @@ def test_what_is_missing_torn_or_of_another_run(cam, tmp_path):
     second = parts / "sweep-2-of-3.pieces"
     whole = second.read_bytes()
     second.unlink()
-    refused(cam("merge", "parts"), "2 of 3 parts, 2 missing")
+    refused(cam("merge", "parts"), "2 of 3 parts, not there: 2")
     cam(*SWEEP, "--set", "run.record=11", "--shard", "2/3", "-o", "parts")
     refused(cam("merge", "parts"), "other work", "another scene")
     second.write_bytes(whole[:-3])
