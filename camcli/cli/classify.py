@@ -76,9 +76,9 @@ def classify(
     refuse_idle((idle, "--seed", "without --starts", "add --starts N"))
     if trace is not None or det is not None:
         names = "-c", "--set", "--rpm", "-o", "--vary", "--starts", "--explain"
-        values = request.config, request.sets, request.rpm, request.out, vary, starts, explain
+        given_too = request.config, request.sets, request.rpm, request.out, vary, starts, explain
         said = "with --trace", "leave it out: no machine, no files"
-        beside = zip(names, values, strict=True)
+        beside = zip(names, given_too, strict=True)
         refuse_idle(*((x not in (None, False), name, *said) for name, x in beside))
         return _border_collision(request, trace, det)
     values = ranges(request, "classify", vary)

@@ -183,7 +183,8 @@ def _title(survey: Survey, sweep: Sweep) -> str:
     if not len(survey.values):
         return "Bifurcation diagram"
     ends = dict.fromkeys(style.number(end) for end in (survey.values.min(), survey.values.max()))
-    return f"Bifurcation diagram, {valued(sweep.key, ' to '.join(ends), sweep.speeds[0].rpm)}"
+    rpm = sweep.bare[0].rpm if sweep.bare else None
+    return f"Bifurcation diagram, {valued(sweep.key, ' to '.join(ends), rpm)}"
 
 
 def _started(sweep: Sweep, settings: Settings) -> str:
