@@ -19,7 +19,6 @@ from camcli.system import omega_of
 if TYPE_CHECKING:
     from camcli.analysis.cam_profile import Profile
     from camcli.analysis.simulate import Simulation
-    from camcli.plots.cam_profile import Drawn
 
 TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "contact")
 EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
@@ -184,10 +183,14 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
             yield theta, c, c1, c2, spring + omega * (f.damping * c1 + f.mass * (omega * c2))
 
     def draw():
-        from camcli.plots.cam_profile import draw_profiles
+        from camcli.plots.cam_profile import Drawn, draw_profiles
+        from camcli.plots.mechanism import Outline
 
-        drawn = zip(results, machines, bases, strict=True)
-        return draw_profiles([_drawn(one, own, base) for one, own, base in drawn])
+        cams = [one.scene.cam for one in machines]
+        rows = zip(results, machines, bases, cams, strict=True)
+        return draw_profiles(
+            [Drawn(one, Outline.of(own.system, base, cam), cam) for one, own, base, cam in rows]
+        )
 
     notes = []
     if result.curvature.undercut:
@@ -214,22 +217,6 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
         notes=tuple(notes),
         options={key: value for key, value in options.items() if value is not None},
     )
-
-
-def _drawn(result: Profile, machine: Machine, base: float | None) -> Drawn:
-    """What is drawn of a cam: a measured one with its rows."""
-    from camcli.plots.cam_profile import Drawn, Measured
-    from camcli.plots.mechanism import Outline
-
-    cam, measured = machine.scene.cam, None
-    if cam.kind == "table":
-        turn, words = cam.measured, f"error below {cam.accuracy.bound:.2g} m/rad²"
-        own = [k for k, line in enumerate(turn.line) if line]
-        lift = [cam.base + turn.lift[k] for k in own]
-        measured = Measured([turn.theta[k] for k in own], lift, cam.errors.bounds, words)
-    law = getattr(getattr(cam, "rise", None), "law", cam.kind)
-    name = law if isinstance(law, str) else cam.kind
-    return Drawn(result, Outline.of(machine.system, base, cam), measured, name)
 
 
 def _profile_summary(result) -> dict[str, Any]:

@@ -14,12 +14,15 @@ from dataclasses import dataclass, field, replace
 from decimal import Decimal, localcontext
 from math import gcd, sqrt
 from statistics import median_low
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from camcli.cams.files import decoded, refused
 from camcli.errors import Fault, SceneError
+
+if TYPE_CHECKING:
+    from camcli.cams.lift_table import TableCam
 
 MAX_ROWS = 40_000  # every 0.01 deg of the cam, and some; read within a second
 MAX_LINES = 2 * MAX_ROWS  # with comments
@@ -36,24 +39,9 @@ BACKGROUND = 8.0  # times the median deviation, likewise
 PATTERN = 0.1  # deviation from the pattern of one wrong row, relative
 DEG = 57.29577951308232
 
+UNITS = {"m": 1.0, "mm": 1e-3, "inch": 0.0254}
 UNIT_WORDS = {r"\bmm\b|millim": "mm", r"\bin\b|inch|zoll|\"": "inch", r"\bm\b|met(er|re)": "m"}
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
-
-
-@dataclass(frozen=True)
-class Reading:
-    """How the scene says the table is to be read: m per unit of lift, deg per unit of angle."""
-
-    angle_column: int | str  # number from 1, or name
-    lift_column: int | str
-    header: int  # lines; the first names the columns
-    lift_unit: float
-    unit: str  # as the scene names it
-    angle_unit: Decimal  # 1 for cam degrees, 1/2 for crank degrees
-    zero_deg: float
-    reversed: bool
-    decimal: str = "point"  # or comma
-    skip_lines: int = 0  # of the file, before the header
 
 
 class Dwell(NamedTuple):
@@ -90,9 +78,9 @@ class Turn:
         return value, weights
 
 
-def read_turn(data: bytes, name: str, reading: Reading) -> Turn:
+def read_turn(data: bytes, name: str, cam: TableCam) -> Turn:
     """The turn of a table's bytes; raises SceneError with every fault and its line."""
-    turn = _one_turn(_rows(decoded(data, name, "file", table=True), name, reading), reading)
+    turn = _one_turn(_rows(decoded(data, name, "file", table=True), name, cam), cam)
     _refuse_spikes(turn, name)
     return turn
 
@@ -136,25 +124,25 @@ def _raise(faults: Iterable[Fault]) -> None:
         )
 
 
-def _rows(text: str, name: str, reading: Reading) -> _Rows:
+def _rows(text: str, name: str, cam: TableCam) -> _Rows:
     """The cells of the angle and the lift, row by row."""
-    lines = text_lines(text, name, reading.skip_lines)
+    lines = text_lines(text, name, cam.skip_lines)
     if not lines:
         found = "found no rows" if text else "found nothing"
         cure = "is this the right file?"
         raise refused(name, "file", found, "expected rows of angle and lift", cure)
-    head, body = lines[: reading.header], lines[reading.header :]
+    head, body = lines[: cam.header], lines[cam.header :]
     if len(body) > MAX_ROWS:
         found, expected = f"found {len(body)} rows", f"expected at most {MAX_ROWS}"
         raise refused(name, "file", found, expected, "thin the table out")
-    split = splitter((body or head)[0][1], reading.decimal)
+    split = splitter((body or head)[0][1], cam.decimal)
     titles = [word for _, word in split(head[0][1])] if head else []
-    if titles and all(number(word, reading.decimal) for word in titles):
+    if titles and all(number(word, cam.decimal) for word in titles):
         found, cure = "found a header of numbers", "if it is the first row, write header: false"
         raise refused(f"{name}:{head[0][0]}", "header", found, "", cure)
     width = len(split(body[0][1])) if body else len(titles)
     chosen = [
-        _column(key, getattr(reading, key), titles, width, name)
+        _column(key, getattr(cam, key), titles, width, name)
         for key in ("angle_column", "lift_column")
     ]
     if chosen[0] == chosen[1]:
@@ -162,8 +150,8 @@ def _rows(text: str, name: str, reading: Reading) -> _Rows:
         raise refused(name, "lift_column", found, "expected two columns", "name both")
     title = titles[chosen[1]].lower().replace("_", " ") if titles else ""
     named = {unit for pattern, unit in UNIT_WORDS.items() if re.search(pattern, title)}
-    if named and reading.unit not in {*named, "fraction"}:
-        found = f"found '{reading.unit}', and a lift in '{named.pop()}' in the file's header"
+    if named and cam.lift not in {*named, "fraction"}:
+        found = f"found '{cam.lift}', and a lift in '{named.pop()}' in the file's header"
         where = f"{name}:{head[0][0]}"
         raise refused(where, "lift", found, "expected one unit", "correct either")
     faults: list[Fault] = []
@@ -177,7 +165,7 @@ def _rows(text: str, name: str, reading: Reading) -> _Rows:
             continue
         for k, into in zip(chosen, (rows.angle, rows.lift), strict=True):
             column, word = cells[k]
-            cell = _cell(f"{name}:{line}:{column}", line, word, reading, n == 0)
+            cell = _cell(f"{name}:{line}:{column}", line, word, cam, n == 0)
             if isinstance(cell, Fault):
                 faults.append(cell)
             else:
@@ -187,7 +175,7 @@ def _rows(text: str, name: str, reading: Reading) -> _Rows:
     if 2 * sum(step < 0 for step in steps) > len(steps):
         rows.angle.reverse()
         rows.lift.reverse()
-    turn = 360 / reading.angle_unit
+    turn = 360 / _angle_unit(cam)
     for k, (before, now) in enumerate(itertools.pairwise(rows.angle.copy()), 1):
         if before.value - now.value > turn / 2:  # through zero, once
             rows.angle[k:] = [c._replace(value=c.value + turn) for c in rows.angle[k:]]
@@ -264,10 +252,10 @@ def _column(key: str, chosen: int | str, titles: list[str], width: int, name: st
     raise refused(name, key, found, f"expected one of {names}", "copy the name")
 
 
-def _cell(place: str, line: int, text: str, reading: Reading, first: bool) -> Cell | Fault:
+def _cell(place: str, line: int, text: str, cam: TableCam, first: bool) -> Cell | Fault:
     """The number in a cell, or why there is none."""
     found, expected = f"found '{text[:40]}'" if text else "found an empty cell", "expected a number"
-    plain = number(text, reading.decimal)
+    plain = number(text, cam.decimal)
     if plain:
         cell, found = Cell(place, line, plain, Decimal(plain)), f"found {text}"
         if abs(cell.value) > LARGEST or (not cell.value and _decimals(cell) < 0):
@@ -285,12 +273,17 @@ def _cell(place: str, line: int, text: str, reading: Reading, first: bool) -> Ce
     elif text.lower().lstrip("+-") in ("nan", "inf", "infinity"):
         cure = "remove the row or measure it again"
     elif first:
-        lines = reading.header + 1
+        lines = cam.header + 1
         cure = f"if the table has {lines} header lines, write header: {lines}"
         cure = "if this is a header, write header: true" if lines == 1 else cure
     else:
         cure = "correct the cell, remove the row, or begin the line with # if it is a comment"
     return Fault(place, "file", found, expected, cure)
+
+
+def _angle_unit(cam: TableCam) -> Decimal:
+    """Degrees of the cam in one of the table."""
+    return Decimal("0.5") if cam.angle == "crank" else Decimal(1)
 
 
 def _decimals(cell: Cell) -> int:
@@ -301,25 +294,26 @@ def _decimals(cell: Cell) -> int:
 # -- cells to one turn -------------------------------------------------------------------------
 
 
-def _one_turn(rows: _Rows, reading: Reading) -> Turn:
+def _one_turn(rows: _Rows, cam: TableCam) -> Turn:
     """Check angles and cover of the table and lay it on the turn."""
     if len(rows.angle) < LEAST_ROWS:
         found, expected = f"found {len(rows.angle)} rows", f"expected at least {LEAST_ROWS}"
         raise refused(rows.name, "file", found, expected, "measure more rows")
     with localcontext() as context:
         context.prec = 60  # LARGEST with MOST_DECIMALS, and more
-        angles = [cell.value * reading.angle_unit for cell in rows.angle]
+        angles = [cell.value * _angle_unit(cam) for cell in rows.angle]
         _raise(
             _not_ascending(a, b) for a, b in itertools.pairwise(rows.angle) if not b.value > a.value
         )
         last_digit, steps = _quantum(rows.lift)
-        quantum = float(last_digit) * reading.lift_unit
-        lifts = [float(cell.value) * reading.lift_unit for cell in rows.lift]
+        unit = (cam.max_lift or UNITS[cam.lift]) * cam.rocker_ratio
+        quantum = float(last_digit) * unit
+        lifts = [float(cell.value) * unit for cell in rows.lift]
         _check_sizes(rows.lift, lifts, quantum)
         spacing = median_low([b - a for a, b in itertools.pairwise(angles)])
         count, covered = _cover(rows, angles, spacing, steps, lifts)
-        sign = -1 if reading.reversed else 1
-        zero = Decimal(repr(reading.zero_deg))
+        sign = -1 if cam.direction == "reversed" else 1
+        zero = Decimal(repr(cam.zero_deg))
         phases = [float((zero + sign * angle) % 360 + 0) for angle in angles[:count]]
     phases = [x + 360.0 if x < 0.0 else x for x in phases]  # the remainder has the angle's sign
     measured = sorted((phase if phase < 360.0 else 0.0, k) for k, phase in enumerate(phases))

@@ -12,7 +12,6 @@ from __future__ import annotations
 import hashlib
 import os
 from dataclasses import replace
-from decimal import Decimal
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
@@ -33,7 +32,6 @@ if TYPE_CHECKING:
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Column = Annotated[int, Field(strict=True, ge=1)] | Annotated[str, Field(min_length=1)]
 Flag = Annotated[bool, Field(strict=True)]
-UNITS = {"m": 1.0, "mm": 1e-3, "inch": 0.0254}
 MAX_BYTES = 10_000_000
 CHUNK = 8  # pieces of a stretch: its bounds are tighter than those of a whole flank
 
@@ -121,8 +119,10 @@ class TableCam(BaseModel):
             cure = "this is not the file the scene was made for; remove sha256 to use it"
             raise refused(name, "sha256", found, f"expected {self.sha256}", cure)
         object.__setattr__(self, "sha256", digest)  # the scene's hash depends on the file's bytes
+        from camcli.cams.lift_reading import read_turn
+
         try:
-            self._turn = self._read(data, name)
+            self._turn = read_turn(data, name, self)
         except SceneError as error:  # what a file of somebody else holds is not shown
             if not self._outside:
                 raise
@@ -130,24 +130,6 @@ class TableCam(BaseModel):
             first = replace(error.faults[0], found=found, expected="", cure="")
             raise SceneError(first) from None
         return self
-
-    def _read(self, data: bytes, name: str) -> Turn:
-        from camcli.cams.lift_reading import Reading, read_turn
-
-        unit = self.max_lift if self.max_lift is not None else UNITS[self.lift]
-        reading = Reading(
-            angle_column=self.angle_column,
-            lift_column=self.lift_column,
-            header=int(self.header),
-            lift_unit=unit * self.rocker_ratio,
-            unit=self.lift,
-            angle_unit=Decimal("0.5") if self.angle == "crank" else Decimal(1),
-            zero_deg=self.zero_deg,
-            reversed=self.direction == "reversed",
-            decimal=self.decimal,
-            skip_lines=self.skip_lines,
-        )
-        return read_turn(data, name, reading)
 
     @cached_property
     def errors(self) -> Errors:

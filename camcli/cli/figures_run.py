@@ -7,7 +7,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from functools import cache
@@ -294,37 +294,6 @@ def last_seconds(figure: Figure, out: Path) -> float | None:
     return known.seconds if known else None
 
 
-def compute(
-    wanted: Sequence[Figure], out: Path, request: Request, on_done: Callable[[Done], None]
-) -> list[Done]:
-    """Run the figures, as many at a time as there are threads, the longest first.
-
-    Each is marked as finished at once. On an interrupt no more are begun, and those at work end
-    with this process (`interrupts`); their finished pieces stay on disk.
-    """
-    seconds = {f.name: last_seconds(f, out) for f in wanted}
-    ordered = sorted(wanted, key=lambda f: -(seconds[f.name] or 1e9))  # unknown ones come first
-    count = thread_count(request.threads)
-    options = ["--quiet", "--json", "--threads", str(max(1, count // max(1, len(wanted))))]
-    options += [word for text in request.sets or () for word in ("--set", text)]
-
-    def piece(figure: Figure) -> Done:
-        folder = out / figure.name
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / STATE).unlink(missing_ok=True)  # until it is whole again
-        done = _run(figure, [*options, "-o", str(folder)])
-        if done.code in WHOLE:
-            _finish(figure, folder, done)
-        on_done(done)
-        return done
-
-    pool = ThreadPoolExecutor(count)
-    try:
-        return list(pool.map(piece, ordered))
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-
-
 def _run(figure: Figure, options: list[str]) -> Done:
     """Run the command of a figure in a process of its own, which ends with this one."""
     began = perf_counter()
@@ -363,21 +332,44 @@ def _finish(figure: Figure, folder: Path, done: Done) -> None:
         store.commit()
 
 
-def _compute(request: Request, wanted: Sequence[Figure], why, out: Path) -> list[Done]:
-    """Compute, with one bar; where nobody watches, a line for each figure."""
+def _compute(
+    request: Request, wanted: Sequence[Figure], why: Mapping[str, str], out: Path
+) -> list[Done]:
+    """Run the figures, as many at a time as there are threads, the longest first.
+
+    Each is marked as finished at once. On an interrupt no more are begun, and those at work end
+    with this process (`interrupts`); their finished pieces stay on disk. Where nobody watches the
+    bar, each has a line.
+    """
+    seconds = {f.name: last_seconds(f, out) for f in wanted}
+    ordered = sorted(wanted, key=lambda f: -(seconds[f.name] or 1e9))  # unknown ones come first
+    count = thread_count(request.threads)
+    options = ["--quiet", "--json", "--threads", str(max(1, count // max(1, len(wanted))))]
+    options += [word for text in request.sets or () for word in ("--set", text)]
     finished = 0
+
+    def piece(figure: Figure) -> Done:
+        nonlocal finished
+        folder = out / figure.name
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / STATE).unlink(missing_ok=True)  # until it is whole again
+        done = _run(figure, [*options, "-o", str(folder)])
+        if done.code in WHOLE:
+            _finish(figure, folder, done)
+        finished += 1
+        if progress is not None:
+            progress("figures", finished, len(wanted))
+        elif not request.quiet:
+            end = "" if done.code == DONE else f", exit code {done.code}"
+            note(f"{done.name}: {why[done.name]}, {done.seconds:.1f} s{end}")
+        return done
+
     with progress_bar(request.quiet) as progress:
-
-        def on_done(done: Done) -> None:
-            nonlocal finished
-            finished += 1
-            if progress is not None:
-                progress("figures", finished, len(wanted))
-            elif not request.quiet:
-                end = "" if done.code == DONE else f", exit code {done.code}"
-                note(f"{done.name}: {why[done.name]}, {done.seconds:.1f} s{end}")
-
-        done = compute(wanted, out, request, on_done)
+        pool = ThreadPoolExecutor(count)
+        try:
+            done = list(pool.map(piece, ordered))
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
     for each in done:
         for line in (each.notes or [f"exit code {each.code}"]) if each.code != DONE else ():
             note(f"{each.name}: {line}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,23 +19,23 @@ from camcli.plots.picture import Panel, Picture
 
 
 @dataclass(frozen=True)
-class Measured:
-    """A measured table: its rows, and the bound on c_thetatheta in equal shares of the turn."""
-
-    theta_deg: Sequence[float]
-    c: Sequence[float]
-    bounds: Sequence[float]
-    words: str
-
-
-@dataclass(frozen=True)
 class Drawn:
-    """A cam to draw, and its name beside others."""
+    """A cam to draw; `cam` is the scene's, of which a measured one shows its rows."""
 
     profile: Profile
     outline: Outline
-    measured: Measured | None
-    name: str
+    cam: Any
+
+    @property
+    def name(self) -> str:
+        """What it is called beside others: its law or its kind."""
+        law = getattr(getattr(self.cam, "rise", None), "law", None)
+        return law if isinstance(law, str) else self.cam.kind
+
+    @property
+    def measured(self) -> bool:
+        """Whether it is a table."""
+        return self.cam.kind == "table"
 
 
 def draw_profiles(cams: Sequence[Drawn]) -> Picture:
@@ -57,7 +58,7 @@ def draw_profiles(cams: Sequence[Drawn]) -> Picture:
     return Picture(f"Cams side by side: {', '.join(cam.name for cam in cams)}", panels)
 
 
-Draw = Callable[[Axes, Profile, Measured | None], None]
+Draw = Callable[[Axes, Drawn], None]
 
 
 def _panels(cam: Drawn, among: Sequence[Drawn]) -> dict[str, Panel]:
@@ -79,7 +80,7 @@ def _panels(cam: Drawn, among: Sequence[Drawn]) -> dict[str, Panel]:
 
 
 def _draw(axes: Axes, draw: Draw, cam: Drawn, among: Sequence[Drawn]) -> None:
-    draw(axes, cam.profile, cam.measured)
+    draw(axes, cam)
     few = len(cam.profile.corners) <= style.MOST_CORNERS
     turn_axis(axes, cam.profile.corners if few else {}, named=draw is _draw_lift)
     if among and (values := VALUES.get(draw)):
@@ -93,57 +94,61 @@ def _curve(axes: Axes, profile: Profile, values: Sequence[float], colour: str = 
     axes.plot(profile.theta_deg, values, color=colour)
 
 
-def _draw_lift(axes: Axes, profile: Profile, measured: Measured | None) -> None:
-    axes.plot(profile.theta_deg, profile.c, color=style.CAM, label="cam" if measured else None)
+def _draw_lift(axes: Axes, drawn: Drawn) -> None:
+    profile, cam = drawn.profile, drawn.cam
+    axes.plot(
+        profile.theta_deg, profile.c, color=style.CAM, label="cam" if drawn.measured else None
+    )
     axes.set_ylabel("$c$ (m)")
-    if measured is not None:
-        theta, rows = measured.theta_deg, "rows of the table"
-        axes.plot(theta, measured.c, ".", color=style.MEASURED, ms=2.0, zorder=3, label=rows)
+    if drawn.measured:
+        own, rows = cam.measured.line > 0, "rows of the table"
+        theta, c = cam.measured.theta[own], cam.base + cam.measured.lift[own]
+        axes.plot(theta, c, ".", color=style.MEASURED, ms=2.0, zorder=3, label=rows)
 
 
-def _draw_slope(axes: Axes, profile: Profile, _: Measured | None) -> None:
-    _curve(axes, profile, profile.c1)
+def _draw_slope(axes: Axes, drawn: Drawn) -> None:
+    _curve(axes, drawn.profile, drawn.profile.c1)
     axes.set_ylabel("$c_\\theta$ (m/rad)", size=style.WITH_INDEX)
 
 
-def _draw_acceleration(axes: Axes, profile: Profile, measured: Measured | None) -> None:
+def _draw_acceleration(axes: Axes, drawn: Drawn) -> None:
+    profile = drawn.profile
     _curve(axes, profile, profile.c2)
     axes.set_ylabel(r"$c_{\theta\theta}$ (m/rad²)", size=style.WITH_INDEX)
-    if measured is None:
+    if not drawn.measured:
         return
-    axes.set_title(measured.words)
-    count = len(measured.bounds)
-    share = (np.asarray(profile.theta_deg) / 360.0 * count).astype(int)
-    bound = np.asarray(measured.bounds)[np.minimum(share, count - 1)]
-    c2, words = np.asarray(profile.c2), "bound on its error"
-    band = profile.theta_deg, c2 - bound, c2 + bound
+    axes.set_title(f"error below {drawn.cam.accuracy.bound:.2g} m/rad²")
+    bounds = np.asarray(drawn.cam.errors.bounds)  # in equal shares of the turn
+    share = (np.asarray(profile.theta_deg) / 360.0 * len(bounds)).astype(int)
+    bound, c2 = bounds[np.minimum(share, len(bounds) - 1)], np.asarray(profile.c2)
+    band, words = (profile.theta_deg, c2 - bound, c2 + bound), "bound on its error"
     axes.fill_between(*band, color=style.DOUBT, lw=0, label=words, zorder=0.4)
 
 
-def _draw_force(axes: Axes, profile: Profile, _: Measured | None) -> None:
-    force = profile.force
+def _draw_force(axes: Axes, drawn: Drawn) -> None:
+    force = drawn.profile.force
     draw_forces(axes, [force])
     axes.set_title(f"at {style.number(force.rpm)} rpm, least {newtons(force.lowest_n, 4)}")
 
 
-def _draw_flat(axes: Axes, profile: Profile, _: Measured | None) -> None:
+def _draw_flat(axes: Axes, drawn: Drawn) -> None:
     """What a flat face sees of the cam."""
-    bent = profile.curvature
+    bent = drawn.profile.curvature
     colour = style.TROUBLE if bent.undercut else style.CAM
-    _curve(axes, profile, bent.flat, colour)
+    _curve(axes, drawn.profile, bent.flat, colour)
     less = "" if bent.base_radius is not None else "\nless the base radius"
     axes.set_ylabel(f"radius of curvature{less} (m)")
     needs = f"needs a base radius above {bent.least_base_radius:.4g} m"
     axes.set_title(f"flat face{': undercut' * bent.undercut}, {needs}", color=colour)
 
 
-def _draw_knife(axes: Axes, profile: Profile, _: Measured | None) -> None:
+def _draw_knife(axes: Axes, drawn: Drawn) -> None:
     """What a knife edge or a roller sees of the cam."""
-    bent = profile.curvature
+    bent = drawn.profile.curvature
     if bent.knife is None:
         say(axes, "unknown without the base radius\n(--base-radius)")
     else:
-        _curve(axes, profile, bent.knife)
+        _curve(axes, drawn.profile, bent.knife)
     largest = "" if bent.roller is None else f" of at most {bent.roller.value:.4g} m"
     axes.set_title(f"knife edge, or roller{largest}: pitch curve")
     axes.set_ylabel("curvature (1/m)")

@@ -186,15 +186,9 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
         spots = places_beside(axes, [first for first, _ in named], "x")
         for (_, name), x in zip(named, spots, strict=True):
             axes.text(x, 0.985, name, transform=axes.get_xaxis_transform(), va="top", **look)
-    degrees_per_second = 6.0 * simulation.rpm
-
-    def seconds(angle: Any) -> Any:
-        return (angle - trace.origin) / degrees_per_second
-
-    def degrees(time: Any) -> Any:
-        return time * degrees_per_second + trace.origin
-
-    axes.secondary_xaxis("top", functions=(seconds, degrees)).set_xlabel("time (s)")
+    rate = 6.0 * simulation.rpm  # deg/s
+    to_s, to_deg = lambda x: (x - trace.origin) / rate, lambda t: t * rate + trace.origin
+    axes.secondary_xaxis("top", functions=(to_s, to_deg)).set_xlabel("time (s)")
 
 
 def _draw_contact(axes: Axes, trace: Trace, values: np.ndarray, named: bool = False) -> None:

@@ -208,6 +208,7 @@ def test_only_stable_or_unstable_orbits_are_followed(cam, tmp_path, which, stabl
         (["--range", "3", "--parameter", "mass"], "expected two numbers LO:HI"),
         (["--parameter", "restitution", "--range", "0.5:1.5"], "less than or equal to 1"),
         (["--parameter", "restitution", "--range", "0.9:0.5"], "exchange them"),
+        (["--rpm", "710:720", "--at", "700"], "found rpm = 700.0 where orbits are looked for"),
         (["--curve", "fold", "--in", "rpm"], "orbits.curve_in"),
         (["--curve", "fold", "--rpm", "700"], "give --rpm LO:HI"),
         (["--set", "plot.panels=[branch]", "--branches", "-1"], "orbits.branches"),
