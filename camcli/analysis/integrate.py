@@ -25,6 +25,7 @@ from camcli.system import System, omega_of
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
 SLICE = 200_000  # steps of a call of the compiled kernel: some 40 ms, at worst half a second
 FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
+ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
 ROW = 20  # evaluations that take as long as looking at a row of a log
 
 
@@ -270,6 +271,8 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
     c, c1, _ = lift_at(cam, i, theta)
     gap = 0.0 if start.q is None else start.q - c
     rate = 0.0 if start.v is None else start.v / omega - c1
+    if abs(gap) <= ROUNDING_M * max(1.0, abs(c)):
+        gap = 0.0  # q = 0.1 on a dwell of 0.4 - 0.3, which is an ulp more
     if gap < 0.0:
         found = f"found q = {start.q!r} m, {-gap:.6g} m below the cam"
         expected = f"expected at least c = {c!r} m at {start.theta_deg!r} deg"

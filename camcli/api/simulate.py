@@ -136,7 +136,8 @@ def _films(machine: Machine, found: Simulation) -> dict[str, Callable[[BinaryIO]
 def _many_notes(turn: int | None) -> list[str]:
     if turn is None:
         return []
-    place = f"turn {turn} of the record" if turn >= 0 else f"{-turn} turns before the record"
+    before = f"{-turn} turn{'s' * (turn < -1)} before the record"
+    place = before if turn < 0 else f"turn {turn} of the record"
     return [
         f"from {place} on this is one of many motions that rounding allows: an error of the last "
         "digit has grown beyond five digits of a turn (cam classify names the true motion)"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import groupby
-from math import inf, isfinite
+from math import inf
 from typing import Any
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
@@ -149,11 +149,11 @@ def burst_ranges(result: ContactLoss) -> list[tuple[str, float, float, int]]:
 
 
 def summary(result: ContactLoss) -> dict[str, Any]:
-    """The result of run.json; a speed that does not exist is null."""
+    """The result of run.json; a speed that does not exist is infinite."""
     return {
         "words": sentences(result),
         "critical_speeds": [_critical(c) for c in result.critical_speeds],
-        "just_above_opening": [_finite(vars(f)) for f in result.lift_offs],
+        "just_above_opening": [_known(vars(f)) for f in result.lift_offs],
         "corner_hits": [_hit(hit) for hit in result.hits],
         "corner_hits_ended": [_hit(hit) for hit in result.ended],
         "accumulation_jumps": [_critical(c) for c in result.jumps],
@@ -164,7 +164,7 @@ def summary(result: ContactLoss) -> dict[str, Any]:
         "least_force": [
             {"rpm": f.rpm, "force_n": f.lowest_n, "theta_deg": f.lowest_deg} for f in result.forces
         ],
-        "hold": [{**_finite(vars(h)), "words": spring(h)} for h in result.holds],
+        "hold": [{**_known(vars(h)), "words": spring(h)} for h in result.holds],
         "hold_margin_n": result.margin if result.holds else None,
     }
 
@@ -173,7 +173,7 @@ def _critical(c: CriticalSpeed) -> dict[str, Any]:
     values = {"theta_deg": c.theta_deg if c.finite else None, "rpm": c.rpm}
     ends = {"low_rpm": c.low, "high_rpm": c.high, "status": c.status}
     burst = {"burst": c.burst} if c.burst else {}
-    return _finite({"quantity": c.quantity, "region": c.region, **values, **ends, **burst})
+    return _known({"quantity": c.quantity, "region": c.region, **values, **ends, **burst})
 
 
 def _hit(hit: CornerHit) -> dict[str, Any]:
@@ -183,11 +183,9 @@ def _hit(hit: CornerHit) -> dict[str, Any]:
     return {**row, **ends, **phases}
 
 
-def _finite(values: dict[str, Any]) -> dict[str, Any]:
-    return {
-        key: None if isinstance(value, float) and not isfinite(value) else value
-        for key, value in values.items()
-    }
+def _known(values: dict[str, Any]) -> dict[str, Any]:
+    """None for NaN."""
+    return {key: None if value != value else value for key, value in values.items()}
 
 
 # -- for print ---------------------------------------------------------------------------------

@@ -11,14 +11,13 @@ from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from typing import Any
 
-from camcli.analysis.integrate import Cost
+from camcli.analysis.integrate import ROUNDING_M, Cost
 from camcli.output.program import program_hash
 
 PACKAGES = (
     "camcli", "numpy", "numba", "scipy", "pydantic", "matplotlib", "typer", "rich", "pyyaml",
     "python-flint",
 )  # fmt: skip
-ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
 
 
 def cost_record(cost: Cost, seconds: float, from_disk: int = 0) -> dict[str, Any]:

@@ -61,7 +61,9 @@ def _at_one_speed(result: Any, crank: float) -> str:
         return f"The cam, and the force on it at {speed}."
     landing = max((-u for u in result.tables["events"]["u_minus_m_per_s"] if u < 0.0), default=0.0)
     if landing == 0.0:
-        return f"At {speed} contact holds in the turns recorded."
+        flies = "flight" in result.tables["trajectory"]["contact"]
+        seen = "is lost: the follower does not land" if flies else "holds"
+        return f"At {speed} contact {seen} in the turns recorded."
     return f"At {speed} contact is lost: the follower lands at up to {landing:.2g} m/s."
 
 

@@ -31,7 +31,7 @@ MOST_TURNS = 10**9
 MOST_SPEEDS = 10_000_000
 MOST_MOTIONS = MOST_SPEEDS  # speeds times starts
 MOST_CELLS = 16_384  # along one side of a window
-LARGEST = 1e15  # of a constant of the follower, SI
+LARGEST = 1e16  # of a constant of the follower, SI
 FARTHEST, QUICKEST = 1e9, 1e12  # of a start: m and m/s
 SPRING = ("rate", "preload", "seat_load", "nose_load")
 

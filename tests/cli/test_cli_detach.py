@@ -71,6 +71,8 @@ def test_record_and_table_tell_brackets_statuses_and_words(bare):
         assert row["status"] in ("ok", "never")
         if row["status"] == "ok":
             assert row["low_rpm"] < row["rpm"] < row["high_rpm"] < row["low_rpm"] + 1e-9
+        else:
+            assert row["rpm"] == "inf"
     kinds = {row["region"]: row["kind"] for row in result["just_above_opening"]}
     assert kinds == {"A2": "flies-off", "A4": "released-and-caught"}
     assert result["corner_hits_ended"][0]["corner"] == "e"

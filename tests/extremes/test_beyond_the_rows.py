@@ -5,6 +5,7 @@ from math import pi, sqrt
 
 import pytest
 
+import camcli
 from camcli.analysis.integrate import Orbit, Settings, StartError
 from camcli.analysis.labels import label
 from camcli.analysis.simulate import simulate
@@ -94,6 +95,24 @@ def test_row_20_a_start_below_the_cam_is_refused_with_its_depth():
     ):
         with pytest.raises(StartError, match=r"0\.05 m below"):
             call(settings(1, q=0.05, v=0.0))
+
+
+@pytest.mark.parametrize("q", [0.1, 0.4 - 0.3])
+def test_row_18_the_height_of_the_dwell_as_written_is_on_the_cam(q):
+    """0.4 m - 0.3 m is an ulp more than 0.1 m."""
+    scene = load_scene(None, {"run.start.q": q, "run.start.v": 0.0, "run.rpm": 100.0})
+    assert not simulate(system(), 100.0, settings(1, q=q, v=0.0), 10).events
+    assert not len(camcli.simulate(scene).tables["events"]["t_s"])
+
+
+def test_row_10_the_scene_takes_the_numbers_of_the_row():
+    f = 2.0**20
+    keys = {"follower.stiffness": 1430.8, "run.record": 3, "run.transient": 3}
+    one = load_scene(None, {**keys, "run.rpm": 700.0})
+    keys["follower.stiffness"] *= f * f
+    two = load_scene(None, {**keys, "run.rpm": 700.0 * f})
+    found = [camcli.simulate(scene).tables["events"]["theta_deg"] for scene in (one, two)]
+    assert list(found[0]) == list(found[1])
 
 
 def test_row_17_the_start_on_the_nose_is_the_oracles_lift():
