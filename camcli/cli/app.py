@@ -4,44 +4,60 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Annotated
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Annotated, Any
 
 import typer
 
-from camcli.cli.basins import basins
-from camcli.cli.bench import bench
-from camcli.cli.classify import classify
-from camcli.cli.detach import detach
-from camcli.cli.explore import explore
-from camcli.cli.figures import figures
-from camcli.cli.init import init
-from camcli.cli.merge import merge
-from camcli.cli.options import DRAWING, register
-from camcli.cli.orbits import orbits
-from camcli.cli.rerun import REPEATED, rerun
-from camcli.cli.simulate import simulate
-from camcli.cli.sweep import sweep
-
-app = typer.Typer(
-    name="cam",
-    help="Bifurcations of a cam and a follower that can lift off, bounce, chatter and come back.",
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-for _command in (simulate, sweep, detach, orbits, basins, classify):
-    register(app, _command)
-register(app, bench, without=DRAWING)
-register(app, explore, without=("no_plot", *DRAWING))
-register(app, figures, without=("config", "rpm", "points", "no_plot", *DRAWING))
-register(app, merge, without=(*REPEATED, *DRAWING))
-app.command("init")(init)
-register(app, rerun, without=(*REPEATED, "no_plot", *DRAWING))  # the record says whether it drew
+COMMANDS = {  # each is a function of its name in a module of its name
+    "simulate": "Time response of one orbit: exact events and a sampled trajectory.",
+    "sweep": "Brute-force bifurcation diagram over a range of speeds, or of another number.",
+    "detach": "Where contact is lost, where chattering ends, and which spring would hold.",
+    "orbits": "Periodic orbits: found, solved, followed, and every bifurcation on the way.",
+    "basins": "Which attractor a start lands on: basins over a window of starts.",
+    "classify": "Name the motion at each speed, measure its exponents, explain where it changes.",
+    "bench": "How exact, how robust and how fast: cam bench [precision|stability].",
+    "explore": "One page for a browser on which the machine moves, for every speed of a range.",
+    "figures": "The figures of the cam-follower example: what changed is computed again.",
+    "merge": "Join the parts of a run that was computed in shards.",
+    "init": "Write a scene to begin with.",
+    "rerun": "Run again what a run.json records, and say whether the bytes agree.",
+}
 
 
-@app.command("schema", help="Print the scene's JSON Schema, for editors.")
+def app(words: Sequence[str] | None = None, **options: Any) -> Any:
+    """Run `cam WORDS`; of the commands only the one asked for is imported."""
+    words = sys.argv[1:] if words is None else words
+    asked = (word for word in words if not word.startswith("-"))
+    return application(next(asked, ""))(words, **options)
+
+
+def application(*asked: str) -> typer.Typer:
+    """The commands asked for; of the others their names, and what they do."""
+    made = typer.Typer(
+        name="cam",
+        help="Bifurcations of a cam and a follower that can lift off, bounce, chatter and come "
+        "back.",
+        no_args_is_help=True,
+        add_completion=False,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    made.callback()(_of_all_commands)
+    for name, line in COMMANDS.items():
+        if name in asked:
+            from camcli.cli.options import register
+
+            module = import_module(f"camcli.cli.{name}")
+            register(made, getattr(module, name), getattr(module, "WITHOUT", ()))
+        else:
+            made.command(name, help=line)(lambda: None)
+    made.command("schema", help="Print the scene's JSON Schema, for editors.")(schema)
+    return made
+
+
 def schema() -> None:
     """cam schema"""
     import json
@@ -59,7 +75,6 @@ def _version(asked: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _of_all_commands(
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")

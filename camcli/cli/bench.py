@@ -6,7 +6,9 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-from camcli.cli.options import Request
+from camcli.cli.options import DRAWING, Request
+
+WITHOUT = DRAWING  # shared options that mean nothing here
 
 
 def bench(

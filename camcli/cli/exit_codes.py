@@ -63,7 +63,8 @@ def _failure(error: Exception) -> tuple[int, list[Fault]]:
     if hasattr(error, "exit_code") and hasattr(error, "format_message"):
         text = error.format_message()
         if type(error).__name__ == "NoArgsIsHelpError":
-            return USAGE, [_only(text)]
+            note(text)
+            return USAGE, []
         extra = re.fullmatch(r"Got unexpected extra argument\S* \((\S+).*\)", text)
         cure = ""
         if extra and re.match(r"[\d.]", extra[1]):

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Option
 
 from camcli.cli.exit_codes import note
-from camcli.cli.options import Request, Values, Vary, refuse_idle
+from camcli.cli.options import DRAWING, Request, Values, Vary, refuse_idle
 from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
+
+WITHOUT = ("no_plot", *DRAWING)  # shared options that mean nothing here
 
 
 def explore(

@@ -8,7 +8,10 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-from camcli.cli.options import Request
+from camcli.cli.options import DRAWING, Request
+
+# shared options that mean nothing here
+WITHOUT = ("config", "rpm", "points", "no_plot", *DRAWING)
 
 
 def figures(

@@ -227,9 +227,9 @@ def _commands() -> dict[str, Any]:
     """Parsers of the commands that take a scene, by name."""
     from typer.main import get_command
 
-    from camcli.cli.app import app
+    from camcli.cli.app import COMMANDS, application
 
-    every = get_command(app).commands.items()  # type: ignore[attr-defined]
+    every = get_command(application(*COMMANDS)).commands.items()  # type: ignore[attr-defined]
     return {name: c for name, c in every if any("-c" in p.opts for p in c.params)}
 
 

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument
 
-from camcli.cli.options import Request
-from camcli.cli.rerun import HomeFolder
+from camcli.cli.options import DRAWING, Request
+from camcli.cli.rerun import REPEATED, HomeFolder
 from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
     from camcli.cli.record import Record
 
+WITHOUT = (*REPEATED, *DRAWING)  # shared options that mean nothing here
 PIECES = ".pieces"  # ending of the files of --shard
 SHOWN = 10  # missing shards named
 

@@ -184,10 +184,15 @@ class _Once(TyperCommand):
 def register(app: typer.Typer, run: Callable[..., int], without: Collection[str] = ()) -> None:
     """Make `run(request, own options ...) -> exit code` a command of the same name.
 
-    Its docstring is the help text. `without` names shared options that mean nothing to it.
+    Its docstring is the help text. `without` names shared options that mean nothing to it; without
+    a request it takes none.
     """
+    first, *own = _parameters(run)
+    if first.name != "request":
+        app.command(run.__name__)(run)
+        return
     shared = [p for p in _parameters(Request) if p.name not in {"extra", *without}]
-    parameters = [*shared, *_parameters(run)[1:]]
+    parameters = [*shared, *own]
 
     def call(**values: Any) -> None:
         request = Request(**{p.name: values.pop(p.name) for p in shared})

@@ -10,12 +10,13 @@ from typing import Annotated
 from typer import Argument, Option
 
 from camcli.cli.exit_codes import DONE, NUMERICS, note
-from camcli.cli.options import Request
+from camcli.cli.options import DRAWING, Request
 
 HomeFolder = Annotated[
     Path | None, Option("--folder", help="Where the files are that the scene names.", metavar="DIR")
 ]
 REPEATED = ("config", "sets", "rpm", "points", "dry_run")  # these stand in the record
+WITHOUT = (*REPEATED, "no_plot", *DRAWING)  # the record says whether it drew
 SAME, OTHER, MISSING = "same bytes", "other bytes", "not made"
 CHANGED = "same bytes, but not those of the file beside the record"
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import camcli
+from camcli.cli.app import COMMANDS
 from tests.oracle import ArcsCam, corner_impact_rpm
 
 SMALL = ("--set", "run.transient=20", "--set", "run.record=10", "--no-plot")
@@ -29,6 +30,9 @@ def test_help_names_commands_files_and_columns(cam):
         text = cam(command, "--help").stdout
         assert f"{command}.png" in text
         assert "theta_deg" in text
+    for command, line in COMMANDS.items():  # of those not asked for nothing else is known
+        assert " ".join(cam(command, "--help").stdout.split()).count(line) == 1
+    assert cam().stderr == done.stdout
 
 
 def test_simulate_writes_exact_columns(cam, tmp_path):
