@@ -14,10 +14,9 @@ from camcli.analysis.basins.study import Basins, Question, Study, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
-from camcli.api.classify import decided_words
 from camcli.api.machine import machine_of, span_of
 from camcli.api.orbits import MULTIPLIERS, multiplier_columns
-from camcli.api.result import Progress, Result, drawn_by, trouble
+from camcli.api.result import Progress, Result, decided_words, drawn_by, trouble
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work

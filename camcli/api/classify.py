@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
-from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.classify import Motion
 from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
@@ -22,6 +20,7 @@ from camcli.api.result import (
     Result,
     budget_of,
     counted,
+    decided_words,
     drawn_by,
     status_notes,
     ticks,
@@ -41,11 +40,6 @@ if TYPE_CHECKING:
 CLASSIFY = (
     "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status", "holds_for",
 )  # fmt: skip
-DECIDED = {
-    HoldsFor.LAST_DIGIT: "for every speed that rounds to the given one (proved)",
-    HoldsFor.EXACT_DATA: "for the data exactly as they are, not for every speed that rounds so",
-    HoldsFor.SAMPLED: "by three speeds within the last digit that agree (the data may differ)",
-}
 
 
 def classify(
@@ -159,13 +153,6 @@ def _row(m: Motion) -> tuple:
     exponent = None if m.exponents is None else m.exponents.largest
     named = m.value, m.label, m.period, m.impacts, m.chatter, stable, exponent
     return *named, status_name(m.status), m.holds_for
-
-
-def decided_words(found: Iterable[str | None], what: str) -> list[str]:
-    """A sentence on the machines that answers after a rest hold for; `what` was decided."""
-    counts = Counter(filter(None, found))
-    words = [f"{counts[name]} {text}" for name, text in DECIDED.items() if counts[name]]
-    return [f"{what} decided in ball arithmetic after a rest: {', '.join(words)}"] if words else []
 
 
 def remarks(motions: list[Motion], key: str = "rpm") -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
@@ -241,6 +242,20 @@ def counted(values: Sequence[float], key: str) -> str:
     if key == "rpm":
         return f"{len(values)} speed{s} ({shown} rpm)"
     return f"{len(values)} value{s} of {key} ({shown})"
+
+
+def decided_words(found: Iterable[str | None], what: str) -> list[str]:
+    """A sentence on the machines that answers after a rest hold for; `what` was decided."""
+    from camcli.analysis.after_rest import HoldsFor
+
+    texts = {
+        HoldsFor.LAST_DIGIT: "for every speed that rounds to the given one (proved)",
+        HoldsFor.EXACT_DATA: "for the data exactly as they are, not for every speed that rounds so",
+        HoldsFor.SAMPLED: "by three speeds within the last digit that agree (the data may differ)",
+    }
+    counts = Counter(filter(None, found))
+    words = [f"{counts[name]} {text}" for name, text in texts.items() if counts[name]]
+    return [f"{what} decided in ball arithmetic after a rest: {', '.join(words)}"] if words else []
 
 
 def status_notes(troubled: Iterable[tuple[float, int]], key: str = "rpm") -> list[str]:

@@ -18,7 +18,15 @@ from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of
-from camcli.api.result import Progress, Result, drawn_by, status_notes, ticks, trouble
+from camcli.api.result import (
+    Progress,
+    Result,
+    decided_words,
+    drawn_by,
+    status_notes,
+    ticks,
+    trouble,
+)
 from camcli.api.simulate import height_notes
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError, Status
@@ -144,8 +152,6 @@ def sweep(
 
 def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     """The map over two numbers."""
-    from camcli.api.classify import decided_words
-
     section = machine.scene.sweep
     if section.direction == BOTH:
         cure = "choose one, e.g. sweep.direction=up"
@@ -331,8 +337,6 @@ def _result(
 
 def _unknown(found: Sweep) -> list[str]:
     """How many motions were decided in ball arithmetic, and how many are not known, drawn grey."""
-    from camcli.api.classify import decided_words
-
     decided = decided_words((speed.holds_for for speed in found.bare), "speeds")
     count = sum(not speed.known for speed in found.bare)
     if not count:

@@ -26,7 +26,7 @@ CLOSURE = 1e-9  # largest gap between circles that should touch, relative to the
 class ArcsCam(BaseModel):
     """Three tangent circles; lengths in m, angles in deg."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     kind: Literal["arcs"]
     base_radius: Length = Field(description="base circle radius, m")

@@ -23,7 +23,7 @@ Lift = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 class EccentricCam(BaseModel):
     """A harmonic cam; lengths in m."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     kind: Literal["eccentric"]
     base: Height = Field(description="lowest c, at theta = 0, any sign, m")

@@ -55,7 +55,7 @@ TURN = Decimal(360)
 class Widths(BaseModel):
     """Widths of the sine, constant and cosine parts of the acceleration; b + c + d = 1."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     b: Share = Field(description="share with a sine, half of it at each end, -")
     c: Share = Field(description="share with constant acceleration, half before the middle, -")
@@ -72,7 +72,7 @@ class Widths(BaseModel):
 class SccaLaw(BaseModel):
     """A law of the SCCA family with widths of one's own."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     scca: Widths = Field(description="widths b, c, d of sine, constant, cosine acceleration")
 
@@ -90,7 +90,7 @@ Law = Annotated[
 class Rise(BaseModel):
     """A rise: where it begins, its length and law."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     start_deg: float = Field(
         ge=-360, le=360, allow_inf_nan=False, description="where the rise begins, deg"
@@ -102,7 +102,7 @@ class Rise(BaseModel):
 class Fall(BaseModel):
     """A fall: its length and law; it begins where the top dwell ends."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     length_deg: Length
     law: Law
@@ -111,7 +111,7 @@ class Fall(BaseModel):
 class LawCam(BaseModel):
     """A dwell-rise-dwell-fall cam; lengths in m, angles in deg."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     kind: Literal["law"]
     base: Height = Field(description="c on the base dwell, any sign, m")

@@ -39,7 +39,7 @@ CHUNK = 8  # pieces of a stretch: its bounds are tighter than those of a whole f
 class TableCam(BaseModel):
     """A measured lift table in a text file beside the scene."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     kind: Literal["table"]
     file: Annotated[str, Field(min_length=1, max_length=1000)] = Field(

@@ -91,7 +91,8 @@ Flag = Annotated[bool, Field(strict=True), BeforeValidator(_switch)]
 class Section(BaseModel):
     """Base of the sections: unknown keys are faults, nothing changes after validation."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    # A validator is built for the whole scene, none for a section alone before it is asked for.
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     @model_validator(mode="before")
     @classmethod
