@@ -7,8 +7,6 @@ kept in a call that nobody can cut: a pass of the compiler, a picture with many 
 `cam figures` ends when its parent is killed; its finished pieces stay on disk.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -13,8 +13,6 @@ for dangerous bifurcations. No units; nothing raises, an overflow counts as an e
 comes from libm, and only exponents and growths pass through it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import copysign, fsum, inf, log, prod, sqrt

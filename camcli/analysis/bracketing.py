@@ -4,8 +4,6 @@ Golden sections refine a minimum. A root is bracketed by the ITP method of I. F.
 R. H. C. Takahashi, ACM Trans. Math. Softw. 47 (2021), article 5.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import inf
 

@@ -7,8 +7,6 @@ centre of a roller, runs along the curve of polar radius R, of curvature
     kappa = (R^2 + 2 R'^2 - R R'')/(R^2 + R'^2)^(3/2).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

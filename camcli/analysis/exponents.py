@@ -4,8 +4,6 @@ Saltation matrices carry a difference through the impacts (P. C. Mueller, Calcul
 exponents for dynamic systems with discontinuities, Chaos, Solitons & Fractals 5, 1995, 1671).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, sqrt
 

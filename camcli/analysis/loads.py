@@ -1,7 +1,5 @@
 """What an engineer reads off a record: lift-off, hardest impact, contact force."""
 
-from __future__ import annotations
-
 from math import pi
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """One orbit in time: exact events, and a trajectory sampled from the closed-form flow."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import pi

@@ -1,7 +1,5 @@
 """camcli.detach: where contact is lost, where chatter ends, and the spring that holds contact."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from math import inf

@@ -1,7 +1,5 @@
 """camcli.explore: the motions over a range of speeds, on one page on which the machine moves."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import ceil, pi, sqrt

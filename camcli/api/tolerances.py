@@ -1,7 +1,5 @@
 """Machines within the tolerances of their numbers: the speed to which each holds contact."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce

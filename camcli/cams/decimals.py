@@ -4,8 +4,6 @@ Python's `decimal` rounds correctly on every platform, a C library or LAPACK doe
 the `Numbers` that a cam's `parts` are made of by default; `exact.balls` is another.
 """
 
-from __future__ import annotations
-
 from decimal import Decimal, localcontext
 from functools import cache
 from typing import Any, Protocol

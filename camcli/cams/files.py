@@ -1,7 +1,5 @@
 """Text from a file that a user names: its kind, size and encoding are checked first."""
 
-from __future__ import annotations
-
 import os
 import re
 import stat

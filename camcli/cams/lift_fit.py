@@ -23,8 +23,6 @@ The coefficients come from additions, multiplications and divisions in a fixed o
 element: LAPACK and BLAS may give other last bits on another machine, these do not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext

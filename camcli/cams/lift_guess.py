@@ -4,8 +4,6 @@ The table is the longest run of lines with the same number of cells, two of them
 its maker knows is guessed from the titles and the sizes, and marked as a guess.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field
 from itertools import pairwise

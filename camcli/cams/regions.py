@@ -1,7 +1,5 @@
 """Corners of a cam by letter, and the smooth regions A1, A2, ... between them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from string import ascii_lowercase
 

@@ -1,7 +1,5 @@
 """What `cam bench` measures, writes and says."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Callable, Sequence

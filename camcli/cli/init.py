@@ -1,7 +1,5 @@
 """cam init: a scene to begin with."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from shlex import quote

@@ -1,7 +1,5 @@
 """What a run.json, or the key of a run's pieces, says of the run: enough to do it again."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal

@@ -6,8 +6,6 @@ all numbers in them. Where neither it nor its opposite does, more digits may hel
 again with twice as many. The module is the `Numbers` that a cam's `parts` can be made of.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from decimal import Decimal

@@ -5,8 +5,6 @@ hold exactly one where the function falls or is concave and changes its sign. Th
 Newton's method and enclosed by an interval Newton step (R. E. Moore, Interval Analysis, 1966).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 

@@ -12,8 +12,6 @@ which the box leans along the branch. A derivative along the branch is the secon
 power series.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum

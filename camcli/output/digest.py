@@ -6,8 +6,6 @@ chaotic  the same of motions that do not: exact, and the most sensitive to a sin
 solved   everything else, where equations were solved: to TOLERANCE of a value
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import re

@@ -1,7 +1,5 @@
 """Why a diagram changes, as sentences and as the `result` of run.json."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import ceil, isfinite, log10
 from typing import Any

@@ -3,8 +3,6 @@
 `explore.html` beside this file is the page without the data: its style and its script.
 """
 
-from __future__ import annotations
-
 import json
 from base64 import b64encode
 from collections.abc import Mapping

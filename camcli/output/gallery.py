@@ -3,8 +3,6 @@
 Plain HTML (`gallery.html`) without scripts and without anything from elsewhere; pictures beside it.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence

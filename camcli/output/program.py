@@ -1,7 +1,5 @@
 """Which program made a result: a hash of its sources."""
 
-from __future__ import annotations
-
 import hashlib
 from functools import cache
 from pathlib import Path

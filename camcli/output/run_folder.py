@@ -6,8 +6,6 @@ with run_folder(folder, key, threads=2) as run:
     run.commit()                               # all of them in their places
 """
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping

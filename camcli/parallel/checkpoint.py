@@ -7,8 +7,6 @@ any moment, a full disk or a power cut leaves whole lines and at most one torn o
 is cut off when the file is opened again. The newest line of a name counts.
 """
 
-from __future__ import annotations
-
 import errno
 import json
 import os

@@ -3,8 +3,6 @@
 A thread sees the context variables of who asked for the pieces.
 """
 
-from __future__ import annotations
-
 import os
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence

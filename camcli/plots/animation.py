@@ -1,7 +1,5 @@
 """The machine in motion beside its time response, frame by frame."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from math import ceil
 

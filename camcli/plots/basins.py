@@ -1,7 +1,5 @@
 """Pictures of basins: the window of starts coloured by attractor; their fractions over speed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from typing import Any

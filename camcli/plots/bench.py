@@ -1,7 +1,5 @@
 """Picture of the bench: error against time of every method."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from math import isfinite

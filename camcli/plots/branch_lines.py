@@ -1,7 +1,5 @@
 """What the pictures of orbits show: lines along a branch, paths of its multipliers, its events."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Picture of the cam: lift, derivatives, contact force and curvature over one turn."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

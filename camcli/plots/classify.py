@@ -1,7 +1,5 @@
 """Picture of classified motions: impact phases, largest exponent and labels, over speed."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Picture of detachment: impacts with accumulation curve and corner hits, and the contact force."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """What pictures and tables say of an event on a branch, and of a border collision."""
 
-from __future__ import annotations
-
 from math import pi
 
 from camcli.analysis.border_collision import DECIDED, THEOREM, Collision, Cycle, Prediction

@@ -1,7 +1,5 @@
 """Pictures of periodic orbits: branches over a parameter, orbits of one speed, curves in two."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 from collections.abc import Callable, Sequence

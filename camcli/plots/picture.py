@@ -1,7 +1,5 @@
 """A picture is named panels below a heading; matplotlib's constrained layout gives them room."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Colours by meaning, matplotlib's settings, and words for print."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

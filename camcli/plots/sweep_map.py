@@ -1,7 +1,5 @@
 """Picture of a map: the kind of motion over two numbers, its exponent, and what it loads."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from operator import attrgetter

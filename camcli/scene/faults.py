@@ -3,8 +3,6 @@
 What is expected are pydantic's own words, what a key means those of the scene's JSON Schema.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """A scene from its source and what overrides it: valid as a whole, or every fault at once."""
 
-from __future__ import annotations
-
 import os
 import re
 import sys

@@ -7,8 +7,6 @@ recurrence over a long record. Then the undecided are followed again. Which attr
 and what a cell is called depends on the set of starts alone, not on their order.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 

@@ -1,7 +1,5 @@
 """Blocks of starts at the strobe, through the kernel and over threads; no cell knows another."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 

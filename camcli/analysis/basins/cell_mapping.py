@@ -7,8 +7,6 @@ leaves the window are followed as orbits, as is what starts beside it. A cell cu
 mapped from the cam where its centre is below.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -9,8 +9,6 @@ J. D. Skufca, J. A. Yorke and B. Eckhardt, Edge of chaos in a parallel shear flo
 Letters 96, 174101 (2006).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Two methods: `orbit` follows the centre of every cell to its end; `simple` is th
 mapping of C. S. Hsu, Cell-to-Cell Mapping, 1987 (`cell_mapping`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, sqrt

@@ -1,7 +1,5 @@
 """The machines of the bench: the example's, with some constants changed, and runs of them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace

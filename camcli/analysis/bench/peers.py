@@ -14,8 +14,6 @@ shared; a method brings `integrate to the next contact`. Nothing of the kernel i
   at 190 rpm where there are some fifty in a turn.
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from bisect import bisect_right

@@ -4,8 +4,6 @@ A case is a motion of whole turns with its reference, solved with many digits. A
 with one setting; it is run on a case, compared with the reference, and timed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal

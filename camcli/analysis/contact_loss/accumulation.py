@@ -6,8 +6,6 @@ longer: the chatter that ends at the point of release (Dankowicz & Fotsch, Proce
 arXiv:0711.1008).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise

@@ -4,8 +4,6 @@ The set of phases with N <= 0 opens in a region at the least omega*(theta) and f
 largest, omega* being the smallest positive root of the quadratic in `force`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum

@@ -6,8 +6,6 @@
 is linear in k and F0, so each smallest value is one maximum over the turn.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum

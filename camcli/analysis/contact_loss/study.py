@@ -1,7 +1,5 @@
 """Everything `cam detach` answers for one machine and one range of speeds, in one result."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ States are (q m, dq/dtheta m/rad) at the strobe. The box holds the states of the
 margin; a speed lies beyond the change where a run from the carried state has states outside.
 """
 
-from __future__ import annotations
-
 from math import degrees
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Qualitative changes between neighbouring speeds of a diagram, each given its cause."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

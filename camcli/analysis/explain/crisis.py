@@ -9,8 +9,6 @@ The cam-follower example (Osorio, di Bernardo & Santini, arXiv:0711.1008):
 682.2047, P(1;1) on A1, 1.176, corner b, chaos is lost; runs of 3 or 4 million turns agree.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
 from math import inf

@@ -1,7 +1,5 @@
 """Critical speeds of attractors in a range, each from a solved quantity."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass

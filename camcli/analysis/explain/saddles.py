@@ -5,8 +5,6 @@ axis, its stable manifold W^s along the second. A state x + eta a_1 + xi a_2 lie
 eta = 0. The axes have relative size 1, so eta and xi are relative too.
 """
 
-from __future__ import annotations
-
 from math import exp, log
 
 import numpy as np

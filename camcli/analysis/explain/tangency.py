@@ -7,8 +7,6 @@ speed with a fixed n; then n grows by the period of p, which brings the fold nea
 until W^s is straight there. Where the speed no longer moves, it is solved.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import copysign, inf, log
 

@@ -1,7 +1,5 @@
 """One direction of a branch, from a known orbit to whatever ends it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -8,8 +8,6 @@ The fixed point of side L lies at x = mu/(1 - tau_L + delta_L), which gives the 
 either direction of the parameter.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import hypot
 

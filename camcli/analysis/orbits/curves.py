@@ -6,8 +6,6 @@ parameter along the branch, grazing as the edge of the certificate. The paramete
 is the one given, so that the curve may turn round in either.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import sqrt

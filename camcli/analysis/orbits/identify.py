@@ -1,7 +1,5 @@
 """From a simulated motion to the periodic orbit it settles on, solved and certified."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 

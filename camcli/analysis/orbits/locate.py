@@ -10,8 +10,6 @@ Methods (1990), ch. 8 and 9; di Bernardo, Budd, Champneys & Kowalczyk, Piecewise
 Systems (2008), ch. 6 and 7.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import sqrt, ulp

@@ -1,7 +1,5 @@
 """A periodic orbit as the user sees it: label, phases, section states, multipliers, verdict."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

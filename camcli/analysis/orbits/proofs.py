@@ -8,8 +8,6 @@ enclosed and the test function crosses zero there. An orbit that rests is follow
 repeats (`camcli.analysis.after_rest`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal

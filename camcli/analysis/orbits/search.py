@@ -1,7 +1,5 @@
 """Which periodic orbits are there at one speed: by equation, by simulation, by close returns."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace

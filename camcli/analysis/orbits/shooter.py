@@ -1,7 +1,5 @@
 """Newton's method for periodic orbits with impacts, through the kernel's `shooting`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import sqrt

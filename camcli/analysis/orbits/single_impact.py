@@ -10,8 +10,6 @@ smooth as the cam, so bounds of c_thetatheta and c''' isolate every root: none i
 vanishes all over a dwell (r = 1 without damping) every phase of it is a root: a continuum.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

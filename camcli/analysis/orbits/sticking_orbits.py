@@ -6,8 +6,6 @@ contact is kept or lost, or the itinerary: an impact appears, fades, or moves to
 orbit without impacts is known in closed form, and its branch ends where the cam reaches it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from math import inf, ulp
