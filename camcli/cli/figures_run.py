@@ -36,7 +36,7 @@ NEW, UNCHANGED, CHECK = "new", "unchanged", "check"
 WHOLE = (DONE, NUMERICS)  # exit codes of a run whose artefacts are whole
 OWNED = {  # options that say where and how it is run, not what is drawn
     "-c", "--set", "-o", "--no-plot", "--json", "-q", "--threads", "--dry-run", "--cluster",
-    "--shard",
+    "--shard", "--open",
 }  # fmt: skip
 READS = {"explore": ("sweep", "orbits", "basins")}  # commands that read others' sections
 CAM_ONLY = "--profile-only"  # with it a command knows no impacts, and of a run only the speed

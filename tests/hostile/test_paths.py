@@ -122,6 +122,7 @@ FIGURE = (CONFIGS / "figures" / "3.5.yaml").read_text()
         ("1", "simulate -c /etc/passwd", "found --config"),
         ("1", "sweep --cluster 203.0.113.7:8786", "found --cluster"),
         ("1", "sweep --shard 1/2", "found --shard"),
+        ("1", "explore --open", "found --open"),
         ("1", "figures -o ../../taken", "found the command 'figures'"),
         ("1", "../../bin/sh", "found the command '../../bin/sh'"),
         ("1", "simulate; touch taken", "found the command 'simulate;'"),
