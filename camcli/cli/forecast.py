@@ -10,14 +10,13 @@ import os
 import shutil
 from math import ceil
 from pathlib import Path
-from time import perf_counter
 from typing import Any, NamedTuple
 
 from camcli.cli.options import Request
 from camcli.cli.report import table
 from camcli.cli.run import IN_THREADS, analysis
 from camcli.errors import Fault, SceneError
-from camcli.kernel.backend import LITTLE_WORK, for_work
+from camcli.kernel.backend import LITTLE_WORK, for_work, stopwatch
 from camcli.parallel import Shard, Work
 from camcli.scene import Scene
 
@@ -201,21 +200,22 @@ def _extrapolated(command: str, scene: Scene, request: Request, size: Size) -> l
     for_work(size.turns or LITTLE_WORK + 1)  # a sample runs as the whole will
     samples: list[tuple[Scene, list[float]]] = []
 
-    def watch(*_: object) -> None:
-        if perf_counter() - began > MOST:
+    def tick(*_: object) -> None:
+        if watch.passed() > MOST:
             raise TimeoutError
 
-    began, n, enough = perf_counter(), 2, 1 if size.turns else 2
-    while n <= LARGEST and (len(samples) < enough or perf_counter() - began < ENOUGH):
-        small = sample_of(command, scene, n)
-        more = {"work": Work(request.threads)} if command in IN_THREADS else {}
-        result = analysis(command)(small, watch, **more)
-        text = sum(len(line) for t in result.tables.values() for line in t.csv())
-        costs = [result.cost.impacts, result.seconds, text + len(json.dumps(result.summary))]
-        samples.append((small, costs))
-        if size_of(command, small).pieces == size.pieces:
-            break
-        n *= 2
+    n, enough = 2, 1 if size.turns else 2
+    with stopwatch() as watch:
+        while n <= LARGEST and (len(samples) < enough or watch.passed() < ENOUGH):
+            small = sample_of(command, scene, n)
+            more = {"work": Work(request.threads)} if command in IN_THREADS else {}
+            result = analysis(command)(small, tick, **more)
+            text = sum(len(line) for t in result.tables.values() for line in t.csv())
+            costs = [result.cost.impacts, result.seconds, text + len(json.dumps(result.summary))]
+            samples.append((small, costs))
+            if size_of(command, small).pieces == size.pieces:
+                break
+            n *= 2
     small, last = samples[-1]
     part = size_of(command, small)
     if size.turns:

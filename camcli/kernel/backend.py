@@ -218,11 +218,16 @@ def read_intact(path: Path) -> bytes | None:
 class Stopwatch:
     """The seconds of a run, without those in which it waited for the kernel to be compiled."""
 
-    def __init__(self, notice: Callable[[bool], None] | None):
+    def __init__(self, notice: Callable[[bool], None] | None, outer: Stopwatch | None = None):
+        self.outer, self._began = outer, perf_counter()
         self.seconds = 0.0
         self.compile_seconds = 0.0
         self.notice, self._lock = notice, Lock()
         self._waiting, self._since = 0, 0.0
+
+    def passed(self) -> float:
+        """The seconds so far."""
+        return perf_counter() - self._began - self.compile_seconds
 
     @contextmanager
     def waiting(self, entry: str | None) -> Iterator[None]:
@@ -242,7 +247,10 @@ class Stopwatch:
             with self._lock:
                 self._waiting -= 1
                 if self._waiting == 0:
-                    self.compile_seconds += perf_counter() - self._since
+                    watch: Stopwatch | None = self
+                    while watch is not None:
+                        watch.compile_seconds += perf_counter() - self._since
+                        watch = watch.outer
 
 
 _stopwatch: ContextVar[Stopwatch | None] = ContextVar("stopwatch", default=None)
@@ -258,14 +266,12 @@ def stopwatch(notice: Callable[[bool], None] | None = None) -> Iterator[Stopwatc
     threads that are started in it (`parallel.in_threads`).
     """
     outer = _stopwatch.get()
-    watch = Stopwatch(outer.notice if notice is None and outer is not None else notice)
-    token, began = _stopwatch.set(watch), perf_counter()
+    watch = Stopwatch(outer.notice if notice is None and outer is not None else notice, outer)
+    token = _stopwatch.set(watch)
     try:
         yield watch
     finally:
-        watch.seconds = perf_counter() - began - watch.compile_seconds
-        if outer is not None:
-            outer.compile_seconds += watch.compile_seconds
+        watch.seconds = watch.passed()
         _stopwatch.reset(token)
 
 

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from camcli.cli import forecast
+from camcli.kernel import backend, compiled
 
 SEEN = {
     "sweep": ("sweep", "--points", "41"),
@@ -104,6 +105,20 @@ def test_much_to_write_is_said_and_a_sample_that_takes_long_ends(cam, monkeypatc
     plan = foreseen(cam, "detach")
     assert (plan["seconds"], plan["impacts"], plan["bytes"]) == (None, None, None)
     assert "not known before" in plan["notes"][0]
+
+
+def test_compiling_is_no_part_of_a_sample(cam, monkeypatch):
+    now = [0.0]
+
+    def slowly(path):
+        now[0] += 2 * forecast.MOST
+        return backend.read_intact(path)
+
+    monkeypatch.setattr(backend, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(backend, "_compiled", None)
+    monkeypatch.setattr(compiled, "read_intact", slowly)
+    monkeypatch.setenv("CAMCLI_KERNEL", "compiled")
+    assert foreseen(cam, "sweep", "--points", "5")["seconds"] == 0.0
 
 
 def test_very_large_tables_are_said_before_they_are_written(cam):
