@@ -86,15 +86,15 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
         part = slice(k * size, rows if k == BATCHES - 1 else (k + 1) * size)
         growths = kernel.table(Growth, [Growth()])
         kernel.stretch_events(cam, const, *(x[part] for x in columns), pairs, growths)
-        growth = growths[0]
-        chatters += int(growth.chatters)
+        growth = backend.row_of(Growth, growths[0])
+        chatters += growth.chatters
         if not growth.length > 0.0 or growth.first == 0.0 or growth.area == 0.0:
             continue
         first = log_factor(growth.first, growth.first_twos)
         area = log_factor(growth.area, growth.area_twos)
-        logs.append((first, float(growth.length)))
+        logs.append((first, growth.length))
         for j, value in enumerate((first, area, growth.impacts, growth.length)):
-            sums[j] += float(value)
+            sums[j] += value
     if chatters:
         return Exponents(-inf, -inf, 0.0, -inf, inf)
     if sums[3] == 0.0:

@@ -57,7 +57,7 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
             kernel.numbers(record.theta[part]), kernel.numbers(record.u[part]),
             turns, int(record.resting) if last else loads.GOES_ON, table,
         )  # fmt: skip
-    found, omega = table[0], omega_of(rpm)
+    found, omega = backend.row_of(loads.Loads, table[0]), omega_of(rpm)
     force = system.follower.mass * omega * omega
     rested, landed = found.min_force <= found.max_force, found.landing >= 0.0
 
@@ -66,14 +66,14 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
         return None if since < 0.0 else (theta - TURN * (theta >= TURN)) * DEG
 
     return Loads(
-        max_gap_m=float(found.max_gap),
-        airborne_fraction=float(found.airborne) / (TURN * turns),
-        max_impact_m_per_s=float(found.max_impact) * omega,
-        min_contact_force_n=max(float(found.min_force), 0.0) * force if rested else None,
-        max_contact_force_n=float(found.max_force) * force if rested else None,
-        contact_lost_deg=phase(float(found.lost)),
-        contact_regained_deg=phase(float(found.regained)),
-        landing_deg=float(found.landing) * DEG if landed else None,
-        landing_lift_m=float(found.landing_lift) if landed else None,
-        shut_bounces_per_turn=int(found.shut_bounces) / turns,
+        max_gap_m=found.max_gap,
+        airborne_fraction=found.airborne / (TURN * turns),
+        max_impact_m_per_s=found.max_impact * omega,
+        min_contact_force_n=max(found.min_force, 0.0) * force if rested else None,
+        max_contact_force_n=found.max_force * force if rested else None,
+        contact_lost_deg=phase(found.lost),
+        contact_regained_deg=phase(found.regained),
+        landing_deg=found.landing * DEG if landed else None,
+        landing_lift_m=found.landing_lift if landed else None,
+        shut_bounces_per_turn=found.shut_bounces / turns,
     )
