@@ -103,21 +103,33 @@ class ArcsCam(BaseModel):
         k1, k2 = number(self.flank_center), number(self.nose_center)
         rho1, rho2 = k1 + number(self.base_radius), number(self.nose_radius)
 
-        def circle(sign: int, kappa: Any, rho: Any, zero: Any):
+        def circle(low: Any, high: Any, sign: int, kappa: Any, rho: Any, zero: Any) -> Part:
+            """c = b + h - offset: a = sign kappa sin x, b = a', h^2 = rho^2 - a^2; x from zero."""
+            center, square = sign * kappa, rho * rho
+
             def radius(theta: Any) -> Any:
                 sine, cosine = numbers.sincos(theta - zero)
                 inside = rho * rho - kappa * kappa * sine * sine
                 return sign * kappa * cosine + inside.sqrt() - offset
 
-            return radius
+            def slopes(theta: Any) -> list[Any]:
+                sine, cosine = numbers.sincos(theta - zero)
+                a, b = center * sine, center * cosine
+                h, ab = (square - a * a).sqrt(), a * b
+                h1 = -ab / h  # of (h^2)' = -2 a b, and so on
+                h2 = (a * a - b * b - h1 * h1) / h
+                h3 = (4 * ab - 3 * h1 * h2) / h
+                return [b + h - offset, h1 - a, h2 - b, h3 + a]
+
+            return Part(low, high, radius, slopes=slopes)
 
         parts = [
             Part(number(0), a, None, base),
-            Part(a, b, circle(-1, k1, rho1, a)),
-            Part(b, c, circle(1, k2, rho2, c)),
+            circle(a, b, -1, k1, rho1, a),
+            circle(b, c, 1, k2, rho2, c),
             Part(c, d, None, top),
-            Part(d, e, circle(1, k2, rho2, d)),
-            Part(e, f, circle(-1, k1, rho1, f)),
+            circle(d, e, 1, k2, rho2, d),
+            circle(e, f, -1, k1, rho1, f),
             Part(f, turn, None, base),
         ]
         return [part for part in parts if part.end > part.start]

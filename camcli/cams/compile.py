@@ -45,7 +45,8 @@ class Part:
     """A smooth part of the cam: c(theta) on [start, end], angles in rad; lift None is a dwell.
 
     `lift` must be analytic a little beyond both ends, since these are rounded to doubles.
-    A part may bring `pieces` instead: equal polynomials with six continuous derivatives.
+    A part may bring `pieces` instead: equal polynomials with six continuous derivatives. slopes:
+    theta -> c and its first three derivatives, where that is faster than a power series.
     """
 
     start: Any  # numbers of one kind, `Decimal` unless the maker was asked for others
@@ -53,6 +54,7 @@ class Part:
     lift: Callable[[Any], Any] | None
     level: Any = Decimal(0)  # m, c of a dwell
     pieces: tuple[Piece, ...] = ()
+    slopes: Callable[[Any], list[Any]] | None = None
 
     def edges(self) -> list[float]:
         """Boundaries of the part's own pieces, rad: the stretch around a cut must end there."""

@@ -32,15 +32,15 @@ def first_root(f: Function, low: arb, high: arb, cut: arb | None = None) -> arb 
 def _bracket(f: Function, ends: list[arb]) -> tuple[arb, arb] | None:
     """Two points with the first zero and no other between them, the second beyond it."""
     least = float(ends[-1] - ends[0]) * 2.0 ** -min(ctx.prec // 2, LEAST_BITS)
-    todo = [*pairwise(ends)][::-1]
+    todo: list[tuple] = [(a, b, None) for a, b in pairwise(ends)][::-1]
     while todo:
-        a, b = todo.pop()
+        a, b, end = todo.pop()  # end: the value at b, where it is known
         x = a.union(b)
         whole = f(x)
         if whole[0] > 0:
             continue
         if whole[1] < 0 or whole[2] < 0:  # at most one zero: it falls, or is concave from above 0
-            end = f(b)[0]
+            end = f(b)[0] if end is None else end
             if end > 0:
                 continue
             if end < 0:
@@ -52,9 +52,10 @@ def _bracket(f: Function, ends: list[arb]) -> tuple[arb, arb] | None:
             continue
         if float(b - a) < least:
             raise UndecidedError
+        todo += [(middle, b, end), (a, middle, at[0])]
         if at[0].contains(0):  # a zero on the cut would belong to both sides
-            middle = (3 * a + 2 * b) / 5
-        todo += [(middle.mid(), b), (a, middle.mid())]
+            middle = ((3 * a + 2 * b) / 5).mid()
+            todo[-2:] = [(middle, b, end), (a, middle, None)]
     return None
 
 

@@ -29,11 +29,14 @@ class Stretch:
     end: arb
     lift: Callable[[Any], Any] | None
     level: arb
+    slopes: Callable[[Any], list[Any]] | None = None
 
     def derivatives(self, theta: arb, order: int) -> list[arb]:
         """c and its derivatives by theta up to an order, m."""
         if self.lift is None:
             return [self.level, *[arb(0)] * order]
+        if self.slopes is not None and order <= 3:
+            return self.slopes(theta)[: order + 1]
         return derivatives(self.lift, theta, order)
 
 
@@ -121,7 +124,7 @@ def stretches_of(shape: Shape) -> list[Stretch]:
 def _stretches(part: Part) -> list[Stretch]:
     """A part as it is, or each of its equal polynomials."""
     if not part.pieces:
-        return [Stretch(part.start, part.end, part.lift, part.level)]
+        return [Stretch(part.start, part.end, part.lift, part.level, part.slopes)]
     count, width = len(part.pieces), (part.end - part.start) / len(part.pieces)
     edges = [part.start + k * width for k in range(count + 1)]
     return [
