@@ -8,6 +8,7 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 from camcli.errors import Fault, SceneError
+from camcli.interrupts import held
 
 FOLLOWER = """\
 follower:
@@ -119,8 +120,9 @@ def _write(path: Path, data: bytes, force: bool) -> None:
         raise SceneError(Fault(str(path), "", found, "expected none", cure))
     part = path.with_name(f"{path.name}.cam-part")
     try:
-        part.write_bytes(data)
-        os.replace(part, path)
+        with held():
+            part.write_bytes(data)
+            os.replace(part, path)
     except OSError as error:
         part.unlink(missing_ok=True)
         found = f"cannot be written: {(error.strerror or str(error)).lower()}"
