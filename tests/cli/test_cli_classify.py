@@ -41,13 +41,16 @@ def test_a_range_is_explained_with_its_sentences(cam, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("rpm", "budget", "kinds", "words"),
-    [("736:740", 200_000, ["period-doubling"], "P(1;1)"), ("740.15:740.4", 9_999, [], "budget")],
+    ("command", "rpm", "budget", "kinds", "words"),
+    [
+        ("sweep", "736:740", 200_000, ["period-doubling"], "P(1;1)"),
+        ("classify", "740.15:740.4", 9_999, [], "budget"),
+    ],
 )
-def test_a_budget_of_work_keeps_the_causes_found(cam, tmp_path, rpm, budget, kinds, words):
+def test_a_budget_of_work_keeps_the_causes_found(cam, tmp_path, command, rpm, budget, kinds, words):
     """Cut on a branch, of which a doubling was seen; and before the search for a crisis."""
     asked = ("--rpm", rpm, "--points", "2", "--set", f"run.work_budget={budget}")
-    done = cam("classify", "--explain", "--no-plot", "-o", "out", *asked)
+    done = cam(command, "--explain", "--no-plot", "-o", "out", *asked)
     assert done.returncode == 3
     assert "work-budget: the budget of work was used up" in done.stderr
     assert "raise run.work_budget" in done.stderr
