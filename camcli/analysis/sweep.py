@@ -20,6 +20,7 @@ from camcli.analysis.integrate import (
 )
 from camcli.analysis.labels import APERIODIC, UNDECIDED, passages
 from camcli.analysis.loads import Loads, loads_of
+from camcli.analysis.orbits.identify import named
 from camcli.analysis.orbits.same_orbit import SAME, distance, size_of
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -322,8 +323,6 @@ class _Task:
             name, cost, known = motion.label, cost + motion.cost, motion.label != UNDECIDED
             holds_for, exponents = motion.holds_for, motion.exponents
         else:
-            from camcli.analysis.orbits.identify import named
-
             name, exponents = named(system, rpm, record, self.lyapunov)
         strobe = (range(n), record.strobe_q[:n], _scaled(record.strobe_w[:n], to_mps))
         return Speed(
