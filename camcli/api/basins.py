@@ -1,7 +1,5 @@
 """camcli.basins: which attractor each start lands on."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from math import degrees
 from typing import Any

@@ -6,8 +6,6 @@ The eccentricity is lift/2. Smooth everywhere: no corners. It is also the table 
 with base = -sigma - lift/2 the moving stop of the impact oscillator.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field

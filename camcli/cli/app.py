@@ -1,7 +1,5 @@
 """The `cam` application. Nothing heavy is imported before a command is chosen."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Sequence

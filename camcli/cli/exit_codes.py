@@ -1,8 +1,6 @@
 """What a user sees at the end: the result once the artefacts are in place, a message per fault, the
 exit code."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re

@@ -1,7 +1,5 @@
 """cam figures"""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated

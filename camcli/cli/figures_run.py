@@ -1,7 +1,5 @@
 """Which figures there are, what must be computed again and why, and the comparison."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -63,7 +63,13 @@ def init(
         _write(path, (FOLLOWER + "\n" + LAW).encode(), force)
         print(f"{path}: fill in mass, spring and cam, then: cam detach -c {quote(str(path))}")
         return
-    keys, unsure = _look(table)
+    from camcli.cams.files import read_bytes
+    from camcli.cams.lift_guess import guess
+    from camcli.cams.lift_table import MAX_BYTES
+
+    expected, cure = "expected a table of angles and lifts", "check the name"
+    found = guess(read_bytes(table, str(table), MAX_BYTES, expected, cure), str(table))
+    keys, unsure = found.keys, found.unsure
     path = table.with_suffix(".yaml")
     _write(path, _scene(table, keys, unsure).encode(), force)
     print(f"{table}: {', '.join(f'{key} {value}' for key, value in keys.items())}")
@@ -71,17 +77,6 @@ def init(
         print(f"CHECK {key}: {keys[key]} is a guess: {why}")
     _draw(path, force)
     print(f"{path}: fill in mass and spring, then: cam detach -c {quote(str(path))}")
-
-
-def _look(table: Path) -> tuple[dict[str, Any], dict[str, str]]:
-    """The keys of the section `cam`, and why some are only guesses."""
-    from camcli.cams.files import read_bytes
-    from camcli.cams.lift_guess import guess
-    from camcli.cams.lift_table import MAX_BYTES
-
-    expected, cure = "expected a table of angles and lifts", "check the name"
-    found = guess(read_bytes(table, str(table), MAX_BYTES, expected, cure), str(table))
-    return found.keys, found.unsure
 
 
 def _scene(table: Path, keys: dict[str, Any], unsure: dict[str, str]) -> str:

@@ -1,7 +1,5 @@
 """The options every command shares, declared once."""
 
-from __future__ import annotations
-
 import inspect
 import os
 import re

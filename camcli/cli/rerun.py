@@ -1,7 +1,5 @@
 """cam rerun: the run of a run.json again, and whether its bytes agree."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory

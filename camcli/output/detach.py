@@ -1,7 +1,5 @@
 """What `cam detach` found, as sentences and as the `result` of run.json."""
 
-from __future__ import annotations
-
 from itertools import groupby
 from math import inf
 from typing import Any

@@ -1,7 +1,5 @@
 """run.json: what was run, with what, at which cost, and how exact it is."""
 
-from __future__ import annotations
-
 import json
 import os
 import platform

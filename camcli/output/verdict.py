@@ -1,7 +1,5 @@
 """The answer in a sentence or two, before any table: does contact hold, up to where, what then."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from math import ceil, floor, inf, log10
 from typing import Any

@@ -55,11 +55,6 @@ class _Scene:
     key: str  # what is varied
 
     @property
-    def single(self) -> bool:
-        """Motions of one and the same speed, side by side."""
-        return len({motion.value for motion in self.motions}) == 1
-
-    @property
     def speeds(self) -> str:
         """Their range."""
         ends = dict.fromkeys(style.number(self.motions[k].value) for k in (0, -1))
@@ -118,7 +113,7 @@ def _draw(axes: Axes, scene: _Scene, draw: Any) -> None:
     pairs = [(number, event.rpm) for number, event in scene.events]
     number_events(axes, pairs, named=draw is _draw_phases)
     axes.set_xlabel(axis_name(scene.key))
-    if scene.single:
+    if len({motion.value for motion in scene.motions}) == 1:
         one = len(scene.motions) == 1
         axes.set_xticks([] if one else scene.x)
         axes.set_xlabel(f"{'motion' if one else 'motions, numbered,'} at {scene.speeds}")

@@ -4,8 +4,6 @@ A row is a case, what is expected, and a check that returns what was observed, o
 MismatchError with what was seen instead.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

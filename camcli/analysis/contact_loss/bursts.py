@@ -122,7 +122,7 @@ class Bursts:
         """A phase (deg) shortly before the lost set where the follower rests; None: nowhere."""
         for k in range(1, int(TURN / STEP_BACK)):
             theta = (self.theta - k * STEP_BACK) % TURN
-            if self.force.at_phase(theta, omega) > 0.0:
+            if self.force.newton(stretch_at(self.system.cam, theta), theta, omega) > 0.0:
                 return theta * DEG
         return None
 

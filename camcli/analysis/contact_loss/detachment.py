@@ -111,13 +111,6 @@ class Detachment:
         """True where contact is held at every speed."""
         return self.first is None and not self.always
 
-    @property
-    def first_loss(self) -> Loss | None:
-        """The region of the first detachment."""
-        if self.first is None:
-            return None
-        return next(loss for loss in self.losses if loss.region.name == self.first.region)
-
 
 def detachment(system: System) -> Detachment:
     """First detachment, and opening and filling of every region."""

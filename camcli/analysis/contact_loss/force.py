@@ -16,7 +16,7 @@ from math import inf, pi, sqrt
 from camcli.analysis.bracketing import TIE, lowest
 from camcli.cams.compile import column
 from camcli.cams.regions import Region, regions
-from camcli.kernel.cam_table import lift_at, stretch_at
+from camcli.kernel.cam_table import lift_at
 from camcli.kernel.sticking import find_detachment
 from camcli.system import System, omega_of
 
@@ -69,10 +69,6 @@ class Force:
         """N in newton."""
         a, b, c = self.terms(i, theta)
         return self.mass * (a + omega * (b + omega * c))
-
-    def at_phase(self, theta: float, omega: float) -> float:
-        """N at a phase in [0, 2 pi), right-sided at a corner."""
-        return self.newton(stretch_at(self.cam, theta), theta, omega)
 
     def lost(self, i: int, theta: float) -> tuple[float, float]:
         """The omegas (from, to) between which N <= 0, the roots of the quadratic; from 0 if A < 0.

@@ -219,6 +219,6 @@ def _force_speeds(
     if asked is not None:
         return list(dict.fromkeys(asked))
     low, high = min(rpms), max(rpms)
-    loss = found.first_loss
-    telling = [loss.opens.rpm, loss.fills.rpm] if loss else []
+    lost = [loss for loss in found.losses if found.first and loss.region.name == found.first.region]
+    telling = [x for loss in lost for x in (loss.opens.rpm, loss.fills.rpm)]
     return sorted({low, *(rpm for rpm in telling if low < rpm < high), high})
