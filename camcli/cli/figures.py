@@ -1,15 +1,110 @@
-"""cam figures"""
+"""cam figures: which there are, what must be computed again and why, and the comparison."""
 
-from dataclasses import replace
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Collection, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from hashlib import sha256
 from pathlib import Path
-from typing import Annotated
+from time import perf_counter
+from typing import Annotated, Any, TypeVar
 
+from pydantic import BaseModel, ValidationError
 from typer import Argument, Option
 
+from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import DRAWING, Request
+from camcli.cli.report import plural, progress_bar, table
+from camcli.errors import Fault, SceneError
+from camcli.interrupts import PARENT
+from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, caption, digest, drifts
+from camcli.output.gallery import Shown, page
+from camcli.output.program import program_hash
+from camcli.output.run_folder import run_folder, unchanged
+from camcli.parallel import thread_count
+from camcli.scene import Scene, default_scene_path, load_scene
 
+NAME = "figures"
 # shared options that mean nothing here
 WITHOUT = ("config", "rpm", "points", "no_plot", *DRAWING)
+STATE, REFERENCES = "figure.json", "reference"
+NEW, UNCHANGED, CHECK = "new", "unchanged", "check"
+WHOLE = (DONE, NUMERICS)  # exit codes of a run whose artefacts are whole
+OWNED = {  # options that say where and how it is run, not what is drawn
+    "-c", "--set", "-o", "--no-plot", "--json", "-q", "--threads", "--dry-run", "--cluster",
+    "--shard", "--open",
+}  # fmt: skip
+READS = {"explore": ("sweep", "orbits", "basins")}  # commands that read others' sections
+CAM_ONLY = "--profile-only"  # with it a command knows no impacts, and of a run only the speed
+PORTABILITY = "portability broke"
+MOST_DRIFTS = 12  # of a figure shown to people
+LARGE = 1_000_000  # bytes: a larger table goes once its digest is made
+
+Groups = dict[str, dict[str, Any]]
+Model = TypeVar("Model", bound=BaseModel)
+
+
+class State(BaseModel):
+    """figure.json: what a finished figure was made of, and how it went."""
+
+    hashes: dict[str, str]
+    exit: int
+    notes: list[str]
+    seconds: float
+    files: dict[str, str]  # SHA-256
+    digest: Groups
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """All numbers of the digest."""
+        return {name: value for group in self.digest.values() for name, value in group.items()}
+
+
+class Reference(BaseModel):
+    """A stored digest, with the hashes of what it was made of."""
+
+    scene: str
+    data: str
+    seconds: float
+    regular: dict[str, Any]
+    chaotic: dict[str, Any]
+    solved: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A scene that is a figure; `hashes` are those of all that its files depend on."""
+
+    name: str
+    path: Path
+    scene: Scene
+    words: list[str]  # command and options
+    hashes: dict[str, str]
+
+    @property
+    def shown_command(self) -> str:
+        """What a user types for it."""
+        return " ".join(["cam", self.words[0], "-c", str(self.path), *self.words[1:]])
+
+    @property
+    def reference_path(self) -> Path:
+        """Where its reference is kept."""
+        return self.path.parent / REFERENCES / f"{self.name}.json"
+
+
+@dataclass(frozen=True)
+class Done:
+    """One computed figure: exit code of its command, what it said, and its wall time."""
+
+    name: str
+    code: int
+    notes: list[str]
+    seconds: float
 
 
 def figures(
@@ -57,7 +152,390 @@ def figures(
     differ it says `portability broke`, else how far each number has drifted. A drift is exit code
     3. --update-reference writes what was computed as the new reference.
     """
-    extra = {"names": names, "folder": folder, "check": check, "update_reference": update_reference}
-    from camcli.cli.figures_run import run
+    folder = folder or default_folder()
+    if update_reference:
+        _refuse_contradictions(request, folder, check)
+    known = figures_in(folder, request.sets or ())
+    asked = chosen(known, names or ())
+    out = request.folder(NAME)
+    why = {f.name: CHECK if check else reason(f, out / f.name) for f in asked}
+    if request.dry_run:
+        columns = ("figure", "reason", "seconds", "command")
+        cells = [(f.name, why[f.name], last_seconds(f, out), f.shown_command) for f in asked]
+        rows = [dict(zip(columns, cell, strict=True)) for cell in cells]
+        _print(request, "cam figures, planned; seconds of the last time", rows, {"plan": rows})
+        return DONE
+    began = perf_counter()
+    with run_folder(out) as store:
+        try:
+            done = _compute(request, [f for f in asked if why[f.name] != UNCHANGED], why, out)
+        finally:
+            store.write_text("index.html", [page([_shown(f, out / f.name) for f in known])])
+            store.commit()
+    states = {f.name: state for f in asked if (state := read(State, out / f.name / STATE))}
+    if update_reference and len(states) == len(asked):
+        update(asked, known, states)
+        note(f"{asked[0].reference_path.parent}/: references of {plural(len(asked), 'figure')}")
+    pairs = [(f, states[f.name]) for f in asked if f.name in states and check]
+    drifted = [drift for figure, state in pairs for drift in compared(figure, state)]
+    _show(request, asked, why, done, drifted if check else None, out, perf_counter() - began)
+    codes = {state.exit for state in states.values()} | {d.code for d in done}
+    codes |= {NUMERICS} if drifted else set()
+    return max(codes - set(WHOLE), default=max(codes, default=DONE))
 
-    return run(replace(request, extra=extra))
+
+def _refuse_contradictions(request: Request, folder: Path, check: bool) -> None:
+    """What --update-reference cannot be given with."""
+    if check:
+        found = "found --check and --update-reference"
+        cure = "a reference just written always agrees"
+        raise SceneError(Fault("--check", "", found, "expected one of them", cure))
+    if folder.resolve().is_relative_to(Path(__file__).resolve().parents[1]):
+        found = f"found the figures of the installed program, {folder}"
+        cure = "copy that folder, and name the copy with --folder"
+        raise SceneError(Fault("--update-reference", "", found, "expected one's own", cure))
+    if request.sets:
+        where, cure = "--update-reference", "change the scenes instead"
+        raise SceneError(Fault(where, "", "found --set", "expected the scenes alone", cure))
+
+
+# --- which figures there are
+
+
+def default_folder() -> Path:
+    """configs/figures of the folder we are in, a checkout, else of the installed program."""
+    here = Path("configs", "figures")
+    return here if here.is_dir() else default_scene_path().parent / "figures"
+
+
+def figures_in(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
+    """All figures of a folder, 3.9 before 3.10; raises SceneError with the faults of all scenes."""
+
+    def natural(path: Path) -> list:
+        parts = re.findall(r"\d+|\D+", path.stem)
+        return [(int(part), "") if part.isdigit() else (0, part) for part in parts]
+
+    paths = sorted(folder.glob("*.yaml"), key=natural)
+    if not paths:
+        none = "found no scenes" if folder.is_dir() else "found no such folder"
+        raise SceneError(Fault("--folder", str(folder), none, "expected *.yaml", "name another"))
+    found, faults = [], []
+    for path in paths:
+        try:
+            found.append(_figure(path, sets))
+        except SceneError as error:
+            faults += [fault for fault in error.faults if fault not in faults]
+    if faults:
+        raise SceneError(*faults)
+    return found
+
+
+def _figure(path: Path, sets: Sequence[str]) -> Figure:
+    if not path.stem.strip("."):  # its folder would not lie in the output folder
+        found, cure = f"found a scene named '{path.name}'", "rename it: the folder has its name"
+        raise SceneError(Fault(str(path), "", found, "expected a name with a letter", cure))
+    scene = load_scene(path, sets)
+    if scene.figure is None:
+        expected = "expected title and command"
+        raise SceneError(Fault(str(path), "figure", "found no such section", expected, "add it"))
+    words = scene.figure.words
+    _refuse_unknown(path, words)
+    hashes = {"scene": _scene_hash(scene, words), "data": getattr(scene.cam, "sha256", None) or ""}
+    return Figure(path.stem, path, scene, words, {**hashes, "program": program_hash(pictures=True)})
+
+
+def _refuse_unknown(path: Path, words: list[str]) -> None:
+    """Let the command's own parser read the options; raises SceneError where it cannot."""
+
+    def fault(found: str, expected: str, cure: str) -> SceneError:
+        return SceneError(Fault(str(path), "figure.command", found, expected, cure))
+
+    commands, name = _commands(), words[0]
+    if name not in commands:
+        raise fault(f"found the command '{name}'", f"expected one of {', '.join(commands)}", "")
+    try:
+        context = commands[name].make_context(name, words[1:])
+    except Exception as error:
+        said = error.format_message() if hasattr(error, "format_message") else "found --help"
+        raise fault(said, "", f"see cam {name} --help") from None
+    params = [p for p in commands[name].params if OWNED & set(p.opts) and context.params[p.name]]
+    if params:
+        found = f"found {', '.join(max(p.opts, key=len) for p in params)}"
+        cure = "write scene values into the scene; the rest is given to cam figures"
+        raise fault(found, "expected options of this figure only", cure)
+
+
+@cache
+def _commands() -> dict[str, Any]:
+    """Parsers of the commands that take a scene, by name."""
+    from typer.main import get_command
+
+    from camcli.cli.app import COMMANDS, application
+
+    every = get_command(application(*COMMANDS)).commands.items()  # type: ignore[attr-defined]
+    return {name: c for name, c in every if any("-c" in p.opts for p in c.params)}
+
+
+def _scene_hash(scene: Scene, words: list[str]) -> str:
+    """SHA-256 of the command and of what it reads: not of titles, nor of other commands' keys.
+
+    A key that has its default does not count, so that a new one changes no figure.
+    """
+    values = scene.model_dump(mode="json", exclude_defaults=True)
+    values["cam"].pop("sha256", None)
+    others = {"figure", *_commands()} - {words[0], *READS.get(words[0], ())}
+    read = {key: value for key, value in values.items() if key not in others}
+    if CAM_ONLY in words:
+        read = {**read, "run": scene.run.rpm}
+        read["follower"] = {k: v for k, v in values["follower"].items() if k != "restitution"}
+    text = json.dumps([words, read], sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return sha256(text.encode()).hexdigest()
+
+
+def chosen(known: Sequence[Figure], names: Collection[str]) -> list[Figure]:
+    """The figures with these names, or with these names and a letter; all without names."""
+    hits = {
+        n: {f.name for f in known if re.fullmatch(re.escape(n) + "[a-z]?", f.name)} for n in names
+    }
+    expected = f"expected one of {', '.join(f.name for f in known)}"
+    faults = [
+        Fault("NAME", "", f"found '{name}'", expected, "or none, for all")
+        for name, found in hits.items()
+        if not found
+    ]
+    if faults:
+        raise SceneError(*faults)
+    return [f for f in known if not names or any(f.name in found for found in hits.values())]
+
+
+# --- what must be computed
+
+
+def read(model: type[Model], path: Path) -> Model | None:
+    """What a file holds; None where there is none, or none that can be read."""
+    try:
+        return model.model_validate_json(path.read_bytes()) if path.is_file() else None
+    except (OSError, ValidationError):
+        return None
+
+
+def reason(figure: Figure, folder: Path) -> str:
+    """Why the figure must be computed, or `unchanged`."""
+    state = read(State, folder / STATE)
+    if state is None:
+        return NEW
+    for key, value in figure.hashes.items():
+        if state.hashes.get(key) != value:
+            return f"{key} changed"
+    return UNCHANGED if unchanged(folder, state.files) == state.files else "artefact changed"
+
+
+def last_seconds(figure: Figure, out: Path) -> float | None:
+    """Seconds it took last time, here or where the reference was made."""
+    here, there = out / figure.name / STATE, figure.reference_path
+    known = read(State, here) or read(Reference, there)
+    return known.seconds if known else None
+
+
+def _run(figure: Figure, options: list[str]) -> Done:
+    """Run the command of a figure in a process of its own, which ends with this one."""
+    began = perf_counter()
+    process = subprocess.run(
+        [sys.executable, "-m", "camcli", *figure.words, "-c", str(figure.path), *options],
+        env={**os.environ, PARENT: str(os.getpid())},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    seconds = round(perf_counter() - began, 3)
+    notes, code = process.stderr.splitlines(), process.returncode
+    if code < 0:
+        notes, code = [*notes, f"ended by signal {-code}"], INTERNAL
+    return Done(figure.name, code, notes, seconds)
+
+
+def _finish(figure: Figure, folder: Path, done: Done) -> None:
+    """Write figure.json with the digest, and remove the large tables that it was made from."""
+    found = digest(folder)
+    for path in folder.glob("*.csv"):
+        if path.stat().st_size > LARGE:
+            path.unlink()
+    paths = [p for p in sorted(folder.iterdir()) if p.is_file() and p.name[0] != "."]
+    state = State(
+        hashes=figure.hashes,
+        exit=done.code,
+        notes=done.notes,
+        seconds=done.seconds,
+        files={path.name: sha256(path.read_bytes()).hexdigest() for path in paths},
+        digest=found,
+    )
+    with run_folder(folder) as store:
+        store.write_text(STATE, [state.model_dump_json(indent=1)])
+        store.commit()
+
+
+def _compute(
+    request: Request, wanted: Sequence[Figure], why: Mapping[str, str], out: Path
+) -> list[Done]:
+    """Run the figures, as many at a time as there are threads, the longest first.
+
+    Each is marked as finished at once. On an interrupt no more are begun, and those at work end
+    with this process (`interrupts`); their finished pieces stay on disk. Where nobody watches the
+    bar, each has a line.
+    """
+    seconds = {f.name: last_seconds(f, out) for f in wanted}
+    ordered = sorted(wanted, key=lambda f: -(seconds[f.name] or 1e9))  # unknown ones come first
+    count = thread_count(request.threads)
+    options = ["--quiet", "--json", "--threads", str(max(1, count // max(1, len(wanted))))]
+    options += [word for text in request.sets or () for word in ("--set", text)]
+    finished = 0
+
+    def piece(figure: Figure) -> Done:
+        nonlocal finished
+        folder = out / figure.name
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / STATE).unlink(missing_ok=True)  # until it is whole again
+        done = _run(figure, [*options, "-o", str(folder)])
+        if done.code in WHOLE:
+            _finish(figure, folder, done)
+        finished += 1
+        if progress is not None:
+            progress("figures", finished, len(wanted))
+        elif not request.quiet:
+            end = "" if done.code == DONE else f", exit code {done.code}"
+            note(f"{done.name}: {why[done.name]}, {done.seconds:.1f} s{end}")
+        return done
+
+    with progress_bar(request.quiet) as progress:
+        pool = ThreadPoolExecutor(count)
+        try:
+            done = list(pool.map(piece, ordered))
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+    for each in done:
+        for line in (each.notes or [f"exit code {each.code}"]) if each.code != DONE else ():
+            note(f"{each.name}: {line}")
+    return done
+
+
+# --- references
+
+
+def update(asked: Sequence[Figure], known: Sequence[Figure], states: dict[str, State]) -> None:
+    """Write the references of these figures; remove those of no known one."""
+    folder = asked[0].reference_path.parent
+    with run_folder(folder) as store:
+        for figure in asked:
+            state = states[figure.name]
+            hashes = {key: figure.hashes[key] for key in ("scene", "data")}
+            text = {**hashes, "seconds": round(state.seconds, 1), **state.digest}
+            store.write_text(f"{figure.name}.json", [json.dumps(text, indent=0) + "\n"])
+        store.commit()
+    for path in folder.glob("*.json"):
+        if path.stem not in {figure.name for figure in known}:
+            path.unlink()
+
+
+def compared(figure: Figure, state: State) -> list[Drift]:
+    """All numbers of a figure that are not the reference's; a reference that cannot be read too."""
+    path = figure.reference_path
+    reference = read(Reference, path)
+    if reference is None:
+        cure = "cannot be read: restore it, or cam figures --update-reference"
+        why = cure if path.exists() else "no such file"
+        return [Drift(figure.name, SOLVED, str(path), None, why)]
+    old = {group: getattr(reference, group) for group in (REGULAR, CHAOTIC, SOLVED)}
+    found = list(drifts(figure.name, old, state.digest))
+    other = [
+        Drift(figure.name, REGULAR, f"hash of the {key}", was[:12], figure.hashes[key][:12])
+        for key, was in (("scene", reference.scene), ("data", reference.data))
+        if was != figure.hashes[key]
+    ]
+    if other:  # another scene explains any number
+        found = [Drift(d.figure, d.group, d.name, d.reference, d.found, d.by) for d in found]
+    return other + found
+
+
+def verdict(drifted: Sequence[Drift]) -> str:
+    """One line on what the drifts mean together."""
+    if not drifted:
+        return "every number is the reference's"
+    figures = plural(len({drift.figure for drift in drifted}), "figure")
+    words = f"{plural(len(drifted), 'number')} drifted in {figures}"
+    broken = sum(drift.portability for drift in drifted)
+    if broken == len(drifted):
+        words += f": {PORTABILITY}: only chaotic motions and last bits differ"
+    elif broken:
+        words += f", {broken} of them where bits should agree on every machine ({PORTABILITY})"
+    return words
+
+
+# --- what is shown
+
+
+def _shown(figure: Figure, folder: Path) -> Shown:
+    about, state = figure.scene.figure, read(State, folder / STATE)
+    assert about is not None
+    text = figure.path.read_text(encoding="utf-8-sig")
+    shown = Shown(figure.name, about.title, "", figure.shown_command, text, folder)
+    if state is None:
+        return shown
+    try:
+        said = caption(about.shows, state.values)
+    except KeyError as name:
+        said = f"(The caption names {name}, which this run does not have.)"
+    return replace(
+        shown,
+        caption=said,
+        files=list(state.files),
+        seconds=state.seconds,
+        notes=state.notes,
+        printed={name: (value, state.values.get(name)) for name, value in about.printed.items()},
+    )
+
+
+def _print(request: Request, title: str, rows: list[dict[str, Any]], more: dict[str, Any]) -> None:
+    """Rows as one JSON object with `more`, or as a table for people."""
+    if request.json:
+        print(json.dumps({"command": NAME, **more}, indent=2))
+        return
+    cells = [["" if value is None else str(value) for value in row.values()] for row in rows]
+    table(title, list(rows[0]) if rows else [], cells)
+
+
+def _show(request, asked, why, done: list[Done], drifted: list[Drift] | None, out, seconds) -> None:
+    """What was done; drifted: None where nothing was compared."""
+    spent = {each.name: each for each in done}
+    rows = []
+    for f in asked:
+        each = spent.get(f.name, Done("", DONE, [], 0.0))
+        row = {"figure": f.name, "title": f.scene.figure.title, "reason": why[f.name]}
+        rows.append({**row, "seconds": each.seconds, "exit": each.code})
+    more: dict[str, Any] = {"figures": rows, "seconds": seconds}
+    if drifted is not None:
+        more |= {"verdict": verdict(drifted), "drifts": [asdict(d) for d in drifted]}
+    _print(request, plural(len(asked), "figure"), rows, more)
+    if request.json:
+        return
+    for name in dict.fromkeys(drift.figure for drift in drifted or ()):
+        mine = [drift for drift in drifted or () if drift.figure == name]
+        for drift in mine[:MOST_DRIFTS]:
+            print(_sentence(drift))
+        if len(mine) > MOST_DRIFTS:
+            print(f"{name}: and {len(mine) - MOST_DRIFTS} more (--json has all of them)")
+    if drifted is not None:
+        print(verdict(drifted))
+    print(f"{out}/index.html: {len(done)} of {len(asked)} figures computed in {seconds:.3g} s")
+
+
+def _sentence(d: Drift) -> str:
+    """A drift as a line."""
+    was, now = ("nothing" if value is None else str(value) for value in (d.reference, d.found))
+    where = f"{d.figure}: {d.name}" + (" (chaotic)" if d.group == CHAOTIC else "")
+    text = f"{where}: reference {was}, found {now}"
+    if d.by is not None:
+        text += f", off by {d.by:.6g}"
+        if d.reference:
+            text += f" ({abs(d.by / d.reference):.2g} of it)"
+    return text + (f": {PORTABILITY}" if d.portability else "")

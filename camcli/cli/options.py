@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Collection
 from contextlib import ExitStack, redirect_stdout
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from math import isfinite
 from pathlib import Path
@@ -122,7 +122,6 @@ class Request:
     dry_run: Annotated[
         bool, Option("--dry-run", help="Validate, print the plan and its cost; write nothing.")
     ] = False
-    extra: dict[str, Any] = field(default_factory=dict)  # options of one command only
 
     def form(self) -> Values:
         """What the options of pictures set in the scene's section `plot`."""
@@ -189,7 +188,7 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
     if first.name != "request":
         app.command(run.__name__)(run)
         return
-    shared = [p for p in _parameters(Request) if p.name not in {"extra", *without}]
+    shared = [p for p in _parameters(Request) if p.name not in without]
     parameters = [*shared, *own]
 
     def call(**values: Any) -> None:

@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 import camcli
-from camcli.cli import figures_run
+from camcli.cli import figures as figures_command
 from camcli.cli.app import app
 from camcli.cli.exit_codes import guarded
-from camcli.cli.figures_run import State, check, chosen, figures, read, verdict
+from camcli.cli.figures import State, chosen, compared, figures_in, read, verdict
 from camcli.cli.options import Request
 from camcli.errors import SceneError
 from camcli.output.digest import Drift, caption, drifts
@@ -133,9 +133,9 @@ def test_a_pipe_or_a_misshapen_record_of_one_figure_stops_no_other(run, home):
 
 def test_the_installed_figures_keep_their_references(run, home, monkeypatch):
     inside = Path(camcli.__file__).parent
-    monkeypatch.setattr(figures_run, "default_folder", lambda: inside)
+    monkeypatch.setattr(figures_command, "default_folder", lambda: inside)
     with pytest.raises(SceneError, match="installed program"):
-        figures_run.run(Request(extra={"update_reference": True, "check": False, "folder": None}))
+        figures_command.figures(Request(), update_reference=True)
 
 
 def test_another_lift_table_is_data_changed(run, home):
@@ -180,8 +180,8 @@ def drifted(home, name, change):
     reference = json.loads(path.read_text())
     change(reference)
     path.write_text(json.dumps(reference))
-    (figure,) = chosen(figures(home / "scenes"), [name])
-    return check(figure, state_of(home, name))
+    (figure,) = chosen(figures_in(home / "scenes"), [name])
+    return compared(figure, state_of(home, name))
 
 
 def state_of(home, name):
@@ -230,7 +230,7 @@ def test_a_reference_that_is_none_is_a_drift_of_its_figure_alone(home, text):
     path.unlink()
     if text is not None:
         path.write_text(text)
-    found = [d for f in figures(home / "scenes") for d in check(f, state_of(home, f.name))]
+    found = [d for f in figures_in(home / "scenes") for d in compared(f, state_of(home, f.name))]
     assert [(d.figure, d.name) for d in found] == [("1.10", str(path))]
     assert ("--update-reference" in found[0].found) == (text is not None)
 
@@ -257,7 +257,7 @@ def test_a_caption_has_the_numbers_of_the_run(run, home):
 
 
 def test_large_tables_go_when_their_digest_is_made(run, home, monkeypatch):
-    monkeypatch.setattr("camcli.cli.figures_run.LARGE", 100)
+    monkeypatch.setattr("camcli.cli.figures.LARGE", 100)
     run("--check", "1.2")
     names = {path.name for path in (home / "out" / "1.2a").iterdir()}
     assert names == {"figure.json", "run.json", "speeds.csv", "sweep.png"} - {"speeds.csv"}
@@ -335,7 +335,7 @@ def test_faults_of_the_command_line(run, words, told):
 
 
 def test_the_example_is_complete_and_its_references_are_small():
-    known = figures(REAL)
+    known = figures_in(REAL)
     assert [figure.name for figure in known] == NAMES
     assert [figure.name for figure in chosen(known, ["3.6", "3.10"])] == [*NAMES[6:12], "3.10"]
     assert all(figure.scene.figure.shows for figure in known)
@@ -397,7 +397,7 @@ def test_real_figures_agree_with_their_reference(tmp_path, capsys):
     assert "every number is the reference's" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("figure", figures(REAL), ids=lambda figure: figure.name)
+@pytest.mark.parametrize("figure", figures_in(REAL), ids=lambda figure: figure.name)
 def test_captions_are_made_of_the_numbers_of_the_run(figure):
     """No number with a decimal point is typed, and every label named is one of the run."""
     reference = json.loads(figure.reference_path.read_text())

@@ -10,7 +10,7 @@ from camcli.analysis.bench.machine import reference as stored
 from camcli.analysis.bench.peers import Lift
 from camcli.analysis.bench.precision import case
 from camcli.cams.compile import column
-from camcli.cli.bench_run import machines
+from camcli.cli.bench import machines
 from camcli.exact.balls import UndecidedError, precision
 from tests.kernel.helpers import ORACLE_CAM, events, reference, run, system
 from tests.random_flights import (
