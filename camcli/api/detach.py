@@ -137,7 +137,7 @@ def detach(
             **tables,
         },
         summary={"status": budget.status.text, **words},
-        pictures={"detach": drawn_by("detach.draw_detach", found, system)},
+        pictures={"detach": drawn_by("detach.draw_detach", found, system, cam.kind == "table")},
         cost=found.cost,
         seconds=watch.seconds,
         notes=tuple(notes),

@@ -203,8 +203,6 @@ def _range(study: Study, question: Question, key: str) -> Picture:
     edges = np.array([2.0 * values[0] - middle[0], *middle, 2.0 * values[-1] - middle[-1]])
     areas = {**colours, UNDECIDED_CODE: style.UNDECIDED, -1: "white"}
     rows: list[list[Any]] = [[_swatch(areas[code]), words] for code, words in _range_entries(study)]
-    half = (len(rows) + 1) // 2
-    head: list[list[Any]] = [["", "branch of attractors"]]
     window, ends = question.window, [style.number(study.speeds[k].value) for k in (0, -1)]
     words = (
         f"{len(study.speeds)} {one_of(key)}s, {window.nq} × {window.nv} starts each, "
@@ -217,7 +215,7 @@ def _range(study: Study, question: Question, key: str) -> Picture:
         "attractors": Panel(partial(_draw_states, **more), 52.0, key),
     }
     title = f"Basin fractions, {valued(key, ' to '.join(ends), study.speeds[0].rpm)}"
-    return Picture(title, panels, words, lists=[head + rows[:half], head + rows[half:]])
+    return Picture(title, panels, words, lists=[[["", "branch of attractors"], *rows]])
 
 
 def _labels(speeds: Sequence[Basins]) -> dict[int, list[str]]:
@@ -246,7 +244,8 @@ def _branch_labels(labels: Sequence[str]) -> str:
     """The first label, and the others where it changes along the branch."""
     kinds = list(dict.fromkeys(labels))
     shown = ", ".join(style.motion(kind, RANGE_CHARS) for kind in kinds[:LABELS])
-    return shown if len(kinds) <= LABELS else f"{shown} and {len(kinds) - LABELS} more labels"
+    more = len(kinds) - LABELS
+    return shown if more <= 0 else f"{shown} and {more} more label{'s' * (more > 1)}"
 
 
 def branch_colours(study: Study) -> dict[int, str]:

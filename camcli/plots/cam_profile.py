@@ -42,7 +42,8 @@ def draw_profiles(cams: Sequence[Drawn]) -> Picture:
     low, high = profile.ranges["c"]
     first, said = profile.first, "no speed marks a first detachment"
     if first is not None and first.finite:
-        said = f"first detachment at {first.rpm:.6g} rpm, {first.theta_deg:.5g} deg"
+        exact = 4 if cams[0].measured else 6  # digits
+        said = f"first detachment at {first.rpm:.{exact}g} rpm, {first.theta_deg:.{exact}g} deg"
     many = len(cams) > 1
     each = [_panels(cam, cams if many else ()) for cam in cams]
     panels = {

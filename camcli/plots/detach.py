@@ -43,7 +43,7 @@ class _View:
         return self.fold + (np.asarray(theta_deg, dtype=float) - self.fold) % TURN_DEG
 
 
-def draw_detach(study: ContactLoss, system: System) -> Picture:
+def draw_detach(study: ContactLoss, system: System, measured: bool = False) -> Picture:
     """Picture of where contact is lost: phases over speed, forces over the turn."""
     corners = style.corner_names(system.corners_deg)
     *enlarged, whole = _views(study)
@@ -64,15 +64,17 @@ def draw_detach(study: ContactLoss, system: System) -> Picture:
         panels["springs"] = Panel(draw, FORCE)
     rpms = dict.fromkeys(style.number(f(s.rpm for s in study.speeds)) for f in (min, max))
     title = f"Detachment and chattering, {' to '.join(rpms)} rpm"
-    return Picture(title, panels, _first_loss(study))
+    return Picture(title, panels, _first_loss(study, measured))
 
 
-def _first_loss(study: ContactLoss) -> str:
+def _first_loss(study: ContactLoss, measured: bool) -> str:
     first = study.detachment.first
     if first is None:
         never = study.detachment.never
         return "contact is never lost" if never else "contact is lost at every speed"
-    text = f"contact is first lost at {first.rpm:.9f} rpm, {first.theta_deg:.6f} deg"
+    exact = (4, 4) if measured else (12, 9)  # digits that a lift table, or any other cam, deserves
+    rpm, theta = (f"{x:.{n}g}" for x, n in zip((first.rpm, first.theta_deg), exact, strict=True))
+    text = f"contact is first lost at {rpm} rpm, {theta} deg"
     if study.completion:
         text += f"; chatter stops being complete at {study.completion[0].rpm:.4f} rpm"
     return text
