@@ -27,10 +27,10 @@ PICTURE, RECORD = 250e3, 5e3  # bytes of a PNG and of run.json
 MUCH = 200e6  # bytes of files that are worth a word
 MOST = 10.0  # s of a sample, then nothing is foreseen
 ENOUGH = 1.0  # s after which no larger sample is run
-SHORT = 100  # turns of transient and of record in a sample; the rest is taken to be like them
+SHORT = 1000  # turns of transient and of record in a sample; the rest is taken to be like them
 BOUNDED = ("detach", "orbits")  # have a budget
 PER_WORK = 2e-7  # s, for one of it, measured: 1e-7 to 4e-7
-LARGEST = 32  # the largest sample; the first is 2, each is twice the one before
+LARGEST = 32  # the largest sample; each is twice the one before
 
 
 class Size(NamedTuple):
@@ -113,10 +113,14 @@ def sample_of(command: str, scene: Scene, n: int) -> Scene:
 
 
 def _fewer(section: Any, n: int) -> dict[str, Any]:
-    """At most n values of each number that is varied."""
-    axes = [section.rpm, *getattr(section, "vary", ())]
-    rpm, *vary = (axis.model_copy(update={"num": min(n, axis.num)}) for axis in axes)
-    return {"rpm": rpm, "vary": tuple(vary)}
+    """At most n values of each number that is varied, none at an end: what is there is special."""
+
+    def few(axis: Any) -> Any:
+        aside = 0.5 * (axis.stop - axis.start) / n
+        inside = {"start": axis.start + aside, "stop": axis.stop - aside, "num": n}
+        return axis.model_copy(update=inside) if n < axis.num else axis
+
+    return {"rpm": few(section.rpm), "vary": tuple(map(few, getattr(section, "vary", ())))}
 
 
 def refuse_too_large(command: str, scene: Scene, folder: Path, shard: Shard | None) -> None:
@@ -204,7 +208,7 @@ def _extrapolated(command: str, scene: Scene, request: Request, size: Size) -> l
         if watch.passed() > MOST:
             raise TimeoutError
 
-    n, enough = 2, 1 if size.turns else 2
+    n, enough = (8, 1) if size.turns else (2, 2)
     with stopwatch() as watch:
         while n <= LARGEST and (len(samples) < enough or watch.passed() < ENOUGH):
             small = sample_of(command, scene, n)

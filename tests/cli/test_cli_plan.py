@@ -10,7 +10,7 @@ from camcli.kernel import backend, compiled
 SEEN = {
     "sweep": ("sweep", "--points", "41"),
     "sweep with damping": ("sweep", "--set", "follower.damping=2", "--points", "41"),
-    "sweep of chatter": ("sweep", "--rpm", "110:195", "--points", "12"),
+    "sweep of chatter": ("sweep", "--rpm", "110:200", "--points", "40"),
     "sweep as npz": ("sweep", "--set", "sweep.tables=npz", "--points", "40"),
     "sweep down": ("sweep", "--rpm", "735:672", "--set", "sweep.direction=down", "--points", "40"),
     "basins": ("basins", "--cells", "120"),
