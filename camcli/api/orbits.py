@@ -357,7 +357,10 @@ def _bifurcations_table(found: OrbitsResult, keys: Keys) -> Table:
         rows = [[row[-2], *row[:-2], row[-1]] for row in rows]
     if found.proofs is not None:
         columns += ["proved", "enclosure_low", "enclosure_high"]
+        at = columns.index([*first, *last, "rpm"][0])
         for row, p in zip(rows, found.proofs.events, strict=True):
+            if p.proved and p.low is not None and p.high is not None:
+                row[at] = min(max(row[at], p.low), p.high)  # doubles may be an ulp beside it
             row += [_yes(p), p.low, p.high]
     return Table.of_rows(columns, lambda: rows)
 

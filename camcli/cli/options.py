@@ -3,7 +3,6 @@
 import inspect
 import os
 import re
-from collections import Counter
 from collections.abc import Callable, Collection
 from contextlib import ExitStack, redirect_stdout
 from dataclasses import dataclass
@@ -166,15 +165,14 @@ Cluster = Annotated[
 ]
 
 
-class _Once(TyperCommand):
-    """A command that refuses an option given twice, of which only the last would count."""
+class _OneScene(TyperCommand):
+    """A command that refuses a second scene: of two -c only the last would count."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         _, _, order = self.make_parser(ctx).parse_args(args=[*args])
-        for option, count in Counter(order).items():
-            if count > 1 and not (getattr(option, "is_flag", True) or option.multiple):
-                found, cure = f"found it {count} times", "leave all but one of them out"
-                raise SceneError(Fault(option.opts[0], "", found, "expected it once", cure))
+        if [option.name for option in order].count("config") > 1:
+            found, cure = "found it twice", "give one scene, and what differs with --set"
+            raise SceneError(Fault("-c", "", found, "expected one scene", cure))
         return super().parse_args(ctx, args)
 
 
@@ -205,7 +203,7 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
 
     call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     call.__annotations__ = {p.name: p.annotation for p in parameters}
-    app.command(run.__name__, cls=_Once, help=run.__doc__)(call)
+    app.command(run.__name__, cls=_OneScene, help=run.__doc__)(call)
 
 
 @cache

@@ -77,6 +77,8 @@ def test_record_and_table_tell_brackets_statuses_and_words(bare):
     assert kinds == {"A2": "flies-off", "A4": "released-and-caught"}
     assert result["corner_hits_ended"][0]["corner"] == "e"
     assert result["least_force"][0]["force_n"] == pytest.approx(28.0379, abs=1e-4)
+    b = 150.1793714951576  # as weak as e, which comes later, to rounding: zero at the second speed
+    assert [row["theta_deg"] for row in result["least_force"]] == pytest.approx([b] * 4, abs=1e-9)
     for text in ("114.979326744", "119.71248", "198.5605", "flies off at b", "deg before e"):
         assert text in done.stdout
     assert "impacts in" in done.stdout.splitlines()[-1]

@@ -40,7 +40,7 @@ QUICK = ("--no-plot", "--set", "run.transient=1", "--set", "run.record=2")
         (("simulate", "-o", ""), "found '', expected the name of a folder"),
         (("simulate", "--base-radius", "2"), "add --profile-only"),
         (("classify", "--seed", "3"), "add --starts N"),
-        (("simulate", "-c", "a.yaml", "-c", "b.yaml"), "-c: found it 2 times"),
+        (("simulate", "-c", "a.yaml", "-c", "b.yaml"), "-c: found it twice, expected one scene"),
         (("sweep", "--points", "-3"), "found '-3', expected a whole number above 0, e.g."),
         (("sweep", "--rpm", "700:710", "--zoom", "709:711"), "--zoom: sweep.zoom: found"),
         (("detach", "--tolerance", "follower.mas=5%"), "did you mean 'mass'?"),

@@ -91,22 +91,29 @@ class Force:
         return 2.0 * a / root, root / (2.0 * c) if c > 0.0 else inf
 
     def lowest(
-        self, f: Callable[[int, float], float], stretches: Sequence[int] | None = None
+        self,
+        f: Callable[[int, float], float],
+        stretches: Sequence[int] | None = None,
+        rounding: float = 0.0,
     ) -> tuple[float, int, float]:
-        """(value, stretch, theta) of the smallest f(i, theta) on some stretches, all by default."""
+        """(value, stretch, theta) of the smallest f(i, theta) on some stretches, all by default.
+
+        Of places whose values differ by `rounding` or less the first.
+        """
         stretches = range(len(self.cam.stretches)) if stretches is None else stretches
         best = (inf, stretches[0], self.starts[stretches[0]])
         for i in stretches:
             count = PER_PIECE * self.counts[i]
             value, theta = lowest(partial(f, i), self.starts[i], self.ends[i], count)
-            if value < best[0] and not value >= best[0] - TIE * abs(best[0]):
+            if value < best[0] and not value >= best[0] - TIE * abs(best[0]) - rounding:
                 best = value, i, theta
         return best
 
     def weakest(self, rpm: float) -> tuple[float, int, float]:
         """(N, stretch, theta) where the force is smallest over a turn."""
-        omega = omega_of(rpm)
-        return self.lowest(lambda i, x: self.newton(i, x, omega))
+        omega, (b, c) = omega_of(rpm), self.least
+        rounding = self.mass * (self.rounding + omega * (b + omega * c))
+        return self.lowest(lambda i, x: self.newton(i, x, omega), rounding=rounding)
 
     def held(self, region: Region, rpm: float) -> bool:
         """True where the kernel's own certified step finds no zero of N in the region."""
