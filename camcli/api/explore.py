@@ -1,7 +1,10 @@
 """camcli.explore: the motions over a range of speeds, on one page on which the machine moves."""
 
+import json
+from base64 import b64encode
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from importlib.resources import files
 from math import ceil, pi, sqrt
 from typing import Any, BinaryIO
 
@@ -20,7 +23,9 @@ from camcli.api.sweep import sweep
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import for_work, stopwatch
 from camcli.kernel.cam_table import TURN
+from camcli.output.run_record import plain
 from camcli.parallel import Work
+from camcli.plots import style
 from camcli.plots.axes import axis_name
 from camcli.plots.event_words import event_words
 from camcli.plots.mechanism import Outline
@@ -179,8 +184,6 @@ def explore(
     parts |= {name: result for name, result in more.items() if result is not None}
 
     def write(file: BinaryIO) -> None:
-        from camcli.output.explore import page
-
         data = {"source": source, **_machine_data(machine), **_motion_data(found)}
         file.write(page(data).encode())
 
@@ -502,3 +505,33 @@ def _map_data(result: Result) -> dict[str, Any]:
         "codes": codes[np.argsort(y)][:, np.argsort(x)].astype(np.uint8).ravel(),
         "words": "",
     }  # fmt: skip
+
+
+# --- one page with the data in it, which needs no other file
+
+COLOURS = {
+    "flight": style.FLIGHT, "sticking": style.STICKING, "impact": style.IMPACT,
+    "chatter": style.CHATTER, "detachment": style.DETACHMENT, "trouble": style.TROUBLE,
+    "cam": style.CAM, "body": style.CAM_BODY, "guide": style.GUIDE, "force": style.FORCES[2],
+    **{f"period{k}": colour for k, colour in enumerate(style.PERIODS, 1)},
+    "longer": style.LONGER, "aperiodic": style.APERIODIC,
+}  # fmt: skip
+
+
+def page(data: Mapping[str, Any]) -> str:
+    """The page that shows the data: plain values, and NumPy arrays of numbers or flags.
+
+    `explore.html` in `camcli.output` is the page without the data: its style and its script.
+    """
+    template = (files("camcli.output") / "explore.html").read_text(encoding="utf-8")
+    colours = " ".join(f"--{name}: {colour};" for name, colour in COLOURS.items())
+    text = json.dumps(plain(data), separators=(",", ":"), allow_nan=False, default=_packed)
+    return template.replace("/*COLOURS*/", colours).replace(
+        "/*DATA*/", text.replace("<", "\\u003c")
+    )
+
+
+def _packed(array: np.ndarray) -> dict[str, str]:
+    """An array as base64 of float32 or uint8."""
+    kind = "f4" if array.dtype.kind == "f" else "u1"
+    return {kind: b64encode(array.astype(f"<{kind}").tobytes()).decode()}

@@ -123,8 +123,8 @@ def _films(machine: Machine, found: Simulation) -> dict[str, Callable[[BinaryIO]
     from camcli.output.pictures import animation_kinds, write_animation
 
     def write(file: BinaryIO, kind: str) -> None:
-        from camcli.plots.animation import draw_frames
         from camcli.plots.mechanism import Outline
+        from camcli.plots.simulate import draw_frames
 
         cam, turns = machine.scene.cam, machine.scene.simulate.plot_turns
         outline = Outline.of(machine.system, getattr(cam, "base_radius", None), cam)

@@ -1,23 +1,22 @@
 """cam merge: the artefacts of a run whose pieces were computed in shards."""
 
-from __future__ import annotations
-
+import json
 import os
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib import import_module
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from typer import Argument
 
 from camcli.cli.options import DRAWING, Request
-from camcli.cli.rerun import REPEATED, HomeFolder
+from camcli.cli.rerun import REPEATED, HomeFolder, Record, record_of
+from camcli.cli.run import execute
 from camcli.errors import Fault, SceneError
-
-if TYPE_CHECKING:
-    from camcli.cli.record import Record
+from camcli.output.program import program_hash
+from camcli.parallel.checkpoint import key_of
 
 WITHOUT = (*REPEATED, *DRAWING)  # shared options that mean nothing here
 PIECES = ".pieces"  # ending of the files of --shard
@@ -37,8 +36,6 @@ def merge(
     cam sweep --shard 1/4 -o DIR ... cam sweep --shard 4/4 -o DIR, on any machines and in any
     order, then cam merge DIR: the same artefacts, byte for byte, as of one run.
     """
-    from camcli.cli.run import execute
-
     paths = _paths(parts or [Path("out")])
     record = _record(paths)
     no_plot = request.no_plot or not record.options.plot
@@ -65,12 +62,6 @@ def _record(paths: Sequence[Path]) -> Record:
 
     A part that is there twice, or one of another division of the same run, does no harm.
     """
-    import json
-
-    from camcli.cli.record import record_of
-    from camcli.output.program import program_hash
-    from camcli.parallel.checkpoint import key_of
-
     numbers: dict[int, set[int]] = {}  # parts that are there, by their total
     first: dict = {}
     plot = False

@@ -14,10 +14,9 @@ from camcli.analysis.simulate import Simulation
 from camcli.analysis.simulate import simulate as run
 from camcli.errors import Status
 from camcli.plots import style
-from camcli.plots.animation import FRAMES, draw_frames
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Picture
-from camcli.plots.simulate import Trace, draw_simulation
+from camcli.plots.simulate import FRAMES, Trace, draw_frames, draw_simulation
 from camcli.scene import load_scene
 from tests.conftest import settings
 from tests.output.pictures import EVEN, RPM, bounce, count, pixels, tall
