@@ -264,6 +264,11 @@ def _joined(parts: Sequence):
     return joined
 
 
+def rounding_of(c: float) -> float:
+    """What a start on the cam may be off it by rounding, m."""
+    return ROUNDING_M * max(1.0, abs(c))
+
+
 def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
     """The kernel's state at the start; raises StartError below the cam."""
     theta = (start.theta_deg % 360.0) * (pi / 180.0)
@@ -271,7 +276,7 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
     c, c1, _ = lift_at(cam, i, theta)
     gap = 0.0 if start.q is None else start.q - c
     rate = 0.0 if start.v is None else start.v / omega - c1
-    if abs(gap) <= ROUNDING_M * max(1.0, abs(c)):
+    if abs(gap) <= rounding_of(c):
         gap = 0.0  # q = 0.1 on a dwell of 0.4 - 0.3, which is an ulp more
     if gap < 0.0:
         found = f"found q = {start.q!r} m, {-gap:.6g} m below the cam"

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from camcli.analysis.integrate import SLICE, Cost, Record, Settings, Start
+from camcli.analysis.integrate import SLICE, Cost, Record, Settings, Start, rounding_of
 from camcli.interrupts import look
 from camcli.kernel import backend
 from camcli.kernel.cells import Cells, Point, Progress, Rest, Room, Targets
@@ -56,7 +56,9 @@ class CellBatches:
     def states(self, q, v) -> tuple[np.ndarray, np.ndarray]:
         """(gap, rate) of positions (m) and velocities (m/s); a gap below zero is below the cam."""
         c, c1 = self.lift
-        return np.asarray(q, dtype=float) - c, np.asarray(v, dtype=float) / self.omega - c1
+        gap = np.asarray(q, dtype=float) - c
+        gap = np.where(np.abs(gap) <= rounding_of(c), 0.0, gap)
+        return gap, np.asarray(v, dtype=float) / self.omega - c1
 
     def passages(self, record: Record) -> np.ndarray:
         """(n, 2) states (gap, rate) at the strobes of a record."""
