@@ -213,9 +213,9 @@ def read_branches(path: str | PathLike, key: str) -> list[Branch]:
     Raises SceneError where the file is none, or is in another parameter.
     """
     expected, cure = f"expected a branch.csv in {key}", "see cam orbits"
-    text = _text(path)
+    text = _text(path, expected, cure)
     try:
-        rows = list(csv.DictReader(text))
+        rows = list(csv.DictReader(text, restkey="", restval=""))
         (column,) = _columns(rows, [key])
         if len({row[column] for row in rows}) == 1 < len(rows):
             raise ValueError("solved along another parameter")
@@ -233,9 +233,9 @@ def read_branches(path: str | PathLike, key: str) -> list[Branch]:
         raise SceneError(Fault("--branches", str(path), "found none", expected, cure)) from None
 
 
-def _text(path: str | PathLike) -> StringIO:
-    name = str(path)
-    return StringIO(decoded(read_bytes(Path(path), name, MOST_BYTES, "", ""), name), newline="")
+def _text(path: str | PathLike, expected: str, cure: str) -> StringIO:
+    data = read_bytes(Path(path), str(path), MOST_BYTES, expected, cure)
+    return StringIO(decoded(data, str(path)), newline="")
 
 
 def _columns(rows: list[dict[str, str]], keys: Sequence[str]) -> list[str]:
@@ -252,9 +252,9 @@ def read_curves(
     Raises SceneError where the file is none, or is in other parameters.
     """
     expected, cure = f"expected a curve.csv in {keys[0]} and {keys[1]}", "see cam orbits --curve"
-    text = _text(path)
+    text = _text(path, expected, cure)
     try:
-        rows = list(csv.DictReader(text))
+        rows = list(csv.DictReader(text, restkey="", restval=""))
         places = _columns(rows, keys)
         return [
             (kind, *([float(row[column]) for row in some] for column in places))

@@ -177,15 +177,13 @@ def test_motions_from_further_starts_come_after_those_of_the_first(cam, tmp_path
     assert "below the cam" in low.stderr
 
 
-@pytest.mark.parametrize("column", ["", "rpm"])
-def test_branches_that_cannot_be_laid_over_a_sweep_are_refused_before_any_work(
-    cam, tmp_path, column
-):
-    """No file, or one solved at one speed along another parameter."""
-    if column:
-        rows = "branch,label,rpm,stable,theta_deg_1,q_m\n" + "1,P(1;1),700,1,155,0.2\n" * 2
-        (tmp_path / "branch.csv").write_text(rows)
+@pytest.mark.parametrize("row", ["", "1,P(1;1),700,1,155,0.2", "1,2,3,4,5,6,7", "1,2,3"])
+def test_branches_that_cannot_be_laid_over_a_sweep_are_refused_before_any_work(cam, tmp_path, row):
+    """No file, one solved at one speed along another parameter, rows too long and too short."""
+    if row:
+        text = "branch,label,rpm,stable,theta_deg_1,q_m\n" + f"{row}\n" * 2
+        (tmp_path / "branch.csv").write_text(text)
     done = cam("sweep", "--points", "3", "--branches", "branch.csv")
     assert done.returncode == 2
-    assert "branch.csv" in done.stderr
+    assert "branch.csv in rpm" in done.stderr
     assert not (tmp_path / "out").exists()
