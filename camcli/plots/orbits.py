@@ -66,6 +66,7 @@ from camcli.system import System, omega_of
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
 CHATTER_TOLERANCE, IMPACT_BUDGET, SAMPLES = 1e-9, 10**6, 360  # of a drawn orbit
+APART = 0.05  # between two rings that can be told from each other
 IMAGE = 700  # cells of simulated impacts, from bottom to top
 LONGEST, MOST = 14, 16  # rows of the lists of branches and events, of orbits
 
@@ -234,10 +235,12 @@ def _draw_positions(axes: Axes, scene: _Scene) -> None:
 
 def _draw_plane(axes: Axes, scene: _Scene) -> None:
     """Multipliers in the complex plane."""
-    pairs = {
-        round(p.det**0.5, 6) for b in scene.branches for p in b.points if p.trace**2 < 4 * p.det
-    }
-    draw_plane(axes, float(scene.every(lambda orbit: [radius(orbit)]).max()), sorted(pairs)[-2:])
+    points = [p for branch in scene.branches for p in branch.points]
+    rings: list[float] = []
+    for size in sorted((p.det**0.5 for p in points if p.trace**2 < 4 * p.det), reverse=True):
+        if not rings or size < rings[-1] - APART:
+            rings.append(size)
+    draw_plane(axes, float(scene.every(lambda orbit: [radius(orbit)]).max()), rings[:2])
     axes.set_title(f"multipliers; arrows: rising {PARAMETERS[scene.parameter][0]}")
     for lines, colour in zip(scene.lines(paths), scene.colours, strict=True):
         draw_paths(axes, lines, colour)

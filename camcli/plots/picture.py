@@ -206,9 +206,9 @@ class _Heading:
 
     def left_out(self, names: Sequence[str]) -> None:
         """Say which panels had no room on the page."""
-        if names:
-            said = f"no room on this page for {', '.join(names)} (--panels)"
-            self._write(EDGE, said, size=style.NOTE, color=style.CAM)
+        said = f"no room on this page for {', '.join(names)} (--panels)" if names else ""
+        for line in textwrap.wrap(said, int(CHARS * self.wide)):
+            self._write(EDGE, line, size=style.NOTE, color=style.CAM)
             self.top += LINE
 
     def _write(self, left: float, text: str, row: int = 0, **more: Any) -> Text:

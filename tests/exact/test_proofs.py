@@ -214,6 +214,9 @@ def test_orbits_through_rests_and_the_speeds_at_which_they_change():
         mpf(interval(first.value).mid), rel=1e-14
     )
     assert not prove_orbit(SYSTEM, replace(found.values.orbits[0], rpm=114.9)).proved
+    table = found.tables["bifurcations"]  # 114.97932674400 by doubles, 2e-12 beside the enclosure
+    ends = table["enclosure_low"], table["rpm"], table["enclosure_high"]
+    assert all(low <= rpm <= high for low, rpm, high in zip(*ends, strict=True))
 
 
 def test_columns_and_boxes_of_the_command(cam, tmp_path):

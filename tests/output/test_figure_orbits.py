@@ -139,6 +139,12 @@ def test_arrows_point_to_the_rising_parameter(found):
         assert larger.xy[0] > larger.xyann[0]
 
 
+def test_rings_of_nearly_the_same_size_have_one_label():
+    axes = panel()
+    draw_plane(axes, 1.5, [0.81, 0.8])
+    assert [text.get_text().split("= ")[1] for text in axes.texts] == ["0.8, 0.81"]
+
+
 def test_huge_multipliers_are_cut_in_the_plane_and_squeezed_beside_it(found):
     points = [replace(p, trace=p.trace * 1e5) for p in found["doubling"].branches[1].points]
     axes = panel()
