@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Option
 
 from camcli.cli.options import Cluster, Request, Shard, Vary, given, numbers
+from camcli.cli.report import at_speed, table
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
@@ -111,7 +112,6 @@ def _cells(text: str | None) -> list[int] | None:
 def show(result: Result) -> None:
     """The table of attractors, and for one speed what else the grid says."""
     from camcli.analysis.sweep import status_name
-    from camcli.cli.report import table
     from camcli.system import omega_of
 
     found, question = result.values
@@ -161,8 +161,6 @@ def _lines(speed: Basins, question: Question) -> list[str]:
 
 
 def _show_range(found: Study, key: str) -> None:
-    from camcli.cli.report import at_speed, table
-
     rows = []
     for speed in found.speeds:
         pairs = zip(speed.branches, speed.attractors, strict=True)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Option
 
 from camcli.cli.options import Request, Vary, given, numbers, refuse_idle
+from camcli.cli.report import at_speed, plural, table
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
@@ -89,7 +90,6 @@ def classify(
 def show(result: Result) -> None:
     """Print ranges of one label, the explanation, and the check."""
     from camcli.api.classify import remarks
-    from camcli.cli.report import at_speed, plural, table
 
     (motions, explanation), key = result.values, result.scene.classify.key
     alike = groupby(motions, lambda m: (m.label, m.status))
@@ -128,7 +128,6 @@ def _exponent(group: list[Motion]) -> str:
 
 def show_explanation(explanation: Explanation) -> None:
     """Print the events, the changes and a sentence for each."""
-    from camcli.cli.report import table
     from camcli.output.explanations import change_sentence, speed_text
 
     rows = [
@@ -169,7 +168,6 @@ def _border_collision(request: Request, trace: str | None, det: str | None) -> i
 
 
 def _show_collision(left: Side, right: Side, result: Collision) -> None:
-    from camcli.cli.report import table
     from camcli.plots.event_words import collision_words
 
     rows = [

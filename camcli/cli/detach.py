@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Option
 
 from camcli.cli.options import Request, given
+from camcli.cli.report import table
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
@@ -96,7 +97,6 @@ def _tolerance(text: str) -> dict[str, Any]:
 
 def show(result: Result, verbose: bool = False) -> None:
     """Print what an engineer asks; the theory behind it only where it is asked for."""
-    from camcli.cli.report import table
     from camcli.output.detach import answers, plainly, theory
 
     for title, heads, rows in answers(result):
@@ -113,7 +113,6 @@ def show(result: Result, verbose: bool = False) -> None:
 
 def _show_theory(found: ContactLoss) -> None:
     """Critical speeds, corner hits and bursts."""
-    from camcli.cli.report import table
     from camcli.output.detach import burst_ranges
 
     critical = [

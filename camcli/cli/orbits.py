@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Option
 
 from camcli.cli.options import Request, Values, Vary, given, numbers, refuse_idle
+from camcli.cli.report import table
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -130,7 +131,6 @@ def _speeds(request: Request) -> Values:
 def show(result: Result) -> None:
     """Print orbits, branches, bifurcations and curves, then sentences."""
     from camcli.api.orbits import remarks
-    from camcli.cli.report import table
 
     found = result.values
     if found.orbits:

@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import Request, Values, given, numbers
+from camcli.cli.report import cost_line, progress_bar
 from camcli.errors import Fault, SceneError, shown
 from camcli.kernel.backend import Stopwatch, stopwatch
+from camcli.output.run_folder import RunFolder, run_folder
+from camcli.output.run_record import to_text
 from camcli.scene import Scene, load_scene, parse_rpm, resolved
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
-    from camcli.output.run_folder import RunFolder
     from camcli.parallel import Shard
 
 Show = Callable[["Result"], None]
@@ -176,8 +178,6 @@ def compute(
     plot: bool,
 ) -> tuple[Result, Mapping[str, Any]]:
     """The result of an analysis and its run.json, after its artefacts are written."""
-    from camcli.cli.report import progress_bar
-
     work = {"work": folder.work} if command in IN_THREADS else {}
     with compiling(request), progress_bar(request.quiet) as progress:
         result = analysis(command)(scene, progress, **options, **work)
@@ -199,8 +199,6 @@ def open_folder(
     The block ends early where only a shard was asked for. Where it is interrupted the finished
     pieces stay, and the same command goes on from them. `parts`: files of shards to read.
     """
-    from camcli.output.run_folder import run_folder
-
     values, place = resolved(scene), request.folder(command)
     read = {key: values[key] for key in ("follower", "cam", "run", command) if key in values}
     kept = command in IN_PIECES or (command == "detach" and scene.detach.tolerance)
@@ -223,8 +221,6 @@ def open_folder(
             raise
     if folder.shard_done and checkpoint is not None:
         if request.json:
-            from camcli.output.run_record import to_text
-
             print(to_text({"command": command, "shard": shard, "pieces": str(checkpoint.path)}))
         elif not request.quiet:
             note(f"{checkpoint.path}: complete; when all shards are, run cam merge {place}")
@@ -240,11 +236,8 @@ def _names(command: str, scene: Scene) -> list[str]:
 def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show) -> None:
     """The result on stdout, warnings and troubles on stderr."""
     if request.json:
-        from camcli.output.run_record import to_text
-
         print(to_text(record), end="")
     else:
-        from camcli.cli.report import cost_line
         from camcli.output.verdict import verdict
 
         print(verdict(result, record["error"].get("lift_table")))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Option
 
 from camcli.cli.options import Request, refuse_idle
+from camcli.cli.report import plural, table
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -76,8 +77,6 @@ def simulate(
 
 
 def _show(result: Result) -> None:
-    from camcli.cli.report import plural, table
-
     found = result.values
     rows = [
         [name, str(period), f"{theta:.10f}", f"{u:.6g}", f"{after:.6g}"]
@@ -91,7 +90,6 @@ def _show(result: Result) -> None:
 
 def _show_profile(result: Result) -> None:
     from camcli.api.simulate import UNITS
-    from camcli.cli.report import table
 
     found = result.values
     rows = []

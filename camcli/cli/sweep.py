@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Option
 
 from camcli.cli.options import Cluster, Request, Shard, Vary, given
+from camcli.cli.report import at_speed, plural, table
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -106,7 +107,6 @@ def show(result: Result) -> None:
     """Print the ranges of one label, and the explanation if there is one."""
     from camcli.api.sweep import ranges
     from camcli.cli.classify import show_explanation
-    from camcli.cli.report import at_speed, plural, table
     from camcli.output.verdict import motion
 
     found, explanation = result.values
