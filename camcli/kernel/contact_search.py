@@ -31,8 +31,8 @@ MOST_HALVINGS = 60
 MOST_REFINEMENTS = 80
 MEANING = 4.0 * 2.220446049250313e-16
 NEAR = 0.03125  # rad, longest flight for which `gap_near` is worth its cost
-LONGEST_PHASE = 0.125  # (W + 2 Z) s that its MOST_TERMS terms cover to rounding
-MOST_TERMS = 10
+LONGEST_PHASE = 0.5  # (W + 2 Z) s that its MOST_TERMS terms cover to rounding
+MOST_TERMS = 14
 INVERSE = (0.0, *(1.0 / n for n in range(1, MOST_TERMS + 2)))
 CONVERGED = 3e-6  # a Halley step this small, in units of u/accel, leaves less than one ulp
 
