@@ -13,7 +13,14 @@ from camcli.analysis.orbits.orbit import (
     resting_orbit,
     section_states,
 )
-from camcli.analysis.orbits.same_orbit import CLOSE, distance, distance_to, shortest_period, size_of
+from camcli.analysis.orbits.same_orbit import (
+    CLOSE,
+    State,
+    distance,
+    distance_to,
+    shortest_period,
+    size_of,
+)
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.errors import Status
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
@@ -39,9 +46,10 @@ def named(
     in a short record not at all: where `label` finds no period, or that of fewer turns repeated,
     the orbit is solved. None is looked for where the record's exponent says chaos.
     """
-    name, ok = label(record), record.status == Status.OK
-    doubtful = name == APERIODIC or (isinstance(name, Label) and name.repeats)
-    exponents = of_record(system, rpm, record) if ok and name == APERIODIC else None
+    name, ok, exponents = label(record), record.status == Status.OK, None
+    doubtful = isinstance(name, Label) and name.repeats
+    if name == APERIODIC and ok and any(_returns(*passages(record), LONGEST_PERIOD)):
+        doubtful, exponents = True, of_record(system, rpm, record)
     if (measured or doubtful) and not (exponents and exponents.chaotic):
         orbit = identify(system, rpm, record)
         if orbit is not None:
@@ -78,13 +86,8 @@ def identify(
     states, symbols = passages(record)
     if not record.touches:
         return resting_orbit(system, rpm, states[-1:], symbols[-1:], [])
-    shooter, size = Shooter(system, rpm), size_of(states)
-    for m in range(1, min(longest, n // 2) + 1):
-        if symbols[n - m :] != symbols[n - 2 * m : n - m]:
-            continue
-        gap = distance(states[n - 1], states[n - 1 - m], size)
-        if gap > CLOSE:
-            continue
+    shooter = Shooter(system, rpm)
+    for m, gap in _returns(states, symbols, longest):
         orbit, window = None, range(n - m, n)
         lifts_off = any(kind == DETACHMENT for kind, *_ in _events(record, window))
         if not lifts_off and not any(record.chatter[k] for k in window):
@@ -97,6 +100,17 @@ def identify(
         if orbit is not None:
             return orbit
     return None
+
+
+def _returns(
+    states: Sequence[State], symbols: Sequence[float], longest: int
+) -> Iterator[tuple[int, float]]:
+    """(turns, distance) of the periods after which a record ends near where it was, alike."""
+    n, size = len(states), size_of(states)
+    for m in range(1, min(longest, n // 2) + 1):
+        gap = distance(states[-1], states[-1 - m], size)
+        if gap <= CLOSE and symbols[n - m :] == symbols[n - 2 * m : n - m]:
+            yield m, gap
 
 
 def _events(record: Record, window: range) -> Iterator[tuple[int, int, float, float]]:
