@@ -32,7 +32,8 @@ from camcli.kernel.shooting import correct_orbit
 from camcli.kernel.variational import stretch_events
 
 Row = TypeVar("Row")
-LITTLE_WORK = 10_000  # turns in all that plain Python does before a compiler would be loaded
+LITTLE_WORK = 10_000  # turns in all that plain Python does before the kernel is compiled
+LEAST_WORK = 500  # the same where compiled code only has to be read
 
 
 @dataclass(frozen=True)
@@ -146,8 +147,13 @@ def current() -> Kernel:
 
 
 def for_work(turns: float, enough: float = LITTLE_WORK) -> Kernel:
-    """The kernel for so many turns: compiled where there are more than `enough`, else `current`."""
+    """The kernel for so many turns: compiled where there are more than `enough`, else `current`.
+
+    Where compiled code is on disk, LEAST_WORK is enough.
+    """
     if must_compile() or (may_compile() and turns > enough):
+        return compiled()
+    if _compiled is None and may_compile() and turns > LEAST_WORK and is_cached():
         return compiled()
     return current()
 
@@ -178,6 +184,7 @@ def must_compile() -> bool:
     return may_compile() and os.environ.get("CAMCLI_KERNEL", "auto") == "compiled"
 
 
+@cache
 def source_hash() -> str:
     """Hash of every source that decides about the compiled code: it names the cache.
 

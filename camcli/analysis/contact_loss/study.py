@@ -40,7 +40,6 @@ FEWEST = 41  # speeds of the scan for changes
 PAST = 16  # speeds past the first loss of contact at which the motion is measured
 PAST_TURNS = 20  # of each from rest, and as many that are measured
 LITTLE_WORK = 4000  # turns in all that plain Python does before the kernel would be compiled
-LEAST_WORK = 500  # the same where a compiled kernel only has to be read
 
 
 @dataclass(frozen=True)
@@ -129,7 +128,7 @@ def detach(
     contact, for the pressure along the force curves.
     """
     turns = len(rpms) * (settle + RECORD)
-    backend.for_work(turns, LEAST_WORK if backend.is_cached() else LITTLE_WORK)
+    backend.for_work(turns, LITTLE_WORK)
     found, force = detachment(system), Force(system)
     scan = speeds = settled(system, rpms, settings, settle, on_speed)
     cost = sum((speed.cost for speed in speeds), Cost())

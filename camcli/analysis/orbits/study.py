@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from camcli.analysis.orbits.proofs import Proofs
 
 SAME_CORNER = 1e-6  # rad: a departure so close to a corner is at it
-LEAST_WORK = 500  # turns in all that plain Python does where a compiled kernel only has to be read
 SPEEDS = 24  # tried, spread over the range, where a label is not found at its own speed
 FEW_STARTS = 8  # motions simulated at each
 AROUND = 0.2  # relative range where none is given
@@ -207,7 +206,7 @@ def _follow_all(
     shooter = diagram.shooter
     # each point of a branch of resting orbits is a simulation
     runs = sum(orbit.resting for orbit in found) * (span.width / span.spacing + BRACKETS)
-    backend.for_work(RUN * runs, LEAST_WORK if backend.is_cached() else LITTLE_WORK)
+    backend.for_work(RUN * runs)
     for orbit in found:
         if orbit.root is None:
             diagram.add_sticking(replace(orbit, value=shooter.value), span)
