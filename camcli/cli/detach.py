@@ -59,8 +59,9 @@ def detach(
     accumulation_at_corner  a burst ends exactly on the corner `region`; looked for between the
                             speeds of the range (--points), from rest at each lift-off
     completion_loss         its end reaches, one turn later, the phase of the next lift-off
-    hold_stiffness, hold_preload, hold_both
-                            first detachment with the spring that --hold-to found (in run.json)
+    hold_stiffness          first detachment with the spring that --hold-to found (in run.json);
+    hold_preload            of the same stiffness;
+    hold_both               of another stiffness and preload
 
     \b
     Every critical speed has a bracket and a status in run.json: ok; never; at-standstill; jump

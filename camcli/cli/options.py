@@ -134,6 +134,8 @@ class Request:
         return self.out if self.out is not None else Path("out") / command
 
 
+FULL = 92  # columns: a longer line of a docstring was broken because it was full
+ENTRY = re.compile(r"\S.{0,24}?  +")  # NAME  what it is, in a docstring
 UNITS = {"": 1.0, "mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0}  # mm
 DRAWING = ("formats", "width", "height", "font", "style", "no_title", "panels")
 
@@ -165,10 +167,31 @@ Cluster = Annotated[
 ]
 
 
-class _OneScene(TyperCommand):
-    """A command that refuses a second scene: of two -c only the last would count."""
+class _Command(TyperCommand):
+    """A command that fills its docstring to the width of the terminal, and takes one scene."""
+
+    def format_help_text(self, ctx: Any, formatter: Any) -> None:
+        """A line goes on the one before it where it is indented, or that one was full."""
+        from textwrap import wrap
+
+        texts, last = [""], ""
+        for line in inspect.cleandoc(self.help or "").replace("\b\n", "").splitlines():
+            word = line.split(" ", 1)[0]
+            full = len(f"{last} {word}") > FULL and not word.startswith("--")
+            if line and last and (not word or (full and not ENTRY.match(line))):
+                texts[-1] += " " + line.lstrip()
+            else:
+                texts.append(line)
+            last = line
+        for text in texts:
+            entry = ENTRY.match(text)
+            below = " " * (2 + (entry.end() if entry else 0))
+            form = {"initial_indent": "  ", "subsequent_indent": below}
+            filled = wrap(text, formatter.width, break_on_hyphens=False, **form) or [""]
+            formatter.write("".join(f"{line}\n" for line in filled))
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Of two -c only the last would count."""
         _, _, order = self.make_parser(ctx).parse_args(args=[*args])
         if [option.name for option in order].count("config") > 1:
             found, cure = "found it twice", "give one scene, and what differs with --set"
@@ -184,7 +207,7 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
     """
     first, *own = _parameters(run)
     if first.name != "request":
-        app.command(run.__name__)(run)
+        app.command(run.__name__, cls=_Command)(run)
         return
     shared = [p for p in _parameters(Request) if p.name not in without]
     parameters = [*shared, *own]
@@ -203,7 +226,7 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
 
     call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     call.__annotations__ = {p.name: p.annotation for p in parameters}
-    app.command(run.__name__, cls=_OneScene, help=run.__doc__)(call)
+    app.command(run.__name__, cls=_Command, help=run.__doc__)(call)
 
 
 @cache

@@ -56,7 +56,7 @@ def sweep(
                  impact, and impacts, a tenth as hard or harder, within a hundredth of the lift;
                  holds_for: last-digit, exact-data or sampled as in cam classify, mostly empty
     corners.csv  corner impacts of the solved branches (--explain), columns as bifurcations.csv
-    sweep.tables: npz writes impacts.npz and strobe.npz instead (numpy.load); none neither
+    *.npz        impacts and strobe with sweep.tables: npz (numpy.load); with none neither
     map.csv      of two numbers: both KEYs, label, period, impacts_per_turn, lyapunov_per_period,
                  and the columns of speeds.csv from max_gap_m on, status, holds_for
     map.png      the kind of motion over two numbers; --panels also exponents and each column

@@ -3,6 +3,7 @@
 import csv
 import itertools
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,13 @@ def test_help_names_commands_files_and_columns(cam):
     for command, line in COMMANDS.items():  # of those not asked for nothing else is known
         assert " ".join(cam(command, "--help").stdout.split()).count(line) == 1
     assert cam().stderr == done.stdout
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_fits_a_terminal_and_no_file_begins_within_a_line(cam, command):
+    text = cam(command, "--help").stdout
+    assert max(map(len, text.splitlines())) <= 80
+    assert not re.search(r"\S +\w+\.(csv|png)  ", text)
 
 
 def test_simulate_writes_exact_columns(cam, tmp_path):
