@@ -9,18 +9,18 @@ from typing import Annotated, Any
 import typer
 
 COMMANDS = {  # each is a function of its name in a module of its name
-    "simulate": "Time response of one orbit: exact events and a sampled trajectory.",
-    "sweep": "Brute-force bifurcation diagram over a range of speeds, or of another number.",
-    "detach": "Where contact is lost, where chattering ends, and which spring would hold.",
-    "orbits": "Periodic orbits: found, solved, followed, and every bifurcation on the way.",
-    "basins": "Which attractor a start lands on: basins over a window of starts.",
-    "classify": "Name the motion at each speed, measure its exponents, explain where it changes.",
-    "bench": "How exact, how robust and how fast: cam bench [precision|stability].",
-    "explore": "One page for a browser on which the machine moves, for every speed of a range.",
-    "figures": "The figures of the cam-follower example: what changed is computed again.",
+    "simulate": "Time response of one orbit: events and a sampled trajectory.",
+    "sweep": "Brute-force bifurcation diagram over speeds, or another number.",
+    "detach": "Where contact is lost, and which spring would hold.",
+    "orbits": "Periodic orbits, followed, and every bifurcation on the way.",
+    "basins": "Which attractor a start lands on, over a window of starts.",
+    "classify": "The motion at each speed, its exponents, why it changes.",
+    "bench": "How exact, how robust and how fast.",
+    "explore": "A page for a browser on which the machine moves.",
+    "figures": "The figures of the cam-follower example, brought up to date.",
     "merge": "Join the parts of a run that was computed in shards.",
     "init": "Write a scene to begin with.",
-    "rerun": "Run again what a run.json records, and say whether the bytes agree.",
+    "rerun": "Run again what a run.json records: do the bytes agree?",
 }
 
 

@@ -45,7 +45,7 @@ def basins(
     shard: Shard = None,
     cluster: Cluster = None,
 ) -> int:
-    """Which attractor a start lands on: basins over a window of starts.
+    """Which attractor a start lands on, over a window of starts.
 
     \b
     attractors.csv  attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm

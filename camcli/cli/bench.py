@@ -57,7 +57,7 @@ def bench(
     ] = None,
     quick: Annotated[bool, Option("--quick", help="A subset within a minute.")] = False,
 ) -> int:
-    """How exact, how robust and how fast: cam bench [precision|stability].
+    """How exact, how robust and how fast.
 
     \b
     precision.csv  case, method, setting, seconds, error, impacts, evaluations, missed, extra,

@@ -33,7 +33,7 @@ def classify(
     ] = None,
     det: Annotated[str | None, Option("--det", help="Their determinants.", metavar="L,R")] = None,
 ) -> int:
-    """Name the motion at each speed, measure its exponents, explain where it changes.
+    """The motion at each speed, its exponents, why it changes.
 
     \b
     classify.csv  rpm, label, period, impacts, chatter, stable, lyapunov_per_period, status,

@@ -33,7 +33,7 @@ def detach(
         bool, Option("--verbose", "-v", help="Print the theory: critical speeds, bursts, corners.")
     ] = False,
 ) -> int:
-    """Where contact is lost, where chattering ends, and which spring would hold.
+    """Where contact is lost, and which spring would hold.
 
     \b
     detach.csv        quantity, region, theta_deg, rpm, omega_rad_per_s

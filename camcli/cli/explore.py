@@ -25,7 +25,7 @@ def explore(
     vary: Vary = None,
     open_: Annotated[bool, Option("--open", help="Open the page when it is written.")] = False,
 ) -> int:
-    """One page for a browser on which the machine moves, for every speed of a range.
+    """A page for a browser on which the machine moves.
 
     \b
     explore.html  the cam and its follower in slow motion, time response, contact force and phase

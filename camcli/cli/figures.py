@@ -124,7 +124,7 @@ def figures(
         bool, Option("--update-reference", help="Make this run's numbers the reference.")
     ] = False,
 ) -> int:
-    """The figures of the cam-follower example: what changed is computed again.
+    """The figures of the cam-follower example, brought up to date.
 
     \b
     NAME/           artefacts, run.json and figure.json of one figure

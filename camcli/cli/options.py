@@ -186,9 +186,11 @@ class _Command(TyperCommand):
         for text in texts:
             entry = ENTRY.match(text)
             below = " " * (2 + (entry.end() if entry else 0))
-            form = {"initial_indent": "  ", "subsequent_indent": below}
-            filled = wrap(text, formatter.width, break_on_hyphens=False, **form) or [""]
-            formatter.write("".join(f"{line}\n" for line in filled))
+            filled = wrap(
+                text, formatter.width, initial_indent="  ", subsequent_indent=below,
+                break_on_hyphens=False,
+            )  # fmt: skip
+            formatter.write("\n".join(filled) + "\n")
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Of two -c only the last would count."""

@@ -46,7 +46,7 @@ def orbits(
     vary: Vary = None,
     prove: Annotated[bool, Option("--prove", help="Prove what was found.")] = False,
 ) -> int:
-    """Periodic orbits: found, solved, followed, and every bifurcation on the way.
+    """Periodic orbits, followed, and every bifurcation on the way.
 
     \b
     branch.csv        branch, label, rpm, stable (0 or 1), region, theta_deg_1.. (impacts; of an

@@ -35,7 +35,7 @@ def rerun(
     record: Annotated[Path, Argument(help="A run.json, or its folder.", metavar="FILE")],
     folder: HomeFolder = None,
 ) -> int:
-    """Run again what a run.json records, and say whether the bytes agree.
+    """Run again what a run.json records: do the bytes agree?
 
     \b
     Exit code 3 where a CSV differs. Artefacts go to a temporary folder, or to -o. For all commands

@@ -28,7 +28,7 @@ def simulate(
         bool, Option("--animate", help="Also write the machine in motion, simulate.gif and .mp4.")
     ] = False,
 ) -> int:
-    """Time response of one orbit: exact events and a sampled trajectory.
+    """Time response of one orbit: events and a sampled trajectory.
 
     \b
     trajectory.csv  t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact (flight, sticking)

@@ -42,7 +42,7 @@ def sweep(
     shard: Shard = None,
     cluster: Cluster = None,
 ) -> int:
-    """Brute-force bifurcation diagram over a range of speeds, or of another number.
+    """Brute-force bifurcation diagram over speeds, or another number.
 
     \b
     impacts.csv  rpm, period, theta_deg, q_m, u_minus_m_per_s
