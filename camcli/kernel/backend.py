@@ -234,11 +234,14 @@ class Stopwatch:
 
     def passed(self) -> float:
         """The seconds so far."""
-        return perf_counter() - self._began - self.compile_seconds
+        with self._lock:
+            until = self._since if self._waiting else perf_counter()
+            return until - self._began - self.compile_seconds
 
     @contextmanager
     def waiting(self, entry: str | None) -> Iterator[None]:
         """Count the time in which at least one thread of the run waits."""
+        outer = nullcontext() if self.outer is None else self.outer.waiting(None)
         with self._lock:
             if self.notice is not None and entry is not None:
                 there = any(cache_dir().glob(f"{entry}.*.nbc"))
@@ -249,15 +252,13 @@ class Stopwatch:
                 self._since = perf_counter()
             self._waiting += 1
         try:
-            yield
+            with outer:
+                yield
         finally:
             with self._lock:
                 self._waiting -= 1
                 if self._waiting == 0:
-                    watch: Stopwatch | None = self
-                    while watch is not None:
-                        watch.compile_seconds += perf_counter() - self._since
-                        watch = watch.outer
+                    self.compile_seconds += perf_counter() - self._since
 
 
 _stopwatch: ContextVar[Stopwatch | None] = ContextVar("stopwatch", default=None)
