@@ -51,7 +51,7 @@ def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:
     axes.set_ylim(min(errors) / 4.0, max(1.0, *errors) * 3.0)
     axes.set_title(case(name).title, loc="left")
     axes.set(xlabel="time of a run (s)", ylabel="largest error (turns)")
-    axes.xaxis.set_major_locator(LogLocator(numticks=12))
+    axes.xaxis.set_major_locator(LogLocator(base=100.0, numticks=8))
     axes.yaxis.set_major_locator(LogLocator(base=1e4, numticks=8))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_minor_locator(NullLocator())
