@@ -3,8 +3,10 @@
 A handler that only raises can lose its signal: what is raised inside a callback of a C library is
 swallowed there. So the handler also makes a note, which is looked at between calls of the kernel,
 none of which takes longer than half a second. A thread ends the process where the main thread is
-kept in a call that nobody can cut: a pass of the compiler, a picture with many points. A child of
-`cam figures` ends when its parent is killed; its finished pieces stay on disk.
+kept in a call that nobody can cut: a pass of the compiler, a picture with many points. While the
+kernel is compiled or loaded nothing is raised at all: LLVM crashes where an exception leaves its
+objects half made. A child of `cam figures` ends when its parent is killed; its finished pieces stay
+on disk.
 """
 
 import os
@@ -24,6 +26,7 @@ INTERVAL = 0.5  # s
 
 _came = _ending = False
 _holding = 0
+_compiling: list[None] = []  # an entry for each thread at it: a number may miscount threads
 
 
 def install() -> None:
@@ -44,6 +47,8 @@ def install() -> None:
 def _handle(number: int, frame: object) -> None:
     global _came
     _came = True
+    if _compiling and not _holding:
+        _end()
     look()
 
 
@@ -85,6 +90,16 @@ def held() -> Iterator[None]:
     look()
 
 
+@contextmanager
+def compiling() -> Iterator[None]:
+    """Let a signal end the process at once, without an exception in the block."""
+    _compiling.append(None)
+    try:
+        yield
+    finally:
+        _compiling.pop()
+
+
 def _watch(reader: int) -> None:
     """End the process where the main thread does not."""
     while os.read(reader, 1)[0] not in ENDING:
@@ -93,10 +108,14 @@ def _watch(reader: int) -> None:
     while _holding:
         sleep(0.01)
     if not _ending:
-        with suppress(OSError, ValueError, AttributeError):
-            sys.stderr.write("interrupted\n")
-            sys.stderr.flush()
-        os._exit(EXIT_CODE)
+        _end()
+
+
+def _end() -> None:
+    with suppress(OSError, ValueError, AttributeError, RuntimeError):
+        sys.stderr.write("interrupted\n")
+        sys.stderr.flush()
+    os._exit(EXIT_CODE)
 
 
 def _end_with(parent: int) -> None:

@@ -26,6 +26,7 @@ from uuid import uuid4
 import llvmlite.binding as llvm
 from numpy import ndarray
 
+from camcli.interrupts import compiling
 from camcli.kernel.backend import read_intact
 from camcli.kernel.marks import ENTRIES, FUNCTIONS, OUTLINED
 
@@ -68,7 +69,7 @@ class CompiledEntry:
         return returned.value
 
     def _load(self, args: tuple, numbers: list, kinds: list) -> None:
-        with self._waiting(), self._lock:
+        with self._waiting(), self._lock, compiling():
             if self._function is None:
                 form = "=" + "".join("d" if isinstance(x, float) else "q" for x in numbers)
                 depends = *_machine(), [kind.descr for kind in kinds], form

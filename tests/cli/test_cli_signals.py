@@ -81,3 +81,27 @@ def test_a_signal_that_a_library_makes_another_error_of_is_an_interrupt(tmp_path
     script = SWALLOWING.replace("        pass\n", "        raise RuntimeError('half imported')\n")
     code, said = ended(begin([sys.executable, "-c", script, *words], tmp_path))
     assert (code, "interrupted" in said, "internal fault" in said) == (130, True, False), said
+
+
+LOADING = """
+import os, signal, sys
+from camcli.cli.app import main
+from camcli.kernel import compiled
+def read(path):
+    try:
+        os.kill(os.getpid(), signal.SIGTERM)
+        sum(range(100))
+    except BaseException:
+        print("unwound", file=sys.stderr)
+        raise
+compiled.read_intact = read
+main()
+"""
+
+
+def test_nothing_is_raised_in_the_compiler(tmp_path, monkeypatch):
+    """LLVM crashes where an exception leaves its objects half made."""
+    monkeypatch.setenv("CAMCLI_KERNEL", "compiled")
+    words = ("sweep", "--points", "2", "--no-plot", "--threads", "1")
+    code, said = ended(begin([sys.executable, "-c", LOADING, *words], tmp_path))
+    assert (code, "interrupted" in said, "unwound" in said) == (130, True, False), said
