@@ -1,10 +1,12 @@
-"""Shared fixtures: the chapter's machine, and the command line as a user runs it."""
+"""Shared by all tests: the chapter's machine, and the command line as a user runs it."""
 
 from __future__ import annotations
 
 import contextlib
+import csv
 import io
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -28,6 +30,12 @@ def settings(transient: int = 0, record: int = 1, tolerance: float = 1e-9, **sta
     return Settings(transient, record, tolerance, 1_000_000, Start(**start))
 
 
+def rows(path: Path) -> list[dict[str, str]]:
+    """The rows of a CSV, by column."""
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
 @pytest.fixture(scope="session")
 def chapter() -> System:
     return chapter_system()
@@ -35,19 +43,29 @@ def chapter() -> System:
 
 @pytest.fixture
 def cam(tmp_path: Path, monkeypatch):
-    """Run `cam` in an empty folder, in this process; returns exit code, stdout and stderr."""
+    """Run `cam` in an empty folder, in this process; returns exit code, stdout and stderr.
 
-    def call(*words: str) -> subprocess.CompletedProcess:
+    Each argument is a part of the command's line, split as a shell does.
+    """
+
+    def call(*line: str) -> subprocess.CompletedProcess:
         from camcli.cli.app import app
         from camcli.cli.exit_codes import guarded
 
         monkeypatch.chdir(tmp_path)
+        words = [word for part in line for word in shlex.split(part)]
         out, said = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(said):
-            code = guarded(lambda: app(list(words), standalone_mode=False), "--json" in words)
+            code = guarded(lambda: app(words, standalone_mode=False), "--json" in words)
         return subprocess.CompletedProcess(words, code, out.getvalue(), said.getvalue())
 
     return call
+
+
+@pytest.fixture
+def short_samples(monkeypatch):
+    """--dry-run runs its smallest sample alone: for tests of something else than its numbers."""
+    monkeypatch.setattr("camcli.cli.forecast.ENOUGH", 0.0)
 
 
 @pytest.fixture

@@ -416,3 +416,25 @@ def gap_graze_rpm(cam, machine, impacts, turns, k, rpm, theta) -> GapGraze:
         omega, x, psi = z[2 * n], z[: 2 * n], z[2 * n + 1]
         assert piece_at(cam, psi) == piece_at(cam, touch)
         return GapGraze(omega * 30 / mp.pi, psi, family.orbit(omega, x))
+
+
+def _rad(*degrees):
+    with mp.workdps(DIGITS):
+        return [mp.radians(mpf(x)) for x in degrees]
+
+
+# Orbits of the example, near enough for `solve`.
+CAM = ArcsCam()
+CHAPTER = Machine(mass=1.221, stiffness=146 * 9.8, restitution=0.8)
+B, C = CAM.breakpoints[1:3]
+STABLE, UNSTABLE = ([(_rad(x)[0], u)] for x, u in ((155, 70), (104, 30)))
+DOUBLED = list(zip(_rad(155.6, 519.3), (41.9, 41.9), strict=True))
+TWICE = list(zip(_rad(151, 333), (36.7, 37.3), strict=True))  # P(1;2) at 358.5 rpm
+GRAZE = _rad(155.4)[0]  # where the flight of UNSTABLE touches the nose
+THRICE = list(  # P(3;3:3:2) at 358.5 rpm
+    zip(
+        _rad(71.3, 141.8, 301.4, 466.1, 633.8, 795.9, 906.3, 1009.8),
+        [5.75, 7.27, 13.42, 12.49, 11.87, 9.49, 4.1, 7.18],
+        strict=True,
+    )
+)

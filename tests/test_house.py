@@ -23,7 +23,7 @@ def run(*words: str) -> subprocess.CompletedProcess:
         ("ruff", "check", "."),
         ("ruff", "format", "--check", "."),
         ("lint-imports", "--no-cache"),
-        ("mypy",),
+        pytest.param(("mypy",), marks=pytest.mark.slow),
     ],
     ids=["ruff check", "ruff format", "import contracts", "types"],
 )

@@ -27,12 +27,14 @@ def files(folder) -> dict[str, bytes]:
     return {p.name: p.read_bytes() for p in folder.iterdir() if p.name != "run.json"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", SMALL)
 def test_a_result_saves_what_the_command_writes(cam, tmp_path, command):
     result = getattr(camcli, command)(scene(command))
-    record = result.save(tmp_path / "library")
-    words = [f"--set={key}={value}" for key, value in {**TURNS, **SMALL[command]}.items()]
-    done = cam(command, *words, "-o", "command", "-q")
+    drawn = command in ("simulate", "detach")
+    record = result.save(tmp_path / "library", plot=drawn)
+    words = [f"--set='{key}={value}'" for key, value in {**TURNS, **SMALL[command]}.items()]
+    done = cam(command, *words, "-o command -q", "" if drawn else "--no-plot")
     assert done.returncode == 0, done.stderr
     assert files(tmp_path / "library") == files(tmp_path / "command")
     assert record["result"] == result.summary

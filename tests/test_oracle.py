@@ -68,33 +68,9 @@ def test_cam_law_is_smooth_where_it_should_be():
                 assert abs((up[i] - down[i]) / (2 * h) - mid[i + 1]) < mpf(10) ** -35
 
 
-def test_a_base_circle_that_is_not_tangent_is_refused():
-    with pytest.raises(ValueError, match="touch"):
-        ArcsCam(base_radius=0.41)
-
-
 def test_speeds_of_detachment():
     close(first_detachment_rpm(CAM, MASS, STIFFNESS), "114.979326744", 1e-9)
     close(region_filling_rpm(CAM, MASS, STIFFNESS), "134.872968058", 1e-9)
-
-
-def test_the_first_detachment_is_where_a_run_first_leaves_the_cam():
-    speed = first_detachment_rpm(CAM, MASS, STIFFNESS)
-    assert chapter(speed * (1 - mpf("1e-12"))).run(turns=1) == []
-    first = chapter(speed * (1 + mpf("1e-12"))).run(turns=1)[0]
-    assert first.kind == "detachment"
-    assert abs(first.theta - CAM.breakpoints[1]) < mpf(10) ** -40
-
-
-@pytest.mark.parametrize(
-    ("piece", "phase", "trace"),
-    [("A1", "104.1608293878", "1.9307756743"), ("A2", "155.3036856027", "0.6027216709")],
-)
-def test_single_impact_orbits_at_700_rpm(piece, phase, trace):
-    (orbit,) = single_impact_orbit(CAM, MASS, STIFFNESS, R, 700, piece)
-    close(orbit.phase_deg, phase, 2e-10)
-    close(orbit.trace, trace, 2e-10)
-    close(orbit.det, "0.64", 1e-15)
 
 
 def test_bifurcations_of_the_single_impact_orbit():
@@ -104,49 +80,14 @@ def test_bifurcations_of_the_single_impact_orbit():
     close(orbit.trace, "-1.6", 1e-8)  # the multipliers turn real: trace^2 = 4 det
 
 
-@pytest.mark.parametrize("piece", ["A1", "A2"])
-def test_a_run_stays_on_the_single_impact_orbit(piece):
-    """Started on the orbit the run repeats it, and errors grow as the multipliers say."""
-    (orbit,) = single_impact_orbit(CAM, MASS, STIFFNESS, R, 700, piece)
-    with mp.workdps(60):
-        theta, r = mp.radians(orbit.phase_deg), mpf(R)
-        v = (1 + r) / (1 - r) * mpf(700) * mp.pi / 30 * CAM.c1(theta)
-        events = chapter(700).run(v=v, theta=theta, impacts=15)
-    assert [e.turn for e in events] == list(range(1, 16))
-    assert max(abs(e.theta - theta) for e in events) < mpf(10) ** -40
-    s = [e.stretching for e in events]
-    if piece == "A1":
-        multiplier = (orbit.trace + mp.sqrt(orbit.trace**2 - 4 * orbit.det)) / 2
-        close((s[-1] - s[-2]) / (s[-2] - s[-3]), multiplier, 1e-2)
-    else:
-        assert max(s) < 10
-
-
 @pytest.mark.parametrize(
     ("n", "rpm"),
-    [(1, 124.998297), (2, 122.699318), (3, 121.685872), (5, 120.735577), (8, 120.165355)],
+    [(1, 124.998297), (8, 120.165355)],
 )
 def test_the_nth_impact_after_lift_off_lands_on_c(n, rpm):
     events = chapter(rpm).run(impacts=n)
     assert [e.kind for e in events] == ["detachment"] + ["impact"] * n
     assert degrees(events[-1]) == pytest.approx(160, abs=1e-5)
-
-
-@pytest.mark.parametrize(("rpm", "corner"), [(119.712, 160), (136.312, 200)])
-def test_chatter_that_accumulates_at_a_corner(rpm, corner):
-    before, after = (
-        next(e for e in chapter(rpm + d).run(turns=1, chatter_cut=1e-12) if e.kind == "chatter")
-        for d in (-5e-3, 5e-3)
-    )
-    assert corner - 0.1 < degrees(before) < corner < degrees(after)
-
-
-def test_a_chatter_ends_where_it_accumulates_whatever_the_cut():
-    """Stopping at 1e-22 or at 1e-12 rad differs by the time left out, at most the cut."""
-    fine, coarse = (chapter(119.5).run(turns=0.5, chatter_cut=x) for x in (None, 1e-12))
-    assert fine[-1].kind == coarse[-1].kind == "chatter"
-    assert 0 < fine[-1].theta - coarse[-1].theta < 1e-12
-    assert len(fine) > len(coarse) + 90
 
 
 def test_ball_dropped_on_a_dwell():
@@ -170,32 +111,6 @@ def test_ball_dropped_on_a_dwell():
             assert event.stretching == 1
 
 
-def test_a_hop_on_a_moving_cam_with_constant_acceleration():
-    """On the top dwell the spring force of a short hop is constant: the hops sum to 2u/((1-r)a)."""
-    theta, u = mp.radians(165), mpf("1e-9")
-    events = chapter(100).run(v=u, theta=theta, turns=0.05)
-    with mp.workdps(60):
-        a, omega = mpf(STIFFNESS) / mpf(MASS) * CAM.c(theta), 100 * mp.pi / 30
-        time = (events[-1].theta - theta) / omega
-        close(time * (1 - mpf(R)) * a / (2 * u), 1, 1e-8)
-    assert events[-1].kind == "chatter"
-
-
-def test_no_restitution_means_no_chatter():
-    events = chapter(125, restitution=0).run(turns=2)
-    assert [e.kind for e in events] == ["detachment", "impact"] * 4
-    assert degrees(events[4]) == pytest.approx(degrees(events[0]), abs=1e-12)
-    assert events[1].u_plus == 0
-
-
-def test_elastic_impacts_conserve_energy_on_a_dwell():
-    ball = chapter(1, restitution=1, gravity=9.81, preload=3)
-    events = ball.run(q=CAM.c(0) + 1, v=0, impacts=10)
-    assert len(events) == 10
-    assert max(e.turn for e in events) == 0
-    assert max(abs(e.u_minus - events[0].u_minus) for e in events) < mpf(10) ** -40
-
-
 @pytest.mark.parametrize(("shift", "hits"), [("1e-30", 1), ("-1e-30", 0)])
 def test_a_double_contact_is_not_missed(shift, hits):
     """A straight flight along the tangent of the nose, shifted into it or away by 1e-30 m."""
@@ -216,10 +131,6 @@ def test_a_double_contact_is_not_missed(shift, hits):
 B_CRITICAL = 2 * mp.sqrt(mpf(STIFFNESS) * mpf(MASS))
 
 
-def test_critical_damping_of_the_chapter():
-    close(B_CRITICAL, "83.594", 1e-3)
-
-
 @pytest.mark.parametrize("stiffness", [0, STIFFNESS])
 @pytest.mark.parametrize("damping", [0, 5, B_CRITICAL, 400])
 def test_the_flow_solves_the_equation_of_motion(stiffness, damping):
@@ -232,43 +143,6 @@ def test_the_flow_solves_the_equation_of_motion(stiffness, damping):
         close(force, -mpf(MASS) * mpf(9.81) - 7, mpf(10) ** -18)
         close(follower.flow(2 * t, 0.3, -2)[0], follower.flow(t, q, v)[0], mpf(10) ** -55)
     assert follower.flow(0, 0.3, -2) == (mpf(0.3), -2)
-
-
-def test_the_flow_conserves_energy_without_damping():
-    follower = chapter(700, gravity=9.81, preload=7)
-    with mp.workdps(60):
-        m, k, load = mpf(MASS), mpf(STIFFNESS), mpf(MASS) * mpf(9.81) + 7
-        energies = [
-            m * v**2 / 2 + k * q**2 / 2 + load * q
-            for q, v in (follower.flow(t, 0.3, -2) for t in (0, 0.1, 3))
-        ]
-        assert max(energies) - min(energies) < mpf(10) ** -50
-
-
-def test_the_flow_and_a_run_are_continuous_through_critical_damping():
-    with mp.workdps(60):
-        nudges = [B_CRITICAL * (1 + s * mpf("1e-20")) for s in (-1, 0, 1)]
-        flows = [chapter(700, damping=b, gravity=9.81).flow(0.05, 0.3, -2) for b in nudges]
-        assert max(abs(f[i] - flows[1][i]) for f in flows for i in (0, 1)) < mpf("1e-18")
-    runs = [chapter(200, damping=b).run(impacts=4) for b in nudges]
-    assert len(runs[0]) >= 4
-    for events in zip(*runs, strict=True):
-        assert max(abs(e.theta - events[0].theta) for e in events) < 1e-15
-
-
-def test_the_flow_is_continuous_as_the_spring_vanishes():
-    for damping in (0, 5):
-        soft, none = (
-            chapter(1, stiffness=k, damping=damping, gravity=9.81).flow(0.2, 0.3, -2)
-            for k in (mpf("1e-25"), 0)
-        )
-        assert max(abs(x - y) for x, y in zip(soft, none, strict=True)) < 1e-22
-
-
-def test_rest_below_the_first_detachment_and_a_start_inside_the_cam():
-    assert chapter(30).run() == []
-    with pytest.raises(ValueError, match="inside"):
-        chapter(30).run(q=0.05)
 
 
 def test_stretching_is_the_sensitivity_to_the_data():

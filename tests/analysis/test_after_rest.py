@@ -1,7 +1,6 @@
 """Where the motion after a rest ends: cycles, orbits, wandering, and what cannot be said."""
 
 import json
-import pickle
 import subprocess
 import sys
 from dataclasses import replace
@@ -23,7 +22,6 @@ from camcli.analysis.after_rest import (
     After,
     after_first_rest,
     after_rest,
-    repeats,
 )
 from camcli.analysis.classify import classify_at
 from camcli.analysis.integrate import Orbit
@@ -116,25 +114,6 @@ def test_chaos_wanders_and_gives_its_last_state(chapter):
     found = ends(chapter, 745.0)
     assert (found.kind, found.turns) == (WANDERS, LONGEST)
     assert found.start(chapter, 745.0) is not None
-
-
-def test_a_record_repeats_once_it_shrinks():
-    def states(ratio, n=40):
-        return [(1.0 + (k % 3) + 1e-3 * ratio**k, 2.0) for k in range(n)]
-
-    symbols = [3.0, 3.0, 2.0] * 14
-    assert repeats(states(0.6), symbols[:40]) == 3
-    assert repeats(states(0.999), symbols[:40]) == 0
-    assert repeats(states(0.6, 12), symbols[:12]) == 0
-    assert repeats(states(0.6), [*symbols[:39], 9.0]) == 0
-
-
-def test_a_system_is_pickled_with_its_cam(chapter):
-    """So that a worker in another process decides as this one does."""
-    again = pickle.loads(pickle.dumps(chapter))
-    assert again == chapter
-    assert again.shape == chapter.shape
-    assert "shape" not in repr(chapter)
 
 
 def test_nothing_is_imported_where_doubles_do():

@@ -8,7 +8,6 @@ from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.basins.measures import boundary
 from camcli.analysis.basins.study import (
-    BELOW_CODE,
     ORBIT,
     SIMPLE,
     UNDECIDED_CODE,
@@ -37,7 +36,7 @@ def labels(result):
 
 
 def test_fractions_agree_at_two_resolutions(chapter):
-    coarse, fine = mapped(chapter, 358.5), mapped(chapter, 358.5, WINDOW.with_cells(90, 90))
+    coarse, fine = mapped(chapter, 358.5), mapped(chapter, 358.5, WINDOW.with_cells(70, 70))
     assert labels(coarse) == labels(fine) == ["P(1;2)", "P(3;3:3:2)"]
     for code in (1, 2):
         (a, da), (b, db) = coarse.fractions[code], fine.fractions[code]
@@ -89,7 +88,7 @@ def plain_label(system, rpm, q, v, after_rests, turns=3000):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rpm", [358.0, 682.0, 700.0])
+@pytest.mark.parametrize("rpm", [358.0, 700.0])
 def test_every_cell_agrees_with_a_long_plain_simulation(chapter, rpm):
     window = WINDOW.with_cells(8, 8)
     result = mapped(chapter, rpm, window)
@@ -129,15 +128,6 @@ def test_attractors_found_by_cells_alone_are_the_same(chapter, monkeypatch):
     assert found.codes.tolist() == wanted.codes.tolist()
 
 
-def test_cells_below_the_cam_are_marked_and_not_computed(chapter):
-    window = Window((0.0, 0.2), (-10.0, 10.0), 20, 4)
-    result, finder = basins(chapter, 358.5, settings(), Question(window))
-    q, v = window.centres(np.arange(window.count))
-    assert ((result.codes.ravel() == BELOW_CODE) == (q < 0.1)).all()
-    assert (finder.settle(q, v)[1][q < 0.1] == 0).all()
-    assert sum(share for share, _ in result.fractions.values()) == pytest.approx(1.0)
-
-
 def test_slow_transients_are_undecided_never_an_attractor(chapter):
     """At 739.35 rpm a start takes some 290 turns: within 60 most are undecided."""
     result = mapped(chapter, 739.35, WINDOW.with_cells(20, 20), budget=60)
@@ -160,10 +150,9 @@ def test_trouble_is_a_code_of_its_own(method):
     assert set(np.unique(result.codes).tolist()) == {-3}
 
 
-@pytest.mark.parametrize("rpm", [358.5, 739.35])
-def test_simple_cell_mapping_agrees_away_from_boundaries(chapter, rpm):
-    window = WINDOW.with_cells(100, 100)
-    orbit, simple = mapped(chapter, rpm, window), mapped(chapter, rpm, window, method=SIMPLE)
+def test_simple_cell_mapping_agrees_away_from_boundaries(chapter):
+    window = WINDOW.with_cells(80, 80)
+    orbit, simple = mapped(chapter, 358.5, window), mapped(chapter, 358.5, window, method=SIMPLE)
     assert labels(simple) == labels(orbit)
     inner = ~boundary(orbit.codes)
     assert (orbit.codes == simple.codes)[inner].mean() > 0.99
@@ -186,10 +175,11 @@ def test_refined_basins_are_those_of_the_full_grid(chapter):
     assert (refined.codes == full.codes)[refined.level == 2].all()  # cells of the full grid
 
 
+@pytest.mark.slow
 def test_numbers_of_attractors_stay_from_speed_to_speed(chapter):
     """P(1;2) is born above 355 rpm; a cycle of 26 turns becomes P(3), which doubles its period."""
     speeds = [355.0, 358.5, 360.0, 360.5]
-    result = study(chapter, speeds, settings(), Question(WINDOW.with_cells(10, 10)))
+    result = study(chapter, speeds, settings(), Question(WINDOW.with_cells(8, 8)))
     named = [
         dict(zip(s.branches, [a.label for a in s.attractors], strict=True)) for s in result.speeds
     ]

@@ -13,10 +13,10 @@ from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
 from camcli.analysis.basins.region import Region, _holds, overlap, parted, rings, size_of
 from camcli.analysis.basins.rest_outcomes import record_of
-from camcli.analysis.basins.study import Branches, Question, basins, distance
+from camcli.analysis.basins.study import Question, basins
 from camcli.analysis.basins.window import Window
-from camcli.kernel.cells import FORGOTTEN, GOES_ON
-from tests.conftest import chapter_system, settings
+from camcli.kernel.cells import FORGOTTEN
+from tests.conftest import settings
 
 WINDOW = Window((0.1, 0.9), (-50.0, 50.0), 20, 20)
 
@@ -105,22 +105,6 @@ def fixed_point(batches, state):
     return x + lift
 
 
-def test_states_begin_where_the_label_does_and_order_is_by_label_then_state():
-    first = Attractor.periodic_of("", ((1, 1), (2, 2), (3, 3)), (3.0, 2.0, 3.0))
-    assert (first.symbols, first.states) == ((3.0, 3.0, 2.0), ((3, 3), (1, 1), (2, 2)))
-    assert Attractor.periodic_of("", ((5, 0), (4, 0)), (1.0, 1.0)).states == ((4, 0), (5, 0))
-    made = [
-        Attractor("aperiodic", 0, ((0.0, 0.0),)),
-        Attractor("P(2;2:1)", 2, ((0.1, 0.0), (0.2, 0.0)), (2.0, 1.0)),
-        Attractor("P(1;2)", 1, ((0.3, 0.0),), (2.0,)),
-        Attractor("P(1;2)", 1, ((0.2, 0.0),), (2.0,)),
-        Attractor("contact", 1, ((0.1, 0.0),), (0.0,)),
-    ]
-    ranked = sorted(made, key=Attractor.order)
-    assert [a.label for a in ranked] == ["contact", "P(1;2)", "P(1;2)", "P(2;2:1)", "aperiodic"]
-    assert ranked[1].states[0][0] == 0.2
-
-
 def ring(n, shift=0.0):
     angle = np.arange(n) * 2.399963
     return np.column_stack((np.cos(angle) + shift, np.sin(angle)))
@@ -143,26 +127,6 @@ def test_recurrence_of_records_and_their_boxes(finder):
     tried = np.flatnonzero(boxes.owner == 3)
     stays = recurrence.stays_of(boxes, tried, np.full(len(tried), 2), np.full(len(tried), 7))
     assert stays[2] == 16 + 2 * 7  # twice the longest stay of a trial that went elsewhere
-
-
-def test_a_branch_that_was_gone_comes_back_by_its_state():
-    def orbit(q, label="P(1;1)"):
-        return Attractor(label, 1, ((q, 0.0),), (1.0,))
-
-    class Gone:
-        class batches:  # noqa: N801
-            omega = 1.0
-
-        def destination(self, q, v):
-            return None
-
-    branches = Branches()
-    assert branches.number((orbit(1.0), orbit(3.0)), Gone()) == (1, 2)
-    assert branches.number((orbit(3.1),), Gone()) == (2,)
-    assert branches.number((orbit(1.1), orbit(3.2), orbit(9.0)), Gone()) == (1, 2, 3)
-    assert branches.number((orbit(3.2), orbit(3.25), orbit(9.0)), Gone()) == (2, 4, 3)
-    assert branches.number((orbit(1.1, "P(1;2)"),), Gone()) == (5,)
-    assert distance(orbit(1.0), orbit(2.0)) == 0.5
 
 
 def test_rests_are_asked_once_and_what_no_ball_decides_is_undecided(chapter, monkeypatch):
@@ -203,9 +167,3 @@ def test_excursions_that_settle_are_no_attractor(chapter):
     before = list(finder.attractors)
     assert finder.rests.chaos((float(gap), float(rate), 0)) == FORGOTTEN
     assert finder.attractors == before
-
-
-def test_doubles_are_believed_where_they_remember(chapter):
-    assert set(finder_at(chapter, 190.0).rests.ends) == {GOES_ON}
-    free = AttractorFinder(CellBatches(chapter_system(restitution=1.0), 358.0, settings()), 10)
-    assert not free.targets.watch_rests

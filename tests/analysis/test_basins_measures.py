@@ -67,12 +67,6 @@ def test_entropies_of_boxes_with_known_shares():
     assert found["basin_entropy"] == pytest.approx(box / 5)
 
 
-def test_the_cam_is_no_boundary():
-    codes = np.array([[-1, 1, 1], [-1, 1, 2]])
-    assert boundary(codes).tolist() == [[False, True, True], [False, True, True]]
-    assert not boundary(codes[:, :2]).any()
-
-
 def test_uncertainty_exponents_of_a_line_and_of_a_cantor_set(monkeypatch):
     """Stripes over the gaps of the middle-third set: dimension 1 + log 2/log 3."""
     smooth = uncertainty(Painted(lambda q, v: np.where(v < 0.3 + 0.2 * q, 0, 1)), UNIT)
@@ -110,11 +104,3 @@ def test_a_boundary_is_followed_where_the_coarse_cells_miss_it():
     assert level.max() == 4
     sides = 16 >> level.ravel()[leaves(level, 4)].astype(int)
     assert (sides.astype(int) ** 2).sum() == fine.count  # the cells not cut cover it once
-
-
-def test_cells_and_centres_are_inverse():
-    window = Window((0.1, 0.9), (-50.0, 50.0), 7, 11)
-    cells = np.arange(window.count)
-    assert window.cell_of(*window.centres(cells)).tolist() == cells.tolist()
-    assert window.cell_of([0.05, 0.9, 0.5], [0.0, 0.0, 50.0]).tolist() == [-1, -1, -1]
-    assert window.halved(2).count == 16 * window.count

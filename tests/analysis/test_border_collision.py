@@ -14,7 +14,6 @@ from camcli.analysis.border_collision import (
     classify,
     cycle,
     growth_at_zero,
-    repeating,
 )
 from camcli.plots.event_words import KINDS, collision_words
 
@@ -189,19 +188,6 @@ def test_the_theorem_of_robust_chaos_agrees_with_iteration():
     assert lost > 40
 
 
-def test_robust_chaos_has_no_attracting_cycle():
-    rng, seen = random.Random(11), 0
-    for _ in range(40):
-        a, b = rng.random(), rng.random()
-        pair = sides(1.0 + a + 0.5 * rng.random(), a, -1.0 - b - 0.5 * rng.random(), b)
-        found = classify(*pair)
-        if found.kind == "robust-chaos":
-            seen += 1
-            assert found.below.kind == "none"
-            assert found.above.kind == "chaos", pair
-    assert seen > 8
-
-
 def grows(left, right, directions=60):
     """Largest log of growth over many directions of the homogeneous map, in 4000 steps."""
     best = -inf
@@ -307,9 +293,3 @@ def test_a_predicted_cycle_attracts(pair):
         end = iterate(*pair, float(mu), (x + away, y), turns + 10 * len(found.word))
         assert end is not None
         assert abs(end[0] - x) + abs(end[1] - y) < 0.1 * away + 1e-9 * (abs(x) + abs(y))
-
-
-def test_repeating_word():
-    assert repeating("LRR" * 60) == "LRR"
-    assert repeating("R" * 99) == "R"
-    assert repeating("LRRLLRLR" + "LRLLLRRL" * 2) == ""

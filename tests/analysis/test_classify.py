@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from conftest import chapter_system, settings
+from conftest import settings
 
 from camcli.analysis.classify import attractors, classify, classify_at, with_transient
 from camcli.analysis.integrate import Orbit
@@ -67,9 +67,3 @@ def test_the_transient_ends_where_the_orbit_is_reached(chapter):
     # |multiplier| 0.8 per turn: from the order of a metre to 1e-7 takes some 72 turns
     assert 50 < motion.transient < 120
     assert with_transient(chapter, RUN, classify_at(chapter, 100.0, RUN)).transient == 0
-
-
-def test_where_nothing_dissipates_nothing_attracts():
-    motion = classify_at(chapter_system(restitution=1.0), 700.0, settings(50, 150))
-    assert motion.orbit is None
-    assert motion.label != "contact"

@@ -12,10 +12,9 @@ from camcli.analysis.explain.changes import _change, changes_between
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
 from camcli.analysis.explain.events import Event, Events
 from camcli.analysis.explain.saddles import find_saddles, monodromy
-from camcli.analysis.explain.tangency import width
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
 from camcli.kernel.orbit_loop import IMPACT
-from camcli.output.explanations import crisis_sentences, speed_text
+from camcli.output.explanations import crisis_sentences
 from tests.conftest import chapter_system, settings
 
 RUN = settings(300, 1)
@@ -81,27 +80,6 @@ def test_where_nothing_leaves_it_is_said_which_attractor_was_carried(chapter):
     assert crisis_sentences(found)[0].startswith("Nothing leaves the attractor carried from 740.3")
     found = find_crisis(chapter, RUN, 730.0, 731.0, turns=2000)
     assert (found.kind, found.met) == (CrisisKind.NOT_CHAOTIC, ())
-
-
-@pytest.mark.parametrize(
-    ("solved", "error"),
-    [
-        ([740.1, 740.103], 3e-3),  # the next fold solved
-        ([740.1, 740.1 + 1e-8], 3.0 * 0.02),  # one fold: what the runs allow
-        ([740.1, 740.10001], 4e-7 * 740.1),  # folds that happen to agree
-        ([740.14, 740.1401], 0.02),  # runs have left before: not the first fold
-    ],
-)
-def test_error_by_scatter_and_by_runs(chapter, solved, error):
-    carried = Carried(chapter, RUN, 740.0, 740.3, 100)
-    carried.stays, carried.leaves = 740.119, 740.12
-    assert width(carried, solved[0], 1e-9, solved) == pytest.approx(error, rel=1e-6)
-
-
-def test_speeds_have_the_digits_of_their_error():
-    errors = (3e-4, 2e-5, 0.3, 40.0, inf)
-    found = [speed_text(740.10647809678, error) for error in errors]
-    assert found == ["740.1065", "740.10648", "740.1", "740", "740.1064781"]
 
 
 def motion(rpm, label, widest=0.0):

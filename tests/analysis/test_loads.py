@@ -101,9 +101,7 @@ def expected(rpm, **changes):
 @pytest.mark.parametrize(
     ("rpm", "changes"),
     [
-        (130.0, {}),
         (190.0, {}),
-        (700.0, {}),
         (160.0, {"damping": 5.0, "gravity": 9.81, "preload": 20.0}),
     ],
 )
@@ -130,7 +128,7 @@ def test_always_in_contact_and_never_at_rest(chapter):
     assert flying[3:7] == (None,) * 4
 
 
-@pytest.mark.parametrize("rpm", [190.0, 358.5, 745.0])
+@pytest.mark.parametrize("rpm", [190.0, 745.0])
 def test_plain_and_compiled_have_the_same_bits(chapter, rpm, monkeypatch):
     record = Orbit(chapter, rpm, settings(20, 5)).run()
     compiled = backend.compiled()

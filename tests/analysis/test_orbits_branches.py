@@ -14,8 +14,23 @@ from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.analysis.orbits.study import Question, orbits
 from tests import oracle, orbit_oracle
 from tests.conftest import chapter_system, settings
-from tests.orbit_oracle import Machine, corner_rpm, fold_rpm, gap_graze_rpm, period_doubling_rpm
-from tests.test_orbit_oracle import DOUBLED, GRAZE, STABLE, THRICE, TWICE, UNSTABLE, B, C
+from tests.orbit_oracle import (
+    DOUBLED,
+    GRAZE,
+    STABLE,
+    THRICE,
+    TWICE,
+    UNSTABLE,
+    B,
+    C,
+    Machine,
+    corner_rpm,
+    fold_rpm,
+    gap_graze_rpm,
+    period_doubling_rpm,
+)
+
+pytestmark = pytest.mark.slow
 
 CAM = oracle.ArcsCam()
 CHAPTER = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
@@ -44,9 +59,7 @@ def relative(value, exact, tolerance=1e-11):
 
 MACHINES = {
     "base": ({}, "673.234445003812", "739.319780216002", "739.377929649277"),
-    "r": ({"restitution": 0.7}, "684.646551556922", "738.075732206105", "738.211114380335"),
     "b": ({"damping": 2.0}, "679.166437752676", "739.075742370577", "739.156414773701"),
-    "g": ({"gravity": 9.81}, "673.937640052851", "740.714525516509", "740.766802987231"),
 }
 
 
@@ -140,7 +153,6 @@ BRANCHES = {
     "restitution": (700.0, 0.0, 1.0, "restitution", {}),
     "damping": (700.0, 0.0, 10.0, "damping", {"damping": 2.0}),
     "gravity": (700.0, -20.0, 20.0, "gravity", {}),
-    "mass": (700.0, 1.15, 1.3, "mass", {}),
 }
 
 
@@ -184,7 +196,7 @@ def _returns(shooter, point):
         assert abs(ends[j] - point.states[0][j]) < 1e-10 * sizes[j], point.value
 
 
-@pytest.mark.parametrize(("seed", "points"), [(675.0, 60), (739.0, 60), (700.0, 11)])
+@pytest.mark.parametrize(("seed", "points"), [(739.0, 60), (700.0, 11)])
 def test_neither_the_seed_nor_the_spacing_moves_a_bifurcation(seed, points):
     one, two = (
         sorted((b.kind, b.label, b.corner, b.value) for b in result.bifurcations)
@@ -196,8 +208,7 @@ def test_neither_the_seed_nor_the_spacing_moves_a_bifurcation(seed, points):
 
 
 OTHERS = {
-    "restitution": (0.5, 0.85), "damping": (0.0, 12.0), "stiffness": (1400.0, 1600.0),
-    "mass": (1.1, 1.25),
+    "damping": (0.0, 12.0), "stiffness": (1400.0, 1600.0), "mass": (1.1, 1.25),
 }  # fmt: skip
 
 
@@ -250,12 +261,9 @@ def test_a_single_impact_that_fades():
 
 ODD = {
     "springless": (300.0, 250.0, 350.0, "rpm", {"stiffness": 0.0, "gravity": 9.81}),
-    "overdamped": (700.0, 690.0, 710.0, "rpm", {"damping": 1e4}),
     "plastic": (700.0, 660.0, 760.0, "rpm", {"restitution": 0.0}),
-    "elastic, damped": (700.0, 660.0, 760.0, "rpm", {"restitution": 1.0, "damping": 5.0}),
     "tiny range": (700.0, 700.0 - 5e-7, 700.0 + 5e-7, "rpm", {}),
     "an end at the corner": (700.0, 673.2344450038121, 720.0, "rpm", {}),
-    "seed at the corner": (673.2344450038121, 660.0, 690.0, "rpm", {}),
     "huge range": (700.0, 10.0, 1e5, "rpm", {}),
     "resting, restitution 0 to 1": (190.0, 0.0, 1.0, "restitution", {}),
     "stiffness to 0": (700.0, 0.0, 2000.0, "stiffness", {}),

@@ -89,15 +89,6 @@ def test_identify_agrees_with_the_label_of_the_record(rpm):
         assert orbit.label == name
 
 
-def test_orbits_are_listed_once_and_stable_ones_first():
-    result = find(chapter_system(), 700.0, settings(transient=300), 6)
-    assert labels(result) == ["P(1;1)", "P(1;1)"]
-    assert [orbit.stable for orbit in result.orbits] == [True, False]
-    assert not same_orbit(*result.orbits)
-    assert result.virtual
-    assert all("virtual" in orbit.verdict for orbit in result.virtual)
-
-
 def test_states_that_differ_by_more_than_rounding_are_two():
     states = [(0.2, 1.0), (0.3, -1.0)]
     assert same_states(states, [(q * (1 + 1e-9), w) for q, w in states])

@@ -3,18 +3,12 @@
 from itertools import pairwise
 
 import pytest
-from conftest import chapter_system, settings
+from conftest import settings
 
 from camcli.analysis.classify import classify_at
-from camcli.analysis.integrate import StartError
 from camcli.analysis.orbits.same_orbit import distance_to
 from camcli.analysis.sweep import rpm_grid, sweep
-from camcli.parallel import Work
 from camcli.system import omega_of
-
-
-def rows(result):
-    return [(s.rpm, s.label, list(s.impacts[1]), list(s.strobe[1])) for s in result.speeds]
 
 
 def test_grid_hits_both_ends():
@@ -22,14 +16,6 @@ def test_grid_hits_both_ends():
     assert (grid[0], grid[-1], len(grid)) == (660.0, 760.0, 401)
     assert rpm_grid(3.0, 1.0, 3) == [3.0, 2.0, 1.0]
     assert rpm_grid(5.0, 9.0, 1) == [5.0]
-
-
-def test_threads_and_order_change_nothing(chapter):
-    rpms = rpm_grid(736.0, 746.0, 7)
-    one = sweep(chapter, rpms, settings(50, 20), work=Work(threads=1))
-    many = sweep(chapter, rpms, settings(50, 20), work=Work(threads=4))
-    backwards = sweep(chapter, rpms[::-1], settings(50, 20), work=Work(threads=2))
-    assert rows(one) == rows(many) == rows(backwards)[::-1]
 
 
 def test_from_rest_the_periodic_branch_begins_between_682_and_684(chapter):
@@ -55,30 +41,11 @@ def test_an_orbit_still_settling_is_named_after_it(chapter):
         assert named[1].exponent < 0.0
 
 
-def test_up_runs_in_ascending_order(chapter):
-    result = sweep(chapter, [190.0, 150.0], settings(5, 5), direction="up")
-    assert [s.rpm for s in result.speeds] == [150.0, 190.0]
-
-
 def test_only_what_was_asked_for_is_recorded(chapter):
     result = sweep(chapter, [700.0], settings(5, 5), impacts=False)
     assert result.speeds[0].impacts is None
     result = sweep(chapter, [700.0], settings(5, 5), strobe=False)
     assert result.speeds[0].strobe is None
-
-
-def test_start_below_the_cam_says_how_deep(chapter):
-    with pytest.raises(StartError, match=r"0\.05 m below"):
-        sweep(chapter, [700.0], settings(1, 1, q=0.05, v=0.0))
-
-
-def test_strobe_phase_moves_the_section_not_the_orbit():
-    plain = sweep(chapter_system(), [700.0], settings(600, 4))
-    moved = sweep(chapter_system(strobe_deg=90.0), [700.0], settings(600, 4))
-    assert list(moved.speeds[0].impacts[1]) == pytest.approx(
-        list(plain.speeds[0].impacts[1]), abs=1e-10
-    )
-    assert moved.speeds[0].strobe[1][0] != plain.speeds[0].strobe[1][0]
 
 
 @pytest.mark.slow

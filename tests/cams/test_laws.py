@@ -148,18 +148,6 @@ def test_only_constant_velocity_has_kinks_and_it_has_no_acceleration_at_all():
     assert column(ramp, "piece_count") == [1.0] * 5
 
 
-def test_named_laws_are_members_of_the_family():
-    for name, b, c, d in (
-        ("modified-sine", 0.25, 0.0, 0.75),
-        ("modified-trapezoid", 0.25, 0.5, 0.25),
-        ("cycloidal", 0.5, 0.0, 0.5),
-        ("harmonic", 0.0, 0.0, 1.0),
-        ("constant-acceleration", 0.0, 1.0, 0.0),
-    ):
-        own = law_cam({"scca": {"b": b, "c": c, "d": d}})
-        assert build(own.parts()) == table(name)
-
-
 @pytest.mark.parametrize(
     ("lengths", "count"),
     [

@@ -34,9 +34,7 @@ def values(cam, deg):
 
 CASES = [
     pytest.param(Lobe(polynomial), 1, INCH, 4, id="345-inch"),
-    pytest.param(Lobe(cycloidal), 1, INCH, 4, id="cycloidal-inch"),
     pytest.param(Lobe(smooth), 1, INCH, 4, id="4567-inch"),
-    pytest.param(Lobe(polynomial, 60, 40), 1, INCH, 4, id="345-dwell-inch"),
     pytest.param(Lobe(cycloidal), 0.5, 1e-3, 3, id="cycloidal-mm3"),
     pytest.param(Lobe(cycloidal), 1, 1e-3, 2, id="cycloidal-mm2"),
     pytest.param(Lobe(smooth), 5, 1e-3, 2, id="4567-5deg"),
@@ -168,7 +166,7 @@ def test_dwells_are_exactly_flat(tmp_path):
 
 
 @pytest.mark.parametrize("lobe", [Lobe(polynomial), Eccentric()])
-@pytest.mark.parametrize("strobe", [33.3, 150.5, 180.3, 359.9])
+@pytest.mark.parametrize("strobe", [33.3, 180.3])
 def test_the_cam_is_smooth_and_a_strobe_phase_changes_nothing(tmp_path, lobe, strobe):
     """Six continuous derivatives, so no corner anywhere; the table's bounds bind."""
     parts = scene(tmp_path, table(lobe, 2)).cam.parts()
@@ -247,7 +245,7 @@ def test_a_stated_smoothing_is_the_rms_deviation(tmp_path, wanted):
     assert cam.accuracy.rms == pytest.approx(wanted, rel=0.02)
 
 
-@pytest.mark.parametrize("law", [polynomial, smooth])
+@pytest.mark.parametrize("law", [polynomial])
 def test_the_first_detachment_lies_in_its_range(tmp_path, law):
     """The true law's speed is between those that the bound allows."""
     follower, lobe = Follower(0.12, 42000.0, 12.0, 0.0, 260.0, 0.4), Lobe(law)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from camcli.analysis.contact_loss.detachment import detachment, first_loss
+from camcli.cli import init
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 from tests.cams.lift_tables import Eccentric, Lobe, cycloidal, polynomial, smooth, table
@@ -79,6 +80,7 @@ FILES = {  # lines (or bytes), the law, zero of the file in deg of the cam, keys
 }  # fmt: skip
 
 
+FITTED = ("dial gauge", "noise", "an eccentric", "quoted cells")  # one of each law
 UNSURE = {"plain csv": True, "no header": True, "german spreadsheet": False, "comments": True,
           "units in a second line": False, "ten-thousandths of an inch": False}  # fmt: skip
 
@@ -89,7 +91,7 @@ def written(name, folder, cam):
     if not isinstance(data, bytes):
         data = ("\n".join(data) + "\n").encode()
     (folder / "cam.csv").write_bytes(data)
-    done = cam("init", "cam.csv")
+    done = cam("init cam.csv")
     assert done.returncode == 0, done.stderr
     path = folder / "cam.yaml"
     path.write_text(path.read_text().replace("zero_deg: 0", f"zero_deg: {zero}"))
@@ -108,10 +110,11 @@ def truth(tmp_path_factory):
     return solved
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
-def test_a_table_is_read_as_it_was_written(name, tmp_path, cam, truth):
+def test_a_table_is_read_as_it_was_written(name, tmp_path, cam, truth, monkeypatch):
     """And the interval of the first detachment holds that of the law."""
+    if name != "plain csv":
+        monkeypatch.setattr(init, "_draw", lambda *_: None)
     _, law, _, keys = FILES[name]
     said, scene = written(name, tmp_path, cam)
     read = scene.cam.model_dump()
@@ -121,8 +124,10 @@ def test_a_table_is_read_as_it_was_written(name, tmp_path, cam, truth):
     assert np.abs(turn.lift - true).max() < (5e-6 if name == "noise" else 0.51 * turn.quantum)
     assert len(turn.lift) >= 150
     assert name not in UNSURE or ("CHECK lift" in said) == UNSURE[name]
-    assert (tmp_path / "cam.png").read_bytes()[:4] == b"\x89PNG"
-    system, errors = System.build(FOLLOWER, scene.cam.parts()), scene.cam.errors.bounds
-    low, high = (first_loss(system, errors, side) for side in (-1.0, 1.0))
-    assert low < truth(law) < high
-    assert high - low < 0.14 * truth(law)
+    if name == "plain csv":
+        assert (tmp_path / "cam.png").read_bytes()[:4] == b"\x89PNG"
+    if name in FITTED:
+        system, errors = System.build(FOLLOWER, scene.cam.parts()), scene.cam.errors.bounds
+        low, high = (first_loss(system, errors, side) for side in (-1.0, 1.0))
+        assert low < truth(law) < high
+        assert high - low < 0.14 * truth(law)

@@ -1,14 +1,10 @@
 """cam basins as a shell sees it: columns, codes, words, exit codes, bytes."""
 
-import csv
 import json
 
 import pytest
 
-
-def rows(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
+from tests.conftest import rows
 
 
 @pytest.fixture
@@ -21,6 +17,7 @@ def run(cam, tmp_path):
     return call
 
 
+@pytest.mark.slow
 def test_attractors_cells_and_record(run):
     done, folder = run("--cells", "40,30", "--boundary")
     assert done.returncode == 0, done.stderr
@@ -56,17 +53,6 @@ def test_attractors_cells_and_record(run):
     assert 0.0 < orbit["ellipse_radius_over_size"] <= 0.25
     assert "impacts in" in done.stdout.splitlines()[-1]
     assert "boundary dimension" in done.stdout
-
-
-def test_kernels_and_threads_give_the_same_bytes(cam_process, tmp_path):
-    """At 700 rpm, where a turn has one impact."""
-    words = ("basins", "--rpm", "700", "--cells", "4,3", "--no-plot")
-    for name, threads, kernel in (("one", "1", "python"), ("two", "2", "compiled")):
-        env = {"CAMCLI_KERNEL": kernel}
-        done = cam_process(*words, "--threads", threads, "-o", name, env=env)
-        assert done.returncode == 0, done.stderr
-    for name in ("attractors.csv", "basins.csv"):
-        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
 
 
 def test_refined_cells_are_rows_of_their_own_size(run):
@@ -120,26 +106,6 @@ def test_cells_below_the_cam_undecided_cells_and_trouble(run):
     assert "no-return in 36 cells" in done.stderr
     assert len(rows(folder / "basins.csv")) == 36
     assert rows(folder / "attractors.csv")[0]["label"] == "no-return"
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--cells", "none"), "--cells: found 'none'"),
-        (("--cells", "0"), "basins.cells"),
-        (("--q", "0.5"), "--q: found '0.5', expected two numbers LO:HI"),
-        (("--q", "0.9:0.1"), "found [0.9, 0.1], expected [low, high]"),
-        (("--method", "magic"), "basins.method"),
-        (("--method", "simple", "--refine", "2"), "basins.refine"),
-        (("--refine", "11"), "basins.refine"),
-        (("--set", "basins.boundary=3"), "basins.boundary"),
-    ],
-)
-def test_faults_are_said_before_any_work(run, tmp_path, words, said):
-    done, _ = run(*words)
-    assert done.returncode == 2
-    assert said in done.stderr
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_calls_of_the_kernel_that_are_cut_change_nothing(run, monkeypatch):

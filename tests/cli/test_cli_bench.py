@@ -71,18 +71,3 @@ def test_the_plan_of_a_quick_run_keeps_to_a_minute(run):
     assert plan["stability"]["runs"] == 24
     assert sum(part["seconds"] for part in plan.values()) < 120.0
     assert not list(run.folder.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["speed"], "expected one of precision, stability"),
-        (["--rpm", "700"], "every case has its own"),
-        (["--set", "bench.cases=[fast]"], "bench.cases"),
-        (["--set", "bench.methods=[]"], "bench.methods"),
-    ],
-)
-def test_bad_usage_is_one_clear_message(run, words, told):
-    code, _, said = run(*words)
-    assert code == 2
-    assert told in said

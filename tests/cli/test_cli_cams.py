@@ -1,6 +1,5 @@
 """Every kind of cam through every command, the files of configs/, and a made-up kind."""
 
-import csv
 import json
 import subprocess
 import sys
@@ -11,6 +10,7 @@ import pytest
 
 from camcli.errors import SceneError
 from camcli.scene import load_scene
+from tests.conftest import rows
 
 ROOT = Path(__file__).parents[2]
 CONFIGS = sorted(path for path in (ROOT / "configs").glob("*.yaml"))
@@ -41,16 +41,11 @@ def write(folder, cam, follower=FOLLOWER):
     return path
 
 
-def rows(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
-
-
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
-def test_a_file_of_configs_loads_and_plans(path, cam, tmp_path):
+def test_a_file_of_configs_loads_and_plans(path, cam, tmp_path, short_samples):
     assert "# yaml-language-server: $schema=schema.json" in path.read_text()
     assert load_scene(path).cam.parts()
-    done = cam("simulate", "-c", str(path), "--dry-run", "--json")
+    done = cam("simulate -c", str(path), "--dry-run --json")
     assert json.loads(done.stdout)["plan"]["impacts"] >= 0
     assert not list(tmp_path.iterdir())
 
@@ -58,10 +53,10 @@ def test_a_file_of_configs_loads_and_plans(path, cam, tmp_path):
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_command_takes_every_kind(cam, tmp_path, kind, command):
-    """With pictures for the two that differ most from arcs: without corners, and with kinks."""
+    """With pictures for the one that differs most from arcs."""
     path = write(tmp_path, KINDS[kind])
-    words = [] if kind in ("eccentric", "kinks") else ["--no-plot"]
-    done = cam(command, "-c", str(path), "-o", "out", "--quiet", *words)
+    words = [] if kind == "kinks" else ["--no-plot"]
+    done = cam(command, "-c", str(path), "-o out --quiet", *words)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out" / f"{command}.png").exists() == (not words)
     assert json.loads((tmp_path / "out" / "run.json").read_text())["result"]
@@ -69,7 +64,7 @@ def test_every_command_takes_every_kind(cam, tmp_path, kind, command):
 
 def test_without_corners_there_is_one_region_and_nothing_to_hit(cam, tmp_path):
     path = write(tmp_path, "{kind: eccentric, base: 0.01, lift: 0.05}")
-    done = cam("detach", "-c", str(path), "-o", "out", "--no-plot", "--rpm", "300:420")
+    done = cam("detach -c", str(path), "-o out --no-plot --rpm 300:420")
     assert done.returncode == 0
     assert {row["region"] for row in rows(tmp_path / "out" / "detach.csv")} == {"A1"}
     assert not rows(tmp_path / "out" / "corner_hits.csv")
@@ -82,9 +77,12 @@ def test_without_corners_there_is_one_region_and_nothing_to_hit(cam, tmp_path):
 
 def test_a_cam_below_zero_is_answered_in_words(cam, tmp_path):
     path = write(tmp_path, KINDS["eccentric"])
-    done = cam("detach", "-c", str(path), "-o", "out", "--no-plot", "--hold-to", "150",
-               "--set", "detach.precompression_m=0.05",
-               "--set", "detach.margin_n=0")  # fmt: skip
+    done = cam(
+        "detach -c",
+        str(path),
+        "-o out --no-plot --hold-to 150",
+        "--set detach.precompression_m=0.05 --set detach.margin_n=0",
+    )
     assert done.returncode == 0
     assert "not held even at standstill: the contact force is -20 N at 0 deg" in done.stdout
     assert (
@@ -95,10 +93,10 @@ def test_a_cam_below_zero_is_answered_in_words(cam, tmp_path):
 def test_a_kink_throws_the_follower_off(cam, tmp_path):
     """The rise begins with a blow and ends with a launch; a spring holds neither."""
     path = write(tmp_path, KINDS["kinks"])
-    done = cam("detach", "-c", str(path), "-o", "out", "--no-plot", "--hold-to", "150")
+    done = cam("detach -c", str(path), "-o out --no-plot --hold-to 150")
     assert "the cam's slope drops by 0.031831 m/rad at 30 deg" in done.stdout
     assert "at a downward kink the cam throws the follower off at any speed" in done.stdout
-    cam("simulate", "-c", str(path), "-o", "out", "--no-plot")
+    cam("simulate -c", str(path), "-o out --no-plot")
     events = rows(tmp_path / "out" / "events.csv")
     launches = {row["theta_deg"] for row in events if row["event"] == "detachment"}
     assert [float(x) for x in launches] == pytest.approx([30.0], abs=1e-12)
@@ -110,7 +108,7 @@ def test_a_kink_throws_the_follower_off(cam, tmp_path):
 def test_a_blow_is_a_departure(cam, tmp_path):
     """A follower that only ever leaves by blows and launches is not in `contact`."""
     path = write(tmp_path, KINDS["kinks"])
-    done = cam("orbits", "-c", str(path), "-o", "out", "--no-plot", "--rpm", "130")
+    done = cam("orbits -c", str(path), "-o out --no-plot --rpm 130")
     assert done.returncode == 0, done.stderr
     orbit = next(r for r in rows(tmp_path / "out" / "branch.csv") if r["label"] == "P(1;inf)")
     phases = [float(orbit[key]) for key in orbit if key.startswith("theta_deg") and orbit[key]]
@@ -120,7 +118,7 @@ def test_a_blow_is_a_departure(cam, tmp_path):
 def test_the_valve_train_says_at_what_speed_it_floats(cam, tmp_path):
     """First detachment, checked with the law's own formula, and springs that hold 3500 rpm."""
     path = ROOT / "configs" / "valve-train.yaml"
-    done = cam("detach", "-c", str(path), "-o", "out", "--no-plot", "--hold-to", "3500", "--json")
+    done = cam("detach -c", str(path), "-o out --no-plot --hold-to 3500 --json")
     assert done.returncode == 0, done.stderr
     result = json.loads(done.stdout)["result"]
     first = result["critical_speeds"][0]
@@ -149,79 +147,30 @@ SMOOTH = KINDS["smooth"]
 MOTION = "{start_deg: 10, length_deg: 90, law: 3-4-5}"
 
 
-@pytest.mark.parametrize(
-    ("text", "places", "said"),
-    [
-        ("{lift: 1}", ["1 cam.kind"], "no key 'kind', expected one of arcs, law, eccentric"),
-        ("{kind: lawx}", ["13 cam.kind"], "found 'lawx', expected one of arcs"),
-        (
-            "{kind: eccentric, base: 0, lift: 1, lfit: 1}",
-            ["42 cam.lfit"],
-            "unknown key 'lfit', expected one of kind, base, lift, did you mean 'lift'?",
-        ),
-        (SMOOTH.replace("4-5-6-7", "4567"), ["87 cam.rise.law"], "found 4567, expected one of"),
-        (SMOOTH.replace("cycloidal", "cycloid"), ["125 cam.fall.law"], "'cycloidal'?"),
-        (
-            SMOOTH.replace("start_deg: 300", "start: 300, start_deg: 300"),
-            ["50 cam.rise.start"],
-            "did you mean 'start_deg'?",
-        ),
-        (
-            SMOOTH.replace("4-5-6-7", "{scca: {b: 0.5, c: 0, d: 0.6}}"),
-            ["88 cam.rise.law.scca"],
-            "b + c + d = 1.1: the sum must be 1",
-        ),
-        (
-            SMOOTH.replace("4-5-6-7", "{scca: {b: 0.5, d: 0.5}}"),
-            ["88 cam.rise.law.scca.c"],
-            "no key 'c', expected share with constant acceleration",
-        ),
-        (
-            SMOOTH.replace("4-5-6-7", "{b: 1}"),
-            ["82 cam.rise.law.scca", "88 cam.rise.law.b"],
-            "expected one of scca",
-        ),
-        (SMOOTH.replace("length_deg: 90", "length_deg: 190"), ["1 cam"], "20 deg too much"),
-        (
-            f"{{kind: law, base: 0, lift: 1, rise: {MOTION}}}",
-            ["1 cam.fall"],
-            "no section 'fall', expected a map with the keys length_deg, law",
-        ),
-    ],
-)
+SCCA = "{scca: {b: 0.5, c: 0, d: 0.6}}"
+WRONG = [
+    ("{lift: 1}", ["1 cam.kind"], "no key 'kind', expected one of arcs, law, eccentric"),
+    ("{kind: lawx}", ["13 cam.kind"], "found 'lawx', expected one of arcs"),
+    ("{kind: eccentric, base: 0, lift: 1, lfit: 1}", ["42 cam.lfit"],
+     "unknown key 'lfit', expected one of kind, base, lift, did you mean 'lift'?"),
+    (SMOOTH.replace("4-5-6-7", "4567"), ["87 cam.rise.law"], "found 4567, expected one of"),
+    (SMOOTH.replace("cycloidal", "cycloid"), ["125 cam.fall.law"], "'cycloidal'?"),
+    (SMOOTH.replace("start_deg: 300", "start: 300, start_deg: 300"), ["50 cam.rise.start"],
+     "did you mean 'start_deg'?"),
+    (SMOOTH.replace("4-5-6-7", SCCA), ["88 cam.rise.law.scca"], "b + c + d = 1.1: the sum must be"),
+    (SMOOTH.replace("length_deg: 90", "length_deg: 190"), ["1 cam"], "20 deg too much"),
+    (f"{{kind: law, base: 0, lift: 1, rise: {MOTION}}}", ["1 cam.fall"],
+     "no section 'fall', expected a map with the keys length_deg, law"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "places", "said"), WRONG)
 def test_a_wrong_cam_is_told_with_its_place(tmp_path, text, places, said):
     with pytest.raises(SceneError) as caught:
         load_scene(write(tmp_path, text))
     faults = caught.value.faults
     assert [f"{fault.where.rpartition(':2:')[2]} {fault.path}" for fault in faults] == places
     assert said in str(faults[-1])
-
-
-def test_another_kind_from_the_command_line():
-    """The file's keys that the new kind lacks fall away, in whatever order they are set."""
-    sets = ["cam.base=-0.1", "cam.lift=0.2", "cam.kind=eccentric"]
-    for order in (sets, sets[::-1]):
-        cam = load_scene(None, order).cam
-        assert (cam.kind, cam.base, cam.lift) == ("eccentric", -0.1, 0.2)
-    whole = load_scene(None, ["cam={kind: eccentric, base: 0, lift: 1}"]).cam
-    assert whole.lift == 1.0
-    same = load_scene(ROOT / "configs" / "law-smooth.yaml", ["cam.kind=eccentric"]).cam
-    assert (same.base, same.lift) == (0.1, 0.15393320723821)
-
-
-@pytest.mark.parametrize(
-    ("sets", "paths"),
-    [
-        (["cam.kind=eccentric"], ["cam.base", "cam.lift"]),
-        (["cam.kind=eccentric", "cam.base=0", "cam.lift=1", "cam.nose=2"], ["cam.nose"]),
-        (["cam.kind=arcs", "cam.lift=1"], ["cam.lift"]),
-        (["cam.kind=nothing"], ["cam.kind"]),
-    ],
-)
-def test_what_the_command_line_sets_wrongly_is_told(sets, paths):
-    with pytest.raises(SceneError) as caught:
-        load_scene(None, sets)
-    assert [fault.path for fault in caught.value.faults] == paths
 
 
 MADE_UP = """
@@ -249,6 +198,7 @@ main()
 """
 
 
+@pytest.mark.slow
 def test_a_new_kind_is_one_class_and_one_registration(tmp_path):
     """As CONTRIBUTING says: schema and commands then know it."""
 

@@ -1,21 +1,16 @@
 """cam classify as a user runs it: labels, exponents, explanations, the calculator."""
 
-import csv
 import json
 import math
 
 import pytest
 
-
-def rows(path):
-    """A CSV as dictionaries."""
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
+from tests.conftest import rows
 
 
 def explained(cam, tmp_path, *words):
     """Result of run.json of an explained range."""
-    done = cam("classify", "--explain", "--no-plot", "-o", "out", *words)
+    done = cam("classify --explain --no-plot -o out", *words)
     assert done.returncode == 0, done.stderr
     return json.loads((tmp_path / "out" / "run.json").read_text())["result"]
 
@@ -76,7 +71,7 @@ def test_the_low_range_is_explained(cam, tmp_path):
 
 
 def test_columns_and_exponents_of_one_speed(cam, tmp_path):
-    done = cam("classify", "--rpm", "700", "--no-plot", "-o", "out")
+    done = cam("classify --rpm 700 --no-plot -o out")
     assert done.returncode == 0, done.stderr
     (row,) = rows(tmp_path / "out" / "classify.csv")
     assert list(row) == [
@@ -106,39 +101,12 @@ def test_what_a_record_shows_of_rare_complete_chatters(cam, tmp_path, record, la
     assert motion["turns"] >= int(record)
 
 
-def test_same_bytes_on_one_thread_or_two_compiled_or_not(cam_process, tmp_path):
-    words = ("classify", "--rpm", "738:746", "--points", "3", "--no-plot")
-    for name, threads, kernel in (("a", "1", "compiled"), ("b", "2", "python")):
-        more = ("--set", "run.record=150", "--threads", threads, "-o", name)
-        done = cam_process(*words, *more, env={"CAMCLI_KERNEL": kernel})
-        assert done.returncode == 0, done.stderr
-    assert len({(tmp_path / name / "classify.csv").read_bytes() for name in "ab"}) == 1
-
-
 def test_the_calculator(cam):
-    done = cam("classify", "--trace", "0.5,-1.6", "--det", "0.2,0.3", "--json")
+    done = cam("classify --trace 0.5,-1.6 --det 0.2,0.3 --json")
     assert done.returncode == 0, done.stderr
     record = json.loads(done.stdout)
     assert record["kind"] == "border-period-doubling"
     cycle = next(c for c in record["cycles"] if c["word"] == "LR")
     sizes = [m[0] for m in cycle["multipliers"]]
     assert sizes == pytest.approx([-1.25207973, -0.04792027], abs=5e-9)
-    assert "robust-chaos: " in cam("classify", "--trace", "1.7,-1.7", "--det", "0.5,0.5").stdout
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--trace", "1,2"], "expected both --trace and --det"),
-        (["--trace", "1", "--det", "1,2"], "expected two numbers L,R"),
-        (["--trace", "1,2", "--det", "1,2", "-o", "a"], "-o: found it with --trace"),
-        (["--trace", "1,nan", "--det", "1,2"], "expected two numbers L,R"),
-        (["--rpm", "700", "--explain"], "expected a range"),
-        (["--starts", "-3"], "classify.starts"),
-    ],
-)
-def test_bad_usage_is_one_clear_message(cam, words, said):
-    done = cam("classify", "--no-plot", *words)
-    assert done.returncode == 2
-    assert said in done.stderr
-    assert "Traceback" not in done.stderr
+    assert "robust-chaos: " in cam("classify --trace 1.7,-1.7 --det 0.5,0.5").stdout

@@ -21,6 +21,8 @@ from camcli.cli.options import Request
 from camcli.errors import SceneError
 from camcli.output.digest import Drift, caption, drifts
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 REAL = ROOT / "configs" / "figures"
 NAMES = [
@@ -104,31 +106,25 @@ def test_only_what_changed_is_computed_with_its_reason(run, home):
     assert reasons(run, "1.10") == {"1.10": "program changed"}
 
 
-def test_a_misshapen_state_is_none_and_stops_no_other_figure(run, home):
-    path = home / "out" / "1.1" / "figure.json"
+def test_a_misshapen_state_or_record_is_none_and_stops_no_other_figure(run, home):
+    record, path = (home / "out" / "1.1" / name for name in ("run.json", "figure.json"))
     whole = json.loads(path.read_text())
     for text in ("{", "[1]", "{}", "\ufeff\0", json.dumps({**whole, "hashes": ["x"]})):
         path.write_text(text)
         assert read(State, path) is None
         assert reasons(run) == {"1.1": "new", "1.2a": "unchanged", "1.10": "unchanged"}
+    for text in ("[" * 100_000, '{"result": {"a": [{}, 1]}, "cost": {"impacts": 1}}', "[]"):
+        record.write_text(text)
+        assert reasons(run)["1.10"] == "unchanged"
+    for file in (record, path):
+        file.unlink()
+        os.mkfifo(file)
     (home / "out" / "1.2a" / "run.json").write_text("[" * 30)
     (home / "out" / "1.10" / "figure.json").write_text("[]")
     done = json.loads(run("--json", "1.10").out)["figures"]
     assert [row["reason"] for row in done] == ["new"]
     assert (home / "out" / "index.html").read_text().count("Not computed yet") == 1
-
-
-def test_a_pipe_or_a_misshapen_record_of_one_figure_stops_no_other(run, home):
-    record, state = (home / "out" / "1.2a" / name for name in ("run.json", "figure.json"))
-    for text in ("[" * 100_000, '{"result": {"a": [{}, 1]}, "cost": {"impacts": 1}}', "[]"):
-        record.write_text(text)
-        (home / "out" / "1.10" / "profile.csv").unlink(missing_ok=True)
-        assert [row["reason"] for row in json.loads(run("--json", "1.10").out)["figures"]]
-    for path in (record, state):
-        path.unlink()
-        os.mkfifo(path)
-    assert reasons(run)["1.2a"] == "new"
-    run("1.10")
+    assert reasons(run)["1.1"] == "new"
 
 
 def test_the_installed_figures_keep_their_references(run, home, monkeypatch):
@@ -268,7 +264,6 @@ def test_large_tables_go_when_their_digest_is_made(run, home, monkeypatch):
     )
 
 
-@pytest.mark.slow
 def test_an_interrupted_run_keeps_finished_figures(home, run):
     write(home / "scenes", "1.3", "sweep", "run: {transient: 100000000}")
     (home / "out" / "1.10" / "figure.json").unlink()
@@ -280,11 +275,11 @@ def test_an_interrupted_run_keeps_finished_figures(home, run):
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
-    until = time.monotonic() + 60
+    until = time.monotonic() + 300
     while not (home / "out" / "1.10" / "figure.json").exists() and time.monotonic() < until:
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=300)
     assert process.returncode == 130, said
     assert "interrupted" in said
     assert not (home / "out" / "1.3" / "figure.json").exists()
@@ -381,37 +376,33 @@ INDEPENDENT = {  # recomputed in closed form or with 40 digits, to the digits th
 }
 
 
-@pytest.mark.parametrize("name", INDEPENDENT)
-def test_references_hold_the_numbers_of_independent_computations(name):
-    solved = json.loads((REAL / "reference" / f"{name}.json").read_text())["solved"]
-    for key, value in INDEPENDENT[name].items():
-        digits = len(repr(value).partition(".")[2])
-        assert abs(solved[key] - value) < 0.6 * 10.0**-digits, key
+def test_references_hold_the_numbers_of_independent_computations():
+    for name, values in INDEPENDENT.items():
+        solved = json.loads((REAL / "reference" / f"{name}.json").read_text())["solved"]
+        for key, value in values.items():
+            digits = len(repr(value).partition(".")[2])
+            assert abs(solved[key] - value) < 0.6 * 10.0**-digits, key
 
 
-@pytest.mark.slow
 def test_real_figures_agree_with_their_reference(tmp_path, capsys):
-    names = ["3.5", "3.10"]
-    words = ["figures", "--check", *names, "--folder", str(REAL), "-o", str(tmp_path)]
+    words = ["figures", "--check", "3.5", "--folder", str(REAL), "-o", str(tmp_path)]
     assert guarded(lambda: app(words, standalone_mode=False)) == 0
     assert "every number is the reference's" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("figure", figures_in(REAL), ids=lambda figure: figure.name)
-def test_captions_are_made_of_the_numbers_of_the_run(figure):
+def test_captions_are_made_of_the_numbers_of_the_run():
     """No number with a decimal point is typed, and every label named is one of the run."""
-    reference = json.loads(figure.reference_path.read_text())
-    values = {**reference["regular"], **reference["chaotic"], **reference["solved"]}
-    about = figure.scene.figure
-    typed = re.sub(r"\{[^{}]+\}", "", about.shows)
-    assert not re.search(r"\d\.\d", typed)
-    said = caption(about.shows, values)
-    assert "{" not in said
-    labels = re.findall(r"P\(\d+;[^)]*\)", typed)
-    assert all(
-        any(label in text for text in [*values, *map(str, values.values())]) for label in labels
-    )
-    assert set(about.printed) <= set(values)
-    for name in re.findall(r"\{([^{}|]+)", about.shows):
-        if isinstance(values[name], float):
-            assert caption(about.shows, {**values, name: 2.0 * values[name] + 1.0}) != said
+    for figure in figures_in(REAL):
+        reference = json.loads(figure.reference_path.read_text())
+        values = {**reference["regular"], **reference["chaotic"], **reference["solved"]}
+        about = figure.scene.figure
+        typed = re.sub(r"\{[^{}]+\}", "", about.shows)
+        assert not re.search(r"\d\.\d", typed), figure.name
+        said, texts = caption(about.shows, values), [*values, *map(str, values.values())]
+        assert "{" not in said
+        for label in re.findall(r"P\(\d+;[^)]*\)", typed):
+            assert any(label in text for text in texts), (figure.name, label)
+        assert set(about.printed) <= set(values)
+        for name in re.findall(r"\{([^{}|]+)", about.shows):
+            if isinstance(values[name], float):
+                assert caption(about.shows, {**values, name: 2.0 * values[name] + 1.0}) != said

@@ -19,6 +19,8 @@ from tests.parallel.long_runs import (
     slow,
 )
 
+pytestmark = pytest.mark.slow
+
 FEW = ("--set", "run.transient=5", "--set", "run.record=5")
 SHORT = ("sweep", "--rpm", "660:760", "--points", "21", "--no-plot", "--threads", "1", *FEW)
 EARLIER = ("--points", "9", "--set", "sweep.tables=npz")
@@ -38,13 +40,17 @@ def case(shared):
 
 MOMENTS = [  # where, its count, artefacts that are new then, pieces that are on disk
     ("half", 1, 0, 0), ("half", 12, 0, 11), ("put", 7, 0, 6), ("put", 21, 0, 20),
-    *(("fsync", k, 0, 21) for k in (1, 4)), *(("replace", k, k - 1, 21) for k in (1, 2, 3, 4)),
+    ("fsync", 1, 0, 21), *(("replace", k, k - 1, 21) for k in (1, 2, 4)),
     ("unlink", 1, 3, 21), ("unlink", 2, 3, 21),
 ]  # fmt: skip
+SIGNALLED = {"SIGINT": (0, 1, 6, 9), "SIGTERM": (2, 4)}
+KILLS = [
+    *((*moment, "SIGKILL") for moment in MOMENTS),
+    *((*MOMENTS[k], how) for how, some in SIGNALLED.items() for k in some),
+]
 
 
-@pytest.mark.parametrize("how", ["SIGKILL", "SIGINT", "SIGTERM"])
-@pytest.mark.parametrize(("where", "number", "new", "pieces"), MOMENTS)
+@pytest.mark.parametrize(("where", "number", "new", "pieces", "how"), KILLS)
 def test_killed_at_a_moment(case, where, number, new, pieces, how):
     code, said = case.die(where, number, how)
     assert code == (-9 if how == "SIGKILL" else 130), said
@@ -123,8 +129,7 @@ OTHERS = {
 }  # fmt: skip
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ["two threads", "basins over a range"])
 def test_killed_at_random_moments(tmp_path, name):
     words, earlier = CASES[name]
     Case(tmp_path, words, earlier).soak(list(CASES).index(name), 1)
@@ -136,7 +141,7 @@ follower: {mass: 1.221, stiffness: 1430.8, restitution: 0.8}
 cam: {kind: arcs, base_radius: 0.4, flank_center: 0.45, flank_radius: 0.85,
       nose_center: 0.40393320723821, nose_radius: 0.15, top_dwell_deg: 40, offset: 0.3}
 run: {transient: 100, record: 4}
-sweep: {rpm: {start: 690, stop: 745, num: 90}, sections: [strobe]}
+sweep: {rpm: {start: 690, stop: 745, num: 60}, sections: [strobe]}
 """
 
 

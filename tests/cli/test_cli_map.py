@@ -1,25 +1,20 @@
 """cam sweep over two numbers: the map's rows, its borders, its picture, its pieces."""
 
-import csv
 import json
 
 import numpy as np
 import pytest
 
 from camcli import load_scene, sweep
+from tests.conftest import rows
 from tests.oracle import ArcsCam, corner_impact_rpm, period_doubling_rpm
 
-SMALL = ("--set", "run.transient=100", "--set", "run.record=30", "-q")
-PLANE = ("--rpm", "690:700", "--vary", "follower.restitution=0.7:0.8", "--points", "3,2")
-
-
-def rows(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
+SMALL = "--set run.transient=100 --set run.record=30"
+PLANE = "--rpm 690:700 --vary follower.restitution=0.7:0.8 --points 3,2"
 
 
 def test_a_row_per_point_with_the_columns_of_its_speed(cam, tmp_path):
-    done = cam("sweep", *PLANE, *SMALL, "--lyapunov", "--panels", "kind,max_gap_m,exponents")
+    done = cam(f"sweep {PLANE} {SMALL} --lyapunov --panels kind,max_gap_m,exponents")
     assert done.returncode == 0, done.stderr
     found = rows(tmp_path / "out/sweep/map.csv")
     assert [(r["rpm"], r["follower.restitution"]) for r in found] == [
@@ -27,7 +22,7 @@ def test_a_row_per_point_with_the_columns_of_its_speed(cam, tmp_path):
     ]
     last = found[-1]
     assert (last["label"], last["period"], last["impacts_per_turn"]) == ("P(1;1)", "1", "1.0")
-    cam("sweep", "--rpm", "700", *SMALL, "--lyapunov", "--no-plot", "-o", "one")
+    cam(f"sweep --rpm 700 {SMALL} --lyapunov --no-plot -o one")
     (one,) = rows(tmp_path / "one/speeds.csv")
     shared = set(one) & set(last)
     assert shared >= {"label", "lyapunov_per_period", "max_gap_m", "max_impact_m_per_s", "status"}
@@ -38,14 +33,14 @@ def test_a_row_per_point_with_the_columns_of_its_speed(cam, tmp_path):
 
 
 def test_points_that_rounding_decides_are_counted_and_decided_as_a_sweep_does(cam, tmp_path):
-    speeds = ("--rpm", "358.04:358.1", "--no-plot", *SMALL[:-1])
-    words = ("--vary", "follower.restitution=0.8:0.8", "--points", "2,1")
-    done = cam("sweep", *speeds, *words)
+    speeds = f"--rpm 358.04:358.1 --no-plot {SMALL}"
+    words = "--vary follower.restitution=0.8:0.8 --points 2,1"
+    done = cam("sweep", speeds, words)
     assert {row["label"] for row in rows(tmp_path / "out/sweep/map.csv")} == {"undecided"}
     assert "2 of 2 points undecided" in done.stderr
     assert "--decide" in done.stderr
-    assert "undecided" not in cam("sweep", *speeds, *words, "--decide").stderr
-    cam("sweep", *speeds, "--points", "2", "-o", "sweep")
+    assert "undecided" not in cam("sweep", speeds, f"{words} --decide").stderr
+    cam("sweep", speeds, "--points 2 -o sweep")
     found, wanted = rows(tmp_path / "out/sweep/map.csv"), rows(tmp_path / "sweep/speeds.csv")
     assert [row["label"] for row in found] == [row["label"] for row in wanted]
     assert all("inf" in row["label"] for row in found)
@@ -54,9 +49,9 @@ def test_points_that_rounding_decides_are_counted_and_decided_as_a_sweep_does(ca
 @pytest.mark.slow
 def test_the_borders_of_the_orbit_are_within_a_cell_of_the_published_bifurcations(cam, tmp_path):
     """Carried down, P(1;1) lives from its period doubling to its corner impact, at each r."""
-    words = ("--set", "sweep.direction=down", "--set", "run.transient=300", "--no-plot")
-    plane = ("--rpm", "660:760", "--vary", "follower.restitution=0.6:0.9", "--points", "101,4")
-    done = cam("sweep", *plane, *words, *SMALL[2:])
+    words = "--set sweep.direction=down --set run.transient=300 --no-plot"
+    plane = "--rpm 660:760 --vary follower.restitution=0.6:0.9 --points 101,4"
+    done = cam(f"sweep {plane} {words} --set run.record=30")
     assert done.returncode == 0, done.stderr
     found = rows(tmp_path / "out/sweep/map.csv")
     for r in dict.fromkeys(row["follower.restitution"] for row in found):
@@ -73,8 +68,8 @@ def test_a_slow_spiral_into_an_orbit_is_named_after_the_orbit(cam, tmp_path):
     turns long before it does in one."""
     rpm, r = 739.8319327731092, 0.9
     assert rpm < period_doubling_rpm(ArcsCam(), 1.221, 1430.8, r)
-    words = ("--set", f"follower.restitution={r}", "--set", "run.transient=200", "--no-plot", "-q")
-    done = cam("sweep", "--rpm", str(rpm), *words, "--set", "run.record=100")
+    words = f"--set follower.restitution={r} --set run.transient=200 --set run.record=100"
+    done = cam(f"sweep --rpm {rpm} {words} --no-plot -q")
     assert done.returncode == 0, done.stderr
     assert [row["label"] for row in rows(tmp_path / "out/sweep/speeds.csv")] == ["P(1;1)"]
 
@@ -84,38 +79,30 @@ def test_curves_of_orbits_are_laid_over_a_map(cam, tmp_path):
         "curve,kind,label,corner,rpm,restitution\n1,fold,P(1;1),,690,0.7\n1,fold,P(1;1),,700,0.8\n"
     )
     (tmp_path / "curve.csv").write_text(curve)
-    words = (*PLANE, *SMALL)
-    cam("sweep", *words, "-o", "plain")
-    done = cam("sweep", *words, "--curves", "curve.csv", "-o", "laid")
+    words = f"{PLANE} {SMALL} -q"
+    cam("sweep", words, "-o plain")
+    done = cam("sweep", words, "--curves curve.csv -o laid")
     assert done.returncode == 0, done.stderr
     plain, laid = (tmp_path / name / "map.png" for name in ("plain", "laid"))
     assert plain.read_bytes() != laid.read_bytes()
-    done = cam("sweep", *words, "--curves", "missing.csv")
+    done = cam("sweep", words, "--curves missing.csv")
     assert done.returncode == 2
     assert "missing.csv: no such file" in done.stderr
 
 
 def test_shards_merge_to_the_bytes_of_one_run(cam, tmp_path):
-    words = (*PLANE, *SMALL, "--no-plot")
+    words = f"{PLANE} {SMALL} -q --no-plot"
     for part in ("1/2", "2/2"):
-        assert cam("sweep", *words, "--shard", part, "-o", "parts").returncode == 0
-    assert cam("merge", "parts", "-q").returncode == 0
-    cam("sweep", *words, "-o", "whole")
+        assert cam("sweep", words, "--shard", part, "-o parts").returncode == 0
+    assert cam("merge parts -q").returncode == 0
+    cam("sweep", words, "-o whole")
     assert (tmp_path / "parts/map.csv").read_bytes() == (tmp_path / "whole/map.csv").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
-    words = (
-        "--rpm",
-        "739:740",
-        "--points",
-        "3",
-        "--zoom",
-        "739.3:739.4",
-        "--set",
-        "sweep.direction=down",
-    )
-    done = cam("sweep", *words, *SMALL)
+    words = "--rpm 739:740 --points 3 --zoom 739.3:739.4 --set sweep.direction=down"
+    done = cam(f"sweep {words} {SMALL}")
     assert done.returncode == 0, done.stderr
     found = [float(row["rpm"]) for row in rows(tmp_path / "out/sweep/speeds.csv")]
     assert found == sorted(found, reverse=True)
@@ -126,19 +113,14 @@ def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
                               "run.transient": 50, "run.record": 5})  # fmt: skip
     panels = sweep(scene).pictures["sweep"]().panels
     assert [name for name in panels if "zoom" in name] == ["impacts zoom 1", "strobe zoom 1"]
-    both = ("--rpm", "739:740", "--zoom", "739.2:739.3", "--points", "3,2")
-    cam("sweep", *both, *SMALL, "--no-plot")
+    cam(f"sweep --rpm 739:740 --zoom 739.2:739.3 --points 3,2 {SMALL} --no-plot")
     speeds = [row["rpm"] for row in rows(tmp_path / "out/sweep/speeds.csv")]
     assert speeds == ["739.0", "739.2", "739.3", "739.5", "740.0"]
-    for part, said in (("738:739.5", "within 739 to 740"), ("x", "--zoom")):
-        refused = cam("sweep", "--rpm", "739:740", "--zoom", part)
-        assert refused.returncode == 2
-        assert said in refused.stderr
 
 
 def test_the_ways_up_and_down_are_told_apart(cam, tmp_path):
     """At 680 rpm chaos from rest, and P(1;1) where the state is carried down."""
-    done = cam("sweep", "--rpm", "680:700", "--points", "2", "--both", *SMALL, "--no-plot",
+    done = cam("sweep", "--rpm", "680:700", "--points", "2", "--both", SMALL, "--no-plot",
                "--set", "sweep.tables=npz")  # fmt: skip
     assert done.returncode == 0, done.stderr
     ways = [("680.0", "aperiodic", "up"), ("700.0", "P(1;1)", "up"),
@@ -155,15 +137,8 @@ def test_the_ways_up_and_down_are_told_apart(cam, tmp_path):
 
 def test_motions_from_further_starts_come_after_those_of_the_first(cam, tmp_path):
     """At 358.5 rpm P(1;2) exists beside P(3;3:3:2)."""
-    words = (
-        "--rpm",
-        "358.5",
-        "--set",
-        "sweep.also=[{q: 0.55, v: 32.5}]",
-        "--set",
-        "run.transient=400",
-    )
-    done = cam("sweep", *words, "--set", "run.record=12", "--no-plot")
+    words = "--set run.transient=400 --set run.record=12 --no-plot"
+    done = cam(f"sweep --rpm 358.5 {words} --set", "'sweep.also=[{q: 0.55, v: 32.5}]'")
     assert done.returncode == 0, done.stderr
     found = rows(tmp_path / "out/sweep/speeds.csv")
     assert [(row["rpm"], row["label"]) for row in found] == [
@@ -172,9 +147,6 @@ def test_motions_from_further_starts_come_after_those_of_the_first(cam, tmp_path
     ]
     points = [float(row["q_m"]) for row in rows(tmp_path / "out/sweep/strobe.csv")]
     assert (len(points), points[-1]) == (24, pytest.approx(0.546, abs=1e-3))
-    low = cam("sweep", *words[:2], "--set", "sweep.also=[{q: 0.01}]")
-    assert low.returncode == 2
-    assert "below the cam" in low.stderr
 
 
 @pytest.mark.parametrize("row", ["", "1,P(1;1),700,1,155,0.2", "1,2,3,4,5,6,7", "1,2,3"])

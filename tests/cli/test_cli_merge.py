@@ -12,13 +12,13 @@ from camcli.parallel.checkpoint import Checkpoint, key_of, pack
 from tests.parallel.long_runs import but_record, files
 
 ROOT = Path(__file__).parents[2]
-TURNS = ("--set", "run.transient=10", "--set", "run.record=10", "--no-plot")
-SWEEP = ("sweep", "--rpm", "690:745", "--points", "9", *TURNS)
+TURNS = "--set run.transient=10 --set run.record=10 --no-plot"
+SWEEP = f"sweep --rpm 690:745 --points 9 {TURNS}"
 
 
-def shards(cam, total: int, *words: str, out: str = "parts") -> None:
+def shards(cam, total: int, line: str) -> None:
     for number in range(1, total + 1):
-        done = cam(*words, "--shard", f"{number}/{total}", "-o", out)
+        done = cam(line, f"--shard {number}/{total} -o parts")
         assert done.returncode == 0, done.stderr
 
 
@@ -32,23 +32,23 @@ def refused(done, *said: str) -> None:
 @pytest.mark.parametrize(
     ("total", "words"),
     [
-        (3, (*SWEEP, "--lyapunov", "--set", "sweep.tables=npz", "--set", "detach.rpm.num=7")),
+        (3, f"{SWEEP} --lyapunov --set sweep.tables=npz --set detach.rpm.num=7"),
         pytest.param(
-            2, ("sweep", "--rpm", "735:745", "--points", "4", *TURNS, "--explain"),
+            2, f"sweep --rpm 735:745 --points 4 {TURNS} --explain",
             marks=pytest.mark.slow,
         ),
         pytest.param(
-            2, ("basins", "--cells", "30", "--boundary", "--no-plot", *TURNS[:-1]),
+            2, f"basins --cells 30 --boundary {TURNS}",
             marks=(pytest.mark.slow, pytest.mark.soak),
         ),
-        (2, ("basins", "--rpm", "359:360", "--points", "2", "--cells", "16", "--no-plot")),
+        (2, "basins --rpm 359:360 --points 2 --cells 16 --no-plot"),
     ],
     ids=["sweep", "explain", "boundary", "range"],
 )  # fmt: skip
 def test_merged_is_the_same_to_the_byte(cam, tmp_path, total, words):
-    assert cam(*words, "-o", "whole").returncode == 0
-    shards(cam, total, *words)
-    done = cam("merge", "parts", "-o", "merged")  # no shard was to draw
+    assert cam(words, "-o whole").returncode == 0
+    shards(cam, total, words)
+    done = cam("merge parts -o merged")  # no shard was to draw
     assert done.returncode == 0, done.stderr
     assert but_record(files(tmp_path / "merged")) == but_record(files(tmp_path / "whole"))
     one, two = (json.loads((tmp_path / f / "run.json").read_text()) for f in ("merged", "whole"))
@@ -61,47 +61,47 @@ def test_a_measured_cam_needs_its_folder(cam, tmp_path):
     (tmp_path / "cams").mkdir()
     for name in ("lift-table.yaml", "valve-lift.csv"):
         shutil.copy(ROOT / "configs" / name, tmp_path / "cams" / name)
-    words = ("sweep", "-c", "cams/lift-table.yaml", "--rpm", "900:1500", "--points", "2", *TURNS)
-    assert cam(*words, "-o", "whole").returncode in (0, 3)
-    assert cam(*words, "--shard", "1/1", "-o", "parts").returncode == 0
-    refused(cam("merge", "parts"), "cam.file", "--folder")
-    done = cam("merge", "parts", "--folder", "cams", "--no-plot", "-o", "merged")
+    words = f"sweep -c cams/lift-table.yaml --rpm 900:1500 --points 2 {TURNS}"
+    assert cam(words, "-o whole").returncode in (0, 3)
+    assert cam(words, "--shard 1/1 -o parts").returncode == 0
+    refused(cam("merge parts"), "cam.file", "--folder")
+    done = cam("merge parts --folder cams --no-plot -o merged")
     assert done.returncode in (0, 3), done.stderr
     assert but_record(files(tmp_path / "merged")) == but_record(files(tmp_path / "whole"))
-    again = cam("rerun", "whole/run.json", "--folder", "cams")
+    again = cam("rerun whole/run.json --folder cams")
     assert again.returncode == 0, again.stderr
-    refused(cam("rerun", "whole/run.json"), "cam.file", "--folder")
+    refused(cam("rerun whole/run.json"), "cam.file", "--folder")
     table = tmp_path / "cams" / "valve-lift.csv"
     table.write_text(table.read_text() + "\n")
-    refused(cam("merge", "parts", "--folder", "cams"), "SHA-256")
+    refused(cam("merge parts --folder cams"), "SHA-256")
 
 
 def test_what_is_missing_torn_or_of_another_run(cam, tmp_path):
-    shards(cam, 3, *SWEEP)
+    shards(cam, 3, SWEEP)
     parts = tmp_path / "parts"
     second = parts / "sweep-2-of-3.pieces"
     whole = second.read_bytes()
     second.unlink()
-    refused(cam("merge", "parts"), "2 of 3 parts, not there: 2")
-    cam(*SWEEP, "--set", "run.record=11", "--shard", "2/3", "-o", "parts")
-    refused(cam("merge", "parts"), "other work", "another scene")
+    refused(cam("merge parts"), "2 of 3 parts, not there: 2")
+    cam(SWEEP, "--set run.record=11 --shard 2/3 -o parts")
+    refused(cam("merge parts"), "other work", "another scene")
     second.write_bytes(whole[:-3])
-    refused(cam("merge", "parts"), "sweep-2-of-3", "not complete", "run the same command again")
-    done = cam(*SWEEP, "--shard", "2/3", "-o", "parts")
+    refused(cam("merge parts"), "sweep-2-of-3", "not complete", "run the same command again")
+    done = cam(SWEEP, "--shard 2/3 -o parts")
     assert (done.returncode, "complete" in done.stderr) == (0, True)
     assert second.read_bytes() == whole
     shutil.copy(second, parts / "copy-of-3.pieces")  # a part twice does no harm,
-    cam(*SWEEP, "--shard", "2/2", "-o", "parts")  # nor one of another division
-    assert cam("merge", "parts", "--no-plot").returncode == 0
+    cam(SWEEP, "--shard 2/2 -o parts")  # nor one of another division
+    assert cam("merge parts --no-plot").returncode == 0
 
 
 def test_nothing_to_merge_or_to_share(cam, tmp_path):
     for text in ("0/3", "4/3", "3", "1/2/3", "", "1/999999"):
-        refused(cam(*SWEEP, "--shard", text), "--shard")
-    refused(cam(*SWEEP, "--set", "sweep.direction=up", "--shard", "1/2"), "--shard", "chain")
+        refused(cam(SWEEP, "--shard", text), "--shard")
+    refused(cam(SWEEP, "--set sweep.direction=up --shard 1/2"), "--shard", "chain")
     (tmp_path / "empty").mkdir()
-    refused(cam("merge", "empty"), "found no parts")
-    refused(cam("merge", "absent"), "absent", "No such file")
+    refused(cam("merge empty"), "found no parts")
+    refused(cam("merge absent"), "absent", "No such file")
 
 
 def line(place: str, value) -> bytes:
@@ -122,16 +122,16 @@ def test_hostile_parts_are_refused_in_words(cam, tmp_path):
     path = tmp_path / "sweep-1-of-1.pieces"
     for data in HOSTILE:
         path.write_bytes(data)
-        done = cam("merge", ".")
+        done = cam("merge .")
         refused(done, path.name)
         assert len(done.stderr) < 1000
     path.unlink()
     os.mkfifo(path)
-    refused(cam("merge", "."), path.name, "no plain file")
+    refused(cam("merge ."), path.name, "no plain file")
 
 
 def test_parts_that_ask_for_nonsense_or_hold_no_results(cam, tmp_path):
-    shards(cam, 1, *SWEEP)
+    shards(cam, 1, SWEEP)
     path = tmp_path / "parts" / "sweep-1-of-1.pieces"
     text, whole = key_of(path)[0], path.read_bytes()
     for key, value in (
@@ -139,9 +139,9 @@ def test_parts_that_ask_for_nonsense_or_hold_no_results(cam, tmp_path):
         ("options", {"explain": "yes"}), ("options", {"lyapunov": {}}), ("scene", {"run": 3}),
     ):  # fmt: skip
         path.write_bytes(line("key", json.dumps({**json.loads(text), key: value})) + END)
-        refused(cam("merge", "parts"))
+        refused(cam("merge parts"))
     path.write_bytes(whole)
     checkpoint = Checkpoint(path, text)
     checkpoint.put("0", 3, [1, 2])
     checkpoint.close()
-    refused(cam("merge", "parts"), "0/3 holds no result")
+    refused(cam("merge parts"), "0/3 holds no result")

@@ -6,16 +6,10 @@ import sys
 
 import pytest
 
-SWEEP = (
-    "sweep",
-    "--points",
-    "3",
-    "--no-plot",
-    "--set",
-    "run.transient=5",
-    "--set",
-    "run.record=20",
-)
+pytestmark = pytest.mark.slow
+
+TURNS = ("--set", "run.transient=5", "--set", "run.record=20")
+SWEEP = ("sweep", "--points", "3", "--no-plot", *TURNS)
 WARNED = (*SWEEP, "--set", "follower.restitution=1", "--set", "run.record=2")
 LEFT = ("simulate", "--no-plot", "--set", "run.impact_budget=5", "--rpm", "190")
 MADE = {"impacts.csv", "strobe.csv", "speeds.csv", "run.json"}
@@ -61,10 +55,9 @@ def test_a_full_disk_under_stdout(tmp_path):
 )
 def test_notes_that_cannot_be_written_are_dropped(tmp_path, left, words, code):
     with open(FULL, "wb") as full:
-        for stream in (full, left):
-            assert (
-                cam(tmp_path, *words, stdout=subprocess.DEVNULL, stderr=stream).returncode == code
-            )
+        stream = left if code == 3 else full
+        done = cam(tmp_path, *words, stdout=subprocess.DEVNULL, stderr=stream)
+    assert done.returncode == code
     assert code or made(tmp_path) == MADE
 
 

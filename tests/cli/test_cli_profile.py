@@ -5,13 +5,11 @@ import json
 import subprocess
 import sys
 from itertools import pairwise
-from math import cos, pi, sin, sqrt
 from pathlib import Path
 
 import pytest
 
 from camcli import load_scene, plot, simulate
-from camcli.analysis.cam_profile import polar_curvature
 from tests.cli.test_cli_startup import imported
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -66,7 +64,7 @@ def test_the_rows_of_a_corner_are_its_two_sides(cam, tmp_path):
 
 
 def test_a_flat_face_that_is_undercut_is_warned_of(cam, tmp_path):
-    done = cam(*ONLY, "-c", TABLE, "--set", "cam.base_radius=0.018")
+    done = cam(*ONLY, "-c", TABLE, "--set cam.base_radius=0.018")
     assert "warning: a flat-faced follower undercuts this cam" in done.stderr
     needed = done.stderr.partition("the base radius must exceed ")[2].split()[0]
     assert float(needed) == pytest.approx(0.03322801, rel=0.005)  # of the law
@@ -74,22 +72,6 @@ def test_a_flat_face_that_is_undercut_is_warned_of(cam, tmp_path):
     flat = result["flat_faced"]
     assert flat["undercut"] is False
     assert flat["least_radius_m"]["value"] == pytest.approx(0.0335 - flat["least_base_radius_m"])
-
-
-def test_the_curvature_of_a_circle_off_the_axis_is_that_of_a_circle():
-    radius, off, step = 0.3, 0.1, 1e-5
-
-    def distance(theta):
-        return off * cos(theta) + sqrt(radius**2 - (off * sin(theta)) ** 2)
-
-    for k in range(24):
-        theta = k * pi / 12
-        root = distance(theta) - off * cos(theta)
-        slope = -off * sin(theta) * (1 + off * cos(theta) / root)
-        below, above = distance(theta - step), distance(theta + step)
-        accel = (below - 2 * distance(theta) + above) / step**2
-        found = polar_curvature(distance(theta), slope, accel)
-        assert found == pytest.approx(1 / radius, rel=1e-4)
 
 
 def test_an_eccentric_needs_a_base_radius_for_the_knife_edge(cam, tmp_path):
@@ -100,26 +82,15 @@ def test_an_eccentric_needs_a_base_radius_for_the_knife_edge(cam, tmp_path):
     assert result["largest_roller_radius_m"]["value"] > 0
 
 
-@pytest.mark.parametrize("radius", ["0", "nan", "1e7"])
-def test_a_base_radius_that_is_none_is_refused(cam, radius):
-    done = cam(*ONLY, "--base-radius", radius)
-    assert done.returncode == 2
-    assert "--base-radius: found" in done.stderr
-
-
 def test_only_the_panels_asked_for_are_drawn_and_an_old_picture_is_removed(cam, tmp_path):
     heights, picture = [], tmp_path / "here/profile.png"
-    for panels in ("[lift]", "[force, lift]"):
+    for panels in ("[lift]", "[force,lift]"):
         words = ("--set", f"plot.panels={panels}", "-q")
         assert cam(*ONLY[:-1], *words).returncode == 0
         heights.append(int.from_bytes(picture.read_bytes()[20:24], "big"))
     assert heights[0] < heights[1]
     assert cam(*ONLY).returncode == 0
     assert not picture.exists()
-    done = cam(*ONLY, "--set", "plot.panels=[jerk]")
-    assert done.returncode == 2
-    (fault,) = done.stderr.splitlines()
-    assert "found 'jerk', expected one of motion, gap" in fault
 
 
 def test_the_example_table_is_that_of_its_program():
@@ -139,8 +110,8 @@ def test_the_example_table_is_that_of_its_program():
     ids=lambda words: words[0],
 )
 def test_every_command_runs_on_a_table_and_says_what_it_is_worth(cam, tmp_path, words):
-    short = ("--set", "run.transient=20", "--set", "run.record=8", "--no-plot", "-o", "here")
-    done = cam(words[0], "-c", TABLE, "--rpm", "3500", *short, *words[1:])
+    short = "--set run.transient=20 --set run.record=8 --no-plot -o here"
+    done = cam(words[0], "-c", TABLE, f"--rpm 3500 {short}", *words[1:])
     assert done.returncode == 0, done.stderr
     assert "valve-lift.csv: 145 rows, lift 10.16 mm, last digit 2.54e-06 m" in done.stderr
     assert "first detachment between 33" in done.stdout
@@ -150,14 +121,10 @@ def test_every_command_runs_on_a_table_and_says_what_it_is_worth(cam, tmp_path, 
     assert low < 3345.4 < high
 
 
-def test_quiet_says_nothing_about_the_table(cam):
-    assert cam(*ONLY, "-q", "-c", TABLE).stderr == ""
-
-
 def test_a_fault_of_the_table_is_one_line_and_exit_code_two(cam, tmp_path):
     (tmp_path / "valve-lift.csv").write_text("crank_deg,lift_inch\n0,0\n1,x\n2,nan\n")
     (tmp_path / "scene.yaml").write_text((CONFIGS / "lift-table.yaml").read_text())
-    done = cam("simulate", "-c", "scene.yaml")
+    done = cam("simulate -c scene.yaml")
     assert done.returncode == 2
     assert [line.split(",")[0] for line in done.stderr.splitlines()] == [
         "valve-lift.csv:3:3: cam.file: found 'x'",
@@ -173,9 +140,7 @@ def test_cams_side_by_side_share_their_axes(cam, tmp_path):
     law = {"kind": "law", "base": 0.1, "lift": 0.3, "top_dwell_deg": 40,
            "rise": {"start_deg": 90, "length_deg": 70, "law": "harmonic"},
            "fall": {"length_deg": 70, "law": "harmonic"}}  # fmt: skip
-    done = cam(
-        "simulate", "--profile-only", "--set", f"simulate.beside=[{json.dumps(law)}]", "--no-plot"
-    )
+    done = cam(f"simulate --profile-only --no-plot --set 'simulate.beside=[{json.dumps(law)}]'")
     assert done.returncode == 0, done.stderr
     first, second = (
         read(tmp_path / "out/simulate" / f"{name}.csv") for name in ("profile", "profile_2")

@@ -4,24 +4,22 @@ import json
 
 import pytest
 
-TURNS = ("--set", "run.transient=10", "--set", "run.record=10", "--no-plot")
+TURNS = "--set run.transient=10 --set run.record=10"
 RUNS = {
-    "sweep": ("sweep", "--rpm", "690:745", "--points", "5", *TURNS),
-    "simulate": ("simulate", "--rpm", "700", *TURNS),
-    "classify": ("classify", "--rpm", "700:730", "--points", "2", *TURNS),
-    "basins": ("basins", "--cells", "16", "--no-plot"),
-    "detach": ("detach", "--points", "3", "--no-plot"),
-    "orbits": ("orbits", "--rpm", "700", "--no-plot"),
-    "explore": (
-        "explore", "--rpm", "700:701", "--points", "2,2", "--with", "map", "--vary",
-        "follower.preload=0:5", "--set", "orbits.starts=0", *TURNS[:-1],
-    ),
-}  # fmt: skip
+    "sweep": f"sweep --rpm 690:745 --points 5 {TURNS} --no-plot",
+    "simulate": f"simulate --rpm 700 {TURNS} --no-plot",
+    "classify": f"classify --rpm 700:730 --points 2 {TURNS} --no-plot",
+    "basins": "basins --cells 16 --no-plot",
+    "detach": "detach --points 3 --no-plot",
+    "orbits": "orbits --rpm 700 --no-plot",
+    "explore": "explore --rpm 700:701 --points 2,2 --with map --vary follower.preload=0:5"
+    f" --set orbits.starts=0 {TURNS}",
+}
 
 
 @pytest.fixture
 def record(cam, tmp_path):
-    assert cam(*RUNS["sweep"], "-o", "here").returncode == 0
+    assert cam(RUNS["sweep"], "-o here").returncode == 0
     return tmp_path / "here" / "run.json"
 
 
@@ -35,9 +33,9 @@ def refused(done, *said: str) -> None:
 
 @pytest.mark.parametrize("name", RUNS)
 def test_the_same_bytes_again(cam, tmp_path, name):
-    assert cam(*RUNS[name], "-o", "here").returncode == 0
+    assert cam(RUNS[name], "-o here").returncode == 0
     before = sorted(tmp_path.rglob("*"))
-    done = cam("rerun", "here/run.json", "--json")
+    done = cam("rerun here/run.json --json")
     assert done.returncode == 0, done.stderr
     result = json.loads(done.stdout)
     artefacts = json.loads((tmp_path / "here" / "run.json").read_text())["artefacts"]
@@ -46,8 +44,8 @@ def test_the_same_bytes_again(cam, tmp_path, name):
 
 
 def test_pictures_too_and_into_a_folder(cam, tmp_path):
-    assert cam(*RUNS["sweep"][:-1], "-o", "here").returncode == 0
-    done = cam("rerun", "here/run.json", "-o", "there", "--threads", "1")
+    assert cam(RUNS["sweep"].removesuffix("--no-plot"), "-o here").returncode == 0
+    done = cam("rerun here/run.json -o there --threads 1")
     assert (done.returncode, "the same" in done.stdout) == (0, True)
     for name in ("sweep.png", "speeds.csv"):
         assert (tmp_path / "there" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
@@ -79,12 +77,12 @@ HOSTILE = [
 def test_records_that_are_none_are_refused_in_words(cam, tmp_path):
     for data in HOSTILE:
         (tmp_path / "run.json").write_bytes(data)
-        refused(cam("rerun", "run.json"))
-    refused(cam("rerun", "absent.json"), "absent.json", "No such file")
+        refused(cam("rerun run.json"))
+    refused(cam("rerun absent.json"), "absent.json", "No such file")
     (tmp_path / "empty").mkdir()
-    refused(cam("rerun", "empty"), "run.json", "No such file")
-    refused(cam("rerun", "/dev/zero"), "no file")
+    refused(cam("rerun empty"), "run.json", "No such file")
+    refused(cam("rerun /dev/zero"), "no file")
     with open(tmp_path / "huge.json", "wb") as file:
         file.truncate(1 << 40)
-    refused(cam("rerun", "huge.json"), "too large")
+    refused(cam("rerun huge.json"), "too large")
     (tmp_path / "huge.json").unlink()

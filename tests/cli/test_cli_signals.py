@@ -8,40 +8,39 @@ import pytest
 
 from tests.parallel.long_runs import begin, command, ended, files
 
-LONG = {
-    "one long piece": ("sweep", "--rpm", "745", "--set", "run.transient=100000000"),
-    "many pieces": ("sweep", "--points", "100001"),
-    "one orbit": ("simulate", "--rpm", "745", "--set", "run.transient=1000000000"),
-    "cells": ("basins", "--cells", "4000", "--set", "basins.budget=100000", "--rpm", "739.35"),
-    "detach": ("detach", "--rpm", "110:2000", "--points", "100000"),
-    "classify": ("classify", "--rpm", "740:745", "--points", "1000"),
-    "explain": ("sweep", "--rpm", "735:745", "--points", "200", "--explain"),
-    "orbits": (
-        "orbits",
-        "--rpm",
-        "340:760",
-        "--label",
-        "P(9;1:1:1:1:1:1:1:1:7)",
-        "--set",
-        "run.transient=5000000",
-    ),
+SOME = {
+    "one long piece": "sweep --rpm 745 --set run.transient=100000000",
+    "many pieces": "sweep --points 100001",
+    "cells": "basins --cells 4000 --set basins.budget=100000 --rpm 739.35",
+    "explain": "sweep --rpm 735:745 --points 200 --explain",
+}
+ALL = {
+    **SOME,
+    "one orbit": "simulate --rpm 745 --set run.transient=1000000000",
+    "detach": "detach --rpm 110:2000 --points 100000",
+    "classify": "classify --rpm 740:745 --points 1000",
+    "orbits": "orbits --rpm 340:760 --label P(9;1:1:1:1:1:1:1:1:7) --set run.transient=5000000",
 }
 BOTH = signal.SIGINT, signal.SIGTERM
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("signals", [BOTH, pytest.param(BOTH[::-1], marks=pytest.mark.soak)])
-def test_a_signal_ends_what_would_take_minutes(tmp_path, signals):
+@pytest.mark.parametrize(
+    ("signals", "lines"),
+    [(BOTH, SOME), *(pytest.param(b, ALL, marks=pytest.mark.soak) for b in (BOTH, BOTH[::-1]))],
+)
+def test_a_signal_ends_what_would_take_minutes(tmp_path, signals, lines):
     """All at once, one signal to every second one."""
     running = []
-    for name, words in LONG.items():
+    for name, line in lines.items():
         (tmp_path / name).mkdir()
-        running.append(begin(command(*words, "--no-plot", "-o", "out"), tmp_path / name))
-    time.sleep(10.0)
-    for n, (name, process) in enumerate(zip(LONG, running, strict=True)):
+        words = command(*line.split(), "--no-plot", "-o", "out")
+        running.append(begin(words, tmp_path / name))
+    time.sleep(0.5 + 1.2 * len(lines))
+    for n, (name, process) in enumerate(zip(lines, running, strict=True)):
         assert process.poll() is None, name
         process.send_signal(signals[n % 2])
-    for name, process in zip(LONG, running, strict=True):
+    for name, process in zip(lines, running, strict=True):
         said = process.communicate(timeout=20)[1]  # a second, where the machine is not busy
         seen = process.returncode, said.count("interrupted"), "Traceback" in said
         assert seen == (130, 1, False), (name, said)

@@ -7,7 +7,6 @@ from threading import Thread
 
 import pytest
 from flint import arb, arb_mat, ctx
-from mpmath import mp, mpf
 
 from camcli.analysis.bench.machine import reference
 from camcli.analysis.integrate import Orbit
@@ -26,7 +25,6 @@ from camcli.system import Follower, System
 from tests.conftest import settings
 from tests.exact.make_flights import CHAPTER
 from tests.kernel.helpers import GEOMETRY
-from tests.oracle import Follower as OracleFollower
 
 FLIGHTS = json.loads(Path(__file__).with_name("flights.json").read_text())
 CORNER_B = 2.621124501166232  # rad
@@ -114,35 +112,6 @@ def same_events(trail, theirs, turns, near):
 
 
 @pytest.mark.parametrize(
-    "machine",
-    [
-        Follower(1.2, 1430.0, 0.0, 9.81, 3.0, 0.5),
-        Follower(1.2, 1430.0, 7.0, 0.0, 0.0, 0.5),
-        Follower(1.0, 4.0, 4.0, 1.0, 0.0, 0.5),  # critical
-        Follower(1.2, 14.0, 90.0, 9.81, 0.0, 0.5),
-        Follower(1.0, 0.0, 0.0, 9.81, 0.0, 0.5),
-        Follower(1.0, 0.0, 3.0, 9.81, 0.0, 0.5),
-    ],
-)
-def test_flights_of_every_damping(machine):
-    with precision(100), mp.workdps(100):
-        mine = Machine(ARCS, machine, 300.0)
-        theirs = OracleFollower.make(
-            machine.mass, machine.stiffness, machine.damping, machine.gravity, machine.preload
-        )
-        omega = mpf(300) * mp.pi / 30
-        for s in ("0.001", "0.7", "9.3"):
-            q, w, accel, jerk = mine.move(arb("0.3"), arb("-0.8"), arb(s))
-            x, v = theirs.flow(mpf(s) / omega, mpf("0.3"), mpf("-0.8") * omega)
-            for ball, number in ((q, x), (w, v / omega)):
-                assert ball.rad() < 1e-80
-                assert (ball + arb(0, "1e-80")).contains(arb(mp.nstr(number, 95)))
-            pull = mine.G + mine.W2 * q + 2 * mine.Z * w
-            assert (accel + pull).contains(0)
-            assert (jerk + mine.W2 * w + 2 * mine.Z * accel).contains(0)
-
-
-@pytest.mark.parametrize(
     "shape",
     [
         ARCS,
@@ -191,21 +160,6 @@ def test_near_grazes_are_told_apart(dip):
         assert first_root(touching(arb(dip)), arb(0), arb("0.9")) is None
         with pytest.raises(UndecidedError):
             first_root(touching(arb(0)), arb(0), arb(2))
-
-
-@pytest.mark.parametrize("k", range(3, 60, 8))
-def test_the_first_of_many_dips_is_found_and_none_where_none_touches(k):
-    """f = 1 +- 1e-9 + cos k x: its dips are equal, the first at pi/k."""
-    with precision(60):
-        for by in (arb("1e-9"), arb("-1e-9")):
-            level = 1 + by
-
-            def wave(x, level=level):
-                sine, cosine = (k * x).sin_cos()
-                return [level + cosine, -k * sine, -k * k * cosine]
-
-            found = first_root(wave, arb(0), arb(7))
-            assert found is None if by > 0 else found.overlaps((-level).acos() / k)
 
 
 def test_digits_are_doubled_until_it_is_decided_and_no_further():

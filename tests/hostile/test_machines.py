@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from camcli.cams.compile import build, column
 from camcli.scene import load_scene
 from tests.hostile.bounds import plain_kernel, run_one_turn
 
@@ -36,16 +35,3 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 def test_an_extreme_machine_gives_a_status(name, sets):
     with plain_kernel():
         run_one_turn(load_scene(CONFIGS / f"{name}.yaml", sets))
-
-
-@pytest.mark.parametrize("strobe", ["5e-324", "1e-13", "139.99999999999997", "140", "320.1"])
-def test_no_stretch_is_a_sliver_and_the_strobe_is_a_start(strobe):
-    scene = load_scene(None, [f"run.strobe_deg={strobe}"])
-    cam = build(scene.cam.parts(), scene.run.strobe_deg)
-    starts, ends = column(cam, "start"), column(cam, "end")
-    assert starts[0] == 0.0
-    assert starts[1:] == ends[:-1]
-    assert min(b - a for a, b in zip(starts, ends, strict=True)) > 1e-12
-    assert starts[cam.strobe] == pytest.approx(
-        scene.run.strobe_deg * 0.017453292519943295, abs=3e-12
-    )

@@ -47,27 +47,11 @@ def test_a_cell_is_the_orbit_of_its_start(rpm):
         assert found.outcome[k] == UNDECIDED
 
 
-def test_a_cell_goes_on_where_it_was_left():
-    team = batches(190.0)
-    first = ends(team, 3)
-    again = team.run(first.gap, first.rate, NOTHING, 4, first.mode)
-    whole = ends(team, 7)
-    assert again.gap.tolist() == whole.gap.tolist()
-    assert again.rate.tolist() == whole.rate.tolist()
-
-
 def test_trouble_is_an_outcome():
     budget = ends(batches(250.0, budget=2), 5)
     assert (budget.outcome == trouble(Status.IMPACT_BUDGET)).any()
     lost = ends(batches(700.0, system(stiffness=0.0)), 5, starts=[(3.0, 20.0), (0.5, 10.0)])
     assert lost.outcome.tolist() == [trouble(Status.NO_RETURN)] * 2
-
-
-def test_work_is_counted():
-    team = batches()
-    ends(team, 5)
-    records = [engine.Orbit(system(), 358.5, settings(5, q=q, v=v)).run() for q, v in STARTS]
-    assert team.cost.impacts == sum(tape.cost.impacts for tape in records)
 
 
 def known_orbit():
@@ -97,45 +81,6 @@ def test_other_impacts_are_another_orbit(symbol):
     targets = known_orbit()
     targets = targets._replace(points=[targets.points[0]._replace(symbol=symbol)])
     assert (ends(batches(), 300, targets).outcome == UNDECIDED).all()
-
-
-def test_boxes_decide_after_a_stay_without_a_gap():
-    """A box around P(1;2): its start is decided after `stay` turns, the others never enter."""
-    gap, rate = known_orbit().points[0][:2]
-    boxes = NOTHING._replace(
-        boxes=[1], stay=[7], gap=gap - 0.01, rate=rate - 0.01,
-        per_gap=50.0, per_rate=50.0, columns=1, rows=1,
-    )  # fmt: skip
-    team = batches()
-    found = team.run([gap, 0.4], [rate, -0.3], boxes, 100)
-    assert found.outcome.tolist() == [0, UNDECIDED]
-    assert found.turns.tolist() == [7, 100]
-
-
-def test_visits_with_turns_between_are_no_stay():
-    """The orbit of three turns comes back to one of its points every third turn."""
-    team = batches()
-    orbit = team.run([0.2595], [-0.027], NOTHING, 900)
-    gap, rate = float(orbit.gap[0]), float(orbit.rate[0])
-    boxes = NOTHING._replace(
-        boxes=[1], stay=[3], gap=gap - 0.001, rate=rate - 0.001,
-        per_gap=500.0, per_rate=500.0, columns=1, rows=1,
-    )  # fmt: skip
-    found = team.run([gap], [rate], boxes, 60)
-    assert (found.outcome[0], found.stay[0]) == (UNDECIDED, 0)
-    assert abs(found.gap[0] - gap) < 1e-9
-
-
-def test_rests_stop_a_start_once_they_are_of_interest():
-    """At 190 rpm every motion comes to rest in every turn."""
-    team = batches(190.0)
-    free = ends(team, 20)
-    assert (free.outcome == UNDECIDED).all()
-    stops = NOTHING._replace(watch_rests=1)
-    stopped = ends(team, 20, stops)
-    assert set(stopped.outcome.tolist()) == {NEW_REST}
-    assert (stopped.symbol == CHATTERED_TURN).all()
-    assert (stopped.turns < 20).all()
 
 
 @pytest.mark.parametrize("outcome", [0, FORGOTTEN, GOES_ON])

@@ -178,24 +178,3 @@ def test_the_strobe_phase_changes_no_orbit(name, strobe):
     one, two = from_root(plain, root), from_root(system, same)
     assert sum(one.symbols) == sum(two.symbols)
     assert one.det == two.det
-
-
-@pytest.mark.parametrize("name", GUESSES)
-def test_which_impact_comes_first_does_not_matter(name):
-    rpm, guess, turns = GUESSES[name]
-    system = chapter_system()
-    shooter, root = root_at(system, rpm, guess, turns)
-    n = root.count
-    for shift in range(n):
-        x = [*root.x[2 * shift : -1], *root.x[: 2 * shift], root.value]
-        whole = [*root.whole[2 * shift :], *root.whole[: 2 * shift]]
-        for k in range(n - shift, n):
-            whole[2 * k + 1] += turns
-        again = shooter.at_value(x, tuple(whole), turns, rpm)
-        assert again is not None
-        assert shooter.verdict(again)[0] == ADMISSIBLE
-        assert abs(again.trace - root.trace) < 1e-12
-        one, two = from_root(system, root), from_root(system, again)
-        assert one.symbols == two.symbols
-        for a, b in zip(one.theta, two.theta, strict=True):
-            assert abs(a - b) < 1e-13

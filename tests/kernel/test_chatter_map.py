@@ -126,9 +126,10 @@ def worst(seed, count):
     return max(ratios)
 
 
+@pytest.mark.slow
 def test_the_claimed_error_is_never_exceeded():
     """And the bound is not a hundred times too wide: users would fly hops for nothing."""
-    assert 0.05 < worst(1, 60) <= 1.0
+    assert 0.05 < worst(1, 30) <= 1.0
 
 
 EDGES = [  # parts of the chatter's length that add up to the limit, but for a hair
@@ -138,7 +139,7 @@ EDGES = [  # parts of the chatter's length that add up to the limit, but for a h
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("r", [0.001, 0.05, 0.5, 0.8])
+@pytest.mark.parametrize("r", [0.001, 0.8])
 @pytest.mark.parametrize(("z", "j", "s", "d"), EDGES)
 @pytest.mark.parametrize("w", [0.0, 0.7])
 def test_the_edge_of_what_the_bound_covers(r, z, j, s, d, w):

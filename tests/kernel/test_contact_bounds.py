@@ -57,9 +57,9 @@ def gap_at(t, gap, rate, ends, accels):
     return total
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_what_is_decided_holds_for_every_gap_with_that_acceleration(seed):
-    rng, said = np.random.default_rng(seed), set()
+@pytest.mark.slow
+def test_what_is_decided_holds_for_every_gap_with_that_acceleration():
+    rng, said = np.random.default_rng(0), set()
     for _ in range(8000):
         gap, rate, low, high, s, ends, accels = bang_bang(rng)
         if gap == 0.0 and rate <= 0.0:
@@ -129,7 +129,7 @@ def polynomial_machine(accel, jerk, snap):
     return System.build(Follower(1.0, 0.0), parts)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_first_root_of_a_polynomial_gap(seed):
     """Bounds on the derivatives are sharp here: nothing else keeps a root from being passed."""
     rng, omega, landed = np.random.default_rng(seed), 10.0, 0

@@ -42,41 +42,33 @@ def both(rpm, changes, start, impacts=20):
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_twenty_impacts(scene):
+    """Phases within 1e-12 turns of the event's stretching; the first on the cam, at its rate."""
     rpm, changes, start = SCENES[scene]
     ours, theirs = both(rpm, changes, start)
     assert len(ours) >= len(theirs) - 1
     worst, compared = worst_phase_error(ours, theirs)
     assert compared >= (10 if "no spring" in scene else 20)
     assert worst < 1e-12
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_speeds_of_the_impacts(scene):
-    """u- of an impact hangs on the phase error; positions lie on the cam."""
-    rpm, changes, start = SCENES[scene]
-    ours, theirs = both(rpm, changes, start, impacts=10)
-    omega = rpm * pi / 30
-    for (kind, _, theta, q, u), event in zip(ours, theirs, strict=False):
+    for (kind, _, theta, q, u), event in zip(ours[:10], theirs, strict=False):
         if event.stretching > 1e6:
             break
         assert abs(q - float(ORACLE_CAM.c(theta))) < 1e-15
         if kind == "impact":
-            assert abs(u * omega - event.u_minus) < 1e-9 * abs(event.u_minus)
+            assert abs(u * rpm * pi / 30 - event.u_minus) < 1e-9 * abs(event.u_minus)
 
 
-@pytest.mark.parametrize("rpm", [114.98, 114.99, 115.0, 115.2, 116.0, 118.0])
+@pytest.mark.parametrize("rpm", [114.98, 115.0, 118.0])
 def test_hops_after_the_first_detachment(rpm):
-    """Hops of micrometres and less just above 114.979 rpm: no digit is lost to the size of q."""
+    """Hops of micrometres and less just above 114.979 rpm: no digit is lost to the size of q.
+
+    Impacts of 1e-7 m/s are resolved, not invented: u- falls from one to the next.
+    """
     ours, theirs = both(rpm, {}, {})
     worst, compared = worst_phase_error(ours, theirs)
     assert compared == 21
     assert worst < 1e-12
-
-
-@pytest.mark.parametrize("rpm", [114.98, 115.0])
-def test_speeds_after_the_first_detachment(rpm):
-    """Impacts of 1e-7 m/s are resolved, not invented: u- falls from one to the next."""
-    ours, theirs = both(rpm, {}, {})
+    if rpm > 115.0:
+        return
     speeds = [-u for kind, _, _, _, u in ours[1:21] if kind == "impact"]
     assert all(later < earlier for earlier, later in itertools.pairwise(speeds))
     for (_, _, _, _, u), event in zip(ours[1:], theirs[1:], strict=False):
@@ -88,8 +80,8 @@ HEAVY = {"mass": 1.0, "stiffness": 1.935, "damping": 370.0, "gravity": 14.5, "re
 
 @pytest.mark.parametrize("changes", [{"gravity": 9.81}, HEAVY], ids=["light", "heavy"])
 @pytest.mark.parametrize("corner", [0, 2])
-@pytest.mark.parametrize("before", [1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8])
-@pytest.mark.parametrize("u", [1e-6, 3e-4, 1e-2])
+@pytest.mark.parametrize("before", [1e-15, 1e-14, 1e-12, 1e-8])
+@pytest.mark.parametrize("u", [1e-6, 1e-2])
 def test_a_bounce_just_before_a_corner_is_a_bounce(changes, corner, before, u):
     """However near the corner, a follower that leaves with u > 0 flies on."""
     theta = float(ORACLE_CAM.breakpoints[corner]) - before

@@ -29,12 +29,13 @@ EPS = 2.0**-53
 ROUNDINGS = 28  # at most eight stretches crossed and a landing, three each, and one of the lift
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [near_graze, low_hop])
 @pytest.mark.parametrize("name", CAMS)
 def test_the_first_contact_is_found(name, make):
     """Where it is near to being another: balls decide."""
     rng, right = np.random.default_rng(7), 0
-    while right < 120:
+    while right < 60:
         if f := make(name, rng):
             ours = landing(f)
             outcome, expected = verdict(f, ours and ours[0])
@@ -84,7 +85,7 @@ def errors_of_flights(name: str, seed: int, count: int) -> int:
 
 @pytest.mark.parametrize("name", CAMS)
 def test_the_error_of_a_landing_is_below_its_claim(name):
-    assert errors_of_flights(name, 1, 400) > 200
+    assert errors_of_flights(name, 1, 250) > 125
 
 
 @pytest.mark.soak
@@ -148,7 +149,7 @@ def toward_graze(rpm, theta, delta, s):
 
 
 GRAZES = [
-    (rpm, degrees, s)
+    (rpm, degrees * pi / 180, s)
     for rpm in (300.0, 400.0, 700.0)
     for degrees in (150.5, 153.0, 155.0, 158.0)
     for s in (0.2, 0.3, 0.6, 1.0)
@@ -157,44 +158,28 @@ GRAZES = [
 
 
 def near(rpm, start, theta, width):
-    """(rows of impacts within width of theta before the next far one, tape)."""
+    """(rows of impacts within width of theta before the next far one, status)."""
     tape = run(rpm, system(stiffness=1430.8), record=1, tolerance=1e-16, budget=4, **start)
     rows = [row for row in events(tape, 1) if row[0] == "impact"]
-    return [row for row in rows if abs(row[2] - theta) < width], tape
+    return [row for row in rows if abs(row[2] - theta) < width], tape.status
 
 
-def test_there_are_grazes_to_test():
+def test_grazes_of_any_depth():
+    """gap = delta + a x^2/2 with a > 0: where delta < 0, the first root is at -sqrt(2 |delta|/a).
+
+    Within one ulp either outcome is right, an impact with a speed is not.
+    """
     assert len(GRAZES) >= 10
-
-
-@pytest.mark.parametrize(("rpm", "degrees", "s"), GRAZES)
-@pytest.mark.parametrize("delta", [1e-6, 1e-8, 1e-10, 1e-12, 1e-14])
-def test_just_above_the_cam_is_no_contact(rpm, degrees, s, delta):
-    theta = degrees * pi / 180
-    rows, _ = near(rpm, toward_graze(rpm, theta, delta, s), theta, 2e-3)
-    assert rows == []
-
-
-@pytest.mark.parametrize(("rpm", "degrees", "s"), GRAZES)
-@pytest.mark.parametrize("delta", [-1e-6, -1e-8, -1e-10, -1e-12, -1e-14])
-def test_just_below_the_cam_is_a_double_contact_and_the_first_is_found(rpm, degrees, s, delta):
-    """gap = delta + a x^2/2 with a > 0: the first root is at x = -sqrt(2 |delta|/a)."""
-    theta = degrees * pi / 180
-    rows, _ = near(rpm, toward_graze(rpm, theta, delta, s), theta, 4e-3)
-    c, _, c2 = ORACLE_CAM.laws(theta)
-    W2 = 1430.8 / 1.221 / (rpm * pi / 30) ** 2
-    x = (2 * abs(delta) / float(-W2 * c - c2)) ** 0.5
-    assert rows
-    assert rows[0][2] - theta == pytest.approx(-x, rel=0.05 if delta < -1e-13 else 0.3)
-    assert rows[0][4] == pytest.approx(-2 * abs(delta) / x, rel=0.05 if delta < -1e-13 else 0.3)
-
-
-@pytest.mark.parametrize(("rpm", "degrees", "s"), GRAZES)
-@pytest.mark.parametrize("delta", [-1e-16, 0.0, 1e-16])
-def test_an_exact_graze_is_at_most_one_slow_contact(rpm, degrees, s, delta):
-    """Row 17: within one ulp either outcome is right, an impact with a speed is not."""
-    theta = degrees * pi / 180
-    rows, tape = near(rpm, toward_graze(rpm, theta, delta, s), theta, 1e-4)
-    assert len(rows) <= 1
-    assert all(abs(row[4]) < 1e-6 for row in rows)
-    assert tape.status in (0, 2)
+    for rpm, theta, s in GRAZES:
+        c, _, c2 = ORACLE_CAM.laws(theta)
+        accel = float(-1430.8 / 1.221 / (rpm * pi / 30) ** 2 * c - c2)
+        for delta in (1e-6, 1e-8, 1e-10, 1e-12, 1e-14):
+            assert near(rpm, toward_graze(rpm, theta, delta, s), theta, 2e-3)[0] == []
+            (_, _, at, _, u), *_ = near(rpm, toward_graze(rpm, theta, -delta, s), theta, 4e-3)[0]
+            x, error = (2 * delta / accel) ** 0.5, 0.05 if delta > 1e-13 else 0.3
+            assert (at - theta, u) == pytest.approx((-x, -2 * delta / x), rel=error)
+        for delta in (-1e-16, 0.0, 1e-16):
+            rows, status = near(rpm, toward_graze(rpm, theta, delta, s), theta, 1e-4)
+            assert len(rows) <= 1
+            assert all(abs(row[4]) < 1e-6 for row in rows)
+            assert status in (0, 2)

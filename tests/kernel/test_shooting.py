@@ -1,7 +1,6 @@
 """Multiple shooting: derivatives, the bordered solver, quadratic convergence, the same bits."""
 
 import random
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from camcli.kernel.cam_table import stretch_at
 from camcli.kernel.flow import constants_of
 from tests.conftest import chapter_system
 
-ROOT = Path(__file__).resolve().parents[2]
 REGIMES = {
     "undamped": {},
     "damped": {"damping": 2.0, "gravity": 9.81, "preload": 10.0},

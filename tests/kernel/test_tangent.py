@@ -22,8 +22,7 @@ from camcli.kernel.variational import (
 )
 from tests.conftest import chapter_system, settings
 from tests.oracle import ArcsCam
-from tests.orbit_oracle import Machine, solve, strobe_state
-from tests.test_orbit_oracle import STABLE, THRICE, TWICE
+from tests.orbit_oracle import STABLE, THRICE, TWICE, Machine, solve, strobe_state
 
 CAM = ArcsCam()
 MACHINES = {
@@ -53,10 +52,10 @@ def det(m):
 
 
 @pytest.mark.parametrize("name", REGIMES)
-@pytest.mark.parametrize("rpm", [150.0, 700.0, 3000.0])
+@pytest.mark.parametrize("rpm", [150.0, 3000.0])
 def test_the_flight_matrix_is_the_exponential_of_its_equation(name, rpm):
     lane = lane_at(rpm, **REGIMES[name])
-    for s in (1e-6, 0.01, 0.7, 2.0, TURN, 3 * TURN):
+    for s in (1e-6, 0.01, 0.7, TURN, 3 * TURN):
         with mp.workdps(60):
             rates = mp.matrix([[0, 1], [-(mp.mpf(lane.W) ** 2), -2 * mp.mpf(lane.Z)]])
             exact = mp.expm(rates * s, method="taylor")

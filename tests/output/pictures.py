@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from PIL import Image
 
 from camcli.analysis.integrate import Cost
 from camcli.analysis.simulate import Simulation
@@ -15,6 +14,7 @@ from camcli.analysis.sweep import Speed, Sweep
 from camcli.errors import Status
 from camcli.output.pictures import write_picture
 from camcli.plots.picture import TALLEST
+from camcli.plots.style import look
 from tests.analysis.test_detach import eccentric
 
 RPM = 60.0  # a turn per second
@@ -28,7 +28,10 @@ def png(picture, kind="png", form=None):
 
 def pixels(picture):
     """(row, column, rgb) of a picture."""
-    return np.asarray(Image.open(BytesIO(png(picture))).convert("RGB"))
+    figure = picture.figure()
+    with look():
+        figure.canvas.draw()
+    return np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
 
 
 def count(image, colour):

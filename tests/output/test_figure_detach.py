@@ -16,6 +16,7 @@ def drawn(system, rpms, measured=False, **question):
     return draw_detach(study, system, measured)
 
 
+@pytest.mark.slow
 def test_curve_marks_and_first_detachment_are_drawn_and_the_first_range_enlarged(chapter):
     picture = drawn(chapter, np.linspace(112.0, 180.0, 41), impacts=2)
     image = pixels(picture)
@@ -36,6 +37,7 @@ def test_any_range(chapter, rpms):
     tall(drawn(chapter, rpms))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("system", "said"),
     [

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from camcli.analysis.explain.events import Event
-from camcli.analysis.integrate import Cost, Start
+from camcli.analysis.integrate import Cost
 from camcli.analysis.sweep import Sweep
 from camcli.api.sweep import Branch
 from camcli.errors import Status
 from camcli.plots import density, style
-from camcli.plots.axes import lift_curves, phase_range
-from camcli.plots.sweep import colour_of, draw_sweep, enlarged_range
+from camcli.plots.axes import lift_curves
+from camcli.plots.sweep import colour_of, draw_sweep
 from camcli.scene.schema import Plot
 from tests.conftest import settings
-from tests.output.pictures import count, pixels, png, speed, sweep_of, tall, words
+from tests.output.pictures import count, pixels, speed, sweep_of, tall, words
 
 
 @pytest.fixture
@@ -32,20 +32,13 @@ def some(k):
     return speed(700.0 + (7 * k) % 50, phases, [1.0, 2.0 + k % 3], status)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("many", [0, 1, 4001])
 def test_any_number_of_speeds(drawn, many):
     rpms = np.linspace(660.0, 760.0, many)
     picture = drawn(*(speed(rpm, [150.0 + k % 7], [1.0, nan, inf]) for k, rpm in enumerate(rpms)))
     tall(picture)
     assert sum(len(axes.images) for axes in picture.figure().axes) == 2 * (many > 0)
-
-
-def test_a_panel_is_left_out_where_nothing_was_recorded(drawn):
-    panels = [
-        list(drawn(speed(700.0, phases, q)).panels)
-        for phases, q in (([150.0], [2.0]), ([150.0], None), (None, [2.0]), (None, None))
-    ]
-    assert panels == [["impacts", "strobe"], ["impacts"], ["strobe"], ["speeds"]]
 
 
 def test_no_impacts_at_all_is_said_in_the_panel(drawn):
@@ -63,18 +56,11 @@ def test_troubled_speeds_get_red_ticks_and_are_counted(drawn):
     assert "impact-budget 1" in picture.words
 
 
-def test_how_the_orbits_were_started_is_said(chapter):
-    carried = Sweep([speed(735.0, [150.0]), speed(700.0, [150.0])], "down", Cost())
-    run = replace(settings(600), start=Start(q=0.3))
-    said = draw_sweep(carried, chapter, run).words
-    start = "carried down from 735 rpm, started there at q = 0.3 m, the cam's v;"
-    assert said.startswith(start)
-
-
+@pytest.mark.slow
 def test_events_are_listed_and_make_the_picture_taller(drawn):
     speeds = speed(700.0, [150.0], [2.0]), speed(760.0, [151.0], [2.1])
     picture = drawn(*speeds, events=[Event(739.3, 1e-10, "fold", "P(1;1)")])
-    assert tall(picture) > tall(drawn(*speeds)) + 5
+    assert tall(picture) > drawn(*speeds).figure().get_figheight() * 25.4 + 5
     assert {"fold", "739.300000", "1"} <= set(words(picture))
 
 
@@ -86,13 +72,6 @@ def shares_of(values, columns, low=0.0, high=1.0, height=8):
     for k, column in enumerate(values):
         image.take(k, np.array(column))
     return image.shares()
-
-
-def cloud_of(values):
-    cloud = density.Cloud(len(values))
-    for k, column in enumerate(values):
-        cloud.take(k, np.array(column))
-    return cloud
 
 
 def test_shares_count_every_point_of_a_column_even_out_of_range_in_two_rows_each():
@@ -111,25 +90,6 @@ def test_speeds_that_share_a_column_are_counted_together():
     shares = shares_of(values, columns, 0.0, 360.0, 12)
     assert shares[:, 0].compressed().tolist() == [0.5, 0.25, 0.25, 0.25]
     assert shares[:, 2].compressed().tolist() == pytest.approx([1 / 3, 2 / 3, 2 / 3])
-
-
-def test_columns_are_even_for_even_speeds_and_hold_several_beyond_one_per_pixel():
-    columns = density.Columns.of(np.linspace(660.0, 760.0, 101), 303)
-    assert np.bincount(columns.bin_of_column).tolist() == [3] * 101
-    assert (columns.low, columns.high) == (659.5, 760.5)
-    columns = density.Columns.of(np.linspace(660.0, 760.0, 401), 100)
-    assert np.bincount(columns.bin_of_speed).tolist() == [4] * 50 + [5] + [4] * 49
-
-
-def test_phases_are_zoomed_or_enlarged_where_they_are_close():
-    near = cloud_of([[140.0, 190.0]] * 8)
-    assert phase_range(near.extremes()) == (138.0, 192.0)
-    assert enlarged_range(near) is None
-    mixed = cloud_of([[140.0, 190.0]] * 8 + [[1.0, 359.0]] * 2)
-    assert phase_range(mixed.extremes()) == (0.0, 360.0)
-    assert enlarged_range(mixed) == (138.0, 192.0)
-    chaos = cloud_of([[140.0, 190.0]] * 2 + [[1.0, 359.0]] * 8)
-    assert enlarged_range(chaos) is None
 
 
 def test_the_cam_beside_the_diagram_is_the_cam(chapter):
@@ -163,12 +123,13 @@ def of(speeds, system):
     return draw_sweep(Sweep(speeds, "fixed", Cost()), system, settings())
 
 
+@pytest.mark.slow
 def test_a_lazy_sweep_is_read_twice_and_order_does_not_matter(chapter):
     lazy = Lazy(some, 50)
     speeds = [some(k) for k in range(50)]
-    first = png(of(lazy, chapter))
+    first = pixels(of(lazy, chapter))
     assert lazy.made == 100
-    assert png(of(sorted(speeds, key=lambda one: one.rpm), chapter)) == first
+    assert (pixels(of(sorted(speeds, key=lambda one: one.rpm), chapter)) == first).all()
 
 
 def test_the_points_are_never_all_in_memory(chapter):

@@ -45,10 +45,10 @@ def test_what_is_not_known_is_empty_and_what_is_no_number_is_refused():
 
 
 def test_another_form_of_the_tables_replaces_the_one_before(cam, tmp_path):
-    words = ("sweep", "--rpm", "690:745", "--points", "3", "--no-plot", "-o", "out", "--set")
+    words = "sweep --rpm 690:745 --points 3 --no-plot -o out --set"
     found = []
     for form in ("csv", "npz", "none"):
-        assert cam(*words, f"sweep.tables={form}").returncode == 0
+        assert cam(words, f"sweep.tables={form}").returncode == 0
         names = {path.name for path in (tmp_path / "out").iterdir()}
         sections = () if form == "none" else (f"impacts.{form}", f"strobe.{form}")
         assert names == {*sections, "speeds.csv", "run.json"}

@@ -19,12 +19,14 @@ from contextlib import chdir, redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass, field
 from hashlib import sha256
 from io import StringIO
+from math import inf
 from pathlib import Path
 from tempfile import TemporaryFile
 
 import camcli.cli.sweep  # noqa: F401 - once here, not in each fork
 from camcli.cli.app import app
 from camcli.cli.app import main as cam_main
+from camcli.parallel import checkpoint
 from camcli.parallel.checkpoint import Checkpoint, records
 from camcli.parallel.work import Kept
 
@@ -125,7 +127,11 @@ def dying(where: str, number: int, how: str) -> Callable[[], None]:
             end()
         return original(*args, **options)
 
-    return lambda: setattr(owner, name, counted)
+    def arm() -> None:
+        checkpoint.SYNC = inf  # else a slow machine waits for the disk before
+        setattr(owner, name, counted)
+
+    return arm
 
 
 class _Half:

@@ -94,15 +94,6 @@ def test_files_that_may_not_grow(tmp_path, whole, extra):
     assert but_record(files(tmp_path / "out")) == whole
 
 
-@pytest.mark.parametrize("extra", [(), ("--shard", "1/2")])
-def test_a_file_where_the_folder_should_be(tmp_path, extra):
-    (tmp_path / "taken").write_text("keep me")
-    for out in ("taken", "taken/deeper"):
-        code, said = cam((*SWEEP, "-o", out, *extra), tmp_path)
-        assert (code, "internal fault" in said, "Traceback" in said) == (2, False, False)
-    assert (tmp_path / "taken").read_text() == "keep me"
-
-
 @pytest.mark.parametrize("name", [".sweep.csv.cam-part", "sweep-1-of-2.pieces"])
 def test_a_folder_where_a_file_should_be(tmp_path, name):
     (tmp_path / "out" / name).mkdir(parents=True)

@@ -9,7 +9,7 @@ from typing import ClassVar
 import pytest
 
 from camcli.errors import SceneError
-from camcli.parallel import Checkpoint, Codec, Shard, ShardDone, Work, in_threads
+from camcli.parallel import Checkpoint, Codec, Shard, ShardDone, Work
 
 PLAIN = Codec(lambda result: result, lambda stored: stored)
 
@@ -53,20 +53,6 @@ def test_what_is_on_disk_is_not_computed(checkpoint, threads):
     assert list(work[1].run(second, pieces, PLAIN)) == [k * 10 for k in range(20)]
     assert sorted(second.pieces) == list(range(7, 20))
     assert list(work[2].run(Counted(pieces), pieces, PLAIN))[19] == 190
-
-
-def test_places_tell_calls_apart(checkpoint):
-    work = Work(1, checkpoint)
-    list(work.run(str, [1, 2], PLAIN))
-    list(work.run(str, [3]))  # without a codec nothing is kept, but the call counts
-    inner = work.within("speed7")
-    list(inner.run(str, [4], PLAIN))
-    list(inner.within("x").run(str, [5], PLAIN))
-    list(inner.run(str, [6], PLAIN))
-    work.collect_chain(lambda before, piece: piece, None, [7], PLAIN)
-    names = ("0", 0), ("0", 1), ("speed7/0", 0), ("speed7/x/0", 0), ("speed7/1", 0), ("2", 0)
-    assert [checkpoint.get(*name) for name in names] == ["1", "2", "4", "5", "6", 7]
-    assert checkpoint.pieces == len(names)
 
 
 @pytest.mark.parametrize("kept", [False, True])
@@ -164,15 +150,6 @@ def test_few_of_many_results_are_in_memory(checkpoint, threads):
     assert most <= 16 * threads + 8
     assert len(Result.alive) <= 1
     assert [result.value for result in found] == list(range(3000))
-
-
-def test_an_end_in_the_middle_cancels_the_rest():
-    task = Counted()
-    results = in_threads(task, range(100_000), 2)
-    assert next(results) == 0
-    results.close()
-    time.sleep(0.05)
-    assert len(task.pieces) < 1000
 
 
 class Backwards:

@@ -1,5 +1,6 @@
 """The same bytes however the kernel runs and however the work is cut."""
 
+import hashlib
 import os
 import subprocess
 import sys
@@ -13,48 +14,73 @@ from camcli.analysis.sweep import sweep
 from camcli.kernel import backend
 from camcli.parallel import Work
 from tests.kernel.helpers import run, settings, system
+from tests.parallel.long_runs import but_record, files
 from tests.properties import digest
 
 ROOT = Path(__file__).resolve().parents[2]
 VARIANTS = {
-    "interpreted": {"CAMCLI_KERNEL": "python"},
-    "compiled": {"CAMCLI_KERNEL": "compiled"},
-    "compiled for any processor": {"CAMCLI_KERNEL": "compiled", "NUMBA_CPU_NAME": "generic"},
-    "numba without its compiler": {"CAMCLI_KERNEL": "compiled", "NUMBA_DISABLE_JIT": "1"},
-}
+    "compiled": ({"CAMCLI_KERNEL": "compiled"}, True),
+    "numba without its compiler": (
+        {"CAMCLI_KERNEL": "compiled", "NUMBA_DISABLE_JIT": "1"}, False,
+    ),
+    # a contraction of a product and a sum would be seen between the first and plain Python too
+    "compiled for any processor": (
+        {"CAMCLI_KERNEL": "compiled", "NUMBA_CPU_NAME": "generic"}, True,
+    ),
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
-def outputs(tmp_path_factory):
-    """(compiled, hash) of each variant, each in its own process."""
+def plain():
+    """The hash of the orbits and roots, by plain Python."""
+    state = hashlib.sha256()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CAMCLI_KERNEL", "python")
+        patch.setattr(backend, "_compiled", None)
+        assert not backend.for_work(0).compiled
+        digest.digest(state.update)
+        digest.digest_roots(state.update)
+    return state.hexdigest()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.soak] * ("any" in n)) for n in VARIANTS],
+)
+def test_every_way_to_run_gives_the_same_bytes(plain, tmp_path, name):
+    """As plain Python does, in a process of its own."""
     inherited = ("CAMCLI_KERNEL", "NUMBA_CPU_NAME", "NUMBA_DISABLE_JIT")
     base = {key: value for key, value in os.environ.items() if key not in inherited}
-    base["PYTHONPATH"] = str(ROOT)
-    found = {}
-    for name, changes in VARIANTS.items():
-        environment = {**base, **changes}
-        if "NUMBA_CPU_NAME" in changes:
-            environment["XDG_CACHE_HOME"] = str(tmp_path_factory.mktemp("cache"))
-        command = [sys.executable, "-m", "tests.properties.digest"]
-        done = subprocess.run(
-            command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=300
-        )
+    changes, compiled = VARIANTS[name]
+    environment = {**base, **changes, "PYTHONPATH": str(ROOT)}
+    if "NUMBA_CPU_NAME" in changes:
+        environment["XDG_CACHE_HOME"] = str(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.properties.digest"],
+        cwd=ROOT, env=environment, capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == [str(compiled), plain]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "basins --rpm 700 --cells 4,3",
+        "classify --rpm 738:746 --points 3 --set run.record=150",
+        "detach --rpm 112:128 --points 3 --set detach.settle=1",
+    ],
+)
+def test_a_command_writes_the_same_by_either_kernel_and_on_two_threads(
+    cam, tmp_path, monkeypatch, line
+):
+    for name, threads, kernel in (("one", 1, "python"), ("two", 2, "compiled")):
+        monkeypatch.setenv("CAMCLI_KERNEL", kernel)
+        done = cam(line, f"--no-plot --threads {threads} -o {name}")
         assert done.returncode == 0, done.stderr
-        found[name] = done.stdout.split()
-    return found
-
-
-@pytest.mark.parametrize("name", VARIANTS)
-def test_every_way_to_run_gives_the_same_bytes(outputs, name):
-    assert outputs[name][1] == outputs["interpreted"][1]
-
-
-def test_the_variants_differ_in_what_they_run(outputs):
-    compiled = {name: rows[0] == "True" for name, rows in outputs.items()}
-    assert compiled["compiled"]
-    assert compiled["compiled for any processor"]
-    assert not compiled["interpreted"]
-    assert not compiled["numba without its compiler"]
+    one, two = (but_record(files(tmp_path / name)) for name in ("one", "two"))
+    assert one == two
 
 
 def parts_of(tape):

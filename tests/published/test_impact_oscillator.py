@@ -159,15 +159,6 @@ def test_the_balls_fold_and_period_doubling(r, n):
         assert table == pytest.approx(9.81 * n * pi / w * (1 - r) / (1 + r), rel=TIGHT)
 
 
-def test_the_shipped_ball():
-    found = answer("bouncing-ball.yaml", 960.0, 1200.0, 1080.0, Label.parse("P(1;1)"))
-    fold, doubling = critical(0.5, 1)
-    assert doubling == pytest.approx(1.52682370, abs=5e-9)
-    at = {b.kind: b.value for b in found.bifurcations}
-    assert at["fold"] == pytest.approx(rpm_of(fold), rel=TIGHT)
-    assert at["period-doubling"] == pytest.approx(rpm_of(doubling), rel=TIGHT)
-
-
 # Spring and preload hold the mass at -preload/k, the cam's top is at -0.2.
 FREE = {
     "follower": {"mass": 1, "stiffness": 1, "damping": 0.1, "preload": 0.1, "restitution": 0.8},
