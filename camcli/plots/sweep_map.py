@@ -61,7 +61,7 @@ def draw_map(found: Map, curves: Sequence[Curve] = ()) -> Picture:
         valued(key, f"{style.number(values[0])} to {style.number(values[-1])}")
         for key, values in zip(found.keys, (found.first, found.second), strict=True)
     ]
-    words = f"{len(found.first)} x {len(found.second)} points"
+    words = f"{len(found.first)} × {len(found.second)} points"
     if "rpm" not in found.keys:
         words += f" at {style.number(found.lines[0][0].rpm)} rpm"
     if found.direction != FIXED:
