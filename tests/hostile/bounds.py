@@ -25,7 +25,7 @@ from camcli.kernel.cam_table import Cam
 from camcli.scene import Scene, load_scene, resolved, scene_hash
 from camcli.system import Follower, System
 
-SECONDS = 10.0  # of processor time, for one example; most take milliseconds
+SECONDS = 30.0  # of processor time, for one example; most take milliseconds, a plan may take 10 s
 
 
 def fuzz(examples: int) -> settings:
