@@ -50,6 +50,7 @@ def test_a_file_of_configs_loads_and_plans(path, cam, tmp_path, short_samples):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_command_takes_every_kind(cam, tmp_path, kind, command):

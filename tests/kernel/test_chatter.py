@@ -46,6 +46,7 @@ def ours(name, tolerance):
     return rows, tape.cost.impacts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_the_error_of_an_accumulation_is_below_the_tolerance(name):
     """At every tolerance a user may ask for, in fractions of a turn; a smaller one flies more."""

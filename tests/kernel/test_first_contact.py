@@ -40,6 +40,7 @@ def both(rpm, changes, start, impacts=20):
     return ours, theirs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES)
 def test_twenty_impacts(scene):
     """Phases within 1e-12 turns of the event's stretching; the first on the cam, at its rate."""
