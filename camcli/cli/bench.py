@@ -64,6 +64,7 @@ def bench(
                    bound, of_bound, status: ours and general integrators on the same motions
     precision.png  error against time, a panel per case
     stability.csv  case, expected, observed, status, seconds: the table of extreme cases, run
+    stability.png  its times, failed cases in a colour of their own
 
     \b
     Every case of precision has its own machine, start and whole turns; the reference comes from a
@@ -178,11 +179,12 @@ def _write(name: str, rows: Sequence, folder: RunFolder, request: Request) -> No
     cells = [[_cell(value) for value in astuple(row)] for row in rows]
     columns = [f.name for f in fields(PARTS[name])]
     folder.write_text(f"{name}.csv", Table.of_rows(columns, lambda: cells).csv())
-    if name == "precision" and not request.no_plot:
+    if not request.no_plot:
         from camcli.output.pictures import write_picture
-        from camcli.plots.bench import draw_precision
+        from camcli.plots.bench import draw_precision, draw_stability
 
-        folder.write(f"{name}.png", partial(write_picture, draw_precision(rows)))
+        draw = draw_precision if name == "precision" else draw_stability
+        folder.write(f"{name}.png", partial(write_picture, draw(rows)))
     if not request.json:
         title, shown = SHOWN[name]
         told = precision.verdicts(rows) if name == "precision" else rows

@@ -38,7 +38,7 @@ ARTEFACTS = {  # files of other people with these names are looked for before an
     "basins": "attractors.csv basins.csv saddles.csv basins.png",
     "classify": "classify.csv corners.csv classify.png",
     "explore": "explore.html",
-    "bench": "precision.csv stability.csv precision.png",
+    "bench": "precision.csv stability.csv precision.png stability.png",
 }
 IN_THREADS = ("sweep", "basins", "classify", "explore", "detach")  # analyses that take `work`
 

@@ -1,4 +1,4 @@
-"""Picture of the bench: error against time of every method."""
+"""Pictures of the bench: error against time of every method, and the extreme cases."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -8,13 +8,15 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullLocator
 
-from camcli.analysis.bench.precision import GIVEN_UP, INVENTED, MISSED, OVER, Measured, case
+from camcli.analysis.bench.precision import GIVEN_UP, INVENTED, MISSED, OK, OVER, Measured, case
+from camcli.analysis.bench.stability import Outcome
 from camcli.plots import style
 from camcli.plots.axes import DASHED, say
 from camcli.plots.picture import Panel, Picture
 
 ACROSS, HIGH = 3, 36.0  # panels side by side, mm of a panel
 FLOOR = 1e-17  # error drawn for none at all
+PER_CASE = 4.0  # mm of an extreme case
 METHODS = {  # name, colour and mark
     "core": ("camcli", "black", "o"),
     "rk45": ("RK45", style.PERIODS[1], "s"),
@@ -41,6 +43,24 @@ def draw_precision(found: Sequence[Measured]) -> Picture:
         for name in dict.fromkeys(m.case for m in found)
     }
     return Picture("Work and precision: error against time, lower left is better", panels)
+
+
+def draw_stability(found: Sequence[Outcome]) -> Picture:
+    """Picture of the extreme cases: a bar each, as long as it took."""
+    failed = sum(row.status != OK for row in found)
+    said = f"{failed} not as expected" if failed else "all as expected"
+    panel = Panel(partial(_draw_rows, found=found), PER_CASE * max(3, len(found)))
+    return Picture(f"{len(found)} extreme cases, {said}", {"cases": panel})
+
+
+def _draw_rows(axes: Axes, found: Sequence[Outcome]) -> None:
+    """Bars from the first case down, those that failed in their own colour."""
+    colours = [style.PERIODS[0] if row.status == OK else style.TROUBLE for row in found]
+    axes.barh(range(len(found)), [row.seconds for row in found], 0.6, color=colours)
+    axes.set_yticks(range(len(found)), [row.case for row in found])
+    axes.set(xscale="log", xlabel="time (s)", ylim=(len(found) - 0.4, -0.6))
+    axes.grid(True, axis="x", color=style.CAM_BODY, linewidth=0.5, zorder=0)
+    axes.set_axisbelow(True)
 
 
 def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:

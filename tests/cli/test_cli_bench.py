@@ -55,6 +55,7 @@ def test_a_failed_row_is_exit_code_3(run, monkeypatch):
     code, out, _ = run("stability", "--json")
     assert code == 3
     assert json.loads(out)["result"]["stability"] == {"rows": 2, "failed": ["1: r = 0, b"]}
+    assert (run.folder / "stability.png").read_bytes()[:4] == b"\x89PNG"
     first, second = run.rows("stability")
     assert list(first) == ["case", "expected", "observed", "status", "seconds"]
     assert (first["case"], first["observed"], first["status"]) == ("1: r = 0; b", "'two'", "failed")
