@@ -159,4 +159,5 @@ def read_record(path: Path) -> Record:
 
 
 def _unreadable(path: Path, found: str) -> SceneError:
-    return SceneError(Fault("FILE", str(path), found, "expected the run.json of a run", ""))
+    expected, cure = "expected the run.json of a run", "give that of a folder made with -o"
+    return SceneError(Fault("FILE", str(path), found, expected, cure))
