@@ -73,7 +73,8 @@ def test_simulate_event_times_follow_from_period_and_phase(cam, tmp_path):
 
 def test_sweep_writes_exact_columns_of_shortest_numbers(cam, tmp_path):
     done = cam(f"sweep --rpm 690:745 --points 3 {SMALL}")
-    assert (done.returncode, done.stderr) == (0, "")
+    said = [line for line in done.stderr.splitlines() if "compiling the kernel" not in line]
+    assert (done.returncode, said) == (0, [])
     assert "\x1b" not in done.stdout  # no escape codes without a terminal
     folder = tmp_path / "out/sweep"
     columns = {
