@@ -26,6 +26,7 @@ EDGE, LINE, ROW = 2.0, 3.9, 3.4  # mm: around the heading, from line to line in 
 BELOW = 11.0  # mm, of the numbers and the name below a panel
 COLUMNS = 6  # of the grid
 NARROW = 0.085  # of the width of a panel, of a curve beside it
+PLACES = 9  # decimals of a place on the page
 CHARS = 0.64  # per mm, of the words below the title
 SAMPLE, SPACE = 5.0, 2.0  # mm: a mark or line in a list, between its columns
 
@@ -77,7 +78,7 @@ class Picture:
         return found or {name: panel for name, panel in self.panels.items() if panel.usual}
 
     def _page(self, form: Plot) -> Figure:
-        layout = ConstrainedLayoutEngine()
+        layout = _Layout()
         size = form.width * MM, (form.height or TALLEST) * MM
         figure = _Page(figsize=size, layout=layout)
         figure.look = form.font, form.style
@@ -135,6 +136,16 @@ class Picture:
         figure.set_figheight(height * MM)
         layout.set(rect=(0.0, 0.0, 1.0, 1.0 - share))
         return figure
+
+
+class _Layout(ConstrainedLayoutEngine):
+    """Its solver's last digits hang on addresses in memory; places are rounded beyond a pixel."""
+
+    def execute(self, fig: Figure) -> None:
+        super().execute(fig)
+        for axes in fig.axes:
+            place = [round(x, PLACES) for x in axes.get_position(original=True).bounds]
+            axes._set_position(place, which="original")  # type: ignore[attr-defined]
 
 
 class _Page(Figure):
