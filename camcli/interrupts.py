@@ -62,7 +62,7 @@ def look() -> None:
 
 
 def came() -> bool:
-    """Whether a signal has come: what fails after it is the interrupt in another dress."""
+    """Whether a signal has come: an error after it comes of it, whatever it says."""
     return _came
 
 
