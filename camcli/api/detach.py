@@ -22,7 +22,7 @@ from camcli.output.detach import summary
 from camcli.output.tables import Table
 from camcli.parallel import Work
 from camcli.scene import Scene
-from camcli.system import omega_of
+from camcli.system import System, omega_of
 
 DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s")
 ACCUMULATION = ("rpm", "theta_deg")
@@ -143,12 +143,12 @@ def detach(
         notes=tuple(notes),
         complete=not notes,
         options={"report": True} if report else {},
-        files={"report.pdf": lambda file: _write_report(result, file)} if report else {},
+        files={"report.pdf": lambda file: _write_report(result, system, file)} if report else {},
     )
     return result
 
 
-def _write_report(result: Result, file: BinaryIO) -> None:
+def _write_report(result: Result, system: System, file: BinaryIO) -> None:
     """The page of --report."""
     from camcli.api.lift_table import table_record
     from camcli.output.detach import answers, machine
@@ -157,7 +157,7 @@ def _write_report(result: Result, file: BinaryIO) -> None:
     from camcli.plots.detach import draw_report
     from camcli.plots.mechanism import Outline
 
-    scene, system, cam = result.scene, result.system, result.scene.cam
+    scene, cam = result.scene, result.scene.cam
     base = getattr(scene.contact, "base_radius", None) or getattr(cam, "base_radius", None)
     words = verdict(result, table_record(cam, system) if cam.kind == "table" else None)
     lists = [machine(result)]

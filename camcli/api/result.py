@@ -56,8 +56,8 @@ class Result:
         Functions that draw the pictures, by the names of their files; see `plot`.
     files : Mapping[str, Callable]
         Functions that write further files, such as a page or an animation, by their names.
-    system : System
-        The machine: follower and compiled cam.
+    system : System or None
+        The machine: follower and compiled cam; of `bench`, which has many, None.
     values : object
         What the analysis returned, from which all of this was made: a frozen dataclass, or a tuple
         of two where an explanation or a question belongs to it.
@@ -67,7 +67,7 @@ class Result:
 
     command: str
     scene: Scene
-    system: System
+    system: System | None
     values: Any
     tables: Mapping[str, Table]
     summary: Mapping[str, Any]
@@ -135,8 +135,8 @@ class Result:
         for name, fill in self.files.items():
             folder.write(name, fill)
         folder.claim([*folder.hashes, "run.json"])
-        errors = error_record(self.scene.run.chatter_tolerance, self.system.cam.top)
-        if self.scene.cam.kind == "table":
+        errors = error_record(self.scene.run.chatter_tolerance, self.system) if self.system else {}
+        if self.system and self.scene.cam.kind == "table":
             from camcli.api.lift_table import table_record
 
             errors["lift_table"] = table_record(self.scene.cam, self.system)

@@ -20,6 +20,7 @@ COMMANDS = {  # each is a function of its name in a module of its name
     "figures": "The figures of the cam-follower example, brought up to date.",
     "merge": "Join the parts of a run that was computed in shards.",
     "init": "Write a scene to begin with.",
+    "schema": "Print the scene's JSON Schema, for editors.",
     "rerun": "Run again what a run.json records: do the bytes agree?",
 }
 
@@ -52,17 +53,7 @@ def application(*asked: str) -> typer.Typer:
             register(made, getattr(module, name), getattr(module, "WITHOUT", ()))
         else:
             made.command(name, help=line)(lambda: None)
-    made.command("schema", help="Print the scene's JSON Schema, for editors.")(schema)
     return made
-
-
-def schema() -> None:
-    """cam schema"""
-    import json
-
-    from camcli.scene import json_schema
-
-    print(json.dumps(json_schema(), indent=2))
 
 
 def _version(asked: bool) -> None:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from typer import Option
-
-from camcli.cli.options import Cluster, Request, Shard, Vary, given, numbers
+from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, numbers, option
 from camcli.cli.report import at_speed, table
 from camcli.errors import Fault, SceneError, shown
 
@@ -19,31 +17,17 @@ LONG = 30  # characters of a label
 
 def basins(
     request: Request,
-    cells: Annotated[
-        str | None, Option("--cells", help="Cells along q and v.", metavar="N or NQ,NV")
-    ] = None,
-    q: Annotated[str | None, Option("--q", help="Window of positions, m.", metavar="LO:HI")] = None,
-    v: Annotated[
-        str | None, Option("--v", help="Window of velocities, m/s.", metavar="LO:HI")
-    ] = None,
-    method: Annotated[
-        str | None,
-        Option("--method", help="orbit, or simple (fast and approximate).", metavar="NAME"),
-    ] = None,
-    refine: Annotated[
-        int | None,
-        Option("--refine", help="Times that cells at boundaries are cut in four.", metavar="N"),
-    ] = None,
-    boundary: Annotated[
-        bool, Option("--boundary", help="Measure the boundary's dimension.")
-    ] = False,
-    exponents: Annotated[
-        bool, Option("--exponents", help="Multipliers and exponents of attractors.")
-    ] = False,
-    vary: Vary = None,
-    saddles: Annotated[bool, Option("--saddles", help="Saddles on the boundaries.")] = False,
-    shard: Shard = None,
-    cluster: Cluster = None,
+    cells: str | None = option("Cells along q and v.", "N or NQ,NV"),
+    q: str | None = option("Window of positions, m.", "LO:HI"),
+    v: str | None = option("Window of velocities, m/s.", "LO:HI"),
+    method: str | None = option("orbit, or simple (fast and approximate).", "NAME"),
+    refine: int | None = option("Times that cells at boundaries are cut in four.", "N"),
+    boundary: bool = flag("Measure the boundary's dimension."),
+    exponents: bool = flag("Multipliers and exponents of attractors."),
+    vary: list[str] | None = VARY,
+    saddles: bool = flag("Saddles on the boundaries."),
+    shard: str | None = SHARD,
+    cluster: str | None = CLUSTER,
 ) -> int:
     """Which attractor a start lands on, over a window of starts.
 

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from itertools import groupby
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from typer import Option
-
-from camcli.cli.options import Request, Vary, given, numbers, refuse_idle
+from camcli.cli.options import VARY, Request, flag, given, numbers, option, refuse_idle
 from camcli.cli.report import at_speed, plural, table
 from camcli.errors import Fault, SceneError, shown
 
@@ -20,18 +18,12 @@ if TYPE_CHECKING:
 
 def classify(
     request: Request,
-    starts: Annotated[
-        int | None, Option("--starts", help="Further starts at each speed.", metavar="N")
-    ] = None,
-    seed: Annotated[
-        int | None, Option("--seed", help="Another cloud of starts.", metavar="N")
-    ] = None,
-    explain: Annotated[bool, Option("--explain", help="Find the cause of every change.")] = False,
-    vary: Vary = None,
-    trace: Annotated[
-        str | None, Option("--trace", help="Traces of two linear maps.", metavar="L,R")
-    ] = None,
-    det: Annotated[str | None, Option("--det", help="Their determinants.", metavar="L,R")] = None,
+    starts: int | None = option("Further starts at each speed.", "N"),
+    seed: int | None = option("Another cloud of starts.", "N"),
+    explain: bool = flag("Find the cause of every change."),
+    vary: list[str] | None = VARY,
+    trace: str | None = option("Traces of two linear maps.", "L,R"),
+    det: str | None = option("Their determinants.", "L,R"),
 ) -> int:
     """The motion at each speed, its exponents, why it changes.
 
@@ -69,16 +61,17 @@ def classify(
     grazing, accumulation-at-corner, corner-hit, chatter-completion, first-detachment,
     interior-crisis, boundary-crisis, basin (both attractors live on, the start changes basins),
     itinerary (impacts of a resting orbit change), or unexplained with what was tried.
-    --trace L,R --det L,R needs no machine: it names the border collision of two linear maps.
+    --trace L,R --det L,R needs no machine: it names the border collision of two linear maps,
+    and writes border_collision.json into the DIR of -o.
     """
     from camcli.cli.run import ranges, run
 
     idle = seed is not None and starts is None
     refuse_idle((idle, "--seed", "without --starts", "add --starts N"))
     if trace is not None or det is not None:
-        names = "-c", "--set", "--rpm", "-o", "--vary", "--starts", "--explain"
-        given_too = request.config, request.sets, request.rpm, request.out, vary, starts, explain
-        said = "with --trace", "leave it out: no machine, no files"
+        names = "-c", "--set", "--rpm", "--vary", "--starts", "--explain"
+        given_too = request.config, request.sets, request.rpm, vary, starts, explain
+        said = "with --trace", "leave it out: no machine"
         beside = zip(names, given_too, strict=True)
         refuse_idle(*((x not in (None, False), name, *said) for name, x in beside))
         return _border_collision(request, trace, det)
@@ -149,6 +142,7 @@ def show_explanation(explanation: Explanation) -> None:
 def _border_collision(request: Request, trace: str | None, det: str | None) -> int:
     """Print the class, the inequalities and what attracts on each side."""
     from camcli.analysis.border_collision import Side, classify
+    from camcli.cli.init import write_whole
     from camcli.output.run_record import to_text
 
     pairs = []
@@ -160,8 +154,11 @@ def _border_collision(request: Request, trace: str | None, det: str | None) -> i
         pairs.append(pair)
     left, right = (Side(*pair) for pair in zip(*pairs, strict=True))
     result = classify(left, right)
+    text = to_text(_record(left, right, result))
+    if request.out is not None and not request.dry_run:
+        write_whole(request.out / "border_collision.json", text.encode(), force=True)
     if request.json:
-        print(to_text(_record(left, right, result)), end="")
+        print(text, end="")
     else:
         _show_collision(left, right, result)
     return 0

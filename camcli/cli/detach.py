@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from typer import Option
-
-from camcli.cli.options import Request, given
+from camcli.cli.options import Request, flag, given, option
 from camcli.cli.report import table
 from camcli.errors import Fault, SceneError, shown
 
@@ -18,20 +16,10 @@ if TYPE_CHECKING:
 
 def detach(
     request: Request,
-    hold_to: Annotated[
-        str | None,
-        Option("--hold-to", help="Find the spring that holds up to this speed.", metavar="RPM"),
-    ] = None,
-    tolerance: Annotated[
-        str | None,
-        Option("--tolerance", help="By how much numbers may be off.", metavar="KEY=5%,..."),
-    ] = None,
-    report: Annotated[
-        bool, Option("--report", help="Also write a page for print, report.pdf.")
-    ] = False,
-    verbose: Annotated[
-        bool, Option("--verbose", "-v", help="Print the theory: critical speeds, bursts, corners.")
-    ] = False,
+    hold_to: str | None = option("Find the spring that holds up to this speed.", "RPM"),
+    tolerance: str | None = option("By how much numbers may be off.", "KEY=5%,..."),
+    report: bool = flag("Also write a page for print, report.pdf."),
+    verbose: bool = flag("Print the theory: critical speeds, bursts, corners.", "--verbose", "-v"),
 ) -> int:
     """Where contact is lost, and which spring would hold.
 

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated
-
-from typer import Option
+from typing import TYPE_CHECKING
 
 from camcli.cli.exit_codes import note
-from camcli.cli.options import DRAWING, Request, Values, Vary, refuse_idle
+from camcli.cli.options import DRAWING, VARY, Request, Values, flag, option, refuse_idle
 from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
@@ -19,11 +17,9 @@ WITHOUT = ("no_plot", *DRAWING)  # shared options that mean nothing here
 
 def explore(
     request: Request,
-    with_: Annotated[
-        str | None, Option("--with", help="Also: basins (of basins.rpm), map.", metavar="A,B")
-    ] = None,
-    vary: Vary = None,
-    open_: Annotated[bool, Option("--open", help="Open the page when it is written.")] = False,
+    with_: str | None = option("Also: basins (of basins.rpm), map.", "A,B"),
+    vary: list[str] | None = VARY,
+    open_: bool = flag("Open the page when it is written."),
 ) -> int:
     """A page for a browser on which the machine moves.
 

@@ -12,13 +12,12 @@ from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated, Any, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
-from typer import Argument, Option
 
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
-from camcli.cli.options import DRAWING, Request
+from camcli.cli.options import DRAWING, Request, argument, flag, option
 from camcli.cli.report import plural, progress_bar, table
 from camcli.errors import Fault, SceneError
 from camcli.interrupts import PARENT
@@ -109,20 +108,12 @@ class Done:
 
 def figures(
     request: Request,
-    names: Annotated[
-        list[str] | None,
-        Argument(help="Figures, e.g. 3.5 or 3.6. Default: all.", metavar="[NAME]..."),
-    ] = None,
-    folder: Annotated[
-        Path | None,
-        Option("--folder", help="Folder of scenes. Default: configs/figures (here, else shipped)."),
-    ] = None,
-    check: Annotated[
-        bool, Option("--check", help="Compute all, and compare with the reference.")
-    ] = False,
-    update_reference: Annotated[
-        bool, Option("--update-reference", help="Make this run's numbers the reference.")
-    ] = False,
+    names: list[str] | None = argument("Figures, e.g. 3.5 or 3.6. Default: all.", "[NAME]..."),
+    folder: Path | None = option(
+        "Folder of scenes. Default: configs/figures (here, else shipped)."
+    ),
+    check: bool = flag("Compute all, and compare with the reference."),
+    update_reference: bool = flag("Make this run's numbers the reference."),
 ) -> int:
     """The figures of the cam-follower example, brought up to date.
 

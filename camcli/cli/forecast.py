@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from camcli.cli.options import Request
 from camcli.cli.report import table
-from camcli.cli.run import IN_THREADS, analysis
+from camcli.cli.run import analysis
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import LITTLE_WORK, for_work, stopwatch
 from camcli.parallel import Shard, Work
@@ -212,8 +212,7 @@ def _extrapolated(command: str, scene: Scene, request: Request, size: Size) -> l
     with stopwatch() as watch:
         while n <= LARGEST and (len(samples) < enough or watch.passed() < ENOUGH):
             small = sample_of(command, scene, n)
-            more = {"work": Work(request.threads)} if command in IN_THREADS else {}
-            result = analysis(command)(small, tick, **more)
+            result = analysis(command, Work(request.threads))(small, tick)
             text = sum(len(line) for t in result.tables.values() for line in t.csv())
             costs = [result.cost.impacts, result.seconds, text + len(json.dumps(result.summary))]
             samples.append((small, costs))

@@ -1,15 +1,17 @@
 """cam init: a scene to begin with."""
 
+import io
+import json
 import os
 from pathlib import Path
 from shlex import quote
-from typing import Annotated, Any
+from typing import Any
 
-from typer import Argument, Option
-
+from camcli.cli.options import DRAWING, SCENE, Request, argument, flag
 from camcli.errors import Fault, SceneError
 from camcli.interrupts import held
 
+WITHOUT = (*SCENE, *DRAWING, "threads")  # shared options that mean nothing here
 FOLLOWER = """\
 follower:
   mass: 0.12           # kg, FILL IN: valve, retainer, tappet and a third of the spring
@@ -46,43 +48,61 @@ COMMENTS = {
 
 
 def init(
-    table: Annotated[
-        Path | None, Argument(help="Lift table to look at.", metavar="[TABLE]")
-    ] = None,
-    force: Annotated[bool, Option("--force", help="Overwrite the scene and its picture.")] = False,
-) -> None:
+    request: Request,
+    table: Path | None = argument("Lift table to look at.", "[TABLE]"),
+    force: bool = flag("Overwrite the scene and its picture."),
+) -> int:
     """Write a scene to begin with.
 
     \b
     cam init TABLE  looks at a lift table, says how it reads it, and writes TABLE.yaml and a
                     picture of the cam beside it; what is only a guess is marked CHECK
     cam init        writes scene.yaml, a valve train to fill in
+    -o DIR          writes there, a copy of the table too
     """
-    if table is None:
-        path = Path("scene.yaml")
-        _write(path, (FOLLOWER + "\n" + LAW).encode(), force)
-        print(f"{path}: fill in mass, spring and cam, then: cam detach -c {quote(str(path))}")
-        return
-    from camcli.cams.files import read_bytes
-    from camcli.cams.lift_guess import guess
-    from camcli.cams.lift_table import MAX_BYTES
+    path, text, keys, unsure = Path("scene.yaml"), FOLLOWER + "\n" + LAW, {}, {}
+    files, fill = [], "mass, spring and cam"
+    if table is not None:
+        from camcli.cams.files import read_bytes
+        from camcli.cams.lift_guess import guess
+        from camcli.cams.lift_table import MAX_BYTES
 
-    expected, cure = "expected a table of angles and lifts", "check the name"
-    found = guess(read_bytes(table, str(table), MAX_BYTES, expected, cure), str(table))
-    keys, unsure = found.keys, found.unsure
-    path = table.with_suffix(".yaml")
-    _write(path, _scene(table, keys, unsure).encode(), force)
-    print(f"{table}: {', '.join(f'{key} {value}' for key, value in keys.items())}")
+        expected, cure = "expected a table of angles and lifts", "check the name"
+        data = read_bytes(table, str(table), MAX_BYTES, expected, cure)
+        keys, unsure = (found := guess(data, str(table))).keys, found.unsure
+        path, text, fill = (
+            table.with_suffix(".yaml"),
+            _scene(table, keys, unsure),
+            "mass and spring",
+        )
+        if request.out is not None and request.out.resolve() != table.parent.resolve():
+            files.append((request.out / table.name, data))
+    path = path if request.out is None else request.out / path.name
+    files.append((path, text.encode()))
+    for file, content in () if request.dry_run else files:
+        write_whole(file, content, force)
+    drawn = [path.with_suffix(".png")] * (table is not None and not request.no_plot)
+    for file in () if request.dry_run else drawn:
+        write_whole(file, _picture(path), force)
+    names = [str(file) for file in (*(file for file, _ in files), *drawn)]
+    if request.json:
+        print(json.dumps({"command": "init", "files": names, "keys": keys, "unsure": unsure}))
+        return 0
+    if table is not None:
+        print(f"{table}: {', '.join(f'{key} {value}' for key, value in keys.items())}")
     for key, why in unsure.items():
         print(f"CHECK {key}: {keys[key]} is a guess: {why}")
-    _draw(path, force)
-    print(f"{path}: fill in mass and spring, then: cam detach -c {quote(str(path))}")
+    if request.dry_run:
+        print(f"would write {', '.join(names)}")
+        return 0
+    for file in drawn:
+        print(f"{file}: the cam and the rows of the table")
+    print(f"{path}: fill in {fill}, then: cam detach -c {quote(str(path))}")
+    return 0
 
 
 def _scene(table: Path, keys: dict[str, Any], unsure: dict[str, str]) -> str:
     """The scene's text."""
-    import json
-
     values = {"kind": "table", "file": table.name, **keys}
     values |= {"zero_deg": 0, "direction": "same", "base": 0}
     lines = []
@@ -93,10 +113,8 @@ def _scene(table: Path, keys: dict[str, Any], unsure: dict[str, str]) -> str:
     return f"{FOLLOWER}\ncam:\n" + "\n".join(lines) + "\n"
 
 
-def _draw(path: Path, force: bool) -> None:
-    """The cam beside its rows as a picture beside the scene; faults name keys of the scene."""
-    import io
-
+def _picture(path: Path) -> bytes:
+    """The cam of the scene beside its rows, as a PNG; faults name keys of the scene."""
     from camcli.api.simulate import simulate
     from camcli.output.pictures import write_picture
     from camcli.scene import load_scene
@@ -104,17 +122,17 @@ def _draw(path: Path, force: bool) -> None:
     result = simulate(load_scene(path), profile_only=True)
     picture = io.BytesIO()
     write_picture(result.pictures["profile"](), picture)
-    _write(path.with_suffix(".png"), picture.getvalue(), force)
-    print(f"{path.with_suffix('.png')}: the cam and the rows of the table")
+    return picture.getvalue()
 
 
-def _write(path: Path, data: bytes, force: bool) -> None:
+def write_whole(path: Path, data: bytes, force: bool) -> None:
     """Write a file of the user's own folder, whole or not at all."""
     if path.exists() and not force:
         found, cure = "found a file of this name", "add --force to overwrite it"
         raise SceneError(Fault(str(path), "", found, "expected none", cure))
     part = path.with_name(f"{path.name}.cam-part")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         with held():
             part.write_bytes(data)
             os.replace(part, path)

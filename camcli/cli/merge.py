@@ -7,12 +7,9 @@ from dataclasses import replace
 from importlib import import_module
 from itertools import islice
 from pathlib import Path
-from typing import Annotated
 
-from typer import Argument
-
-from camcli.cli.options import DRAWING, Request
-from camcli.cli.rerun import REPEATED, HomeFolder, Record, record_of
+from camcli.cli.options import DRAWING, Request, argument
+from camcli.cli.rerun import HOME, REPEATED, Record, record_of
 from camcli.cli.run import execute
 from camcli.errors import Fault, SceneError
 from camcli.output.program import program_hash
@@ -25,10 +22,8 @@ SHOWN = 10  # missing shards named
 
 def merge(
     request: Request,
-    parts: Annotated[
-        list[Path] | None, Argument(help="Parts, or folders of them.", metavar="[PART]...")
-    ] = None,
-    folder: HomeFolder = None,
+    parts: list[Path] | None = argument("Parts, or folders of them.", "[PART]..."),
+    folder: Path | None = HOME,
 ) -> int:
     """Join the parts of a run that was computed in shards.
 

@@ -5,15 +5,15 @@ import os
 import re
 from collections.abc import Callable, Collection
 from contextlib import ExitStack, redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from math import isfinite
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
-from typer import Option
 from typer.core import TyperCommand
+from typer.models import OptionInfo
 
 from camcli.errors import Fault, SceneError, shown
 
@@ -31,6 +31,21 @@ def given(section: str, option: str = "", /, **values: Any) -> Values:
         for key, value in values.items()
         if value is not None and value is not False
     }
+
+
+def option(words: str, metavar: str | None = None, *names: str, **more: Any) -> Any:
+    """An option that takes a value; without names it bears that of its parameter."""
+    return typer.Option(None, *names, help=words, metavar=metavar, **more)
+
+
+def argument(words: str, metavar: str, default: Any = None) -> Any:
+    """A word without an option's name."""
+    return typer.Argument(default, help=words, metavar=metavar)
+
+
+def flag(words: str, *names: str) -> Any:
+    """An option that takes no value."""
+    return typer.Option(False, *names, help=words)
 
 
 def _folder(text: str) -> Path:
@@ -71,56 +86,34 @@ def refuse_idle(*faults: tuple[object, str, str, str]) -> None:
 
 @dataclass(frozen=True)
 class Request:
-    """What the user asked for with the shared options; the annotations declare them."""
+    """What the user asked for with the shared options."""
 
-    config: Annotated[
-        Path | None,
-        Option("-c", "--config", help="Scene (YAML), - for stdin. Default: the example's."),
-    ] = None
-    sets: Annotated[
-        list[str] | None,
-        Option("--set", help="path.to.key=value, read as YAML. Repeatable.", metavar="KEY=VALUE"),
-    ] = None
-    rpm: Annotated[str | None, Option("--rpm", help="Speed X or range LO:HI, rpm.")] = None
-    points: Annotated[
-        str | None,
-        Option(
-            "--points", help="Points of a range; samples per turn in simulate.", metavar="N[,M]"
-        ),
-    ] = None
-    out: Annotated[
-        Path | None,
-        Option(
-            "-o",
-            "--out",
-            help="Folder for the artefacts. Default: out/COMMAND.",
-            metavar="DIR",
-            parser=_folder,
-        ),
-    ] = None
-    no_plot: Annotated[bool, Option("--no-plot", help="Draw nothing.")] = False
-    formats: Annotated[
-        str | None, Option("--format", help="Of pictures: png, pdf, svg.", metavar="A,B")
-    ] = None
-    width: Annotated[
-        str | None, Option("--width", help="Of pictures, e.g. 85mm or 3.3in.", metavar="LENGTH")
-    ] = None
-    height: Annotated[str | None, Option("--height", metavar="LENGTH", help="The same.")] = None
-    font: Annotated[str | None, Option("--font", help="Of pictures, by name.")] = None
-    style: Annotated[str | None, Option("--style", help="A matplotlib style: name or file.")] = None
-    no_title: Annotated[bool, Option("--no-title", help="No title, no notes in it.")] = False
-    panels: Annotated[
-        str | None, Option("--panels", help="Panels drawn, by name.", metavar="A,B")
-    ] = None
-    json: Annotated[bool, Option("--json", help="One JSON object on stdout.")] = False
-    quiet: Annotated[bool, Option("--quiet", "-q", help="Say nothing but faults.")] = False
-    threads: Annotated[
-        int | None,
-        Option("--threads", help="Threads; never changes a result. Default: all processors."),
-    ] = None
-    dry_run: Annotated[
-        bool, Option("--dry-run", help="Validate, print the plan and its cost; write nothing.")
-    ] = False
+    config: Path | None = option(
+        "Scene (YAML), - for stdin. Default: the example's.", "FILE", "-c", "--config"
+    )
+    sets: list[str] | None = option("path.to.key=value, as YAML. Repeatable.", "KEY=VALUE", "--set")
+    rpm: str | None = option("Speed X or range LO:HI, rpm.", "RPM")
+    points: str | None = option("Points of a range; samples per turn in simulate.", "N[,M]")
+    out: Path | None = option(
+        "Folder for the artefacts. Default: out/COMMAND.", "DIR", "-o", "--out", parser=_folder
+    )
+    no_plot: bool = flag("Draw nothing.")
+    formats: str | None = option("Of pictures: png, pdf, svg.", "A,B", "--format")
+    width: str | None = option("Of pictures, e.g. 85mm or 3.3in.", "LENGTH")
+    height: str | None = option("The same.", "LENGTH")
+    font: str | None = option("Of pictures, by name.")
+    style: str | None = option("A matplotlib style: name or file.")
+    no_title: bool = flag("No title, no notes in it.")
+    panels: str | None = option("Panels drawn, by name.", "A,B")
+    json: bool = flag("One JSON object on stdout.")
+    quiet: bool = flag("Say nothing but faults.", "--quiet", "-q")
+    threads: int | None = option("Threads; never changes a result. Default: all processors.")
+    dry_run: bool = flag("Validate, print the plan and its cost; write nothing.")
+
+    def __post_init__(self) -> None:
+        for f in fields(self):
+            if isinstance(value := getattr(self, f.name), OptionInfo):  # not given
+                object.__setattr__(self, f.name, value.default)
 
     def form(self) -> Values:
         """What the options of pictures set in the scene's section `plot`."""
@@ -137,6 +130,7 @@ class Request:
 FULL = 92  # columns: a longer line of a docstring was broken because it was full
 ENTRY = re.compile(r"\S.{0,24}?  +")  # NAME  what it is, in a docstring
 UNITS = {"": 1.0, "mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0}  # mm
+SCENE = ("config", "sets", "rpm", "points")
 DRAWING = ("formats", "width", "height", "font", "style", "no_title", "panels")
 
 
@@ -155,16 +149,9 @@ def _millimetres(text: str | None, name: str) -> float | None:
     return float(match[1]) * UNITS[match[2]]
 
 
-Vary = Annotated[
-    list[str] | None,
-    Option("--vary", help="A number of the scene to vary, as in --set.", metavar="KEY=LO:HI"),
-]
-Shard = Annotated[
-    str | None, Option("--shard", help="Only part I of N; cam merge joins them.", metavar="I/N")
-]
-Cluster = Annotated[
-    str | None, Option("--cluster", help="Dask scheduler HOST:PORT, or local.", metavar="ADDRESS")
-]
+VARY = option("A number of the scene to vary, as in --set.", "KEY=LO:HI")
+SHARD = option("Only part I of N; cam merge joins them.", "I/N")
+CLUSTER = option("Dask scheduler HOST:PORT, or local.", "ADDRESS")
 
 
 class _Command(TyperCommand):
@@ -204,13 +191,9 @@ class _Command(TyperCommand):
 def register(app: typer.Typer, run: Callable[..., int], without: Collection[str] = ()) -> None:
     """Make `run(request, own options ...) -> exit code` a command of the same name.
 
-    Its docstring is the help text. `without` names shared options that mean nothing to it; without
-    a request it takes none.
+    Its docstring is the help text. `without` names shared options that mean nothing to it.
     """
-    first, *own = _parameters(run)
-    if first.name != "request":
-        app.command(run.__name__, cls=_Command)(run)
-        return
+    own = _parameters(run)[1:]
     shared = [p for p in _parameters(Request) if p.name not in without]
     parameters = [*shared, *own]
 
@@ -233,6 +216,12 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
 
 @cache
 def _parameters(function: Callable) -> list[inspect.Parameter]:
-    """The parameters with their annotations evaluated, to be given by name."""
+    """The parameters with their annotations evaluated, to be given by name.
+
+    An option without a name of its own bears that of its parameter.
+    """
     parameters = inspect.signature(function, eval_str=True).parameters.values()
+    for p in parameters:
+        if isinstance(p.default, OptionInfo) and not p.default.param_decls:
+            p.default.param_decls = (f"--{p.name.strip('_').replace('_', '-')}",)
     return [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in parameters]

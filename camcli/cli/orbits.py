@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from math import degrees
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from typer import Option
-
-from camcli.cli.options import Request, Values, Vary, given, numbers, refuse_idle
+from camcli.cli.options import VARY, Request, Values, flag, given, numbers, option, refuse_idle
 from camcli.cli.report import table
 
 if TYPE_CHECKING:
@@ -19,32 +17,15 @@ SHOWN_PHASES = 6
 
 def orbits(
     request: Request,
-    at: Annotated[
-        str | None, Option("--at", help="Speed at which orbits are found.", metavar="RPM")
-    ] = None,
-    label: Annotated[
-        str | None, Option("--label", help="Only this orbit, e.g. 'P(3;3:3:2)'.", metavar="LABEL")
-    ] = None,
-    parameter: Annotated[
-        str | None,
-        Option("--parameter", help="What varies along a branch. Default: rpm.", metavar="NAME"),
-    ] = None,
-    range_: Annotated[
-        str | None, Option("--range", help="Range of --parameter, or of --in.", metavar="LO:HI")
-    ] = None,
-    branches: Annotated[
-        int | None,
-        Option("--branches", help="Branches followed that leave from events.", metavar="N"),
-    ] = None,
-    curve: Annotated[
-        str | None, Option("--curve", help="Continue bifurcations of this kind.", metavar="KIND")
-    ] = None,
-    second: Annotated[
-        str | None,
-        Option("--in", help="Second parameter of --curve.", metavar="NAME or NAME=LO:HI"),
-    ] = None,
-    vary: Vary = None,
-    prove: Annotated[bool, Option("--prove", help="Prove what was found.")] = False,
+    at: str | None = option("Speed at which orbits are found.", "RPM"),
+    label: str | None = option("Only this orbit, e.g. 'P(3;3:3:2)'.", "LABEL"),
+    parameter: str | None = option("What varies along a branch. Default: rpm.", "NAME"),
+    range_: str | None = option("Range of --parameter, or of --in.", "LO:HI"),
+    branches: int | None = option("Branches followed that leave from events.", "N"),
+    curve: str | None = option("Continue bifurcations of this kind.", "KIND"),
+    second: str | None = option("Second parameter of --curve.", "NAME or NAME=LO:HI", "--in"),
+    vary: list[str] | None = VARY,
+    prove: bool = flag("Prove what was found."),
 ) -> int:
     """Periodic orbits, followed, and every bifurcation on the way.
 

@@ -8,10 +8,9 @@ from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
-from typer import Argument, Option
 
 from camcli.cli.exit_codes import DONE, NUMERICS, note
-from camcli.cli.options import DRAWING, Request
+from camcli.cli.options import DRAWING, SCENE, Request, argument, option
 from camcli.cli.report import table
 from camcli.cli.run import ARTEFACTS, compute
 from camcli.errors import Fault, SceneError, shown
@@ -19,10 +18,8 @@ from camcli.output.program import program_hash
 from camcli.output.run_folder import run_folder, unchanged
 from camcli.scene import Scene, load_scene
 
-HomeFolder = Annotated[
-    Path | None, Option("--folder", help="Where the files are that the scene names.", metavar="DIR")
-]
-REPEATED = ("config", "sets", "rpm", "points", "dry_run")  # these stand in the record
+HOME = option("Where the files are that the scene names.", "DIR")
+REPEATED = (*SCENE, "dry_run")  # these stand in the record
 WITHOUT = (*REPEATED, "no_plot", *DRAWING)  # the record says whether it drew
 SAME, OTHER, MISSING = "same bytes", "other bytes", "not made"
 CHANGED = "same bytes, but not those of the file beside the record"
@@ -32,8 +29,8 @@ ARTEFACT = StringConstraints(pattern=r"^[a-zA-Z0-9_-]{1,64}\.[a-z]{1,8}$")
 
 def rerun(
     request: Request,
-    record: Annotated[Path, Argument(help="A run.json, or its folder.", metavar="FILE")],
-    folder: HomeFolder = None,
+    record: Path = argument("A run.json, or its folder.", "FILE", ...),
+    folder: Path | None = HOME,
 ) -> int:
     """Run again what a run.json records: do the bytes agree?
 

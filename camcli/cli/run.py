@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +21,7 @@ from camcli.scene import Scene, load_scene, parse_rpm, resolved
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
-    from camcli.parallel import Shard
+    from camcli.parallel import Shard, Work
 
 Show = Callable[["Result"], None]
 MOST_SHARDS = 100_000
@@ -40,7 +42,6 @@ ARTEFACTS = {  # files of other people with these names are looked for before an
     "explore": "explore.html",
     "bench": "precision.csv stability.csv precision.png stability.png",
 }
-IN_THREADS = ("sweep", "basins", "classify", "explore", "detach")  # analyses that take `work`
 
 
 def one_speed(request: Request) -> Values:
@@ -178,9 +179,8 @@ def compute(
     plot: bool,
 ) -> tuple[Result, Mapping[str, Any]]:
     """The result of an analysis and its run.json, after its artefacts are written."""
-    work = {"work": folder.work} if command in IN_THREADS else {}
     with compiling(request), progress_bar(request.quiet) as progress:
-        result = analysis(command)(scene, progress, **options, **work)
+        result = analysis(command, folder.work)(scene, progress, **options)
         return result, result.write(folder, plot=plot, from_disk=folder.resumed)
 
 
@@ -240,10 +240,11 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
     else:
         from camcli.output.verdict import verdict
 
-        print(verdict(result, record["error"].get("lift_table")))
+        if result.system:
+            print(verdict(result, record["error"].get("lift_table")))
         show(result)
         print(f"{request.folder(result.command)}/: {', '.join(record['artefacts'])}, run.json")
-        if result.cost.impacts:
+        if result.system and result.cost.impacts:
             print(cost_line(record["cost"], record["error"]))
         if "lift_table" in record["error"]:
             from camcli.api.lift_table import bound_line
@@ -263,9 +264,10 @@ def compiling(request: Request) -> AbstractContextManager[Stopwatch]:
     return stopwatch(None if request.quiet else say)
 
 
-def analysis(command: str) -> Callable[..., Result]:
-    """The API function of a command."""
-    return getattr(import_module(f"camcli.api.{command}"), command)
+def analysis(command: str, work: Work) -> Callable[..., Result]:
+    """The API function of a command, which works so where it works in pieces."""
+    call = getattr(import_module(f"camcli.api.{command}"), command)
+    return partial(call, work=work) if "work" in signature(call).parameters else call
 
 
 def shard_of(text: str | None) -> Shard | None:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from typer import Option
-
-from camcli.cli.options import Request, refuse_idle
+from camcli.cli.options import Request, flag, option, refuse_idle
 from camcli.cli.report import plural, table
 
 if TYPE_CHECKING:
@@ -18,15 +16,9 @@ NOTHING = 1e-18  # m, rounding of a lift
 
 def simulate(
     request: Request,
-    profile_only: Annotated[
-        bool, Option("--profile-only", help="Write and draw the cam, simulate nothing.")
-    ] = False,
-    base_radius: Annotated[
-        float | None, Option("--base-radius", help="Radius of the base circle, m.", metavar="M")
-    ] = None,
-    animate: Annotated[
-        bool, Option("--animate", help="Also write the machine in motion, simulate.gif and .mp4.")
-    ] = False,
+    profile_only: bool = flag("Write and draw the cam, simulate nothing."),
+    base_radius: float | None = option("Radius of the base circle, m.", "M"),
+    animate: bool = flag("Also write the machine in motion, simulate.gif and .mp4."),
 ) -> int:
     """Time response of one orbit: events and a sampled trajectory.
 

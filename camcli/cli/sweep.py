@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from typer import Option
-
-from camcli.cli.options import Cluster, Request, Shard, Vary, given
+from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, option
 from camcli.cli.report import at_speed, plural, table
 
 if TYPE_CHECKING:
@@ -16,31 +14,17 @@ if TYPE_CHECKING:
 
 def sweep(
     request: Request,
-    lyapunov: Annotated[
-        bool, Option("--lyapunov", help="Measure the largest exponent at each speed.")
-    ] = False,
-    explain: Annotated[bool, Option("--explain", help="Find the cause of every change.")] = False,
-    vary: Vary = None,
-    zoom: Annotated[
-        list[str] | None, Option("--zoom", help="A part of the range, enlarged.", metavar="LO:HI")
-    ] = None,
-    both: Annotated[bool, Option("--both", help="Carry the state up, then down.")] = False,
-    adaptive: Annotated[
-        bool, Option("--adaptive", help="More values where the motion changes.")
-    ] = False,
-    branches: Annotated[
-        str | None,
-        Option("--branches", help="A branch.csv of cam orbits, drawn over.", metavar="FILE"),
-    ] = None,
-    curves: Annotated[
-        str | None,
-        Option("--curves", help="A curve.csv of cam orbits, drawn over a map.", metavar="FILE"),
-    ] = None,
-    decide: Annotated[
-        bool, Option("--decide", help="Follow points of a map beyond rounding, after rests.")
-    ] = False,
-    shard: Shard = None,
-    cluster: Cluster = None,
+    lyapunov: bool = flag("Measure the largest exponent at each speed."),
+    explain: bool = flag("Find the cause of every change."),
+    vary: list[str] | None = VARY,
+    zoom: list[str] | None = option("A part of the range, enlarged.", "LO:HI"),
+    both: bool = flag("Carry the state up, then down."),
+    adaptive: bool = flag("More values where the motion changes."),
+    branches: str | None = option("A branch.csv of cam orbits, drawn over.", "FILE"),
+    curves: str | None = option("A curve.csv of cam orbits, drawn over a map.", "FILE"),
+    decide: bool = flag("Follow points of a map beyond rounding, after rests."),
+    shard: str | None = SHARD,
+    cluster: str | None = CLUSTER,
 ) -> int:
     """Brute-force bifurcation diagram over speeds, or another number.
 

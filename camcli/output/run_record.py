@@ -11,6 +11,7 @@ from typing import Any
 
 from camcli.analysis.integrate import ROUNDING_M, Cost
 from camcli.output.program import program_hash
+from camcli.system import System
 
 PACKAGES = (
     "camcli", "numpy", "numba", "scipy", "pydantic", "matplotlib", "typer", "rich", "pyyaml",
@@ -33,11 +34,11 @@ def cost_record(cost: Cost, seconds: float, from_disk: int = 0) -> dict[str, Any
     }
 
 
-def error_record(tolerance: float, top: float) -> dict[str, Any]:
+def error_record(tolerance: float, system: System) -> dict[str, Any]:
     """Bounds on the error of one event; the orbit's own stretching multiplies them."""
     return {
         "accumulation_phase_turns": tolerance,
-        "contact_gap_m": ROUNDING_M * max(1.0, abs(top)),
+        "contact_gap_m": ROUNDING_M * max(1.0, abs(system.cam.top)),
         "meaning": "bound for each event; a chaotic orbit multiplies it by its own stretching",
     }
 

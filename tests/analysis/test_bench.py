@@ -9,7 +9,7 @@ import pytest
 from camcli.analysis.bench import stability
 from camcli.analysis.bench.peers import Lift, Trace, heyoka_taylor, runge_kutta_4, solve_ivp
 from camcli.analysis.bench.precision import OK, case, compare, run_core, run_peer
-from camcli.cli.bench import machines
+from camcli.api.bench import machines
 from camcli.scene.schema import CASES
 from tests import oracle
 

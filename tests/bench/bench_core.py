@@ -30,7 +30,7 @@ import numpy as np
 from camcli.analysis.bench.machine import orbit
 from camcli.analysis.bench.peers import heyoka_taylor, solve_ivp
 from camcli.analysis.bench.precision import Case, case, run_peer
-from camcli.cli.bench import machines
+from camcli.api.bench import machines
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import EventKind
 from camcli.system import Follower

@@ -3,7 +3,7 @@
 import pytest
 
 from camcli.analysis.bench.stability import OK, ROWS, measure
-from camcli.cli.bench import machines
+from camcli.api.bench import machines
 
 
 @pytest.mark.parametrize("number", ROWS)

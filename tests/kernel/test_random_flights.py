@@ -9,8 +9,8 @@ from mpmath import mp, mpf
 from camcli.analysis.bench.machine import reference as stored
 from camcli.analysis.bench.peers import Lift
 from camcli.analysis.bench.precision import case
+from camcli.api.bench import machines
 from camcli.cams.compile import column
-from camcli.cli.bench import machines
 from camcli.exact.balls import UndecidedError, precision
 from tests.kernel.helpers import ORACLE_CAM, events, reference, run, system
 from tests.random_flights import (

@@ -1,0 +1,22 @@
+"""cam schema"""
+
+import json
+
+from camcli.cli.init import WITHOUT, write_whole
+from camcli.cli.options import Request
+
+__all__ = ["WITHOUT", "schema"]
+
+
+def schema(request: Request) -> int:
+    """Print the scene's JSON Schema, for editors.
+
+    -o DIR also writes it there, as schema.json.
+    """
+    from camcli.scene import json_schema
+
+    text = json.dumps(json_schema(), indent=2) + "\n"
+    if request.out is not None and not request.dry_run:
+        write_whole(request.out / "schema.json", text.encode(), force=True)
+    print(text, end="")
+    return 0
