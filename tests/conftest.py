@@ -30,6 +30,12 @@ def settings(transient: int = 0, record: int = 1, tolerance: float = 1e-9, **sta
     return Settings(transient, record, tolerance, 1_000_000, Start(**start))
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Soaks are asked for by CAMCLI_SOAK, whatever other tests are chosen."""
+    if "CAMCLI_SOAK" not in os.environ:
+        items[:] = [item for item in items if not item.get_closest_marker("soak")]
+
+
 def rows(path: Path) -> list[dict[str, str]]:
     """The rows of a CSV, by column."""
     with open(path, newline="") as file:

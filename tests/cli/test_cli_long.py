@@ -1,7 +1,7 @@
 """Long runs killed at chosen and at random moments: old artefacts stay, the end has the same bytes.
 
-The soak (-m soak) kills a thousand times, CAMCLI_SOAK=N about N times, and says how long the ends
-took; some tens of the kills meet a kernel that is being compiled.
+The soak (CAMCLI_SOAK=N) kills about N times, and says how long the ends took; some of the kills
+meet a kernel that is being compiled.
 """
 
 import json
