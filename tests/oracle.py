@@ -16,7 +16,6 @@ into convex, concave or monotone cells, which is what finds the first of two clo
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from itertools import count
 from typing import Any, NamedTuple
 
@@ -518,95 +517,3 @@ def first_detachment_rpm(cam: ArcsCam, mass, stiffness) -> mpf:
 def region_filling_rpm(cam: ArcsCam, mass, stiffness) -> mpf:
     """Speed from which the contact force would be negative all over the nose, at c-."""
     return _detachment_rpm(cam, mass, stiffness, 2, -1)
-
-
-class SingleImpact(NamedTuple):
-    """A P(1;1) orbit: impact phase in degrees, trace and determinant of its monodromy."""
-
-    phase_deg: mpf
-    trace: mpf
-    det: mpf
-
-
-def _closure(arc: Arc, w0: mpf, r: mpf, omega: mpf, theta: mpf) -> mpf:
-    """Zero at a P(1;1) impact: c - (1+r)/(1-r) cot(pi omega0/omega) (omega/omega0) c_theta."""
-    c, c1, _ = arc.laws(mp, theta - arc.origin)
-    return c - (1 + r) / (1 - r) * mp.cot(mp.pi * w0 / omega) * omega / w0 * c1
-
-
-def _monodromy(
-    cam: ArcsCam, arc: Arc, follower: Follower, r: mpf, omega: mpf, theta: mpf
-) -> SingleImpact:
-    """Trace and determinant of (theta, v+) -> (theta', v+') by central differences."""
-    speed = (1 + r) / (1 - r) * omega * arc.laws(mp, theta - arc.origin)[1]
-
-    def impact_map(theta0, v0):
-        q0, t = arc.laws(mp, theta0 - arc.origin)[0], 2 * mp.pi / omega
-        flight = Flight(cam, follower, omega, theta0 - 2 * mp.pi, q0, v0)
-        for _ in range(12):
-            now = flight.at(t, arc)
-            t -= now.g / now.g1
-        theta1 = theta0 - 2 * mp.pi + omega * t
-        return theta1, omega * arc.laws(mp, theta1 - arc.origin)[1] - r * flight.at(t, arc).g1
-
-    h = mpf(10) ** (-mp.dps // 3)
-    pairs = [[impact_map(theta + s * h, speed) for s in (1, -1)]]
-    pairs += [[impact_map(theta, speed + s * h) for s in (1, -1)]]
-    (a, c), (b, d) = [[(x - y) / (2 * h) for x, y in zip(*p, strict=True)] for p in pairs]
-    return SingleImpact(mp.degrees(theta), a + d, a * d - b * c)
-
-
-def _setting(cam: ArcsCam, mass, stiffness, restitution, piece: str):
-    i = int(piece[1:]) - 1
-    follower = Follower.make(mass, stiffness)
-    lo, hi = cam.breakpoints[i], cam.breakpoints[i + 1]
-    return cam.arcs[i], lo, hi, follower, mp.sqrt(follower.w2), _num(restitution)
-
-
-def single_impact_orbit(cam, mass, stiffness, restitution, rpm, piece) -> list[SingleImpact]:
-    """P(1;1) orbits whose impact is on the given piece, "A1" = (a,b) to "A5" = (e,f).
-
-    The flight itself is not checked against an earlier contact.
-    """
-    with mp.workdps(HELPER_DPS):
-        arc, lo, hi, follower, w0, r = _setting(cam, mass, stiffness, restitution, piece)
-        omega, out = _num(rpm) * mp.pi / 30, []
-        f = partial(_closure, arc, w0, r, omega)
-        grid = [lo + (hi - lo) * i / 200 for i in range(201)]
-        values = [f(x) for x in grid]
-        for i in range(200):
-            if values[i] * values[i + 1] < 0:
-                theta = _root(f, grid[i], grid[i + 1])
-                out.append(_monodromy(cam, arc, follower, r, omega, theta))
-        return out
-
-
-def _speed_at(arc: Arc, w0: mpf, r: mpf, theta: mpf) -> mpf:
-    """omega > 2 omega0 of the P(1;1) that impacts at theta, where c_theta > 0."""
-    hi = 3 * w0
-    while _closure(arc, w0, r, hi, theta) > 0:
-        hi *= 2
-    return _root(lambda omega: _closure(arc, w0, r, omega, theta), 2 * w0, hi)
-
-
-def corner_impact_rpm(cam, mass, stiffness, restitution) -> mpf:
-    """Speed at which the P(1;1) impacts at b."""
-    with mp.workdps(HELPER_DPS):
-        arc, lo, _, _, w0, r = _setting(cam, mass, stiffness, restitution, "A2")
-        return _speed_at(arc, w0, r, lo) * 30 / mp.pi
-
-
-def period_doubling_rpm(cam, mass, stiffness, restitution, piece="A2") -> mpf:
-    """Speed at which the P(1;1) impacting on `piece` has a multiplier -1: trace = -1 - det."""
-    with mp.workdps(HELPER_DPS):
-        arc, lo, hi, follower, w0, r = _setting(cam, mass, stiffness, restitution, piece)
-
-        def flip(theta):
-            omega = _speed_at(arc, w0, r, theta)
-            _, trace, det = _monodromy(cam, arc, follower, r, omega, theta)
-            return trace + 1 + det
-
-        grid = [lo + (hi - lo) * i / 20 for i in range(20)]
-        right = next(i for i, x in enumerate(grid) if flip(x) < 0)
-        theta = _root(flip, grid[right - 1], grid[right])
-        return _speed_at(arc, w0, r, theta) * 30 / mp.pi

@@ -121,14 +121,6 @@ def test_two_threads_beside_code_of_ones_own(tmp_path):
     plt.close(figure)
 
 
-def test_two_runs_into_one_folder_at_once_are_refused(tmp_path):
-    from camcli.output.run_folder import run_folder
-
-    with run_folder(tmp_path), pytest.raises(camcli.SceneError, match="another run"):
-        camcli.classify(scene("classify")).save(tmp_path)
-    camcli.classify(scene("classify")).save(tmp_path)
-
-
 def test_the_api_is_what_it_says():
     assert set(camcli.__all__) <= set(dir(camcli))
     assert all(getattr(camcli, name) is not None for name in camcli.__all__)

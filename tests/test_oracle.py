@@ -6,11 +6,8 @@ from mpmath import mp, mpf
 from tests.oracle import (
     ArcsCam,
     Oracle,
-    corner_impact_rpm,
     first_detachment_rpm,
-    period_doubling_rpm,
     region_filling_rpm,
-    single_impact_orbit,
 )
 
 MASS, STIFFNESS, R = 1.221, 146 * 9.8, 0.8
@@ -71,13 +68,6 @@ def test_cam_law_is_smooth_where_it_should_be():
 def test_speeds_of_detachment():
     close(first_detachment_rpm(CAM, MASS, STIFFNESS), "114.979326744", 1e-9)
     close(region_filling_rpm(CAM, MASS, STIFFNESS), "134.872968058", 1e-9)
-
-
-def test_bifurcations_of_the_single_impact_orbit():
-    close(corner_impact_rpm(CAM, MASS, STIFFNESS, R), "673.2344450038120", 1e-12)
-    close(period_doubling_rpm(CAM, MASS, STIFFNESS, R), "739.3197802160", 1e-9)
-    (orbit,) = single_impact_orbit(CAM, MASS, STIFFNESS, R, "738.7743752", "A2")
-    close(orbit.trace, "-1.6", 1e-8)  # the multipliers turn real: trace^2 = 4 det
 
 
 @pytest.mark.parametrize(

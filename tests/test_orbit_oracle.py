@@ -3,7 +3,6 @@
 import pytest
 from mpmath import mp, mpf
 
-from tests import oracle
 from tests.orbit_oracle import (
     CAM,
     CHAPTER,
@@ -13,12 +12,14 @@ from tests.orbit_oracle import (
     STABLE,
     THRICE,
     UNSTABLE,
+    B,
     C,
     Machine,
     admissible,
     corner_rpm,
     finite_difference_monodromy,
     gap_graze_rpm,
+    period_doubling_rpm,
     solve,
 )
 
@@ -34,15 +35,29 @@ def _digits():
 
 @pytest.mark.parametrize(("guess", "piece"), [(STABLE, "A2"), (UNSTABLE, "A1")])
 def test_single_impact_orbits_at_700_rpm(guess, piece):
-    """Phase and trace of the closed form, where the flight is a cosine."""
+    """The closed form, where the flight is a cosine: W = w0/omega, u+ = -r u-,
+
+    c = (1 + r)/(1 - r) cot(pi W) c_theta/W,   trace = -2 r C - (1 + r)(c_thetatheta + W^2 c)/u- S/W
+    """
     orbit = solve(CAM, CHAPTER, 700, guess, 1)
-    constants = CHAPTER.mass, CHAPTER.stiffness, CHAPTER.restitution
-    (closed,) = oracle.single_impact_orbit(CAM, *constants, 700, piece)
+    r, omega = mpf(CHAPTER.restitution), mpf(700) * mp.pi / 30
+    W = mp.sqrt(mpf(CHAPTER.stiffness) / mpf(CHAPTER.mass)) / omega
+    c, c1, c2 = CAM.laws(orbit.thetas[0])
+    S, C, u = mp.sin(2 * mp.pi * W), mp.cos(2 * mp.pi * W), orbit.u_minus[0] / omega
     assert orbit.pieces == [piece]
     assert admissible(CAM, CHAPTER, 700, orbit)
-    assert abs(mp.degrees(orbit.thetas[0]) - closed.phase_deg) < TINY
-    assert abs(orbit.trace - closed.trace) < mpf(10) ** -30
-    assert abs(orbit.det - mpf(0.8) ** 2) < TINY
+    assert abs(c - (1 + r) / (1 - r) * mp.cot(mp.pi * W) * c1 / W) < TINY
+    assert abs(orbit.trace + 2 * r * C + (1 + r) * (c2 + W * W * c) / u * S / W) < TINY
+    assert abs(orbit.det - r**2) < TINY
+
+
+def test_published_bifurcations():
+    """Of P(1;1): the corner impact at b, real multipliers from trace^2 = 4 det on, the doubling."""
+    corner = corner_rpm(CAM, CHAPTER, STABLE, 1, 0, B, 680).rpm
+    assert abs(corner - mpf("673.2344450038120")) < 1e-12
+    assert abs(solve(CAM, CHAPTER, "738.7743752", STABLE, 1).trace + mpf("1.6")) < 1e-8
+    doubling = period_doubling_rpm(CAM, CHAPTER, STABLE, 1, 700, 745).rpm
+    assert abs(doubling - mpf("739.3197802160")) < 1e-9
 
 
 @pytest.mark.parametrize(("shift", "piece"), [("-1e-6", "A2"), ("1e-6", "A3")])

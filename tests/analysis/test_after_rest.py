@@ -1,8 +1,6 @@
 """Where the motion after a rest ends: cycles, orbits, wandering, and what cannot be said."""
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from decimal import Decimal
 from math import inf
@@ -114,15 +112,3 @@ def test_chaos_wanders_and_gives_its_last_state(chapter):
     found = ends(chapter, 745.0)
     assert (found.kind, found.turns) == (WANDERS, LONGEST)
     assert found.start(chapter, 745.0) is not None
-
-
-def test_nothing_is_imported_where_doubles_do():
-    code = (
-        "import sys; sys.path[:0] = ['.', 'tests']\n"
-        "from tests.conftest import chapter_system, settings\n"
-        "from camcli.analysis.classify import classify_at\n"
-        "assert classify_at(chapter_system(), 190.0, settings(60, 100)).label == 'P(1;inf)'\n"
-        "assert not any(name == 'flint' or 'camcli.exact' in name for name in sys.modules)\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr

@@ -8,7 +8,6 @@ from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.basins.measures import boundary
 from camcli.analysis.basins.study import (
-    ORBIT,
     SIMPLE,
     UNDECIDED_CODE,
     Question,
@@ -140,14 +139,6 @@ def test_what_conserves_energy_has_no_attractor():
     result = mapped(chapter_system(restitution=1.0), 358.5, WINDOW.with_cells(8, 8), budget=50)
     assert labels(result) == []
     assert result.undecided == 64
-
-
-@pytest.mark.parametrize("method", [ORBIT, SIMPLE])
-def test_trouble_is_a_code_of_its_own(method):
-    window = Window((0.1, 90.0), (-50.0, 50.0), 6, 6)
-    result = mapped(chapter_system(stiffness=0.0), 358.5, window, budget=400, method=method)
-    assert result.troubled == {3: 36}
-    assert set(np.unique(result.codes).tolist()) == {-3}
 
 
 def test_simple_cell_mapping_agrees_away_from_boundaries(chapter):

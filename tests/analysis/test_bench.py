@@ -91,16 +91,6 @@ def test_the_peers_cams_are_those_of_the_oracle(name):
         assert lift.at(theta + 4.0 * pi)[0] == pytest.approx(law[0], abs=1e-14)
 
 
-def test_a_row_that_fails_says_what_it_saw():
-    def wrong(_):
-        stability.need(False, "seven impacts")
-
-    for check, said in ((wrong, "seven impacts"), (lambda _: 1 / 0, "ZeroDivisionError: division")):
-        outcome = stability.measure(stability.Row("1: a", "six", check), machines())
-        assert outcome.status != OK
-        assert outcome.observed.startswith(said)
-
-
 def test_a_height_beyond_the_rounding_of_its_steps_fails_the_row(monkeypatch):
     monkeypatch.setattr(stability, "HALF_ULP", stability.HALF_ULP / 50.0)
     assert stability.measure(stability.ROWS[7], machines()).status != OK

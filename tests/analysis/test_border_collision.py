@@ -214,16 +214,6 @@ def test_danger_is_growth_in_some_direction(pair):
     assert (classify(*pair).kind in ("dangerous", "degenerate")) == (brute > 0.0)
 
 
-def test_a_dangerous_basin_shrinks_with_mu():
-    left, right = sides(-1.85, 0.9, 0.4, 0.95)
-    starts = [(0.1 * k, 0.1 * j) for k in range(-9, 10, 2) for j in range(-9, 10, 2)]
-    lost = [
-        sum(iterate(left, right, mu, start, 6_000) is None for start in starts)
-        for mu in (1.0, 0.01, 1e-4)
-    ]
-    assert lost[0] < lost[-1]
-
-
 def mirrored(found):
     """A prediction with its words read from the other side."""
     words = [word.translate(SWAP) for word in found.word.split(", ")] if found.word else []
@@ -245,19 +235,6 @@ def test_exchange_of_the_sides_mirrors_the_verdict(pair):
     assert (mirrored(there.below), mirrored(there.above)) == (plain(back.above), plain(back.below))
     assert there.cycles[0].multipliers == back.cycles[1].multipliers
     assert there.cycles[2].exists_for == -back.cycles[2].exists_for
-
-
-@seeded(25)
-@given(ANY)
-def test_feigins_parities_are_the_signs(pair):
-    beyond = [[z for z in side.multipliers if not isinstance(z, complex)] for side in pair]
-    assume(not any(side.degenerate for side in pair))
-    above_one = sum(z > 1.0 for row in beyond for z in row)
-    below_minus_one = sum(z < -1.0 for row in beyond for z in row)
-    fold, flip = classify(*pair).inequalities[:2]
-    assert fold.holds == (above_one % 2 == 0)
-    assert flip.holds == (below_minus_one % 2 == 1)
-    assert flip.holds == (cycle("LR", *pair).exists_for != 0)
 
 
 @seeded(80)

@@ -7,8 +7,7 @@ from conftest import chapter_system, settings
 
 from camcli.analysis.exponents import of_orbit, of_record
 from camcli.analysis.integrate import Orbit, Start
-from camcli.analysis.orbits.identify import identify, solve_from
-from camcli.kernel.arithmetic import natural_log
+from camcli.analysis.orbits.identify import solve_from
 from camcli.system import omega_of
 
 
@@ -76,18 +75,3 @@ def strobe(orbit):
     """State at the strobe after the run."""
     orbit.run(events=False, strobes=False)
     return orbit.position()
-
-
-def test_rest_forgets_everything(chapter):
-    tape = Orbit(chapter, 190.0, settings(50, 200)).run()
-    assert of_record(chapter, 190.0, tape).largest == -math.inf
-    assert of_orbit(chapter, identify(chapter, 190.0, tape)).second == -math.inf
-
-
-def test_too_few_impacts_give_no_exponent(chapter):
-    assert of_record(chapter, 700.0, Orbit(chapter, 700.0, settings(10, 20)).run()) is None
-
-
-def test_own_logarithm():
-    for x in (1e-300, 1e-5, 0.3, 0.7, 0.999, 1.0, 1.001, 1.5, 7.0, 1e12, 1e300):
-        assert natural_log(x) == pytest.approx(math.log(x), rel=4e-16, abs=2e-16)

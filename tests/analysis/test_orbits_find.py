@@ -6,7 +6,7 @@ from functools import cache
 import pytest
 
 from camcli.analysis.integrate import Orbit
-from camcli.analysis.labels import Label, label
+from camcli.analysis.labels import Label
 from camcli.analysis.orbits.identify import identify, solve_from
 from camcli.analysis.orbits.same_orbit import same_orbit, same_states, shortest_period
 from camcli.analysis.orbits.search import find
@@ -76,17 +76,6 @@ def test_another_strobe_phase_rotates_the_label_only(rpm):
     assert (two.turns, sum(two.symbols)) == (one.turns, sum(one.symbols))
     assert two.trace == pytest.approx(one.trace, rel=1e-10, abs=1e-10)
     assert sorted(two.theta) == pytest.approx(sorted(one.theta), abs=1e-12)
-
-
-@pytest.mark.parametrize("rpm", [95.0, 150.0, 300.0, 420.0, 520.0, 690.0])
-def test_identify_agrees_with_the_label_of_the_record(rpm):
-    system = chapter_system()
-    tape = Orbit(system, rpm, settings(transient=300, record=130)).run()
-    orbit, name = identify(system, rpm, tape), label(tape)
-    if orbit is None:
-        assert name in ("aperiodic", "undecided") or "inf" in name
-    else:
-        assert orbit.label == name
 
 
 def test_states_that_differ_by_more_than_rounding_are_two():

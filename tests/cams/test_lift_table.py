@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from camcli.analysis.contact_loss.detachment import detachment, first_loss
 from camcli.cams.compile import build, column, corners
 from camcli.kernel.cam_table import lift_at, stretch_at
-from camcli.system import Follower, System
 from tests.cams.lift_tables import (
     Eccentric,
     Lobe,
@@ -194,25 +192,6 @@ def same(a, b, tolerance=1e-12):
         assert values(one, 3 * k + 0.5) == pytest.approx(values(two, 3 * k + 0.5), abs=tolerance)
 
 
-def test_every_way_to_write_a_table_means_the_same(tmp_path):
-    text = table(Lobe(cycloidal), 2)
-    plain, body = scene(tmp_path, text).cam, text.partition("\n")[2]
-    assert len(plain.sha256 or "") == 64
-    swapped = "\n".join(",".join([*line.split(",")[::-1], "7"]) for line in body.splitlines())
-    numbered = {"header": "false", "angle_column": 1, "lift_column": 2}
-    for written, changes in (
-        ("\ufeff# measured\r\n" + text.replace("\n", "\r\n"), {}),
-        (text.replace(",", ";"), {}),
-        (text.replace(",", " \t "), {}),
-        (text.replace("\n", " # a comment\n\n"), {}),
-        (body, numbered),
-        (swapped, {**numbered, "angle_column": 2, "lift_column": 1}),
-    ):
-        measured = scene(tmp_path, written, **changes).cam.measured
-        assert (measured.lift == plain.measured.lift).all()
-        assert (measured.theta == plain.measured.theta).all()
-
-
 def test_units_angles_and_directions(tmp_path):
     lobe = Lobe(polynomial)
     plain = scene(tmp_path, table(lobe, 2)).cam
@@ -232,28 +211,7 @@ def test_units_angles_and_directions(tmp_path):
         assert values(mirrored, (30 - deg) % 360)[0] == pytest.approx(lobe.at(deg)[0], abs=2e-7)
 
 
-def test_a_table_of_the_lobe_alone_and_one_that_closes(tmp_path):
-    lobe = Lobe(cycloidal)
-    whole = scene(tmp_path, table(lobe, 1)).cam
-    same(whole, scene(tmp_path, table(lobe, 1, low=105, high=256)).cam, 1e-6)
-    same(whole, scene(tmp_path, table(lobe, 1) + "360,0.0000\n").cam)
-
-
 @pytest.mark.parametrize("wanted", [5e-7, 2e-6, 1e-5])
 def test_a_stated_smoothing_is_the_rms_deviation(tmp_path, wanted):
     cam = scene(tmp_path, table(Lobe(cycloidal), 2, 1e-3, 3), smoothing=wanted).cam
     assert cam.accuracy.rms == pytest.approx(wanted, rel=0.02)
-
-
-@pytest.mark.parametrize("law", [polynomial])
-def test_the_first_detachment_lies_in_its_range(tmp_path, law):
-    """The true law's speed is between those that the bound allows."""
-    follower, lobe = Follower(0.12, 42000.0, 12.0, 0.0, 260.0, 0.4), Lobe(law)
-    exact = scene(tmp_path, table(lobe, 0.5, 1e-3, 12)).cam
-    truth = detachment(System.build(follower, exact.parts())).first.rpm
-    cam = scene(tmp_path, table(lobe, 1, INCH, 4), lift="inch").cam
-    system = System.build(follower, cam.parts())
-    low, high = (first_loss(system, cam.errors.bounds, side) for side in (-1.0, 1.0))
-    assert low < truth < high
-    assert low < detachment(system).first.rpm < high
-    assert high - low < 0.2 * truth

@@ -9,7 +9,7 @@ import pytest
 import camcli
 from camcli.cli.app import COMMANDS
 from tests.conftest import rows
-from tests.oracle import ArcsCam, corner_impact_rpm
+from tests.orbit_oracle import CAM, CHAPTER, STABLE, B, corner_rpm
 
 SMALL = "--set run.transient=20 --set run.record=10 --no-plot"
 TRAJECTORY = "t_s theta_deg q_m v_m_per_s c_m c_dot_m_per_s contact"
@@ -51,17 +51,6 @@ def test_simulate_writes_exact_columns(cam, tmp_path):
     line = done.stdout.splitlines()[-1]
     assert "impacts in" in line
     assert "error per event" in line
-
-
-def test_simulate_trajectory_is_continuous_but_for_impacts(cam, tmp_path):
-    cam(f"simulate --rpm 358.5 {SMALL}")
-    data = rows(tmp_path / "out/simulate/trajectory.csv")
-    for before, after in itertools.pairwise(data):
-        jump = abs(float(after["q_m"]) - float(before["q_m"]))
-        step = float(after["t_s"]) - float(before["t_s"])
-        fastest = max(abs(float(before["v_m_per_s"])), abs(float(after["v_m_per_s"])))
-        assert jump <= 1.5 * fastest * step + 1e-4
-    assert min(float(row["q_m"]) - float(row["c_m"]) for row in data) >= -1e-15
 
 
 def test_simulate_event_times_follow_from_period_and_phase(cam, tmp_path):
@@ -108,12 +97,6 @@ def test_sweep_writes_exact_columns_of_shortest_numbers(cam, tmp_path):
             assert text == repr(float(text)) or text == str(int(text))
 
 
-@pytest.mark.parametrize(("points", "rpms"), [("3", ["700.0", "695.0", "690.0"]), ("1", ["700.0"])])
-def test_descending_range_and_one_point(cam, tmp_path, points, rpms):
-    assert cam("sweep --rpm 700:690 --points", points, f"{SMALL}").returncode == 0
-    assert [row["rpm"] for row in rows(tmp_path / "out/sweep/speeds.csv")] == rpms
-
-
 def test_json_is_one_object_that_equals_the_record(cam, tmp_path):
     done = cam("sweep --rpm 700 --no-plot --json")
     record = json.loads(done.stdout)
@@ -130,13 +113,6 @@ def test_an_orbit_still_settling_is_named_after_it(cam, tmp_path):
         assert json.loads(done.stdout)["result"]["label"] == label
     cam("detach", "--rpm", "700", "--no-plot")  # from rest, 20 turns before and 20 measured
     assert [row["label"] for row in rows(tmp_path / "out/detach/speeds.csv")] == ["P(1;1)"]
-
-
-def test_dry_run_writes_nothing(cam, tmp_path):
-    done = cam("sweep --rpm 660:760 --dry-run")
-    assert done.returncode == 0
-    assert all(word in done.stdout for word in ("orbits", "periods", "impacts", "seconds", "MB"))
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow
@@ -227,5 +203,5 @@ def test_curves_vary_a_second_number(cam, tmp_path):
     done = cam(f"orbits {words} {vary}")
     assert done.returncode == 0, done.stderr
     first = rows(tmp_path / "out/orbits/curve.csv")[0]
-    wanted = corner_impact_rpm(ArcsCam(), 1.221, 1430.8, float(first["follower.restitution"]))
-    assert abs(float(first["rpm"]) - float(wanted)) < 1e-7
+    machine = CHAPTER._replace(restitution=float(first["follower.restitution"]))
+    assert abs(float(first["rpm"]) - corner_rpm(CAM, machine, STABLE, 1, 0, B, 680).rpm) < 1e-7

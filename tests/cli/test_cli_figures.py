@@ -4,10 +4,6 @@ import json
 import os
 import re
 import shutil
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -262,29 +258,6 @@ def test_large_tables_go_when_their_digest_is_made(run, home, monkeypatch):
         "impacts.csv, speeds.csv, strobe.csv, too large"
         in (home / "out" / "index.html").read_text()
     )
-
-
-def test_an_interrupted_run_keeps_finished_figures(home, run):
-    write(home / "scenes", "1.3", "sweep", "run: {transient: 100000000}")
-    (home / "out" / "1.10" / "figure.json").unlink()
-    words = ["--folder", str(home / "scenes"), "-o", str(home / "out"), "--threads", "2"]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "camcli", "figures", *words],
-        cwd=home,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
-    until = time.monotonic() + 300
-    while not (home / "out" / "1.10" / "figure.json").exists() and time.monotonic() < until:
-        time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=300)
-    assert process.returncode == 130, said
-    assert "interrupted" in said
-    assert not (home / "out" / "1.3" / "figure.json").exists()
-    assert "Not computed yet" in (home / "out" / "index.html").read_text()
-    assert [name for name, why in reasons(run).items() if why == "new"] == ["1.3"]
 
 
 def test_a_figure_that_fails_leaves_the_others(run, home):

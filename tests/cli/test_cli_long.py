@@ -5,18 +5,14 @@ meet a kernel that is being compiled.
 """
 
 import json
-import signal
 
 import pytest
 
 from tests.parallel.long_runs import (
     SOAK,
     Case,
-    Fork,
-    at_work,
     but_record,
     cam,
-    slow,
 )
 
 pytestmark = pytest.mark.slow
@@ -82,16 +78,6 @@ def test_unfinished_work_of_another_scene_is_told_and_kept(case):
     assert "keeps unfinished work of other scenes" in said
     assert len(list(case.folder.glob(".*.pieces"))) == 1
     assert "going on: 4 pieces" in case.finish()
-
-
-def test_a_second_run_into_the_folder_leaves(tmp_path):
-    first = Fork(SHORT, tmp_path, slow(100))
-    assert at_work(tmp_path / "out/sweep")
-    code, said = cam(SHORT, tmp_path)
-    assert (code, "another run at work here" in said) == (2, True)
-    first.send_signal(signal.SIGTERM)
-    assert first.ended()[0] == 130
-    assert cam(SHORT, tmp_path)[0] == 0
 
 
 MANY = ("--set", "run.transient=60", "--set", "run.record=40")

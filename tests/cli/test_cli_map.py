@@ -7,7 +7,7 @@ import pytest
 
 from camcli import load_scene, sweep
 from tests.conftest import rows
-from tests.oracle import ArcsCam, corner_impact_rpm, period_doubling_rpm
+from tests.orbit_oracle import CAM, CHAPTER, STABLE, B, corner_rpm, period_doubling_rpm
 
 SMALL = "--set run.transient=100 --set run.record=30"
 PLANE = "--rpm 690:700 --vary follower.restitution=0.7:0.8 --points 3,2"
@@ -57,8 +57,9 @@ def test_the_borders_of_the_orbit_are_within_a_cell_of_the_published_bifurcation
     for r in dict.fromkeys(row["follower.restitution"] for row in found):
         own = [float(row["rpm"]) for row in found
                if row["follower.restitution"] == r and row["label"] == "P(1;1)"]  # fmt: skip
-        low = float(corner_impact_rpm(ArcsCam(), 1.221, 1430.8, float(r)))
-        high = float(period_doubling_rpm(ArcsCam(), 1.221, 1430.8, float(r)))
+        machine = CHAPTER._replace(restitution=float(r))
+        low = float(corner_rpm(CAM, machine, STABLE, 1, 0, B, 680).rpm)
+        high = float(period_doubling_rpm(CAM, machine, STABLE, 1, 700, 745).rpm)
         assert low < min(own) < low + 1.0
         assert high - 1.0 < max(own) < high
 
@@ -67,7 +68,8 @@ def test_a_slow_spiral_into_an_orbit_is_named_after_the_orbit(cam, tmp_path):
     """Close below its period doubling P(1;1) is the attractor; the record comes near itself in 11
     turns long before it does in one."""
     rpm, r = 739.8319327731092, 0.9
-    assert rpm < period_doubling_rpm(ArcsCam(), 1.221, 1430.8, r)
+    machine = CHAPTER._replace(restitution=r)
+    assert rpm < period_doubling_rpm(CAM, machine, STABLE, 1, 700, 745).rpm
     words = f"--set follower.restitution={r} --set run.transient=200 --set run.record=100"
     done = cam(f"sweep --rpm {rpm} {words} --no-plot -q")
     assert done.returncode == 0, done.stderr

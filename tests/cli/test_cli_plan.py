@@ -75,19 +75,6 @@ def test_what_cannot_fit_is_refused_with_its_figure(cam, tmp_path, line, found, 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_free_disk_is_that_of_the_nearest_folder_there_is(monkeypatch, tmp_path):
-    asked = []
-
-    class Usage:
-        free = 5.0
-
-    monkeypatch.setattr(
-        forecast.shutil, "disk_usage", lambda place: (asked.append(place), Usage)[1]
-    )
-    assert forecast.free_disk(tmp_path / "not" / "there") == 5.0
-    assert asked == [tmp_path]
-
-
 def test_much_to_write_is_said_and_a_sample_that_takes_long_ends(cam, monkeypatch):
     large = "sweep --points 4000 --set run.record=2000 --dry-run"
     said = cam(large).stderr

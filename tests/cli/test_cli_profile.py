@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from camcli import load_scene, plot, simulate
-from tests.cli.test_cli_startup import imported
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 TABLE = str(CONFIGS / "lift-table.yaml")
@@ -130,10 +129,6 @@ def test_a_fault_of_the_table_is_one_line_and_exit_code_two(cam, tmp_path):
         "valve-lift.csv:3:3: cam.file: found 'x'",
         "valve-lift.csv:4:3: cam.file: found 'nan'",
     ]
-
-
-def test_other_kinds_import_nothing_for_tables(tmp_path):
-    assert imported(tmp_path, *ONLY).isdisjoint({"scipy", "numba", "matplotlib"})
 
 
 def test_cams_side_by_side_share_their_axes(cam, tmp_path):

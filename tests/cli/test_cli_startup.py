@@ -3,34 +3,30 @@
 import subprocess
 import sys
 
-HEAVY = ("numba", "scipy", "matplotlib", "numpy", "pydantic", "yaml", "rich")
+import pytest
+
 PROBE = (
     "import sys, camcli.cli.exit_codes as panel; from camcli.cli.app import app\n"
     "panel.guarded(lambda: app({words!r}, standalone_mode=False))\n"
-    "print(sorted(m for m in {heavy!r} if m in sys.modules), file=sys.stderr)"
+    "print(*sys.modules, file=sys.stderr)"
 )
+HEAVY = ("numba", "scipy", "matplotlib")
+SHORT = "--no-plot --set run.transient=10 --set run.record=3"
 
 
-def imported(tmp_path, *words: str) -> set[str]:
+@pytest.mark.parametrize(
+    ("line", "absent"),
+    [
+        ("--help", (*HEAVY, "numpy", "pydantic", "yaml", "rich")),
+        (f"simulate --rpm 190 {SHORT}", HEAVY),
+        ("simulate --profile-only --no-plot", HEAVY),
+        (f"classify --rpm 190 {SHORT} --set run.record=100", ("flint", "camcli.exact")),
+        ("sweep --no-plot --points 21", ("matplotlib",)),
+    ],
+)
+def test_what_is_not_needed_is_not_imported(tmp_path, line, absent):
     done = subprocess.run(
-        [sys.executable, "-c", PROBE.format(words=list(words), heavy=HEAVY)],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return set(eval(done.stderr.splitlines()[-1]))
-
-
-def test_help_imports_nothing_heavy(tmp_path):
-    assert imported(tmp_path, "--help") == set()
-
-
-def test_small_simulation_needs_no_compiler_and_no_plotting(tmp_path):
-    found = imported(tmp_path, "simulate", "--rpm", "190", "--set", "run.transient=10", "--set",
-                     "run.record=3", "--no-plot")  # fmt: skip
-    assert found.isdisjoint({"numba", "scipy", "matplotlib"})
-
-
-def test_large_sweep_without_picture_draws_nothing(tmp_path):
-    assert "matplotlib" not in imported(tmp_path, "sweep", "--no-plot", "--points", "21")
+        [sys.executable, "-c", PROBE.format(words=line.split())],
+        cwd=tmp_path, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert set(done.stderr.splitlines()[-1].split()).isdisjoint(absent)

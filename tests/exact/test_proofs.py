@@ -31,8 +31,9 @@ from camcli.exact.shooting import Step
 from camcli.kernel.certify import ADMISSIBLE
 from camcli.scene import load_scene
 from camcli.system import Follower, System
-from tests import oracle
+from tests import oracle, orbit_oracle
 from tests.cams.law_oracle import LAWS
+from tests.orbit_oracle import CAM, CHAPTER, STABLE
 
 pytestmark = pytest.mark.slow
 
@@ -172,10 +173,10 @@ def interval(text):
 
 
 def test_the_events_of_the_upper_range_and_the_oracle(high):
-    cam, constants = oracle.ArcsCam(), (1.221, 1430.8, 0.8)
     found = enclosures(high, "P(1;1)")
     value = interval(found["period-doubling", ""].value)
-    assert oracle.period_doubling_rpm(cam, *constants) == pytest.approx(mpf(value.mid), rel=1e-14)
+    doubling = orbit_oracle.period_doubling_rpm(CAM, CHAPTER, STABLE, 1, 700, 745).rpm
+    assert doubling == pytest.approx(mpf(value.mid), rel=1e-14)
     assert value.delta < 1e-20
     (corner,) = (p for key, p in enclosures(high, "P(2;1:1)").items() if key[1] == "c")
     assert interval(corner.value).mid == pytest.approx(739.3779296493, abs=5e-11)

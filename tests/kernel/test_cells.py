@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from camcli.analysis import integrate as engine
-from camcli.analysis.basins import cell_batches
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -115,18 +114,6 @@ def test_plain_python_and_compiled_give_the_same_bits(rpm, monkeypatch):
         stops = NOTHING._replace(watch_rests=1)
         assert ends(batches(rpm), 30, stops).outcome.tolist() == [NEW_REST] * len(STARTS)
     assert RESTING in ends(batches(100.0), 30).mode
-
-
-@pytest.mark.parametrize("steps", [1, 13])
-def test_a_call_that_ends_within_a_cell_changes_no_bit(steps, monkeypatch):
-    """With a ring to be met and left, and boxes to stay in, at every step of a turn."""
-    targets = known_orbit()
-    whole = ends(batches(), 300, targets)
-    monkeypatch.setattr(cell_batches, "SLICE", steps)
-    cut = ends(batches(), 300, targets)
-    assert 0 in whole.outcome
-    for name in ("gap", "rate", "mode", "outcome", "turns", "stay", "symbol"):
-        assert getattr(cut, name).tolist() == getattr(whole, name).tolist(), name
 
 
 def test_a_ring_of_two_ellipses_is_left_outside_the_smaller():

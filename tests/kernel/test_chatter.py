@@ -5,7 +5,6 @@ from math import pi
 
 import pytest
 
-from camcli.kernel import flight as kernel_events
 from tests.kernel.helpers import events, reference, run, system
 
 ROUNDING = 2e-14  # turns per unit of the event's own stretching, beside the tolerance
@@ -69,30 +68,3 @@ def test_a_chatter_is_closed_after_few_impacts(rpm):
     closed = [row[1] for row in events(tape) if row[0] == "chatter"]
     assert len(closed) >= 2
     assert tape.cost.impacts <= 3 * 15
-
-
-@pytest.mark.parametrize("r", [0.0, 1.0])
-@pytest.mark.parametrize("rpm", [118.0, 150.0, 190.0])
-def test_no_chatter_map_without_or_with_full_restitution(rpm, r, monkeypatch):
-    """Rows 1 and 2: with r = 0 nothing hops, with r = 1 there is no 1/(1 - r)."""
-
-    def never(*arguments):
-        raise AssertionError("the chatter map was asked")
-
-    monkeypatch.setattr(kernel_events, "chatter_map", never)
-    monkeypatch.setattr(kernel_events, "_accumulation", never)
-    tape = run(rpm, system(restitution=r), record=2, budget=100_000)
-    assert "chatter" not in [row[0] for row in events(tape)]
-    assert tape.cost.impacts > 0
-
-
-@pytest.mark.parametrize("tolerance", [0.0, 1e-300, 1e-30])
-def test_an_impossible_tolerance_ends_by_sticking(tolerance):
-    """Hops of 1e-166 m are flown until u underflows; the accumulation is still right."""
-    tape = run(130.0, system(), record=1, tolerance=tolerance)
-    assert tape.status == 0
-    kinds = [row[0] for row in events(tape)]
-    assert kinds.count("detachment") == 2
-    assert len(kinds) < 10_000
-    last = max(row[2] for row in events(tape) if row[0] != "detachment" and row[2] < 3.4)
-    assert last == pytest.approx(float(exact("top dwell")[0][0]), abs=1e-13)

@@ -164,26 +164,6 @@ def test_beyond_the_range_that_was_checked_the_map_refuses(part):
     assert claimed(ball._replace(**{part: outside}))[1] == REFUSED
 
 
-@pytest.mark.parametrize("r", [0.05, 0.3, 0.8, 0.98])
-def test_a_bouncing_ball_is_exact(r):
-    """Constant acceleration: 2 u/((1 - r) alpha), and no error claimed."""
-    tau, error = claimed(Chatter(r, 0.0, 0.0, 0.74, 0.0, 0.0, 0.0))
-    assert tau == pytest.approx(0.74 / (1 - r), rel=4e-16)
-    assert error == 0.0
-
-
-@pytest.mark.parametrize("scale", [2.0**-300, 1e-100, 1e-10])
-def test_the_map_has_no_scale(scale):
-    """Short chatters are mapped as exactly as long ones."""
-    tau, error = claimed(Chatter(0.8, 0.0, 0.0, 0.2 * scale, 0.0, 0.0, 0.0))
-    assert tau == pytest.approx(scale, rel=1e-15)
-    parts = 0.01 / scale, 0.1 / scale, 0.2 * scale, 0.02 / scale, 0.0, 0.0
-    tau, error = claimed(Chatter(0.8, *parts))
-    twin, claim = claimed(Chatter(0.8, 0.01, 0.1, 0.2, 0.02, 0.0, 0.0))
-    assert tau == pytest.approx(twin * scale, rel=1e-14)
-    assert error == pytest.approx(claim * scale, rel=1e-12)
-
-
 def test_what_the_machine_hands_to_the_map(monkeypatch):
     """The bound on A''' holds up to the corner, and no accumulation is claimed that may pass it."""
     asked = []

@@ -1,7 +1,8 @@
 """The closed-form flow against mpmath in every regime of damping, without cancellation."""
 
 import random
-from math import isfinite, nextafter, pi, sqrt
+from itertools import product
+from math import nextafter, pi, sqrt
 
 import pytest
 from mpmath import mp, mpf
@@ -41,76 +42,30 @@ def relative_errors(constants, s):
     return [abs(float(a - b)) / c for a, b, c in zip(ours, theirs, scales, strict=True)]
 
 
-def worst(constants, steps):
-    return max(max(relative_errors(constants, s)) for s in steps)
+STEPS = [1e-12, 1e-6, 1e-3, 0.01, 0.1, 0.3, 0.7, 1.0, 1.5, 2.0, 6.0]
+REGIMES = {  # values of W, of Z/W (of Z without a spring), and what an error may be over 1 + W
+    "undamped": ([0.0, 1e-3, 0.03, 0.5, 1.0, 1.4, 3.0, 40.0], [0.0], 2e-15),
+    "underdamped": ([1e-3, 0.05, 0.5, 1.0, 3.0, 20.0], [1e-9, 1e-3, 0.1, 0.5, 0.9, 0.999], 4e-15),
+    "critical": (
+        [0.05, 0.5, 1.3, 4.0],
+        [1.0, nextafter(1.0, 9), nextafter(1.0, 0), 1 + 1e-12, 1 - 1e-12], 3e-14,
+    ),
+    "overdamped": (
+        [1e-6, 1e-3, 0.05, 0.5, 3.0], [1.001, 1.1, 2.0, 10.0, 1e2, 1e3, 1e6, 1e9, 1e12], 3e-14,
+    ),
+    "no spring": ([0.0], [1e-9, 1e-3, 0.1, 1.0, 10.0, 1e6, 1e12], 1e-14),
+}  # fmt: skip
 
 
-STEPS = [1e-12, 1e-6, 1e-3, 0.01, 0.1, 0.3, 0.7, 1.0, 1.5, 2.0]
-
-
-@pytest.mark.parametrize("W", [0.0, 1e-3, 0.03, 0.5, 1.0, 1.4, 3.0, 40.0])
-def test_undamped(W):
-    assert worst(lane(W, 0.0), STEPS) < 2e-15 * (1 + W)
-
-
-@pytest.mark.parametrize("W", [1e-3, 0.05, 0.5, 1.0, 3.0, 20.0])
-@pytest.mark.parametrize("ratio", [1e-9, 1e-3, 0.1, 0.5, 0.9, 0.999])
-def test_underdamped(W, ratio):
-    assert worst(lane(W, ratio * W), [s for s in STEPS if ratio * W * s < 1]) < 4e-15 * (1 + W)
-
-
-@pytest.mark.parametrize("W", [0.0, 1e-6, 1e-3, 0.05, 0.5, 1.0])
-@pytest.mark.parametrize("ratio", [1.001, 1.1, 2.0, 10.0, 1e3, 1e6, 1e9, 1e12])
-def test_overdamped(W, ratio):
-    """Row 7: the slow root by division; b = 1e9 and 1e12 keep full precision."""
-    constants = lane(W, ratio * (W or 1.0))
-    for s in STEPS:
-        b, b1, p = flow(constants, s)
-        eb, _, ep = exact(constants, s)
-        assert abs(b - eb) <= 3e-14 * abs(eb)
-        assert abs(p - ep) <= 3e-14 * abs(ep)
-        assert abs(b1) <= 1.0
-
-
-@pytest.mark.parametrize("Z", [1e-9, 1e-3, 0.1, 1.0, 10.0, 1e6])
-def test_no_spring(Z):
-    """Row 8: k = 0 with damping; P grows without bound and stays exact."""
-    constants = lane(0.0, Z)
-    for s in STEPS:
-        b, _, p = flow(constants, s)
-        eb, _, ep = exact(constants, s)
-        assert abs(b - eb) <= 1e-14 * eb
-        assert abs(p - ep) <= 1e-14 * ep
-
-
-def test_no_spring_no_damping_is_a_parabola():
-    assert all(flow(lane(0.0, 0.0), s) == (s, 1.0, 0.5 * s * s) for s in STEPS)
-
-
-@pytest.mark.parametrize("W", [0.05, 0.5, 1.3, 4.0])
-def test_critical_damping_is_not_special(W):
-    """Row 5: one ulp and 1e-12 beside critical, the same digits on both sides."""
-    beside = [W, nextafter(W, 9), nextafter(W, 0), W * (1 + 1e-12), W * (1 - 1e-12)]
-    for s in STEPS:
-        rows = [flow(lane(W, Z), s) for Z in beside]
-        for Z, row in zip(beside, rows, strict=True):
-            assert all(isfinite(value) for value in row)
-            assert max(relative_errors(lane(W, Z), s)) < 3e-14
-            for a, b in zip(row[::2], rows[0][::2], strict=True):
-                assert abs(a - b) <= 2e-11 * abs(b)
-
-
-@pytest.mark.parametrize("b", [6.6e3, 6.7e3, 4e4, 1e5, 1e9, 1e12])
-@pytest.mark.parametrize("rpm", [115.0, 700.0])
-def test_heavy_damping_never_overflows(b, rpm):
-    """Row 6: cosh would overflow where exp underflows."""
-    omega = rpm * 3.141592653589793 / 30
-    constants = lane(sqrt(1430.8 / 1.221) / omega, b / 2.442 / omega)
-    for s in (*STEPS, 6.283185307179586):
-        row = flow(constants, s)
-        assert all(isfinite(value) for value in row)
-        for ours, theirs in zip(row[::2], exact(constants, s)[::2], strict=True):
-            assert abs(ours - theirs) <= 5e-14 * abs(theirs)
+@pytest.mark.parametrize("regime", REGIMES)
+def test_no_digit_is_lost_in_any_regime(regime):
+    """Rows 5 to 8: beside critical too; b = 1e12 neither overflows nor cancels."""
+    widths, ratios, tolerance = REGIMES[regime]
+    for W, ratio in product(widths, ratios):
+        constants = lane(W, ratio * (W or 1.0))
+        for s in STEPS:
+            if ratio >= 1.0 or W == 0.0 or constants.Z * s < 1.0:
+                assert max(relative_errors(constants, s)) < tolerance * (1 + W), (W, ratio, s)
 
 
 def test_random_constants():
@@ -129,7 +84,7 @@ def test_random_constants():
 
 def test_long_flights_stay_bounded():
     """A thousand turns at W = 1.5e-3 (10^6 rpm), and many oscillations at W = 40."""
-    assert worst(lane(1.5e-3, 0.0), [6283.0]) < 1e-12
+    assert max(relative_errors(lane(1.5e-3, 0.0), 6283.0)) < 1e-12
     b, b1, p = flow(lane(40.0, 0.0), 1000.0)
     assert abs(1 - (b1 * b1 + (40.0 * b) ** 2)) < 1e-11
     assert 0.0 <= p <= 2.0 / 1600.0

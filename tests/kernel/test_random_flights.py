@@ -4,7 +4,6 @@ from math import pi
 
 import numpy as np
 import pytest
-from mpmath import mp, mpf
 
 from camcli.analysis.bench.machine import reference as stored
 from camcli.analysis.bench.peers import Lift
@@ -12,7 +11,7 @@ from camcli.analysis.bench.precision import case
 from camcli.api.bench import machines
 from camcli.cams.compile import column
 from camcli.exact.balls import UndecidedError, precision
-from tests.kernel.helpers import ORACLE_CAM, events, reference, run, system
+from tests.kernel.helpers import events, reference, run, system
 from tests.random_flights import (
     CAMS,
     TURNS,
@@ -107,7 +106,7 @@ def test_the_rate_of_a_landing_near_its_first_guess():
     assert row[4] * 745 * pi / 30 == pytest.approx(-47.77089926203954, rel=8 * EPS, abs=0.0)
 
 
-@pytest.mark.parametrize("damping", [50.0, 200.0, 500.0, 1000.0])
+@pytest.mark.parametrize("damping", [50.0, 1000.0])
 @pytest.mark.parametrize(("q", "v"), [(0.6, 5.0), (0.5, -1.0)])
 def test_a_flight_of_many_turns_lands_as_exactly_as_a_short_one(damping, q, v):
     """Up to 30 turns at 3000 rpm, hundreds of stretches of the cam."""
@@ -131,55 +130,3 @@ def test_the_judge_calls_a_contact_elsewhere_missed_or_invented():
     assert verdict(flight, s) == ("right", pytest.approx(s, abs=1e-13))
     outcomes = [verdict(flight, x)[0] for x in (None, s + 1e-9, s - 0.01)]
     assert outcomes == ["missed", "missed", "invented"]
-
-
-def toward_graze(rpm, theta, delta, s):
-    """Start (theta_deg, q, v) of an undamped flight tangent to the cam, raised by delta, at theta.
-
-    Flown backwards by s in 40 digits; None where the start would lie in the cam.
-    """
-    with mp.workdps(40):
-        omega = mpf(rpm) * mp.pi / 30
-        W = mp.sqrt(mpf(1430.8) / mpf(1.221)) / omega
-        c, c1, _ = ORACLE_CAM.laws(theta)
-        q, w = c + mpf(delta), c1
-        q, w = q * mp.cos(W * s) - w / W * mp.sin(W * s), w * mp.cos(W * s) + W * q * mp.sin(W * s)
-        start = {"theta_deg": (theta - s) * 180 / pi, "q": float(q), "v": float(w * omega)}
-        return start if q > ORACLE_CAM.c(theta - s) else None
-
-
-GRAZES = [
-    (rpm, degrees * pi / 180, s)
-    for rpm in (300.0, 400.0, 700.0)
-    for degrees in (150.5, 153.0, 155.0, 158.0)
-    for s in (0.2, 0.3, 0.6, 1.0)
-    if toward_graze(rpm, degrees * pi / 180, 1e-9, s)
-]
-
-
-def near(rpm, start, theta, width):
-    """(rows of impacts within width of theta before the next far one, status)."""
-    tape = run(rpm, system(stiffness=1430.8), record=1, tolerance=1e-16, budget=4, **start)
-    rows = [row for row in events(tape, 1) if row[0] == "impact"]
-    return [row for row in rows if abs(row[2] - theta) < width], tape.status
-
-
-def test_grazes_of_any_depth():
-    """gap = delta + a x^2/2 with a > 0: where delta < 0, the first root is at -sqrt(2 |delta|/a).
-
-    Within one ulp either outcome is right, an impact with a speed is not.
-    """
-    assert len(GRAZES) >= 10
-    for rpm, theta, s in GRAZES:
-        c, _, c2 = ORACLE_CAM.laws(theta)
-        accel = float(-1430.8 / 1.221 / (rpm * pi / 30) ** 2 * c - c2)
-        for delta in (1e-6, 1e-8, 1e-10, 1e-12, 1e-14):
-            assert near(rpm, toward_graze(rpm, theta, delta, s), theta, 2e-3)[0] == []
-            (_, _, at, _, u), *_ = near(rpm, toward_graze(rpm, theta, -delta, s), theta, 4e-3)[0]
-            x, error = (2 * delta / accel) ** 0.5, 0.05 if delta > 1e-13 else 0.3
-            assert (at - theta, u) == pytest.approx((-x, -2 * delta / x), rel=error)
-        for delta in (-1e-16, 0.0, 1e-16):
-            rows, status = near(rpm, toward_graze(rpm, theta, delta, s), theta, 1e-4)
-            assert len(rows) <= 1
-            assert all(abs(row[4]) < 1e-6 for row in rows)
-            assert status in (0, 2)

@@ -9,42 +9,12 @@ from camcli.analysis.orbits.shooter import PARAMETERS, Shooter
 from camcli.kernel import shooting
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables, solve_bordered
 from camcli.kernel.cam_table import stretch_at
-from camcli.kernel.flow import constants_of
 from tests.conftest import chapter_system
-
-REGIMES = {
-    "undamped": {},
-    "damped": {"damping": 2.0, "gravity": 9.81, "preload": 10.0},
-    "nearly critical": {"damping": 83.0},
-    "overdamped": {"damping": 300.0, "preload": 30.0},
-    "springless": {"stiffness": 0.0, "gravity": 9.81},
-    "springless, damped": {"stiffness": 0.0, "damping": 5.0, "preload": 8.0},
-    "elastic": {"restitution": 1.0, "damping": 1.0},
-    "plastic": {"restitution": 0.0},
-}
 
 
 def tables(n):
     sizes = n * BLOCK, 2 * n, 2 * n + 1, 2 * n + 1, ROWS * WIDE, 2 * n * WIDE, 35
     return Tables(*([0.0] * size for size in sizes))
-
-
-def impacts(system, draw, n, turns, short=0.0):
-    """(x, whole) of n random impacts in order, inside their stretches; some flights `short`."""
-    span = 2 * np.pi * turns
-    places = sorted(draw.uniform(0.0, span) for _ in range(n))
-    if short and n > 1:
-        places[1] = places[0] + short
-        places.sort()
-    x, whole, stretches = [], [], system.cam.stretches
-    for place in places:
-        turn, theta = divmod(place, 2 * np.pi)
-        i = stretch_at(system.cam, theta)
-        margin = 2e-5
-        theta = min(max(theta, stretches[i].start + margin), stretches[i].end - margin)
-        x += [theta, draw.uniform(0.05, 0.8)]
-        whole += [i, int(turn)]
-    return x, whole
 
 
 def assembled(n, blocks):
@@ -58,41 +28,6 @@ def assembled(n, blocks):
                 J[2 * k + i, 2 * j + c] += blocks[o + 4 + 2 * i + c]
             E[2 * k + i] = blocks[o + 8 + i]
     return J, E
-
-
-def equations(system, lane, x, whole, turns):
-    n = len(whole) // 2
-    blocks = [0.0] * (n * BLOCK)
-    for k in range(n):
-        shooting._block(system.cam, lane, x, whole, turns, k, n, blocks)
-    return assembled(n, blocks)
-
-
-@pytest.mark.parametrize("name", REGIMES)
-@pytest.mark.parametrize("n", [1, 2, 3, 8])
-@pytest.mark.parametrize("short", [0.0, 1e-3])
-def test_the_blocks_are_the_differences_of_the_residual(name, n, short):
-    """Whole flights, and hops short enough for relative coordinates.
-
-    Off a root the flight ends a gap away from the cam; the blocks take the acceleration there from
-    the cam, which is r W^2 gap away from the derivative and vanishes with the residual.
-    """
-    system, draw = chapter_system(**REGIMES[name]), random.Random(n)
-    for rpm in (190.0, 700.0):
-        lane = constants_of(system.machine(rpm), 0.0, 0)
-        x, whole = impacts(system, draw, n, 3, short)
-        J, E = equations(system, lane, x, whole, 3)
-        for k in range(n):
-            J[2 * k + 1, 2 * ((k + 1) % n)] -= lane.r * lane.W2 * E[2 * k]
-        h = 1e-6
-        for j in range(2 * n):
-            high, low = list(x), list(x)
-            high[j] += h
-            low[j] -= h
-            column = equations(system, lane, high, whole, 3)[1]
-            column = (column - equations(system, lane, low, whole, 3)[1]) / (high[j] - low[j])
-            size = 1.0 + np.abs(J[:, j]).max()
-            assert np.abs(column - J[:, j]).max() < 1e-8 * size * max(1.0, lane.W2, lane.Z), j
 
 
 @pytest.mark.parametrize("parameter", PARAMETERS)
@@ -153,18 +88,6 @@ def test_a_singular_system_is_refused(n):
     for k in range(n):
         t.blocks[BLOCK * k : BLOCK * k + 8] = [0.0] * 8
     assert not solve_bordered(n, t, row, right)
-
-
-def test_a_fold_is_regular_with_the_border():
-    """L + R singular, as at a fold: the border row along its kernel makes the system regular."""
-    t = tables(1)
-    t.blocks[:] = [1.0, 2.0, 2.0, 5.0, 0.0, 0.0, 0.0, -1.0, 0.5, 0.25]
-    t.columns[:] = [1.0, 0.0]
-    J, E = assembled(1, t.blocks)
-    assert np.linalg.det(J) == 0.0
-    assert solve_bordered(1, t, [2.0, -1.0, 0.0], 0.125)
-    full = np.array([[1.0, 2.0, 1.0], [2.0, 4.0, 0.0], [2.0, -1.0, 0.0]])
-    assert np.abs(np.array(t.step) - np.linalg.solve(full, [*-E, 0.125])).max() < 1e-15
 
 
 START_POINTS = {

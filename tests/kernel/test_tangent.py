@@ -1,16 +1,14 @@
 """Flight and saltation matrices against mpmath, simulated orbits and stroboscopic maps."""
 
-import random
 from math import exp, pi
 
 import pytest
 from mpmath import mp
 
 from camcli.analysis.integrate import Orbit
-from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel import backend
 from camcli.kernel.cam_table import TURN, lift, stretch_at
-from camcli.kernel.flow import constants_of, move
+from camcli.kernel.flow import constants_of
 from camcli.kernel.orbit_loop import IMPACT, EventKind
 from camcli.kernel.variational import (
     Growth,
@@ -18,7 +16,6 @@ from camcli.kernel.variational import (
     after_flight,
     after_impact,
     flight_tangent,
-    saltation_entry,
 )
 from tests.conftest import chapter_system, settings
 from tests.oracle import ArcsCam
@@ -78,20 +75,6 @@ def test_determinants_of_flight_and_impact(name, s):
     assert det(impact) == lane.r * lane.r
 
 
-@pytest.mark.parametrize("name", REGIMES)
-def test_the_flight_matrix_is_the_difference_of_two_flights(name):
-    lane = lane_at(700.0, **REGIMES[name])
-    h = 2.0**-20
-    for s in (0.05, 1.0, 5.0):
-        matrix = flight_tangent(lane, s)
-        for j, (dq, dw) in enumerate([(h, 0.0), (0.0, h)]):
-            high = move(lane, 0.3 + dq, 0.2 + dw, s)
-            low = move(lane, 0.3 - dq, 0.2 - dw, s)
-            for i in range(2):  # the flow is affine: only rounding is left
-                found = (high[i] - low[i]) / (2 * h)
-                assert abs(found - matrix[2 * i + j]) < 2e-9, (s, i, j)
-
-
 def strobed(system, rpm, turns, q, w):
     """(q, dq/dtheta) after whole turns from a state at the strobe, and the tape."""
     omega = rpm * (pi / 30)
@@ -130,32 +113,6 @@ def product(system, rpm, tape, turns):
     return after_flight(lane, TURN * turns - now, *m)
 
 
-@pytest.mark.parametrize("name", [*MACHINES, "elastic"])
-def test_one_impact_of_a_simulated_orbit(name):
-    """Flight, impact, flight: a turn with one impact, from twelve random states at the strobe."""
-    system, rpm = chapter_system(**REGIMES[name]), 450.0
-    draw, tried = random.Random(7), 0
-    for _ in range(200):
-        if tried == 12:
-            break
-        q, w = draw.uniform(0.12, 0.6), draw.uniform(-0.4, 0.4)
-        _, tape = strobed(system, rpm, 1, q, w)
-        first = [u for k, p, u in zip(tape.kind, tape.period, tape.u, strict=True) if p == 0]
-        if len(first) != 1 or tape.kind[0] != EventKind.IMPACT or first[0] > -0.1:
-            continue
-        phase = float(tape.theta[0])
-        corners = [x * pi / 180 for x in system.corners_deg]
-        if min(abs(phase - x) for x in [*corners, 0.0, TURN]) < 1e-3:
-            continue
-        tried += 1
-        exact = product(system, rpm, tape, 1)
-        found = differences(system, rpm, 1, q, w)
-        size = max(abs(x) for x in exact)
-        for a, b in zip(exact, found, strict=True):
-            assert abs(a - b) < 1e-7 * (1 + size), (q, w)
-    assert tried == 12
-
-
 @pytest.mark.parametrize("name", MACHINES)
 @pytest.mark.parametrize(
     ("rpm", "guess", "turns"),
@@ -183,25 +140,6 @@ def test_the_trace_is_the_one_of_the_simulated_stroboscopic_map(name, rpm, guess
     assert abs(found[0] + found[3] - trace) < 1e-6 * (1 + max(abs(x) for x in exact))
     for a, b in zip(exact, found, strict=True):
         assert abs(a - b) < 1e-6 * (1 + max(abs(x) for x in exact))
-
-
-def test_the_saltation_entry_is_the_one_of_the_module():
-    """(r a- + a+)/u, spelled out once with every term by hand."""
-    lane = lane_at(700.0, damping=2.0, gravity=9.81, preload=10.0, restitution=0.7)
-    c, c1, c2, u = 0.21, 0.13, -0.4, -0.6
-    before = -lane.G - lane.W2 * c - 2 * lane.Z * (c1 + u) - c2
-    after = -lane.G - lane.W2 * c - 2 * lane.Z * (c1 - 0.7 * u) - c2
-    assert abs(saltation_entry(lane, (c, c1, c2), u) - (0.7 * before + after) / u) < 1e-14
-
-
-def test_newton_has_the_same_trace_as_the_product_of_matrices():
-    system = chapter_system()
-    shooter = Shooter(system, 700.0)
-    root = shooter.at_value([2.71, 0.9, 700.0], (stretch_at(system.cam, 2.71), 0), 1, 700.0)
-    lane, theta = constants_of(root.machine, 0.0, 0), root.theta[0]
-    m = after_flight(lane, TURN, 1.0, 0.0, 0.0, 1.0)
-    m = after_impact(lane, lift(system.cam, root.whole[0], theta), root.rates[0], *m)
-    assert abs(m[0] + m[3] - root.trace) < 1e-14
 
 
 def test_the_length_of_the_flights_of_a_log():

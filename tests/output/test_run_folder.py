@@ -47,23 +47,6 @@ def test_nothing_is_in_its_place_before_the_commit(tmp_path):
     assert run.hashes["b.csv"] == sha256(b"new").hexdigest()
 
 
-def test_run_json_comes_last_and_what_it_lists_is_there(tmp_path, monkeypatch):
-    finished_run(tmp_path, a_csv="old", gone_csv="old")
-    replaced, real = [], os.replace
-
-    def watched(source, target):
-        replaced.append(target.name)
-        assert (target.name == "run.json") == (not (tmp_path / "gone.csv").exists())
-        real(source, target)
-
-    monkeypatch.setattr(os, "replace", watched)
-    with run_folder(tmp_path) as run:
-        for name in ("run.json", "a.csv", "b.csv"):
-            run.write_text(name, ["new"])
-        run.commit()
-    assert replaced == ["a.csv", "b.csv", "run.json"]
-
-
 def test_what_is_on_disk_when_the_power_goes(tmp_path, monkeypatch):
     synced = []
 

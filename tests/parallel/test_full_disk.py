@@ -3,13 +3,12 @@
 import os
 import resource
 import subprocess
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from camcli.parallel.checkpoint import records
-from tests.parallel.long_runs import Fork, at_work, but_record, cam, files, slow
+from tests.parallel.long_runs import but_record, cam, files
 
 SWEEP = (
     "sweep", "--rpm", "660:760", "--points", "41", "--no-plot", "--threads", "2",
@@ -44,24 +43,6 @@ def whole(tmp_path_factory):
     folder = tmp_path_factory.mktemp("whole")
     assert cam((*SWEEP, "-o", "out"), folder)[0] == 0
     return but_record(files(folder / "out"))
-
-
-def test_a_disk_that_fills_up_keeps_what_fits_and_goes_on(disk, tmp_path, whole):
-    out = tmp_path / "disk/out"
-    process = Fork((*SWEEP, "-o", "disk/out"), tmp_path, slow(40))
-    assert at_work(out, 3)
-    with suppress(OSError), open(tmp_path / "disk/ballast", "wb", buffering=0) as file:
-        while True:
-            file.write(b"x" * 4096)
-    code, said = process.ended()
-    assert (code, "No space left" in said, "internal fault" in said) == (2, True, False), said
-    assert files(out) == {}
-    kept = pieces(out)
-    assert 3 <= kept < 41
-    (tmp_path / "disk/ballast").unlink()
-    code, said = cam((*SWEEP, "-o", "disk/out"), tmp_path)
-    assert (code, f"going on: {kept} pieces" in said) == (0, True)
-    assert but_record(files(out)) == whole
 
 
 def test_a_read_only_disk_is_said(disk, tmp_path):

@@ -108,25 +108,3 @@ def test_an_orbit_goes_on_where_it_was_left(rpm, data, start, turns):
     assert list(first.u) + list(second.u) == list(whole.u)
     assert list(second.strobe_q) == list(whole.strobe_q)[turns:]
     assert list(second.strobe_w) == list(whole.strobe_w)[turns:]
-
-
-@settings(max_examples=25, deadline=None, derandomize=True)
-@given(st.floats(115.2, 190.0), st.floats(0.1, 0.8))
-def test_a_smaller_tolerance_does_not_move_an_accumulation(rpm, r):
-    """By more than the two tolerances together."""
-    machine = system(restitution=r)
-    ends = []
-    for tolerance in (1e-5, 1e-9):
-        rows = events(run(rpm, machine, record=1, tolerance=tolerance))
-        ends.append([row[2] for row in rows if row[0] == "chatter"])
-    assume(ends[0])
-    assert len(ends[0]) == len(ends[1])
-    for a, b in zip(*ends, strict=True):
-        assert abs(a - b) <= 2 * pi * 1.0001e-5
-
-
-def test_the_chapters_follower_is_never_inside_the_cam():
-    """Through impacts, chatter and sticking, to the last bits of q."""
-    for rpm in (117.0, 130.0, 190.0, 198.6, 358.5, 700.0):
-        rows = simulate(system(), rpm, helpers.settings(3), 3600).trajectory
-        assert min(row[2] - row[4] for row in rows) >= -1e-15

@@ -40,15 +40,6 @@ def test_the_three_turn_orbit_from_rest(rpm):
     )
 
 
-@pytest.mark.parametrize("rpm", [358.0, 358.5])
-def test_the_three_turn_orbit_from_nearby(rpm):
-    """Carried over from 359 rpm, where the same orbit attracts."""
-    tape = run(359.0, MACHINE, record=3, transient=3000)
-    start = {"q": float(tape.strobe_q[0]), "v": float(tape.strobe_w[0]) * 359.0 * pi / 30}
-    near = run(rpm, MACHINE, record=200, transient=500, **start)
-    assert label(near) == "P(3;3:3:2)"
-
-
 @pytest.mark.parametrize("rpm", [358.0, 358.5, 359.0])
 def test_the_coexisting_orbit_with_two_impacts(rpm):
     tape = run(rpm, MACHINE, record=100, transient=2000, q=0.546, v=32.48)
