@@ -71,7 +71,7 @@ class Motion:
     @property
     def chatters(self) -> int:
         """Complete chatters in the record."""
-        return sum(int(n) for n in self.record.chatter[: self.record.periods])
+        return int(self.record.chatter[: self.record.periods].sum())
 
     @property
     def stable(self) -> bool | None:
@@ -219,7 +219,7 @@ def _impacts(orbit: PeriodicOrbit | None, record: Record) -> float:
     """Impacts in one period, inf with a complete chatter; of no period the mean per turn."""
     if orbit is not None:
         return sum(orbit.symbols) if orbit.theta else 0.0
-    return sum(float(x) for x in record.impacts[: record.periods]) / max(1, record.periods)
+    return float(record.impacts[: record.periods].sum()) / max(1, record.periods)
 
 
 def _chatter(record: Record) -> str:
@@ -227,7 +227,7 @@ def _chatter(record: Record) -> str:
     if any(record.chatter[: record.periods]):
         return COMPLETE
     before, row = inf, 0
-    for kind, u in zip(record.kind, record.u, strict=True):
+    for kind, *_, u in record.events():
         if kind != IMPACT:
             continue
         row = row + 1 if -u < before else 0

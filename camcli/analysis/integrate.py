@@ -6,11 +6,13 @@ same bits, so the switch can happen in the middle of an orbit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from math import pi
+
+import numpy as np
 
 from camcli.errors import Fault, SceneError, Status
 from camcli.interrupts import look
@@ -26,6 +28,7 @@ PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half 
 SLICE = 200_000  # steps of a call of the compiled kernel: some 40 ms, at worst half a second
 FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
 ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
+LOGGED = int, int, float, float, float  # kinds of numbers in the columns of a log
 ROW = 20  # evaluations that take as long as looking at a row of a log
 
 
@@ -135,19 +138,19 @@ class Cost:
 class Record:
     """Recorded rows of one orbit; angles in rad, lengths in m, velocities in m/rad.
 
-    Columns are lists (plain Python) or arrays (compiled kernel). `strobe_*` have a row per started
-    period; `impacts` and `chatter` count within it, `periods` of them are whole.
+    kind, period, theta, q, u have a row per logged event, `strobe_*` one per started period;
+    `impacts` and `chatter` count within it, `periods` of them are whole.
     """
 
-    kind: Sequence[int]
-    period: Sequence[int]
-    theta: Sequence[float]
-    q: Sequence[float]
-    u: Sequence[float]
-    strobe_q: Sequence[float]
-    strobe_w: Sequence[float]
-    impacts: Sequence[int]
-    chatter: Sequence[int]
+    kind: np.ndarray
+    period: np.ndarray
+    theta: np.ndarray
+    q: np.ndarray
+    u: np.ndarray
+    strobe_q: np.ndarray
+    strobe_w: np.ndarray
+    impacts: np.ndarray
+    chatter: np.ndarray
     periods: int
     detachments: int
     resting: bool
@@ -157,7 +160,12 @@ class Record:
     @property
     def touches(self) -> bool:
         """False where the follower rested on the cam during the whole record."""
-        return self.detachments > 0 or not self.resting or any(backend.plain(self.impacts))
+        return self.detachments > 0 or not self.resting or bool(self.impacts.any())
+
+    def events(self) -> list[tuple[int, int, float, float, float]]:
+        """(kind, period, theta, q, u) of every logged event, in Python's own numbers."""
+        columns = self.kind, self.period, self.theta, self.q, self.u
+        return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
 class Orbit:
@@ -237,31 +245,22 @@ class Orbit:
         state = self.state
         periods = max(0, min(state.period, self.settings.record))
         started = min(periods + 1, strobe.rows) if state.period >= 0 else 0
-        kind, period, theta, q, u = (_joined(parts) for parts in zip(*logs, strict=True))
+        kind, period, theta, q, u = (
+            np.concatenate([np.asarray(part, type_) for part in parts])
+            for parts, type_ in zip(zip(*logs, strict=True), LOGGED, strict=True)
+        )
         return Record(
-            kind=kind, period=period, theta=theta, q=q, u=u,
-            strobe_q=strobe.q[:started], strobe_w=strobe.w[:started],
-            impacts=strobe.impacts[:started], chatter=strobe.chatter[:started],
+            kind, period, theta, q, u,
+            strobe_q=np.asarray(strobe.q[:started], float),
+            strobe_w=np.asarray(strobe.w[:started], float),
+            impacts=np.asarray(strobe.impacts[:started], int),
+            chatter=np.asarray(strobe.chatter[:started], int),
             periods=periods,
             detachments=state.detachments,
             resting=state.mode == RESTING,
             status=status,
             cost=Cost(state.total_impacts, self.work.evaluations, self.work.crossings),
         )  # fmt: skip
-
-
-def _joined(parts: Sequence):
-    """Concatenate lists or arrays; a mixture (compiled in mid-run) becomes a list."""
-    if len(parts) == 1:
-        return parts[0]
-    if not any(isinstance(part, list) for part in parts):
-        import numpy as np
-
-        return np.concatenate(parts)
-    joined: list = []
-    for part in parts:
-        joined.extend(part if isinstance(part, list) else part.tolist())
-    return joined
 
 
 def rounding_of(c: float) -> float:

@@ -13,7 +13,6 @@ from math import inf
 from camcli.analysis.integrate import Record
 from camcli.analysis.orbits.same_orbit import CLOSE, SAME, State, distance, size_of
 from camcli.errors import Status
-from camcli.kernel.backend import plain
 
 CONTACT, APERIODIC, UNDECIDED = "contact", "aperiodic", "undecided"  # labels without symbols
 LONGEST_PERIOD = 64
@@ -77,7 +76,7 @@ def period_of(label: str) -> int:
 def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
     """States at the strobes that begin its whole turns (m, m/rad), and the symbols of these."""
     columns = record.strobe_q, record.strobe_w, record.impacts, record.chatter
-    q, w, impacts, chatter = (plain(column[: record.periods]) for column in columns)
+    q, w, impacts, chatter = (column[: record.periods].tolist() for column in columns)
     symbols = [inf if c else float(i) for i, c in zip(impacts, chatter, strict=True)]
     return list(zip(q, w, strict=True)), symbols
 
@@ -92,7 +91,7 @@ def label(record: Record) -> str:
     states, symbols = passages(record)
     m = find_period(states, symbols)
     if m == 0:
-        impacts = sum(plain(record.impacts[: record.periods]))
+        impacts = record.impacts[: record.periods].sum()
         return APERIODIC if len(states) > 1 and impacts >= FEWEST_IMPACTS else UNDECIDED
     return Label(symbols[-m:])
 

@@ -55,7 +55,7 @@ def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Si
     orbit = Orbit(system, rpm, settings)
     backend.for_work(0)
     first = orbit.position(), orbit.state.theta
-    record = _plain(orbit.run())
+    record = orbit.run()
     sampler = _Sampler(system, orbit, record, samples)
     name, _ = named(system, rpm, record)
     return Simulation(
@@ -98,17 +98,9 @@ def one_of_many_from(
     return None
 
 
-def _plain(record: Record) -> Record:
-    """The record with lists for columns, whichever kernel ran: plain numbers from here on."""
-    columns = {k: v.tolist() for k, v in vars(record).items() if hasattr(v, "tolist")}
-    return replace(record, **columns)
-
-
 def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
     omega, r = orbit.omega, orbit.const.r
-    for kind, period, theta, q, u in zip(
-        record.kind, record.period, record.theta, record.q, record.u, strict=True
-    ):
+    for kind, period, theta, q, u in record.events():
         after = -r * u if kind == IMPACT and u != 0.0 else 0.0
         yield (
             (TURN * period + _since(theta, strobe)) / omega,
@@ -154,7 +146,7 @@ class _Sampler:
         self.grid = [(j / samples) * TURN for j in range(samples)]
         self.lifts = [self._lift(s) for s in self.grid]
         self.by_period: dict[int, list] = {}
-        for row in zip(record.kind, record.period, record.theta, record.q, record.u, strict=True):
+        for row in record.events():
             self.by_period.setdefault(row[1], []).append(row)
 
     def _lift(self, s: float) -> tuple[float, float, float]:
@@ -172,15 +164,14 @@ class _Sampler:
             node = self._rested(node)
             yield from self._period(-1, node, TURN)
         sticking = None
-        for p in range(len(self.record.strobe_q)):
+        strobes = zip(self.record.strobe_q.tolist(), self.record.strobe_w.tolist(), strict=True)
+        for p, (q, w) in enumerate(strobes):
             whole = p < self.record.periods
             events = self.by_period.get(p, [])
             if not whole and (self.record.status == Status.OK or not events):
                 break
-            node = _Node(0.0, self.record.strobe_q[p], self.record.strobe_w[p], False)
-            node = (
-                self._rested(node) if sticking is None else _Node(node.s, node.q, node.w, sticking)
-            )
+            node = _Node(0.0, q, w, bool(sticking))
+            node = self._rested(node) if sticking is None else node
             stop = TURN if whole else _since(events[-1][2], self.strobe)
             sticking = yield from self._period(p, node, stop)
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from itertools import pairwise
 from math import pi
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from camcli.analysis.integrate import (
     AtSpeeds,
@@ -45,7 +47,7 @@ NOTHING = Loads()
 class Speed:
     """Result at one speed, or at one value of what is varied instead.
 
-    Columns are arrays or lists: rad -> deg, m, m/s already converted.
+    Columns are arrays: rad -> deg, m, m/s already converted.
     impacts: (period, theta_deg, q_m, u_minus_m_per_s); strobe: (period, q_m, v_m_per_s, impacts,
     chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
     exponent: the largest one per turn, None where it was not asked for or is not known; end: where
@@ -324,12 +326,12 @@ class _Task:
             holds_for, exponents = motion.holds_for, motion.exponents
         else:
             name, exponents = named(system, rpm, record, self.lyapunov)
-        strobe = (range(n), record.strobe_q[:n], _scaled(record.strobe_w[:n], to_mps))
+        strobe = (range(n), record.strobe_q[:n], record.strobe_w[:n] * to_mps)
         return Speed(
             value=value,
             rpm=rpm,
             label=name,
-            impact_count=sum(backend.plain(record.impacts[:n])),
+            impact_count=int(record.impacts[:n].sum()),
             status=record.status,
             impacts=_impact_rows(record, to_mps) if self.impacts else None,
             strobe=(*strobe, record.impacts[:n], record.chatter[:n]) if self.strobe else None,
@@ -339,7 +341,7 @@ class _Task:
             loads=loads_of(system, rpm, record) if known else NOTHING,
             known=known,
             holds_for=holds_for,
-            highest=max(backend.plain(record.strobe_q[:n]), default=0.0),
+            highest=float(record.strobe_q[:n].max()) if n else 0.0,
         )
 
 
@@ -349,8 +351,8 @@ def forgets_too_much(record: Record) -> bool:
     A rest erases all memory, and the turns up to the next one may grow an error of rounding beyond
     all digits: the record is then one of many. Where every turn rests they have no time to.
     """
-    chatter = backend.plain(record.chatter[: record.periods])
-    return record.status == Status.OK and any(chatter) and not all(chatter)
+    chatter = record.chatter[: record.periods]
+    return record.status == Status.OK and bool(chatter.any()) and not chatter.all()
 
 
 def true_motion(
@@ -398,54 +400,36 @@ def start_at(system: System, rpm: float, state: Sequence[float]) -> Start:
 
 def _joined(turns: Sequence[Record]) -> Record:
     """The whole turns of records one after the other, each of one turn."""
-    rows = [
-        (int(kind), k, float(theta), float(q), float(u))
-        for k, turn in enumerate(turns)
-        for kind, period, theta, q, u in zip(
-            turn.kind, turn.period, turn.theta, turn.q, turn.u, strict=True
-        )
-        if period == 0
-    ]
-    kind, period, theta, q, u = map(list, zip(*rows, strict=True)) if rows else ([],) * 5
+    logged = [turn.period == 0 for turn in turns]
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(t, name)[own] for t, own in zip(turns, logged, strict=True)])
+        for name in ("kind", "theta", "q", "u")
+    }
+    columns["period"] = np.repeat(np.arange(len(turns)), [own.sum() for own in logged])
+    for name in ("strobe_q", "strobe_w", "impacts", "chatter"):
+        columns[name] = np.array([getattr(turn, name)[0] for turn in turns])
+    return replace(turns[-1], **columns, periods=len(turns))
+
+
+def _store(speed: Speed) -> dict[str, Any]:
+    return vars(speed) | {
+        "strobe": speed.strobe and speed.strobe[1:],
+        "cost": astuple(speed.cost),
+        "end": speed.end and astuple(speed.end),
+    }
+
+
+def _load(stored: dict[str, Any]) -> Speed:
+    speed = Speed(**stored)
     return replace(
-        turns[-1],
-        kind=kind, period=period, theta=theta, q=q, u=u,
-        strobe_q=[float(turn.strobe_q[0]) for turn in turns],
-        strobe_w=[float(turn.strobe_w[0]) for turn in turns],
-        impacts=[int(turn.impacts[0]) for turn in turns],
-        chatter=[int(turn.chatter[0]) for turn in turns],
-        periods=len(turns),
-    )  # fmt: skip
-
-
-def _store(speed: Speed) -> list:
-    cost, end = speed.cost, speed.end
-    stored = {name: getattr(speed, name) for name in STORED}
-    return [
-        *stored.values(),
-        None if speed.strobe is None else speed.strobe[1:],
-        [cost.impacts, cost.evaluations, cost.crossings],
-        None if end is None else [end.q, end.v, end.theta_deg],
-        list(speed.loads),
-    ]
-
-
-def _load(stored: list) -> Speed:
-    *plain, strobe, cost, end, loads = stored
-    named = dict(zip(STORED, plain, strict=True))
-    return Speed(
-        **named,
-        strobe=None if strobe is None else (range(len(strobe[0])), *strobe),
-        cost=Cost(*cost),
-        end=None if end is None else Start(*end),
-        loads=Loads(*loads),
+        speed,
+        strobe=speed.strobe and (range(len(speed.strobe[0])), *speed.strobe),
+        cost=Cost(*speed.cost),  # type: ignore[misc]
+        end=speed.end and Start(*speed.end),  # type: ignore[misc]
+        loads=Loads(*speed.loads),
     )
 
 
-STORED = (
-    "value", "rpm", "label", "impact_count", "status", "impacts", "exponent", "known", "holds_for",
-    "highest",
-)  # fmt: skip
 CODEC = Codec(_store, _load)
 LINES = Codec(
     lambda line: [_store(speed) for speed in line], lambda stored: [_load(one) for one in stored]
@@ -454,18 +438,6 @@ LINES = Codec(
 
 def _impact_rows(record, omega: float) -> tuple:
     """(period, theta_deg, q_m, u_minus_m_per_s) of the impacts of whole recorded periods."""
-    if isinstance(record.kind, list):
-        keep = [
-            k
-            for k, (kind, period) in enumerate(zip(record.kind, record.period, strict=True))
-            if kind == IMPACT and period >= 0
-        ]
-        return (
-            [record.period[k] for k in keep],
-            [record.theta[k] * (180.0 / pi) for k in keep],
-            [record.q[k] for k in keep],
-            [record.u[k] * omega for k in keep],
-        )
     keep = (record.kind == IMPACT) & (record.period >= 0)
     return (
         record.period[keep],
@@ -473,12 +445,6 @@ def _impact_rows(record, omega: float) -> tuple:
         record.q[keep],
         record.u[keep] * omega,
     )
-
-
-def _scaled(values, factor: float):
-    if isinstance(values, list):
-        return [value * factor for value in values]
-    return values * factor
 
 
 def status_name(status: int) -> str:

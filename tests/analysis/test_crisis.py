@@ -85,7 +85,7 @@ def test_where_nothing_leaves_it_is_said_which_attractor_was_carried(chapter):
 def motion(rpm, label, widest=0.0):
     """A motion that is nothing but its label and the range of its impact phases."""
     theta = np.linspace(1.0, 1.0 + widest, 20)
-    record = SimpleNamespace(kind=[IMPACT] * 20, theta=theta, u=-theta, period=list(range(20)))
+    record = SimpleNamespace(kind=np.full(20, IMPACT), theta=theta, u=-theta, period=np.arange(20))
     return SimpleNamespace(
         rpm=rpm, label=label, chatter="none", record=record, orbit=None, period=0
     )

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 
+import numpy as np
 import pytest
 
 from camcli.analysis.integrate import Orbit
@@ -92,7 +93,7 @@ def test_a_record_that_does_not_come_near_the_orbit_is_not_on_it():
     system = chapter_system()
     tape = Orbit(system, 700.0, settings(transient=300, record=10)).run()
     assert identify(system, 700.0, tape) is not None
-    elsewhere = replace(tape, strobe_q=[float(q) + 1e-3 for q in tape.strobe_q])
+    elsewhere = replace(tape, strobe_q=tape.strobe_q + 1e-3)
     assert identify(system, 700.0, elsewhere) is None
 
 
@@ -100,5 +101,5 @@ def test_a_cycle_through_a_rest_closes_to_rounding_or_is_none():
     system = chapter_system()
     tape = Orbit(system, 190.0, settings(transient=20, record=10)).run()
     assert identify(system, 190.0, tape).label == "P(1;inf)"
-    ends = [float(w) + 1e-9 * (-1) ** k for k, w in enumerate(tape.strobe_w)]
+    ends = tape.strobe_w + 1e-9 * (-1) ** np.arange(10)
     assert identify(system, 190.0, replace(tape, strobe_w=ends), longest=1) is None

@@ -170,12 +170,12 @@ class RestOutcomes:
 def departure(batches: CellBatches, start: State, turns: int) -> float | None:
     """Phase (rad) at which a start leaves its rest, whose chatter ends in turn `turns`."""
     record = record_of(batches, start, turns - 1, 1 + AFTER)
-    events = list(zip(record.kind, record.period, record.theta, strict=True))
+    events = record.events()
     chatters = [k for k, event in enumerate(events) if event[:2] == (CHATTER, 0)]
     if not chatters or chatters[-1] + 1 == len(events):
         return None
-    kind, _, theta = events[chatters[-1] + 1]
-    return float(theta) if kind in (DETACHMENT, IMPACT) else None
+    kind, _, theta, *_ = events[chatters[-1] + 1]
+    return theta if kind in (DETACHMENT, IMPACT) else None
 
 
 def record_of(batches: CellBatches, state: State, transient: int, record: int) -> Record:

@@ -73,11 +73,7 @@ def run(system: System, rpm: float, **wanted) -> Record:
 
 def events(record: Record, first: int = 0) -> list[Event]:
     """Every logged event; `first`: 1 for a start off the strobe."""
-    columns = zip(record.kind, record.period, record.theta, record.q, record.u, strict=True)
-    return [
-        Event(EventKind(int(k)).text, int(p) + first, float(t), float(q), float(u))
-        for k, p, t, q, u in columns
-    ]
+    return [Event(EventKind(k).text, p + first, *place) for k, p, *place in record.events()]
 
 
 def phases(record: Record, kind: str = "impact") -> list[float]:

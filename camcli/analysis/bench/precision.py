@@ -231,10 +231,10 @@ def run_core(system: System, case: Case, tolerance: float) -> Trace:
     ours = orbit(system, case.rpm, case.turns, tolerance=tolerance, q=q, v=v)
     record = ours.run(strobes=False)
     q, w = ours.position()
-    rows = list(zip(record.kind, record.period, record.theta, record.u, strict=True))
+    rows = record.events()
     return Trace(
-        hits=[(int(p), float(x), float(u) * ours.omega) for k, p, x, u in rows if k == IMPACT],
-        rests=[(int(p), float(x)) for k, p, x, _ in rows if k == CHATTER],
+        hits=[(p, x, u * ours.omega) for k, p, x, _, u in rows if k == IMPACT],
+        rests=[(p, x) for k, p, x, *_ in rows if k == CHATTER],
         final=(q, w * ours.omega),
         evaluations=record.cost.evaluations,
     )

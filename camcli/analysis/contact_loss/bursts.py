@@ -57,8 +57,7 @@ def _bursts(system: System, orbit: Orbit, record: Record) -> tuple[list[Burst], 
     """
     found: list[Burst] = []
     impacts = []
-    rows = zip(record.kind, record.period, record.theta, record.u, strict=True)
-    for kind, period, theta, u in ((int(k), int(p), float(x), u) for k, p, x, u in rows):
+    for kind, period, theta, _, u in record.events():
         phase = TURN * period + (theta - system.strobe) % TURN
         if kind == DETACHMENT:
             if found and found[-1].end == inf:  # it rested unseen, below the kernel's resolution

@@ -21,16 +21,13 @@ BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never beh
 
 def states_of(record: Record) -> np.ndarray:
     """The states at the strobes of a record, shape (turns, 2)."""
-    return np.column_stack((record.strobe_q, record.strobe_w)).astype(float)
+    return np.column_stack((record.strobe_q, record.strobe_w))
 
 
 def impacts_of(record: Record) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(phase rad, incoming m/rad, turn) of every impact of a record with events, as arrays."""
-    kept = (np.asarray(record.kind) == IMPACT) & (np.asarray(record.period) >= 0)
-    theta, u, period = (
-        np.asarray(column)[kept] for column in (record.theta, record.u, record.period)
-    )
-    return theta, u, period
+    kept = (record.kind == IMPACT) & (record.period >= 0)
+    return record.theta[kept], record.u[kept], record.period[kept]
 
 
 class Carried:

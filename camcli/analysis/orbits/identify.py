@@ -115,9 +115,7 @@ def _returns(
 
 def _events(record: Record, window: range) -> Iterator[tuple[int, int, float, float]]:
     """(kind, period, theta, u) of what was logged in these turns."""
-    rows = zip(record.kind, record.period, record.theta, record.u, strict=True)
-    first, stop = window.start, window.stop  # `in` of a range compares NumPy's ints one by one
-    return ((int(a), int(n), float(x), float(u)) for a, n, x, u in rows if first <= n < stop)
+    return ((a, n, x, u) for a, n, x, _, u in record.events() if n in window)
 
 
 def impacts_of(record: Record, window: range) -> list[Impact]:
@@ -131,9 +129,9 @@ def departures(record: Record) -> list[tuple[int, float]]:
     A blow is an impact of a follower that rested after a chatter.
     """
     leaves, rests = [], False
-    for kind, period, theta in zip(record.kind, record.period, record.theta, strict=True):
+    for kind, period, theta, *_ in record.events():
         if kind == DETACHMENT or (kind == IMPACT and rests):
-            leaves.append((int(period), float(theta)))
+            leaves.append((period, theta))
         rests = kind == CHATTER
     return leaves
 
