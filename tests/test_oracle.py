@@ -135,6 +135,7 @@ def test_the_flow_solves_the_equation_of_motion(stiffness, damping):
     assert follower.flow(0, 0.3, -2) == (mpf(0.3), -2)
 
 
+@pytest.mark.slow
 def test_stretching_is_the_sensitivity_to_the_data():
     """A chaotic run against one at a speed 1e-12 higher."""
     base, other = (chapter(x).run(impacts=20) for x in (361.5, mpf(361.5) * (1 + mpf("1e-12"))))

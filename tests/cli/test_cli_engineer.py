@@ -99,6 +99,7 @@ def test_a_run_begins_with_a_verdict(cam, begun):
     assert done.stdout.startswith("Contact is lost at every speed: the spring does not press even")
 
 
+@pytest.mark.slow
 def test_a_wrong_unit_or_sign_is_doubted(cam, begun):
     (begun / "radii.csv").write_text(
         "".join(f"{k},{18 + Lobe(smooth).at(k)[0] * 1e3:.3f}\n" for k in range(0, 360, 2))

@@ -190,7 +190,9 @@ def test_only_stable_or_unstable_orbits_are_followed(cam, tmp_path, which, stabl
 
 def test_simulated_motions_are_drawn_behind_the_branches(cam, tmp_path):
     words = "--rpm 738:739 --points 5 --at 738.5 --label P(1;1)"
-    done = cam(f"orbits {words} --set orbits.simulated=3 --set orbits.stability=stable", QUICK)
+    done = cam(
+        f"orbits {words} --set orbits.simulated=3 --set orbits.stability=stable --no-plot", QUICK
+    )
     assert done.returncode == 0, done.stderr
     seen = {
         float(r["rpm"]): float(r["theta_deg"]) for r in rows(tmp_path / "out/orbits/impacts.csv")

@@ -42,6 +42,7 @@ def test_a_plan_is_right_within_a_factor_of_two_and_writes_nothing(
     assert cost["disk"] >= cost["bytes"]
 
 
+@pytest.mark.usefixtures("short_samples")
 def test_what_is_known_before_is_exact_and_what_is_not_is_said(cam):
     turns = ("--set", "run.transient=70", "--set", "run.record=30", "--points", "21")
     sweep = foreseen(cam, "sweep", *turns)
@@ -52,6 +53,7 @@ def test_what_is_known_before_is_exact_and_what_is_not_is_said(cam):
     assert "not known before" in orbits["notes"][0]
 
 
+@pytest.mark.usefixtures("short_samples")
 def test_a_shard_makes_its_part_of_the_pieces_and_no_tables(cam):
     part = foreseen(cam, "sweep", "--points", "40", "--shard", "2/4")
     assert (part["orbits"], part["bytes"]) == (10, 0)
@@ -75,6 +77,7 @@ def test_what_cannot_fit_is_refused_with_its_figure(cam, tmp_path, line, found, 
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("short_samples")
 def test_much_to_write_is_said_and_a_sample_that_takes_long_ends(cam, monkeypatch):
     large = "sweep --points 4000 --set run.record=2000 --dry-run"
     said = cam(large).stderr

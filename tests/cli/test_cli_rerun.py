@@ -43,6 +43,7 @@ def test_the_same_bytes_again(cam, tmp_path, name):
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.mark.slow
 def test_pictures_too_and_into_a_folder(cam, tmp_path):
     assert cam(RUNS["sweep"].removesuffix("--no-plot"), "-o here").returncode == 0
     done = cam("rerun here/run.json -o there --threads 1")

@@ -37,6 +37,7 @@ def test_rest_is_minus_infinity_chaos_positive_and_the_unknown_empty(cam, tmp_pa
     assert exponents(path) == ["", ""]
 
 
+@pytest.mark.slow
 def test_without_the_flags_the_column_is_empty_and_all_else_the_same(cam, tmp_path):
     """And a corners.csv of an earlier run with --explain does not stay."""
     words = f"sweep --rpm 690:750 --points 3 --no-plot {SMALL}"

@@ -5,7 +5,6 @@ import pytest
 
 from camcli.analysis import integrate as engine
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
-from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.cells import (
     CHATTERED_TURN,
@@ -15,7 +14,6 @@ from camcli.kernel.cells import (
     UNDECIDED,
     Point,
     Rest,
-    trouble,
 )
 from camcli.kernel.orbit_loop import RESTING
 from tests.kernel.helpers import settings, system
@@ -44,13 +42,6 @@ def test_a_cell_is_the_orbit_of_its_start(rpm):
         assert found.symbol[k] == (CHATTERED_TURN if chattered else tape.impacts[11])
         assert found.turns[k] == 12
         assert found.outcome[k] == UNDECIDED
-
-
-def test_trouble_is_an_outcome():
-    budget = ends(batches(250.0, budget=2), 5)
-    assert (budget.outcome == trouble(Status.IMPACT_BUDGET)).any()
-    lost = ends(batches(700.0, system(stiffness=0.0)), 5, starts=[(3.0, 20.0), (0.5, 10.0)])
-    assert lost.outcome.tolist() == [trouble(Status.NO_RETURN)] * 2
 
 
 def known_orbit():

@@ -16,7 +16,7 @@ from camcli.scene import load_scene
 from camcli.system import Follower, System
 from tests.conftest import chapter_system, settings
 
-SAMPLES = 3000
+SAMPLES = 1000
 MACHINES = {
     "chapter": {},
     "damped": {"damping": 2.0},
@@ -48,7 +48,7 @@ def gaps(system, root, k):
 def test_every_verdict_on_a_single_impact_root_is_true(name):
     """PULLS, EARLY and ADMISSIBLE seen in the gap itself, over 1 to 3 turns."""
     system, seen = chapter_system(**MACHINES[name]), set()
-    for rpm in (250.0, 358.5, 520.0, 700.0, 739.0, 820.0):
+    for rpm in (250.0, 520.0, 700.0, 820.0):
         shooter = Shooter(system, rpm)
         for turns in (1, 2, 3):
             for root in single_impact_roots(shooter, rpm, turns):

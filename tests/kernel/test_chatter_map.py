@@ -139,10 +139,9 @@ EDGES = [  # parts of the chatter's length that add up to the limit, but for a h
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("r", [0.001, 0.8])
+@pytest.mark.parametrize(("r", "w"), [(0.001, 0.7), (0.8, 0.0)])
 @pytest.mark.parametrize(("z", "j", "s", "d"), EDGES)
-@pytest.mark.parametrize("w", [0.0, 0.7])
-def test_the_edge_of_what_the_bound_covers(r, z, j, s, d, w):
+def test_the_edge_of_what_the_bound_covers(r, w, z, j, s, d):
     """The limit of 1/4 split between damping and the derivatives, without and with a spring."""
     for scale in (0.2, 0.17, 0.12):
         made = scale * z, w / (1 - r), 1 - r, scale * j, 2 * scale * s, 6 * 0.7 * scale * d
@@ -175,7 +174,7 @@ def test_what_the_machine_hands_to_the_map(monkeypatch):
 
     monkeypatch.setattr(flight, "chatter_map", spy)
     rng, held_back, closed = np.random.default_rng(7), 0, 0
-    for draw in range(3600):
+    for draw in range(1200):
         system, rpm, _ = machine_on(CAMS[draw % len(CAMS)], rng)
         cam, const = system.cam, system.constants(rpm, 0.0, 1)._replace(tolerance=0.1)
         i = int(rng.integers(len(cam.stretches)))
@@ -184,7 +183,7 @@ def test_what_the_machine_hands_to_the_map(monkeypatch):
         force = -contact_accel(cam, const, i, theta)[0]
         if not force > 0.0:
             continue
-        hop = (1 - const.r) * (part.end - theta) * rng.uniform(0.7, 1.2)
+        hop = (1 - const.r) * (part.end - theta) * rng.uniform(0.9, 1.05)
         flows = PLAIN.stretch_flows(cam, const)
         asked.clear()
         code, reached, _, _ = flight.fly(
@@ -201,4 +200,4 @@ def test_what_the_machine_hands_to_the_map(monkeypatch):
         closed += code == ACCUMULATED
         assert code != ACCUMULATED or (within and reached < part.end)
     assert held_back
-    assert closed > 100
+    assert closed > 30

@@ -21,7 +21,7 @@ from camcli.plots.branch_lines import (
 )
 from camcli.plots.orbits import LONGEST, PARAMETERS, axis_name, draw_curves, draw_orbits
 from tests.conftest import settings
-from tests.output.pictures import count, overlaps, panel, pixels, tall, words
+from tests.output.pictures import count, panel, pixels, tall, words
 
 pytestmark = pytest.mark.slow
 
@@ -134,15 +134,6 @@ def test_many_branches_and_events_keep_to_the_page(chapter, found):
     picture = draw_orbits(replace(result, branches=branches, bifurcations=more), chapter)
     assert tall(picture) > 200
     assert f"and {40 - LONGEST} more, in the tables" in words(picture)
-
-
-@pytest.mark.parametrize("name", ["fold"])
-def test_lists_do_not_run_into_one_another(chapter, found, name):
-    figure = draw_orbits(found[name], chapter).figure()
-    figure.canvas.draw()
-    texts = [text for text in figure.axes[0].texts if text.get_text()]
-    assert not overlaps(texts)
-    assert max(text.get_window_extent().x1 for text in texts) <= figure.bbox.x1
 
 
 def test_curves_of_one_colour_differ_in_their_dashes(found):

@@ -175,21 +175,6 @@ def test_other_processes_are_refused_and_those_killed_leave_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_pieces_stay_until_the_commit_and_belong_to_their_key(tmp_path):
-    def attempt(key: dict, commit: bool) -> int:
-        with run_folder(tmp_path, key) as run:
-            assert list(run.work.run(lambda k: 2 * k, [1, 2, 3], PLAIN)) == [2, 4, 6]
-            if commit:
-                run.commit()
-        return run.resumed
-
-    other = {**KEY, "scene": {"rpm": 701.0}}
-    assert [attempt(KEY, False), attempt(KEY, False), attempt(other, False)] == [0, 3, 0]
-    assert len(list(tmp_path.glob(".sweep-*.pieces"))) == 2
-    assert [attempt(KEY, True), attempt(KEY, True), attempt(other, True)] == [3, 0, 3]
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_shard_ends_early_and_shards_share_a_folder(tmp_path):
     with run_folder(tmp_path, KEY, shard=Shard(1, 2)) as one:
         with run_folder(tmp_path, KEY, shard=Shard(2, 2)) as two:

@@ -1,6 +1,5 @@
 """The file of finished pieces: values to the last bit, torn, damaged, foreign, on a full disk."""
 
-import errno
 import json
 import os
 import struct
@@ -201,45 +200,6 @@ def test_links_and_pipes_are_not_opened(tmp_path, make):
         with pytest.raises(OSError, match=r"."):
             attempt()
     assert (tmp_path / "victim").read_bytes() == b""
-
-
-class Changed:
-    """A file whose writes are done by a function of (file, data)."""
-
-    def __init__(self, file, write):
-        self.file, self._write = file, write
-
-    def __getattr__(self, name):
-        return getattr(self.file, name)
-
-    def write(self, data) -> int:
-        return self._write(self.file, data)
-
-
-def test_full_disk_at_every_byte_leaves_whole_pieces_and_goes_on(tmp_path):
-    written(tmp_path / "whole", pieces={("0", 0): "x" * 20})
-    key, size = ends(tmp_path / "whole")
-    room = 0
-
-    def limited(file, data) -> int:
-        nonlocal room
-        if room == 0:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        some = data[:room]
-        room -= len(some)
-        return file.write(some)
-
-    for allowed in range(size - key):
-        path, room = tmp_path / f"full{allowed}", allowed
-        checkpoint = Checkpoint(path, "work")
-        checkpoint._file = Changed(checkpoint._file, limited)
-        with pytest.raises(SceneError, match="No space"):
-            checkpoint.put("0", 0, "x" * 20)
-        assert (path.stat().st_size, ("0", 0) in checkpoint) == (key, False)
-        room = 1000
-        checkpoint.put("0", 0, "x" * 20)
-        checkpoint.close()
-        assert path.read_bytes() == (tmp_path / "whole").read_bytes()
 
 
 def test_parts_are_read_and_left_more_than_files_may_be_open(tmp_path):
