@@ -202,7 +202,7 @@ def _cell_blocks(grids: Sequence[Basins], refine: int) -> Iterator[Block]:
 def _cells(grid: Basins, refine: int) -> Iterator[Block]:
     window = grid.window
     if grid.level is None:
-        q = tuple(window.q_of(np.arange(window.nq)).tolist())
+        q = window.q_of(np.arange(window.nq))
         for v, codes in zip(window.v_of(np.arange(window.nv)).tolist(), grid.codes, strict=True):
             yield q, v, codes
         return

@@ -1,7 +1,7 @@
 """Tables: named columns that become a CSV, an .npz or NumPy arrays; one writer for every CSV.
 
 A number in a CSV is the shortest text that reads back to the same double. No text in a table holds
-a comma or a quote.
+a comma, a quote or a backslash.
 """
 
 from __future__ import annotations
@@ -72,18 +72,15 @@ class Table:
     def csv(self) -> Iterator[str]:
         """The text of the CSV file, a block at a time."""
         yield ",".join(self.columns) + "\n"
-        before: Block = [None] * len(self.columns)
-        texts: list[Any] = []
+        width = len(self.columns) + 1
         for block in self.blocks():
-            texts = [
-                _texts([entry]) * _length(block)
-                if not _is_column(entry)
-                else (texts[k] if entry is before[k] else _texts(entry))
-                for k, entry in enumerate(block)
-            ]
-            before = block
-            if lines := "\n".join(map(",".join, zip(*texts, strict=True))):
-                yield lines + "\n"
+            cells = ["\n"] * (width * _length(block))
+            for k, entry in enumerate(block):
+                own = _cells(entry) if _is_column(entry) else _cells([entry]) * _length(block)
+                cells[k::width] = own
+            if cells:  # JSON has the same shortest digits as Python, several times as fast
+                text = (to_json(cells)[1:-1] + b",").replace(b',"\\n",', b"\n")
+                yield text.replace(b'"', b"").decode()
 
     def npz(self, file: BinaryIO) -> None:
         """Write the columns as numpy.load reads them; no time stands in the archive."""
@@ -127,21 +124,24 @@ def _missing(column: Any) -> Any:
     return [empty if value is None else value for value in column]
 
 
-def _texts(column: Any) -> list[str]:
-    """Texts of a column.
+def _cells(column: Any) -> list:
+    """The entries of a column as JSON shall write them, as texts where its form is another.
 
     Raises TypeError for a value of another kind than Python's own numbers and texts.
     """
     values = column.tolist() if hasattr(column, "tolist") else list(column)
-    kinds = set(map(type, values))
-    if strange := [k.__name__ for k in kinds - KINDS if not issubclass(k, str)]:
-        raise TypeError(f"a table cannot hold {', '.join(sorted(strange))}")
-    if not values or not kinds <= {float, int}:
-        return ["" if value is None else str(value) for value in values]
-    # The same shortest digits as Python's, several times as fast.
-    texts = to_json(values)[1:-1].decode().split(",")
-    if float in kinds:  # others look different, each in some version of pydantic
-        for k, value in enumerate(values):
-            if not SAME_FORM <= abs(value) < EXPONENT:
-                texts[k] = repr(value)
-    return texts
+    if hasattr(column, "dtype") and column.dtype.kind == "f":
+        size = abs(column)
+        odd = (~((size >= SAME_FORM) & (size < EXPONENT))).nonzero()[0].tolist()
+    else:
+        kinds = set(map(type, values))
+        if strange := [k.__name__ for k in kinds - KINDS if not issubclass(k, str)]:
+            raise TypeError(f"a table cannot hold {', '.join(sorted(strange))}")
+        odd = [
+            k
+            for k, x in enumerate(values if kinds != {int} else ())
+            if x is None or (isinstance(x, float) and not SAME_FORM <= abs(x) < EXPONENT)
+        ]
+    for k in odd:
+        values[k] = "" if values[k] is None else repr(values[k])
+    return values

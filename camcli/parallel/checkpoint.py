@@ -38,7 +38,7 @@ class Checkpoint:
     def __init__(self, path: Path, key: str, parts: tuple[Path, ...] = ()):
         """Open or create; raises SceneError for a file with pieces of another key, OSError."""
         self.path = path
-        self.pieces = 0
+        self.pieces = self.size = 0  # size: bytes of all lines
         self._found: dict[tuple[str, int], tuple[Path, int]] = {}
         self._lock = Lock()
         for part in parts:
@@ -67,6 +67,7 @@ class Checkpoint:
             else:
                 first = place, number, value
             end = after
+        self.size += end
         if first is None and path == self.path:
             file.seek(0)
             head = file.read(MOST_KEY)
@@ -98,7 +99,7 @@ class Checkpoint:
 
     def put(self, place: str, number: int, value: Any) -> None:
         """Append a piece; raises SceneError where there is no room, the file is then as before."""
-        rest = memoryview(_line(place, number, value))
+        rest = memoryview(line := _line(place, number, value))
         with self._lock:
             begin = self._file.seek(0, os.SEEK_END)
             try:
@@ -116,6 +117,7 @@ class Checkpoint:
                 self._file.truncate(begin)
                 raise
             self._take_note(place, number, self.path, begin)
+            self.size += len(line)
 
     def close(self) -> None:
         """Close; a thread that is still at work puts nothing more. A file without a piece goes."""

@@ -17,6 +17,7 @@ from camcli.errors import Fault, SceneError
 from camcli.parallel.checkpoint import Checkpoint, refused
 from camcli.parallel.threads import in_threads
 
+IN_MEMORY = 1 << 26  # bytes of pieces on disk that are in memory too
 MISFITS = (ValueError, TypeError, LookupError, AttributeError)  # of a piece that is no result
 
 
@@ -143,12 +144,14 @@ class Work:
 
 
 def _collected(kept: Kept, running: Iterator, on_result: Callable[[Any], None]) -> Sequence:
-    results = []
+    results, store = [], kept.checkpoint
     for result in running:
         on_result(result)
-        if kept.checkpoint is None:
+        if store is None or store.size <= IN_MEMORY:
             results.append(result)
-    return results if kept.checkpoint is None else kept
+        else:
+            results.clear()
+    return results if len(results) == kept.length else kept
 
 
 @dataclass(frozen=True)
