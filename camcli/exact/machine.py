@@ -35,6 +35,8 @@ class Stretch:
         """c and its derivatives by theta up to an order, m."""
         if self.lift is None:
             return [self.level, *[arb(0)] * order]
+        if order == 0:
+            return [self.lift(theta)]
         if self.slopes is not None and order <= 3:
             return self.slopes(theta)[: order + 1]
         return derivatives(self.lift, theta, order)
@@ -54,6 +56,7 @@ class Machine:
         omega = balls.number(rpm) * balls.number(1 + share) * arb.pi() / 30
         self.W2 = k / m / (omega * omega)
         self.Z = b / (2 * m) / omega
+        self.Z2 = 2 * self.Z
         self.G = (g + load / m) / (omega * omega)
         damped = b * b - 4 * k * m
         self.critical = head(damped) == 0

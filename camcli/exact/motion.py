@@ -194,15 +194,22 @@ class Motion:
     def _contact(self) -> tuple[arb, int, int]:
         """(angle of flight to the next contact, stretch, turn)."""
         i, n, (low, cut) = self.i, self.n, self._opening()
-        for _ in range(MOST_STRETCHES):
+        for k in range(MOST_STRETCHES):
             gap, high = self._gap(i, n), self._end(i, n) - self.phi
-            s = first_root(gap, low, high.upper(), cut) if low < high else None
-            if s is not None and below(s, high):
-                return s, i, n
+            if cut is not None or not self._clear(low.union(high), i, n):
+                if k and not gap(low)[0] > 0:
+                    raise UndecidedError
+                s = first_root(gap, low, high.upper(), cut) if low < high else None
+                if s is not None and below(s, high):
+                    return s, i, n
             (i, n), low, cut = self._next(i, n), high, None
-            if not self._gap(i, n)(low)[0] > 0:
-                raise UndecidedError
         raise EndlessError
+
+    def _clear(self, s: arb, i: int, n: int) -> bool:
+        """Is the gap to stretch i of turn n above zero for all s, at first sight?"""
+        b, _, p = self.machine.flow(s)
+        pull = self.machine.G + self.machine.W2 * self.q
+        return self.q + self.w * b - pull * p > self._cam(self.phi + s, i, n, 0)[0]
 
     def _opening(self) -> tuple[arb, arb | None]:
         """An angle up to which the gap is above zero, and one where it may be below again.
