@@ -31,12 +31,14 @@ class Counted:
         return piece * 10
 
 
-@pytest.mark.parametrize("kept", [False, True])
-def test_collected_results_are_a_sequence(checkpoint, kept):
+@pytest.mark.parametrize(("kept", "room"), [(False, 0), (True, 1 << 20), (True, 80), (True, 0)])
+def test_collected_results_are_a_sequence(checkpoint, kept, room, monkeypatch):
+    monkeypatch.setattr("camcli.parallel.work.IN_MEMORY", room)
     seen = []
     work = Work(2, checkpoint if kept else None)
     found = work.collect(Counted(), range(5), PLAIN, seen.append)
     assert list(found) == seen == [0, 10, 20, 30, 40]
+    assert isinstance(found, list) == (not kept or room > checkpoint.size)
     assert (len(found), found[-1], found[1:3], found[::-2]) == (5, 40, [10, 20], [40, 20, 0])
     for wrong in (5, -6):
         with pytest.raises(IndexError):
