@@ -44,8 +44,14 @@ def findings(document: Document, error: ValidationError) -> Iterator[Finding]:
     places = [_path(document.data, detail) for detail in details]
     order = sorted(range(len(details)), key=lambda k: document.place(places[k]).value)
     hints = MAX_HINTS
+    kinds = {kind: [p for p, d in zip(places, details, strict=True) if d["type"] == kind]
+             for kind in ("missing", "extra_forbidden")}  # fmt: skip
+    misspelt = {path for path in kinds["missing"] for other in kinds["extra_forbidden"][:MAX_HINTS]
+                if path[:-1] == other[:-1] and _nearest(other[-1], [path[-1]])}  # fmt: skip
     for number, k in enumerate(order):
         detail, path = details[k], places[k]
+        if path in misspelt:
+            continue
         cause = detail.get("ctx", {}).get("error")
         if number >= MAX_WORDS:
             yield Finding(document.place(path).value, path, "")

@@ -41,6 +41,11 @@ def refused(found: str, expected: str, cure: str) -> SceneError:
     return SceneError(Fault("", "", found, expected, cure))
 
 
+def entry(words: str, default: Any = ..., **more: Any) -> Any:
+    """An entry of a section: what it means, its default, its limits."""
+    return Field(default, description=words, **more)
+
+
 def whole(value: Any) -> Any:
     """600.0 is a whole number; anything else is left to the validation."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
@@ -80,6 +85,7 @@ Names = Annotated[
     BeforeValidator(items),
     AfterValidator(_unique),
 ]
+Items = Annotated[tuple[Name, ...], BeforeValidator(items)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Whole = Annotated[int, Field(strict=True), BeforeValidator(whole)]
 Speed = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
@@ -101,6 +107,7 @@ class Section(BaseModel):
 
 
 Constant = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
+Ends = Annotated[tuple[Constant, Constant], BeforeValidator(items)]
 Side = Annotated[int, Field(strict=True, ge=1, le=MOST_CELLS), BeforeValidator(whole)]
 SectionName = Literal["impacts", "strobe"]
 ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
@@ -123,97 +130,92 @@ Cam = Annotated[AnyCam, Field(discriminator="kind")]
 class Follower(Section):
     """A mass on a spring and a damper; q is its height, zero where the cam's offset puts it."""
 
-    mass: Number = Field(ge=1e-15, le=LARGEST, description="mass of the follower, kg")
-    stiffness: Number = Field(ge=0, le=LARGEST, description="stiffness of the spring, N/m")
-    damping: Number = Field(0.0, ge=0, le=LARGEST, description="damping to the frame, N s/m")
-    gravity: Constant = Field(0.0, description="gravity, positive towards the cam, m/s2")
-    preload: Constant = Field(0.0, description="spring force at q = 0, positive towards the cam, N")
-    restitution: Number = Field(ge=0, le=1, description="coefficient of restitution, 0..1")
+    mass: Number = entry("mass of the follower, kg", ge=1e-15, le=LARGEST)
+    stiffness: Number = entry("stiffness of the spring, N/m", ge=0, le=LARGEST)
+    damping: Number = entry("damping to the frame, N s/m", 0.0, ge=0, le=LARGEST)
+    gravity: Constant = entry("gravity, positive towards the cam, m/s2", 0.0)
+    preload: Constant = entry("spring force at q = 0, positive towards the cam, N", 0.0)
+    restitution: Number = entry("coefficient of restitution, 0..1", ge=0, le=1)
 
 
 class Spring(Section):
     """The spring as its maker measures it: two of SPRING, no follower.stiffness."""
 
-    rate: Annotated[Number, Field(ge=0, le=LARGEST)] | None = Field(None, description="N/m")
-    preload: Constant | None = Field(None, description="force at q = 0, N")
-    seat_load: Constant | None = Field(None, description="force at the lowest lift, N")
-    nose_load: Constant | None = Field(None, description="force at the highest lift, N")
-    solid_at: End | None = Field(
-        None, description="height q at which the spring is solid, m; null: not known"
-    )
+    rate: Number | None = entry("N/m", None, ge=0, le=LARGEST)
+    preload: Constant | None = entry("force at q = 0, N", None)
+    seat_load: Constant | None = entry("force at the lowest lift, N", None)
+    nose_load: Constant | None = entry("force at the highest lift, N", None)
+    solid_at: End | None = entry("height q at which the spring is solid, m; null: not known", None)
 
 
 class Contact(Section):
     """What presses where the follower touches: with it the Hertz pressure is computed."""
 
-    width: Number = Field(gt=0, le=1e6, description="width of the contact line, m")
-    follower_radius: Annotated[Number, Field(gt=0, le=1e6)] | None = Field(
-        None, description="radius of the roller, m; null: a flat face"
+    width: Number = entry("width of the contact line, m", gt=0, le=1e6)
+    follower_radius: Number | None = entry(
+        "radius of the roller, m; null: a flat face", None, gt=0, le=1e6
     )
-    base_radius: Annotated[Number, Field(gt=0, le=1e6)] | None = Field(
-        None, description="radius of the base circle, m; null: cam.base_radius"
+    base_radius: Number | None = entry(
+        "radius of the base circle, m; null: cam.base_radius", None, gt=0, le=1e6
     )
-    modulus: Number = Field(
+    modulus: Number = entry(
+        "E*, Pa: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; the default is steel on steel",
         1.154e11, gt=0, le=LARGEST,
-        description="E*, Pa: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; the default is steel on steel",
     )  # fmt: skip
 
 
 class Start(Section):
     """State at the first instant; without q and v the follower rests on the cam."""
 
-    q: Annotated[Number, Field(ge=-FARTHEST, le=FARTHEST)] | None = Field(
-        None, description="height of the follower, m; null: on the cam"
+    q: Number | None = entry(
+        "height of the follower, m; null: on the cam", None, ge=-FARTHEST, le=FARTHEST
     )
-    v: Annotated[Number, Field(ge=-QUICKEST, le=QUICKEST)] | None = Field(
-        None, description="velocity of the follower, m/s; null: the cam's"
+    v: Number | None = entry(
+        "velocity of the follower, m/s; null: the cam's", None, ge=-QUICKEST, le=QUICKEST
     )
-    theta_deg: Number = Field(0.0, ge=-1e9, le=1e9, description="angle of the cam, deg")
+    theta_deg: Number = entry("angle of the cam, deg", 0.0, ge=-1e9, le=1e9)
 
 
 class Run(Section):
     """One simulation: its speed, start and length, and what bounds its error and cost."""
 
-    rpm: Speed = Field(700.0, description="speed of the cam, turns per minute")
-    start: Start = Field(default_factory=Start, description="state at the first instant")
-    transient: Whole = Field(600, ge=0, le=MOST_TURNS, description="turns before recording")
-    record: Whole = Field(400, ge=1, le=MOST_TURNS, description="turns recorded")
-    strobe_deg: Number = Field(0.0, ge=0, lt=360, description="phase of the strobe, deg")
-    chatter_tolerance: Number = Field(
-        1e-9,
-        ge=1e-13,
-        le=1e-3,
-        description="largest error of the accumulation phase, fraction of a turn",
+    rpm: Speed = entry("speed of the cam, turns per minute", 700.0)
+    start: Start = entry("state at the first instant", default_factory=Start)
+    transient: Whole = entry("turns before recording", 600, ge=0, le=MOST_TURNS)
+    record: Whole = entry("turns recorded", 400, ge=1, le=MOST_TURNS)
+    strobe_deg: Number = entry("phase of the strobe, deg", 0.0, ge=0, lt=360)
+    chatter_tolerance: Number = entry(
+        "largest error of the accumulation phase, fraction of a turn", 1e-9, ge=1e-13, le=1e-3
     )
-    impact_budget: Whole = Field(
-        1_000_000, ge=1, le=10**15, description="impacts in one turn before the run is given up"
+    impact_budget: Whole = entry(
+        "impacts in one turn before the run is given up", 1_000_000, ge=1, le=10**15
     )
-    work_budget: Whole = Field(
-        1_000_000_000,  # some minutes
+    work_budget: Whole = entry(
+        "gap evaluations, or work that takes as long, of what cannot be foreseen "
+        "(detach, orbits, --explain) before the rest is left out",
+        1_000_000_000,
         ge=1,
         le=10**15,
-        description="gap evaluations, or work that takes as long, of what cannot be foreseen "
-        "(detach, orbits, --explain) before the rest is left out",
     )
 
 
 class RpmRange(Section):
     """Equally spaced speeds, ascending or descending; one speed (num: 1) is the start."""
 
-    start: Speed = Field(660.0, description="first speed, turns per minute")
-    stop: Speed = Field(760.0, description="last speed, turns per minute")
-    num: Whole = Field(401, ge=1, le=MOST_SPEEDS, description="number of speeds")
+    start: Speed = entry("first speed, turns per minute", 660.0)
+    stop: Speed = entry("last speed, turns per minute", 760.0)
+    num: Whole = entry("number of speeds", 401, ge=1, le=MOST_SPEEDS)
 
 
 class Axis(Section):
     """A number of the scene, and the equally spaced values it takes instead of a speed's."""
 
-    key: Annotated[str, Field(max_length=200)] = Field(
-        description="path of the number, as in --set: follower.restitution; rpm is run.rpm"
+    key: str = entry(
+        "path of the number, as in --set: follower.restitution; rpm is run.rpm", max_length=200
     )
-    start: Number = Field(ge=-LARGEST, le=LARGEST, description="first value")
-    stop: Number = Field(ge=-LARGEST, le=LARGEST, description="last value")
-    num: Whole = Field(101, ge=1, le=MOST_SPEEDS, description="number of values")
+    start: Constant = entry("first value")
+    stop: Constant = entry("last value")
+    num: Whole = entry("number of values", 101, ge=1, le=MOST_SPEEDS)
 
     @model_validator(mode="after")
     def _of_the_machine(self) -> Axis:
@@ -231,20 +233,16 @@ class Axis(Section):
 class Zoom(Section):
     """A part of the range, with values of its own."""
 
-    start: Number = Field(ge=-LARGEST, le=LARGEST, description="first value")
-    stop: Number = Field(ge=-LARGEST, le=LARGEST, description="last value")
-    num: Whole = Field(201, ge=2, le=MOST_SPEEDS, description="number of values")
-
-
-Axes = Annotated[tuple[Axis, ...], BeforeValidator(items)]
-Zooms = Annotated[tuple[Zoom, ...], BeforeValidator(items)]
+    start: Constant = entry("first value")
+    stop: Constant = entry("last value")
+    num: Whole = entry("number of values", 201, ge=2, le=MOST_SPEEDS)
 
 
 class Varying(Section):
     """What goes over a range of speeds, or over the values of another number instead."""
 
-    rpm: RpmRange = Field(default_factory=RpmRange, description="range of speeds")
-    vary: Axes = Field((), max_length=1, description="another number to vary instead")
+    rpm: RpmRange = entry("range of speeds", default_factory=RpmRange)
+    vary: Items[Axis] = entry("another number to vary instead", (), max_length=1)
 
     @property
     def axis(self) -> Axis | RpmRange:
@@ -265,66 +263,62 @@ class Varying(Section):
 class Simulate(Section):
     """What `cam simulate` writes and draws."""
 
-    samples: Whole = Field(360, ge=1, le=100_000, description="points per turn in trajectory.csv")
-    plot_turns: Whole = Field(
-        3, ge=1, le=MOST_TURNS, description="turns drawn, counted from the end"
-    )
-    beside: Annotated[tuple[Cam, ...], BeforeValidator(items)] = Field(
-        (), max_length=2, description="further cams, drawn beside this one (--profile-only)"
+    samples: Whole = entry("points per turn in trajectory.csv", 360, ge=1, le=100_000)
+    plot_turns: Whole = entry("turns drawn, counted from the end", 3, ge=1, le=MOST_TURNS)
+    beside: Items[Cam] = entry(
+        "further cams, drawn beside this one (--profile-only)", (), max_length=2
     )
 
 
 class Plot(Section):
     """How pictures are drawn, and in which forms."""
 
-    formats: Names[Literal["png", "pdf", "svg"]] = Field(("png",), description="forms of pictures")
-    width: Number = Field(170.0, ge=40, le=1000, description="width, mm")
-    height: Annotated[Number, Field(ge=30, le=1000)] | None = Field(
-        None, description="height, mm; null: as the panels need, at most 230"
+    formats: Names[Literal["png", "pdf", "svg"]] = entry("forms of pictures", ("png",))
+    width: Number = entry("width, mm", 170.0, ge=40, le=1000)
+    height: Number | None = entry(
+        "height, mm; null: as the panels need, at most 230", None, ge=30, le=1000
     )
-    font: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
-        None, description="name of an installed font; null: DejaVu Sans"
+    font: str | None = entry(
+        "name of an installed font; null: DejaVu Sans", None, min_length=1, max_length=200
     )
-    style: Annotated[str, Field(min_length=1, max_length=4000)] | None = Field(
-        None, description="a matplotlib style: its name, or a file; null: ours"
+    style: str | None = entry(
+        "a matplotlib style: its name, or a file; null: ours", None, min_length=1, max_length=4000
     )
-    title: Flag = Field(True, description="title and notes above the panels")
-    panels: Names[PanelName] | None = Field(
-        None, description="panels, from top to bottom; null: the usual ones of the command"
+    title: Flag = entry("title and notes above the panels", True)
+    panels: Names[PanelName] | None = entry(
+        "panels, from top to bottom; null: the usual ones of the command", None
     )
 
 
 class Sweep(Varying):
     """What `cam sweep` does at each speed of a range."""
 
-    vary: Axes = Field((), max_length=2, description="numbers varied instead; two make a map")
-    zoom: Zooms = Field(
-        (), max_length=4, description="parts of the range: values of their own, a panel each"
+    vary: Items[Axis] = entry("numbers varied instead; two make a map", (), max_length=2)
+    zoom: Items[Zoom] = entry(
+        "parts of the range: values of their own, a panel each", (), max_length=4
     )
-    direction: Literal["fixed", "up", "down", "both"] = Field(
-        "fixed", description="start every speed alike, or carry the state up, down, or up and down"
+    direction: Literal["fixed", "up", "down", "both"] = entry(
+        "start every speed alike, or carry the state up, down, or up and down", "fixed"
     )
-    also: Annotated[tuple[Start, ...], BeforeValidator(items)] = Field(
-        (), max_length=16, description="further starts; their rows come after those of run.start"
+    also: Items[Start] = entry(
+        "further starts; their rows come after those of run.start", (), max_length=16
     )
-    adaptive: Flag = Field(False, description="more values where the motion changes (fixed)")
-    decide: Flag = Field(False, description="follow points of a map beyond rounding after a rest")
-    sections: Names[SectionName] = Field(("impacts", "strobe"), description="sections recorded")
-    tables: Literal["csv", "npz", "none"] = Field(
-        "csv", description="form of the sections' tables: text, binary columns, or left out"
+    adaptive: Flag = entry("more values where the motion changes (fixed)", False)
+    decide: Flag = entry("follow points of a map beyond rounding after a rest", False)
+    sections: Names[SectionName] = entry("sections recorded", ("impacts", "strobe"))
+    tables: Literal["csv", "npz", "none"] = entry(
+        "form of the sections' tables: text, binary columns, or left out", "csv"
     )
-    branches: Annotated[str, Field(max_length=4000)] | None = Field(
-        None, description="a branch.csv of cam orbits, drawn over the points"
+    branches: str | None = entry(
+        "a branch.csv of cam orbits, drawn over the points", None, max_length=4000
     )
-    curves: Annotated[str, Field(max_length=4000)] | None = Field(
-        None, description="a curve.csv of cam orbits, drawn over a map"
-    )
-    lyapunov: Flag = Field(False, description="measure the largest exponent at each speed")
-    explain: Flag = Field(False, description="find the cause of every change (direction: fixed)")
+    curves: str | None = entry("a curve.csv of cam orbits, drawn over a map", None, max_length=4000)
+    lyapunov: Flag = entry("measure the largest exponent at each speed", False)
+    explain: Flag = entry("find the cause of every change (direction: fixed)", False)
 
     @field_validator("zoom")
     @classmethod
-    def _zooms_inside(cls, zoom: Zooms, info: ValidationInfo) -> Zooms:
+    def _zooms_inside(cls, zoom: Items[Zoom], info: ValidationInfo) -> Items[Zoom]:
         vary, rpm = (info.data.get(name) for name in ("vary", "rpm"))
         if vary is None or rpm is None:  # a fault of its own
             return zoom
@@ -342,56 +336,49 @@ class Sweep(Varying):
 class Tolerance(Section):
     """By how much a number of the machine may be off."""
 
-    key: Annotated[str, Field(max_length=200)] = Field(
-        description="path of the number, as in --set: follower.mass"
-    )
-    percent: Number = Field(gt=0, le=90, description="largest deviation, percent of the number")
+    key: str = entry("path of the number, as in --set: follower.mass", max_length=200)
+    percent: Number = entry("largest deviation, percent of the number", gt=0, le=90)
 
 
 class DetachRange(RpmRange):
     """Equally spaced speeds of the accumulation curve."""
 
-    start: Speed = Field(110.0, description="first speed, turns per minute")
-    stop: Speed = Field(200.0, description="last speed, turns per minute")
-    num: Whole = Field(181, ge=1, le=MOST_SPEEDS, description="number of speeds")
+    start: Speed = entry("first speed, turns per minute", 110.0)
+    stop: Speed = entry("last speed, turns per minute", 200.0)
+    num: Whole = entry("number of speeds", 181, ge=1, le=MOST_SPEEDS)
 
 
 class Detach(Section):
     """What `cam detach` looks for; it always starts from rest."""
 
-    rpm: DetachRange = Field(default_factory=DetachRange, description="range of speeds")
-    settle: Whole = Field(
-        3, ge=0, le=MOST_TURNS, description="turns from rest before a speed is looked at"
+    rpm: DetachRange = entry("range of speeds", default_factory=DetachRange)
+    settle: Whole = entry("turns from rest before a speed is looked at", 3, ge=0, le=MOST_TURNS)
+    impacts: Whole = entry("corner hits are followed for impacts 1 to this", 8, ge=0, le=1000)
+    force_rpm: Items[Speed] | None = entry(
+        "speeds of the force curves, turns per minute; null: a telling few", None
     )
-    impacts: Whole = Field(
-        8, ge=0, le=1000, description="corner hits are followed for impacts 1 to this"
+    hold_to: Speed | None = entry(
+        "speed up to which a spring shall hold contact; null: not asked", None
     )
-    force_rpm: Annotated[tuple[Speed, ...] | None, BeforeValidator(items)] = Field(
-        None, description="speeds of the force curves, turns per minute; null: a telling few"
+    margin_n: Number | None = entry(
+        "least contact force up to hold_to, N; null: a tenth of the force needed",
+        None,
+        ge=0,
+        le=LARGEST,
     )
-    hold_to: Speed | None = Field(
-        None, description="speed up to which a spring shall hold contact; null: not asked"
+    precompression_m: Number | None = entry(
+        "preload per stiffness where hold_to chooses both, m; null: as it is", None, ge=0, le=1e6
     )
-    margin_n: Annotated[Number, Field(ge=0, le=LARGEST)] | None = Field(
-        None, description="least contact force up to hold_to, N; null: a tenth of the force needed"
-    )
-    precompression_m: Annotated[Number, Field(ge=0, le=1e6)] | None = Field(
-        None, description="preload per stiffness where hold_to chooses both, m; null: as it is"
-    )
-    tolerance: Annotated[tuple[Tolerance, ...], BeforeValidator(items)] = Field(
-        (), max_length=6, description="numbers of the machine that may be off"
-    )
-    machines: Whole = Field(
-        100, ge=1, le=100_000, description="machines sampled within the tolerances"
-    )
+    tolerance: Items[Tolerance] = entry("numbers of the machine that may be off", (), max_length=6)
+    machines: Whole = entry("machines sampled within the tolerances", 100, ge=1, le=100_000)
 
 
 class OrbitsRange(RpmRange):
     """Speeds over which branches are followed; num: the least number of points across them."""
 
-    start: Speed = Field(672.0, description="first speed, turns per minute")
-    stop: Speed = Field(756.0, description="last speed, turns per minute")
-    num: Whole = Field(201, ge=1, le=100_000, description="points across the range, at least")
+    start: Speed = entry("first speed, turns per minute", 672.0)
+    stop: Speed = entry("last speed, turns per minute", 756.0)
+    num: Whole = entry("points across the range, at least", 201, ge=1, le=100_000)
 
 
 class Orbits(Varying):
@@ -401,70 +388,56 @@ class Orbits(Varying):
     say, by keys of the scene.
     """
 
-    rpm: OrbitsRange = Field(default_factory=OrbitsRange, description="range of speeds")
-    vary: Axes = Field((), max_length=2, description="rpm or constants of the follower varied")
-    at: Speed | None = Field(
-        None, description="speed at which orbits are found; null: run.rpm, or the range's middle"
+    rpm: OrbitsRange = entry("range of speeds", default_factory=OrbitsRange)
+    vary: Items[Axis] = entry("rpm or constants of the follower varied", (), max_length=2)
+    at: Speed | None = entry(
+        "speed at which orbits are found; null: run.rpm, or the range's middle", None
     )
-    label: Annotated[str, Field(max_length=400)] | None = Field(
-        None, description="only orbits with this label, P(m;s1:...:sm)"
+    label: str | None = entry("only orbits with this label, P(m;s1:...:sm)", None, max_length=400)
+    starts: Whole = entry("motions simulated beside the scene's start", 24, ge=0, le=100_000)
+    stability: Literal["any", "stable", "unstable"] = entry(
+        "which of the orbits found are followed", "any"
     )
-    starts: Whole = Field(
-        24, ge=0, le=100_000, description="motions simulated beside the scene's start"
+    branches: Whole = entry("branches followed that leave from bifurcations", 3, ge=0, le=1000)
+    simulated: Whole = entry(
+        "values of the parameter simulated, drawn behind branches", 0, ge=0, le=100_000
     )
-    stability: Literal["any", "stable", "unstable"] = Field(
-        "any", description="which of the orbits found are followed"
+    parameter: ParameterName = entry("parameter varied along a branch", "rpm")
+    range: Ends | None = entry(
+        "range of the parameter, or of curve_in; null: around its value", None
     )
-    branches: Whole = Field(
-        3, ge=0, le=1000, description="branches followed that leave from bifurcations"
-    )
-    simulated: Whole = Field(
-        0, ge=0, le=100_000, description="values of the parameter simulated, drawn behind branches"
-    )
-    parameter: ParameterName = Field("rpm", description="parameter varied along a branch")
-    range: Annotated[tuple[Constant, Constant] | None, BeforeValidator(items)] = Field(
-        None, description="range of the parameter, or of curve_in; null: around its value"
-    )
-    curve: CurveKind | None = Field(
-        None, description="kind of bifurcation to continue in two parameters"
-    )
-    curve_in: ParameterName = Field("restitution", description="second parameter of the curve")
-    curve_range: Annotated[tuple[Constant, Constant] | None, BeforeValidator(items)] = Field(
-        None, description="range of curve_in; null: orbits.range if rpm is the first parameter"
+    curve: CurveKind | None = entry("kind of bifurcation to continue in two parameters", None)
+    curve_in: ParameterName = entry("second parameter of the curve", "restitution")
+    curve_range: Ends | None = entry(
+        "range of curve_in; null: orbits.range if rpm is the first parameter", None
     )
 
 
 class BasinsRange(RpmRange):
     """Equally spaced speeds; one where start and stop are equal."""
 
-    start: Speed = Field(358.5, description="first speed, turns per minute")
-    stop: Speed = Field(358.5, description="last speed, turns per minute")
-    num: Whole = Field(41, ge=1, le=100_000, description="number of speeds, if they differ")
+    start: Speed = entry("first speed, turns per minute", 358.5)
+    stop: Speed = entry("last speed, turns per minute", 358.5)
+    num: Whole = entry("number of speeds, if they differ", 41, ge=1, le=100_000)
 
 
 class Basins(Varying):
     """The window of starts at the strobe phase, and how `cam basins` follows them."""
 
-    rpm: BasinsRange = Field(default_factory=BasinsRange, description="range of speeds")
-    q: Span = Field((0.1, 0.9), description="[low, high] of the starts' position, m")
-    v: Span = Field((-50.0, 50.0), description="[low, high] of the starts' velocity, m/s")
-    cells: Annotated[tuple[Side, Side], BeforeValidator(items)] = Field(
-        (200, 200), description="cells along q and along v"
+    rpm: BasinsRange = entry("range of speeds", default_factory=BasinsRange)
+    q: Span = entry("[low, high] of the starts' position, m", (0.1, 0.9))
+    v: Span = entry("[low, high] of the starts' velocity, m/s", (-50.0, 50.0))
+    cells: Annotated[tuple[Side, Side], BeforeValidator(items)] = entry(
+        "cells along q and along v", (200, 200)
     )
-    method: Literal["orbit", "simple"] = Field(
-        "orbit", description="follow every cell, or simple cell mapping: fast and approximate"
+    method: Literal["orbit", "simple"] = entry(
+        "follow every cell, or simple cell mapping: fast and approximate", "orbit"
     )
-    budget: Whole = Field(
-        4000, ge=1, le=10_000_000, description="turns after which a cell is left undecided"
-    )
-    refine: Whole = Field(
-        0, ge=0, le=10, description="times that cells at boundaries are cut in four"
-    )
-    boundary: Flag = Field(False, description="measure the uncertainty exponent of the boundary")
-    exponents: Flag = Field(
-        False, description="multipliers and Lyapunov exponents of the attractors"
-    )
-    saddles: Flag = Field(False, description="find the saddles on the boundaries")
+    budget: Whole = entry("turns after which a cell is left undecided", 4000, ge=1, le=10_000_000)
+    refine: Whole = entry("times that cells at boundaries are cut in four", 0, ge=0, le=10)
+    boundary: Flag = entry("measure the uncertainty exponent of the boundary", False)
+    exponents: Flag = entry("multipliers and Lyapunov exponents of the attractors", False)
+    saddles: Flag = entry("find the saddles on the boundaries", False)
 
     @model_validator(mode="after")
     def _one_size_of_cells(self) -> Basins:
@@ -480,16 +453,16 @@ class Basins(Varying):
 class ClassifyRange(RpmRange):
     """Equally spaced speeds to classify."""
 
-    num: Whole = Field(101, ge=1, le=MOST_SPEEDS, description="number of speeds")
+    num: Whole = entry("number of speeds", 101, ge=1, le=MOST_SPEEDS)
 
 
 class Classify(Varying):
     """What `cam classify` names, measures and explains."""
 
-    rpm: ClassifyRange = Field(default_factory=ClassifyRange, description="range of speeds")
-    starts: Whole = Field(0, ge=0, le=1_000_000, description="further starts at each speed")
-    seed: Whole = Field(0, ge=0, le=10**9, description="which cloud of starts")
-    explain: Flag = Field(False, description="find the cause of every change")
+    rpm: ClassifyRange = entry("range of speeds", default_factory=ClassifyRange)
+    starts: Whole = entry("further starts at each speed", 0, ge=0, le=1_000_000)
+    seed: Whole = entry("which cloud of starts", 0, ge=0, le=10**9)
+    explain: Flag = entry("find the cause of every change", False)
 
     @model_validator(mode="after")
     def _few_enough(self) -> Classify:
@@ -515,10 +488,10 @@ METHODS = get_args(MethodName)
 class Bench(Section):
     """What `cam bench` measures: motions, methods and how often."""
 
-    cases: Names[CaseName] = Field(CASES, description="motions compared by precision")
-    methods: Names[MethodName] = Field(METHODS, description="methods compared by precision")
-    repeats: Whole = Field(3, ge=1, le=1000, description="timings of a point, after a first call")
-    quick: Flag = Field(False, description="a subset, within a minute")
+    cases: Names[CaseName] = entry("motions compared by precision", CASES)
+    methods: Names[MethodName] = entry("methods compared by precision", METHODS)
+    repeats: Whole = entry("timings of a point, after a first call", 3, ge=1, le=1000)
+    quick: Flag = entry("a subset, within a minute", False)
 
 
 def _splits(text: str) -> str:
@@ -537,19 +510,18 @@ def _splits(text: str) -> str:
 class Figure(Section):
     """A figure: what it shows, and the command that draws it from this scene."""
 
-    title: Annotated[str, Field(min_length=1, max_length=200)] = Field(
-        description="what the figure shows, in one line"
+    title: str = entry("what the figure shows, in one line", min_length=1, max_length=200)
+    command: Annotated[str, Field(max_length=1000), AfterValidator(_splits)] = entry(
+        "command and options that draw it, as after `cam`; -c and -o are added"
     )
-    command: Annotated[str, Field(max_length=1000), AfterValidator(_splits)] = Field(
-        description="command and options that draw it, as after `cam`; -c and -o are added"
-    )
-    shows: Annotated[str, Field(max_length=2000)] = Field(
-        "",
-        description="caption, also for who cannot see it; {NAME|.2f} is a number of the run, by "
+    shows: str = entry(
+        "caption, also for who cannot see it; {NAME|.2f} is a number of the run, by "
         "its name in the reference",
+        "",
+        max_length=2000,
     )
-    printed: dict[str, float] = Field(
-        {}, description="numbers of the run, by their names in the reference, as printed elsewhere"
+    printed: dict[str, float] = entry(
+        "numbers of the run, by their names in the reference, as printed elsewhere", {}
     )
 
     @property
@@ -561,20 +533,20 @@ class Figure(Section):
 class Scene(Section):
     """Everything a run depends on."""
 
-    follower: Follower = Field(description="the follower, its spring and its restitution")
-    cam: Cam = Field(description="the cam, by kind")
-    spring: Spring | None = Field(None, description="another way to give the spring")
-    contact: Contact | None = Field(None, description="for the Hertz pressure")
-    run: Run = Field(default_factory=Run, description="one simulation")
-    plot: Plot = Field(default_factory=Plot, description="form of pictures")
-    simulate: Simulate = Field(default_factory=Simulate, description="cam simulate")
-    sweep: Sweep = Field(default_factory=Sweep, description="cam sweep")
-    detach: Detach = Field(default_factory=Detach, description="cam detach")
-    orbits: Orbits = Field(default_factory=Orbits, description="cam orbits")
-    classify: Classify = Field(default_factory=Classify, description="cam classify")
-    basins: Basins = Field(default_factory=Basins, description="cam basins")
-    bench: Bench = Field(default_factory=Bench, description="cam bench")
-    figure: Figure | None = Field(None, description="cam figures: what this scene draws")
+    follower: Follower = entry("the follower, its spring and its restitution")
+    cam: Cam = entry("the cam, by kind")
+    spring: Spring | None = entry("another way to give the spring", None)
+    contact: Contact | None = entry("for the Hertz pressure", None)
+    run: Run = entry("one simulation", default_factory=Run)
+    plot: Plot = entry("form of pictures", default_factory=Plot)
+    simulate: Simulate = entry("cam simulate", default_factory=Simulate)
+    sweep: Sweep = entry("cam sweep", default_factory=Sweep)
+    detach: Detach = entry("cam detach", default_factory=Detach)
+    orbits: Orbits = entry("cam orbits", default_factory=Orbits)
+    classify: Classify = entry("cam classify", default_factory=Classify)
+    basins: Basins = entry("cam basins", default_factory=Basins)
+    bench: Bench = entry("cam bench", default_factory=Bench)
+    figure: Figure | None = entry("cam figures: what this scene draws", None)
 
     @model_validator(mode="before")
     @classmethod
