@@ -82,14 +82,12 @@ class Sweep:
     key: str = "rpm"  # what is varied
     also: Sequence[Start] = ()  # started from too
     bare: Sequence[Speed] = ()  # without their sections, which may be on disk
+    ways: Sequence[tuple[str | int, ...]] = ()  # values of way_names, for each speed
 
     @property
-    def ways(self) -> Sequence[tuple[str, ...]]:
-        """(up,) or (down,) for each speed, () where the state is not carried both ways."""
-        if self.direction != BOTH:
-            return [()] * len(self.speeds)
-        n = len(self.speeds) // (2 * (1 + len(self.also)))
-        return ([(UP,)] * n + [(DOWN,)] * n) * (1 + len(self.also))
+    def way_names(self) -> tuple[str, ...]:
+        """What tells the speeds apart: direction where carried both ways, start of several."""
+        return ("direction",) * (self.direction == BOTH) + ("start",) * bool(self.also)
 
     @property
     def troubled(self) -> list[Speed]:
@@ -165,7 +163,9 @@ def sweep(
         on_speed(speed)
 
     parts: list[Sequence[Speed]] = []
-    for one in tasks:
+    ways: list[tuple[str | int, ...]] = []
+    for number, one in enumerate(tasks):
+        start = (number,) * bool(also)
         if direction == FIXED:
             begin = len(rows)
             parts.append(work.collect(one, values, CODEC, count))
@@ -174,11 +174,14 @@ def sweep(
         for way in (UP, DOWN) if direction == BOTH else {direction} - {FIXED}:
             ordered = sorted(values, reverse=way == DOWN)
             parts.append(work.collect_chain(one.after, None, ordered, CODEC, count))
+            ways += [(way,) * (direction == BOTH) + start] * len(ordered)
+        ways += [start] * (len(rows) - len(ways))
     order = list(range(len(rows)))
     if adaptive and len(parts) > 1:
         order.sort(key=lambda k: rows[k].value)
     cost = sum((speed.cost for speed in rows), Cost())
-    return Sweep(_Joined(parts, order), direction, cost, key, also, [rows[k] for k in order])
+    rows, ways = [rows[k] for k in order], [ways[k] for k in order]
+    return Sweep(_Joined(parts, order), direction, cost, key, also, rows, ways)
 
 
 class _Joined(Sequence[Speed]):

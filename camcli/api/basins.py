@@ -60,7 +60,7 @@ def basins(
         Table ``attractors``: attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm;
         before them the key of another number that is varied.
         Of up to three speeds also ``basins``, a row per cell: q_m, v_m_per_s, attractor (0 is
-        undecided, a negative number a status), of two and three also what is varied. With
+        undecided, a negative number a status); of two and three also rpm, or first the key. With
         ``basins.saddles`` also ``saddles``, the saddles on the boundaries: rpm (or what is varied),
         label, q_m, v_m_per_s, multiplier_1_re to multiplier_2_im, led and tried (motions). In
         ``summary`` the rests whose end only ball arithmetic tells with holds_for as in
@@ -101,8 +101,9 @@ def basins(
         )
     tables = {"attractors": _attractors_table(found, key)}
     if found.grids:
-        columns = (*BASINS, key) if len(found.grids) > 1 else BASINS
-        tables["basins"] = Table(columns, lambda: _cell_blocks(found.grids, question.refine))
+        at = (key,) if len(found.grids) > 1 else ()
+        columns = (*BASINS, *at) if key == "rpm" else (*at, *BASINS)
+        tables["basins"] = Table(columns, lambda: _cell_blocks(found.grids, question.refine, key))
     if section.saddles:
         tables["saddles"] = Table.of_rows((key, *SADDLES), lambda: _saddle_rows(found))
 
@@ -190,13 +191,14 @@ def _saddle_rows(found: Study) -> Iterator[tuple]:
             yield (*at, *multiplier_columns(saddle.orbit.multipliers), saddle.led, saddle.tried)
 
 
-def _cell_blocks(grids: Sequence[Basins], refine: int) -> Iterator[Block]:
+def _cell_blocks(grids: Sequence[Basins], refine: int, key: str) -> Iterator[Block]:
     """Speed by speed, row by row in v, then q; of a refined grid the cells that were not cut."""
     for grid in grids:
         numbers = np.array([*grid.branches, *range(grid.codes.min(initial=0), 1)])
         for q, v, codes in _cells(grid, refine):
             known = numbers[np.asarray(codes, dtype=int) - 1]
-            yield (q, v, known, grid.value) if len(grids) > 1 else (q, v, known)
+            at = (grid.value,) if len(grids) > 1 else ()
+            yield (q, v, known, *at) if key == "rpm" else (*at, q, v, known)
 
 
 def _cells(grid: Basins, refine: int) -> Iterator[Block]:

@@ -95,7 +95,8 @@ def sweep(
         where the cam is within a hundredth of its lift above the lowest); NaN where they do not
         apply; holds_for as in ``classify``.
         The first column bears the key of what is varied, rpm for the speed; where the state is
-        carried both ways the last one, direction, says up or down.
+        carried both ways a last one, direction, says up or down; with ``also`` a last one, start,
+        says from which: 0 is ``run.start``.
         With ``sweep.explain`` also ``corners``, the corner impacts behind the changes.
         ``sweep.sections`` and ``sweep.tables`` leave out what is not wanted.
 
@@ -295,14 +296,13 @@ def _result(
 ) -> Result:
     scene, section = machine.scene, machine.scene.sweep
     cost, summary, cut = found.cost, _summary(found), []
-    way = ("direction",) if found.direction == BOTH else ()
     tables: dict[str, Table] = {
-        name: Table((found.key, *columns, *way), partial(blocks, found, name))
+        name: Table((found.key, *columns, *found.way_names), partial(blocks, found, name))
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
         if name in section.sections and section.tables != "none"
     }
     tables["speeds"] = Table.of_rows(
-        (found.key, *SPEEDS, *way),
+        (found.key, *SPEEDS, *found.way_names),
         lambda: ((*speed_row(a), *b) for a, b in zip(found.bare, found.ways, strict=True)),
     )
     if explanation is not None:
@@ -368,13 +368,13 @@ def _summary(found: Sweep) -> dict[str, Any]:
         "holds_for": Counter(filter(None, (speed.holds_for for speed in found.bare))),
         "ranges": [
             {"label": label, "status": status, "from_rpm": a.value, "to_rpm": b.value, "speeds": n}
-            | ({"direction": way[0]} if way else {})
+            | dict(zip(found.way_names, way, strict=True))
             for label, status, way, a, b, n in ranges(found)
         ],
     }
 
 
-def ranges(found: Sweep) -> list[tuple[str, str, tuple[str, ...], Speed, Speed, int]]:
+def ranges(found: Sweep) -> list[tuple[str, str, tuple[str | int, ...], Speed, Speed, int]]:
     """(label, status, way, first, last, count) of consecutive speeds alike in the first three."""
     groups = []
     for (label, status, way), members in groupby(

@@ -62,7 +62,7 @@ def basins(
     --rpm LO:HI gives fractions against speed; an attractor keeps its number while its state goes
     on continuously, or while each started at the other's speed ends on the other.
     --vary KEY=LO:HI varies any number of follower, cam or run at the speed --rpm; the first column
-    of attractors.csv then bears the KEY.
+    of each table then bears the KEY.
     --exponents appends multiplier_1_re, ..., lyapunov_per_period to attractors.csv: multipliers
     where the orbit is solved, the largest exponent per turn everywhere (-inf where it rests).
     --saddles brings starts on either side of a boundary together; the motion between them is led to

@@ -55,7 +55,8 @@ def sweep(
     state from speed to speed in that order; fixed starts every speed alike.
     --zoom LO:HI gives a part of the range values of its own, 201 or M of --points N,M, and a panel;
     it may be given again.
-    sweep.also: [{q: 0.5, v: 30}] starts each speed from there too, for motions side by side.
+    sweep.also: [{q: 0.5, v: 30}] starts each speed from there too, for motions side by side: a last
+    column of all tables, start, says from which (0: run.start).
     --both carries it up, then down: a last column of all tables, direction, tells up from down.
     --adaptive adds values where the motion changes, down to the width of a column of the picture.
     --branches FILE draws solved branches over the points, stable solid and unstable dashed.
@@ -103,13 +104,13 @@ def show(result: Result) -> None:
         return
     groups = ranges(found)
     rows = [
-        [label, motion(label), f"{a.value:.10g}", f"{b.value:.10g}", *way, str(n), status]
+        [label, motion(label), f"{a.value:.10g}", f"{b.value:.10g}", *map(str, way), str(n), status]
         for label, status, way, a, b, n in groups
     ]
     what = "speed" if found.key == "rpm" else "value"
     title = plural(len(found.speeds), what) + at_speed([found.key], found.bare[0].rpm)
     title += f", {plural(len(groups), 'range')} of one label"
-    ends = [f"from ({found.key})", f"to ({found.key})", *["direction"] * len(found.ways[0])]
+    ends = [f"from ({found.key})", f"to ({found.key})", *found.way_names]
     table(title, ["label", "motion", *ends, f"{what}s", "status"], rows, "speeds.csv")
     if explanation is not None:
         show_explanation(explanation)

@@ -23,6 +23,7 @@ from camcli.errors import Fault, SceneError
 
 DTYPES = ("<f8", "<i8", "<i4", "<i2", "|i1", "|b1", "|u1")
 MOST_KEY = 1 << 24  # bytes of the first line
+SUM = 8  # bytes that a line begins with
 CAUTIOUS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 APPENDING = os.O_WRONLY | os.O_CREAT | os.O_APPEND
 SYNC = 1.0  # s between two waits for the disk: what a power cut costs
@@ -70,9 +71,8 @@ class Checkpoint:
         self.size += end
         if first is None and path == self.path:
             file.seek(0)
-            head = file.read(MOST_KEY)
-            # Nothing, or a first line that was torn, or that a power cut has left as zeros.
-            if _line(KEY, 0, key).startswith(head) or head.startswith(bytes(8)):
+            head = file.read(SUM)  # of nothing, of a first line that was cut, or of zeros
+            if _line(KEY, 0, key).startswith(head) or head == bytes(SUM):
                 return 0
         if first != (KEY, 0, key):
             raise refused(path, "found no pieces of this run", "expected them")

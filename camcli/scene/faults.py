@@ -67,12 +67,12 @@ def findings(document: Document, error: ValidationError) -> Iterator[Finding]:
 def _refused(document: Document, path: Path, cause: SceneError) -> Iterator[Finding]:
     """Findings of a check of its own; faults of a file that the scene names stand in that file."""
     for fault in cause.faults:
-        mark = document.place(path).key
+        whole = (*path, fault.path) if fault.path else path
+        mark = document.place(whole).key
         if fault.where:
             name, line, column = _WHERE.findall(fault.where)[0]
             rank = document.place(()).value.rank
             mark = Mark(rank, shown(name, 500), int(line or 0), int(column or 1))
-        whole = (*path, fault.path) if fault.path else path
         found, expected = shown(fault.found, 300), shown(fault.expected, 300)
         yield Finding(mark, whole, found, expected, fault.cure)
 

@@ -442,11 +442,9 @@ class Basins(Varying):
     @model_validator(mode="after")
     def _one_size_of_cells(self) -> Basins:
         if self.method == "simple" and self.refine:
-            raise refused(
-                f"found basins.refine = {self.refine} with the method simple",
-                "expected the method orbit: a cell map has one size of cells",
-                "use --method orbit, or more --cells",
-            )
+            found, cure = f"found {self.refine} with the method simple", "or more --cells"
+            expected = "expected the method orbit: a cell map has one size of cells"
+            raise SceneError(Fault("", "refine", found, expected, f"use --method orbit, {cure}"))
         return self
 
 

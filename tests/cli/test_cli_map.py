@@ -143,12 +143,13 @@ def test_motions_from_further_starts_come_after_those_of_the_first(cam, tmp_path
     done = cam(f"sweep --rpm 358.5 {words} --set", "'sweep.also=[{q: 0.55, v: 32.5}]'")
     assert done.returncode == 0, done.stderr
     found = rows(tmp_path / "out/sweep/speeds.csv")
-    assert [(row["rpm"], row["label"]) for row in found] == [
-        ("358.5", "P(3;3:3:2)"),
-        ("358.5", "P(1;2)"),
+    assert [(row["rpm"], row["label"], row["start"]) for row in found] == [
+        ("358.5", "P(3;3:3:2)", "0"),
+        ("358.5", "P(1;2)", "1"),
     ]
-    points = [float(row["q_m"]) for row in rows(tmp_path / "out/sweep/strobe.csv")]
-    assert (len(points), points[-1]) == (24, pytest.approx(0.546, abs=1e-3))
+    points = rows(tmp_path / "out/sweep/strobe.csv")
+    assert [row["start"] for row in points] == ["0"] * 12 + ["1"] * 12
+    assert float(points[-1]["q_m"]) == pytest.approx(0.546, abs=1e-3)
 
 
 @pytest.mark.parametrize("row", ["", "1,P(1;1),700,1,155,0.2", "1,2,3,4,5,6,7", "1,2,3"])

@@ -15,7 +15,7 @@ from hypothesis.extra import numpy as arrays_of
 
 from camcli.errors import SceneError
 from camcli.parallel import Checkpoint
-from camcli.parallel.checkpoint import DTYPES, END, key_of, pack, records, unpack
+from camcli.parallel.checkpoint import DTYPES, END, SUM, key_of, pack, records, unpack
 
 SHAPES = arrays_of.array_shapes(min_dims=1, max_dims=3, min_side=0, max_side=4)
 ARRAYS = st.sampled_from(DTYPES).flatmap(
@@ -125,14 +125,22 @@ def test_a_flipped_bit_costs_its_piece_and_those_behind_it(tmp_path):
         damaged[at // 8] ^= 1 << at % 8
         path.write_bytes(damaged)
         before = sum(mark * 8 <= at for mark in marks)
-        if before == 0:  # not known to be ours: left as it is
+        if at < 8 * SUM:  # not known to be ours: left as it is
             with pytest.raises(SceneError, match="no pieces of this run"):
                 Checkpoint(path, "work")
             assert path.read_bytes() == damaged
             continue
         checkpoint = Checkpoint(path, "work")
-        assert found(checkpoint) == dict(list(PIECES.items())[: before - 1])
+        assert found(checkpoint) == dict(list(PIECES.items())[: max(0, before - 1)])
         checkpoint.close()
+
+
+def test_a_file_cut_in_its_first_line_under_the_run_is_begun_anew(tmp_path):
+    whole = written(tmp_path / "c")
+    (tmp_path / "c").write_bytes(whole[:12] + whole[ends(tmp_path / "c")[0] :])
+    checkpoint = Checkpoint(tmp_path / "c", "work")
+    assert (checkpoint.resumed, checkpoint.pieces) == (0, 0)
+    checkpoint.close()
 
 
 def test_a_head_that_a_power_cut_left_as_zeros_starts_anew(tmp_path):
