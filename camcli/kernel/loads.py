@@ -7,6 +7,7 @@ a cell apart at most, CELL or an eighth of the follower's own period, or at an e
 """
 
 from dataclasses import dataclass
+from math import inf, sqrt
 
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.kernel.flow import move
@@ -18,6 +19,7 @@ CELL = TURN / 16.0
 SLIVER = 1e-12  # rad: a rest that ends at a corner ends before it
 STEPS = 40  # of Newton's method or a bisection, at most
 GOES_ON, AIRBORNE, AT_REST = -1, 0, 1  # how a call ends
+ROUNDING = 1e-12  # share of the terms of a bound, more than their rounding
 FLAT = 1e-9  # rad: nearer to an extremum its value is exact to rounding
 SHUT = 0.01  # of the whole lift: a cam that is lifted by no more counts as shut
 BOUNCE = 0.1  # of the hardest impact before: a softer one is no bounce that counts
@@ -171,17 +173,21 @@ def _force(load, force):
 def _fly(cam, const, theta, q, w, span, steepest, cell, load):
     """The gap over a flight of `span` rad from (q, w) at theta.
 
-    It is left out where u s + steepest s^2/2, which no flight exceeds, is below a gap seen before.
+    It is left out where u s + steepest s^2/2, which no flight exceeds, is below a gap seen before,
+    and so is a stretch above which even the highest point of the flight would be.
     """
     load.airborne += span
     flown, i = 0.0, stretch_at(cam, theta)
     c, c1, _ = lift_at(cam, i, theta)
     if (q - c) + (max(w - c1, 0.0) + 0.5 * steepest * span) * span <= load.max_gap:
         return
+    highest = _highest(const, q, w)
     while flown < span:
         size = min(cam.stretches[i].end - theta, span - flown)
-        cells = int(size / cell) + 1
-        rate, _ = _gap(cam, const, i, theta, q, w, flown, load)
+        cells = int(size / cell) + 1 if highest - cam.stretches[i].c_min > load.max_gap else 0
+        rate = 0.0
+        if cells > 0:
+            rate, _ = _gap(cam, const, i, theta, q, w, flown, load)
         for k in range(cells):
             low, high = size * (k / cells), size * ((k + 1) / cells)
             after, _ = _gap(cam, const, i, theta + high, q, w, flown + high, load)
@@ -203,6 +209,17 @@ def _fly(cam, const, theta, q, w, span, steepest, cell, load):
         if i == len(cam.stretches):
             i = 0
         theta = cam.stretches[i].start
+
+
+@inlined
+def _highest(const, q, w):
+    """No less than any q of a flight from (q, w): w^2 + W^2 q^2 + 2 G q never grows."""
+    spring, fall = w * w + const.W2 * q * q, const.G + const.W2 * q
+    root = const.G + sqrt(fall * fall + const.W2 * w * w)
+    if const.G < 0.0 or root <= 0.0:
+        return inf
+    weight = 2.0 * const.G * q
+    return (spring + weight + ROUNDING * (spring + abs(weight))) / root
 
 
 @inlined
