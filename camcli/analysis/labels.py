@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import inf
 
+import numpy as np
+
 from camcli.analysis.integrate import Record
 from camcli.analysis.orbits.same_orbit import CLOSE, SAME, State, distance, size_of
 from camcli.errors import Status
@@ -76,9 +78,9 @@ def period_of(label: str) -> int:
 def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
     """States at the strobes that begin its whole turns (m, m/rad), and the symbols of these."""
     columns = record.strobe_q, record.strobe_w, record.impacts, record.chatter
-    q, w, impacts, chatter = (column[: record.periods].tolist() for column in columns)
-    symbols = [inf if c else float(i) for i, c in zip(impacts, chatter, strict=True)]
-    return list(zip(q, w, strict=True)), symbols
+    q, w, impacts, chatter = (column[: record.periods] for column in columns)
+    symbols = np.where(chatter != 0, inf, impacts)
+    return list(zip(q.tolist(), w.tolist(), strict=True)), symbols.tolist()
 
 
 def label(record: Record) -> str:

@@ -59,6 +59,8 @@ class Machine:
         self.Z2 = 2 * self.Z
         self.G = (g + load / m) / (omega * omega)
         damped = b * b - 4 * k * m
+        self.undamped = isinstance(self.Z, arb) and self.Z == 0
+        self.sprung = head(self.W2) != 0
         self.critical = head(damped) == 0
         self.over = not self.critical and below(0, head(damped))
         self.frequency = (damped if self.over else -damped).sqrt() / (2 * m * omega)
@@ -91,19 +93,20 @@ class Machine:
         exp((+-f - Z) s). B' = C - Z B, P = (1 - C - Z B)/W^2; without a spring P = (s - B)/(2 Z),
         or s^2/2.
         """
-        f, zs = self.frequency, self.Z * s
+        f = self.frequency
         if self.over:
-            e1, e2 = (f * s - zs).exp(), (-f * s - zs).exp()
+            e1, e2 = ((f - self.Z) * s).exp(), ((-f - self.Z) * s).exp()
             b, c = (e1 - e2) / (2 * f), (e1 + e2) / 2
         else:
-            decay = (-zs).exp()
-            sine, cosine = (s, arb(1)) if self.critical else (f * s).sin_cos()
-            b, c = decay * (sine if self.critical else sine / f), decay * cosine
-        if head(self.W2) != 0:
-            p = (1 - c - self.Z * b) / self.W2
-        else:
-            p = s * s / 2 if head(self.Z) == 0 else (s - b) / (2 * self.Z)
-        return b, c - self.Z * b, p
+            sine, c = (s, arb(1)) if self.critical else (f * s).sin_cos()
+            b = sine if self.critical else sine / f
+        if self.undamped:
+            return b, c, (1 - c) / self.W2 if self.sprung else s * s / 2
+        if not self.over:
+            decay = (-self.Z * s).exp()
+            b, c = decay * b, decay * c
+        zb = self.Z * b
+        return b, c - zb, (1 - c - zb) / self.W2 if self.sprung else (s - b) / self.Z2
 
     def move(self, q: arb, w: arb, s: arb) -> list[arb]:
         """q (m) and its first three derivatives by the angle after s rad of flight from (q, w)."""
