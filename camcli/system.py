@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite, pi
 from typing import NamedTuple
 
-from camcli.cams.compile import Part, Shape, build, column, corners
+from camcli.cams.compile import Shape, build, column, corners
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import Kernel
 from camcli.kernel.cam_table import Cam
@@ -36,24 +35,17 @@ def omega_of(rpm: float) -> float:
 class System:
     """A follower on a cam, seen through a strobe phase (rad boundaries are in the table).
 
-    `shape` makes the cam's functions in other numbers, for who needs more digits than the table
-    holds; a System without it is equal.
+    `shape` gives the cam's functions, for who needs more digits than the table holds.
     """
 
     follower: Follower
     cam: Cam
-    shape: Shape | None = field(default=None, compare=False, repr=False)
+    shape: Shape = field(compare=False, repr=False)
 
     @classmethod
-    def build(
-        cls,
-        follower: Follower,
-        parts: Sequence[Part],
-        strobe_deg: float = 0.0,
-        shape: Shape | None = None,
-    ) -> System:
-        """Compile the cam's parts; strobe_deg becomes a boundary of the table."""
-        return cls(follower, build(parts, strobe_deg), shape)
+    def build(cls, follower: Follower, shape: Shape, strobe_deg: float = 0.0) -> System:
+        """Compile the cam; strobe_deg becomes a boundary of the table."""
+        return cls(follower, build(shape, strobe_deg), shape)
 
     def with_follower(self, **changes: float) -> System:
         """The same cam under another follower."""

@@ -22,7 +22,7 @@ def chapter_system(strobe_deg: float = 0.0, **follower) -> System:
     """The chapter's machine with some constants of the follower replaced."""
     scene = load_scene(None)
     values = {**scene.follower.model_dump(), **follower}
-    return System.build(Follower(**values), scene.cam.parts(), strobe_deg, scene.cam)
+    return System.build(Follower(**values), scene.cam, strobe_deg)
 
 
 def settings(transient: int = 0, record: int = 1, tolerance: float = 1e-9, **start) -> Settings:

@@ -14,8 +14,8 @@ import numpy as np
 from flint import arb
 
 from camcli.analysis.bench.machine import events, orbit
+from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.compile import column
-from camcli.exact.balls import UndecidedError, precision
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import Machine
 from camcli.kernel.sticking import contact_accel
@@ -47,7 +47,7 @@ class Flight(NamedTuple):
 @cache
 def cam_of(name: str) -> System:
     cam = load_scene(f"configs/{name}.yaml").cam
-    return System.build(Follower(1, 1), cam.parts(), 0.0, cam)
+    return System.build(Follower(1, 1), cam)
 
 
 def machine_on(name: str, rng: np.random.Generator) -> tuple[System, float, float]:

@@ -17,17 +17,16 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from enum import StrEnum
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 from camcli.analysis.integrate import Record, Start
 from camcli.analysis.labels import LONGEST_PERIOD
 from camcli.analysis.orbits.identify import departures
 from camcli.analysis.orbits.same_orbit import distance, size_of
+from camcli.cams.balls import DIGITS, UndecidedError, decided
 from camcli.cams.compile import Shape
+from camcli.exact.machine import Machine
+from camcli.exact.motion import EndlessError, Motion
 from camcli.system import Follower, System, omega_of
-
-if TYPE_CHECKING:
-    from camcli.exact.motion import Motion
 
 SETTLED, WANDERS, CYCLE, UNKNOWN = "settled", "wanders", "cycle", "unknown"
 LAST_DIGIT_DIGITS = (60,)  # for balls of 1e-16
@@ -128,8 +127,6 @@ def of_machine(
     system: System, rpm: float, theta: float, share: Decimal | None = Decimal(0)
 ) -> After:
     """One machine's motion, its speed larger by a share; None: that of all with this speed."""
-    if system.shape is None:
-        return After(UNKNOWN)
     return _of_shape(system.shape, system.follower, system.strobe, rpm, theta, share)
 
 
@@ -138,9 +135,6 @@ def _of_shape(
     shape: Shape, follower: Follower, strobe: float, rpm: float, theta: float, share: Decimal | None
 ) -> After:
     """The same; other starts at a speed, or a sweep the other way, come to the same rest."""
-    from camcli.exact.balls import DIGITS, UndecidedError, decided
-    from camcli.exact.machine import Machine
-    from camcli.exact.motion import EndlessError, Motion
 
     def followed() -> After:
         if share is None:
@@ -156,8 +150,6 @@ def _of_shape(
 
 
 def _followed(motion: Motion) -> After:
-    from camcli.exact.balls import UndecidedError
-
     trail, states = motion.trail, list[State]()
     while len(states) < LONGEST and len(trail.impacts) < MOST_IMPACTS:
         for q, w in trail.states[len(states) :]:

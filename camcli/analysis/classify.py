@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from math import inf
-from typing import TYPE_CHECKING
 
+from camcli.analysis.after_rest import CYCLE, HoldsFor, after_first_rest
 from camcli.analysis.exponents import Exponents, of_orbit, of_record
 from camcli.analysis.integrate import (
     AtSpeeds,
@@ -29,9 +29,6 @@ from camcli.kernel import backend
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.parallel import in_threads
 from camcli.system import System
-
-if TYPE_CHECKING:
-    from camcli.analysis.after_rest import HoldsFor
 
 COMPLETE, INCOMPLETE, NONE = "complete", "incomplete", "none"
 BURST = 8  # impacts in a row, each weaker than the one before, that make an incomplete chatter
@@ -176,8 +173,6 @@ def _after_rest(
     system: System, rpm: float, settings: Settings, record: Record
 ) -> tuple[PeriodicOrbit | None, Exponents | None, Record, HoldsFor | None]:
     """(orbit, exponents, record) of the true motion after a rest, if known, and for whom it is."""
-    from camcli.analysis.after_rest import CYCLE, after_first_rest
-
     found = after_first_rest(system, rpm, record)
     if found.kind == CYCLE:
         orbit = resting_orbit(system, rpm, found.states, found.symbols, found.leaves)

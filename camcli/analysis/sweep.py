@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
 from itertools import pairwise
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from camcli.analysis.classify import Motion, classify_at
 from camcli.analysis.integrate import (
     AtSpeeds,
     Cost,
@@ -30,9 +31,6 @@ from camcli.kernel.cam_table import lift_at
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.parallel import Codec, Work
 from camcli.system import System, omega_of
-
-if TYPE_CHECKING:
-    from camcli.analysis.classify import Motion
 
 FIXED, UP, DOWN, BOTH = "fixed", "up", "down", "both"
 FINEST = 1200  # of the range: an adaptive sweep goes down to steps of one of so many parts
@@ -370,8 +368,6 @@ def true_motion(
 
     The record itself where each of its turns is of the orbit named, or where none is.
     """
-    from camcli.analysis.classify import classify_at
-
     motion = classify_at(system, rpm, settings, start)
     orbit = motion.orbit
     if orbit is None:

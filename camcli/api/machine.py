@@ -41,7 +41,7 @@ def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Mach
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     follower = Follower(*(getattr(scene.follower, f.name) for f in fields(Follower)))
     strobe = scene.run.strobe_deg
-    system = System.build(follower, scene.cam.parts(), strobe, scene.cam)
+    system = System.build(follower, scene.cam, strobe)
     scene, said = ranged(scene, system)
     run = scene.run
     settings = Settings(

@@ -10,14 +10,14 @@ The lobe is symmetric about 180 deg.
 
 from __future__ import annotations
 
-from decimal import Decimal, localcontext
+from decimal import Decimal
 from typing import Annotated, Any, Literal
 
+from flint import arb
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from camcli.cams import decimals
-from camcli.cams.compile import Part
-from camcli.cams.decimals import DIGITS, Numbers, pi
+from camcli.cams.balls import acos, precision, radians
+from camcli.cams.compile import DIGITS, Part
 
 Length = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 CLOSURE = 1e-9  # largest gap between circles that should touch, relative to the flank radius
@@ -60,60 +60,51 @@ class ArcsCam(BaseModel):
         ):  # fmt: skip
             if wrong:
                 raise ValueError(message)
-        lobe = 2 * float(self._angles()[0]) * 180 / float(pi()) + self.top_dwell_deg
+        with precision(DIGITS):
+            lobe = float(360 * self._angles()[0] / arb.pi()) + self.top_dwell_deg
         if lobe > 360:
             raise ValueError(
                 f"flanks, noses and top dwell take {lobe:.6g} deg, {lobe - 360:.6g} deg too much"
             )
         return self
 
-    def _angles(self, numbers: Numbers = decimals) -> tuple[Any, Any]:
+    def _angles(self) -> tuple[arb, arb]:
         """(angle a-O-c, angle a-O-b) in rad, from the triangle O1 O O2.
 
         |O1 O2| = flank_radius - nose_radius (internal tangency), |O O1| = flank_center on the far
         side of a, |O O2| = nose_center towards c; b lies on the line O1 O2 beyond O2.
         """
-        with localcontext() as context:
-            context.prec = DIGITS
-            k1, k2 = numbers.number(self.flank_center), numbers.number(self.nose_center)
-            rho1 = k1 + numbers.number(self.base_radius)  # closed exactly on the base circle
-            side = rho1 - numbers.number(self.nose_radius)
-            cosine = (k1 * k1 + k2 * k2 - side * side) / (2 * k1 * k2)
-            rise = numbers.pi() - numbers.acos(cosine)
-            sine, cosine = numbers.sincos(rise)
-            # O at 0, a along x: O1 = (-k1, 0), O2 = k2 (cos rise, sin rise), b = O1 + rho1 unit
-            across = rho1 * k2 * sine / side
-            along = rho1 * (k2 * cosine + k1) / side - k1
-            radius = (across * across + along * along).sqrt()
-            return rise, numbers.acos(along / radius)
+        k1, k2 = arb(self.flank_center), arb(self.nose_center)
+        rho1 = k1 + self.base_radius  # closed exactly on the base circle
+        side = rho1 - self.nose_radius
+        rise = arb.pi() - acos((k1 * k1 + k2 * k2 - side * side) / (2 * k1 * k2))
+        sine, cosine = rise.sin_cos()
+        # O at 0, a along x: O1 = (-k1, 0), O2 = k2 (cos rise, sin rise), b = O1 + rho1 unit
+        across = rho1 * k2 * sine / side
+        along = rho1 * (k2 * cosine + k1) / side - k1
+        return rise, acos(along / (across * across + along * along).sqrt())
 
-    def parts(self, numbers: Numbers = decimals) -> list[Part]:
+    def parts(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
-        number = numbers.number
-        rise, flank = self._angles(numbers)
-        with localcontext() as context:
-            context.prec = DIGITS
-            half = numbers.radians(Decimal(self.top_dwell_deg)) / 2
-            c = numbers.pi() - half
-            turn, a, b = 2 * numbers.pi(), c - rise, c - rise + flank
-            d, e, f = turn - c, turn - b, turn - a
-            offset = number(self.offset)
-            base = number(self.base_radius) - offset
-            top = number(self.nose_center) + number(self.nose_radius) - offset
-        k1, k2 = number(self.flank_center), number(self.nose_center)
-        rho1, rho2 = k1 + number(self.base_radius), number(self.nose_radius)
+        rise, flank = self._angles()
+        c, turn = arb.pi() - radians(Decimal(self.top_dwell_deg)) / 2, 2 * arb.pi()
+        a, b = c - rise, c - rise + flank
+        d, e, f = turn - c, turn - b, turn - a
+        k1, k2, offset = arb(self.flank_center), arb(self.nose_center), arb(self.offset)
+        rho1, rho2 = k1 + self.base_radius, arb(self.nose_radius)
+        base, top = self.base_radius - offset, k2 + rho2 - offset
 
-        def circle(low: Any, high: Any, sign: int, kappa: Any, rho: Any, zero: Any) -> Part:
+        def circle(low: arb, high: arb, sign: int, kappa: arb, rho: arb, zero: arb) -> Part:
             """c = b + h - offset: a = sign kappa sin x, b = a', h^2 = rho^2 - a^2; x from zero."""
             center, square = sign * kappa, rho * rho
 
             def radius(theta: Any) -> Any:
-                sine, cosine = numbers.sincos(theta - zero)
+                sine, cosine = (theta - zero).sin_cos()
                 inside = rho * rho - kappa * kappa * sine * sine
                 return sign * kappa * cosine + inside.sqrt() - offset
 
             def slopes(theta: Any) -> list[Any]:
-                sine, cosine = numbers.sincos(theta - zero)
+                sine, cosine = (theta - zero).sin_cos()
                 a, b = center * sine, center * cosine
                 h, ab = (square - a * a).sqrt(), a * b
                 h1 = -ab / h  # of (h^2)' = -2 a b, and so on
@@ -124,7 +115,7 @@ class ArcsCam(BaseModel):
             return Part(low, high, radius, slopes=slopes)
 
         parts = [
-            Part(number(0), a, None, base),
+            Part(arb(0), a, None, base),
             circle(a, b, -1, k1, rho1, a),
             circle(b, c, 1, k2, rho2, c),
             Part(c, d, None, top),

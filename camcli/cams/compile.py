@@ -1,6 +1,6 @@
-"""A cam's smooth parts, and the kernel's table of them: `build(parts, strobe)`.
+"""A cam's smooth parts, and the kernel's table of them: `build(shape, strobe)`.
 
-A kind of cam gives its parts as functions of theta in decimals. Each is interpolated at Chebyshev
+A kind of cam gives its parts as functions of theta in balls. Each is interpolated at Chebyshev
 nodes and cut into equal pieces until the last coefficients no longer matter; the stretches of the
 table (`kernel.cam_table.Cam`) are the parts, cut once more at the strobe phase.
 """
@@ -11,12 +11,14 @@ import itertools
 from bisect import bisect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from decimal import Decimal, localcontext
+from decimal import Decimal
 from functools import cache
 from math import factorial, inf
 from typing import Any, Protocol
 
-from camcli.cams.decimals import DIGITS, Numbers, pi, radians, sincos
+from flint import arb, arb_mat, fmpz_poly
+
+from camcli.cams.balls import precision, radians
 from camcli.kernel.cam_table import (
     ORDERS,
     TERMS,
@@ -28,12 +30,13 @@ from camcli.kernel.cam_table import (
     stretch_at,
 )  # fmt: skip
 
+DIGITS = 60  # from which coefficients round to the same doubles on every machine
 MOST_PIECES = 64
 CUTS = 4  # cells of a piece in its bounds
 CELLS = 16  # of a stretch in its bounds, at least
-ACCEL_TAIL = Decimal("1e-14")  # neglected part of c_thetatheta, relative to its size
-LIFT_TAIL = Decimal("1e-18")  # neglected part of c, relative to its size
-NOISE = Decimal("1e-36")  # a term of c below it, relative to c, is rounding: a ramp has no curve
+ACCEL_TAIL = 1e-14  # neglected part of c_thetatheta, relative to its size
+LIFT_TAIL = 1e-18  # neglected part of c, relative to its size
+NOISE = 1e-36  # a term of c below it, relative to c, is rounding: a ramp has no curve
 TAYLOR_ERROR = 2e-17  # m/rad, allowed remainder of the slope of the gap's local series
 SLIVER = 1e-12  # rad: a stretch shorter than this is left to its neighbour
 SMALLEST_KICK = 1e-9  # m/rad: a jump of c_theta below it is rounding
@@ -49,29 +52,27 @@ class Part:
     theta -> c and its first three derivatives, where that is faster than a power series.
     """
 
-    start: Any  # numbers of one kind, `Decimal` unless the maker was asked for others
-    end: Any
-    lift: Callable[[Any], Any] | None
-    level: Any = Decimal(0)  # m, c of a dwell
+    start: arb
+    end: arb
+    lift: Callable[[Any], Any] | None  # of a ball, or of a power series of balls
+    level: Any = 0  # m, c of a dwell
     pieces: tuple[Piece, ...] = ()
     slopes: Callable[[Any], list[Any]] | None = None
 
     def edges(self) -> list[float]:
         """Boundaries of the part's own pieces, rad: the stretch around a cut must end there."""
         count = len(self.pieces)
-        with localcontext() as context:
-            context.prec = DIGITS
-            width = (self.end - self.start) / max(1, count)
-            return [float(self.start + width * k) for k in range(count)] + [float(self.end)]
+        width = (self.end - self.start) / max(1, count)
+        return [float(self.start + width * k) for k in range(count)] + [float(self.end)]
 
 
 class Shape(Protocol):
-    """A kind of cam: it gives its smooth parts in the numbers asked for."""
+    """A kind of cam."""
 
     def __hash__(self) -> int: ...
 
-    def parts(self, numbers: Numbers = ...) -> list[Part]:
-        """The smooth parts of one turn from 0 to 2 pi."""
+    def parts(self) -> list[Part]:
+        """The smooth parts of one turn from 0 to 2 pi, in the digits in use."""
 
 
 @dataclass(frozen=True)
@@ -117,50 +118,28 @@ class Piece:
 
 
 @cache
-def _nodes() -> tuple[list[Decimal], list[list[Decimal]]]:
-    """Chebyshev nodes on [-1, 1], and the matrix from values there to Chebyshev coefficients."""
-    with localcontext() as context:
-        context.prec = DIGITS
-        step = pi() / (2 * TERMS)
-        table = [sincos(step * j)[1] for j in range(4 * TERMS)]
-        nodes = [table[2 * j + 1] for j in range(TERMS)]
-        rows = [
-            [2 * table[k * (2 * j + 1) % (4 * TERMS)] / TERMS for j in range(TERMS)]
-            for k in range(TERMS)
-        ]
-        rows[0] = [value / 2 for value in rows[0]]
-        return nodes, rows
-
-
-@cache
-def _chebyshev() -> list[list[int]]:
-    """Power coefficients of T_0 .. T_{TERMS-1}, by T_{k+1} = 2 x T_k - T_{k-1}."""
-    rows = [[1], [0, 1]]
-    while len(rows) < TERMS:
-        twice = [0] + [2 * value for value in rows[-1]]
-        before = rows[-2] + [0] * (len(twice) - len(rows[-2]))
-        rows.append([a - b for a, b in zip(twice, before, strict=True)])
-    return rows
+def _chebyshev() -> tuple[list[arb], arb_mat, arb_mat]:
+    """Chebyshev nodes on [-1, 1], and matrices: values there to sum a_k T_k, a_k to powers of x."""
+    step, terms = arb.pi() / (2 * TERMS), range(TERMS)
+    rows = [[(k * (2 * j + 1) * step).cos() * min(k + 1, 2) / TERMS for j in terms] for k in terms]
+    powers = [[fmpz_poly.chebyshev_t(k)[j] for k in terms] for j in terms]
+    return [((2 * j + 1) * step).cos() for j in terms], arb_mat(rows), arb_mat(powers)
 
 
 def _fit(lift: Callable[[Any], Any], low: float, high: float) -> tuple[Piece, bool]:
     """The interpolating piece on [low, high], and whether its tail is negligible."""
     center, half = (low + high) / 2, (high - low) / 2
-    nodes, rows = _nodes()
-    middle, width = Decimal(center), Decimal(half)
-    values: list[Decimal] = [lift(middle + width * node) for node in nodes]
-    series = [sum((a * b for a, b in zip(row, values, strict=True)), Decimal(0)) for row in rows]
-    size = max(map(abs, values))
-    series = [value if abs(value) > NOISE * size else Decimal(0) for value in series]
-    tail = max(abs(series[-1]), abs(series[-2]))
+    nodes, rows, powers = _chebyshev()
+    values = [lift(center + half * node) for node in nodes]
+    series = (rows * arb_mat([[value] for value in values])).entries()
+    size = max(abs(float(value)) for value in values)
+    series = [value if abs(float(value)) > NOISE * size else arb(0) for value in series]
+    sizes = [abs(float(value)) for value in series]
     # |T_n''| <= n^2 (n^2 - 1)/3 on [-1, 1]
-    accel = [abs(value) * (k * k * (k * k - 1)) / 3 for k, value in enumerate(series)]
-    good = tail <= LIFT_TAIL * size and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
-    powers = [Decimal(0)] * TERMS
-    for value, chebyshev in zip(series, _chebyshev(), strict=True):
-        for j, factor in enumerate(chebyshev):
-            powers[j] += value * factor
-    coefficients = tuple(float(value / width**j) for j, value in enumerate(powers))
+    accel = [value * (k * k * (k * k - 1)) / 3 for k, value in enumerate(sizes)]
+    good = max(sizes[-2:]) <= LIFT_TAIL * size and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
+    scaled = (powers * arb_mat([[value] for value in series])).entries()
+    coefficients = tuple(float(value / arb(half) ** j) for j, value in enumerate(scaled))
     return Piece(center, half, coefficients), good
 
 
@@ -176,31 +155,29 @@ def _compile(part: Part, low: float, high: float) -> list[Piece]:
         half = (high - low) / 2
         level = (float(part.level),) + (0.0,) * (TERMS - 1)
         return [Piece((low + high) / 2, half, level)]
-    with localcontext() as context:
-        context.prec = DIGITS
-        count = 1
-        while True:
-            width = (high - low) / count
-            edges = [low + width * j for j in range(count)] + [high]
-            pieces = []
-            for a, b in itertools.pairwise(edges):
-                piece, good = _fit(part.lift, a, b)
-                if not good and count < MOST_PIECES:
-                    break
-                pieces.append(piece)
-            else:
-                return pieces
-            count += 1 + count // 4
+    count = 1
+    while True:
+        width = (high - low) / count
+        edges = [low + width * j for j in range(count)] + [high]
+        pieces = []
+        for a, b in itertools.pairwise(edges):
+            piece, good = _fit(part.lift, a, b)
+            if not good and count < MOST_PIECES:
+                break
+            pieces.append(piece)
+        else:
+            return pieces
+        count += 1 + count // 4
 
 
 Cut = tuple[Part, float, float]  # a part, from an angle to another, rad
 
 
-def build(parts: Sequence[Part], strobe_deg: float = 0.0) -> Cam:
+def build(shape: Shape, strobe_deg: float = 0.0) -> Cam:
     """Compile one turn, cut at the parts' ends and at the strobe phase, in lists of floats."""
-    strobe = float(radians(Decimal(strobe_deg))) if strobe_deg else 0.0
-    cuts, strobe = _cuts(parts, strobe)
-    stretches = [_compile(part, low, high) for part, low, high in cuts]
+    with precision(DIGITS):
+        cuts, strobe = _cuts(shape.parts(), float(radians(Decimal(strobe_deg))))
+        stretches = [_compile(part, low, high) for part, low, high in cuts]
     pieces = [piece for group in stretches for piece in group]
     first = [sum(len(group) for group in stretches[:n]) for n in range(len(stretches))]
     starts = [_values(pieces[k], low) for k, (_, low, _) in zip(first, cuts, strict=True)]

@@ -8,11 +8,10 @@ with base = -sigma - lift/2 the moving stop of the impact oscillator.
 
 from typing import Annotated, Any, Literal
 
+from flint import arb
 from pydantic import BaseModel, ConfigDict, Field
 
-from camcli.cams import decimals
 from camcli.cams.compile import Part
-from camcli.cams.decimals import Numbers
 
 Height = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 Lift = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
@@ -27,11 +26,10 @@ class EccentricCam(BaseModel):
     base: Height = Field(description="lowest c, at theta = 0, any sign, m")
     lift: Lift = Field(description="highest minus lowest c, twice the eccentricity, m")
 
-    def parts(self, numbers: Numbers = decimals) -> list[Part]:
+    def parts(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi: one."""
-        base, half = numbers.number(self.base), numbers.number(self.lift) / 2
 
         def height(theta: Any) -> Any:
-            return base + half * (1 - numbers.sincos(theta)[1])
+            return arb(self.base) + arb(self.lift) / 2 * (1 - theta.cos())
 
-        return [Part(numbers.number(0), 2 * numbers.pi(), height)]
+        return [Part(arb(0), 2 * arb.pi(), height)]

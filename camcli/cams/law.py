@@ -17,17 +17,17 @@ s goes from 0 at x = 0 to 1 at x = 1. Formulas: R. L. Norton, Cam Design and Man
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from functools import partial
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
+from flint import arb
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-from camcli.cams import decimals
+from camcli.cams.balls import number, radians
 from camcli.cams.compile import Part
-from camcli.cams.decimals import DIGITS, Numbers
 
 LawName = Literal[
     "harmonic", "cycloidal", "3-4-5", "4-5-6-7", "modified-trapezoid", "modified-sine",
@@ -50,6 +50,7 @@ Lift = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 CLOSURE = 1e-9  # deg, and share of a law: a sum this close to its bound meets it
 TURN = Decimal(360)
+DIGITS = 40  # that hold sums and products of angles and shares as written
 
 
 class Widths(BaseModel):
@@ -134,7 +135,7 @@ class LawCam(BaseModel):
             )
         return self
 
-    def parts(self, numbers: Numbers = decimals) -> list[Part]:
+    def parts(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
         with localcontext() as context:
             context.prec = DIGITS
@@ -143,16 +144,14 @@ class LawCam(BaseModel):
             rise, dwell = written(self.rise.length_deg), written(self.top_dwell_deg)
             top = start + rise
             fall = min(written(self.fall.length_deg), TURN - rise - dwell)
-            low, lift = numbers.number(self.base), numbers.number(self.lift)
+            low, lift = arb(self.base), arb(self.lift)
             parts = [
-                *_motion(self.rise.law, start, rise, low, lift, numbers),
+                *_motion(self.rise.law, start, rise, low, lift),
                 *_folded(top, top + dwell, low + lift),
-                *_motion(self.fall.law, top + dwell, fall, low + lift, -lift, numbers),
+                *_motion(self.fall.law, top + dwell, fall, low + lift, -lift),
                 *_folded(top + dwell + fall, start + TURN, low),
             ]
-            parts.sort(key=lambda part: part.start)
-            angle = numbers.radians
-            return [replace(p, start=angle(p.start), end=angle(p.end)) for p in parts]
+            return sorted(parts, key=lambda part: float(part.start))
 
 
 def written(value: float) -> Decimal:
@@ -160,25 +159,26 @@ def written(value: float) -> Decimal:
     return Decimal(repr(float(value)))
 
 
-def _motion(law, start: Decimal, length: Decimal, low, step, numbers: Numbers) -> Iterator[Part]:
-    """Parts of a motion from c = low to low + step over `length` deg: its ends are in deg still."""
+def _motion(law, start: Decimal, length: Decimal, low: arb, step: arb) -> Iterator[Part]:
+    """Parts of a motion from c = low to low + step over `length` deg."""
 
     def later(segment: Segment, turn: Decimal) -> Callable[[Any], Any]:
         """c = low + step s((theta - start)/beta) on the turn that begins at `turn` deg."""
-        origin, beta = numbers.radians(start - turn), numbers.radians(length)
+        origin, beta = radians(start - turn), radians(length)
         return lambda theta: low + step * segment.height((theta - origin) / beta)
 
-    for segment in _segments(law, numbers):
+    for segment in _segments(law):
         ends = start + length * segment.start, start + length * segment.end
-        yield from _folded(*ends, numbers.number(0), partial(later, segment))
+        yield from _folded(*ends, arb(0), partial(later, segment))
 
 
 def _folded(low: Decimal, high: Decimal, level, later=None) -> Iterator[Part]:
-    """Parts in [0, 360) deg from an interval in [0, 720]; `later` gives c on either turn."""
+    """Parts of the turn from an interval of deg in [0, 720]; `later` gives c on either turn."""
     for turn in (Decimal(0), TURN):
         start, end = max(low - turn, Decimal(0)), min(high - turn, TURN)
         if end > start:
-            yield Part(start, end, None if later is None else later(turn), level)
+            lift = None if later is None else later(turn)
+            yield Part(radians(start), radians(end), lift, level)
 
 
 # -- normalised laws of motion -----------------------------------------------------------------
@@ -193,14 +193,14 @@ class Segment:
     height: Callable[[Any], Any]
 
 
-def _segments(law: str | SccaLaw, numbers: Numbers) -> list[Segment]:
+def _segments(law: str | SccaLaw) -> list[Segment]:
     """The smooth parts of a law on 0 <= x <= 1."""
     if isinstance(law, SccaLaw):
         b = written(law.scca.b)
-        return _scca(b, min(written(law.scca.d), 1 - b), numbers)
+        return _scca(b, min(written(law.scca.d), 1 - b))
     if law in SCCA:
         width, middle = SCCA[law]
-        return _scca(Decimal(width), Decimal(middle), numbers)
+        return _scca(Decimal(width), Decimal(middle))
     terms = POLYNOMIALS[law]
 
     def height(x: Any) -> Any:
@@ -212,28 +212,23 @@ def _segments(law: str | SccaLaw, numbers: Numbers) -> list[Segment]:
     return [Segment(Decimal(0), Decimal(1), height)]
 
 
-def _scca(b: Decimal, d: Decimal, numbers: Numbers) -> list[Segment]:
+def _scca(b: Decimal, d: Decimal) -> list[Segment]:
     """The sine-constant-cosine acceleration law of widths b, c = 1 - b - d, d.
 
     s'' = C_a times: sin(pi x/b) up to b/2; 1 up to (1 - d)/2; cos(pi (x - (1 - d)/2)/d) up to
     (1 + d)/2; then the mirror image, s(x) = 1 - s(1 - x). Zones of no width are left out.
     C_a = 4 pi^2 / ((pi^2 - 8)(b^2 - d^2) - 2 pi (pi - 2) b + pi^2) is the largest s''.
     """
-    pi, sincos, beta, delta = numbers.pi, numbers.sincos, numbers.number(b), numbers.number(d)
-    with localcontext() as context:
-        context.prec = DIGITS + 5
-        p = pi()
-        curved = (p * p - 8) * (beta * beta - delta * delta) - 2 * p * (p - 2) * beta
-        ca = 4 * p * p / (curved + p * p)
+    pi, beta, delta = arb.pi(), number(b), number(d)
+    curved = (pi * pi - 8) * (beta * beta - delta * delta) - 2 * pi * (pi - 2) * beta
+    ca, width, wide = 4 * pi * pi / (curved + pi * pi), beta / pi, delta / pi
 
     def sine(x: Any) -> Any:
         """C_a (b/pi x - (b/pi)^2 sin(pi x/b)), zone 1."""
-        width = beta / pi()
-        return ca * width * (x - width * sincos(x / width)[0])
+        return ca * width * (x - width * (x / width).sin())
 
     def constant(x: Any) -> Any:
         """C_a (x^2/2 + b (1/pi - 1/2) x + b^2 (1/8 - 1/pi^2)), zone 2."""
-        width = beta / pi()
         return ca * (x * x / 2 + (width - beta / 2) * x + beta * beta / 8 - width * width)
 
     def cosine(x: Any) -> Any:
@@ -241,8 +236,7 @@ def _scca(b: Decimal, d: Decimal, numbers: Numbers) -> list[Segment]:
 
         C_a ((b/pi + c/2) x + (d/pi)^2 (1 - cos(pi y/d)) + b^2 (1/8 - 1/pi^2) - (1 - d)^2/8)
         """
-        wide, width = delta / pi(), beta / pi()
-        wave = wide * wide * (1 - sincos((x - (1 - delta) / 2) / wide)[1])
+        wave = wide * wide * (1 - ((x - (1 - delta) / 2) / wide).cos())
         level = beta * beta / 8 - width * width - (1 - delta) * (1 - delta) / 8
         return ca * ((width + (1 - beta - delta) / 2) * x + wave + level)
 

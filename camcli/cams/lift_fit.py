@@ -25,16 +25,16 @@ element: LAPACK and BLAS may give other last bits on another machine, these do n
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal, localcontext
 from functools import cache, cached_property
 from itertools import pairwise
 from math import factorial, sqrt
 from typing import Any
 
 import numpy as np
+from flint import arb
 
-from camcli.cams.compile import Piece
-from camcli.cams.decimals import DIGITS, pi
+from camcli.cams.balls import precision
+from camcli.cams.compile import DIGITS, Piece
 from camcli.cams.lift_reading import DEG, Turn
 from camcli.kernel.cam_table import TERMS
 
@@ -133,18 +133,17 @@ def at(coefficients: np.ndarray, i: np.ndarray, weights: np.ndarray) -> Any:
 
 
 def piece(coefficients: np.ndarray, i: int, base: float = 0.0) -> Piece:
-    """Interval i, plus a base, as a piece of the kernel's table, rounded once from 40 digits."""
+    """Interval i, plus a base, as a piece of the kernel's table, rounded once."""
     count = len(coefficients)
-    with localcontext() as context:
-        context.prec = DIGITS
-        width = 2 * pi() / count
+    with precision(DIGITS):
+        width = 2 * arb.pi() / count
         low, high = float(width * i), float(width * (i + 1))
         center = (low + high) / 2
-        powers = [Decimal(base) * factorial(DEGREE), *[Decimal(0)] * DEGREE]
+        powers = [arb(base) * factorial(DEGREE), *[arb(0)] * DEGREE]
         for k, row in enumerate(_weights()):
             for j, factor in enumerate(row):
-                powers[j] += Decimal(float(coefficients[(i + k) % count])) * factor
-        t = Decimal(center) / width - i  # about a half: the centre in doubles
+                powers[j] += arb(float(coefficients[(i + k) % count])) * factor
+        t = center / width - i  # about a half: the centre in doubles
         for k in range(DEGREE):  # synthetic division: powers of t - center
             for j in range(DEGREE - 1, k - 1, -1):
                 powers[j] += t * powers[j + 1]

@@ -17,11 +17,10 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
+from flint import arb
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, model_validator
 
-from camcli.cams import decimals
 from camcli.cams.compile import Part
-from camcli.cams.decimals import Numbers
 from camcli.cams.files import read_bytes, refused
 from camcli.errors import SceneError
 
@@ -161,7 +160,7 @@ class TableCam(BaseModel):
         """The table laid on one turn of the cam; lift above the base."""
         return self._turn
 
-    def parts(self, numbers: Numbers = decimals) -> list[Part]:
+    def parts(self) -> list[Part]:
         """Dwells, and between them the spline in chunks of equal pieces."""
         from camcli.cams.lift_fit import piece
 
@@ -172,11 +171,11 @@ class TableCam(BaseModel):
             run = list(group)
             for first in range(run[0], run[-1] + 1, CHUNK if moves else count):
                 chunk = run[first - run[0] :][: CHUNK if moves else count]
-                low, high = (2 * numbers.pi() * i / count for i in (chunk[0], chunk[-1] + 1))
+                low, high = (2 * arb.pi() * i / count for i in (chunk[0], chunk[-1] + 1))
                 if moves:
                     pieces = tuple(piece(coefficients, i, self.base) for i in chunk)
                     parts.append(Part(low, high, None, pieces=pieces))
                 else:
-                    level = numbers.number(self.base) + numbers.number(float(coefficients[first]))
+                    level = arb(self.base) + float(coefficients[first])
                     parts.append(Part(low, high, None, level))
         return parts

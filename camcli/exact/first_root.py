@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from flint import arb, ctx
 
-from camcli.exact.balls import COARSE, UndecidedError, coarsely
+from camcli.cams.balls import COARSE, UndecidedError, coarsely
 
 Function = Callable[[arb], list[arb]]  # x -> [value, slope, second derivative, ...]
 LEAST_BITS = 400  # cutting gives up, too near a double zero, at half of the digits or at these

@@ -15,9 +15,9 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series
 
+from camcli.cams import balls
+from camcli.cams.balls import below, derivatives, head
 from camcli.cams.compile import Part, Piece, Shape
-from camcli.exact import balls
-from camcli.exact.balls import below, derivatives, head
 from camcli.system import Follower
 
 
@@ -124,7 +124,7 @@ class Machine:
 
 def stretches_of(shape: Shape) -> list[Stretch]:
     """The smooth parts of a cam, in the digits in use."""
-    return [stretch for part in shape.parts(balls) for stretch in _stretches(part)]
+    return [stretch for part in shape.parts() for stretch in _stretches(part)]
 
 
 def _stretches(part: Part) -> list[Stretch]:

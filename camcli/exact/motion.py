@@ -11,8 +11,8 @@ from math import inf
 
 from flint import arb, arb_mat, ctx
 
+from camcli.cams.balls import UndecidedError, below, coarsely
 from camcli.cams.compile import SMALLEST_KICK
-from camcli.exact.balls import UndecidedError, below, coarsely
 from camcli.exact.first_root import Function, first_root, sharpened
 from camcli.exact.machine import Machine
 

@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, arb_series, ctx
 
+from camcli.cams.balls import UndecidedError, head
 from camcli.cams.compile import Shape
-from camcli.exact.balls import UndecidedError, head
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import Machine, Stretch, stretches_of
 from camcli.system import Follower

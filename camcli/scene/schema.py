@@ -572,7 +572,7 @@ class Scene(Section):
             raise SceneError(Fault("", "spring", f"found {', '.join(given)}", expected, cure))
         from camcli.cams.compile import build, lift_range
 
-        low, high = lift_range(build(self.cam.parts(), 0.0))
+        low, high = lift_range(build(self.cam))
         sums = {"rate": (1.0, 0.0), "preload": (0.0, 1.0),
                 "seat_load": (low, 1.0), "nose_load": (high, 1.0)}  # fmt: skip
         (a, b, x), (d, e, y) = ((*sums[name], value) for name, value in given.items())

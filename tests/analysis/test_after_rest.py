@@ -65,7 +65,7 @@ def test_chaotic_transients_settle(chapter, rpm):
 def test_a_long_cycle_is_the_oracles():
     """Impacts in each of 28 turns, on the cam of `flights.json`."""
     shape = ArcsCam(kind="arcs", **GEOMETRY)
-    system = System.build(Follower(**CHAPTER), shape.parts(), shape=shape)
+    system = System.build(Follower(**CHAPTER), shape)
     found = module.of_machine(system, 358.0, 2.621124501166232)
     assert (found.kind, found.turns) == (CYCLE, 28)
     events = FLIGHTS["long transient"]["events"]
@@ -101,9 +101,6 @@ def test_neighbours_that_disagree_say_nothing(chapter, monkeypatch):
 
 
 def test_what_is_not_known_is_not_said(chapter):
-    bare = replace(chapter, shape=None)
-    assert ends(bare, 358.75).kind == UNKNOWN
-    assert classify_at(bare, 358.75, RUN).label == "undecided"
     free = Orbit(chapter, 700.0, settings(600, 20)).run()
     assert after_first_rest(chapter, 700.0, free).kind == UNKNOWN  # no rest in it
 

@@ -1,11 +1,12 @@
 """Where contact is lost: published speeds, simulations beside them, and the spring that holds."""
 
 from dataclasses import replace
-from decimal import Decimal
 from math import inf, pi, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from flint import arb
 
 from camcli.analysis.bracketing import lowest
 from camcli.analysis.contact_loss.bursts import Bursts, LiftOffKind, lift_off
@@ -14,8 +15,6 @@ from camcli.analysis.contact_loss.force import Force
 from camcli.analysis.contact_loss.hold import Need, Obstacle, hold_to, replaced
 from camcli.analysis.integrate import Orbit
 from camcli.cams.compile import Part
-from camcli.cams.decimals import pi as decimal_pi
-from camcli.cams.decimals import sincos
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.system import Follower, System, omega_of
 from tests.conftest import chapter_system, settings
@@ -48,26 +47,34 @@ def lifts_off_at(system, low, high):
 
 
 def made(parts, strobe_deg=0.0, **follower):
+    """A machine on a cam whose parts are functions of half a turn."""
     values = {"mass": 1.0, "stiffness": 1000.0, **follower}
-    return System.build(Follower(**values), parts, strobe_deg)
+    shape = SimpleNamespace(parts=lambda: parts(arb.pi()))
+    return System.build(Follower(**values), shape, strobe_deg)
 
 
 def eccentric(base, lift, strobe_deg=0.0, **follower):
-    base, half = Decimal(str(base)), Decimal(str(lift)) / 2
-    part = Part(Decimal(0), 2 * decimal_pi(), lambda x: base + half * (1 - sincos(x)[1]))
-    return made([part], strobe_deg, **follower)
+    base, half_lift = arb(str(base)), arb(str(lift)) / 2
+
+    def parts(half):
+        return [Part(arb(0), 2 * half, lambda x: base + half_lift * (1 - x.cos()))]
+
+    return made(parts, strobe_deg, **follower)
 
 
 def dwell(level, **follower):
-    return made([Part(Decimal(0), 2 * decimal_pi(), None, Decimal(str(level)))], **follower)
+    return made(lambda half: [Part(arb(0), 2 * half, None, arb(str(level)))], **follower)
 
 
 def roof(**follower):
     """A lift that rises and falls in straight lines: one kink up at 0, one down at 180 deg."""
-    half, low = decimal_pi(), Decimal("0.1")
-    rise = Part(Decimal(0), half, lambda x: low + x / 100)
-    fall = Part(half, 2 * half, lambda x: low + (2 * half - x) / 100)
-    return made([rise, fall], **follower)
+
+    def parts(half):
+        low = arb("0.1")
+        rise = Part(arb(0), half, lambda x: low + x / 100)
+        return [rise, Part(half, 2 * half, lambda x: low + (2 * half - x) / 100)]
+
+    return made(parts, **follower)
 
 
 def test_the_example_loses_contact_first_at_b(chapter):
@@ -254,11 +261,14 @@ def test_a_region_that_opens_again_before_all_of_it_is_lost_is_never_filled():
 
     With A = d^2 s/40 contact is lost from 0.038 to 0.073 times d (1 + 9 theta).
     """
-    half, low, s, d = decimal_pi(), Decimal("0.1"), Decimal("0.01"), 20.0
-    depth = (1 + 9 * half).ln() * s / 9
-    fall = Part(Decimal(0), half, lambda x: low - (1 + 9 * x).ln() * s / 9)
-    rise = Part(half, 2 * half, lambda x: low - depth * (2 * half - x) / half)
-    system = made([fall, rise], stiffness=0.0, damping=d, gravity=d * d * float(s) / 40)
+    low, s, d = 0.1, 0.01, 20.0
+
+    def parts(half):
+        depth = (1 + 9 * half).log() * s / 9
+        fall = Part(arb(0), half, lambda x: low - (1 + 9 * x).log() * s / 9)
+        return [fall, Part(half, 2 * half, lambda x: low - depth * (2 * half - x) / half)]
+
+    system = made(parts, stiffness=0.0, damping=d, gravity=d * d * s / 40)
     first = next(loss for loss in detachment(system).losses if 0 in loss.region.stretches)
     assert first.opens.rpm == pytest.approx(d / 18 * (1 - sqrt(0.1)) * 30 / pi, rel=1e-9)
     assert first.fills.rpm == inf

@@ -28,7 +28,7 @@ SPEEDS, PIECES = 200, 4_000
 
 def main() -> None:
     scene = load_scene(None)
-    system = System.build(Follower(**scene.follower.model_dump()), scene.cam.parts(), 0.0)
+    system = System.build(Follower(**scene.follower.model_dump()), scene.cam)
     backend.compiled()
     with ExitStack() as stack:
         folder = Path(stack.enter_context(TemporaryDirectory()))

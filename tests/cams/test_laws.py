@@ -8,6 +8,7 @@ import pytest
 from mpmath import cos, mp, mpf
 from pydantic import ValidationError
 
+from camcli.cams.balls import precision
 from camcli.cams.compile import build, column, corners
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
@@ -47,7 +48,7 @@ def law_cam(law="cycloidal", falls=None, start=60.0, **changes):
 
 def table(name, start=60.0):
     """The compiled cam of a law by its name, `scca` for widths of its own."""
-    return build(law_cam(SCCA if name == "scca" else name, start=start).parts())
+    return build(law_cam(SCCA if name == "scca" else name, start=start))
 
 
 def exact(name, theta, start=60.0, side=1):
@@ -162,10 +163,11 @@ def test_a_lobe_may_take_the_whole_turn(lengths, count):
     rise, dwell, fall = lengths
     motion = {"start_deg": 10.0, "length_deg": rise, "law": "4-5-6-7"}
     cam = law_cam(rise=motion, top_dwell_deg=dwell, fall={"length_deg": fall, "law": "3-4-5"})
-    parts = cam.parts()
-    assert len(parts) == len(build(parts).stretches) == count
+    with precision(40):
+        parts = cam.parts()
+    assert len(parts) == len(build(cam).stretches) == count
     assert (parts[0].start, float(parts[-1].end)) == (0, 2 * pi)
-    assert all(a.end == b.start for a, b in pairwise(parts))
+    assert all(a.end.overlaps(b.start) for a, b in pairwise(parts))
 
 
 @pytest.mark.parametrize(
@@ -188,7 +190,7 @@ def test_lengths_that_do_not_fit_are_refused_with_the_amount(changes, amount):
 @pytest.mark.parametrize(("base", "lift_m"), [(-1.0, 2.0), (3.0, 1e-6), (-1 / 3, 2 / 3)])
 @pytest.mark.parametrize("strobe", [0.0, 217.3])
 def test_an_eccentric_is_a_cosine_without_corners(base, lift_m, strobe):
-    cam = build(EccentricCam(kind="eccentric", base=base, lift=lift_m).parts(), strobe)
+    cam = build(EccentricCam(kind="eccentric", base=base, lift=lift_m), strobe)
     rng, unit = random.Random(3), ulp(max(abs(base), abs(base + lift_m)))
     half = mpf(lift_m) / 2
     for _ in range(100):

@@ -48,7 +48,7 @@ def test_the_second_derivative_is_within_the_bound_and_the_bound_is_no_idle_one(
 ):
     name = {INCH: "inch", 1e-3: "mm"}[unit]
     cam = scene(tmp_path, table(lobe, step, unit, decimals), lift=name).cam
-    compiled = build(cam.parts())
+    compiled = build(cam)
     error, size = worst_error(cam, compiled, lobe)
     bound = cam.accuracy.bound
     assert cam.accuracy.quantum == pytest.approx(unit * 10**-decimals, rel=1e-12)
@@ -110,7 +110,7 @@ def test_the_fit_and_its_error_are_those_of_dense_algebra(tmp_path, lobe):
     oracle = Oracle(turn, count, smoother.levels, shares)
     knot = 2 * pi / count
     coefficients, inverse = oracle.solve(errors.length)
-    compiled = build(cam.parts())
+    compiled = build(cam)
     for i in range(count):
         for t in (0.125, 0.5, 0.875):
             theta = (i + t) * knot
@@ -146,17 +146,17 @@ def test_rounding_noise_and_jumps_are_noticed(tmp_path):
         noisy.append(f"{deg},{lift + (rng.gauss(0, 0.002) if lift else 0.0):.5f}")
     cam = scene(tmp_path, "\n".join(noisy)).cam
     assert 1.4e-6 < cam.accuracy.noise < 2.8e-6
-    assert worst_error(cam, build(cam.parts()), lobe)[0] <= cam.accuracy.bound
+    assert worst_error(cam, build(cam), lobe)[0] <= cam.accuracy.bound
     assert cam.accuracy.jump_deg is None
 
     parabola = Lobe(lambda x: (2 * x * x, 4) if x < 0.5 else (1 - 2 * (1 - x) ** 2, -4))
     cam = scene(tmp_path, table(parabola, 1, 1e-3, 4)).cam
     assert cam.accuracy.jump_deg is not None
-    assert worst_error(cam, build(cam.parts()), parabola)[0] <= cam.accuracy.bound
+    assert worst_error(cam, build(cam), parabola)[0] <= cam.accuracy.bound
 
 
 def test_dwells_are_exactly_flat(tmp_path):
-    compiled = build(scene(tmp_path, table(Lobe(cycloidal, 60, 40), 1), base=0.25).cam.parts())
+    compiled = build(scene(tmp_path, table(Lobe(cycloidal, 60, 40), 1), base=0.25).cam)
     for deg in (0, 30, 60, 90, 270, 300, 359.9):
         assert values(compiled, deg) == (0.25, 0, 0)
     for deg in (170, 180, 190):
@@ -167,9 +167,9 @@ def test_dwells_are_exactly_flat(tmp_path):
 @pytest.mark.parametrize("strobe", [33.3, 180.3])
 def test_the_cam_is_smooth_and_a_strobe_phase_changes_nothing(tmp_path, lobe, strobe):
     """Six continuous derivatives, so no corner anywhere; the table's bounds bind."""
-    parts = scene(tmp_path, table(lobe, 2)).cam.parts()
-    assert sum(len(part.pieces) for part in parts) <= 180
-    whole, cut = build(parts), build(parts, strobe)
+    cam = scene(tmp_path, table(lobe, 2)).cam
+    assert sum(len(part.pieces) for part in cam.parts()) <= 180
+    whole, cut = build(cam), build(cam, strobe)
     assert corners(cut) == []
     for order in range(3):
         ends, starts = (column(cut, f"{side}_c{order or ''}") for side in ("end", "start"))
@@ -187,7 +187,7 @@ def test_the_cam_is_smooth_and_a_strobe_phase_changes_nothing(tmp_path, lobe, st
 
 def same(a, b, tolerance=1e-12):
     """Two cams alike."""
-    one, two = build(a.parts()), build(b.parts())
+    one, two = build(a), build(b)
     for k in range(120):
         assert values(one, 3 * k + 0.5) == pytest.approx(values(two, 3 * k + 0.5), abs=tolerance)
 
@@ -206,7 +206,7 @@ def test_units_angles_and_directions(tmp_path):
     written(lambda a: a, lambda b: f"{float(b) / 1000:.7f}", lift="m")
     written(lambda a: a, lambda b: f"{float(b) / 10:.5f}", lift="fraction", max_lift=0.01)
     written(lambda a: a, lambda b: f"{float(b) / 10:.5f}", rocker_ratio=10)
-    mirrored = build(scene(tmp_path, table(lobe, 1), direction="reversed", zero_deg=30).cam.parts())
+    mirrored = build(scene(tmp_path, table(lobe, 1), direction="reversed", zero_deg=30).cam)
     for deg in (120.0, 150.25, 200.0, 233.0):
         assert values(mirrored, (30 - deg) % 360)[0] == pytest.approx(lobe.at(deg)[0], abs=2e-7)
 

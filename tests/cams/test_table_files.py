@@ -104,7 +104,7 @@ def truth(tmp_path_factory):
     @cache
     def solved(law):
         exact = table_scene(tmp_path_factory.mktemp("exact"), table(law, 0.5, 1e-3, 12)).cam
-        return detachment(System.build(FOLLOWER, exact.parts())).first.rpm
+        return detachment(System.build(FOLLOWER, exact)).first.rpm
 
     return solved
 
@@ -124,7 +124,7 @@ def test_a_table_is_read_as_it_was_written(name, tmp_path, cam, truth):
     if name == "plain csv":
         assert (tmp_path / "cam.png").read_bytes()[:4] == b"\x89PNG"
     if name in FITTED:
-        system, errors = System.build(FOLLOWER, scene.cam.parts()), scene.cam.errors.bounds
+        system, errors = System.build(FOLLOWER, scene.cam), scene.cam.errors.bounds
         low, high = (first_loss(system, errors, side) for side in (-1.0, 1.0))
         assert low < truth(law) < high
         assert high - low < 0.14 * truth(law)

@@ -177,9 +177,9 @@ def test_a_wrong_cam_is_told_with_its_place(tmp_path, text, places, said):
 MADE_UP = """
 import sys
 from typing import Literal
+from flint import arb
 from pydantic import BaseModel, ConfigDict, Field
 import camcli.cams
-from camcli.cams import decimals
 from camcli.cams.compile import Part
 
 class TwoLobes(BaseModel):
@@ -187,10 +187,10 @@ class TwoLobes(BaseModel):
     kind: Literal["two-lobes"]
     lift: float = Field(gt=0, description="lift, m")
 
-    def parts(self, numbers=decimals):
-        half = numbers.number(self.lift) / 2
-        height = lambda theta: half * (1 - numbers.sincos(2 * theta)[1])
-        return [Part(numbers.number(0), 2 * numbers.pi(), height)]
+    def parts(self):
+        half = arb(self.lift) / 2
+        height = lambda theta: half * (1 - (2 * theta).cos())
+        return [Part(arb(0), 2 * arb.pi(), height)]
 
 camcli.cams.AnyCam |= TwoLobes
 camcli.cams.CAMS = (*camcli.cams.CAMS, TwoLobes)

@@ -135,7 +135,7 @@ def test_a_spring_of_hold_to_holds_the_cam_that_was_measured(cam, begun):
     assert [spring["chance"] for spring in chances] == [1.0, 1.0, 1.0]
     exact = begun / "exact"
     exact.mkdir()
-    law = scene(exact, table(Lobe(smooth), 0.5, decimals=12)).cam.parts()
+    law = scene(exact, table(Lobe(smooth), 0.5, decimals=12)).cam
     for spring in springs:
         assert spring["detaches_rpm"] > 5010  # of the smoothed cam: the error is to spare
         follower = Follower(0.12, spring["stiffness"], 20.0, 0.0, spring["preload"], 0.4)

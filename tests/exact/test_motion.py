@@ -12,9 +12,9 @@ from camcli.analysis.bench.machine import reference
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits.identify import departures
 from camcli.cams.arcs import ArcsCam
+from camcli.cams.balls import DIGITS, UndecidedError, decided, precision
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
-from camcli.exact.balls import DIGITS, UndecidedError, decided, precision
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import Machine
 from camcli.exact.motion import Motion, Parallelogram
@@ -123,7 +123,7 @@ def same_events(trail, theirs, turns, near):
     ids=lambda shape: shape.kind,
 )
 def test_cams_are_the_kernels_and_continuous(shape):
-    system = System.build(Follower(1.0, 1000.0), shape.parts(), shape=shape)
+    system = System.build(Follower(1.0, 1000.0), shape)
     with precision(100):
         stretches = Machine(shape, system.follower, 100.0).stretches
         for one, after in zip(stretches, [*stretches[1:], stretches[0]], strict=True):
@@ -250,13 +250,13 @@ def test_laws_and_kinks_agree_with_the_kernel_impact_by_impact(laws, restitution
     """Strongly damped, so that no error grows: doubles are exact to their rounding."""
     shape = law_cam(*laws)
     follower = Follower(1.0, 3000.0, 10.0, 9.81, 100.0, restitution)
-    agrees_with_the_kernel(System.build(follower, shape.parts(), shape=shape), 700.0)
+    agrees_with_the_kernel(System.build(follower, shape), 700.0)
 
 
 def test_a_lift_table_agrees_with_the_kernel_impact_by_impact():
     scene = load_scene("configs/lift-table.yaml")
     follower = Follower(**scene.follower.model_dump())
-    agrees_with_the_kernel(System.build(follower, scene.cam.parts(), shape=scene.cam), 5000.0)
+    agrees_with_the_kernel(System.build(follower, scene.cam), 5000.0)
 
 
 def agrees_with_the_kernel(system: System, rpm: float):

@@ -255,14 +255,14 @@ def machine_of(rng):
         law = {"law": kind, "length_deg": 90}
         rise = {**law, "start_deg": 60}
         shape = LawCam(kind="law", base=0.25, lift=0.5, rise=rise, top_dwell_deg=30, fall=law)
-    return System.build(follower, shape.parts(), 0.0, shape), omega * 30 / pi, kind
+    return System.build(follower, shape), omega * 30 / pi, kind
 
 
 @cache
 def table():
     """A system with the measured lift of `configs/lift-table.yaml`."""
     shape = load_scene("configs/lift-table.yaml").cam
-    return System.build(SYSTEM.follower, shape.parts(), 0.0, shape)
+    return System.build(SYSTEM.follower, shape)
 
 
 @cache
@@ -271,7 +271,7 @@ def polynomials():
     found = []
     for part in table().shape.parts():
         pieces = part.pieces or [Piece(0.0, 0.0, (float(part.level),))]
-        start, end = mpf(str(part.start)), mpf(str(part.end))
+        start, end = (mpf(end.str(40, radius=False)) for end in (part.start, part.end))
         for k, piece in enumerate(pieces, 1):
             high = [mpf(x) for x in reversed(piece.coefficients)]
             slope = [x * n for n, x in zip(range(len(high) - 1, 0, -1), high, strict=False)]

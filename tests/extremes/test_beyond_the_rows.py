@@ -23,7 +23,7 @@ def test_rows_9_and_24_no_force_holds_the_follower(rpm, damping):
 def test_a_spring_without_force_on_the_dwell_is_no_trouble():
     """c = 0 on the base, so force and acceleration of a landing there vanish together."""
     scene = load_scene(None, ["cam.offset=0.4"])
-    machine = System.build(Follower(**scene.follower.model_dump()), scene.cam.parts())
+    machine = System.build(Follower(**scene.follower.model_dump()), scene.cam)
     tape = Orbit(machine, 300.0, Settings(5, 50, 1e-9, 10**6)).run()
     assert tape.status == Status.OK
     assert tape.cost.evaluations < 10 * tape.cost.impacts

@@ -21,7 +21,6 @@ from hypothesis import strategies as st
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.simulate import simulate
 from camcli.errors import SceneError, Status
-from camcli.kernel.cam_table import Cam
 from camcli.scene import Scene, load_scene, resolved, scene_hash
 from camcli.system import Follower, System
 
@@ -100,15 +99,16 @@ def plain_kernel(steps: int = 200) -> Iterator[None]:
 
 
 @lru_cache(maxsize=32)
-def compiled(cam, strobe_deg: float) -> Cam:
-    """The table of a cam: most examples share one, and it is most of the work."""
-    return System.build(Follower(1, 1), cam.parts(), strobe_deg).cam
+def machine(cam, strobe_deg: float) -> System:
+    """A machine on a cam: most examples share one, and it is most of the work."""
+    return System.build(Follower(1, 1), cam, strobe_deg)
 
 
 def run_one_turn(scene: Scene) -> None:
     """The cam compiles and a turn is computed, with finite numbers and a status that has words."""
     run = scene.run
-    system = System(Follower(**scene.follower.model_dump()), compiled(scene.cam, run.strobe_deg))
+    changes = scene.follower.model_dump()
+    system = machine(scene.cam, run.strobe_deg).with_follower(**changes)
     start = Start(run.start.q, run.start.v, run.start.theta_deg)
     settings = Settings(0, 1, run.chatter_tolerance, min(run.impact_budget, 50), start)
     result = simulate(system, run.rpm, settings, 3)

@@ -209,7 +209,7 @@ def judge(folder, data: bytes, changes: dict[str, str]) -> None:
     """A scene whose cam compiles and is judged in finite numbers, or faults."""
     cam = accepted(lambda: scene(folder, data, **changes).cam)
     if cam is not None:
-        compiled = build(cam.parts(), 77.7)
+        compiled = build(cam, 77.7)
         values = [x for row in (*compiled.stretches, compiled.pieces) for x in row]
         values += [cam.accuracy.bound, *cam.errors.bounds]
         assert all(abs(value) < float("inf") for value in values)

@@ -5,7 +5,6 @@ from math import pi
 
 from camcli.analysis.integrate import Orbit, Settings, Start
 from camcli.cams.arcs import ArcsCam
-from camcli.cams.compile import build
 from camcli.system import Follower, System
 from tests import oracle
 
@@ -26,15 +25,20 @@ MEANINGLESS = 1e9  # stretching above which doubles cannot follow
 
 
 @cache
+def machine(strobe_deg=0.0, base_radius=CLOSED):
+    """The chapter's machine; base_radius=0.4 is what a user writes."""
+    arcs = ArcsCam(kind="arcs", **{**GEOMETRY, "base_radius": base_radius})
+    return System.build(Follower(**CHAPTER), arcs, strobe_deg)
+
+
 def cam(strobe_deg=0.0, base_radius=CLOSED):
-    """The table of the chapter's cam; base_radius=0.4 is what a user writes."""
-    parts = ArcsCam(kind="arcs", **{**GEOMETRY, "base_radius": base_radius}).parts()
-    return build(parts, strobe_deg)
+    """The table of the chapter's cam."""
+    return machine(strobe_deg, base_radius).cam
 
 
 def system(strobe_deg=0.0, base_radius=CLOSED, **changes):
     """The chapter's follower on the chapter's cam, some constants changed."""
-    return System(Follower(**{**CHAPTER, **changes}), cam(strobe_deg, base_radius))
+    return machine(strobe_deg, base_radius).with_follower(**changes)
 
 
 def settings(record=3, transient=0, tolerance=1e-9, budget=1_000_000, **start):

@@ -123,7 +123,7 @@ def test_an_orbit_that_flies_over_kinks_is_certified():
     laws = {"cam.rise.law": "constant-velocity", "cam.fall.law": "constant-velocity"}
     scene = load_scene("configs/law-harmonic.yaml", laws)
     follower = Follower(**scene.follower.model_dump())
-    orbit = solve_from(System.build(follower, scene.cam.parts()), 700.0, settings(600, 40))
+    orbit = solve_from(System.build(follower, scene.cam), 700.0, settings(600, 40))
     assert orbit.label == "P(1;1)"
     assert orbit.admissible
 

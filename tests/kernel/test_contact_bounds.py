@@ -1,13 +1,13 @@
 """The inequalities that make the contact search certain, each tested as an inequality."""
 
-from decimal import Decimal
 from math import factorial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from flint import arb
 
 from camcli.cams.compile import Part, column
-from camcli.cams.decimals import pi
 from camcli.errors import Status
 from camcli.kernel.backend import PLAIN
 from camcli.kernel.cam_table import higher, lift_at
@@ -121,12 +121,13 @@ def polynomial_machine(accel, jerk, snap):
     """A free mass on a cam whose gap is u s + a s^2/2 + j s^3/6 + k s^4/24 from the cam at 0."""
 
     def lift(theta):
-        a, j, k = (Decimal(float(x)) for x in (accel, jerk, snap))
+        a, j, k = (arb(float(x)) for x in (accel, jerk, snap))
         return 1 - theta * theta * (a / 2 + theta * (j / 6 + theta * k / 24))
 
-    end = Decimal(1)
-    parts = [Part(Decimal(0), end, lift), Part(end, Decimal(2) * pi(), None, lift(end))]
-    return System.build(Follower(1.0, 0.0), parts)
+    def parts():
+        return [Part(arb(0), arb(1), lift), Part(arb(1), 2 * arb.pi(), None, lift(arb(1)))]
+
+    return System.build(Follower(1.0, 0.0), SimpleNamespace(parts=parts))
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -169,7 +170,7 @@ def test_a_leap_stays_above_the_cam():
         phase, last = rng.uniform(-1.0, 1.5), np.pi + rng.uniform(-0.3, 0.3)
         W, omega, center = (last - phase) / length, 10.0, top * rng.uniform(1.1, 3.0)
         stiffness = (W * omega) ** 2
-        machine = System(Follower(1.0, stiffness, preload=-stiffness * center), table)
+        machine = System(Follower(1.0, stiffness, preload=-stiffness * center), table, None)
         const = machine.constants(omega * 30 / np.pi, 0.0, 1)
         swing = (center - top) * rng.uniform(0.9, 1.05)
         q, w = center + swing * np.cos(phase), -swing * W * np.sin(phase)
@@ -187,9 +188,12 @@ def test_a_leap_stays_above_the_cam():
 
 def test_a_landing_on_a_kink_meets_the_slope_behind_it():
     """Closing at 1/2 m/rad on a dwell that ends at 1 rad, behind which the cam rises."""
-    one, turn, corner = Decimal(1), Decimal(2) * pi(), 0
-    rises = Part(one, turn, lambda theta: Decimal("0.25") * (theta - 1))
-    machine = System.build(Follower(1.0, 0.0), [Part(Decimal(0), one, None), rises])
+
+    def parts():
+        rises = Part(arb(1), 2 * arb.pi(), lambda theta: (theta - 1) / 4)
+        return [Part(arb(0), arb(1), None), rises]
+
+    machine, corner = System.build(Follower(1.0, 0.0), SimpleNamespace(parts=parts)), 0
     for theta in np.linspace(0.1, 0.9, 300).tolist():
         start = {"theta_deg": theta * 180 / np.pi, "q": 0.5 * (1.0 - theta)}
         record = run(1.0, machine, 1, 0, -1.0, 1, v=-0.5 * omega_of(1.0), **start)
@@ -205,7 +209,7 @@ def test_a_damped_mass_without_spring_returns_if_its_last_height_is_below_the_ca
     """It comes to rest at q + v m/b; else it is known not to return."""
     damping, q = 2.0, 1.0
     v = -share * (q - cam().top) * damping
-    record = run(600.0, System(Follower(1.0, 0.0, damping), cam()), 400, 0, 1e-9, 3, q=q, v=v)
+    record = run(600.0, System(Follower(1.0, 0.0, damping), cam(), None), 400, 0, 1e-9, 3, q=q, v=v)
     assert record.status == Status.NO_RETURN
     assert (len(record.kind) > 0) == (share > 1.0)
 

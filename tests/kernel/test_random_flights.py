@@ -9,8 +9,8 @@ from camcli.analysis.bench.machine import reference as stored
 from camcli.analysis.bench.peers import Lift
 from camcli.analysis.bench.precision import case
 from camcli.api.bench import machines
+from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.compile import column
-from camcli.exact.balls import UndecidedError, precision
 from tests.kernel.helpers import events, reference, run, system
 from tests.random_flights import (
     CAMS,

@@ -44,7 +44,7 @@ def oscillator(w, r, sigma):
     """The system of x'' + x = cos(w t) with a stop."""
     gamma = abs(1 / (1 - w * w))
     cam = EccentricCam(kind="eccentric", base=-sigma - gamma, lift=2 * gamma)
-    return System.build(Follower(1.0, 1.0, restitution=r), cam.parts())
+    return System.build(Follower(1.0, 1.0, restitution=r), cam)
 
 
 def velocities(w, r, sigma, n):
@@ -106,7 +106,7 @@ def test_the_orbit_at_w_2(w):
 def answer(config, low, high, at, label=None):
     """The orbits of a scene of configs/ over a range of speeds."""
     scene = load_scene(CONFIGS / config)
-    system = System.build(Follower(**scene.follower.model_dump()), scene.cam.parts())
+    system = System.build(Follower(**scene.follower.model_dump()), scene.cam)
     span = Span(low, high, (high - low) / 20)
     question = Question(at, span=span, label=label, starts=0)
     return orbits(system, Settings(600, 1, 1e-9, 10**6, Start()), question)
@@ -127,7 +127,7 @@ def test_the_period_doubling_of_the_shipped_oscillator():
 def ball(r, amplitude=0.001, g=9.81):
     """The system of a ball on a table."""
     cam = EccentricCam(kind="eccentric", base=-amplitude, lift=2 * amplitude)
-    return System.build(Follower(0.01, 0.0, gravity=g, restitution=r), cam.parts())
+    return System.build(Follower(0.01, 0.0, gravity=g, restitution=r), cam)
 
 
 def rpm_of(gamma, amplitude=0.001, g=9.81):

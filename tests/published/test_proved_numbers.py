@@ -13,7 +13,7 @@ from flint import arb
 import camcli
 from camcli.analysis.orbits import proofs
 from camcli.analysis.orbits.proofs import prove_event
-from camcli.exact.balls import UndecidedError, below, precision
+from camcli.cams.balls import UndecidedError, below, precision
 from camcli.exact.machine import Machine
 from camcli.exact.motion import Motion
 from camcli.scene import load_scene

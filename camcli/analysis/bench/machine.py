@@ -36,8 +36,7 @@ class Machines:
         """A follower on a cam, whose compiled table is kept."""
         key = json.dumps([section, strobe_deg], sort_keys=True)
         if key not in self.made:
-            shape = self.shape_of(section)
-            self.made[key] = System.build(follower, shape.parts(), strobe_deg, shape)
+            self.made[key] = System.build(follower, self.shape_of(section), strobe_deg)
         return replace(self.made[key], follower=follower)
 
     def example(self, strobe_deg: float = 0.0, **changes: float) -> System:

@@ -119,7 +119,7 @@ def hold_to(
 
 def replaced(system: System, stiffness: float, preload: float) -> System:
     """The same machine with another spring."""
-    return System(replace(system.follower, stiffness=stiffness, preload=preload), system.cam)
+    return system.with_follower(stiffness=stiffness, preload=preload)
 
 
 class Need:

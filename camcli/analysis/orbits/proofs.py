@@ -26,7 +26,7 @@ from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import PARAMETERS, Root, with_machine
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
-from camcli.exact.balls import UndecidedError, below, number, precision
+from camcli.cams.balls import UndecidedError, below, number, precision
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import Machine
 from camcli.exact.motion import EndlessError, Motion
@@ -178,7 +178,7 @@ def _spend(impacts: int) -> None:
 
 def shooting_of(system: System, root: Root) -> Shooting:
     """The exact equations of a root; raises NotProvedError."""
-    if system.shape is None or root.count > MOST_IMPACTS:
+    if root.count > MOST_IMPACTS:
         raise NotProvedError(Step.MODEL)
     own, rpm = with_machine(system, root.machine)
     name = next(name for name, k in PARAMETERS.items() if k == root.parameter)
@@ -230,9 +230,7 @@ def _decided(trace: arb, det: arb) -> int:
 
 
 def _machine(system: System, rpm: float, widely: bool) -> Machine:
-    """The machine, or all whose speed rounds to this one; raises NotProvedError."""
-    if system.shape is None:
-        raise NotProvedError(Step.MODEL)
+    """The machine, or all whose speed rounds to this one."""
     if widely:
         return Machine.within_last_digit(system.shape, system.follower, rpm)
     return Machine(system.shape, system.follower, rpm)
@@ -316,8 +314,6 @@ def _keeps(system: System, parameter: str, orbit: PeriodicOrbit, p: arb, kind: K
     constants: dict[str, Any] = {**vars(system.follower), "rpm": orbit.rpm, parameter: p}
     rpm = constants.pop("rpm")
     follower = Follower(**constants)
-    if system.shape is None:
-        raise NotProvedError(Step.MODEL)
     machine = Machine(system.shape, follower, rpm)
     if orbit.free:
         return _clears(machine, follower)

@@ -3,7 +3,7 @@
 F. Johansson, Arb: efficient arbitrary-precision midpoint-radius interval arithmetic, IEEE
 Transactions on Computers 66 (2017) 1281-1292. A comparison of balls is True only where it holds for
 all numbers in them. Where neither it nor its opposite does, more digits may help: `decided` asks
-again with twice as many. The module is the `Numbers` that a cam's `parts` can be made of.
+again with twice as many.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -82,23 +82,13 @@ def head(value: Any) -> arb:
     return value[0] if isinstance(value, arb_series) else value
 
 
-def pi() -> arb:
-    """pi."""
-    return arb.pi()
-
-
-def sincos(x: Any) -> tuple[Any, Any]:
-    """(sin x, cos x) of a ball, or of a power series of balls."""
-    return x.sin_cos()
-
-
 def acos(y: arb) -> arb:
-    """acos y, rad."""
-    return y.acos()
+    """acos y, rad; of what may be 1 or -1, and no more, that of these."""
+    return y.acos() if abs(y) < 1 else arb(0) if y > 0 else arb.pi()
 
 
 def radians(degrees: Decimal) -> arb:
-    """Degrees to rad."""
+    """Degrees as written to rad."""
     return number(degrees) * arb.pi() / 180
 
 
