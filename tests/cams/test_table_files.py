@@ -109,7 +109,9 @@ def truth(tmp_path_factory):
     return solved
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in FITTED[1:3])) for n in FILES]
+)
 def test_a_table_is_read_as_it_was_written(name, tmp_path, cam, truth):
     """And the interval of the first detachment holds that of the law."""
     _, law, _, keys = FILES[name]
