@@ -389,14 +389,24 @@ class _Orbit:
                         return
                     c, c1, _ = self.cam.laws(psi)
                     yield _Raw("detachment", psi, c, mpf(0), mpf(0))
+                    psi = self.departs(psi)
+                    c, c1, _ = self.cam.laws(psi)
                 q, speed = c, self.omega * c1
             flight = Flight(self.cam, self.follower, self.omega, psi, q, speed + u)
             hit = flight.first_contact(self.patience(psi), contact)
             if hit is None:
                 return
-            psi += self.omega * hit.t
+            psi, u = self.lands(psi + self.omega * hit.t, min(hit.g1, mpf(0)), u, hit.t)
             c, c1, _ = self.cam.laws(psi)
-            contact, u = True, min(hit.g1, mpf(0))
+            contact = True
+
+    def departs(self, psi: mpf) -> mpf:
+        """Where a sticking is left that ends at psi: there, unless a subclass disturbs it."""
+        return psi
+
+    def lands(self, psi: mpf, u: mpf, rise: mpf, time: mpf) -> tuple[mpf, mpf]:
+        """(psi, u) of a landing after a flight that began with u = rise: as they are found."""
+        return psi, u
 
     def patience(self, psi: mpf) -> mpf:
         """Longest flight to follow."""

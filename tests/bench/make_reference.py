@@ -106,49 +106,23 @@ class Disturbed(oracle._Orbit):
 
     signs = None
 
-    def events(self, q, v):
-        """As `_Orbit.events`, disturbed."""
-        signs, eps = self.signs, mpf(NOISE)
+    def sign(self):
+        """NOISE, up or down."""
+        return self.signs.choice((-1, 1)) * mpf(NOISE) if self.signs else mpf(0)
 
-        def sign():
-            return signs.choice((-1, 1)) * eps if signs else mpf(0)
+    def departs(self, psi):
+        """A little later."""
+        return psi + 2 * mp.pi * abs(self.sign())
 
-        c, c1, _ = self.cam.laws(self.psi)
-        psi, speed = self.psi, self.omega * c1
-        u = mpf(0) if v is None else v - speed
-        contact = q is None
-        while True:
-            if contact and u < 0:
-                yield oracle._Raw("impact", psi, c, u, -self.r * u)
-                u = -self.r * u
-            if contact:
-                a = self.acceleration(psi)
-                if u > 0 > a and 2 * u * self.omega < self.cut * (1 - self.r) * -a:
-                    yield oracle._Raw("chatter", psi, c, mpf(0), mpf(0))
-                    u = mpf(0)
-                if u == 0 and a <= 0:
-                    psi = self.detachment(psi)
-                    if psi is None:
-                        return
-                    c, c1, _ = self.cam.laws(psi)
-                    yield oracle._Raw("detachment", psi, c, mpf(0), mpf(0))
-                    psi += 2 * mp.pi * abs(sign())
-                    c, c1, _ = self.cam.laws(psi)
-                q, speed = c, self.omega * c1
-            flight = Flight(self.cam, self.follower, self.omega, psi, q, speed + u)
-            hit = flight.first_contact(self.patience(psi), contact)
-            if hit is None:
-                return
-            rise, length = u, self.omega * hit.t
-            psi += length
-            c, c1, _ = self.cam.laws(psi)
-            contact, u, speed = True, min(hit.g1, mpf(0)), self.omega * c1
-            if signs and u < 0:
-                short = length < SHORT
-                height = abs(rise) * hit.t if short else abs(c)
-                psi += sign() * (2 * mp.pi + self.omega * height / -u)
-                u -= sign() * (-u if short else abs(speed) - u)
-                c, c1, _ = self.cam.laws(psi)
+    def lands(self, psi, u, rise, time):
+        """Elsewhere, and at another rate."""
+        if not u < 0:
+            return psi, u
+        c, c1, _ = self.cam.laws(psi)
+        short = self.omega * time < SHORT
+        height = abs(rise) * time if short else abs(c)
+        psi += self.sign() * (2 * mp.pi + self.omega * height / -u)
+        return psi, u - self.sign() * (-u if short else abs(self.omega * c1) - u)
 
 
 def motion(data: dict[str, Any], signs: random.Random | None):
