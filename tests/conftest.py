@@ -51,10 +51,11 @@ def chapter() -> System:
 def cam(tmp_path: Path, monkeypatch):
     """Run `cam` in an empty folder, in this process; returns exit code, stdout and stderr.
 
-    Each argument is a part of the command's line, split as a shell does.
+    Each argument is a part of the command's line, split as a shell does. code: what the exit code
+    must be.
     """
 
-    def call(*line: str) -> subprocess.CompletedProcess:
+    def call(*line: str, code: int | None = None) -> subprocess.CompletedProcess:
         from camcli.cli.app import app
         from camcli.cli.exit_codes import guarded
 
@@ -62,8 +63,9 @@ def cam(tmp_path: Path, monkeypatch):
         words = [word for part in line for word in shlex.split(part)]
         out, said = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(said):
-            code = guarded(lambda: app(words, standalone_mode=False), "--json" in words)
-        return subprocess.CompletedProcess(words, code, out.getvalue(), said.getvalue())
+            ended = guarded(lambda: app(words, standalone_mode=False), "--json" in words)
+        assert code in (None, ended), said.getvalue()
+        return subprocess.CompletedProcess(words, ended, out.getvalue(), said.getvalue())
 
     return call
 

@@ -90,8 +90,7 @@ def written(name, folder, cam):
     if not isinstance(data, bytes):
         data = ("\n".join(data) + "\n").encode()
     (folder / "cam.csv").write_bytes(data)
-    done = cam("init cam.csv", "" if name == "plain csv" else "--no-plot")
-    assert done.returncode == 0, done.stderr
+    done = cam("init cam.csv", "" if name == "plain csv" else "--no-plot", code=0)
     path = folder / "cam.yaml"
     path.write_text(path.read_text().replace("zero_deg: 0", f"zero_deg: {zero}"))
     return done.stdout, load_scene(path)

@@ -57,16 +57,14 @@ def test_every_command_takes_every_kind(cam, tmp_path, kind, command):
     """With pictures for the one that differs most from arcs."""
     path = write(tmp_path, KINDS[kind])
     words = [] if kind == "kinks" else ["--no-plot"]
-    done = cam(command, "-c", str(path), "-o out --quiet", *words)
-    assert done.returncode == 0, done.stderr
+    cam(command, "-c", str(path), "-o out --quiet", *words, code=0)
     assert (tmp_path / "out" / f"{command}.png").exists() == (not words)
     assert json.loads((tmp_path / "out" / "run.json").read_text())["result"]
 
 
 def test_without_corners_there_is_one_region_and_nothing_to_hit(cam, tmp_path):
     path = write(tmp_path, "{kind: eccentric, base: 0.01, lift: 0.05}")
-    done = cam("detach -c", str(path), "-o out --no-plot --rpm 300:420")
-    assert done.returncode == 0
+    cam("detach -c", str(path), "-o out --no-plot --rpm 300:420", code=0)
     assert {row["region"] for row in rows(tmp_path / "out" / "detach.csv")} == {"A1"}
     assert not rows(tmp_path / "out" / "corner_hits.csv")
     first = next(r for r in rows(tmp_path / "out" / "detach.csv") if "first" in r["quantity"])
@@ -83,8 +81,8 @@ def test_a_cam_below_zero_is_answered_in_words(cam, tmp_path):
         str(path),
         "-o out --no-plot --hold-to 150",
         "--set detach.precompression_m=0.05 --set detach.margin_n=0",
+        code=0,
     )
-    assert done.returncode == 0
     assert "not held even at standstill: the contact force is -20 N at 0 deg" in done.stdout
     assert (
         "impossible: the spring would pull at 0 deg, where c + precompression <= 0" in done.stdout
@@ -109,8 +107,7 @@ def test_a_kink_throws_the_follower_off(cam, tmp_path):
 def test_a_blow_is_a_departure(cam, tmp_path):
     """A follower that only ever leaves by blows and launches is not in `contact`."""
     path = write(tmp_path, KINDS["kinks"])
-    done = cam("orbits -c", str(path), "-o out --no-plot --rpm 130")
-    assert done.returncode == 0, done.stderr
+    cam("orbits -c", str(path), "-o out --no-plot --rpm 130", code=0)
     orbit = next(r for r in rows(tmp_path / "out" / "branch.csv") if r["label"] == "P(1;inf)")
     phases = [float(orbit[key]) for key in orbit if key.startswith("theta_deg") and orbit[key]]
     assert phases == pytest.approx([30.0, 300.0], abs=1e-9)
@@ -119,8 +116,7 @@ def test_a_blow_is_a_departure(cam, tmp_path):
 def test_the_valve_train_says_at_what_speed_it_floats(cam, tmp_path):
     """First detachment, checked with the law's own formula, and springs that hold 3500 rpm."""
     path = ROOT / "configs" / "valve-train.yaml"
-    done = cam("detach -c", str(path), "-o out --no-plot --hold-to 3500 --json")
-    assert done.returncode == 0, done.stderr
+    done = cam("detach -c", str(path), "-o out --no-plot --hold-to 3500 --json", code=0)
     result = json.loads(done.stdout)["result"]
     first = result["critical_speeds"][0]
     assert first["quantity"] == "first_detachment"

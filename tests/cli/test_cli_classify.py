@@ -10,8 +10,7 @@ from tests.conftest import rows
 
 def explained(cam, tmp_path, *words):
     """Result of run.json of an explained range."""
-    done = cam("classify --explain --no-plot -o out", *words)
-    assert done.returncode == 0, done.stderr
+    cam("classify --explain --no-plot -o out", *words, code=0)
     return json.loads((tmp_path / "out" / "run.json").read_text())["result"]
 
 
@@ -45,8 +44,7 @@ def test_a_range_is_explained_with_its_sentences(cam, tmp_path):
 def test_a_budget_of_work_keeps_the_causes_found(cam, tmp_path, command, rpm, budget, kinds, words):
     """Cut on a branch, of which a doubling was seen; and before the search for a crisis."""
     asked = ("--rpm", rpm, "--points", "2", "--set", f"run.work_budget={budget}")
-    done = cam(command, "--explain", "--no-plot", "-o", "out", *asked)
-    assert done.returncode == 3
+    done = cam(command, "--explain", "--no-plot", "-o", "out", *asked, code=3)
     assert "work-budget: the budget of work was used up" in done.stderr
     assert "raise run.work_budget" in done.stderr
     result = json.loads((tmp_path / "out" / "run.json").read_text())["result"]
@@ -71,8 +69,7 @@ def test_the_low_range_is_explained(cam, tmp_path):
 
 
 def test_columns_and_exponents_of_one_speed(cam, tmp_path):
-    done = cam("classify --rpm 700 --no-plot -o out")
-    assert done.returncode == 0, done.stderr
+    done = cam("classify --rpm 700 --no-plot -o out", code=0)
     (row,) = rows(tmp_path / "out" / "classify.csv")
     assert list(row) == [
         "rpm", "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status",
@@ -102,8 +99,7 @@ def test_what_a_record_shows_of_rare_complete_chatters(cam, tmp_path, record, la
 
 
 def test_the_calculator(cam):
-    done = cam("classify --trace 0.5,-1.6 --det 0.2,0.3 --json")
-    assert done.returncode == 0, done.stderr
+    done = cam("classify --trace 0.5,-1.6 --det 0.2,0.3 --json", code=0)
     record = json.loads(done.stdout)
     assert record["kind"] == "border-period-doubling"
     cycle = next(c for c in record["cycles"] if c["word"] == "LR")

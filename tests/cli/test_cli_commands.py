@@ -18,8 +18,7 @@ EVENTS = "t_s period theta_deg event q_m u_minus_m_per_s u_plus_m_per_s"
 
 def test_help_names_commands_files_and_columns(cam):
     commands = "simulate sweep detach orbits basins classify bench figures merge rerun schema"
-    done = cam("--help")
-    assert done.returncode == 0
+    done = cam("--help", code=0)
     assert all(name in done.stdout for name in commands.split())
     for command in ("simulate", "sweep"):
         text = cam(command, "--help").stdout
@@ -38,8 +37,7 @@ def test_help_fits_a_terminal_and_no_file_begins_within_a_line(cam, command):
 
 
 def test_simulate_writes_exact_columns(cam, tmp_path):
-    done = cam(f"simulate --rpm 190 {SMALL} -o here")
-    assert done.returncode == 0, done.stderr
+    done = cam(f"simulate --rpm 190 {SMALL} -o here", code=0)
     trajectory, events = rows(tmp_path / "here/trajectory.csv"), rows(tmp_path / "here/events.csv")
     assert list(trajectory[0]) == TRAJECTORY.split()
     assert list(events[0]) == EVENTS.split()
@@ -147,8 +145,7 @@ def test_files_of_other_people_are_neither_overwritten_nor_deleted(cam, tmp_path
 def test_any_number_of_the_scene_can_be_varied(cam, tmp_path):
     """The first column bears its key; restitution decides what it decided beside a speed."""
     words = "--set run.transient=100 --set run.record=20 --no-plot -q"
-    done = cam(f"sweep --vary follower.restitution=0.7:0.8 --points 2 {words}")
-    assert done.returncode == 0, done.stderr
+    cam(f"sweep --vary follower.restitution=0.7:0.8 --points 2 {words}", code=0)
     found = rows(tmp_path / "out/sweep/speeds.csv")
     assert [row["follower.restitution"] for row in found] == ["0.7", "0.8"]
     cam(f"sweep --rpm 700 --set follower.restitution=0.7 {words} -o one")
@@ -167,8 +164,7 @@ def test_other_commands_vary_any_number_too(cam, tmp_path, command, words, table
     """Each value gives the rows that the scene with this number gives at its speed."""
     words = f"{words} --set run.transient=100 --set run.record=20 --rpm 690 --no-plot"
     key = "cam.nose_radius"
-    done = cam(command, "--vary", f"{key}=0.12:0.15", f"--points 2 {words} -o both")
-    assert done.returncode == 0, done.stderr
+    done = cam(command, "--vary", f"{key}=0.12:0.15", f"--points 2 {words} -o both", code=0)
     assert " at 690 rpm" in done.stdout
     cam(command, "--set", f"{key}=0.12", f"{words} -o one")
     found, alone = (rows(tmp_path / name / table) for name in ("both", "one"))
@@ -180,8 +176,7 @@ def test_other_commands_vary_any_number_too(cam, tmp_path, command, words, table
 
 def test_orbits_vary_a_constant_by_its_key_as_by_its_short_name(cam, tmp_path):
     words = "--rpm 700 --points 8 --no-plot -q"
-    done = cam(f"orbits --vary follower.restitution=0.75:0.85 {words} -o key")
-    assert done.returncode == 0, done.stderr
+    cam(f"orbits --vary follower.restitution=0.75:0.85 {words} -o key", code=0)
     short = "--parameter restitution --range 0.75:0.85"
     cam(f"orbits {short} {words} -o short")
     by_key, by_name = (rows(tmp_path / name / "branch.csv") for name in ("key", "short"))
@@ -200,8 +195,7 @@ def test_orbits_vary_a_constant_by_its_key_as_by_its_short_name(cam, tmp_path):
 def test_curves_vary_a_second_number(cam, tmp_path):
     words = "--curve corner-impact --rpm 665:685 --at 680 --no-plot -q"
     vary = "--vary follower.restitution=0.78:0.8 --points 12,8"
-    done = cam(f"orbits {words} {vary}")
-    assert done.returncode == 0, done.stderr
+    cam(f"orbits {words} {vary}", code=0)
     first = rows(tmp_path / "out/orbits/curve.csv")[0]
     machine = CHAPTER._replace(restitution=float(first["follower.restitution"]))
     assert abs(float(first["rpm"]) - corner_rpm(CAM, machine, STABLE, 1, 0, B, 680).rpm) < 1e-7

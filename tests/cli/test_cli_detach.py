@@ -26,8 +26,7 @@ def bare(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.parametrize(("budget", "table"), [(200_000, "accumulation"), (800_000, "corner_hits")])
 def test_a_budget_of_work_keeps_what_was_found(bare, cam, tmp_path, budget, table):
-    done = cam("detach --no-plot --set", f"run.work_budget={budget}", "-o part")
-    assert done.returncode == 3
+    done = cam("detach --no-plot --set", f"run.work_budget={budget}", "-o part", code=3)
     assert "the budget of work was used up, the rest is left out; raise" in done.stderr
     result = json.loads((tmp_path / "part" / "run.json").read_text())["result"]
     assert result["status"] == "work-budget"
@@ -85,8 +84,7 @@ def test_record_and_table_tell_brackets_statuses_and_words(bare):
 
 
 def test_hold_to_gives_springs_and_their_own_detachment(cam, tmp_path):
-    done = cam("detach", SHORT, "--hold-to 150 --set detach.margin_n=0")
-    assert done.returncode == 0, done.stderr
+    cam("detach", SHORT, "--hold-to 150 --set detach.margin_n=0", code=0)
     found = [row for row in rows(tmp_path / "out/detach/detach.csv") if "hold" in row["quantity"]]
     assert [row["quantity"] for row in found] == ["hold_stiffness", "hold_preload", "hold_both"]
     assert [float(row["rpm"]) for row in found] == pytest.approx([150.0] * 3, abs=1e-9)

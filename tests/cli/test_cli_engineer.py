@@ -45,8 +45,7 @@ def test_init_overwrites_nothing_and_writes_a_scene_to_fill_in(cam, begun):
     assert cam("init lobe.csv --force").returncode == 0
     assert (begun / "lobe.yaml").read_bytes() == before
     assert cam("init").returncode == 0
-    done = cam("detach -c scene.yaml --no-plot --points 3")
-    assert done.returncode == 0
+    done = cam("detach -c scene.yaml --no-plot --points 3", code=0)
     assert "scene.yaml: lines 2, 3, 4, 13: FILL IN: numbers that cam init made up" in done.stderr
     mine = (begun / "scene.yaml").read_text().replace("FILL IN", "mine")
     (begun / "scene.yaml").write_text(mine)
@@ -55,8 +54,7 @@ def test_init_overwrites_nothing_and_writes_a_scene_to_fill_in(cam, begun):
 
 @pytest.mark.parametrize("command", ["sweep", "detach", "orbits", "classify", "basins"])
 def test_a_range_that_is_not_given_comes_from_the_machine(cam, begun, command):
-    done = cam(f"{command} -c lobe.yaml --dry-run")
-    assert done.returncode == 0, done.stderr
+    done = cam(f"{command} -c lobe.yaml --dry-run", code=0)
     words = done.stderr.partition(f"note: {command}.rpm is not given: ")[2].split()
     assert 2300 < float(words[0]) < 3500  # about the loss of contact, not another machine
     if command == "orbits":
@@ -67,8 +65,7 @@ def test_a_range_that_is_not_given_comes_from_the_machine(cam, begun, command):
 @pytest.mark.slow
 def test_a_run_begins_with_a_verdict(cam, begun):
     short = ("--no-plot", "--set", "run.transient=5", "--set", "run.record=5", "--points", "5")
-    done = cam("detach -c lobe.yaml", *short, "--hold-to 5000")
-    assert done.returncode == 0, done.stderr
+    done = cam("detach -c lobe.yaml", *short, "--hold-to 5000", code=0)
     verdict = done.stdout.splitlines()[0]
     speed, error = (float(x) for x in verdict.split("up to ")[1].split(" rpm")[0].split(" +- "))
     low, high = json.loads((begun / "out/detach/run.json").read_text())["error"]["lift_table"][
@@ -242,8 +239,7 @@ def test_the_pressure_of_a_line_contact():
 @pytest.mark.slow
 def test_a_report_is_one_page_for_print(cam, begun):
     """A4, the same bytes again, with springs for the end of the range where none are asked for."""
-    done = cam("detach -c lobe.yaml --no-plot --points 3 --report")
-    assert done.returncode == 0, done.stderr
+    cam("detach -c lobe.yaml --no-plot --points 3 --report", code=0)
     page = (begun / "out/detach/report.pdf").read_bytes()
     assert (page[:5], page.count(b"/Type /Page "), page.count(b"/Count 1")) == (b"%PDF-", 1, 1)
     width, height = re.search(rb"/MediaBox \[ 0 0 ([0-9.]+) ([0-9.]+) \]", page).groups()
@@ -251,8 +247,7 @@ def test_a_report_is_one_page_for_print(cam, begun):
     record = json.loads((begun / "out/detach/run.json").read_text())
     assert record["scene"]["detach"]["hold_to"] == record["scene"]["detach"]["rpm"]["stop"]
     assert len(record["result"]["hold"]) == 3
-    again = cam("rerun out/detach/run.json --folder . -o again")
-    assert again.returncode == 0, again.stderr
+    cam("rerun out/detach/run.json --folder . -o again", code=0)
     assert (begun / "again/report.pdf").read_bytes() == page
 
 
@@ -286,8 +281,7 @@ def test_a_table_elsewhere_is_found_when_numbers_vary(cam, begun):
     (begun / "lobe.csv").rename(begun / "elsewhere/lobe.csv")
     (begun / "lobe.yaml").rename(begun / "elsewhere/lobe.yaml")
     short = "--set run.transient=2 --set run.record=2 --rpm 2000"
-    done = cam(f"sweep -c elsewhere/lobe.yaml {vary} {short}")
-    assert done.returncode == 0, done.stderr
+    cam(f"sweep -c elsewhere/lobe.yaml {vary} {short}", code=0)
 
 
 @pytest.mark.parametrize(

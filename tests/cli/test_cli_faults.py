@@ -115,8 +115,7 @@ def test_every_fault_of_a_file_at_once_with_line_and_column(cam, tmp_path):
         "cam: {kind: arcs, base_radius: 0.4}\n"
         "run:\n  rpm: 0\n"
     )
-    done = cam("simulate -c bad.yaml")
-    assert done.returncode == 2
+    done = cam("simulate -c bad.yaml", code=2)
     lines = done.stderr.splitlines()
     assert len(lines) >= 5
     assert any(line.startswith("bad.yaml:1:18: follower.mass: ") for line in lines)
@@ -125,8 +124,7 @@ def test_every_fault_of_a_file_at_once_with_line_and_column(cam, tmp_path):
 
 def test_target_that_is_a_file(cam, tmp_path):
     (tmp_path / "taken").write_text("keep me")
-    done = cam("simulate", *QUICK, "-o taken")
-    assert done.returncode == 2
+    done = cam("simulate", *QUICK, "-o taken", code=2)
     assert "file where the folder should be" in done.stderr
     assert (tmp_path / "taken").read_text() == "keep me"
 
@@ -134,18 +132,15 @@ def test_target_that_is_a_file(cam, tmp_path):
 def test_numerical_trouble_keeps_the_rows_and_exits_3(cam, tmp_path):
     words = ("follower.stiffness=0", "run.start.q=1", "run.start.v=1")
     sets = [word for pair in zip(["--set"] * 3, words, strict=True) for word in pair]
-    done = cam("sweep --rpm 100:200 --points 2", *QUICK, *sets)
-    assert done.returncode == 3
+    done = cam("sweep --rpm 100:200 --points 2", *QUICK, *sets, code=3)
     assert "no-return" in done.stderr
     text = (tmp_path / "out/sweep/speeds.csv").read_text()
     assert text.count("no-return") == 2
 
 
 def test_impact_budget_keeps_what_was_found(cam, tmp_path):
-    done = cam(
-        "simulate", *QUICK, "--rpm 190 --set run.impact_budget=5 --set run.transient=0",
-    )  # fmt: skip
-    assert done.returncode == 3
+    few = "--rpm 190 --set run.impact_budget=5 --set run.transient=0"
+    done = cam("simulate", *QUICK, few, code=3)
     assert "impact-budget" in done.stderr
     record = json.loads((tmp_path / "out/simulate/run.json").read_text())
     assert record["result"]["status"] == "impact-budget"
@@ -159,8 +154,7 @@ def test_warning_where_nothing_dissipates(cam):
 
 @pytest.mark.parametrize("command", ["simulate", "sweep"])
 def test_warning_of_absurd_height(cam, command):
-    done = cam(command, "--no-plot --rpm 1e6")
-    assert done.returncode == 0
+    done = cam(command, "--no-plot --rpm 1e6", code=0)
     assert "times the cam's lift" in done.stderr
     assert "contact holds in" not in done.stdout  # it flies through all recorded turns
 

@@ -14,8 +14,7 @@ PLANE = "--rpm 690:700 --vary follower.restitution=0.7:0.8 --points 3,2"
 
 
 def test_a_row_per_point_with_the_columns_of_its_speed(cam, tmp_path):
-    done = cam(f"sweep {PLANE} {SMALL} --lyapunov --panels kind,max_gap_m,exponents")
-    assert done.returncode == 0, done.stderr
+    cam(f"sweep {PLANE} {SMALL} --lyapunov --panels kind,max_gap_m,exponents", code=0)
     found = rows(tmp_path / "out/sweep/map.csv")
     assert [(r["rpm"], r["follower.restitution"]) for r in found] == [
         (rpm, r) for r in ("0.7", "0.8") for rpm in ("690.0", "695.0", "700.0")
@@ -51,8 +50,7 @@ def test_the_borders_of_the_orbit_are_within_a_cell_of_the_published_bifurcation
     """Carried down, P(1;1) lives from its period doubling to its corner impact, at each r."""
     words = "--set sweep.direction=down --set run.transient=300 --no-plot"
     plane = "--rpm 660:760 --vary follower.restitution=0.6:0.9 --points 101,4"
-    done = cam(f"sweep {plane} {words} --set run.record=30")
-    assert done.returncode == 0, done.stderr
+    cam(f"sweep {plane} {words} --set run.record=30", code=0)
     found = rows(tmp_path / "out/sweep/map.csv")
     for r in dict.fromkeys(row["follower.restitution"] for row in found):
         own = [float(row["rpm"]) for row in found
@@ -71,8 +69,7 @@ def test_a_slow_spiral_into_an_orbit_is_named_after_the_orbit(cam, tmp_path):
     machine = CHAPTER._replace(restitution=r)
     assert rpm < period_doubling_rpm(CAM, machine, STABLE, 1, 700, 745).rpm
     words = f"--set follower.restitution={r} --set run.transient=200 --set run.record=100"
-    done = cam(f"sweep --rpm {rpm} {words} --no-plot -q")
-    assert done.returncode == 0, done.stderr
+    cam(f"sweep --rpm {rpm} {words} --no-plot -q", code=0)
     assert [row["label"] for row in rows(tmp_path / "out/sweep/speeds.csv")] == ["P(1;1)"]
 
 
@@ -83,12 +80,10 @@ def test_curves_of_orbits_are_laid_over_a_map(cam, tmp_path):
     (tmp_path / "curve.csv").write_text(curve)
     words = f"{PLANE} {SMALL} -q"
     cam("sweep", words, "-o plain")
-    done = cam("sweep", words, "--curves curve.csv -o laid")
-    assert done.returncode == 0, done.stderr
+    cam("sweep", words, "--curves curve.csv -o laid", code=0)
     plain, laid = (tmp_path / name / "map.png" for name in ("plain", "laid"))
     assert plain.read_bytes() != laid.read_bytes()
-    done = cam("sweep", words, "--curves missing.csv")
-    assert done.returncode == 2
+    done = cam("sweep", words, "--curves missing.csv", code=2)
     assert "missing.csv: no such file" in done.stderr
 
 
@@ -104,8 +99,7 @@ def test_shards_merge_to_the_bytes_of_one_run(cam, tmp_path):
 @pytest.mark.slow
 def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
     words = "--rpm 739:740 --points 3 --zoom 739.3:739.4 --set sweep.direction=down"
-    done = cam(f"sweep {words} {SMALL}")
-    assert done.returncode == 0, done.stderr
+    cam(f"sweep {words} {SMALL}", code=0)
     found = [float(row["rpm"]) for row in rows(tmp_path / "out/sweep/speeds.csv")]
     assert found == sorted(found, reverse=True)
     inside = [rpm for rpm in found if 739.3 <= rpm <= 739.4]
@@ -122,9 +116,8 @@ def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
 
 def test_the_ways_up_and_down_are_told_apart(cam, tmp_path):
     """At 680 rpm chaos from rest, and P(1;1) where the state is carried down."""
-    done = cam("sweep", "--rpm", "680:700", "--points", "2", "--both", SMALL, "--no-plot",
-               "--set", "sweep.tables=npz")  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    words = "--rpm 680:700 --points 2 --both --no-plot --set sweep.tables=npz"
+    cam("sweep", words, SMALL, code=0)
     ways = [("680.0", "aperiodic", "up"), ("700.0", "P(1;1)", "up"),
             ("700.0", "P(1;1)", "down"), ("680.0", "P(1;1)", "down")]  # fmt: skip
     speeds = rows(tmp_path / "out/sweep/speeds.csv")
@@ -140,8 +133,7 @@ def test_the_ways_up_and_down_are_told_apart(cam, tmp_path):
 def test_motions_from_further_starts_come_after_those_of_the_first(cam, tmp_path):
     """At 358.5 rpm P(1;2) exists beside P(3;3:3:2)."""
     words = "--set run.transient=400 --set run.record=12 --no-plot"
-    done = cam(f"sweep --rpm 358.5 {words} --set", "'sweep.also=[{q: 0.55, v: 32.5}]'")
-    assert done.returncode == 0, done.stderr
+    cam(f"sweep --rpm 358.5 {words} --set", "'sweep.also=[{q: 0.55, v: 32.5}]'", code=0)
     found = rows(tmp_path / "out/sweep/speeds.csv")
     assert [(row["rpm"], row["label"], row["start"]) for row in found] == [
         ("358.5", "P(3;3:3:2)", "0"),
@@ -158,7 +150,6 @@ def test_branches_that_cannot_be_laid_over_a_sweep_are_refused_before_any_work(c
     if row:
         text = "branch,label,rpm,stable,theta_deg_1,q_m\n" + f"{row}\n" * 2
         (tmp_path / "branch.csv").write_text(text)
-    done = cam("sweep", "--points", "3", "--branches", "branch.csv")
-    assert done.returncode == 2
+    done = cam("sweep", "--points", "3", "--branches", "branch.csv", code=2)
     assert "branch.csv in rpm" in done.stderr
     assert not (tmp_path / "out").exists()

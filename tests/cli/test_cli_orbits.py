@@ -16,8 +16,7 @@ QUICK = "--set orbits.starts=0 --set run.transient=50"
 @pytest.mark.slow
 def test_the_bare_command(cam, tmp_path):
     """Branches, bifurcations, sentences and pictures of the example's range."""
-    done = cam("orbits -o out", QUICK)
-    assert done.returncode == 0, done.stderr
+    done = cam("orbits -o out", QUICK, code=0)
     found = {(row["label"], row["kind"], row["corner"]): row
              for row in rows(tmp_path / "out" / "bifurcations.csv")}  # fmt: skip
     corner = found["P(1;1)", "corner-impact", "b"]
@@ -49,8 +48,7 @@ def test_a_budget_of_work_ends_the_search_and_keeps_what_was_found(cam, tmp_path
     """The same rows as far as they go, by either kernel, and a sentence that names the knob."""
     assert cam("orbits --no-plot -o whole", QUICK).returncode == 0
     words = f"orbits --no-plot {QUICK} --set run.work_budget=1500000 -o"
-    done = cam(words, "part")
-    assert done.returncode == 3
+    done = cam(words, "part", code=3)
     assert "work-budget: the budget of work was used up" in done.stderr
     assert "raise run.work_budget" in done.stderr
     result = json.loads((tmp_path / "part" / "run.json").read_text())["result"]
@@ -72,15 +70,13 @@ def test_a_budget_of_work_ends_the_search_and_keeps_what_was_found(cam, tmp_path
 
 def test_proofs_share_the_budget_of_work(cam, tmp_path):
     words = ("--rpm", "700", "--set", "orbits.starts=2", "--set", "run.work_budget=90000")
-    done = cam("orbits", "--prove", "--no-plot", *words, "-o", "out")
-    assert done.returncode == 3
+    done = cam("orbits", "--prove", "--no-plot", *words, "-o", "out", code=3)
     assert "not proved: P(1;1): the budget of work was used up" in done.stdout
     assert [row["proved"] for row in rows(tmp_path / "out" / "branch.csv")] == ["yes", "no"]
 
 
 def test_orbits_at_one_speed(cam, tmp_path):
-    done = cam("orbits --rpm 358.5 --no-plot -o out")
-    assert done.returncode == 0, done.stderr
+    cam("orbits --rpm 358.5 --no-plot -o out", code=0)
     found = {row["label"]: row for row in rows(tmp_path / "out" / "branch.csv")}
     assert set(found) == {"P(1;2)", "P(3;3:3:2)"}
     assert float(found["P(1;2)"]["q_m"]) == pytest.approx(0.546, abs=5e-4)
@@ -91,8 +87,7 @@ def test_orbits_at_one_speed(cam, tmp_path):
 
 
 def test_the_chattering_orbit_has_zero_multipliers_and_named_ends(cam, tmp_path):
-    done = cam("orbits --rpm 100:205 --at 190 --no-plot -o out", QUICK)
-    assert done.returncode == 0, done.stderr
+    done = cam("orbits --rpm 100:205 --at 190 --no-plot -o out", QUICK, code=0)
     points = rows(tmp_path / "out" / "branch.csv")
     assert {(row["label"], row["multiplier_1_re"]) for row in points} == {("P(1;inf)", "0.0")}
     found = {row["kind"]: row for row in rows(tmp_path / "out" / "bifurcations.csv")}
@@ -109,8 +104,7 @@ def test_the_chattering_orbit_has_zero_multipliers_and_named_ends(cam, tmp_path)
     ],
 )
 def test_an_absent_label_is_answered(cam, words, said):
-    done = cam("orbits", *words, "--no-plot", QUICK)
-    assert done.returncode == 0, done.stderr
+    done = cam("orbits", *words, "--no-plot", QUICK, code=0)
     assert all(text in done.stdout for text in said)
 
 
@@ -121,8 +115,7 @@ def closure(r):
 
 
 def test_another_parameter_and_its_column(cam, tmp_path):
-    done = cam("orbits --rpm 700 --parameter restitution --range 0.5:0.9 --no-plot -o out", QUICK)
-    assert done.returncode == 0, done.stderr
+    cam("orbits --rpm 700 --parameter restitution --range 0.5:0.9 --no-plot -o out", QUICK, code=0)
     points = rows(tmp_path / "out" / "branch.csv")
     assert {row["rpm"] for row in points} == {"700.0"}
     corner = rows(tmp_path / "out" / "bifurcations.csv")[0]
@@ -132,8 +125,9 @@ def test_another_parameter_and_its_column(cam, tmp_path):
 
 @pytest.mark.slow
 def test_a_curve_in_two_parameters_passes_through_known_points(cam, tmp_path):
-    done = cam("orbits --curve corner-impact --in restitution --range 0.7:0.8 -o out", QUICK)
-    assert done.returncode == 0, done.stderr
+    done = cam(
+        "orbits --curve corner-impact --in restitution --range 0.7:0.8 -o out", QUICK, code=0
+    )
     points = rows(tmp_path / "out" / "curve.csv")
     assert "curve 1 ends: end-of-range of restitution; end-of-range of restitution" in done.stdout
     ends = {row["restitution"]: row for row in points if row["label"] == "P(1;1)"}
@@ -152,8 +146,8 @@ def test_a_curve_in_two_constants_of_the_follower(cam, tmp_path):
         "--parameter restitution --range 0.5:0.9",
         "--in damping=0:0.5 --no-plot -o out",
         QUICK,
+        code=0,
     )
-    assert done.returncode == 0, done.stderr
     points = rows(tmp_path / "out" / "curve.csv")
     assert list(points[0])[4:6] == ["restitution", "damping_n_s_per_m"]
     r = next(float(row["restitution"]) for row in points if row["damping_n_s_per_m"] == "0.0")
@@ -162,8 +156,7 @@ def test_a_curve_in_two_constants_of_the_follower(cam, tmp_path):
 
 
 def test_a_curve_of_what_does_not_happen_is_no_success(cam):
-    done = cam("orbits --rpm 699:702 --curve grazing --no-plot", QUICK)
-    assert done.returncode == 3
+    done = cam("orbits --rpm 699:702 --curve grazing --no-plot", QUICK, code=3)
     assert "no grazing was located" in done.stderr
 
 
@@ -182,18 +175,18 @@ ONE = "orbits --rpm 690:710 --points 5 --label P(1;1) --branches 0"
 
 @pytest.mark.parametrize(("which", "stable"), [("stable", "1"), ("unstable", "0")])
 def test_only_stable_or_unstable_orbits_are_followed(cam, tmp_path, which, stable):
-    done = cam(f"{ONE} --set orbits.stability={which} --no-plot -o out")
-    assert done.returncode == 0, done.stderr
+    cam(f"{ONE} --set orbits.stability={which} --no-plot -o out", code=0)
     points = rows(tmp_path / "out" / "branch.csv")
     assert {(row["branch"], row["stable"]) for row in points} == {("1", stable)}
 
 
 def test_simulated_motions_are_drawn_behind_the_branches(cam, tmp_path):
     words = "--rpm 738:739 --points 5 --at 738.5 --label P(1;1)"
-    done = cam(
-        f"orbits {words} --set orbits.simulated=3 --set orbits.stability=stable --no-plot", QUICK
+    cam(
+        f"orbits {words} --set orbits.simulated=3 --set orbits.stability=stable --no-plot",
+        QUICK,
+        code=0,
     )
-    assert done.returncode == 0, done.stderr
     seen = {
         float(r["rpm"]): float(r["theta_deg"]) for r in rows(tmp_path / "out/orbits/impacts.csv")
     }

@@ -20,8 +20,7 @@ SEEN = {
 
 def foreseen(cam, *words: str) -> dict:
     """The plan of a command."""
-    done = cam(*words, "--dry-run --json")
-    assert done.returncode == 0, done.stderr
+    done = cam(*words, "--dry-run --json", code=0)
     return json.loads(done.stdout)["plan"]
 
 
@@ -33,8 +32,7 @@ def test_a_plan_is_right_within_a_factor_of_two_and_writes_nothing(
     monkeypatch.setattr(forecast, "MOST", 600.0)  # s, where the machine is slow
     cost = foreseen(cam, *words)
     assert list(tmp_path.iterdir()) == []
-    done = cam(*words, "--no-plot --json -o here")
-    assert done.returncode == 0, done.stderr
+    done = cam(*words, "--no-plot --json -o here", code=0)
     impacts = json.loads(done.stdout)["cost"]["impacts"]
     size = sum(path.stat().st_size for path in (tmp_path / "here").iterdir())
     assert impacts / 2 <= cost["impacts"] <= impacts * 2
@@ -71,8 +69,7 @@ def test_a_shard_makes_its_part_of_the_pieces_and_no_tables(cam):
     ],
 )
 def test_what_cannot_fit_is_refused_with_its_figure(cam, tmp_path, line, found, figure):
-    done = cam(line)
-    assert done.returncode == 2
+    done = cam(line, code=2)
     assert all(words in done.stderr for words in (found, figure, "expected"))
     assert list(tmp_path.iterdir()) == []
 

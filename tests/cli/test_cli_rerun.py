@@ -35,8 +35,7 @@ def refused(done, *said: str) -> None:
 def test_the_same_bytes_again(cam, tmp_path, name):
     assert cam(RUNS[name], "-o here").returncode == 0
     before = sorted(tmp_path.rglob("*"))
-    done = cam("rerun here/run.json --json")
-    assert done.returncode == 0, done.stderr
+    done = cam("rerun here/run.json --json", code=0)
     result = json.loads(done.stdout)
     artefacts = json.loads((tmp_path / "here" / "run.json").read_text())["artefacts"]
     assert (result["same"], result["artefacts"]) == (True, dict.fromkeys(artefacts, "same bytes"))

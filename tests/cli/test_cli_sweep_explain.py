@@ -96,8 +96,7 @@ def test_events_and_changes_of_a_range_are_listed_with_their_causes(explained):
 def test_a_crisis_beside_an_undecided_motion_is_explained(cam, tmp_path):
     """The motion of the default start at 361.2 rpm has no name; the crisis is the figure's jump."""
     words = "--rpm 361.1:361.2 --points 2 --explain --no-plot"
-    done = cam(f"sweep {words} --set run.transient=300 --set run.record=130")
-    assert done.returncode == 0, done.stderr
+    cam(f"sweep {words} --set run.transient=300 --set run.record=130", code=0)
     record = json.loads((tmp_path / "out/sweep/run.json").read_text())["result"]
     (change,), (event,) = record["changes"], record["events"]
     assert (change["after"], change["cause"]) == ("undecided", "interior-crisis")

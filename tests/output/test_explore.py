@@ -376,8 +376,7 @@ def test_the_page_opens_in_the_browser_when_it_is_written(cam, tmp_path, monkeyp
     opened = []
     monkeypatch.setattr("webbrowser.open", lambda page: bool(opened.append(page)))
     words = "--rpm 700:701 --points 2 --set orbits.starts=0 -q"
-    done = cam(f"explore {words} --set run.transient=50 --set run.record=20 --open")
-    assert done.returncode == 0, done.stderr
+    done = cam(f"explore {words} --set run.transient=50 --set run.record=20 --open", code=0)
     page = (tmp_path / "out/explore/explore.html").as_uri()
     assert opened == [page]
     assert f"no browser was found; open {page}" in done.stderr

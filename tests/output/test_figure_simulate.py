@@ -88,8 +88,7 @@ def test_an_animation_moves_as_trajectory_csv_does(cam, tmp_path, monkeypatch):
     monkeypatch.setattr("camcli.plots.simulate.FRAMES", 12)
     values = {"run.rpm": 190, "run.transient": 10, "run.record": 2}
     sets = [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
-    done = cam("simulate --animate", *sets, "--no-plot -o here --json")
-    assert done.returncode == 0, done.stderr
+    done = cam("simulate --animate", *sets, "--no-plot -o here --json", code=0)
     written = json.loads(done.stdout)["artefacts"]
     assert ("simulate.mp4" in written) == (shutil.which("ffmpeg") is not None)
     with Image.open(tmp_path / "here" / "simulate.gif") as film:
