@@ -4,6 +4,7 @@ import json
 from base64 import b64encode
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from importlib.resources import files
 from math import ceil, pi, sqrt
 from typing import Any, BinaryIO
@@ -91,9 +92,7 @@ class Explored:
 
     motions: list[Motion]
     simulations: list[Simulation]
-    orbits: Result
-    basins: Result | None
-    map: Result | None
+    parts: Mapping[str, Result]  # see `parts_of`
 
 
 def explore(
@@ -142,34 +141,28 @@ def explore(
     """
     machine = machine_of(scene)
     scene = machine.scene
-    axes = _axes_of_map(scene) if with_map else scene.sweep.vary
-    span = scene.sweep.rpm
+    span, asked = scene.sweep.rpm, parts_of(scene, with_basins, with_map)
     samples = _samples(machine.system.follower, min(span.start, span.stop))
     most = min(MOST_SPEEDS, MOST_ROWS // samples)
-    if scene.sweep.rpm.num > most:
-        asked, limit = f"found {scene.sweep.rpm.num} speeds", f"expected at most {most} on a page"
-        raise SceneError(Fault("", "sweep.rpm.num", asked, limit, "give --points"))
+    if span.num > most:
+        found, limit = f"found {span.num} speeds", f"expected at most {most} on a page"
+        raise SceneError(Fault("", "sweep.rpm.num", found, limit, "give --points"))
     with stopwatch() as watch:
-        runs = len(DIRECTIONS) * scene.sweep.rpm.num + scene.orbits.starts
+        runs = len(DIRECTIONS) * span.num + scene.orbits.starts
         for_work(runs * (scene.run.transient + scene.run.record))
-        whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
-        sweeps = []
-        for way in DIRECTIONS:
-            own = with_values(scene, "sweep", **whole, explain=False, direction=way)
-            sweeps.append((way, sweep(own, progress, work=work)))
-        solved = orbits(_orbits_scene(scene), progress)
-        speed = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
-        window = with_values(scene, "basins", rpm=speed, refine=0)  # one speed, cells of one size
-        landed = basins(window, progress, work=work) if with_basins else None
-        over = with_values(scene, "sweep", vary=axes)
-        mapped = sweep(over, progress, work=work) if with_map else None
-        motions = _attractors(machine, sweeps, MOST_ROWS // (samples * scene.sweep.rpm.num))
-        motions += _solved(machine, solved, motions)
+        calls = {"sweep": partial(sweep, work=work), "basins": partial(basins, work=work)}
+        parts = {
+            name: calls.get(command, orbits)(own, progress)
+            for name, (command, own) in asked.items()
+        }
+        sweeps = [(way, parts[f"sweep {way}"]) for way in DIRECTIONS]
+        motions = _attractors(machine, sweeps, MOST_ROWS // (samples * span.num))
+        motions += _solved(machine, parts["orbits"], motions)
         left = ROOM - samples * sum(motion.turns for motion in motions)
         turns = left // (samples * SIDE * SIDE * max(1, with_basins + with_map))
         turns = max(1, min(MOST_TURNS, turns))
-        motions += [] if landed is None else list(_starts(machine, landed, turns))
-        motions += [] if mapped is None else list(_points(machine, mapped, axes, turns))
+        motions += _starts(machine, parts["basins"], turns) if with_basins else []
+        motions += _points(machine, parts["map"], turns) if with_map else []
         tick = ticks(progress, "motions", len(motions))
         simulations = []
         for motion in motions:
@@ -178,36 +171,49 @@ def explore(
             rows = max(samples, _samples(motion.system.follower, motion.rpm))
             simulations.append(simulate(motion.system, motion.rpm, settings, rows))
             tick()
-    found = Explored(motions, simulations, solved, landed, mapped)
-    parts = {f"sweep {direction}": result for direction, result in sweeps}
-    more = {"orbits": solved, "basins": landed, "map": mapped}
-    parts |= {name: result for name, result in more.items() if result is not None}
+    explored = Explored(motions, simulations, parts)
+    costs = [*(one.cost for one in simulations), *(part.cost for part in parts.values())]
 
     def write(file: BinaryIO) -> None:
-        data = {"source": source, **_machine_data(machine), **_motion_data(found)}
+        data = {"source": source, **_machine_data(machine), **_motion_data(explored)}
         file.write(page(data).encode())
 
     return Result(
         command="explore",
         scene=scene,
         system=machine.system,
-        values=found,
+        values=explored,
         tables={},
         summary={
-            "speeds": scene.sweep.rpm.num,
+            "speeds": span.num,
             "motions": len(motions),
-            "bifurcations": len(solved.tables["bifurcations"]),
+            "bifurcations": len(parts["orbits"].tables["bifurcations"]),
         },
         pictures={},
         files={"explore.html": write},
-        cost=sum(
-            (one.cost for one in simulations), sum((part.cost for part in parts.values()), Cost())
-        ),
+        cost=sum(costs, Cost()),
         seconds=watch.seconds,
         notes=tuple(f"{name}: {note}" for name, part in parts.items() for note in part.notes),
         complete=all(part.complete for part in parts.values()),
         options={"with_basins": with_basins, "with_map": with_map, "source": source},
     )
+
+
+def parts_of(scene: Scene, with_basins: bool, with_map: bool) -> dict[str, tuple[str, Scene]]:
+    """The analyses that a page is made of: the command and the scene of each, by name."""
+    whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
+    whole |= {"explain": False}
+    parts = {
+        f"sweep {way}": ("sweep", with_values(scene, "sweep", **whole, direction=way))
+        for way in DIRECTIONS
+    }
+    parts["orbits"] = "orbits", _orbits_scene(scene)
+    if with_basins:  # at one speed, with cells of one size
+        speed = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
+        parts["basins"] = "basins", with_values(scene, "basins", rpm=speed, refine=0)
+    if with_map:
+        parts["map"] = "sweep", with_values(scene, "sweep", vary=_axes_of_map(scene))
+    return parts
 
 
 def _samples(f: Follower, rpm: float) -> int:
@@ -275,11 +281,6 @@ def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> It
         )  # fmt: skip
 
 
-def _columns(result: Result, name: str) -> dict[str, np.ndarray]:
-    table = result.tables[name]
-    return {column: table[column] for column in table.columns}
-
-
 def _start(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | None, float | None]:
     """A state at the strobe as a start; (None, None) where the follower rests on the cam."""
     stretch = machine.system.cam.stretches[machine.system.cam.strobe]
@@ -329,7 +330,7 @@ def _some(count: int) -> list[int]:
 def _starts(machine: Machine, result: Result, turns: int) -> Iterator[Motion]:
     """Motions from a grid of starts in the window of the basins, by the attractor they reach."""
     section = machine.scene.basins
-    cells, attractors = _columns(result, "basins"), _columns(result, "attractors")
+    cells, attractors = dict(result.tables["basins"]), dict(result.tables["attractors"])
     names = dict(zip(attractors["attractor"].tolist(), attractors["label"].tolist(), strict=True))
     (wide, high), codes = section.cells, cells["attractor"].tolist()
     for k in (row * wide + column for row in _some(high) for column in _some(wide)):
@@ -342,11 +343,10 @@ def _starts(machine: Machine, result: Result, turns: int) -> Iterator[Motion]:
         )  # fmt: skip
 
 
-def _points(
-    machine: Machine, result: Result, axes: tuple[Axis, ...], most: int
-) -> Iterator[Motion]:
+def _points(machine: Machine, result: Result, most: int) -> Iterator[Motion]:
     """Motions at a grid of points of the map, from where their records end."""
-    found, setup = result.values[0], Varied(machine, axes)
+    found, axes = result.values[0], result.scene.sweep.vary
+    setup = Varied(machine, axes)
     for row in _some(len(found.second)):
         line = found.lines[row]
         for column in _some(len(line)):
@@ -426,17 +426,15 @@ def _motion_data(found: Explored) -> dict[str, Any]:
         "points": {
             "theta_deg": theta, "u": speed, "q": positions, "v": velocities,
         },
-        "branches": _branches(found.orbits), "bifurcations": _bifurcations(found.orbits),
-        "planes": [
-            *([] if found.basins is None else [_basins_data(found.basins)]),
-            *([] if found.map is None else [_map_data(found.map)]),
-        ],
+        "branches": _branches(found.parts["orbits"]),
+        "bifurcations": _bifurcations(found.parts["orbits"]),
+        "planes": [data(found.parts[name]) for name, data in PLANES.items() if name in found.parts],
     }  # fmt: skip
 
 
 def _branches(solved: Result) -> list[dict[str, Any]]:
     """The branches as columns; one of impact `k` in `theta_deg[k]` and `u[k]`, NaN without it."""
-    table = _columns(solved, "branch")
+    table = dict(solved.tables["branch"])
     columns = {
         name: [table[column] for column in table if column.startswith(prefix)]
         for name, prefix in (("theta_deg", "theta_deg_"), ("u", "u_minus_m_per_s_"))
@@ -475,7 +473,7 @@ def _bifurcations(solved: Result) -> list[dict[str, Any]]:
 
 def _basins_data(landed: Result) -> dict[str, Any]:
     """The window with the attractor of every cell."""
-    section, attractors = landed.scene.basins, _columns(landed, "attractors")
+    section, attractors = landed.scene.basins, landed.tables["attractors"]
     columns = (attractors[name].tolist() for name in ("attractor", "label", "fraction"))
     named = list(zip(*columns, strict=True))
     place = {number: k for k, (number, _, _) in enumerate(named)}  # 255: below the cam
@@ -506,6 +504,8 @@ def _map_data(result: Result) -> dict[str, Any]:
         "words": "",
     }  # fmt: skip
 
+
+PLANES = {"basins": _basins_data, "map": _map_data}
 
 # --- one page with the data in it, which needs no other file
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from collections.abc import Mapping
 from math import ceil
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -55,20 +56,27 @@ def size_of(command: str, scene: Scene) -> Size:
             what, rows = f"{run.record} recorded turns x {samples} samples", samples * run.record
             return Size(key, what, run.record, 1, turns, 280.0 * rows, 102.0 * rows)
         case "sweep":
-            if len(scene.sweep.vary) == 2:
-                n, m = (axis.num for axis in scene.sweep.vary)
-                what = f"{n} x {m} points of {turns} turns"
-                return Size(
-                    "sweep.vary", what, n * m, n * m, n * m * turns, 1e3 * n * m, 6e2 * n * m
-                )
-            speeds = scene.sweep.count + sum(part.num for part in scene.sweep.zoom)
-            speeds *= 1 + len(scene.sweep.also)
-            rows = run.record * len(scene.sweep.sections)
-            key = "run.record" if run.record > speeds else "sweep.rpm.num"
-            what = f"{speeds} speeds x {run.record} recorded turns"
-            memory, disk = 700.0 * speeds + 32.0 * rows, 43.0 * rows * speeds
-            disk *= 1 if scene.sweep.tables == "none" else 2
-            return Size(key, what, speeds, speeds, speeds * turns, memory, disk)
+            section, rows = scene.sweep, 0
+            speeds = section.count + sum(part.num for part in section.zoom)
+            speeds *= 1 + len(section.also)
+            key, what, row = "sweep.rpm.num", f"{speeds} speeds", 700.0
+            if len(section.vary) == 2:
+                n, m = (axis.num for axis in section.vary)
+                key, what, row, speeds = "sweep.vary", f"{n} x {m} points", 1e3, n * m
+            else:
+                rows = run.record * len(section.sections)
+                key = "run.record" if run.record > speeds else key
+            what += f" of {turns} turns, {run.record} recorded"
+            files = 43.0 * rows * (1 if section.tables == "none" else 2) + 600.0
+            return Size(
+                key,
+                what,
+                speeds,
+                speeds,
+                speeds * turns,
+                row * speeds + 32.0 * rows,
+                files * speeds,
+            )
         case "classify":
             speeds, starts = scene.classify.count, scene.classify.starts + 1
             key = "run.record" if run.record > speeds else "classify.rpm.num"
@@ -141,7 +149,7 @@ def refuse_too_large(command: str, scene: Scene, folder: Path, shard: Shard | No
 
 
 def forecast(
-    command: str, scene: Scene, request: Request, shard: Shard | None, profile_only: bool
+    command: str, scene: Scene, request: Request, shard: Shard | None, options: Mapping[str, Any]
 ) -> None:
     """Print what the run would do and cost; nothing is written."""
     size, share = size_of(command, scene), 1 if shard is None else shard.total
@@ -151,16 +159,19 @@ def forecast(
         notes.append("what --explain takes is not known before: 5 to 15 s for many a change")
     if command == "detach" and scene.detach.tolerance:
         notes.append(f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each")
-    impacts = seconds = tables = None
     if command == "orbits":
         notes.append("how many branches there are, and so the time, is not known before")
-    elif command == "explore":
-        notes.append("how many orbits are solved, and so the time, is not known before")
-    elif profile_only:
+    if command == "explore":
+        notes.append("the orbits come on top: how many are solved is not known before")
+    impacts = seconds = tables = None
+    if options.get("profile_only"):
         impacts, tables = 0.0, 100.0 * scene.simulate.samples
     else:
         try:
-            impacts, seconds, tables = _extrapolated(command, scene, request, size)
+            sampled = [_extrapolated(*part, request) for part in _parts(command, scene, options)]
+            impacts, seconds, tables = (
+                map(sum, zip(*sampled, strict=True)) if sampled else [None] * 3
+            )
         except TimeoutError:
             notes.append(
                 f"a small part of it took {MOST:g} s: how long it takes is not known before"
@@ -195,12 +206,24 @@ def _cell(name: str, value: Any) -> str:
     return f"{value:.2g} s" if name == "seconds" else f"{value:.6g}"
 
 
-def _extrapolated(command: str, scene: Scene, request: Request, size: Size) -> list[float]:
+def _parts(command: str, scene: Scene, options: Mapping[str, Any]) -> list[tuple[str, Scene]]:
+    """The commands, and their scenes, that a command is made of and whose cost can be known."""
+    parts = {"": (command, scene)}
+    if command == "explore":
+        from camcli.api.explore import parts_of
+        from camcli.api.machine import machine_of
+
+        parts = parts_of(machine_of(scene).scene, options["with_basins"], options["with_map"])
+    return [(name, own) for name, own in parts.values() if name != "orbits"]
+
+
+def _extrapolated(command: str, scene: Scene, request: Request) -> list[float]:
     """Impacts, seconds and bytes of the tables, from samples of growing size.
 
     In proportion to the turns where their number is known, else fixed + pieces * each, from the
     two largest samples: a cost that comes once must be told from the rest.
     """
+    size = size_of(command, scene)
     for_work(size.turns or LITTLE_WORK + 1)  # a sample runs as the whole will
     samples: list[tuple[Scene, list[float]]] = []
 

@@ -152,7 +152,7 @@ def run(
         note(f"{said}; {less}see cam {command} --dry-run")
     if request.dry_run:
         with compiling(request):
-            forecast(command, scene, request, part, profile_only="profile_only" in (options or {}))
+            forecast(command, scene, request, part, options or {})
         return DONE
     return execute(command, scene, request, show, shard=part, cluster=cluster, options=options)
 
