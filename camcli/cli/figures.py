@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
-from camcli.cli.options import DRAWING, Request, argument, flag, option
+from camcli.cli.options import DRAWING, Request, argument, flag, option, refuse_idle
 from camcli.cli.report import plural, progress_bar, table
 from camcli.errors import Fault, SceneError
 from camcli.interrupts import PARENT
@@ -49,14 +49,14 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 class State(BaseModel):
-    """figure.json: what a finished figure was made of, and how it went."""
+    """What a figure was made of, and how it went; figure.json of one that is finished."""
 
     hashes: dict[str, str]
-    exit: int
-    notes: list[str]
-    seconds: float
-    files: dict[str, str]  # SHA-256
-    digest: Groups
+    exit: int = DONE
+    notes: list[str] = []
+    seconds: float = 0.0
+    files: dict[str, str] = {}  # SHA-256
+    digest: Groups = {}
 
     @property
     def values(self) -> dict[str, Any]:
@@ -94,16 +94,6 @@ class Figure:
     def reference_path(self) -> Path:
         """Where its reference is kept."""
         return self.path.parent / REFERENCES / f"{self.name}.json"
-
-
-@dataclass(frozen=True)
-class Done:
-    """One computed figure: exit code of its command, what it said, and its wall time."""
-
-    name: str
-    code: int
-    notes: list[str]
-    seconds: float
 
 
 def figures(
@@ -144,8 +134,14 @@ def figures(
     3. --update-reference writes what was computed as the new reference.
     """
     folder = folder or default_folder()
+    beside, own = "with --update-reference", Path(__file__).resolve().parents[1]
+    installed = folder.resolve().is_relative_to(own)
     if update_reference:
-        _refuse_contradictions(request, folder, check)
+        refuse_idle(
+            (check, "--check", beside, "leave it out: a reference just written always agrees"),
+            (request.sets, "--set", beside, "change the scenes instead"),
+            (installed, "--folder", beside, f"copy {folder} of the installed program first"),
+        )
     known = figures_in(folder, request.sets or ())
     asked = chosen(known, names or ())
     out = request.folder(NAME)
@@ -170,24 +166,9 @@ def figures(
     pairs = [(f, states[f.name]) for f in asked if f.name in states and check]
     drifted = [drift for figure, state in pairs for drift in compared(figure, state)]
     _show(request, asked, why, done, drifted if check else None, out, perf_counter() - began)
-    codes = {state.exit for state in states.values()} | {d.code for d in done}
+    codes = {state.exit for state in (*states.values(), *done.values())}
     codes |= {NUMERICS} if drifted else set()
     return max(codes - set(WHOLE), default=max(codes, default=DONE))
-
-
-def _refuse_contradictions(request: Request, folder: Path, check: bool) -> None:
-    """What --update-reference cannot be given with."""
-    if check:
-        found = "found --check and --update-reference"
-        cure = "a reference just written always agrees"
-        raise SceneError(Fault("--check", "", found, "expected one of them", cure))
-    if folder.resolve().is_relative_to(Path(__file__).resolve().parents[1]):
-        found = f"found the figures of the installed program, {folder}"
-        cure = "copy that folder, and name the copy with --folder"
-        raise SceneError(Fault("--update-reference", "", found, "expected one's own", cure))
-    if request.sets:
-        where, cure = "--update-reference", "change the scenes instead"
-        raise SceneError(Fault(where, "", "found --set", "expected the scenes alone", cure))
 
 
 # --- which figures there are
@@ -328,7 +309,7 @@ def last_seconds(figure: Figure, out: Path) -> float | None:
     return known.seconds if known else None
 
 
-def _run(figure: Figure, options: list[str]) -> Done:
+def _run(figure: Figure, options: list[str]) -> State:
     """Run the command of a figure in a process of its own, which ends with this one."""
     began = perf_counter()
     process = subprocess.run(
@@ -343,24 +324,18 @@ def _run(figure: Figure, options: list[str]) -> Done:
     notes, code = process.stderr.splitlines(), process.returncode
     if code < 0:
         notes, code = [*notes, f"ended by signal {-code}"], INTERNAL
-    return Done(figure.name, code, notes, seconds)
+    return State(hashes=figure.hashes, exit=code, notes=notes, seconds=seconds)
 
 
-def _finish(figure: Figure, folder: Path, done: Done) -> None:
+def _finish(folder: Path, done: State) -> None:
     """Write figure.json with the digest, and remove the large tables that it was made from."""
     found = digest(folder)
     for path in folder.glob("*.csv"):
         if path.stat().st_size > LARGE:
             path.unlink()
     paths = [p for p in sorted(folder.iterdir()) if p.is_file() and p.name[0] != "."]
-    state = State(
-        hashes=figure.hashes,
-        exit=done.code,
-        notes=done.notes,
-        seconds=done.seconds,
-        files={path.name: sha256(path.read_bytes()).hexdigest() for path in paths},
-        digest=found,
-    )
+    files = {path.name: sha256(path.read_bytes()).hexdigest() for path in paths}
+    state = done.model_copy(update={"files": files, "digest": found})
     with run_folder(folder) as store:
         store.write_text(STATE, [state.model_dump_json(indent=1)])
         store.commit()
@@ -368,7 +343,7 @@ def _finish(figure: Figure, folder: Path, done: Done) -> None:
 
 def _compute(
     request: Request, wanted: Sequence[Figure], why: Mapping[str, str], out: Path
-) -> list[Done]:
+) -> dict[str, State]:
     """Run the figures, as many at a time as there are threads, the longest first.
 
     Each is marked as finished at once. On an interrupt no more are begun, and those at work end
@@ -382,31 +357,32 @@ def _compute(
     options += [word for text in request.sets or () for word in ("--set", text)]
     finished = 0
 
-    def piece(figure: Figure) -> Done:
+    def piece(figure: Figure) -> State:
         nonlocal finished
-        folder = out / figure.name
+        name, folder = figure.name, out / figure.name
         folder.mkdir(parents=True, exist_ok=True)
         (folder / STATE).unlink(missing_ok=True)  # until it is whole again
         done = _run(figure, [*options, "-o", str(folder)])
-        if done.code in WHOLE:
-            _finish(figure, folder, done)
+        if done.exit in WHOLE:
+            _finish(folder, done)
         finished += 1
         if progress is not None:
             progress("figures", finished, len(wanted))
         elif not request.quiet:
-            end = "" if done.code == DONE else f", exit code {done.code}"
-            note(f"{done.name}: {why[done.name]}, {done.seconds:.1f} s{end}")
+            end = "" if done.exit == DONE else f", exit code {done.exit}"
+            note(f"{name}: {why[name]}, {done.seconds:.1f} s{end}")
         return done
 
     with progress_bar(request.quiet) as progress:
         pool = ThreadPoolExecutor(count)
         try:
-            done = list(pool.map(piece, ordered))
+            names = [figure.name for figure in ordered]
+            done = dict(zip(names, pool.map(piece, ordered), strict=True))
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
-    for each in done:
-        for line in (each.notes or [f"exit code {each.code}"]) if each.code != DONE else ():
-            note(f"{each.name}: {line}")
+    for name, each in done.items():
+        for line in (each.notes or [f"exit code {each.exit}"]) if each.exit != DONE else ():
+            note(f"{name}: {line}")
     return done
 
 
@@ -495,14 +471,13 @@ def _print(request: Request, title: str, rows: list[dict[str, Any]], more: dict[
     table(title, list(rows[0]) if rows else [], cells)
 
 
-def _show(request, asked, why, done: list[Done], drifted: list[Drift] | None, out, seconds) -> None:
+def _show(request, asked, why, done, drifted: list[Drift] | None, out, seconds) -> None:
     """What was done; drifted: None where nothing was compared."""
-    spent = {each.name: each for each in done}
     rows = []
     for f in asked:
-        each = spent.get(f.name, Done("", DONE, [], 0.0))
+        each = done.get(f.name, State(hashes={}))
         row = {"figure": f.name, "title": f.scene.figure.title, "reason": why[f.name]}
-        rows.append({**row, "seconds": each.seconds, "exit": each.code})
+        rows.append({**row, "seconds": each.seconds, "exit": each.exit})
     more: dict[str, Any] = {"figures": rows, "seconds": seconds}
     if drifted is not None:
         more |= {"verdict": verdict(drifted), "drifts": [asdict(d) for d in drifted]}

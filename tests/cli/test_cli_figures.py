@@ -9,12 +9,9 @@ from pathlib import Path
 import pytest
 
 import camcli
-from camcli.cli import figures as figures_command
 from camcli.cli.app import app
 from camcli.cli.exit_codes import guarded
 from camcli.cli.figures import State, chosen, compared, figures_in, read, verdict
-from camcli.cli.options import Request
-from camcli.errors import SceneError
 from camcli.output.digest import Drift, caption, drifts
 
 pytestmark = pytest.mark.slow
@@ -123,11 +120,10 @@ def test_a_misshapen_state_or_record_is_none_and_stops_no_other_figure(run, home
     assert reasons(run)["1.1"] == "new"
 
 
-def test_the_installed_figures_keep_their_references(run, home, monkeypatch):
+def test_the_installed_figures_keep_their_references(cam):
     inside = Path(camcli.__file__).parent
-    monkeypatch.setattr(figures_command, "default_folder", lambda: inside)
-    with pytest.raises(SceneError, match="installed program"):
-        figures_command.figures(Request(), update_reference=True)
+    done = cam("figures", "--folder", str(inside), "--update-reference")
+    assert (done.returncode, "installed program" in done.stderr) == (2, True)
 
 
 def test_another_lift_table_is_data_changed(run, home):

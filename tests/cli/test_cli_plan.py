@@ -46,6 +46,7 @@ def test_what_is_known_before_is_exact_and_what_is_not_is_said(cam):
     sweep = foreseen(cam, "sweep", *turns)
     assert (sweep["orbits"], sweep["periods"]) == (21, 2100)
     assert foreseen(cam, "simulate", "--rpm", "700")["periods"] == 1000
+    assert foreseen(cam, "explore", *turns)["seconds"] > 0.0
     orbits = foreseen(cam, "orbits")
     assert orbits["seconds"] is None
     assert "not known before" in orbits["notes"][0]
