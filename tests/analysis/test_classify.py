@@ -1,39 +1,11 @@
 """Naming a motion: the model's labels, slow multipliers, chaos, and honest doubt."""
 
-import math
-from dataclasses import replace
-
-import pytest
 from conftest import settings
 
 from camcli.analysis.classify import attractors, classify, classify_at, with_transient
 from camcli.analysis.integrate import Orbit
 
 RUN = settings(600, 400)
-
-
-@pytest.mark.parametrize(
-    ("rpm", "start", "label", "impacts", "chatter"),
-    [
-        (100.0, {}, "contact", 0.0, "none"),
-        (190.0, {}, "P(1;inf)", math.inf, "complete"),
-        (359.0, {}, "P(3;3:3:2)", 8.0, "none"),
-        (358.5, {"q": 0.546, "v": 32.48}, "P(1;2)", 2.0, "none"),
-        (360.0, {}, "P(6;3:3:2:3:3:2)", 16.0, "none"),
-        (700.0, {}, "P(1;1)", 1.0, "none"),
-    ],
-)
-def test_labels_of_the_model(chapter, rpm, start, label, impacts, chatter):
-    motion = classify_at(chapter, rpm, settings(600, 400, **start))
-    assert (motion.label, motion.impacts, motion.chatter) == (label, impacts, chatter)
-    assert motion.stable
-
-
-@pytest.mark.parametrize("rpm", [361.0, 745.0])
-def test_chaos_has_a_positive_exponent_with_an_error_bar(chapter, rpm):
-    motion = classify_at(chapter, rpm, RUN)
-    assert (motion.label, motion.period, motion.stable) == ("aperiodic", 0, None)
-    assert motion.exponents.largest > 3.0 * motion.exponents.spread > 0.0
 
 
 def test_a_multiplier_of_minus_one_minus_a_hair_is_told_from_the_doubled_orbit(chapter):
@@ -49,8 +21,6 @@ def test_a_cycle_that_rounding_closed_gives_way_to_the_true_motion(chapter):
     tape = Orbit(chapter, 358.75, RUN).run()
     assert any(tape.chatter)
     assert classify_at(chapter, 358.75, RUN).label == "P(3;3:3:2)"
-    # a machine without its cam's decimals cannot be followed, and says so
-    assert classify_at(replace(chapter, shape=None), 358.75, RUN).label == "undecided"
 
 
 def test_coexisting_attractors_from_a_cloud_in_a_fixed_order(chapter):

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from camcli.errors import SceneError
 from camcli.scene import load_scene
 from tests.conftest import rows
 
@@ -138,36 +137,6 @@ def test_the_valve_train_says_at_what_speed_it_floats(cam, tmp_path):
     assert all(row["status"] == "ok" for row in springs.values())
     assert all(row["detaches_rpm"] > 3500 for row in springs.values())
     assert all(row["least_n"] == pytest.approx(50, abs=1e-6) for row in springs.values())
-
-
-SMOOTH = KINDS["smooth"]
-MOTION = "{start_deg: 10, length_deg: 90, law: 3-4-5}"
-
-
-SCCA = "{scca: {b: 0.5, c: 0, d: 0.6}}"
-WRONG = [
-    ("{lift: 1}", ["1 cam.kind"], "no key 'kind', expected one of arcs, law, eccentric"),
-    ("{kind: lawx}", ["13 cam.kind"], "found 'lawx', expected one of arcs"),
-    ("{kind: eccentric, base: 0, lift: 1, lfit: 1}", ["42 cam.lfit"],
-     "unknown key 'lfit', expected one of kind, base, lift, did you mean 'lift'?"),
-    (SMOOTH.replace("4-5-6-7", "4567"), ["87 cam.rise.law"], "found 4567, expected one of"),
-    (SMOOTH.replace("cycloidal", "cycloid"), ["125 cam.fall.law"], "'cycloidal'?"),
-    (SMOOTH.replace("start_deg: 300", "start: 300, start_deg: 300"), ["50 cam.rise.start"],
-     "did you mean 'start_deg'?"),
-    (SMOOTH.replace("4-5-6-7", SCCA), ["88 cam.rise.law.scca"], "b + c + d = 1.1: the sum must be"),
-    (SMOOTH.replace("length_deg: 90", "length_deg: 190"), ["1 cam"], "20 deg too much"),
-    (f"{{kind: law, base: 0, lift: 1, rise: {MOTION}}}", ["1 cam.fall"],
-     "no section 'fall', expected a map with the keys length_deg, law"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("text", "places", "said"), WRONG)
-def test_a_wrong_cam_is_told_with_its_place(tmp_path, text, places, said):
-    with pytest.raises(SceneError) as caught:
-        load_scene(write(tmp_path, text))
-    faults = caught.value.faults
-    assert [f"{fault.where.rpartition(':2:')[2]} {fault.path}" for fault in faults] == places
-    assert said in str(faults[-1])
 
 
 MADE_UP = """

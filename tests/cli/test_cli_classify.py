@@ -19,21 +19,6 @@ def speeds(result, kind):
     return [event["rpm"] for event in result["events"] if event["kind"] == kind]
 
 
-def test_a_range_is_explained_with_its_sentences(cam, tmp_path):
-    """Between 738 and 740 rpm P(1;1) doubles, and the doubled orbit reaches corner c."""
-    result = explained(cam, tmp_path, "--rpm", "736:740", "--points", "3")
-    assert speeds(result, "period-doubling") == pytest.approx([739.3197802160], rel=1e-12)
-    assert speeds(result, "corner-impact") == pytest.approx([739.3779296493], rel=1e-11)
-    (change,) = result["changes"]
-    assert (change["from_rpm"], change["to_rpm"]) == (738.0, 740.0)
-    assert change["cause"] == "period-doubling+corner-impact"
-    (corner,) = rows(tmp_path / "out" / "corners.csv")
-    assert (corner["kind"], corner["corner"]) == ("corner-impact", "c")
-    said = next(e["words"] for e in result["events"] if e["kind"] == "corner-impact")
-    assert "reaches corner c" in said
-    assert "as predicted" in said
-
-
 @pytest.mark.parametrize(
     ("command", "rpm", "budget", "kinds", "words"),
     [

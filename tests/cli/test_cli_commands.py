@@ -13,6 +13,11 @@ from tests.orbit_oracle import CAM, CHAPTER, STABLE, B, corner_rpm
 
 SMALL = "--set run.transient=20 --set run.record=10 --no-plot"
 TRAJECTORY = "t_s theta_deg q_m v_m_per_s c_m c_dot_m_per_s contact"
+SPEEDS = (
+    "rpm label impacts lyapunov_per_period status max_gap_m airborne_fraction max_impact_m_per_s"
+    " min_contact_force_n max_contact_force_n contact_lost_deg contact_regained_deg landing_deg"
+    " landing_lift_m shut_bounces_per_turn holds_for"
+)
 EVENTS = "t_s period theta_deg event q_m u_minus_m_per_s u_plus_m_per_s"
 
 
@@ -67,24 +72,7 @@ def test_sweep_writes_exact_columns_of_shortest_numbers(cam, tmp_path):
     columns = {
         "impacts": ["rpm", "period", "theta_deg", "q_m", "u_minus_m_per_s"],
         "strobe": ["rpm", "period", "q_m", "v_m_per_s", "impacts", "chatter"],
-        "speeds": [
-            "rpm",
-            "label",
-            "impacts",
-            "lyapunov_per_period",
-            "status",
-            "max_gap_m",
-            "airborne_fraction",
-            "max_impact_m_per_s",
-            "min_contact_force_n",
-            "max_contact_force_n",
-            "contact_lost_deg",
-            "contact_regained_deg",
-            "landing_deg",
-            "landing_lift_m",
-            "shut_bounces_per_turn",
-            "holds_for",
-        ],
+        "speeds": SPEEDS.split(),
     }
     tables = {name: rows(folder / f"{name}.csv") for name in columns}
     assert {name: list(table[0]) for name, table in tables.items()} == columns

@@ -75,27 +75,6 @@ def test_proofs_share_the_budget_of_work(cam, tmp_path):
     assert [row["proved"] for row in rows(tmp_path / "out" / "branch.csv")] == ["yes", "no"]
 
 
-def test_orbits_at_one_speed(cam, tmp_path):
-    cam("orbits --rpm 358.5 --no-plot -o out", code=0)
-    found = {row["label"]: row for row in rows(tmp_path / "out" / "branch.csv")}
-    assert set(found) == {"P(1;2)", "P(3;3:3:2)"}
-    assert float(found["P(1;2)"]["q_m"]) == pytest.approx(0.546, abs=5e-4)
-    assert float(found["P(1;2)"]["v_m_per_s"]) == pytest.approx(32.48, abs=5e-3)
-    assert [bool(found[name]["u_minus_m_per_s_8"]) for name in found] == [False, True]
-    assert all(float(row["u_minus_m_per_s_1"]) < 0.0 for row in found.values())
-    assert not rows(tmp_path / "out" / "bifurcations.csv")
-
-
-def test_the_chattering_orbit_has_zero_multipliers_and_named_ends(cam, tmp_path):
-    done = cam("orbits --rpm 100:205 --at 190 --no-plot -o out", QUICK, code=0)
-    points = rows(tmp_path / "out" / "branch.csv")
-    assert {(row["label"], row["multiplier_1_re"]) for row in points} == {("P(1;inf)", "0.0")}
-    found = {row["kind"]: row for row in rows(tmp_path / "out" / "bifurcations.csv")}
-    assert float(found["detachment"]["rpm"]) == pytest.approx(114.979326744, rel=1e-11)
-    assert found["departure"]["corner"] == "d"
-    assert "beyond it a run settles on" in done.stdout
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -118,16 +118,6 @@ def test_every_command_runs_on_a_table_and_says_what_it_is_worth(cam, tmp_path, 
     assert low < 3345.4 < high
 
 
-def test_a_fault_of_the_table_is_one_line_and_exit_code_two(cam, tmp_path):
-    (tmp_path / "valve-lift.csv").write_text("crank_deg,lift_inch\n0,0\n1,x\n2,nan\n")
-    (tmp_path / "scene.yaml").write_text((CONFIGS / "lift-table.yaml").read_text())
-    done = cam("simulate -c scene.yaml", code=2)
-    assert [line.split(",")[0] for line in done.stderr.splitlines()] == [
-        "valve-lift.csv:3:3: cam.file: found 'x'",
-        "valve-lift.csv:4:3: cam.file: found 'nan'",
-    ]
-
-
 def test_cams_side_by_side_share_their_axes(cam, tmp_path):
     law = {"kind": "law", "base": 0.1, "lift": 0.3, "top_dwell_deg": 40,
            "rise": {"start_deg": 90, "length_deg": 70, "law": "harmonic"},

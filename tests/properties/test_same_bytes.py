@@ -123,15 +123,6 @@ def test_what_is_logged_does_not_change_an_orbit():
     assert others == [first, first]
 
 
-def test_the_transient_is_the_same_orbit():
-    whole, late = run(745.0, record=40), run(745.0, record=20, transient=20)
-    assert list(whole.strobe_w)[20:40] == list(late.strobe_w)[:20]
-    assert list(whole.impacts)[20:40] == list(late.impacts)[:20]
-    assert [x for x, p in zip(whole.theta, whole.period, strict=True) if p >= 20] == list(
-        late.theta
-    )
-
-
 def test_lanes_do_not_know_of_each_other():
     """Order of speeds and number of threads change no digit."""
     rpms = [745.0, 190.0, 361.0, 682.0, 100.0, 520.0]

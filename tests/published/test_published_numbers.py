@@ -1,49 +1,47 @@
 """Numbers of the cam-follower example (Osorio, di Bernardo & Santini 2008), from whole runs."""
 
-from math import pi
+from math import inf
 
 import pytest
-from conftest import chapter_system
+from conftest import settings
 
 from camcli.analysis.classify import classify_at
-from camcli.analysis.labels import label
-from tests.kernel.helpers import run, settings, system
+from camcli.system import omega_of
 
-MACHINE = system(base_radius=0.4)
+COEXISTING = {"q": 0.546, "v": 32.48}
 
 
 @pytest.mark.parametrize(
-    ("rpm", "expected"),
+    ("rpm", "start", "label", "impacts", "chatter"),
     [
-        (114.9, "contact"),
-        (684.0, "P(1;1)"),
-        (682.0, "aperiodic"),
-        (361.0, "aperiodic"),
-        (359.0, "P(3;3:3:2)"),
-        (360.0, "P(6;3:3:2:3:3:2)"),
+        (100.0, {}, "contact", 0.0, "none"),
+        (114.9, {}, "contact", 0.0, "none"),
+        (190.0, {}, "P(1;inf)", inf, "complete"),
+        # At 358.0 rpm even the 17th digit of the data decides, and doubles may close a cycle by
+        # rounding; most of what lies within it settles on this orbit.
+        (358.0, {}, "P(3;3:3:2)", 8.0, "none"),
+        (358.5, {}, "P(3;3:3:2)", 8.0, "none"),
+        (359.0, {}, "P(3;3:3:2)", 8.0, "none"),
+        (358.0, COEXISTING, "P(1;2)", 2.0, "none"),
+        (358.5, COEXISTING, "P(1;2)", 2.0, "none"),
+        (359.0, COEXISTING, "P(1;2)", 2.0, "none"),
+        (360.0, {}, "P(6;3:3:2:3:3:2)", 16.0, "none"),
+        (684.0, {}, "P(1;1)", 1.0, "none"),
+        (700.0, {}, "P(1;1)", 1.0, "none"),
     ],
 )
-def test_attractors_from_rest(rpm, expected):
-    assert label(run(rpm, MACHINE, record=200, transient=2000)) == expected
+def test_attractors(chapter, rpm, start, label, impacts, chatter):
+    motion = classify_at(chapter, rpm, settings(600, 400, **start))
+    assert (motion.label, motion.impacts, motion.chatter) == (label, impacts, chatter)
+    assert motion.stable
+    if (rpm, label) == (358.5, "P(1;2)"):
+        ((q, w),) = motion.orbit.states
+        assert (q, w * omega_of(rpm)) == pytest.approx((0.546, 32.48), abs=1e-2)
+        assert q == pytest.approx(0.546, abs=5e-4)
 
 
-@pytest.mark.parametrize("rpm", [358.0, 358.5])
-def test_the_three_turn_orbit_from_rest(rpm):
-    """Where the exact motion goes; doubles alone cannot tell, they may close a cycle by rounding.
-
-    The transient stretches errors beyond 1e13 in 30 turns. At 358.0 rpm even the 17th digit of the
-    data decides, and most of what lies within it settles on this orbit.
-    """
-    assert (
-        classify_at(chapter_system(), rpm, settings(record=400, transient=600)).label
-        == "P(3;3:3:2)"
-    )
-
-
-@pytest.mark.parametrize("rpm", [358.0, 358.5, 359.0])
-def test_the_coexisting_orbit_with_two_impacts(rpm):
-    tape = run(rpm, MACHINE, record=100, transient=2000, q=0.546, v=32.48)
-    assert label(tape) == "P(1;2)"
-    if rpm == 358.5:
-        assert tape.strobe_q[-1] == pytest.approx(0.546, abs=2e-3)
-        assert float(tape.strobe_w[-1]) * rpm * pi / 30 == pytest.approx(32.48, abs=2e-2)
+@pytest.mark.parametrize("rpm", [361.0, 682.0, 745.0])
+def test_chaos_has_a_positive_exponent_with_an_error_bar(chapter, rpm):
+    motion = classify_at(chapter, rpm, settings(600, 400))
+    assert (motion.label, motion.period, motion.stable) == ("aperiodic", 0, None)
+    assert motion.exponents.largest > 3.0 * motion.exponents.spread > 0.0
