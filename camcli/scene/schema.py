@@ -109,6 +109,7 @@ class Section(BaseModel):
 Constant = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
 Ends = Annotated[tuple[Constant, Constant], BeforeValidator(items)]
 Side = Annotated[int, Field(strict=True, ge=1, le=MOST_CELLS), BeforeValidator(whole)]
+Sides = Annotated[tuple[Side, Side], BeforeValidator(items)]
 SectionName = Literal["impacts", "strobe"]
 ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
@@ -152,12 +153,8 @@ class Contact(Section):
     """What presses where the follower touches: with it the Hertz pressure is computed."""
 
     width: Number = entry("width of the contact line, m", gt=0, le=1e6)
-    follower_radius: Number | None = entry(
-        "radius of the roller, m; null: a flat face", None, gt=0, le=1e6
-    )
-    base_radius: Number | None = entry(
-        "radius of the base circle, m; null: cam.base_radius", None, gt=0, le=1e6
-    )
+    follower_radius: Number | None = entry("of the roller, m; null: flat face", None, gt=0, le=1e6)
+    base_radius: Number | None = entry("of the base circle, m; null: the cam's", None, gt=0, le=1e6)
     modulus: Number = entry(
         "E*, Pa: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; the default is steel on steel",
         1.154e11, gt=0, le=LARGEST,
@@ -167,12 +164,8 @@ class Contact(Section):
 class Start(Section):
     """State at the first instant; without q and v the follower rests on the cam."""
 
-    q: Number | None = entry(
-        "height of the follower, m; null: on the cam", None, ge=-FARTHEST, le=FARTHEST
-    )
-    v: Number | None = entry(
-        "velocity of the follower, m/s; null: the cam's", None, ge=-QUICKEST, le=QUICKEST
-    )
+    q: Number | None = entry("height, m; null: on the cam", None, ge=-FARTHEST, le=FARTHEST)
+    v: Number | None = entry("velocity, m/s; null: the cam's", None, ge=-QUICKEST, le=QUICKEST)
     theta_deg: Number = entry("angle of the cam, deg", 0.0, ge=-1e9, le=1e9)
 
 
@@ -187,9 +180,7 @@ class Run(Section):
     chatter_tolerance: Number = entry(
         "largest error of the accumulation phase, fraction of a turn", 1e-9, ge=1e-13, le=1e-3
     )
-    impact_budget: Whole = entry(
-        "impacts in one turn before the run is given up", 1_000_000, ge=1, le=10**15
-    )
+    impact_budget: Whole = entry("largest number of impacts in a turn", 1_000_000, ge=1, le=10**15)
     work_budget: Whole = entry(
         "gap evaluations, or work that takes as long, of what cannot be foreseen "
         "(detach, orbits, --explain) before the rest is left out",
@@ -210,9 +201,7 @@ class RpmRange(Section):
 class Axis(Section):
     """A number of the scene, and the equally spaced values it takes instead of a speed's."""
 
-    key: str = entry(
-        "path of the number, as in --set: follower.restitution; rpm is run.rpm", max_length=200
-    )
+    key: str = entry("path as in --set: follower.restitution; rpm is run.rpm", max_length=200)
     start: Constant = entry("first value")
     stop: Constant = entry("last value")
     num: Whole = entry("number of values", 101, ge=1, le=MOST_SPEEDS)
@@ -265,9 +254,7 @@ class Simulate(Section):
 
     samples: Whole = entry("points per turn in trajectory.csv", 360, ge=1, le=100_000)
     plot_turns: Whole = entry("turns drawn, counted from the end", 3, ge=1, le=MOST_TURNS)
-    beside: Items[Cam] = entry(
-        "further cams, drawn beside this one (--profile-only)", (), max_length=2
-    )
+    beside: Items[Cam] = entry("further cams, drawn beside it (--profile-only)", (), max_length=2)
 
 
 class Plot(Section):
@@ -275,43 +262,31 @@ class Plot(Section):
 
     formats: Names[Literal["png", "pdf", "svg"]] = entry("forms of pictures", ("png",))
     width: Number = entry("width, mm", 170.0, ge=40, le=1000)
-    height: Number | None = entry(
-        "height, mm; null: as the panels need, at most 230", None, ge=30, le=1000
-    )
-    font: str | None = entry(
-        "name of an installed font; null: DejaVu Sans", None, min_length=1, max_length=200
-    )
+    height: Number | None = entry("mm; null: as the panels need, at most 230", None, ge=30, le=1000)
+    font: str | None = entry("a font's name; null: DejaVu Sans", None, min_length=1, max_length=200)
     style: str | None = entry(
         "a matplotlib style: its name, or a file; null: ours", None, min_length=1, max_length=4000
     )
     title: Flag = entry("title and notes above the panels", True)
-    panels: Names[PanelName] | None = entry(
-        "panels, from top to bottom; null: the usual ones of the command", None
-    )
+    panels: Names[PanelName] | None = entry("panels from top to bottom; null: the usual ones", None)
 
 
 class Sweep(Varying):
     """What `cam sweep` does at each speed of a range."""
 
     vary: Items[Axis] = entry("numbers varied instead; two make a map", (), max_length=2)
-    zoom: Items[Zoom] = entry(
-        "parts of the range: values of their own, a panel each", (), max_length=4
-    )
+    zoom: Items[Zoom] = entry("parts of the range with values and a panel each", (), max_length=4)
     direction: Literal["fixed", "up", "down", "both"] = entry(
         "start every speed alike, or carry the state up, down, or up and down", "fixed"
     )
-    also: Items[Start] = entry(
-        "further starts; their rows come after those of run.start", (), max_length=16
-    )
+    also: Items[Start] = entry("further starts; their rows follow run.start's", (), max_length=16)
     adaptive: Flag = entry("more values where the motion changes (fixed)", False)
     decide: Flag = entry("follow points of a map beyond rounding after a rest", False)
     sections: Names[SectionName] = entry("sections recorded", ("impacts", "strobe"))
     tables: Literal["csv", "npz", "none"] = entry(
         "form of the sections' tables: text, binary columns, or left out", "csv"
     )
-    branches: str | None = entry(
-        "a branch.csv of cam orbits, drawn over the points", None, max_length=4000
-    )
+    branches: str | None = entry("a branch.csv of cam orbits, drawn over it", None, max_length=4000)
     curves: str | None = entry("a curve.csv of cam orbits, drawn over a map", None, max_length=4000)
     lyapunov: Flag = entry("measure the largest exponent at each speed", False)
     explain: Flag = entry("find the cause of every change (direction: fixed)", False)
@@ -354,12 +329,8 @@ class Detach(Section):
     rpm: DetachRange = entry("range of speeds", default_factory=DetachRange)
     settle: Whole = entry("turns from rest before a speed is looked at", 3, ge=0, le=MOST_TURNS)
     impacts: Whole = entry("corner hits are followed for impacts 1 to this", 8, ge=0, le=1000)
-    force_rpm: Items[Speed] | None = entry(
-        "speeds of the force curves, turns per minute; null: a telling few", None
-    )
-    hold_to: Speed | None = entry(
-        "speed up to which a spring shall hold contact; null: not asked", None
-    )
+    force_rpm: Items[Speed] | None = entry("speeds of force curves, rpm; null: a telling few", None)
+    hold_to: Speed | None = entry("speed up to which a spring shall hold; null: not asked", None)
     margin_n: Number | None = entry(
         "least contact force up to hold_to, N; null: a tenth of the force needed",
         None,
@@ -390,27 +361,17 @@ class Orbits(Varying):
 
     rpm: OrbitsRange = entry("range of speeds", default_factory=OrbitsRange)
     vary: Items[Axis] = entry("rpm or constants of the follower varied", (), max_length=2)
-    at: Speed | None = entry(
-        "speed at which orbits are found; null: run.rpm, or the range's middle", None
-    )
+    at: Speed | None = entry("speed where orbits are found; null: run.rpm, or the middle", None)
     label: str | None = entry("only orbits with this label, P(m;s1:...:sm)", None, max_length=400)
     starts: Whole = entry("motions simulated beside the scene's start", 24, ge=0, le=100_000)
-    stability: Literal["any", "stable", "unstable"] = entry(
-        "which of the orbits found are followed", "any"
-    )
+    stability: Literal["any", "stable", "unstable"] = entry("which orbits are followed", "any")
     branches: Whole = entry("branches followed that leave from bifurcations", 3, ge=0, le=1000)
-    simulated: Whole = entry(
-        "values of the parameter simulated, drawn behind branches", 0, ge=0, le=100_000
-    )
+    simulated: Whole = entry("values simulated and drawn behind the branches", 0, ge=0, le=100_000)
     parameter: ParameterName = entry("parameter varied along a branch", "rpm")
-    range: Ends | None = entry(
-        "range of the parameter, or of curve_in; null: around its value", None
-    )
+    range: Ends | None = entry("range of the parameter, or curve_in; null: around its value", None)
     curve: CurveKind | None = entry("kind of bifurcation to continue in two parameters", None)
     curve_in: ParameterName = entry("second parameter of the curve", "restitution")
-    curve_range: Ends | None = entry(
-        "range of curve_in; null: orbits.range if rpm is the first parameter", None
-    )
+    curve_range: Ends | None = entry("range of curve_in; null: orbits.range beside rpm", None)
 
 
 class BasinsRange(RpmRange):
@@ -427,9 +388,7 @@ class Basins(Varying):
     rpm: BasinsRange = entry("range of speeds", default_factory=BasinsRange)
     q: Span = entry("[low, high] of the starts' position, m", (0.1, 0.9))
     v: Span = entry("[low, high] of the starts' velocity, m/s", (-50.0, 50.0))
-    cells: Annotated[tuple[Side, Side], BeforeValidator(items)] = entry(
-        "cells along q and along v", (200, 200)
-    )
+    cells: Sides = entry("cells along q and v", (200, 200))
     method: Literal["orbit", "simple"] = entry(
         "follow every cell, or simple cell mapping: fast and approximate", "orbit"
     )
@@ -518,9 +477,7 @@ class Figure(Section):
         "",
         max_length=2000,
     )
-    printed: dict[str, float] = entry(
-        "numbers of the run, by their names in the reference, as printed elsewhere", {}
-    )
+    printed: dict[str, float] = entry("numbers of the run as printed elsewhere, by their names", {})
 
     @property
     def words(self) -> list[str]:

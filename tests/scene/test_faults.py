@@ -60,7 +60,7 @@ def test_several_faults_at_once_with_exact_places_each_in_three_parts(faults, pl
         ("run: {record: 2.5}", "2.5", "a whole number", "round it"),
         ("run: {record: yes}", "'yes'", "a whole number", "give record as a number"),
         ("run: {strobe_deg: 360}", "360", "less than 360", "change strobe_deg"),
-        ("run: {start: {q: 1 m}}", "'1 m'", "a number", "unit (height of the follower, m;"),
+        ("run: {start: {q: 1 m}}", "'1 m'", "a number", "unit (height, m;"),
         ("run: [rpm, 700]", "a list", "a map with the keys rpm, start", "'key: value' lines"),
         ("run: {<<: {rpm: 3}}", "merge key", "one of rpm, start", "write the keys out"),
         ("run: {recrod: 4}", "unknown key 'recrod'", "one of rpm", "did you mean 'record'?"),
