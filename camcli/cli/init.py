@@ -12,27 +12,6 @@ from camcli.errors import Fault, SceneError
 from camcli.interrupts import held
 
 WITHOUT = (*SCENE, *DRAWING, "threads")  # shared options that mean nothing here
-FOLLOWER = """\
-follower:
-  mass: 0.12           # kg, FILL IN: valve, retainer, tappet and a third of the spring
-  stiffness: 40000     # N/m, FILL IN: the spring; 1 N/mm is 1000 N/m
-  preload: 250         # N, FILL IN: force of the spring at zero lift
-  damping: 20          # N s/m: oil and friction; 0 to leave it out
-  gravity: 0           # m/s2, 9.81 where the weight presses on the cam
-  restitution: 0.4     # -, 0..1: speed after an impact over speed before; oiled steel 0.3 to 0.6
-# in the place of stiffness and preload, loads of the spring on the shut and on the open valve, N:
-# spring: {seat_load: 250, nose_load: 650, solid_at: 0.012}   # m, lift at which it is solid
-# contact: {width: 0.012, base_radius: 0.017, follower_radius: null}   # m: for the Hertz pressure
-"""
-LAW = """\
-cam:
-  kind: law            # FILL IN; also arcs (circles), eccentric, table (cam init TABLE)
-  base: 0              # m, the follower's height on the base circle
-  lift: 0.010          # m
-  rise: {start_deg: 115, length_deg: 65, law: modified-sine}   # deg of the cam
-  top_dwell_deg: 0     # deg
-  fall: {length_deg: 65, law: modified-sine}
-"""
 COMMENTS = {
     "header": "lines that name the columns",
     "skip_lines": "lines of the file before the header",
@@ -60,7 +39,8 @@ def init(
     cam init        writes scene.yaml, a valve train to fill in
     -o DIR          writes there, a copy of the table too
     """
-    path, text, keys, unsure = Path("scene.yaml"), FOLLOWER + "\n" + LAW, {}, {}
+    text = Path(__file__).with_name("scene.yaml").read_text(encoding="utf-8")
+    path, keys, unsure = Path("scene.yaml"), {}, {}
     files, fill = [], "mass, spring and cam"
     if table is not None:
         from camcli.cams.files import read_bytes
@@ -101,8 +81,8 @@ def init(
     return 0
 
 
-def _scene(table: Path, keys: dict[str, Any], unsure: dict[str, str]) -> str:
-    """The scene's text."""
+def _scene(text: str, table: Path, keys: dict[str, Any], unsure: dict[str, str]) -> str:
+    """The scene's text with the table in the place of its cam."""
     values = {"kind": "table", "file": table.name, **keys}
     values |= {"zero_deg": 0, "direction": "same", "base": 0}
     lines = []
@@ -110,7 +90,7 @@ def _scene(table: Path, keys: dict[str, Any], unsure: dict[str, str]) -> str:
         written = f"  {key}: {json.dumps(value, ensure_ascii=False)}"
         comment = f"CHECK: {unsure[key]}" if key in unsure else COMMENTS.get(key, "")
         lines.append(f"{written:<30} # {comment}".rstrip(" #"))
-    return f"{FOLLOWER}\ncam:\n" + "\n".join(lines) + "\n"
+    return text.partition("cam:\n")[0] + "cam:\n" + "\n".join(lines) + "\n"
 
 
 def _picture(path: Path) -> bytes:

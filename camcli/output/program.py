@@ -18,7 +18,8 @@ def program_hash(pictures: bool = False) -> str:
     digest = hashlib.sha256()
     for name in (*RESULTS, *(PICTURES if pictures else ())):
         path = package / name
-        for source in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+        found = (file for file in path.rglob("*") if file.suffix in (".py", ".mplstyle"))
+        for source in sorted(found) if path.is_dir() else [path]:
             name = source.relative_to(package).as_posix()
             digest.update(name.encode() + b"\0" + source.read_bytes())
     return digest.hexdigest()

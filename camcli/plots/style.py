@@ -15,7 +15,7 @@ from camcli.analysis.labels import period_of
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError
 
-DPI = 300
+DPI = 300  # as in camcli.mplstyle
 MOST_BYTES = 256_000  # of a style's file
 COMMENT = re.compile(r'("[^"]*")|#.*')  # in it, or quoted text
 WITH_INDEX = 9  # pt, of words with an index, which is 0.7 of them
@@ -47,40 +47,9 @@ CONTACT = "#F7DFA8"  # always in contact
 APERIODIC, UNDECIDED = "#000000", "#BDBDBD"
 
 KEPT = ("backend", "backend_fallback", "interactive", "toolbar")  # not of our business
-RC = {
-    "axes.axisbelow": True,
-    "axes.formatter.useoffset": False,
-    "axes.labelsize": 8,
-    "axes.linewidth": 0.6,
-    "axes.titlesize": NOTE,
-    "axes.titlelocation": "right",
-    "axes.titlepad": 3,
-    "figure.constrained_layout.h_pad": 0.03,
-    "figure.constrained_layout.w_pad": 0.03,
-    "figure.dpi": DPI,
-    "font.family": "DejaVu Sans",
-    "font.size": 8,
-    "legend.borderaxespad": 0.0,
-    "legend.borderpad": 0.2,
-    "legend.columnspacing": 1.5,
-    "legend.fontsize": 8,
-    "legend.frameon": False,
-    "legend.handlelength": 1.6,
-    "legend.handletextpad": 0.5,
-    "legend.labelspacing": 0.35,
-    "lines.linewidth": 1.0,
-    "lines.solid_capstyle": "butt",
-    "mathtext.fontset": "dejavusans",
-    "pdf.fonttype": 42,  # whole letters, not their outlines
-    "savefig.dpi": DPI,
-    "svg.hashsalt": "camcli",  # names within the file, else random
-    "xtick.labelsize": 8,
-    "xtick.major.size": 3,
-    "xtick.major.width": 0.6,
-    "ytick.labelsize": 8,
-    "ytick.major.size": 3,
-    "ytick.major.width": 0.6,
-}
+RC = matplotlib.rc_params_from_file(
+    Path(__file__).with_name("camcli.mplstyle"), use_default_template=False
+)
 
 _ONE_AT_A_TIME = RLock()  # matplotlib's settings are the process's
 
