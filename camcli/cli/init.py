@@ -50,11 +50,8 @@ def init(
         expected, cure = "expected a table of angles and lifts", "check the name"
         data = read_bytes(table, str(table), MAX_BYTES, expected, cure)
         keys, unsure = (found := guess(data, str(table))).keys, found.unsure
-        path, text, fill = (
-            table.with_suffix(".yaml"),
-            _scene(table, keys, unsure),
-            "mass and spring",
-        )
+        path, fill = table.with_suffix(".yaml"), "mass and spring"
+        text = _scene(text, table, keys, unsure)
         if request.out is not None and request.out.resolve() != table.parent.resolve():
             files.append((request.out / table.name, data))
     path = path if request.out is None else request.out / path.name
