@@ -188,7 +188,7 @@ def _compiled(path: Path, name: str, args: tuple) -> tuple[Any, int]:
 
     entry = _dispatchers()[ENTRIES[name]]
 
-    @numba.njit(**OPTIONS)
+    @numba.njit(pipeline_class=_compilers()[1], **OPTIONS)
     def call(address: int) -> int:
         return entry(*unpacked(address))  # type: ignore[call-arg]
 
@@ -198,6 +198,50 @@ def _compiled(path: Path, name: str, args: tuple) -> tuple[Any, int]:
     _, _, (code, _) = result.library.serialize_using_object_code()
     _keep(path, symbol.encode() + b"\n" + code)
     return _linked(symbol, code)
+
+
+@cache
+def _compilers() -> tuple[type, type]:
+    """numba's compiler for the functions that an entry calls, and for the entry.
+
+    numba would optimise each function together with all that it calls, and make machine code of it,
+    before its callers do the same again. Here only the entry is, which contains all of them.
+    """
+    from numba.core.codegen import JITCodeLibrary
+    from numba.core.compiler import Compiler
+
+    class Part(JITCodeLibrary):
+        def _optimize_functions(self, ll_module: Any) -> None:
+            pass
+
+        def finalize(self) -> None:
+            known = self._final_module.global_variables
+            names = [one.name for one in known if one.linkage is llvm.Linkage.common]
+            places = "".join(f'@"{name}" = common global i8* null\n' for name in names)
+            self._codegen._add_module(llvm.parse_assembly(places))  # numba writes to them
+            self._codegen._engine.finalize_object()
+            self._finalized = True
+
+    class Whole(JITCodeLibrary):
+        def finalize(self) -> None:
+            for library in (found := self._linking_libraries):  # it grows
+                found += [one for one in library._linking_libraries if one not in found]
+            super().finalize()
+
+        def _optimize_final_module(self) -> None:
+            passes, builder = self._codegen._module_pass_manager()
+            passes.run(self._final_module, builder)
+
+    def compiler(kind: type) -> type:
+        class Own(Compiler):
+            def __init__(self, typing: Any, target: Any, library: Any, *rest: Any):
+                library = kind(target.codegen(), kind.__name__)
+                library.enable_object_caching()
+                super().__init__(typing, target, library, *rest)
+
+        return Own
+
+    return compiler(Part), compiler(Whole)
 
 
 @cache
@@ -214,7 +258,9 @@ def _dispatchers() -> dict[Callable, Any]:
     for function in FUNCTIONS:
         copy = FunctionType(function.__code__, spaces[function.__module__], function.__name__)
         copy.__module__, copy.__doc__ = function.__module__, function.__doc__
-        compiled[function] = numba.njit(forceinline=function not in OUTLINED, **OPTIONS)(copy)
+        compiled[function] = numba.njit(
+            forceinline=function not in OUTLINED, pipeline_class=_compilers()[0], **OPTIONS
+        )(copy)
     for space in spaces.values():
         for name, value in space.items():
             if isinstance(value, FunctionType) and value in compiled:
