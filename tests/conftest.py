@@ -8,7 +8,6 @@ import io
 import os
 import shlex
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -74,20 +73,3 @@ def cam(tmp_path: Path, monkeypatch):
 def short_samples(monkeypatch):
     """--dry-run runs its smallest sample alone: for tests of something else than its numbers."""
     monkeypatch.setattr("camcli.cli.forecast.ENOUGH", 0.0)
-
-
-@pytest.fixture
-def cam_process(tmp_path: Path):
-    """The same in a process of its own, for what only a process has: its environment, signals."""
-
-    def call(*words: str, env: dict[str, str] | None = None) -> subprocess.CompletedProcess:
-        return subprocess.run(
-            [sys.executable, "-m", "camcli", *words],
-            cwd=tmp_path,
-            env={**os.environ, **(env or {})},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-
-    return call

@@ -9,7 +9,6 @@ from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.basins.measures import boundary
 from camcli.analysis.basins.study import (
     SIMPLE,
-    UNDECIDED_CODE,
     Question,
     basins,
     study,
@@ -125,14 +124,6 @@ def test_attractors_found_by_cells_alone_are_the_same(chapter, monkeypatch):
     found = mapped(chapter, 358.5, WINDOW.with_cells(20, 20), budget=600)
     assert labels(found) == labels(wanted)
     assert found.codes.tolist() == wanted.codes.tolist()
-
-
-def test_slow_transients_are_undecided_never_an_attractor(chapter):
-    """At 739.35 rpm a start takes some 290 turns: within 60 most are undecided."""
-    result = mapped(chapter, 739.35, WINDOW.with_cells(20, 20), budget=60)
-    assert labels(result) == ["P(2;1:1)"]
-    assert result.undecided > 200
-    assert set(np.unique(result.codes).tolist()) <= {UNDECIDED_CODE, 1}
 
 
 def test_what_conserves_energy_has_no_attractor():

@@ -3,15 +3,13 @@
 from dataclasses import replace
 from math import pi
 
-import numpy as np
 import pytest
 
 from camcli.analysis.bench import stability
-from camcli.analysis.bench.peers import Lift, Trace, heyoka_taylor, runge_kutta_4, solve_ivp
+from camcli.analysis.bench.peers import Trace, heyoka_taylor, runge_kutta_4, solve_ivp
 from camcli.analysis.bench.precision import OK, case, compare, run_core, run_peer
 from camcli.api.bench import machines
 from camcli.scene.schema import CASES
-from tests import oracle
 
 
 def ours(name, tolerance=1e-13):
@@ -74,21 +72,6 @@ def test_impacts_that_a_chatter_map_replaces_are_not_missed():
     assert compare(some, trace, 1e-3).missed == 0
     lost = replace(trace, hits=trace.hits[:3] + trace.hits[4:])
     assert compare(some, lost, 1e-3).missed == 1
-
-
-@pytest.mark.parametrize("name", ["periodic", "eccentric"])
-def test_the_peers_cams_are_those_of_the_oracle(name):
-    section = case(name).cam
-    lift = Lift(section)
-    for theta in np.linspace(0.0, 2.0 * pi, 200, endpoint=False):
-        law = lift.at(theta)
-        if name == "periodic":
-            assert law == pytest.approx([float(v) for v in oracle.ArcsCam().laws(theta)], abs=2e-14)
-        else:
-            half = 0.5 * section["lift"]
-            c = section["base"] + half * (1.0 - np.cos(theta))
-            assert law == pytest.approx((c, half * np.sin(theta), half * np.cos(theta)), abs=1e-15)
-        assert lift.at(theta + 4.0 * pi)[0] == pytest.approx(law[0], abs=1e-14)
 
 
 def test_a_height_beyond_the_rounding_of_its_steps_fails_the_row(monkeypatch):

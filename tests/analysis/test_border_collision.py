@@ -112,14 +112,6 @@ def test_verdict(parameters, kind, below, above):
     assert collision_words(found)[0].startswith(f"{kind}: {KINDS[kind]}")
 
 
-def test_unstable_two_cycle_of_a_period_doubling():
-    found = classify(*sides(0.5, 0.2, -1.6, 0.3)).cycles[2]
-    assert (found.word, found.exists_for, found.stable) == ("LR", 1, False)
-    assert found.multipliers == pytest.approx((-1.25207973, -0.04792027), abs=5e-9)
-    q = 1.0 - (0.5 * -1.6 - 0.5) + 0.06
-    assert [x for x, _ in found.points] == pytest.approx([-0.3 / q, 1.7 / q], rel=1e-14)
-
-
 def test_inequalities_carry_their_numbers():
     found = classify(*sides(1.6418699, 0.64, 1.3714214, 0.64))
     fold, last = found.inequalities[0], found.inequalities[-1]

@@ -65,11 +65,6 @@ def test_an_orbit_is_found_by_its_label(rpm, name):
         assert len({round(q, 6) for q, _ in orbit.states}) == orbit.turns
 
 
-def test_a_label_nothing_has_is_not_found():
-    wanted = Label.parse("P(4;2:1:2:1)")
-    assert not find(chapter_system(), 700.0, settings(transient=30), 2, wanted, most=4).orbits
-
-
 @pytest.mark.parametrize("rpm", [358.5, 739.35, 190.0])
 def test_another_strobe_phase_rotates_the_label_only(rpm):
     """The same impacts; a turn that begins elsewhere holds other ones of them."""

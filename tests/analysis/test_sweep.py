@@ -18,15 +18,6 @@ def test_grid_hits_both_ends():
     assert rpm_grid(5.0, 9.0, 1) == [5.0]
 
 
-def test_carried_down_it_lives_to_the_corner_impact(chapter):
-    result = sweep(chapter, [735.0, 700.0, 680.0, 675.0, 673.5, 673.0], settings(600, 100),
-                   direction="down")  # fmt: skip
-    labels = {s.rpm: s.label for s in result.speeds}
-    assert [s.rpm for s in result.speeds] == [735.0, 700.0, 680.0, 675.0, 673.5, 673.0]
-    assert all(labels[rpm] == "P(1;1)" for rpm in (735.0, 700.0, 680.0, 675.0, 673.5))
-    assert labels[673.0] != "P(1;1)"
-
-
 def test_an_orbit_still_settling_is_named_after_it(chapter):
     """Stable up to the doubling at 739.3198 rpm: a multiplier near -1, or a record too short."""
     for rpm, turns in ((700.0, (30, 20)), (739.3164, (600, 400))):

@@ -87,15 +87,6 @@ def test_curves_of_orbits_are_laid_over_a_map(cam, tmp_path):
     assert "missing.csv: no such file" in done.stderr
 
 
-def test_shards_merge_to_the_bytes_of_one_run(cam, tmp_path):
-    words = f"{PLANE} {SMALL} -q --no-plot"
-    for part in ("1/2", "2/2"):
-        assert cam("sweep", words, "--shard", part, "-o parts").returncode == 0
-    assert cam("merge parts -q").returncode == 0
-    cam("sweep", words, "-o whole")
-    assert (tmp_path / "parts/map.csv").read_bytes() == (tmp_path / "whole/map.csv").read_bytes()
-
-
 @pytest.mark.slow
 def test_a_zoom_has_values_and_a_panel_of_its_own(cam, tmp_path):
     words = "--rpm 739:740 --points 3 --zoom 739.3:739.4 --set sweep.direction=down"

@@ -11,19 +11,9 @@ ROOM = 10_000_000  # bytes: the records of the longer sweep alone take 19 MB
 
 def peak(folder, points: int) -> int:
     """Peak memory of a sweep, bytes."""
-    words = (
-        "sweep",
-        "--rpm",
-        "690:735",
-        "--points",
-        str(points),
-        "--quiet",
-        "--no-plot",
-        "--threads",
-        "1",
-    )
-    turns = ("--set", "run.transient=0", "--set", "run.record=400")
-    command = [sys.executable, "-m", "camcli", *words, *turns]
+    words = f"sweep --rpm 690:735 --points {points} --quiet --no-plot --threads 1"
+    turns = "--set run.transient=0 --set run.record=400"
+    command = [sys.executable, "-m", "camcli", *words.split(), *turns.split()]
     process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)

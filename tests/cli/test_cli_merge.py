@@ -36,13 +36,10 @@ def refused(done, *said: str) -> None:
             2, f"sweep --rpm 735:745 --points 4 {TURNS} --explain",
             marks=pytest.mark.slow,
         ),
-        pytest.param(
-            2, f"basins --cells 30 --boundary {TURNS}",
-            marks=(pytest.mark.slow, pytest.mark.soak),
-        ),
+        (2, f"sweep --rpm 690:700 --vary follower.restitution=0.7:0.8 --points 3,2 {TURNS}"),
         (2, "basins --rpm 359:360 --points 2 --cells 16 --no-plot"),
     ],
-    ids=["sweep", "explain", "boundary", "range"],
+    ids=["sweep", "explain", "map", "range"],
 )  # fmt: skip
 def test_merged_is_the_same_to_the_byte(cam, tmp_path, total, words):
     assert cam(words, "-o whole").returncode == 0
