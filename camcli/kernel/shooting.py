@@ -69,7 +69,7 @@ def _arrival(cam, const, x, whole, turns, k, n):
 
 
 @outlined
-def _block(cam, const, x, whole, turns, k, n, blocks):
+def fill_block(cam, const, x, whole, turns, k, n, blocks):
     """Fill block k: derivatives by (theta_k, v_k), by (theta_k+1, v_k+1), and the residual."""
     j = (k + 1) % n
     gap, u = _arrival(cam, const, x, whole, turns, k, n)
@@ -143,7 +143,7 @@ def correct_orbit(cam, machine, parameter, n, turns, whole, x, border, rates, t,
             return UNRESOLVED
         const, low, high, width = _difference(machine, parameter, x[2 * n], border.scale)
         for k in range(n):
-            _block(cam, const, x, whole, turns, k, n, t.blocks)
+            fill_block(cam, const, x, whole, turns, k, n, t.blocks)
             columns = _by_parameter(cam, low, high, width, x, whole, turns, k, n)
             t.columns[2 * k], t.columns[2 * k + 1] = columns
         right = border.right

@@ -12,7 +12,7 @@ Systems (2008), ch. 6 and 7.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import sqrt, ulp
+from math import ulp
 
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.orbits.arclength import Step
@@ -22,9 +22,9 @@ from camcli.analysis.orbits.orbit import section_states
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import SMALL, Root, Shooter
 from camcli.cams.regions import corner_list
-from camcli.kernel.cam_table import TURN, lift
-from camcli.kernel.flow import constants_of, flow
-from camcli.kernel.variational import gap_accel
+from camcli.kernel.bordered import BLOCK
+from camcli.kernel.flow import constants_of
+from camcli.kernel.shooting import fill_block
 
 MOST_SECANTS = 30
 SETTLED = 1e-13  # of its size: a secant step of the parameter that ends the iteration
@@ -37,6 +37,7 @@ RATE_ERROR = 4e-15  # of a landing rate, relative to the lift per rad: some 18 r
 AMPLITUDES = (1e-3, 1e-4, 1e-5, 1e-2)  # rad, tried between a doubled orbit and the single one
 
 Test = Callable[[Root], float]
+Pair = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -299,8 +300,7 @@ def doubled(shooter: Shooter, found: Located) -> tuple[Root, list[float]] | None
     whole = list(root.whole)
     for k in range(root.count):
         whole += [root.whole[2 * k], root.whole[2 * k + 1] + root.turns]
-    origin = [*root.x[:-1], *root.x]
-    square = 0.0
+    origin, square = [*root.x[:-1], *root.x], 0.0
     for d in twice:
         square += d * d
     for amplitude in AMPLITUDES:
@@ -314,40 +314,22 @@ def doubled(shooter: Shooter, found: Located) -> tuple[Root, list[float]] | None
 
 def _flip_vector(shooter: Shooter, root: Root) -> list[float] | None:
     """(dtheta_k, dv_k) of all impacts in the direction of the multiplier -1, largest phase 1."""
-    maps = [_impact_map(shooter, root, k) for k in range(root.count)]
-    columns = [[1.0, 0.0], [0.0, 1.0]]
-    for one in maps:
-        columns = [_times(one, column) for column in columns]
-    rows = [[columns[0][0] + 1.0, columns[1][0]], [columns[0][1], columns[1][1] + 1.0]]
-    a, b = max(rows, key=lambda row: abs(row[0]) + abs(row[1]))
-    size = sqrt(a * a + b * b)
-    if size == 0.0:
-        return None
-    d = [-b / size, a / size]
-    vector: list[float] = []
-    for one in maps:
-        vector += d
-        d = _times(one, d)
+    n, const = root.count, constants_of(root.machine, 0.0, 0)
+    blocks = [0.0] * (BLOCK * n)
+    for k in range(n):
+        fill_block(shooter.system.cam, const, root.x, root.whole, root.turns, k, n, blocks)
+
+    def carried(d: Pair) -> list[Pair]:
+        """A difference at every impact, and at the first one a period later: L d + R d' = 0."""
+        found = [d]
+        for o in range(0, BLOCK * n, BLOCK):
+            (x, y), (a, b, c, e, u, _, stop, _) = found[-1], blocks[o : o + 8]
+            theta = -(a * x + b * y) / u
+            found.append((theta, -(c * x + e * y) - stop * theta))
+        return found
+
+    (a, c), (b, d) = carried((1.0, 0.0))[-1], carried((0.0, 1.0))[-1]
+    a, b = max((a + 1.0, b), (c, d + 1.0), key=lambda row: abs(row[0]) + abs(row[1]))
+    vector = [x for pair in carried((-b, a))[:-1] for x in pair]
     largest = max(abs(x) for x in vector[::2])
     return [x / largest for x in vector] if largest > 0.0 else None
-
-
-def _times(a: list[list[float]], x: list[float]) -> list[float]:
-    return [row[0] * x[0] + row[1] * x[1] for row in a]
-
-
-def _impact_map(shooter: Shooter, root: Root, k: int) -> list[list[float]]:
-    """Derivative of (theta, v) at impact k + 1 by those at impact k; equations in the kernel."""
-    cam, const, n = shooter.system.cam, constants_of(root.machine, 0.0, 0), root.count
-    j = (k + 1) % n
-    turns = root.whole[2 * j + 1] - root.whole[2 * k + 1] + (root.turns if k == n - 1 else 0)
-    v, u, r = root.x[2 * k + 1], root.rates[j], const.r
-    c, c1, c2 = lift(cam, root.whole[2 * k], root.theta[k])
-    start = gap_accel(const, c, c1 + v, c2)
-    c, c1, c2 = lift(cam, root.whole[2 * j], root.theta[j])
-    stop = gap_accel(const, c, c1 + u, c2)
-    b, b1, p = flow(const, root.theta[j] - root.theta[k] + TURN * turns)
-    gap = (-(v * (1.0 - const.W2 * p) + b * start), b)
-    rate = (const.W2 * b * v - b1 * start, b1)
-    theta = [-g / u for g in gap]
-    return [theta, [-r * (rate[i] + stop * theta[i]) for i in range(2)]]

@@ -34,13 +34,13 @@ class PeriodicOrbit:
     value: float
     turns: int
     symbols: tuple[float, ...]
-    theta: tuple[float, ...]
-    rates: tuple[float, ...]
     states: tuple[tuple[float, float], ...]
-    regions: tuple[str, ...]
-    trace: float
-    det: float
-    verdict: str
+    theta: tuple[float, ...] = ()
+    rates: tuple[float, ...] = ()
+    regions: tuple[str, ...] = ()
+    trace: float = 0.0
+    det: float = 0.0
+    verdict: str = VERDICTS[ADMISSIBLE]
     resting: bool = False
     root: Root | None = None
 
@@ -113,13 +113,9 @@ def resting_orbit(system: System, rpm: float, states, symbols, leaves) -> Period
         value=rpm,
         turns=len(states),
         symbols=_rotated(symbols, first),
-        theta=thetas,
-        rates=(),
         states=_rotated(states, first),
+        theta=thetas,
         regions=tuple(names[stretch_at(system.cam, theta)] for theta in thetas),
-        trace=0.0,
-        det=0.0,
-        verdict=VERDICTS[ADMISSIBLE],
         resting=True,
     )
 
@@ -144,13 +140,9 @@ def free_orbit(system: System, rpm: float) -> PeriodicOrbit | None:
         value=rpm,
         turns=1,
         symbols=(0.0,),
-        theta=(),
-        rates=(),
         states=((q, 0.0),),
-        regions=(),
         trace=1.0 - const.W2 * p + slope,
         det=exp_decay(2.0 * const.Z * TURN),
-        verdict=VERDICTS[ADMISSIBLE],
     )
 
 
