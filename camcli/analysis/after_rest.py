@@ -14,8 +14,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from decimal import Decimal
 from enum import StrEnum
+from fractions import Fraction
 from functools import lru_cache
 
 from camcli.analysis.integrate import Record, Start
@@ -33,7 +33,7 @@ LAST_DIGIT_DIGITS = (60,)  # for balls of 1e-16
 LONGEST = 400  # turns followed
 MOST_IMPACTS = 4_000
 SAME = 1e-5  # of the states: motions of neighbours that settled are nearer than this
-SHARES = tuple(Decimal(k * sign).scaleb(-17) for k in (1, 2, 3, 4) for sign in (1, -1))
+SHARES = tuple(Fraction(k * sign, 10**17) for k in (1, 2, 3, 4) for sign in (1, -1))
 ENOUGH = 3  # neighbours that end alike
 CLOSE = 1e-8  # relative distance of a state to the one a period before
 SHRINKS = 0.95  # what a period leaves of that distance
@@ -49,6 +49,7 @@ class HoldsFor(StrEnum):
     SAMPLED = "sampled"  # ENOUGH machines within the last digit; these very data may differ
 
 
+Share = Fraction | int | None  # by which a speed is larger; None: all that read the same
 State = tuple[float, float]  # q (m), dq/dtheta (m/rad) at a strobe
 
 
@@ -123,16 +124,19 @@ def _same(a: After, b: After) -> bool:
     )
 
 
-def of_machine(
-    system: System, rpm: float, theta: float, share: Decimal | None = Decimal(0)
-) -> After:
+def of_machine(system: System, rpm: float, theta: float, share: Share = 0) -> After:
     """One machine's motion, its speed larger by a share; None: that of all with this speed."""
     return _of_shape(system.shape, system.follower, system.strobe, rpm, theta, share)
 
 
 @lru_cache(maxsize=REMEMBERED)
 def _of_shape(
-    shape: Shape, follower: Follower, strobe: float, rpm: float, theta: float, share: Decimal | None
+    shape: Shape,
+    follower: Follower,
+    strobe: float,
+    rpm: float,
+    theta: float,
+    share: Share,
 ) -> After:
     """The same; other starts at a speed, or a sweep the other way, come to the same rest."""
 

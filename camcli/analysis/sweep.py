@@ -150,7 +150,8 @@ def sweep(
     has a checkpoint, the speeds are kept in it and read from it. `on_speed` is called with each
     finished speed, in order. Raises StartError before any work if a start lies below the cam.
     """
-    task = _task(system, values, settings, setup, impacts, strobe, lyapunov)
+    turns = len(values) * (settings.transient + settings.record)
+    task = _Task(setup or AtSpeeds(system, settings), impacts, strobe, lyapunov, turns)
     tasks = [task, *(replace(task, start=start) for start in also)]
     for one in tasks if values else ():
         Orbit(*one.setup(values[0]), one.start)
@@ -268,27 +269,13 @@ class _Line:
     decide: bool
 
     def __call__(self, second: float) -> list[Speed]:
-        plain = False, False, self.lyapunov, self.turns, self.decide
-        task = _Task(lambda x: self.setup(x, second), *plain)
+        machines = lambda x: self.setup(x, second)  # noqa: E731
+        task = _Task(machines, False, False, self.lyapunov, self.turns, self.decide)
         found: list[Speed] = []
         for x in self.first:
             before = found[-1] if self.carry and found else None
             found.append(task.after(before, x))
         return found
-
-
-def _task(
-    system: System,
-    values: Sequence[float],
-    settings: Settings,
-    setup: Callable[[float], Setup] | None,
-    impacts: bool,
-    strobe: bool,
-    lyapunov: bool,
-) -> _Task:
-    setup = setup or AtSpeeds(system, settings)
-    turns = len(values) * (settings.transient + settings.record)
-    return _Task(setup, impacts, strobe, lyapunov, turns)
 
 
 @dataclass(frozen=True)

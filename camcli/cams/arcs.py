@@ -10,7 +10,6 @@ The lobe is symmetric about 180 deg.
 
 from __future__ import annotations
 
-from decimal import Decimal
 from typing import Annotated, Any, Literal
 
 from flint import arb
@@ -87,7 +86,7 @@ class ArcsCam(BaseModel):
     def parts(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
         rise, flank = self._angles()
-        c, turn = arb.pi() - radians(Decimal(self.top_dwell_deg)) / 2, 2 * arb.pi()
+        c, turn = arb.pi() - radians(self.top_dwell_deg) / 2, 2 * arb.pi()
         a, b = c - rise, c - rise + flank
         d, e, f = turn - c, turn - b, turn - a
         k1, k2, offset = arb(self.flank_center), arb(self.nose_center), arb(self.offset)

@@ -8,7 +8,7 @@ again with twice as many.
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from decimal import Decimal
+from fractions import Fraction
 from math import factorial
 from threading import RLock
 from typing import Any, TypeVar
@@ -71,10 +71,10 @@ def below(a: Any, b: Any) -> bool:
 
 
 def number(value: Any) -> Any:
-    """A double exactly, or a decimal as written; balls and series as they are."""
-    if isinstance(value, arb_series):
-        return value
-    return arb(str(value)) if isinstance(value, Decimal) else arb(value)
+    """A double or a fraction as it is, balls and series too."""
+    if isinstance(value, Fraction):
+        return arb(value.numerator) / value.denominator
+    return value if isinstance(value, arb_series) else arb(value)
 
 
 def head(value: Any) -> arb:
@@ -87,8 +87,8 @@ def acos(y: arb) -> arb:
     return y.acos() if abs(y) < 1 else arb(0) if y > 0 else arb.pi()
 
 
-def radians(degrees: Decimal) -> arb:
-    """Degrees as written to rad."""
+def radians(degrees: Fraction | float) -> arb:
+    """Degrees to rad."""
     return number(degrees) * arb.pi() / 180
 
 

@@ -11,7 +11,6 @@ import itertools
 from bisect import bisect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from functools import cache
 from math import factorial, inf
 from typing import Any, Protocol
@@ -176,7 +175,7 @@ Cut = tuple[Part, float, float]  # a part, from an angle to another, rad
 def build(shape: Shape, strobe_deg: float = 0.0) -> Cam:
     """Compile one turn, cut at the parts' ends and at the strobe phase, in lists of floats."""
     with precision(DIGITS):
-        cuts, strobe = _cuts(shape.parts(), float(radians(Decimal(strobe_deg))))
+        cuts, strobe = _cuts(shape.parts(), float(radians(strobe_deg)))
         stretches = [_compile(part, low, high) for part, low, high in cuts]
     pieces = [piece for group in stretches for piece in group]
     first = [sum(len(group) for group in stretches[:n]) for n in range(len(stretches))]

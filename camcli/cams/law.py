@@ -3,7 +3,7 @@
 With h = lift and x the angle since the motion's start over its length beta:
     rise  c = base + h s(x)          fall  c = base + h (1 - s(x))
     c_theta = +-h/beta s'(x),        c_thetatheta = +-h/beta^2 s''(x)
-The rest of the turn is base dwell. Angles are taken as written, in decimals, so that 100.1 + 259.9
+The rest of the turn is base dwell. Angles are taken as written, exactly, so that 100.1 + 259.9
 is 360; the rise may begin anywhere, also so that the lobe passes through theta = 0.
 
 s goes from 0 at x = 0 to 1 at x = 1. Formulas: R. L. Norton, Cam Design and Manufacturing Handbook,
@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from decimal import Decimal, localcontext
+from fractions import Fraction
 from functools import partial
 from itertools import pairwise
 from typing import Annotated, Any, Literal
@@ -49,8 +49,7 @@ Height = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 Lift = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 CLOSURE = 1e-9  # deg, and share of a law: a sum this close to its bound meets it
-TURN = Decimal(360)
-DIGITS = 40  # that hold sums and products of angles and shares as written
+TURN = 360  # deg
 
 
 class Widths(BaseModel):
@@ -137,32 +136,28 @@ class LawCam(BaseModel):
 
     def parts(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
-        with localcontext() as context:
-            context.prec = DIGITS
-            start = written(self.rise.start_deg) % TURN
-            start += TURN if start < 0 else 0
-            rise, dwell = written(self.rise.length_deg), written(self.top_dwell_deg)
-            top = start + rise
-            fall = min(written(self.fall.length_deg), TURN - rise - dwell)
-            low, lift = arb(self.base), arb(self.lift)
-            parts = [
-                *_motion(self.rise.law, start, rise, low, lift),
-                *_folded(top, top + dwell, low + lift),
-                *_motion(self.fall.law, top + dwell, fall, low + lift, -lift),
-                *_folded(top + dwell + fall, start + TURN, low),
-            ]
-            return sorted(parts, key=lambda part: float(part.start))
+        start = written(self.rise.start_deg) % TURN
+        rise, dwell = written(self.rise.length_deg), written(self.top_dwell_deg)
+        fall, top = min(written(self.fall.length_deg), TURN - rise - dwell), start + rise
+        low, lift = arb(self.base), arb(self.lift)
+        parts = [
+            *_motion(self.rise.law, start, rise, low, lift),
+            *_folded(top, top + dwell, low + lift),
+            *_motion(self.fall.law, top + dwell, fall, low + lift, -lift),
+            *_folded(top + dwell + fall, start + TURN, low),
+        ]
+        return sorted(parts, key=lambda part: float(part.start))
 
 
-def written(value: float) -> Decimal:
+def written(value: float) -> Fraction:
     """The decimal number that a person wrote: 0.1, not the double nearest to it."""
-    return Decimal(repr(float(value)))
+    return Fraction(repr(float(value)))
 
 
-def _motion(law, start: Decimal, length: Decimal, low: arb, step: arb) -> Iterator[Part]:
+def _motion(law, start: Fraction, length: Fraction, low: arb, step: arb) -> Iterator[Part]:
     """Parts of a motion from c = low to low + step over `length` deg."""
 
-    def later(segment: Segment, turn: Decimal) -> Callable[[Any], Any]:
+    def later(segment: Segment, turn: int) -> Callable[[Any], Any]:
         """c = low + step s((theta - start)/beta) on the turn that begins at `turn` deg."""
         origin, beta = radians(start - turn), radians(length)
         return lambda theta: low + step * segment.height((theta - origin) / beta)
@@ -172,10 +167,10 @@ def _motion(law, start: Decimal, length: Decimal, low: arb, step: arb) -> Iterat
         yield from _folded(*ends, arb(0), partial(later, segment))
 
 
-def _folded(low: Decimal, high: Decimal, level, later=None) -> Iterator[Part]:
+def _folded(low: Fraction, high: Fraction, level, later=None) -> Iterator[Part]:
     """Parts of the turn from an interval of deg in [0, 720]; `later` gives c on either turn."""
-    for turn in (Decimal(0), TURN):
-        start, end = max(low - turn, Decimal(0)), min(high - turn, TURN)
+    for turn in (0, TURN):
+        start, end = max(low - turn, Fraction(0)), min(high - turn, Fraction(TURN))
         if end > start:
             lift = None if later is None else later(turn)
             yield Part(radians(start), radians(end), lift, level)
@@ -188,8 +183,8 @@ def _folded(low: Decimal, high: Decimal, level, later=None) -> Iterator[Part]:
 class Segment:
     """A smooth part of a law, start <= x <= end; `height` is s(x), analytic beyond both."""
 
-    start: Decimal
-    end: Decimal
+    start: Fraction
+    end: Fraction
     height: Callable[[Any], Any]
 
 
@@ -200,7 +195,7 @@ def _segments(law: str | SccaLaw) -> list[Segment]:
         return _scca(b, min(written(law.scca.d), 1 - b))
     if law in SCCA:
         width, middle = SCCA[law]
-        return _scca(Decimal(width), Decimal(middle))
+        return _scca(Fraction(width), Fraction(middle))
     terms = POLYNOMIALS[law]
 
     def height(x: Any) -> Any:
@@ -209,10 +204,10 @@ def _segments(law: str | SccaLaw) -> list[Segment]:
             total = total * x + terms.get(n, 0)
         return total
 
-    return [Segment(Decimal(0), Decimal(1), height)]
+    return [Segment(Fraction(0), Fraction(1), height)]
 
 
-def _scca(b: Decimal, d: Decimal) -> list[Segment]:
+def _scca(b: Fraction, d: Fraction) -> list[Segment]:
     """The sine-constant-cosine acceleration law of widths b, c = 1 - b - d, d.
 
     s'' = C_a times: sin(pi x/b) up to b/2; 1 up to (1 - d)/2; cos(pi (x - (1 - d)/2)/d) up to
@@ -244,8 +239,8 @@ def _scca(b: Decimal, d: Decimal) -> list[Segment]:
         return lambda x: 1 - height(1 - x)
 
     if b == d and b + d == 1:  # cycloidal: one sine throughout
-        return [Segment(Decimal(0), Decimal(1), sine)]
-    edges = (Decimal(0), b / 2, (1 - d) / 2, (1 + d) / 2, 1 - b / 2, Decimal(1))
+        return [Segment(Fraction(0), Fraction(1), sine)]
+    edges = (Fraction(0), b / 2, (1 - d) / 2, (1 + d) / 2, 1 - b / 2, Fraction(1))
     heights = (sine, constant, cosine, mirrored(constant), mirrored(sine))
     zones = zip(pairwise(edges), heights, strict=True)
     return [Segment(start, end, height) for (start, end), height in zones if end > start]

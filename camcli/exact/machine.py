@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from decimal import Decimal
+from fractions import Fraction
 from math import ulp
 from typing import Any
 
@@ -49,7 +49,7 @@ class Machine:
     """
 
     def __init__(
-        self, cam: Shape | list[Stretch], follower: Follower, rpm: Any, share: Decimal = Decimal(0)
+        self, cam: Shape | list[Stretch], follower: Follower, rpm: Any, share: Fraction | int = 0
     ):
         """At the speed rpm (1 + share). The constants may be doubles, balls or series of balls."""
         m, k, b, g, load, self.r = (balls.number(x) for x in vars(follower).values())

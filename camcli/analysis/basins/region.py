@@ -20,6 +20,7 @@ import numpy as np
 
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
+from camcli.kernel.arithmetic import exp_decay, natural_log
 from camcli.kernel.cells import CHATTERED_TURN, Point
 
 WIDEST, NARROWEST = 0.25, 1e-8  # radius over the orbit's size
@@ -70,7 +71,8 @@ def region_of(batches: CellBatches, attractor: Attractor) -> Region | None:
     if not rho < 1.0:
         return None
     shrink = 0.5 * (1.0 + (0.5 * (1.0 + rho)) ** 2)
-    forms = _forms(maps, _root(0.5 * (1.0 + rho), len(points))) / attractor.size**2
+    s = exp_decay(-natural_log(0.5 * (1.0 + rho)) / len(points))
+    forms = _forms(maps, s) / attractor.size**2
     region = Region(points, forms, symbols, shrink, 1.0, rho, False)
     radius = WIDEST if (_discriminant(forms) > ROUND * forms[:, 0] * forms[:, 2]).all() else 0.0
     while radius >= NARROWEST:
@@ -121,18 +123,6 @@ def _times(a, b):
     """Product of 2 x 2 matrices by IEEE arithmetic."""
     rows = range(2)
     return [[a[i][0] * b[0][k] + a[i][1] * b[1][k] for k in rows] for i in rows]
-
-
-def _root(value: float, m: int) -> float:
-    """m-th root of a number in (0, 1] by bisection: no library function, the same bits anywhere."""
-    low, high = 0.0, 1.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        power = 1.0
-        for _ in range(m):
-            power *= middle
-        low, high = (middle, high) if power < value else (low, middle)
-    return high
 
 
 def _forms(maps: np.ndarray, s: float) -> np.ndarray:

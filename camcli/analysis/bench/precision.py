@@ -156,22 +156,15 @@ def compare(case: Case, trace: Trace, tolerance: float = 0.0) -> Agreement:
 
 
 def _pairs(marks: np.ndarray, hits: np.ndarray) -> list[tuple[int, int]]:
-    """(i, j) where marks[i] and hits[j], both in order, are each the nearest to the other."""
+    """(i, j) where marks[i] and hits[j] are each the nearest to the other."""
+    from scipy.spatial import KDTree
+
     if not len(marks) or not len(hits):
         return []
-    there, back = _nearest(hits, marks), _nearest(marks, hits)
-    return [
-        (i, j)
-        for i, j in enumerate(there.tolist())
-        if back[j] == i and abs(hits[j] - marks[i]) < WIDEST
-    ]
-
-
-def _nearest(places: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Index of the place nearest to each of the wanted ones; places in order."""
-    k = np.searchsorted(places, wanted).clip(1, max(len(places) - 1, 1))
-    left, right = places[k - 1], places[k.clip(max=len(places) - 1)]
-    return np.where(wanted - left <= right - wanted, k - 1, k).clip(max=len(places) - 1)
+    apart, there = KDTree(hits[:, None]).query(marks[:, None])
+    back = KDTree(marks[:, None]).query(hits[:, None])[1]
+    pairs = enumerate(there.tolist())
+    return [(i, j) for i, j in pairs if back[j] == i and apart[i] < WIDEST]
 
 
 # --- methods

@@ -10,7 +10,6 @@ repeats (`camcli.analysis.after_rest`).
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from decimal import Decimal
 from functools import partial
 from itertools import pairwise
 from math import inf, nextafter, ulp
@@ -342,7 +341,7 @@ def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
         except UndecidedError:
             raise NotProvedError(Step.GRAZES) from None
         raise NotProvedError(Step.CONTACT, True)
-    share = None if widely else Decimal(0)
+    share = None if widely else 0
     found = of_machine(system, orbit.rpm, orbit.theta[0], share) if orbit.theta else None
     if found is None or found.kind != CYCLE:
         raise NotProvedError(Step.MODEL)
