@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.mutants import mutants
+
 ROOT = Path(__file__).parents[1]
 BIN = Path(sys.executable).parent
 
@@ -72,3 +74,7 @@ def test_schema_beside_the_configs_is_current():
     from camcli.scene import json_schema
 
     assert json.loads((ROOT / "configs" / "schema.json").read_text()) == json_schema()
+
+
+def test_every_recorded_change_of_meaning_has_its_line():
+    assert len(mutants("")) > 40

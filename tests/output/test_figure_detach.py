@@ -32,11 +32,6 @@ def test_a_lift_table_deserves_few_digits(chapter):
     assert "first lost at 115 rpm, 150.2 deg" in drawn(chapter, [150.0], measured=True).words
 
 
-@pytest.mark.parametrize("rpms", [[150.0], [200.0, 110.0], [50.0, 60.0]])
-def test_any_range(chapter, rpms):
-    tall(drawn(chapter, rpms))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("system", "said"),

@@ -12,7 +12,6 @@ from camcli.analysis.orbits.shooter import PARAMETERS as VARIED
 from camcli.analysis.orbits.study import Absence, OrbitsResult, Question, orbits
 from camcli.plots import style
 from camcli.plots.branch_lines import (
-    draw_plane,
     draw_strands,
     events_of,
     phases,
@@ -98,12 +97,6 @@ def test_lines_break_where_a_departure_appears_and_where_a_phase_wraps(found):
     wrapped = strands(points, lambda orbit: [(orbit.value * 15.0) % 360.0], 360.0)
     assert len(wrapped) > 1
     assert max(abs(np.diff(line.y)).max() for line in wrapped) < 180.0
-
-
-def test_rings_of_nearly_the_same_size_have_one_label():
-    axes = panel()
-    draw_plane(axes, 1.5, [0.81, 0.8])
-    assert [text.get_text().split("= ")[1] for text in axes.texts] == ["0.8, 0.81"]
 
 
 # --- events

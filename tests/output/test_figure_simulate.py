@@ -36,15 +36,6 @@ def test_a_run_that_stopped_early_says_so(rows):
     tall(picture)
 
 
-def test_the_curve_between_rows_is_the_hop_itself():
-    trace = Trace.of(bounce(1), EVEN, 1)
-    hops = trace.angle >= 180.0
-    x = trace.angle[hops] / 360.0 - 0.5
-    assert trace.gap[hops] == pytest.approx(x * (0.5 - x), abs=1e-8)
-    assert trace.u[hops] == pytest.approx(0.5 - 2.0 * x, abs=2e-6)
-    assert not trace.gap[~hops].any()
-
-
 @pytest.mark.parametrize("rpm", [190.0, 198.4])
 def test_corners_are_kinks_in_the_relative_velocity(chapter, rpm):
     few, many = (

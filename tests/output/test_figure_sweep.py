@@ -14,7 +14,6 @@ from camcli.analysis.sweep import Sweep
 from camcli.api.sweep import Branch
 from camcli.errors import Status
 from camcli.plots import density, style
-from camcli.plots.axes import lift_curves
 from camcli.plots.sweep import colour_of, draw_sweep
 from camcli.scene.schema import Plot
 from tests.conftest import settings
@@ -74,30 +73,12 @@ def shares_of(values, columns, low=0.0, high=1.0, height=8):
     return image.shares()
 
 
-def test_shares_count_every_point_of_a_column_even_out_of_range_in_two_rows_each():
-    shares = shares_of([[0.25, 0.25, 9.0, 0.75]], density.Columns.of([700.0], 20))
-    assert shares.shape == (8, 20)
-    assert shares[:, 10].compressed().tolist() == [0.5, 0.5, 0.25, 0.25]
-    assert shares[:, 0].mask.all()
-    ends = shares_of([[0.0, 1.0]], density.Columns.of([1.0], 9))
-    assert ends[:, 4].compressed().tolist() == [0.5, 0.5, 0.5]
-    assert ends.mask[1:6, 4].all()
-
-
 def test_speeds_that_share_a_column_are_counted_together():
     columns = density.Columns.of([4.0, 5.0, 1.0, 2.0, 3.0, 6.0], 4)  # two speeds meet twice
     values = [[150.0, 151.0, 149.0], [], [], [1.0, 359.0, 20.0, 30.0], [150.0], [7.0]]
     shares = shares_of(values, columns, 0.0, 360.0, 12)
     assert shares[:, 0].compressed().tolist() == [0.5, 0.25, 0.25, 0.25]
     assert shares[:, 2].compressed().tolist() == pytest.approx([1 / 3, 2 / 3, 2 / 3])
-
-
-def test_the_cam_beside_the_diagram_is_the_cam(chapter):
-    theta, (c, c_theta, c_thetatheta) = lift_curves(chapter.cam, 3)
-    assert c[np.nanargmin(abs(theta - 0.0))] == pytest.approx(0.1, abs=1e-12)
-    assert np.nanmax(c) == pytest.approx(0.25393320723821, abs=1e-12)
-    assert np.nanmax(c_theta) == pytest.approx(0.2747021271326710, abs=1e-12)
-    assert np.nanmin(c_thetatheta) == pytest.approx(-1.869212582774405, abs=1e-9)
 
 
 # --- sweeps that are larger than memory
