@@ -5,9 +5,11 @@ from __future__ import annotations
 import csv
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from io import StringIO
 from itertools import groupby
+from operator import itemgetter
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -213,36 +215,19 @@ def read_branches(path: str | PathLike, key: str) -> list[Branch]:
 
     Raises SceneError where the file is none, or is in another parameter.
     """
-    expected, cure = f"expected a branch.csv in {key}", "see cam orbits"
-    text = _text(path, expected, cure)
-    try:
-        rows = list(csv.DictReader(text, restkey="", restval=""))
-        (column,) = _columns(rows, [key])
-        if len({row[column] for row in rows}) == 1 < len(rows):
+    with _orbits_file("--branches", path, "branch.csv", [key], "see cam orbits") as (rows, (x,)):
+        if len({row[x] for row in rows}) == 1 < len(rows):
             raise ValueError("solved along another parameter")
         phases = [name for name in rows[0] if name.startswith("theta_deg_")]
         return [
             Branch(
-                [float(row[column]) for row in some],
+                [float(row[x]) for row in some],
                 [row["stable"] == "1" for row in some],
                 [[float(row[name] or "nan") for row in some] for name in phases],
                 [float(row["q_m"]) for row in some],
             )
-            for some in (list(members) for _, members in groupby(rows, lambda row: row["branch"]))
+            for some in (list(members) for _, members in groupby(rows, itemgetter("branch")))
         ]
-    except BAD_FILE:
-        raise SceneError(Fault("--branches", str(path), "found none", expected, cure)) from None
-
-
-def _text(path: str | PathLike, expected: str, cure: str) -> StringIO:
-    data = read_bytes(Path(path), str(path), MOST_BYTES, expected, cure)
-    return StringIO(decoded(data, str(path)), newline="")
-
-
-def _columns(rows: list[dict[str, str]], keys: Sequence[str]) -> list[str]:
-    """The columns of keys of a scene: the key itself, restitution, stiffness_n_per_m."""
-    named = [(key, key.rpartition(".")[2]) for key in keys]
-    return [next(c for c in rows[0] if c in pair or c.startswith(f"{pair[1]}_")) for pair in named]
 
 
 def read_curves(
@@ -252,20 +237,30 @@ def read_curves(
 
     Raises SceneError where the file is none, or is in other parameters.
     """
-    expected, cure = f"expected a curve.csv in {keys[0]} and {keys[1]}", "see cam orbits --curve"
-    text = _text(path, expected, cure)
-    try:
-        rows = list(csv.DictReader(text, restkey="", restval=""))
-        places = _columns(rows, keys)
-        return [
-            (kind, *([float(row[column]) for row in some] for column in places))
-            for (_, kind), some in (
-                (ends, list(members))
-                for ends, members in groupby(rows, lambda row: (row["curve"], row["kind"]))
-            )
+    cure = "see cam orbits --curve"
+    with _orbits_file("--curves", path, "curve.csv", keys, cure) as (rows, (x, y)):
+        members = groupby(rows, itemgetter("curve", "kind"))
+        curves = [
+            (kind, [(float(row[x]), float(row[y])) for row in own]) for (_, kind), own in members
         ]
+        return [(kind, *map(list, zip(*points, strict=True))) for kind, points in curves]
+
+
+@contextmanager
+def _orbits_file(
+    option: str, path: str | PathLike, what: str, keys: Sequence[str], cure: str
+) -> Iterator[tuple[list[dict[str, str]], list[str]]]:
+    """The rows of a table of `orbits`, and its columns of keys of a scene: by the key itself,
+    restitution, stiffness_n_per_m. Raises SceneError where the file or the block finds none."""
+    expected = f"expected a {what} in {' and '.join(keys)}"
+    text = decoded(read_bytes(Path(path), str(path), MOST_BYTES, expected, cure), str(path))
+    try:
+        rows = list(csv.DictReader(StringIO(text, newline=""), restkey="", restval=""))
+        named = [(key, key.rpartition(".")[2]) for key in keys]
+        of = [next(c for c in rows[0] if c in own or c.startswith(f"{own[1]}_")) for own in named]
+        yield rows, of
     except BAD_FILE:
-        raise SceneError(Fault("--curves", str(path), "found none", expected, cure)) from None
+        raise SceneError(Fault(option, str(path), "found none", expected, cure)) from None
 
 
 def _explained(

@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import VARY, Request, flag, given, numbers, option, refuse_idle
-from camcli.cli.report import at_speed, plural, table
+from camcli.cli.report import at_speed, pair, plural, table
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
@@ -147,12 +147,12 @@ def _border_collision(request: Request, trace: str | None, det: str | None) -> i
 
     pairs = []
     for name, text, example in (("--trace", trace, "1.64,1.37"), ("--det", det, "0.64,0.64")):
-        pair = numbers(text, name, "two numbers L,R", example)
-        if pair is None:
+        two = numbers(text, name, "two numbers L,R", example)
+        if two is None:
             expected, cure = "expected both --trace and --det", f"e.g. {name} {example}"
             raise SceneError(Fault(name, "", f"found no {name}", expected, cure))
-        pairs.append(pair)
-    left, right = (Side(*pair) for pair in zip(*pairs, strict=True))
+        pairs.append(two)
+    left, right = (Side(*side) for side in zip(*pairs, strict=True))
     result = classify(left, right)
     text = to_text(_record(left, right, result))
     if request.out is not None and not request.dry_run:
@@ -168,7 +168,7 @@ def _show_collision(left: Side, right: Side, result: Collision) -> None:
     from camcli.plots.event_words import collision_words
 
     rows = [
-        [name, f"{s.trace:.10g}", f"{s.det:.10g}", _multipliers(s.multipliers), s.kind]
+        [name, f"{s.trace:.10g}", f"{s.det:.10g}", pair(s.multipliers, 9), s.kind]
         for name, s in (("L", left), ("R", right))
     ]
     table(f"Border collision: {result.kind}", ["side", "trace", "det", "multipliers", "is"], rows)
@@ -179,19 +179,12 @@ def _show_collision(left: Side, right: Side, result: Collision) -> None:
     table("Inequalities", ["inequality", "left", "right", ""], rows)
     where = {1: "parameter > 0", -1: "parameter < 0", 0: "never"}
     rows = [
-        [c.word, where[c.exists_for], "yes" if c.stable else "no", _multipliers(c.multipliers)]
+        [c.word, where[c.exists_for], "yes" if c.stable else "no", pair(c.multipliers, 9)]
         for c in result.cycles
     ]
     table("Fixed points and the 2-cycle", ["word", "exists for", "stable", "multipliers"], rows)
     for line in collision_words(result):
         print(f"- {line}")
-
-
-def _multipliers(pair) -> str:
-    first, second = pair
-    if isinstance(first, complex) and first.imag:
-        return f"{first.real:.9g} +- {abs(first.imag):.9g} i"
-    return f"{complex(first).real:.9g}, {complex(second).real:.9g}"
 
 
 def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:

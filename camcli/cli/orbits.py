@@ -6,7 +6,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from camcli.cli.options import VARY, Request, Values, flag, given, numbers, option, refuse_idle
-from camcli.cli.report import table
+from camcli.cli.report import pair, table
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -115,7 +115,11 @@ def show(result: Result) -> None:
 
     found = result.values
     if found.orbits:
-        rows = [_orbit_row(orbit) for orbit in found.orbits]
+        rows = [
+            [orbit.label, "yes" if orbit.stable else "no", _phases(orbit),
+             pair(orbit.multipliers, 7), f"{orbit.trace:.10g}", f"{orbit.det:.10g}"]
+            for orbit in found.orbits
+        ]  # fmt: skip
         columns = ["orbit", "stable", "impacts at (deg)", "multipliers", "trace", "det"]
         table(f"Periodic orbits at {found.question.rpm:.10g} rpm", columns, rows)
     if found.branches:
@@ -145,17 +149,6 @@ def show(result: Result) -> None:
         )
     for line in remarks(found):
         print(f"- {line}")
-
-
-def _orbit_row(orbit: PeriodicOrbit) -> list[str]:
-    large, small = orbit.multipliers
-    pair = f"{large.real:.7g}, {small.real:.7g}"
-    if large.imag:
-        pair = f"{large.real:.7g} +- {large.imag:.7g} i"
-    return [
-        orbit.label, "yes" if orbit.stable else "no", _phases(orbit), pair,
-        f"{orbit.trace:.10g}", f"{orbit.det:.10g}",
-    ]  # fmt: skip
 
 
 def _phases(orbit: PeriodicOrbit) -> str:

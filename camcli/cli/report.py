@@ -32,6 +32,14 @@ def table(
     Console(width=None if person else FILE_WIDTH).print(grid)
 
 
+def pair(values: Sequence[complex], digits: int) -> str:
+    """Two multipliers, or a complex pair of them."""
+    first, second = map(complex, values)
+    if first.imag:
+        return f"{first.real:.{digits}g} +- {abs(first.imag):.{digits}g} i"
+    return f"{first.real:.{digits}g}, {second.real:.{digits}g}"
+
+
 def plural(count: int, singular: str) -> str:
     """1 speed, 2 speeds."""
     return f"{count} {singular}" if count == 1 else f"{count} {singular}s"

@@ -151,7 +151,7 @@ def summary(result: ContactLoss) -> dict[str, Any]:
     return {
         "words": sentences(result),
         "critical_speeds": [_critical(c) for c in result.critical_speeds],
-        "just_above_opening": [_known(vars(f)) for f in result.lift_offs],
+        "just_above_opening": [vars(f) for f in result.lift_offs],
         "corner_hits": [_hit(hit) for hit in result.hits],
         "corner_hits_ended": [_hit(hit) for hit in result.ended],
         "accumulation_jumps": [_critical(c) for c in result.jumps],
@@ -162,7 +162,7 @@ def summary(result: ContactLoss) -> dict[str, Any]:
         "least_force": [
             {"rpm": f.rpm, "force_n": f.lowest_n, "theta_deg": f.lowest_deg} for f in result.forces
         ],
-        "hold": [{**_known(vars(h)), "words": spring(h)} for h in result.holds],
+        "hold": [{**vars(h), "words": spring(h)} for h in result.holds],
         "hold_margin_n": result.margin if result.holds else None,
     }
 
@@ -171,7 +171,7 @@ def _critical(c: CriticalSpeed) -> dict[str, Any]:
     values = {"theta_deg": c.theta_deg if c.finite else None, "rpm": c.rpm}
     ends = {"low_rpm": c.low, "high_rpm": c.high, "status": c.status}
     burst = {"burst": c.burst} if c.burst else {}
-    return _known({"quantity": c.quantity, "region": c.region, **values, **ends, **burst})
+    return {"quantity": c.quantity, "region": c.region, **values, **ends, **burst}
 
 
 def _hit(hit: CornerHit) -> dict[str, Any]:
@@ -181,20 +181,20 @@ def _hit(hit: CornerHit) -> dict[str, Any]:
     return {**row, **ends, **phases}
 
 
-def _known(values: dict[str, Any]) -> dict[str, Any]:
-    """None for NaN."""
-    return {key: None if value != value else value for key, value in values.items()}
-
-
 # -- for print ---------------------------------------------------------------------------------
 
 ROUNDING = 1e-9  # N
 
 
+def crank_of(scene: Any) -> float:
+    """Turns of the crank in a turn of the cam; 0 where there is no crank."""
+    return 2.0 if getattr(scene.cam, "angle", "") == "crank" else 0.0
+
+
 def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     """Tables (title, heads, rows): past the loss of contact; contact force; springs that hold."""
     found, units = result.values, units_of(result.system)
-    crank = 2.0 if getattr(result.scene.cam, "angle", "") == "crank" else 0.0
+    crank = crank_of(result.scene)
     names = ["cam (rpm)", *["crank (rpm)"] * bool(crank)]
     exact = 4 if result.scene.cam.kind == "table" else 6  # digits of a speed
 

@@ -7,18 +7,13 @@ from typing import Any
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
 from camcli.analysis.labels import APERIODIC, CONTACT, Label
-from camcli.output.detach import way
+from camcli.output.detach import crank_of, way
 from camcli.system import Units, units_of
 
 MM = 1e3  # per m
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
 LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
 LARGE_RADIUS = 1.0  # m
-
-
-def crank_of(scene: Any) -> float:
-    """Turns of the crank in a turn of the cam; 0 where there is no crank."""
-    return 2.0 if getattr(scene.cam, "angle", "") == "crank" else 0.0
 
 
 def verdict(result: Any, lift_table: Mapping[str, Any] | None) -> str:

@@ -33,7 +33,7 @@ from camcli.plots.axes import (
     valued,
 )
 from camcli.plots.critical_speeds import Numbered, event_lists, numbered
-from camcli.plots.density import PER_MM, Cloud, Columns, Image
+from camcli.plots.density import PER_MM, Columns, Image
 from camcli.plots.picture import Panel, Picture
 from camcli.system import System
 
@@ -123,10 +123,7 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
     """Impacts as a cloud."""
     every = [np.degrees(impacts_of(motion.record)[0]) % 360.0 for motion in scene.motions]
     places = {x: k for k, x in enumerate(dict.fromkeys(scene.x))}
-    cloud = Cloud(len(places))
-    for x, phases in zip(scene.x, every, strict=True):
-        cloud.take(places[x], phases)
-    low, high = phase_range(cloud.extremes())
+    low, high = phase_range(np.concatenate(every))
     image = Image(scene.columns, low, high, round(PHASES * PER_MM))
     for x, phases in zip(scene.x, every, strict=True):
         image.take(places[x], phases)
