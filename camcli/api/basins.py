@@ -57,13 +57,17 @@ def basins(
     Returns
     -------
     Result
-        Table ``attractors``: attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm;
-        before them the key of another number that is varied.
-        Of up to three speeds also ``basins``, a row per cell: q_m, v_m_per_s, attractor (0 is
-        undecided, a negative number a status); of two and three also rpm, or first the key. With
-        ``basins.saddles`` also ``saddles``, the saddles on the boundaries: rpm (or what is varied),
-        label, q_m, v_m_per_s, multiplier_1_re to multiplier_2_im, led and tried (motions). In
-        ``summary`` the rests whose end only ball arithmetic tells with holds_for as in
+        Tables, named as their files without the ending:
+
+        attractors.csv  attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm; before them
+                        the key of another number that is varied
+        basins.csv      q_m, v_m_per_s, attractor: a row per cell at its centre (up to three speeds,
+                        of two and three with rpm, or first the key); with refinement cells are of
+                        different sizes, those cut in four have no row
+        saddles.csv     with basins.saddles, on the boundaries: rpm (or what is varied), label, q_m,
+                        v_m_per_s, multiplier_1_re, ..., led, tried (motions)
+
+        In ``summary`` the rests whose end only ball arithmetic tells with holds_for as in
         ``classify``, basin entropy, boundary entropy and, with ``basins.boundary``, the uncertainty
         exponent.
 

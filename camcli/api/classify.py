@@ -65,13 +65,20 @@ def classify(
     Returns
     -------
     Result
-        Table ``classify``, a row per attractor found at a speed: rpm, or the key of what is
-        varied, label, period (turns, 0 where it does not repeat), impacts, chatter (complete,
-        incomplete, none), stable, lyapunov_per_period, status, holds_for: of a label that doubles
-        cannot tell after a rest, the machines it was decided for in ball arithmetic. last-digit:
-        proved for every speed that rounds to this one; exact-data: for these data as they are;
-        sampled: three speeds within the last digit agree, these data may differ. Else empty.
-        Table ``corners``: corner impacts behind the changes, with ``classify.explain``.
+        Tables, named as their files without the ending:
+
+        classify.csv  rpm (or the key of what is varied), label, period (turns, 0 where the motion
+                      does not repeat), impacts (in one period, inf with a complete chatter; of an
+                      aperiodic motion the mean per turn), chatter (complete; incomplete: 8 impacts
+                      in a row, each weaker, that do not accumulate; none), stable (1, 0, empty
+                      where no orbit is solved), lyapunov_per_period, status, holds_for: a row per
+                      attractor found
+        corners.csv   corner impacts of the solved branches (explain), columns as bifurcations.csv
+
+        holds_for: after a rest whose motion doubles forget, the label is decided in ball
+        arithmetic, and this says for which machines. last-digit: proved for every speed that rounds
+        to this one; exact-data: for these data as they are; sampled: three speeds within the last
+        digit agree, these data may differ. Else empty.
 
     Raises
     ------

@@ -61,18 +61,22 @@ def detach(
     Returns
     -------
     Result
-        Table ``detach``, the critical speeds: quantity, region, theta_deg, rpm (infinite where
-        contact is never lost), omega_rad_per_s. Their brackets stand in ``summary``.
-        Table ``accumulation``, where chatter ends: rpm, theta_deg.
-        Table ``corner_hits``, where the n-th impact lands on a corner: impact, corner, rpm.
-        Table ``force``, of a follower kept on the cam: rpm, theta_deg, force_n, pressure_pa (Hertz,
-        with the section ``contact``; else NaN).
-        Table ``speeds``, columns as in `sweep`: the motion at some speeds past the first loss of
-        contact, 20 turns from rest and 20 that are measured.
-        Table ``tolerance``, with ``detach.tolerance``: its keys, table_error (of a measured cam:
-        -1 to 1 times the bound on the error of its second derivative), first_detachment_rpm, and
-        for each spring of ``detach.hold_to`` the speed to which it holds (hold_stiffness_rpm, ...);
-        first the corners of the tolerances, then ``detach.machines`` equally likely machines.
+        Tables, named as their files without the ending:
+
+        detach.csv        quantity, region, theta_deg, rpm (infinite where contact is never lost),
+                          omega_rad_per_s: the critical speeds; their brackets stand in run.json
+        accumulation.csv  rpm, theta_deg: where a complete chatter ends, a row per burst and speed
+        corner_hits.csv   impact, corner, rpm: impact n after lift-off lands on a corner
+        force.csv         rpm, theta_deg, force_n, pressure_pa: contact force of a follower kept on
+                          the cam; with the section contact of the scene the Hertz pressure, else
+                          empty (NaN)
+        speeds.csv        columns as of sweep: the motion at some speeds past the first loss of
+                          contact, 20 turns from rest and 20 that are measured
+        tolerance.csv     with detach.tolerance its keys, table_error (of a measured cam: -1 to 1
+                          times the bound on the error of its second derivative),
+                          first_detachment_rpm, and of each spring of detach.hold_to the speed to
+                          which it holds (hold_stiffness_rpm, ...): the corners of the tolerances,
+                          then detach.machines machines in between, all equally likely
 
     References
     ----------

@@ -84,16 +84,23 @@ def orbits(
     Returns
     -------
     Result
-        Table ``branch``, a row per point (of one speed, a row per orbit): branch, label, rpm,
-        stable, region, theta_deg_1 and so on (phases of the impacts), q_m and v_m_per_s at the
-        strobe, multiplier_1_re to multiplier_2_im, trace, det, u_minus_m_per_s_1 and so on (of the
-        impacts). A number that ``vary`` names is the first column, under its key.
-        Table ``bifurcations``: branch, label, kind, rpm, rpm_error, corner, trace_left, det_left,
-        trace_right, det_right, classification.
-        With ``prove`` both append proved (yes, no), bifurcations also enclosure_low and
-        enclosure_high of the parameter; ``summary`` has the boxes, and the step that failed.
-        With ``orbits.curve`` also ``curve``, a bifurcation in two parameters, and with
-        ``orbits.simulated`` ``impacts`` and ``strobe`` as of `sweep`.
+        Tables, named as their files without the ending:
+
+        branch.csv        branch, label, rpm, stable (0 or 1), region, theta_deg_1.. (impacts; of an
+                          orbit that rests: departures), q_m, v_m_per_s at the strobe,
+                          multiplier_1_re, ..., trace, det, u_minus_m_per_s_1.. (incoming
+                          velocities): the points of each branch in its order, or the orbits found
+                          at one speed
+        bifurcations.csv  branch, label, kind, rpm, rpm_error, corner, trace_left, det_left,
+                          trace_right, det_right, classification
+        curve.csv         with curve: a bifurcation in two parameters
+        impacts.csv       with orbits.simulated, and strobe.csv, as of sweep
+
+        A number that ``vary`` names is the first column, under its key. With ``prove`` branch and
+        bifurcations append proved (yes, no), bifurcations also enclosure_low and enclosure_high of
+        the parameter; ``summary`` has the boxes, the step that failed, and holds_for: last-digit
+        where an orbit is proved for every value of the parameter that rounds to its own, else
+        exact-data.
 
     Raises
     ------

@@ -58,13 +58,16 @@ def simulate(
     Returns
     -------
     Result
-        Table ``trajectory``: t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact (flight or
-        sticking); an impact has two rows, just before and just after.
-        Table ``events``: t_s, period, theta_deg, event (impact, chatter, detachment), q_m,
-        u_minus_m_per_s, u_plus_m_per_s.
-        With ``profile_only`` only the table ``profile``: theta_deg, c_m, c_theta_m_per_rad,
-        c_thetatheta_m_per_rad2, force_n; two rows at a corner. ``profile_2`` and ``profile_3`` are
-        those of the cams in ``simulate.beside``.
+        Tables, named as their files without the ending:
+
+        trajectory.csv  t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact (flight,
+                        sticking); an impact has two rows, just before and just after
+        events.csv      t_s, period, theta_deg, event (impact; chatter: impacts have accumulated,
+                        the follower now sticks; detachment), q_m, u_minus_m_per_s, u_plus_m_per_s
+        profile.csv     with profile_only the only one: theta_deg, c_m, c_theta_m_per_rad,
+                        c_thetatheta_m_per_rad2, force_n (the contact force at the speed); two rows
+                        at a corner, left side first; profile_2.csv and profile_3.csv of the cams
+                        in simulate.beside
 
     Raises
     ------

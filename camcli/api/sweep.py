@@ -82,25 +82,29 @@ def sweep(
     Returns
     -------
     Result
-        With two numbers to vary table ``map``, a row per point: both keys, label, period (turns),
-        impacts_per_turn, lyapunov_per_period, the columns of ``speeds`` from max_gap_m on, status,
-        holds_for.
-        Table ``impacts``, a row per recorded impact: rpm, period (recorded turn, from 0),
-        theta_deg, q_m, u_minus_m_per_s (velocity relative to the cam just before).
-        Table ``strobe``, a row per recorded turn: rpm, period, q_m, v_m_per_s at its start,
-        impacts in it, chatter (1 where a complete chatter ended in it).
-        Table ``speeds``: rpm, label, impacts, lyapunov_per_period, status, and of the recorded
-        turns max_gap_m, airborne_fraction, max_impact_m_per_s, min_contact_force_n,
-        max_contact_force_n (while on the cam), contact_lost_deg (the first phase after the strobe),
-        contact_regained_deg (the last), landing_deg (phase of the hardest impact), landing_lift_m
-        (lift above the lowest there), shut_bounces_per_turn (impacts, a tenth as hard or harder,
-        where the cam is within a hundredth of its lift above the lowest); NaN where they do not
-        apply; holds_for as in ``classify``.
+        Tables, named as their files without the ending:
+
+        impacts.csv  rpm, period (recorded turn, from 0), theta_deg, q_m, u_minus_m_per_s (velocity
+                     relative to the cam just before): the recorded impacts
+        strobe.csv   rpm, period, q_m, v_m_per_s, impacts, chatter: the state at the start of each
+                     recorded turn, impacts in it and whether a complete chatter ended in it (1)
+        speeds.csv   rpm, label, impacts, lyapunov_per_period, status, max_gap_m, airborne_fraction,
+                     max_impact_m_per_s, min_contact_force_n, max_contact_force_n, contact_lost_deg,
+                     contact_regained_deg, landing_deg, landing_lift_m, shut_bounces_per_turn: of
+                     the recorded turns; forces while on the cam, the first phase after the strobe
+                     at which contact is lost and the last where it is regained, phase and lift of
+                     the hardest impact, and impacts, a tenth as hard or harder, within a hundredth
+                     of the lift; empty (NaN) where they do not apply; holds_for: last-digit,
+                     exact-data or sampled as in classify, mostly empty
+        corners.csv  corner impacts of the solved branches (explain), columns as bifurcations.csv
+        map.csv      of two numbers: both keys, label, period (turns), impacts_per_turn,
+                     lyapunov_per_period, the columns of speeds.csv from max_gap_m on, status,
+                     holds_for: a row per point
+
         The first column bears the key of what is varied, rpm for the speed; where the state is
         carried both ways a last one, direction, says up or down; with ``also`` a last one, start,
-        says from which: 0 is ``run.start``.
-        With ``sweep.explain`` also ``corners``, the corner impacts behind the changes.
-        ``sweep.sections`` and ``sweep.tables`` leave out what is not wanted.
+        says from which: 0 is ``run.start``. ``sweep.sections`` and ``sweep.tables`` leave out what
+        is not wanted.
 
     Raises
     ------

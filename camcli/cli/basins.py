@@ -32,11 +32,6 @@ def basins(
     """Which attractor a start lands on, over a window of starts.
 
     \b
-    attractors.csv  attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm
-    basins.csv      q_m, v_m_per_s, attractor: a row per cell at its centre (up to three speeds, of
-                    two and three with rpm); with refinement cells are of different sizes, those cut
-                    in four have no row
-    saddles.csv     with --saddles: rpm, label, q_m, v_m_per_s, multiplier_1_re, ..., led, tried
     basins.png      basins with the attractors on them; over more speeds, their fractions
 
     \b
@@ -61,8 +56,7 @@ def basins(
     the boundary's dimension is 2 - alpha. Basin and boundary entropy are of boxes of 5 x 5 cells.
     --rpm LO:HI gives fractions against speed; an attractor keeps its number while its state goes
     on continuously, or while each started at the other's speed ends on the other.
-    --vary KEY=LO:HI varies any number of follower, cam or run at the speed --rpm; the first column
-    of each table then bears the KEY.
+    --vary KEY=LO:HI varies any number of follower, cam or run at the speed --rpm.
     --exponents appends multiplier_1_re, ..., lyapunov_per_period to attractors.csv: multipliers
     where the orbit is solved, the largest exponent per turn everywhere (-inf where it rests).
     --saddles brings starts on either side of a boundary together; the motion between them is led to

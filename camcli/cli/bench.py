@@ -24,10 +24,7 @@ def bench(
     """How exact, how robust and how fast.
 
     \b
-    precision.csv  case, method, setting, seconds, error, impacts, evaluations, missed, extra,
-                   bound, of_bound, status: ours and general integrators on the same motions
     precision.png  error against time, a panel per case
-    stability.csv  case, expected, observed, status, seconds: the table of extreme cases, run
     stability.png  its times, failed cases in a colour of their own
 
     \b

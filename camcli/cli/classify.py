@@ -28,15 +28,9 @@ def classify(
     """The motion at each speed, its exponents, why it changes.
 
     \b
-    classify.csv  rpm, label, period, impacts, chatter, stable, lyapunov_per_period, status,
-                  holds_for
-    corners.csv   corner impacts of the solved branches (--explain), columns as bifurcations.csv
     classify.png  labels and largest exponent against speed
 
     \b
-    period: turns, 0 where the motion does not repeat. impacts: in one period, inf with a complete
-    chatter; of an aperiodic motion the mean per turn. chatter: complete, incomplete (8 impacts in a
-    row, each weaker, that do not accumulate) or none. stable: 1, 0, empty where no orbit is solved.
     lyapunov_per_period: largest exponent per turn of the cam; -inf where the follower rests: both
     are then, since every difference is forgotten. run.json has the second one, the error bar, and
     the sum rule (sum = 2 ln r impacts per turn - b T/m) as a check.
@@ -46,13 +40,7 @@ def classify(
     admissible, attracting orbit of up to 64 turns that the record approaches; contact; aperiodic
     where none does and the largest exponent is positive by three standard errors; undecided where
     neither can be shown, or where a cycle through a rest is an accident of rounding.
-    holds_for: after a rest whose motion doubles forget, the label is decided in ball arithmetic,
-    and this says for which machines. last-digit: proved for every speed that rounds to this one;
-    exact-data: for the data as they are, not for every speed within the last digit; sampled: for
-    three speeds within the last digit that agree, the data themselves may do otherwise. Empty
-    where doubles tell, or nothing does.
-    --vary KEY=LO:HI varies any number of follower, cam or run, at the speed --rpm; the first column
-    then bears the KEY.
+    --vary KEY=LO:HI varies any number of follower, cam or run, at the speed --rpm.
     --starts N classifies N more starts at each speed (Halton points, --seed): a row per attractor.
 
     \b

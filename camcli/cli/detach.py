@@ -24,23 +24,12 @@ def detach(
     """Where contact is lost, and which spring would hold.
 
     \b
-    detach.csv        quantity, region, theta_deg, rpm, omega_rad_per_s
-    accumulation.csv  rpm, theta_deg: where a complete chatter ends, a row per burst and speed
-    corner_hits.csv   impact, corner, rpm: impact n after lift-off lands on a corner
-    force.csv         rpm, theta_deg, force_n, pressure_pa: contact force of a follower kept on the
-                      cam; with the section `contact` of the scene the Hertz pressure
-    speeds.csv        columns as in cam sweep: the motion at some speeds past the first loss of
-                      contact: loft, landing, bounces on the shut cam, contact forces. On the
-                      screen "at lift" is the lift at the hardest landing, "bounces" the impacts a
-                      turn, a tenth as hard or harder, within a hundredth of the lift
-    tolerance.csv     with --tolerance the KEYs, table_error (of a measured cam, in bounds on its
-                      error), first_detachment_rpm, and of each spring of --hold-to the speed it
-                      holds to: the corners of the tolerances, then machines in between, all
-                      equally likely (detach.machines of them)
     report.pdf        with --report a page: machine, verdict, forces, loft, landing, springs
     detach.png        impacts with accumulation curve and corner hits; the contact force
 
     \b
+    On the screen "at lift" is the lift at the hardest landing, "bounces" the impacts a turn, a
+    tenth as hard or harder, within a hundredth of the lift.
     Regions A1, A2, ... lie between the cam's corners a, b, c, ... Quantities of detach.csv:
     first_detachment        lowest speed at which the contact force reaches zero anywhere
     opens, fills            contact begins to be lost in a region; is lost all over it (inf: never)

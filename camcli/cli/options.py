@@ -1,5 +1,6 @@
 """The options every command shares, declared once."""
 
+import ast
 import inspect
 import os
 import re
@@ -9,6 +10,7 @@ from dataclasses import dataclass, fields
 from functools import cache
 from math import isfinite
 from pathlib import Path
+from textwrap import dedent, wrap
 from typing import Any
 
 import typer
@@ -154,15 +156,26 @@ SHARD = option("Only part I of N; cam merge joins them.", "I/N")
 CLUSTER = option("Dask scheduler HOST:PORT, or local.", "ADDRESS")
 
 
+def _tables(name: str) -> str:
+    """What the docstring of a command's API function, which is not run, says of its tables."""
+    path = Path(__file__).parents[1] / "api" / f"{name}.py"
+    tree = ast.parse(path.read_text(encoding="utf-8") if path.is_file() else "")
+    own = (x for x in tree.body if isinstance(x, ast.FunctionDef) and x.name == name)
+    told = "".join(ast.get_docstring(x) or "" for x in own).partition("the ending:\n\n")[2]
+    table, *more = re.split(r"\n\n\w+\n---", told)[0].replace("``", "").split("\n\n")
+    return "\n\n".join([dedent(table), *(" ".join(text.split()) for text in more)]).strip()
+
+
 class _Command(TyperCommand):
     """A command that fills its docstring to the width of the terminal, and takes one scene."""
 
     def format_help_text(self, ctx: Any, formatter: Any) -> None:
         """A line goes on the one before it where it is indented, or that one was full."""
-        from textwrap import wrap
-
+        said = inspect.cleandoc(self.help or "").replace("\b\n", "")
+        first, _, rest = said.partition("\n\n")
+        said = "\n\n".join(filter(None, (first, _tables(self.name or ""), rest)))
         texts, last = [""], ""
-        for line in inspect.cleandoc(self.help or "").replace("\b\n", "").splitlines():
+        for line in said.splitlines():
             word = line.split(" ", 1)[0]
             full = len(f"{last} {word}") > FULL and not word.startswith("--")
             if line and last and (not word or (full and not ENTRY.match(line))):

@@ -30,32 +30,22 @@ def orbits(
     """Periodic orbits, followed, and every bifurcation on the way.
 
     \b
-    branch.csv        branch, label, rpm, stable (0 or 1), region, theta_deg_1.. (impacts; of an
-                      orbit that rests: departures), q_m, v_m_per_s at the strobe, multiplier_1_re,
-                      ..., trace, det; a point per row in the order of the branch
-                      (and u_minus_m_per_s_1.., the incoming velocities, at the end)
-    bifurcations.csv  branch, label, kind, rpm, rpm_error, corner, trace_left, det_left,
-                      trace_right, det_right, classification
-    curve.csv         with --curve: a bifurcation in two parameters; curve.png its picture
-    orbits.png        branches, multipliers, corner impacts
+    orbits.png        branches, multipliers, corner impacts; curve.png the curves
 
     \b
     --rpm X       the orbits at one speed; --rpm LO:HI follows them through the range, both ways
     --at X        where they are found; from the scene's start, a cloud of starts and, with one
                   impact, from the closed equation, which gives all of them
     --label L     only this orbit, 'P(3;3:3:2)'; an unstable one is sought among close returns
-    --vary KEY=LO:HI  a branch in this key at the speed --rpm X, --points at least; the first column
-                  of branch.csv and bifurcations.csv then bears the KEY. KEY: follower.restitution,
-                  .damping, .gravity, .stiffness, .preload or .mass, or rpm. With --curve once for
-                  the second parameter, or twice
+    --vary KEY=LO:HI  a branch in this key at the speed --rpm X, --points at least. KEY:
+                  follower.restitution, .damping, .gravity, .stiffness, .preload or .mass, or rpm.
+                  With --curve once for the second parameter, or twice
     --parameter NAME --range LO:HI is short for --vary follower.NAME=LO:HI, the column at the end
     --branches N  how many branches that leave from bifurcations are followed too
     --curve KIND  continue the bifurcations of a kind in rpm and --in NAME over --range, or in
                   --parameter over --range and --in NAME=LO:HI
     --prove       prove orbits, events and ranges of branches in ball arithmetic, for the numbers
-                  of the scene as they are; columns proved (yes, no), enclosure_low, enclosure_high;
-                  run.json has the boxes, and holds_for: last-digit where an orbit is proved for
-                  every value of the parameter that rounds to its own, else exact-data
+                  of the scene as they are
 
     \b
     Kinds: period-doubling (1 + trace + det = 0); fold (the parameter turns round); corner-impact

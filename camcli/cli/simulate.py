@@ -23,8 +23,6 @@ def simulate(
     """Time response of one orbit: events and a sampled trajectory.
 
     \b
-    trajectory.csv  t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact (flight, sticking)
-    events.csv      t_s, period, theta_deg, event, q_m, u_minus_m_per_s, u_plus_m_per_s
     simulate.png    panels motion, gap, phase: position, relative position and relative phase plane
                     of the last turns; where asked for by --panels: section, the states at the
                     strobe, and passage, a zoom on the last detachment
@@ -32,10 +30,8 @@ def simulate(
                     one period; simulate.mp4 too where ffmpeg is found
 
     \b
-    Events: impact; chatter (impacts have accumulated, the follower now sticks); detachment.
-    An impact has two rows in trajectory.csv, just before and just after. t_s counts from the
-    first recorded turn (run.transient), period from the strobe phase; a start off the strobe
-    phase without transient records the rest of that turn as period -1.
+    t_s counts from the first recorded turn (run.transient), period from the strobe phase; a start
+    off the strobe phase without transient records the rest of that turn as period -1.
 
     \b
     Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a
@@ -46,9 +42,7 @@ def simulate(
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
 
     \b
-    --profile-only writes and draws the cam instead:
-    profile.csv  theta_deg, c_m, c_theta_m_per_rad, c_thetatheta_m_per_rad2, and force_n, the
-                 contact force at the speed; two rows at a corner, left side first
+    --profile-only writes and draws the cam instead, profile.csv:
     profile.png  panels lift, velocity, acceleration, force, curvature; where asked for by --panels:
                  mechanism, the cam with its follower at rest, lifting and landing, and outline and
                  turned, the cam with its circles and corners at 0 and at 180 deg

@@ -29,35 +29,20 @@ def sweep(
     """Brute-force bifurcation diagram over speeds, or another number.
 
     \b
-    impacts.csv  rpm, period, theta_deg, q_m, u_minus_m_per_s
-    strobe.csv   rpm, period, q_m, v_m_per_s, impacts, chatter: the state at the start of each
-                 recorded period, impacts in it and whether a complete chatter ended in it
-    speeds.csv   rpm, label, impacts, lyapunov_per_period, status, max_gap_m, airborne_fraction,
-                 max_impact_m_per_s, min_contact_force_n, max_contact_force_n, contact_lost_deg,
-                 contact_regained_deg, landing_deg, landing_lift_m, shut_bounces_per_turn: of the
-                 recorded turns; forces while on the cam, the first phase after the strobe at which
-                 contact is lost and the last where it is regained, phase and lift of the hardest
-                 impact, and impacts, a tenth as hard or harder, within a hundredth of the lift;
-                 holds_for: last-digit, exact-data or sampled as in cam classify, mostly empty
-    corners.csv  corner impacts of the solved branches (--explain), columns as bifurcations.csv
     *.npz        impacts and strobe with sweep.tables: npz (numpy.load); with none neither
-    map.csv      of two numbers: both KEYs, label, period, impacts_per_turn, lyapunov_per_period,
-                 and the columns of speeds.csv from max_gap_m on, status, holds_for
     map.png      the kind of motion over two numbers; --panels also exponents and each column
     sweep.png    impact phases beside the cam's c, c', c''; stroboscopic positions
 
     \b
-    --vary KEY=LO:HI varies any number of follower, cam or run, --points of its values; the first
-    column then bears the KEY. Speeds are run.rpm (--rpm LO:HI). Two make a map of --points N,M;
-    with sweep.direction the state is carried along the first. --curves FILE lays the curves of
-    cam orbits --curve over it.
+    --vary KEY=LO:HI varies any number of follower, cam or run, --points of its values. Speeds are
+    run.rpm (--rpm LO:HI). Two make a map of --points N,M; with sweep.direction the state is carried
+    along the first. --curves FILE lays the curves of cam orbits --curve over it.
     In speeds.csv, impacts counts the recorded turns. sweep.direction up or down carries the
     state from speed to speed in that order; fixed starts every speed alike.
     --zoom LO:HI gives a part of the range values of its own, 201 or M of --points N,M, and a panel;
     it may be given again.
-    sweep.also: [{q: 0.5, v: 30}] starts each speed from there too, for motions side by side: a last
-    column of all tables, start, says from which (0: run.start).
-    --both carries it up, then down: a last column of all tables, direction, tells up from down.
+    sweep.also: [{q: 0.5, v: 30}] starts each speed from there too, for motions side by side.
+    --both carries it up, then down.
     --adaptive adds values where the motion changes, down to the width of a column of the picture.
     --branches FILE draws solved branches over the points, stable solid and unstable dashed.
     --lyapunov fills lyapunov_per_period: the largest exponent, -inf where the follower rests; a
