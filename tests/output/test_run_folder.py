@@ -33,20 +33,6 @@ def finished_run(folder, **files: str) -> None:
         run.commit()
 
 
-def test_nothing_is_in_its_place_before_the_commit(tmp_path):
-    (tmp_path / "b.csv").write_text("old")
-    with run_folder(tmp_path) as run:
-        run.write_text("run.json", ["{}"])
-        run.write_text("a.csv", ["new"])
-        run.write_text("b.csv", ["first"])
-        run.write_text("b.csv", ["new"])
-        assert [path.name for path in tmp_path.glob("[a-z]*")] == ["b.csv"]
-        assert (tmp_path / "b.csv").read_text() == "old"
-        run.commit()
-    assert content(tmp_path) == {"a.csv": "new", "b.csv": "new", "run.json": "{}"}
-    assert run.hashes["b.csv"] == sha256(b"new").hexdigest()
-
-
 def test_what_is_on_disk_when_the_power_goes(tmp_path, monkeypatch):
     synced = []
 
