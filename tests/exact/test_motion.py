@@ -1,7 +1,7 @@
 """The motion after a rest in balls: every event is the oracle's, none is missed, none invented."""
 
 import json
-from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
 from threading import Thread
 
@@ -232,7 +232,7 @@ def test_all_machines_of_a_speed_hold_each_of_them(rpm):
         every = Motion(Machine.within_last_digit(ARCS, Follower(**CHAPTER), rpm), 0.0, CORNER_B)
         beside = [
             Motion(Machine(ARCS, Follower(**CHAPTER), rpm, share), 0.0, CORNER_B)
-            for share in (Decimal("5e-17"), Decimal("-5e-17"))
+            for share in (Fraction("5e-17"), Fraction("-5e-17"))
         ]
         for _ in range(40):
             every.step()
