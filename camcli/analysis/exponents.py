@@ -5,7 +5,7 @@ exponents for dynamic systems with discontinuities, Chaos, Solitons & Fractals 5
 """
 
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import fsum, inf, sqrt
 
 from camcli.analysis.integrate import Record
 from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -111,9 +111,9 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
 
 def _standard_error(rates: list[float], weights: list[float]) -> float:
     """Of the mean of batches, weighed by their lengths."""
-    n, total = len(rates), sum(weights)
+    n, total = len(rates), fsum(weights)
     if n < 2:
         return inf
-    mean = sum(r * w for r, w in zip(rates, weights, strict=True)) / total
-    square = sum(w * w * (r - mean) ** 2 for r, w in zip(rates, weights, strict=True))
+    mean = fsum(r * w for r, w in zip(rates, weights, strict=True)) / total
+    square = fsum(w * w * (r - mean) ** 2 for r, w in zip(rates, weights, strict=True))
     return sqrt(square * n / (n - 1.0)) / total
