@@ -6,9 +6,15 @@ from typing import Any
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity
-from camcli.analysis.explain.changes import BASIN, MOST_CRISES, UNEXPLAINED, Change, Explanation
+from camcli.analysis.explain.changes import (
+    BASIN,
+    MOST_CRISES,
+    UNEXPLAINED,
+    Change,
+    Event,
+    Explanation,
+)
 from camcli.analysis.explain.crisis import Crisis, CrisisKind
-from camcli.analysis.explain.events import Event
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.errors import Status

@@ -15,7 +15,7 @@ from matplotlib.patches import Rectangle
 
 from camcli.analysis.classify import Motion
 from camcli.analysis.explain.attractor import impacts_of
-from camcli.analysis.explain.events import Event
+from camcli.analysis.explain.changes import Event
 from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED
 from camcli.analysis.sweep import status_name
 from camcli.errors import Status

@@ -11,7 +11,7 @@ from camcli.plots import style
 from camcli.plots.picture import Rows
 
 if TYPE_CHECKING:  # a picture without events needs nothing of the explanations
-    from camcli.analysis.explain.events import Event
+    from camcli.analysis.explain.changes import Event
 
 SINGLE, MOST = 20, 44  # events in one list, and in two
 MINOR = ("corner-hit", "accumulation-at-corner", "itinerary")  # change no attractor's kind

@@ -39,7 +39,7 @@ from camcli.plots.picture import Panel, Picture
 from camcli.system import System
 
 if TYPE_CHECKING:
-    from camcli.analysis.explain.events import Event
+    from camcli.analysis.explain.changes import Event
 
 SMALL = 0.02  # m: a cam that is smaller throughout is drawn in mm
 ENLARGED_SHARE = 0.4  # of the speeds, for a panel of their own

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from camcli.analysis.explain.attractor import Carried
-from camcli.analysis.explain.changes import _change, changes_between
+from camcli.analysis.explain.changes import Event, Events, _change, changes_between
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
-from camcli.analysis.explain.events import Event, Events
 from camcli.analysis.explain.saddles import find_saddles, monodromy
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
 from camcli.kernel.orbit_loop import IMPACT

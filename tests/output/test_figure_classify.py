@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from camcli.analysis.classify import classify_at
-from camcli.analysis.explain.events import Event
+from camcli.analysis.explain.changes import Event
 from camcli.analysis.exponents import Exponents
 from camcli.errors import Status
 from camcli.plots import style

@@ -8,7 +8,7 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from camcli.analysis.explain.events import Event
+from camcli.analysis.explain.changes import Event
 from camcli.analysis.integrate import Cost
 from camcli.analysis.sweep import Sweep
 from camcli.api.sweep import Branch
