@@ -36,9 +36,7 @@ if TYPE_CHECKING:
 
 DEG = 180.0 / pi
 AROUND = 0.1  # relative range of a parameter where none is given
-NEUTRAL = (
-    "det reaches 1 where nothing dissipates: there orbits are centres or saddles, none attracts"
-)
+NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
 MULTIPLIERS = ("multiplier_1_re", "multiplier_1_im", "multiplier_2_re", "multiplier_2_im")
 UNITS = {
     "mass": "mass_kg",
@@ -411,9 +409,8 @@ def remarks(result: OrbitsResult) -> list[str]:
     if absent is not None:
         text = f"{result.question.label} was not found at {absent.rpm:.10g} rpm"
         if absent.nearest is None:
-            said.append(
-                f"{text}, nor at 24 speeds from {absent.low:.10g} to {absent.high:.10g} rpm"
-            )
+            between = f"{absent.low:.10g} to {absent.high:.10g} rpm"
+            said.append(f"{text}, nor at 24 speeds from {between}")
         else:
             speed, cause = absent.nearest[0], absent.nearest[1].replace("-", " ")
             nearest = f"the nearest speed at which it was found is {speed:.13g} rpm"
@@ -446,9 +443,8 @@ def remarks(result: OrbitsResult) -> list[str]:
             else NEUTRAL
         )
     for number, c in enumerate(result.curves, 1):
-        why = [
-            f"{end} of {name}" if name else end for end, name in zip(c.ends, c.limits, strict=True)
-        ]
+        ends = zip(c.ends, c.limits, strict=True)
+        why = [f"{end} of {name}" if name else end for end, name in ends]
         said.append(f"curve {number} ends: {'; '.join(why)}")
     return said
 

@@ -84,9 +84,7 @@ def show(result: Result, verbose: bool = False) -> None:
     for line in plainly(result.values) + (theory(result.values) if verbose else []):
         print(f"- {line}")
     if not verbose:
-        print(
-            "(critical speeds with their brackets, corner hits and bursts: --verbose, or run.json)"
-        )
+        print("(critical speeds and their brackets, corner hits, bursts: --verbose, or run.json)")
 
 
 def _show_theory(found: ContactLoss) -> None:
@@ -103,9 +101,7 @@ def _show_theory(found: ContactLoss) -> None:
         [str(h.impact), h.corner, f"{h.rpm:.9f}", f"{h.high - h.low:.1e}", h.status]
         for h in found.hits
     ]
-    bursts = [
-        [text, f"{low:.10g}", f"{high:.10g}", str(n)] for text, low, high, n in burst_ranges(found)
-    ]
+    bursts = [[said, f"{a:.10g}", f"{b:.10g}", str(n)] for said, a, b, n in burst_ranges(found)]
     for title, columns, rows in (
         ("Critical speeds", "speed, region, theta (deg), rpm, bracket, status", critical),
         ("Impacts on corners", "impact, corner, rpm, bracket (rpm), status", hits),

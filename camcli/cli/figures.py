@@ -99,9 +99,7 @@ class Figure:
 def figures(
     request: Request,
     names: list[str] | None = argument("Figures, e.g. 3.5 or 3.6. Default: all.", "[NAME]..."),
-    folder: Path | None = option(
-        "Folder of scenes. Default: configs/figures (here, else shipped)."
-    ),
+    folder: Path | None = option("Folder of scenes. Default: configs/figures, here or shipped."),
     check: bool = flag("Compute all, and compare with the reference."),
     update_reference: bool = flag("Make this run's numbers the reference."),
 ) -> int:
@@ -266,10 +264,9 @@ def _scene_hash(scene: Scene, words: list[str]) -> str:
 
 def chosen(known: Sequence[Figure], names: Collection[str]) -> list[Figure]:
     """The figures with these names, or with these names and a letter; all without names."""
-    hits = {
-        n: {f.name for f in known if re.fullmatch(re.escape(n) + "[a-z]?", f.name)} for n in names
-    }
-    expected = f"expected one of {', '.join(f.name for f in known)}"
+    every = [f.name for f in known]
+    hits = {n: {f for f in every if re.fullmatch(re.escape(n) + "[a-z]?", f)} for n in names}
+    expected = f"expected one of {', '.join(every)}"
     faults = [
         Fault("NAME", "", f"found '{name}'", expected, "or none, for all")
         for name, found in hits.items()

@@ -169,13 +169,10 @@ def forecast(
     else:
         try:
             sampled = [_extrapolated(*part, request) for part in _parts(command, scene, options)]
-            impacts, seconds, tables = (
-                map(sum, zip(*sampled, strict=True)) if sampled else [None] * 3
-            )
+            if sampled:
+                impacts, seconds, tables = map(sum, zip(*sampled, strict=True))
         except TimeoutError:
-            notes.append(
-                f"a small part of it took {MOST:g} s: how long it takes is not known before"
-            )
+            notes.append(f"a small part took {MOST:g} s: how long it takes is not known before")
     if explains or (seconds is None and command in BOUNDED):
         most = scene.run.work_budget
         notes.append(f"run.work_budget = {most} ends it after some {PER_WORK * most:.0f} s")

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from camcli.api.result import Progress
 
+Row = Sequence[str]
 FILE_WIDTH = 140  # columns of a table that no person watches
 SHOWN = 40  # rows of one that may be long
 
 
-def table(
-    title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], whole: str = ""
-) -> None:
+def table(title: str, columns: Sequence[str], rows: Sequence[Row], whole: str = "") -> None:
     """A table for people on stdout; whole: the file that has all rows of one that may be long."""
     from rich.console import Console
     from rich.table import Table

@@ -106,7 +106,7 @@ def points_of(request: Request, axes: int = 1) -> Sequence[int | None]:
     return [int(word) for word in words] * (axes // len(words))
 
 
-def span_of(text: str, option: str, form: str, example: str) -> dict[str, float]:
+def span_of(text: str, option: str, form: str, example: str) -> dict[str, Any]:
     """LO:HI as the start and stop of a section."""
     ends = numbers(text, option, form, example) or ()
     return dict(zip(("start", "stop"), ends, strict=True))
@@ -163,9 +163,8 @@ def execute(
 ) -> int:  # fmt: skip
     """Run an analysis of a scene, and say what came out; pieces: see `open_folder`."""
     with open_folder(command, scene, request, **pieces) as folder:
-        result, record = compute(
-            command, scene, request, folder, options or {}, not request.no_plot
-        )
+        drawn = not request.no_plot
+        result, record = compute(command, scene, request, folder, options or {}, drawn)
         _say(result, record, request, show)
     return DONE if folder.shard_done or result.complete else NUMERICS
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, option
 from camcli.cli.report import at_speed, plural, table
@@ -59,9 +59,7 @@ def sweep(
     """
     from camcli.cli.run import points_of, ranges, run, span_of
 
-    zooms: list[dict[str, Any]] = [
-        {**span_of(text, "--zoom", "LO:HI", "739.2:739.5")} for text in zoom or ()
-    ]
+    zooms = [span_of(text, "--zoom", "LO:HI", "739.2:739.5") for text in zoom or ()]
     if zooms and "," in (request.points or ""):
         points, own = points_of(request, 2)
         request = replace(request, points=str(points))

@@ -282,6 +282,5 @@ def _unwritable(folder: Path, name: str, error: OSError) -> SceneError:
 
 
 def _refused(folder: Path, found: str) -> SceneError:
-    return SceneError(
-        Fault("-o", str(folder), found, "expected a writable folder", "choose another")
-    )
+    expected, cure = "expected a writable folder", "choose another"
+    return SceneError(Fault("-o", str(folder), found, expected, cure))

@@ -42,9 +42,8 @@ def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> s
         number, error = f"{rpm:.{digits}f}", f" +- {ceil(width * 10**digits) / 10**digits:g}"
     elif low is not None:
         error = f" (from {low:.4g} on, or never)"
-    return f"{number}{error} rpm of the cam" + f" ({crank * rpm:.{digits}f} of the crank)" * bool(
-        crank
-    )
+    beside = f" ({crank * rpm:.{digits}f} of the crank)" if crank else ""
+    return f"{number}{error} rpm of the cam{beside}"
 
 
 def _at_one_speed(result: Any, crank: float) -> str:
@@ -66,9 +65,8 @@ def _past(result: Any) -> Iterator[str]:
     if speeds is None or not {"rpm", "max_impact_m_per_s"} <= set(speeds.columns):
         return
     names = "max_impact_m_per_s landing_deg landing_lift_m max_gap_m rpm shut_bounces_per_turn"
-    rows = [
-        row for row in zip(*(speeds[name] for name in names.split()), strict=True) if row[0] > 0.0
-    ]
+    columns = (speeds[name] for name in names.split())
+    rows = [row for row in zip(*columns, strict=True) if row[0] > 0.0]
     if not rows:
         return
     u, theta, lift, *_ = max(rows)

@@ -18,6 +18,7 @@ from camcli.system import System
 if TYPE_CHECKING:
     from camcli.analysis.contact_loss.force import ForceCurve
 
+Corners = Iterable[tuple[str, float]]  # names and phases (deg)
 TURN_DEG = 360.0
 UNITS, SMALL = {"m": 1.0, "mm": 1e-3}, 0.02  # less than this share of a unit is in the next one
 NARROW_DEG = 120.0  # impact phases within less are shown enlarged
@@ -160,9 +161,7 @@ def places_beside(axes: Axes, values: Sequence[float], way: str, room: float = 1
     return spread(values, 1.2 * room * ROOM[way] * (high - low) / points, low, high)
 
 
-def corner_lines(
-    axes: Axes, corners: Iterable[tuple[str, float]], way: str, named: bool = True
-) -> None:
+def corner_lines(axes: Axes, corners: Corners, way: str, named: bool = True) -> None:
     """Corners of the cam at their phases, which grow along `way`, named at the panel's edge."""
     low, high = axes.get_xlim() if way == "x" else axes.get_ylim()
     seen = sorted((phase, name) for name, phase in corners if low <= phase <= high)

@@ -95,9 +95,8 @@ def _curve(axes: Axes, profile: Profile, values: Sequence[float], colour: str = 
 
 def _draw_lift(axes: Axes, drawn: Drawn) -> None:
     profile, cam = drawn.profile, drawn.cam
-    axes.plot(
-        profile.theta_deg, profile.c, color=style.CAM, label="cam" if drawn.measured else None
-    )
+    name = "cam" if drawn.measured else None
+    axes.plot(profile.theta_deg, profile.c, color=style.CAM, label=name)
     axes.set_ylabel("$c$ (m)")
     if drawn.measured:
         own, rows = cam.measured.line > 0, "rows of the table"

@@ -124,9 +124,8 @@ class Image:
         """The image over its range, which becomes that of the axes."""
         least = min(1.0 / max(1, int(self._totals.max(initial=0))), 0.1 * FULLEST)
         extent = (self.columns.low, self.columns.high, self.low, self.high)
-        shades = LinearSegmentedColormap.from_list(
-            "points", [style.mixed(colour, 1.0 - PALEST), colour]
-        )
+        pale = style.mixed(colour, 1.0 - PALEST)
+        shades = LinearSegmentedColormap.from_list("points", [pale, colour])
         axes.imshow(
             self.shares(), extent=extent, origin="lower", aspect="auto", interpolation="nearest",
             cmap=shades, norm=LogNorm(least, FULLEST, clip=True), zorder=2,

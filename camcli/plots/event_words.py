@@ -67,9 +67,8 @@ def collision_words(found: Collision) -> list[str]:
 
 
 def _ends(found: Prediction) -> str:
-    measured = (
-        "" if found.exponent is None else f"{found.exponent:.4g} +- {found.spread:.1g} per step"
-    )
+    known = found.exponent is not None
+    measured = f"{found.exponent:.4g} +- {found.spread:.1g} per step" if known else ""
     return {
         "none": "nothing bounded attracts",
         "fixed-point": f"the fixed point {found.word} attracts",
@@ -85,11 +84,9 @@ def _two_cycle(found: Cycle) -> list[str]:
         return []
     first = found.multipliers[0]
     twisted = isinstance(first, complex)
-    size = (
-        f"multipliers {first.real:.6g} +- {first.imag:.6g} i"
-        if twisted
-        else f"larger multiplier {first:.6g}"
-    )
+    size = f"larger multiplier {first:.6g}"
+    if twisted:
+        size = f"multipliers {first.real:.6g} +- {first.imag:.6g} i"
     state = "stable" if found.stable else "unstable"
     return [f"{SIDES[found.exists_for]}, the cycle LR exists and is {state}: {size}."]
 

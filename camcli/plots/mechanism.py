@@ -159,18 +159,12 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
     small: dict[str, Any] = {"size": style.NOTE, "zorder": 6}
     for name, distance, direction, radius in outline.circles[: 1 if among else None]:
         x, y = outline.place(direction, distance, turned)
-        look: dict[str, Any] = {
-            "fill": False,
-            "ec": style.GUIDE,
-            "lw": 0.6,
-            "ls": (0, (4, 2)),
-            "zorder": 3,
-        }
-        axes.add_patch(Circle((x, y), radius, **look))
+        ring: dict[str, Any] = {"ec": style.GUIDE, "lw": 0.6, "ls": (0, (4, 2)), "zorder": 3}
+        axes.add_patch(Circle((x, y), radius, fill=False, **ring))
         axes.plot([x], [y], ".", color=style.CAM, ms=4.0, zorder=6)
         left = x < -0.5 * size  # away from the corners
-        look = {"ha": "right" if left else "left", "va": "top", "color": style.CAM, **small}
-        axes.text(x + (-0.02 if left else 0.02) * size, y, name, **look)
+        ha, aside = ("right", -0.02) if left else ("left", 0.02)
+        axes.text(x + aside * size, y, name, ha=ha, va="top", color=style.CAM, **small)
     narrow = axes.get_window_extent().width < NARROW / 25.4 * style.DPI
     for name, phase in outline.corners.items():
         at = outline.at(phase)
@@ -178,10 +172,8 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         axes.plot(x[:2], y[:2], color=style.GUIDE, lw=0.5, zorder=3)
         axes.plot(x[1:2], y[1:2], "o", color=style.CAM, ms=2.5, zorder=6)
         words = name if turned or among else rf"{name} {phase:.5g}$\degree$"
-        side, va = (
-            "left" if x[2] > 0.0 else "right",
-            "center" if abs(y[2]) > 0.1 * size else "bottom",
-        )
+        side = "left" if x[2] > 0.0 else "right"
+        va = "center" if abs(y[2]) > 0.1 * size else "bottom"
         axes.text(x[2], y[2], "" if narrow else words, ha=side, va=va, **small)
     _follower(axes, outline, 0.0, turned)
     each = dict.fromkeys(f"{name} {radius:.4g} m" for name, _, _, radius in outline.circles)
@@ -204,13 +196,12 @@ def _draw_mechanism(axes: Axes, outline: Outline, moments: dict[str, tuple[float
         axes.text(left, -1.35 * size, words, ha="center", va="top", size=style.NOTE)
         for corner, place in outline.corners.items():
             x, y = outline.place(place, 0.87 * outline.at(place), phase)
-            axes.text(
-                x + left, y, corner, ha="center", va="center", size=6.5, color=style.CAM, zorder=6
-            )
+            middle: dict[str, Any] = {"ha": "center", "va": "center", "color": style.CAM}
+            axes.text(x + left, y, corner, size=6.5, zorder=6, **middle)
     named = {"cam": (0.0, -0.5), "follower": (0.1, 1.3), "spring": (0.14, 1.9)}
     for part, (x, y) in named.items():
-        middle: dict[str, Any] = {"ha": "center" if x == 0.0 else "left", "va": "center"}
-        axes.text(x * size, y * size, part, size=style.NOTE, zorder=6, **middle)
+        ha = "center" if x == 0.0 else "left"
+        axes.text(x * size, y * size, part, size=style.NOTE, zorder=6, ha=ha, va="center")
     turning = {"arrowstyle": "->", "color": style.CAM, "connectionstyle": "arc3,rad=0.4", "lw": 0.8}
     begin, end = (0.3 * size, -0.12 * size), (0.2 * size, 0.25 * size)
     axes.annotate("", end, begin, arrowprops=turning, zorder=6)

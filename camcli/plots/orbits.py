@@ -361,9 +361,8 @@ def hidden(scene: _Scene) -> list[Zoom]:
         source, corner = event.source, scene.corners.get(event.source.corner)
         if source.kind != Kind.CORNER_IMPACT or corner is None or source.left is None:
             continue
-        near = [
-            e for e in scene.events if 0.0 < abs(e.value - event.value) < HIDDEN * np.ptp(values)
-        ]
+        most = HIDDEN * np.ptp(values)
+        near = [other for other in scene.events if 0.0 < abs(other.value - event.value) < most]
         if near:
             other = min(near, key=lambda other: abs(other.value - event.value))
             way = min(abs(phase - corner) for phase in other.phases)

@@ -102,9 +102,8 @@ class Picture:
         besides = [len(panel.beside) for row in rows for panel in row]
         narrow = max(besides) if form.width >= 2.0 * NARROWEST else 0
         shares = [NARROW] * narrow + [1.0 / COLUMNS] * COLUMNS
-        grid = figure.add_gridspec(
-            len(rows), narrow + COLUMNS, width_ratios=shares, height_ratios=heights
-        )
+        ratios: Any = {"width_ratios": shares, "height_ratios": heights}
+        grid = figure.add_gridspec(len(rows), narrow + COLUMNS, **ratios)
         drawn: list[Axes] = []
         handles: dict[str, Any] = {}
         for k, row in enumerate(rows):

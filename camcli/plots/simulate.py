@@ -73,9 +73,8 @@ class Trace:
         sticks = np.array([row[6] == STICKING for row in rows])[kept]
         t, q, v, section = t[kept], q[kept], v[kept], np.column_stack([q, v])[strobes]
         corners = (np.array(simulation.corners_deg) - origin) / degrees
-        fine, segment = _fine(
-            t, np.concatenate([corners + k / per_second for k in range(first - 1, last)])
-        )
+        turns_of = [corners + k / per_second for k in range(first - 1, last)]
+        fine, segment = _fine(t, np.concatenate(turns_of))
         angle = degrees * fine + origin
         cam, slope, bend = lift(system.cam, np.radians(angle))
         at, rate = _cubic(t, q, v, fine, segment)

@@ -149,9 +149,8 @@ class Document:
             first = self.places[(*path, name)].key
             twice = f"on lines {first.line} and {mark.line}" if mark.line else "twice"
             found, expected = f"found key '{shown(name)}' {twice}", "expected each key once"
-            self.findings.append(
-                Finding(mark, (*path, name), found, expected, "keep one of the two")
-            )
+            cure = "keep one of the two"
+            self.findings.append(Finding(mark, (*path, name), found, expected, cure))
         return data
 
     def plain(self, value: Any, path: Path = ()) -> Any:
@@ -164,9 +163,8 @@ class Document:
             return {word: self.plain(child, (*path, word)) for word, child in words}
         if isinstance(value, Sequence) and not isinstance(value, str | bytes):
             return [self.plain(child, (*path, str(k))) for k, child in enumerate(value)]
-        return (
-            value if value is None or isinstance(value, bool | int | float) else _text(str(value))
-        )
+        known = value is None or isinstance(value, bool | int | float)
+        return value if known else _text(str(value))
 
     def _count(self, mark: Mark, path: Path) -> None:
         self.size += 1

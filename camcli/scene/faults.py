@@ -85,18 +85,15 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
         path = (*path, "kind")
         kind = "missing" if kind == "union_tag_not_found" else kind
     place, schemas, value = document.place(path), _schemas(path, document), document.value(path)
-    about = next(
-        (f" ({schema['description']})" for schema in schemas if "description" in schema), ""
-    )
+    about = next((f" ({s['description']})" for s in schemas if "description" in s), "")
     keys = [key for schema in schemas for key in schema.get("properties", ())]
     words = [word for schema in schemas for word in _words(schema)]
     if kind == "missing":
         mark = place.key
         expected = f"one of {', '.join(words)}" if words else about[2:-1] or "a value"
         if keys and not words:
-            return Finding(
-                mark, path, f"no section '{path[-1]}'", f"expected {_map(keys)}", "add it"
-            )
+            found = f"no section '{path[-1]}'"
+            return Finding(mark, path, found, f"expected {_map(keys)}", "add it")
         cure = f"add '{path[-1]}: ...'" + (about if words else "")
         return Finding(mark, path, f"no key '{path[-1]}'", f"expected {expected}", cure)
     if kind == "value_error":
