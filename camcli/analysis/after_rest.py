@@ -126,11 +126,11 @@ def _same(a: After, b: After) -> bool:
 
 def of_machine(system: System, rpm: float, theta: float, share: Share = 0) -> After:
     """One machine's motion, its speed larger by a share; None: that of all with this speed."""
-    return _of_shape(system.shape, system.follower, system.strobe, rpm, theta, share)
+    return of_shape(system.shape, system.follower, system.strobe, rpm, theta, share)
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _of_shape(
+def of_shape(
     shape: Shape,
     follower: Follower,
     strobe: float,

@@ -1,27 +1,67 @@
-"""What `cam bench` measures: our errors and times beside others', and the extreme cases."""
+"""What `cam bench` measures: our errors and times beside others', extreme cases, whole studies."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, astuple, fields, replace
+from dataclasses import asdict, astuple, dataclass, fields, replace
 from functools import cache, partial
-from math import isnan
+from math import isnan, nan
 from typing import Any
 
 from pydantic import TypeAdapter
 
+from camcli.analysis.after_rest import of_shape
 from camcli.analysis.bench import precision, stability
 from camcli.analysis.bench.machine import Machines
 from camcli.analysis.integrate import Cost
+from camcli.api.basins import basins
 from camcli.api.result import Progress, Result, drawn_by, ticks
+from camcli.api.sweep import sweep
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.parallel import Codec, Work
+from camcli.parallel.threads import thread_count
 from camcli.scene import Cam, Scene, load_scene
 
-PARTS: dict[str, Any] = {"precision": precision.Measured, "stability": stability.Outcome}
+
+@dataclass(frozen=True)
+class Throughput:
+    """A row of scale.csv: a study on one thread and on all, in turn; the least seconds of each."""
+
+    case: str
+    turns: float  # NaN: not counted
+    impacts: int
+    threads: int
+    seconds_one_thread: float
+    seconds: float
+    speedup: float
+    impacts_per_s: float
+
+
+PARTS: dict[str, Any] = {
+    "precision": precision.Measured,
+    "stability": stability.Outcome,
+    "scale": Throughput,
+}
+DRAWN = ("precision", "stability")
+STUDIES: dict[str, tuple[Callable[..., Result], float, dict[str, Any]]] = {  # with their turns
+    "sweep": (sweep, 401_000, {"sweep.rpm": {"start": 660.0, "stop": 760.0, "num": 401}}),
+    "map": (
+        sweep,
+        2_880_000,
+        {
+            "run.record": 200,
+            "sweep.vary": [
+                {"key": "rpm", "start": 660.0, "stop": 760.0, "num": 60},
+                {"key": "follower.restitution", "start": 0.6, "stop": 0.9, "num": 60},
+            ],
+        },
+    ),
+    "basins": (basins, nan, {"basins.cells": [256, 256]}),
+}
 PER_ROW = 0.5  # s of an extreme case, about
+PER_STUDY = 5.0  # s on one thread and on all, about
 NO_HEYOKA = "heyoka is not installed, its points are left out: pip install 'camcli[bench]'"
 
 
@@ -39,7 +79,7 @@ def bench(
     part: str | None = None,
     work: Work | None = None,
 ) -> Result:
-    """Measure errors and times (``precision``), and run the extreme cases (``stability``).
+    """Errors and times (``precision``), extreme cases (``stability``), whole studies (``scale``).
 
     Parameters
     ----------
@@ -48,7 +88,7 @@ def bench(
     progress : callable, optional
         Called as ``progress(part, done, total)``.
     part : str, optional
-        Only this part; both if left out.
+        Only this part; all if left out.
     work : Work, optional
         Keeps the points of an interrupted run on disk, as the timings they are.
 
@@ -60,6 +100,10 @@ def bench(
         precision.csv  case, method, setting, seconds, error, impacts, evaluations, missed, extra,
                        bound, of_bound, status: ours and general integrators on the same motions
         stability.csv  case, expected, observed, status, seconds: the table of extreme cases, run
+        scale.csv      case, turns, impacts, threads, seconds_one_thread, seconds, speedup,
+                       impacts_per_s: a sweep of 401 speeds, a map of 60 x 60 points, basins of
+                       256 x 256 cells; on one thread and on all in turn, the least of
+                       bench.repeats each
     """
     scene = scene or load_scene()
     with stopwatch() as watch:
@@ -76,7 +120,7 @@ def bench(
         values=found,
         tables={name: _table(PARTS[name], rows) for name, rows in found.items()},
         summary={name: result for name, (result, _) in results.items()},
-        pictures={name: drawn_by(f"bench.draw_{name}", rows) for name, rows in found.items()},
+        pictures={k: drawn_by(f"bench.draw_{k}", found[k]) for k in DRAWN if k in found},
         cost=Cost(sum(m.impacts for m in ours), sum(m.evaluations for m in ours)),
         seconds=watch.seconds,
         notes=(*trouble, *[NO_HEYOKA] * absent),
@@ -97,12 +141,29 @@ def _pieces(name: str, scene: Scene) -> tuple[Sequence, Callable, float]:
     if name == "stability":
         rows = list(stability.ROWS.values())
         return rows, partial(stability.measure, machines=machines()), PER_ROW * len(rows)
+    repeats = 1 if section.quick else section.repeats
+    if name == "scale":
+        return list(STUDIES), partial(_studied, repeats=repeats), PER_STUDY * repeats * len(STUDIES)
     points = precision.points(section.methods, section.quick)
     allowed = precision.QUICK_ALLOWED if section.quick else precision.ALLOWED
-    repeats = 1 if section.quick else section.repeats
     measure = partial(precision.measure, machines=machines(), allowed=allowed, repeats=repeats)
     pieces = [(case, point) for case in section.cases for point in points]
     return pieces, measure, (allowed + repeats * precision.LONG) * len(pieces)
+
+
+def _studied(name: str, repeats: int) -> Throughput:
+    """The row of a study."""
+    study, turns, changes = STUDIES[name]
+    scene, threads = load_scene(None, changes), thread_count(None)
+    seconds: dict[int, list[float]] = {1: [], threads: []}
+    for _ in range(repeats):
+        for count, times in seconds.items():
+            of_shape.cache_clear()  # what one run has followed in balls, another would not
+            found = study(scene, work=Work(count))
+            times.append(found.seconds)
+    one, several, impacts = min(seconds[1]), min(seconds[threads]), found.cost.impacts
+    ratios = one / several, impacts / several
+    return Throughput(name, turns, impacts, threads, one, several, *ratios)
 
 
 def _measured(name: str, scene: Scene, progress: Progress | None, work: Work) -> list:
@@ -147,4 +208,12 @@ def _stability_result(rows: Sequence[stability.Outcome]) -> tuple[Any, list[str]
     return {"rows": len(rows), "failed": [o.case for o in bad]}, lines
 
 
-RESULTS: dict[str, Callable] = {"precision": _precision_result, "stability": _stability_result}
+def _scale_result(rows: Sequence[Throughput]) -> tuple[Any, list[str]]:
+    return {"studies": [asdict(row) for row in rows]}, []
+
+
+RESULTS: dict[str, Callable] = {
+    "precision": _precision_result,
+    "stability": _stability_result,
+    "scale": _scale_result,
+}

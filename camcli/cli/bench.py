@@ -18,8 +18,8 @@ WITHOUT = ("rpm", "points")  # every case has its own
 
 def bench(
     request: Request,
-    part: str | None = argument("precision or stability. Default: both.", "[PART]"),
-    quick: bool = flag("A subset within a minute."),
+    part: str | None = argument("precision, stability or scale. Default: all.", "[PART]"),
+    quick: bool = flag("A subset: about a minute on an idle machine."),
 ) -> int:
     """How exact, how robust and how fast.
 
@@ -76,6 +76,9 @@ def show(result: Result) -> None:
         _show("Work and precision", [column.name for column in columns], told)
     if "stability" in found:
         _show("Extreme cases", ["case", "observed", "status", "seconds"], found["stability"])
+    if "scale" in found:
+        shown = ["case", "impacts", "threads", "seconds", "speedup", "impacts_per_s"]
+        _show("Whole studies", shown, found["scale"])
     count = " and ".join(f"{len(rows)} of {name}" for name, rows in found.items())
     print(f"{count} in {result.seconds:.3g} s")
 

@@ -40,7 +40,7 @@ ARTEFACTS = {  # files of other people with these names are looked for before an
     "basins": "attractors.csv basins.csv saddles.csv basins.png",
     "classify": "classify.csv corners.csv classify.png",
     "explore": "explore.html",
-    "bench": "precision.csv stability.csv precision.png stability.png",
+    "bench": "precision.csv stability.csv scale.csv precision.png stability.png",
 }
 
 

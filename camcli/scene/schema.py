@@ -448,7 +448,7 @@ class Bench(Section):
     cases: Names[CaseName] = entry("motions compared by precision", CASES)
     methods: Names[MethodName] = entry("methods compared by precision", METHODS)
     repeats: Whole = entry("timings of a point, after a first call", 3, ge=1, le=1000)
-    quick: Flag = entry("a subset, within a minute", False)
+    quick: Flag = entry("a subset: about a minute on an idle machine", False)
 
 
 def _splits(text: str) -> str:

@@ -6,8 +6,10 @@ import json
 import pytest
 
 from camcli.analysis.bench import stability
+from camcli.api.bench import STUDIES
 from camcli.cli.app import app
 from camcli.cli.exit_codes import guarded
+from camcli.scene import load_scene
 
 LITTLE = ["--quick", "--set", "bench.cases=[periodic]", "--set", "bench.methods=[core, rk4]"]
 
@@ -64,11 +66,26 @@ def test_a_failed_row_is_exit_code_3(run, monkeypatch):
     assert 'stability: row 1: r = 0, b: expected one: "two"' in said
 
 
+def test_scale(run, monkeypatch):
+    little = {"sweep.rpm": {"start": 690.0, "stop": 700.0, "num": 3}, "run.record": 40}
+    study, *_ = STUDIES["sweep"]
+    monkeypatch.setattr("camcli.api.bench.STUDIES", {"sweep": (study, 1920, little)})
+    code, out, _ = run("scale", "--quick")
+    (row,) = run.rows("scale")
+    one, every = float(row["seconds_one_thread"]), float(row["seconds"])
+    assert code == 0
+    impacts = study(load_scene(None, little)).cost.impacts
+    assert (row["case"], row["turns"], row["impacts"]) == ("sweep", "1920", str(impacts))
+    assert float(row["speedup"]) == one / every
+    assert float(row["impacts_per_s"]) == impacts / every
+    assert "Whole studies" in out
+
+
 def test_the_plan_of_a_quick_run_keeps_to_a_minute(run):
     code, out, _ = run("--dry-run", "--json", "--quick")
     plan = json.loads(out)["plan"]
     assert code == 0
-    assert list(plan) == ["precision", "stability"]
+    assert list(plan) == ["precision", "stability", "scale"]
     assert plan["stability"]["runs"] == 24
     assert sum(part["seconds"] for part in plan.values()) < 120.0
     assert not list(run.folder.iterdir())
