@@ -108,6 +108,7 @@ def test_cells_below_the_cam_undecided_cells_and_trouble(run):
     assert rows(folder / "attractors.csv")[0]["label"] == "no-return"
 
 
+@pytest.mark.slow
 def test_calls_of_the_kernel_that_are_cut_change_nothing(run, monkeypatch):
     from camcli.analysis.basins import cell_batches
 
