@@ -33,15 +33,14 @@ def settle_by_cells(finder: AttractorFinder, window: Window, on_cells: Callable[
     out = np.flatnonzero(mapped & (arrow < 0) & (outcome == UNDECIDED))
     outcome[out], more = finder.settle(q[out], v[out])
     turns[out] += more
-    end = np.where(arrow < 0, cells, arrow)
+    end, lowest = np.where(arrow < 0, cells, arrow), cells
     for _ in range(window.count.bit_length()):  # arrow of arrow: 2^k steps at once
-        end = end[end]
-    first = _first_of_cycle(arrow, np.unique(end[mapped & (arrow[end] >= 0)]))
-    names = np.unique(first[first >= 0])
+        end, lowest = end[end], np.minimum(lowest, lowest[end])
+    first = lowest[end]  # of the cycle that a cell ends on, or the cell from which no arrow leads
+    names = np.unique(first[arrow[first] >= 0])
     outcome[names], more = finder.settle(q[names], v[names])
     turns[names] += more
-    outcome = np.where(first[end] >= 0, outcome[first[end]], outcome[end])
-    return np.where(below, BELOW, outcome).astype(np.int16), turns, int(mapped.sum())
+    return np.where(below, BELOW, outcome[first]).astype(np.int16), turns, int(mapped.sum())
 
 
 def _arrows(finder: AttractorFinder, window: Window, q, v, mapped, on_cells):
@@ -65,17 +64,6 @@ def _arrows(finder: AttractorFinder, window: Window, q, v, mapped, on_cells):
     if batches.work.shard is not None:
         raise ShardDone
     return arrow, outcome
-
-
-def _first_of_cycle(arrow: np.ndarray, on_cycle: np.ndarray) -> np.ndarray:
-    """For every cell on a cycle its lowest cell, else -1."""
-    first = np.full(len(arrow), -1)
-    for begin in on_cycle.tolist():  # ascending: the first one met is the lowest
-        cell = begin
-        while first[cell] < 0:
-            first[cell] = begin
-            cell = int(arrow[cell])
-    return first
 
 
 def refine(finder: AttractorFinder, window: Window, levels: int, on_cells: Callable[[int], None]):
