@@ -6,6 +6,7 @@ complete chatter. Of its m rotations the one that is largest in lexical order is
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import inf
@@ -53,14 +54,12 @@ class Label(str):
     @classmethod
     def parse(cls, text: str) -> Label:
         """The label that a text means, in any rotation; ValueError where it is none."""
-        head, _, words = text.strip().removesuffix(")").partition(";")
-        turns, counts = head.removeprefix("P(").strip(), [word.strip() for word in words.split(":")]
-        whole = head.startswith("P(") and text.strip().endswith(")") and turns.isdecimal()
-        if not whole or not all(word == "inf" or word.isdecimal() for word in counts):
+        close = re.sub(r"\s*([(;:)])\s*", r"\1", text.strip())
+        found = re.fullmatch(r"P\((\d{1,9});((?:\d{1,9}|inf)(?::(?:\d{1,9}|inf))*)\)", close)
+        counts = found[2].split(":") if found else []
+        if not found or not int(found[1]) == len(counts) <= LONGEST_PERIOD:
             raise ValueError(f"found '{text}'")
-        if int(turns) != len(counts) or len(counts) > LONGEST_PERIOD:
-            raise ValueError(f"found '{text}'")
-        return cls(tuple(inf if word == "inf" else float(int(word)) for word in counts))
+        return cls(tuple(map(float, counts)))
 
 
 def rotation(symbols: Sequence[float], tie: Callable[[int], tuple] = lambda first: ()) -> int:

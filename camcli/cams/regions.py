@@ -45,22 +45,13 @@ def corner_list(cam: Cam) -> list[Corner]:
 
 def regions(cam: Cam) -> list[Region]:
     """A1 from the first corner on, the last one through theta = 0 to it; one without corners."""
-    found = corner_list(cam)
+    found, count = corner_list(cam), len(cam.stretches)
     if not found:
-        return [Region("A1", 0.0, TURN, "", "", tuple(range(len(cam.stretches))))]
+        return [Region("A1", 0.0, TURN, "", "", tuple(range(count)))]
     result = []
-    for k, corner in enumerate(found):
-        last = k == len(found) - 1
-        after = found[0] if last else found[k + 1]
-        count = (after.stretch - corner.stretch - 1) % len(cam.stretches) + 1
-        result.append(
-            Region(
-                f"A{k + 1}",
-                corner.theta,
-                after.theta + TURN if last else after.theta,
-                corner.name,
-                after.name,
-                tuple((corner.stretch + j) % len(cam.stretches) for j in range(count)),
-            )
-        )
+    for k, (corner, after) in enumerate(zip(found, [*found[1:], found[0]], strict=True), 1):
+        end = after.theta + TURN if k == len(found) else after.theta
+        own = range((after.stretch - corner.stretch - 1) % count + 1)
+        stretches = tuple((corner.stretch + j) % count for j in own)
+        result.append(Region(f"A{k}", corner.theta, end, corner.name, after.name, stretches))
     return result

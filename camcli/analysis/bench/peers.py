@@ -19,7 +19,7 @@ import warnings
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import cache
 from itertools import pairwise
 from time import process_time
 from typing import Any, NamedTuple
@@ -294,11 +294,11 @@ def wrapped(turn: int, theta: float) -> tuple[int, float]:
     return turn + whole, theta - whole * TWO_PI
 
 
-def root(function: Callable[[float], float], low: float, high: float) -> float:
+def root(function: Callable[..., float], low: float, high: float, *args: tuple) -> float:
     """The zero between two numbers with values of different signs, to the last bits."""
     from scipy.optimize import brentq
 
-    return brentq(function, low, high, xtol=1e-300, rtol=2.0**-50)
+    return brentq(function, low, high, *args, xtol=1e-300, rtol=2.0**-50)
 
 
 def runge_kutta_4(steps: int) -> Method:
@@ -325,16 +325,13 @@ def runge_kutta_4(steps: int) -> Method:
             size = left if left < (1.0 + 1e-9) * h else h
             after = step(flight, t, y, u, size)
             if contacts and after[0] < 0.0:
-                size = root(partial(_height, partial(step, flight, t, y, u)), 0.0, size)
+                height = lambda h, t, y, u: step(flight, t, y, u, h)[0]  # noqa: E731
+                size = root(height, 0.0, size, (t, y, u))
                 return t + size, *step(flight, t, y, u, size), True
             t, (y, u) = (until if size == left else t + size), after
         return t, y, u, False
 
     return integrate
-
-
-def _height(step: Callable[[float], tuple[float, float]], size: float) -> float:
-    return step(size)[0]
 
 
 def solve_ivp(name: str, tolerance: float, max_turn: float = math.inf) -> Method:
