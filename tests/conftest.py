@@ -41,6 +41,15 @@ def rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+def refused(done: subprocess.CompletedProcess, *said: str) -> None:
+    """Exit code 2, in words that are not too many."""
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    assert "internal fault" not in done.stderr
+    assert len(done.stderr) < 3000
+    assert all(words in done.stderr for words in said), done.stderr
+
+
 @pytest.fixture(scope="session")
 def chapter() -> System:
     return chapter_system()

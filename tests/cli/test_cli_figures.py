@@ -63,20 +63,17 @@ def home(computed, tmp_path):
 
 
 @pytest.fixture
-def run(home, capsys):
-    """`cam figures WORDS` in this process: what it printed."""
+def run(home, cam):
+    """`cam figures WORDS`: what it printed."""
 
     def call(*words, code=0):
-        words = ["figures", *words, "--folder", str(home / "scenes"), "-o", str(home / "out")]
-        capsys.readouterr()
-        assert guarded(lambda: app(words, standalone_mode=False)) == code
-        return capsys.readouterr()
+        return cam("figures", *words, "--folder home/scenes -o home/out", code=code)
 
     return call
 
 
 def reasons(run, *words):
-    plan = json.loads(run("--dry-run", "--json", *words).out)["plan"]
+    plan = json.loads(run("--dry-run", "--json", *words).stdout)["plan"]
     return {row["figure"]: row["reason"] for row in plan}
 
 
@@ -92,7 +89,7 @@ def test_only_what_changed_is_computed_with_its_reason(run, home):
     picture, state = (home / "out" / "1.10" / name for name in ("profile.png", "figure.json"))
     picture.unlink()
     assert reasons(run, "1.10") == {"1.10": "artefact changed"}
-    done = json.loads(run("--json").out)["figures"]
+    done = json.loads(run("--json").stdout)["figures"]
     assert [row["figure"] for row in done if row["seconds"]] == ["1.10"]
     assert picture.exists()
     state.write_text(state.read_text().replace('"program": "', '"program": "0'))
@@ -114,7 +111,7 @@ def test_a_misshapen_state_or_record_is_none_and_stops_no_other_figure(run, home
         os.mkfifo(file)
     (home / "out" / "1.2a" / "run.json").write_text("[" * 30)
     (home / "out" / "1.10" / "figure.json").write_text("[]")
-    done = json.loads(run("--json", "1.10").out)["figures"]
+    done = json.loads(run("--json", "1.10").stdout)["figures"]
     assert [row["reason"] for row in done] == ["new"]
     assert (home / "out" / "index.html").read_text().count("Not computed yet") == 1
     assert reasons(run)["1.1"] == "new"
@@ -157,7 +154,7 @@ def test_a_check_computes_again_and_no_byte_depends_on_threads(run, home):
         return {path: path.read_bytes() for path in paths}
 
     before = contents()
-    assert "every number is the reference's" in run("--check", "--threads", "1", "1.2").out
+    assert "every number is the reference's" in run("--check", "--threads", "1", "1.2").stdout
     assert len(before) == 9
     assert contents() == before
 
@@ -184,7 +181,7 @@ def test_every_number_that_drifted_is_named(home, run):
 
     (drift,) = drifted(home, "1.1", move)
     assert (drift.name, drift.by, drift.portability) == (name, -0.5, False)
-    said = run("--check", "1.1", code=3).out
+    said = run("--check", "1.1", code=3).stdout
     assert f"1.1: {name}: reference {drift.reference!r}, found {drift.found!r}, off by -0.5" in said
     assert "1 number drifted in 1 figure" in said
     assert "portability" not in said
@@ -258,7 +255,7 @@ def test_large_tables_go_when_their_digest_is_made(run, home, monkeypatch):
 
 def test_a_figure_that_fails_leaves_the_others(run, home):
     write(home / "scenes", "1.3", "simulate", "run: {start: {q: 0.05}}")
-    said = run("1.3", "1.10", code=2).err
+    said = run("1.3", "1.10", code=2).stderr
     assert "1.3: " in said
     assert "below the cam" in said
     assert reasons(run) == {**dict.fromkeys(FIGURES, "unchanged"), "1.3": "new"}
@@ -273,7 +270,7 @@ def test_faults_of_all_scenes_at_once(run, home):
     (home / "scenes" / "2.6.yaml").write_text(MACHINE)
     write(home / "scenes", "2.7", '"sweep \'"')
     write(home / "scenes", "2.8", "figures")
-    said = run(code=2).err.splitlines()
+    said = run(code=2).stderr.splitlines()
     told = {"2.1": "swep", "2.2": "--frobnicate", "2.3": "--out", "2.4": "colour",
             "2.5": "no command", "2.6": "no such section", "2.7": "quotation",
             "2.8": "figures"}  # fmt: skip
@@ -295,7 +292,7 @@ def test_faults_of_all_scenes_at_once(run, home):
     ],
 )
 def test_faults_of_the_command_line(run, words, told):
-    assert told in run(*words, code=2).err
+    assert told in run(*words, code=2).stderr
 
 
 def test_the_example_is_complete_and_its_references_are_small():
@@ -353,10 +350,9 @@ def test_references_hold_the_numbers_of_independent_computations():
             assert abs(solved[key] - value) < 0.6 * 10.0**-digits, key
 
 
-def test_real_figures_agree_with_their_reference(tmp_path, capsys):
-    words = ["figures", "--check", "3.5", "--folder", str(REAL), "-o", str(tmp_path)]
-    assert guarded(lambda: app(words, standalone_mode=False)) == 0
-    assert "every number is the reference's" in capsys.readouterr().out
+def test_real_figures_agree_with_their_reference(cam):
+    done = cam("figures --check 3.5 -o out --folder", str(REAL), code=0)
+    assert "every number is the reference's" in done.stdout
 
 
 def test_captions_are_made_of_the_numbers_of_the_run():

@@ -9,6 +9,7 @@ from zlib import crc32
 import pytest
 
 from camcli.parallel.checkpoint import Checkpoint, key_of, pack
+from tests.conftest import refused
 from tests.parallel.long_runs import but_record, files
 
 ROOT = Path(__file__).parents[2]
@@ -19,13 +20,6 @@ SWEEP = f"sweep --rpm 690:745 --points 9 {TURNS}"
 def shards(cam, total: int, line: str) -> None:
     for number in range(1, total + 1):
         cam(line, f"--shard {number}/{total} -o parts", code=0)
-
-
-def refused(done, *said: str) -> None:
-    assert done.returncode == 2, done.stdout + done.stderr
-    assert "Traceback" not in done.stderr
-    assert "internal fault" not in done.stderr
-    assert all(words in done.stderr for words in said), done.stderr
 
 
 @pytest.mark.parametrize(
@@ -116,9 +110,7 @@ def test_hostile_parts_are_refused_in_words(cam, tmp_path):
     path = tmp_path / "sweep-1-of-1.pieces"
     for data in HOSTILE:
         path.write_bytes(data)
-        done = cam("merge .")
-        refused(done, path.name)
-        assert len(done.stderr) < 1000
+        refused(cam("merge ."), path.name)
     path.unlink()
     os.mkfifo(path)
     refused(cam("merge ."), path.name, "no plain file")

@@ -4,6 +4,8 @@ import json
 
 import pytest
 
+from tests.conftest import refused
+
 TURNS = "--set run.transient=10 --set run.record=10"
 RUNS = {
     "sweep": f"sweep --rpm 690:745 --points 5 {TURNS} --no-plot",
@@ -21,14 +23,6 @@ RUNS = {
 def record(cam, tmp_path):
     assert cam(RUNS["sweep"], "-o here").returncode == 0
     return tmp_path / "here" / "run.json"
-
-
-def refused(done, *said: str) -> None:
-    assert done.returncode == 2, done.stdout + done.stderr
-    assert "Traceback" not in done.stderr
-    assert "internal fault" not in done.stderr
-    assert len(done.stderr) < 3000
-    assert all(words in done.stderr for words in said), done.stderr
 
 
 @pytest.mark.parametrize("name", RUNS)

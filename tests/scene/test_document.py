@@ -24,22 +24,6 @@ def only(text):
     return str(finding.mark), ".".join(finding.path), finding.found
 
 
-def test_values_and_places_of_values_and_keys():
-    document = parse("a: {b: 1e-3, c: 'x'}\nd:\n  - ~\n  - on\ne:\n", "f")
-    assert document.data == {"a": {"b": 1e-3, "c": "x"}, "d": [None, "on"], "e": None}
-    expected = {
-        ("a",): ("f:1:4", "f:1:1", None),
-        ("a", "b"): ("f:1:8", "f:1:5", "1e-3"),
-        ("a", "c"): ("f:1:17", "f:1:14", None),
-        ("d", "1"): ("f:4:5", "f:4:5", "on"),
-        ("e",): ("f:5:3", "f:5:1", ""),
-    }
-    for path, marks in expected.items():
-        value, key, text = document.place(path)
-        assert (str(value), str(key), text) == marks
-    assert document.place(("a", "x", "y")) == document.place(("a",))
-
-
 def test_quoted_words_are_text_and_an_empty_document_is_null():
     assert parse("[\"1\", '1e-3', \"\", 'null', true]", "f").data == ["1", "1e-3", "", "null", True]
     for text in ("", "# only a comment\n", "---\n", "\n\n"):
