@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from camcli.analysis.integrate import Record, Start
 from camcli.analysis.labels import LONGEST_PERIOD
@@ -24,9 +25,10 @@ from camcli.analysis.orbits.identify import departures
 from camcli.analysis.orbits.same_orbit import distance, size_of
 from camcli.cams.balls import DIGITS, UndecidedError, decided
 from camcli.cams.compile import Shape
-from camcli.exact.machine import Machine
-from camcli.exact.motion import EndlessError, Motion
 from camcli.system import Follower, System, omega_of
+
+if TYPE_CHECKING:
+    from camcli.exact.motion import Motion
 
 SETTLED, WANDERS, CYCLE, UNKNOWN = "settled", "wanders", "cycle", "unknown"
 LAST_DIGIT_DIGITS = (60,)  # for balls of 1e-16
@@ -139,6 +141,8 @@ def of_shape(
     share: Share,
 ) -> After:
     """The same; other starts at a speed, or a sweep the other way, come to the same rest."""
+    from camcli.exact.machine import Machine
+    from camcli.exact.motion import EndlessError, Motion
 
     def followed() -> After:
         if share is None:

@@ -17,10 +17,10 @@ SHORT = "--no-plot --set run.transient=10 --set run.record=3"
 @pytest.mark.parametrize(
     ("line", "absent"),
     [
-        ("--help", (*HEAVY, "numpy", "pydantic", "yaml", "rich")),
+        ("--help", (*HEAVY, "numpy", "flint", "pydantic", "yaml", "rich")),
         (f"simulate --rpm 190 {SHORT}", HEAVY),
         ("simulate --profile-only --no-plot", HEAVY),
-        (f"classify --rpm 190 {SHORT} --set run.record=100", ("flint", "camcli.exact")),
+        (f"classify --rpm 190 {SHORT} --set run.record=100", ("camcli.exact",)),
         ("sweep --no-plot --points 21", ("matplotlib",)),
     ],
 )
