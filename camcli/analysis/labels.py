@@ -7,14 +7,14 @@ complete chatter. Of its m rotations the one that is largest in lexical order is
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from math import inf
 
 import numpy as np
 
 from camcli.analysis.integrate import Record
-from camcli.analysis.orbits.same_orbit import CLOSE, SAME, State, distance, size_of
+from camcli.analysis.orbits.same_orbit import CLOSE, SAME
 from camcli.errors import Status
 
 CONTACT, APERIODIC, UNDECIDED = "contact", "aperiodic", "undecided"  # labels without symbols
@@ -74,12 +74,17 @@ def period_of(label: str) -> int:
     return int(label[2:].partition(";")[0]) if label.startswith("P(") else 0
 
 
-def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
-    """States at the strobes that begin its whole turns (m, m/rad), and the symbols of these."""
+def sections(record: Record) -> tuple[np.ndarray, list[float]]:
+    """States at the strobes that begin whole turns, (turns, 2) in m, m/rad, and their symbols."""
     columns = record.strobe_q, record.strobe_w, record.impacts, record.chatter
     q, w, impacts, chatter = (column[: record.periods] for column in columns)
-    symbols = np.where(chatter != 0, inf, impacts)
-    return list(zip(q.tolist(), w.tolist(), strict=True)), symbols.tolist()
+    return np.column_stack((q, w)), np.where(chatter != 0, inf, impacts).tolist()
+
+
+def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
+    """The same, as Python's own numbers."""
+    states, symbols = sections(record)
+    return list(map(tuple, states.tolist())), symbols
 
 
 def label(record: Record) -> str:
@@ -89,7 +94,7 @@ def label(record: Record) -> str:
     """
     if record.periods and record.status == Status.OK and not record.touches:
         return CONTACT
-    states, symbols = passages(record)
+    states, symbols = sections(record)
     m = find_period(states, symbols)
     if m == 0:
         impacts = record.impacts[: record.periods].sum()
@@ -97,36 +102,46 @@ def label(record: Record) -> str:
     return Label(symbols[-m:])
 
 
-def find_period(states: Sequence[State], symbols: Sequence[float]) -> int:
+def returns(states: np.ndarray, longest: int) -> Iterator[tuple[int, float]]:
+    """(turns, distance) of the shifts that bring the last state CLOSE to itself."""
+    if n := min(longest, len(states) // 2):
+        apart = _distances(states[-1], states[-2 : -2 - n : -1], states)
+        yield from ((m + 1, float(apart[m])) for m in np.flatnonzero(apart <= CLOSE).tolist())
+
+
+def _distances(a: np.ndarray, b: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """`same_orbit.distance` of many pairs, relative to the largest of all states."""
+    size = np.abs(states).max(0)
+    return (np.abs(a - b) / np.where(size > 0.0, size, 1.0)).max(1)
+
+
+def find_period(states: np.ndarray, symbols: Sequence[float]) -> int:
     """Smallest m whose shift repeats the record, or 0.
 
     A shift repeats where the symbols do and the states agree to SAME of their size, or approach
     each other geometrically with an extrapolated limit of nothing (slow multipliers).
     """
-    n, size = len(states), size_of(states) if states else (1.0, 1.0)
-    for m in range(1, min(LONGEST_PERIOD, n // 2) + 1):
+    n = len(states)
+    for m, _ in returns(states, LONGEST_PERIOD):
         window = min(n - m, max(2 * m, WINDOW))
         if symbols[n - window :] != symbols[n - window - m : n - m]:
             continue
-        if distance(states[-1], states[-1 - m], size) > CLOSE:
-            continue
-        before = states[n - window - m :]
-        if all(distance(a, b, size) <= SAME for a, b in zip(before[m:], before, strict=False)):
+        apart = _distances(states[m:], states[:-m], states)
+        if (apart[-window:] <= SAME).all():
             return m
         if symbols[m:] != symbols[:-m]:
             continue
-        apart = [distance(a, b, size) for a, b in zip(states[m:], states, strict=False)]
         if apart[-1] <= SLOWEST * apart[(n - m) // 4] and _shrinks(apart, m):
             return m
     return 0
 
 
-def _shrinks(distances: list[float], m: int) -> bool:
+def _shrinks(apart: np.ndarray, m: int) -> bool:
     """True where the largest distance of each quarter shrinks geometrically towards zero."""
-    quarter = len(distances) // 4
+    quarter = len(apart) // 4
     if quarter < 2 * m:
         return False
-    d = [max(distances[k * quarter : (k + 1) * quarter]) for k in range(4)]
+    d = [apart[k * quarter : (k + 1) * quarter].max() for k in range(4)]
     if not all(after <= SLOWEST * before for before, after in pairwise(d)):
         return False
     bend = (d[3] - d[2]) - (d[2] - d[1])

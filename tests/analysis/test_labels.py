@@ -3,6 +3,7 @@
 import pickle
 from math import cos, exp, inf
 
+import numpy as np
 import pytest
 from conftest import settings
 
@@ -44,7 +45,7 @@ def test_what_is_no_label_is_refused(text):
 
 
 def find_period(q, w, symbols):
-    return labels.find_period(list(zip(q, w, strict=True)), symbols)
+    return labels.find_period(np.column_stack((q, w)), symbols)
 
 
 def test_the_period_is_the_least_shift_of_states_and_symbols():

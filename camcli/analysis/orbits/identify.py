@@ -5,7 +5,15 @@ from itertools import pairwise
 
 from camcli.analysis.exponents import Exponents, of_orbit, of_record
 from camcli.analysis.integrate import Orbit, Record, Settings, Start, with_turns
-from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, Label, label, passages
+from camcli.analysis.labels import (
+    APERIODIC,
+    LONGEST_PERIOD,
+    Label,
+    label,
+    passages,
+    returns,
+    sections,
+)
 from camcli.analysis.orbits.orbit import (
     PeriodicOrbit,
     free_orbit,
@@ -14,12 +22,8 @@ from camcli.analysis.orbits.orbit import (
     section_states,
 )
 from camcli.analysis.orbits.same_orbit import (
-    CLOSE,
-    State,
-    distance,
     distance_to,
     shortest_period,
-    size_of,
 )
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.errors import Status
@@ -48,7 +52,7 @@ def named(
     """
     name, ok, exponents = label(record), record.status == Status.OK, None
     doubtful = isinstance(name, Label) and name.repeats
-    if name == APERIODIC and ok and any(_returns(*passages(record), LONGEST_PERIOD)):
+    if name == APERIODIC and ok and any(_returns(record, LONGEST_PERIOD)):
         doubtful, exponents = True, of_record(system, rpm, record)
     if (measured or doubtful) and not (exponents and exponents.chaotic):
         orbit = identify(system, rpm, record)
@@ -87,7 +91,7 @@ def identify(
     if not record.touches:
         return resting_orbit(system, rpm, states[-1:], symbols[-1:], [])
     shooter = Shooter(system, rpm)
-    for m, gap in _returns(states, symbols, longest):
+    for m, gap in _returns(record, longest):
         orbit, window = None, range(n - m, n)
         lifts_off = any(kind == DETACHMENT for kind, *_ in _events(record, window))
         if not lifts_off and not any(record.chatter[k] for k in window):
@@ -102,14 +106,12 @@ def identify(
     return None
 
 
-def _returns(
-    states: Sequence[State], symbols: Sequence[float], longest: int
-) -> Iterator[tuple[int, float]]:
+def _returns(record: Record, longest: int) -> Iterator[tuple[int, float]]:
     """(turns, distance) of the periods after which a record ends near where it was, alike."""
-    n, size = len(states), size_of(states)
-    for m in range(1, min(longest, n // 2) + 1):
-        gap = distance(states[-1], states[-1 - m], size)
-        if gap <= CLOSE and symbols[n - m :] == symbols[n - 2 * m : n - m]:
+    states, symbols = sections(record)
+    n = len(states)
+    for m, gap in returns(states, longest):
+        if symbols[n - m :] == symbols[n - 2 * m : n - m]:
             yield m, gap
 
 
