@@ -37,7 +37,6 @@ LARGEST = 32  # the largest sample; each is twice the one before
 class Size(NamedTuple):
     """How much a scene asks for, and the least bytes that takes."""
 
-    key: str  # what asks for so much
     what: str
     pieces: int  # of equal work
     orbits: int
@@ -51,53 +50,38 @@ def size_of(command: str, scene: Scene) -> Size:
     run, turns = scene.run, scene.run.transient + scene.run.record
     match command:
         case "simulate":
-            samples = scene.simulate.samples
-            key = "simulate.samples" if samples > run.record else "run.record"
-            what, rows = f"{run.record} recorded turns x {samples} samples", samples * run.record
-            return Size(key, what, run.record, 1, turns, 280.0 * rows, 102.0 * rows)
+            rows = scene.simulate.samples * run.record
+            what = f"{run.record} recorded turns x {scene.simulate.samples} samples"
+            return Size(what, run.record, 1, turns, 280.0 * rows, 102.0 * rows)
         case "sweep":
-            section, rows = scene.sweep, 0
-            speeds = section.count + sum(part.num for part in section.zoom)
-            speeds *= 1 + len(section.also)
-            key, what, row = "sweep.rpm.num", f"{speeds} speeds", 700.0
+            section, what = scene.sweep, f"speeds of {turns} turns, {run.record} recorded"
+            n = section.count + sum(part.num for part in section.zoom)
+            n *= 1 + len(section.also)
+            rows = n * run.record * len(section.sections)
             if len(section.vary) == 2:
-                n, m = (axis.num for axis in section.vary)
-                key, what, row, speeds = "sweep.vary", f"{n} x {m} points", 1e3, n * m
-            else:
-                rows = run.record * len(section.sections)
-                key = "run.record" if run.record > speeds else key
-            what += f" of {turns} turns, {run.record} recorded"
-            files = 43.0 * rows * (1 if section.tables == "none" else 2) + 600.0
-            return Size(
-                key,
-                what,
-                speeds,
-                speeds,
-                speeds * turns,
-                row * speeds + 32.0 * rows,
-                files * speeds,
-            )
+                n, rows = section.vary[0].num * section.vary[1].num, 0
+            memory = 32.0 * rows / max(1, n) + 1e3 * n
+            disk = 43.0 * rows * (1 if section.tables == "none" else 2) + 600.0 * n
+            return Size(f"{n} {what}", n, n, n * turns, memory, disk)
         case "classify":
             speeds, starts = scene.classify.count, scene.classify.starts + 1
-            key = "run.record" if run.record > speeds else "classify.rpm.num"
             what = f"{speeds} speeds x {starts} starts x {run.record} recorded turns"
             orbits, memory = speeds * starts, 45.0 * speeds * run.record
-            return Size(key, what, orbits, orbits, orbits * turns, memory, 790.0 * speeds)
+            return Size(what, orbits, orbits, orbits * turns, memory, 790.0 * speeds)
         case "basins":
             (nq, nv), levels = scene.basins.cells, scene.basins.refine
-            cells, speeds = nq * nv, scene.basins.count
-            key = "basins.refine" if levels else "basins.cells"
-            what, orbits = f"{nq} x {nv} cells, refined {levels} times", cells * speeds
-            memory = 70.0 * cells + (14.0 * cells * 4**levels + 20e6 if levels else 0.0)
-            return Size(key, what, orbits, orbits, 0.0, memory, 54.0 * orbits)
+            what, orbits = (
+                f"{nq} x {nv} cells, refined {levels} times",
+                nq * nv * scene.basins.count,
+            )
+            memory = 70.0 * nq * nv + (14.0 * nq * nv * 4**levels + 20e6 if levels else 0.0)
+            return Size(what, orbits, orbits, 0.0, memory, 54.0 * orbits)
         case "explore":
-            speeds = scene.sweep.rpm.num
-            what, memory = f"{speeds} speeds", 1e6 * speeds
-            return Size("sweep.rpm.num", what, speeds, 3 * speeds, 3 * speeds * turns, memory, 8e6)
+            n = scene.sweep.rpm.num
+            return Size(f"{n} speeds", n, 3 * n, 3 * n * turns, 1e6 * n, 8e6)
         case _:
-            key = "detach.rpm.num" if command == "detach" else "orbits.starts"
-            runs = scene.detach.rpm.num if command == "detach" else scene.orbits.starts + 1
-            return Size(key, f"{runs} runs", runs, runs, 0.0, 300.0 * runs, 300.0 * runs)
+            n = scene.detach.rpm.num if command == "detach" else scene.orbits.starts + 1
+            return Size(f"{n} runs", n, n, 0.0, 300.0 * n, 300.0 * n)
 
 
 def sample_of(command: str, scene: Scene, n: int) -> Scene:
@@ -143,7 +127,7 @@ def refuse_too_large(command: str, scene: Scene, folder: Path, shard: Shard | No
         if needed > have:
             found = f"found {need.what}, at least {in_words(needed)} of {of}"
             limit = f"expected at most {in_words(have)}, {where}"
-            faults.append(Fault("", need.key, found, limit, f"ask for fewer{cure}"))
+            faults.append(Fault("", command, found, limit, f"ask for fewer{cure}"))
     if faults:
         raise SceneError(*faults)
 
