@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 
+from camcli.cams.files import read_bytes
 from camcli.cli.exit_codes import DONE, NUMERICS, note
 from camcli.cli.options import DRAWING, SCENE, Request, argument, option
 from camcli.cli.report import table
@@ -23,7 +24,8 @@ REPEATED = (*SCENE, "dry_run")  # these stand in the record
 WITHOUT = (*REPEATED, "no_plot", *DRAWING)  # the record says whether it drew
 SAME, OTHER, MISSING = "same bytes", "other bytes", "not made"
 CHANGED = "same bytes, but not those of the file beside the record"
-MOST_BYTES = 64 << 20  # of a run.json
+MOST_BYTES = 64 * 10**6  # of a run.json
+EXPECTED, CURE = "expected the run.json of a run", "give that of a folder made with -o"
 ARTEFACT = StringConstraints(pattern=r"^[a-zA-Z0-9_-]{1,64}\.[a-z]{1,8}$")
 
 
@@ -139,22 +141,11 @@ def record_of(text: str | bytes, path: Path) -> Record:
 
 def read_record(path: Path) -> Record:
     """The record in a file; raises SceneError where it is none of artefacts, or a giant."""
-    try:
-        if not path.is_file():
-            path.stat()  # says what is wrong where there is nothing
-            raise _unreadable(path, "cannot be read (no file)")
-        with open(path, "rb") as file:
-            data = file.read(MOST_BYTES + 1)
-    except OSError as error:
-        raise _unreadable(path, f"cannot be read ({error.strerror})") from None
-    if len(data) > MOST_BYTES:
-        raise _unreadable(path, "cannot be read (too large)")
-    record = record_of(data, path)
+    record = record_of(read_bytes(path, str(path), MOST_BYTES, EXPECTED, CURE), path)
     if not record.artefacts:
         raise _unreadable(path, "found no artefacts in it")
     return record
 
 
 def _unreadable(path: Path, found: str) -> SceneError:
-    expected, cure = "expected the run.json of a run", "give that of a folder made with -o"
-    return SceneError(Fault("FILE", str(path), found, expected, cure))
+    return SceneError(Fault(str(path), "", found, EXPECTED, CURE))
