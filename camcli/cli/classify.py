@@ -130,7 +130,7 @@ def show_explanation(explanation: Explanation) -> None:
 def _border_collision(request: Request, trace: str | None, det: str | None) -> int:
     """Print the class, the inequalities and what attracts on each side."""
     from camcli.analysis.border_collision import Side, classify
-    from camcli.cli.init import write_whole
+    from camcli.output.run_folder import run_folder
     from camcli.output.run_record import to_text
 
     pairs = []
@@ -144,7 +144,9 @@ def _border_collision(request: Request, trace: str | None, det: str | None) -> i
     result = classify(left, right)
     text = to_text(_record(left, right, result))
     if request.out is not None and not request.dry_run:
-        write_whole(request.out / "border_collision.json", text.encode(), force=True)
+        with run_folder(request.out) as store:
+            store.write_text("border_collision.json", [text])
+            store.commit()
     if request.json:
         print(text, end="")
     else:

@@ -2,14 +2,13 @@
 
 import io
 import json
-import os
+from operator import methodcaller
 from pathlib import Path
 from shlex import quote
 from typing import Any
 
 from camcli.cli.options import DRAWING, SCENE, Request, argument, flag
 from camcli.errors import Fault, SceneError
-from camcli.interrupts import held
 
 WITHOUT = (*SCENE, *DRAWING, "threads")  # shared options that mean nothing here
 COMMENTS = {
@@ -40,8 +39,8 @@ def init(
     -o DIR          writes there, a copy of the table too
     """
     text = Path(__file__).with_name("scene.yaml").read_text(encoding="utf-8")
-    path, keys, unsure = Path("scene.yaml"), {}, {}
-    files, fill = [], "mass, spring and cam"
+    files, keys, unsure = {"scene.yaml": text.encode()}, {}, {}
+    home, fill = request.out or Path(), "mass, spring and cam"
     if table is not None:
         from camcli.cams.files import read_bytes
         from camcli.cams.lift_guess import guess
@@ -50,18 +49,17 @@ def init(
         expected, cure = "expected a table of angles and lifts", "check the name"
         data = read_bytes(table, str(table), MAX_BYTES, expected, cure)
         keys, unsure = (found := guess(data, str(table))).keys, found.unsure
-        path, fill = table.with_suffix(".yaml"), "mass and spring"
-        text = _scene(text, table, keys, unsure)
-        if request.out is not None and request.out.resolve() != table.parent.resolve():
-            files.append((request.out / table.name, data))
-    path = path if request.out is None else request.out / path.name
-    files.append((path, text.encode()))
-    for file, content in () if request.dry_run else files:
-        write_whole(file, content, force)
-    drawn = [path.with_suffix(".png")] * (table is not None and not request.no_plot)
-    for file in () if request.dry_run else drawn:
-        write_whole(file, _picture(path), force)
-    names = [str(file) for file in (*(file for file, _ in files), *drawn)]
+        home, fill = request.out or table.parent, "mass and spring"
+        files = {table.with_suffix(".yaml").name: _scene(text, table, keys, unsure).encode()}
+        if home.resolve() != table.parent.resolve():
+            files[table.name] = data
+    path = home / next(iter(files))
+    pictures = [path.with_suffix(".png")] * (table is not None and not request.no_plot)
+    names = [str(home / name) for name in files] + list(map(str, pictures))
+    if not request.dry_run:
+        _write(home, files, force)
+        for picture in pictures:  # a fault of the table names lines of the scene
+            _write(home, {picture.name: _picture(path)}, force)
     if request.json:
         print(json.dumps({"command": "init", "files": names, "keys": keys, "unsure": unsure}))
         return 0
@@ -72,8 +70,8 @@ def init(
     if request.dry_run:
         print(f"would write {', '.join(names)}")
         return 0
-    for file in drawn:
-        print(f"{file}: the cam and the rows of the table")
+    for picture in pictures:
+        print(f"{picture}: the cam and the rows of the table")
     print(f"{path}: fill in {fill}, then: cam detach -c {quote(str(path))}")
     return 0
 
@@ -91,29 +89,26 @@ def _scene(text: str, table: Path, keys: dict[str, Any], unsure: dict[str, str])
 
 
 def _picture(path: Path) -> bytes:
-    """The cam of the scene beside its rows, as a PNG; faults name keys of the scene."""
+    """The cam of the scene beside its rows, as a PNG."""
     from camcli.api.simulate import simulate
     from camcli.output.pictures import write_picture
     from camcli.scene import load_scene
 
-    result = simulate(load_scene(path), profile_only=True)
     picture = io.BytesIO()
+    result = simulate(load_scene(path), profile_only=True)
     write_picture(result.pictures["profile"](), picture)
     return picture.getvalue()
 
 
-def write_whole(path: Path, data: bytes, force: bool) -> None:
-    """Write a file of the user's own folder, whole or not at all."""
-    if path.exists() and not force:
-        found, cure = "found a file of this name", "add --force to overwrite it"
-        raise SceneError(Fault(str(path), "", found, "expected none", cure))
-    part = path.with_name(f"{path.name}.cam-part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with held():
-            part.write_bytes(data)
-            os.replace(part, path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        found = f"cannot be written: {(error.strerror or str(error)).lower()}"
-        raise SceneError(Fault(str(path), "", found, "", "check the folder")) from None
+def _write(home: Path, files: dict[str, bytes], force: bool) -> None:
+    """Write files into the user's own folder, all of them or none."""
+    from camcli.output.run_folder import run_folder
+
+    for name in files if not force else ():
+        if (home / name).exists():
+            found, cure = "found a file of this name", "add --force to overwrite it"
+            raise SceneError(Fault(str(home / name), "", found, "expected none", cure))
+    with run_folder(home) as store:
+        for name, data in files.items():
+            store.write(name, methodcaller("write", data))
+        store.commit()

@@ -2,7 +2,7 @@
 
 import json
 
-from camcli.cli.init import WITHOUT, write_whole
+from camcli.cli.init import WITHOUT
 from camcli.cli.options import Request
 
 __all__ = ["WITHOUT", "schema"]
@@ -13,10 +13,13 @@ def schema(request: Request) -> int:
 
     -o DIR also writes it there, as schema.json.
     """
+    from camcli.output.run_folder import run_folder
     from camcli.scene import json_schema
 
     text = json.dumps(json_schema(), indent=2) + "\n"
     if request.out is not None and not request.dry_run:
-        write_whole(request.out / "schema.json", text.encode(), force=True)
+        with run_folder(request.out) as store:
+            store.write_text("schema.json", [text])
+            store.commit()
     print(text, end="")
     return 0
