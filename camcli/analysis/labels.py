@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
 from math import inf
 
 import numpy as np
@@ -21,8 +20,6 @@ CONTACT, APERIODIC, UNDECIDED = "contact", "aperiodic", "undecided"  # labels wi
 LONGEST_PERIOD = 64
 WINDOW = 16  # periods compared at least
 FEWEST_IMPACTS = 16  # in the record, to call it aperiodic
-LIMIT_SHARE = 0.1  # what extrapolation may leave of a distance that is still shrinking
-SLOWEST = 0.97  # ratio of distances from a quarter of the record to the next
 
 
 class Label(str):
@@ -88,7 +85,7 @@ def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
 
 
 def label(record: Record) -> str:
-    """The label of the attractor a record ends on.
+    """The label of the orbit that a record repeats at its end (see `orbits.identify.named`).
 
     `aperiodic` where no period fits, `undecided` where the record is too short to say even that.
     """
@@ -116,34 +113,12 @@ def _distances(a: np.ndarray, b: np.ndarray, states: np.ndarray) -> np.ndarray:
 
 
 def find_period(states: np.ndarray, symbols: Sequence[float]) -> int:
-    """Smallest m whose shift repeats the record, or 0.
-
-    A shift repeats where the symbols do and the states agree to SAME of their size, or approach
-    each other geometrically with an extrapolated limit of nothing (slow multipliers).
-    """
+    """Smallest m whose shift repeats the end of a record, symbols and states to SAME, or 0."""
     n = len(states)
     for m, _ in returns(states, LONGEST_PERIOD):
         window = min(n - m, max(2 * m, WINDOW))
         if symbols[n - window :] != symbols[n - window - m : n - m]:
             continue
-        apart = _distances(states[m:], states[:-m], states)
-        if (apart[-window:] <= SAME).all():
-            return m
-        if symbols[m:] != symbols[:-m]:
-            continue
-        if apart[-1] <= SLOWEST * apart[(n - m) // 4] and _shrinks(apart, m):
+        if (_distances(states[n - window :], states[n - window - m : n - m], states) <= SAME).all():
             return m
     return 0
-
-
-def _shrinks(apart: np.ndarray, m: int) -> bool:
-    """True where the largest distance of each quarter shrinks geometrically towards zero."""
-    quarter = len(apart) // 4
-    if quarter < 2 * m:
-        return False
-    d = [apart[k * quarter : (k + 1) * quarter].max() for k in range(4)]
-    if not all(after <= SLOWEST * before for before, after in pairwise(d)):
-        return False
-    bend = (d[3] - d[2]) - (d[2] - d[1])
-    limit = d[3] - (d[3] - d[2]) ** 2 / bend if bend > 0.0 else d[3]
-    return abs(limit) <= LIMIT_SHARE * d[3]

@@ -8,6 +8,7 @@ from camcli.analysis.integrate import Orbit, Record, Settings, Start, with_turns
 from camcli.analysis.labels import (
     APERIODIC,
     LONGEST_PERIOD,
+    UNDECIDED,
     Label,
     label,
     passages,
@@ -52,7 +53,7 @@ def named(
     """
     name, ok, exponents = label(record), record.status == Status.OK, None
     doubtful = isinstance(name, Label) and name.repeats
-    if name == APERIODIC and ok and any(_returns(record, LONGEST_PERIOD)):
+    if name in (APERIODIC, UNDECIDED) and ok and any(_returns(record, LONGEST_PERIOD)):
         doubtful, exponents = True, of_record(system, rpm, record)
     if (measured or doubtful) and not (exponents and exponents.chaotic):
         orbit = identify(system, rpm, record)
