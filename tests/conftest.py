@@ -8,6 +8,8 @@ import io
 import os
 import shlex
 import subprocess
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -55,27 +57,29 @@ def chapter() -> System:
     return chapter_system()
 
 
-@pytest.fixture
-def cam(tmp_path: Path, monkeypatch):
-    """Run `cam` in an empty folder, in this process; returns exit code, stdout and stderr.
+def cam_in(folder: Path, *line: str, code: int | None = None) -> subprocess.CompletedProcess:
+    """Run `cam` in a folder, in this process; returns exit code, stdout and stderr.
 
     Each argument is a part of the command's line, split as a shell does. code: what the exit code
     must be.
     """
+    from camcli.cli.app import app
+    from camcli.cli.exit_codes import guarded
 
-    def call(*line: str, code: int | None = None) -> subprocess.CompletedProcess:
-        from camcli.cli.app import app
-        from camcli.cli.exit_codes import guarded
+    words = [word for part in line for word in shlex.split(part)]
+    out, said = io.StringIO(), io.StringIO()
+    with (
+        contextlib.chdir(folder), contextlib.redirect_stdout(out), contextlib.redirect_stderr(said)
+    ):  # fmt: skip
+        ended = guarded(lambda: app(words, standalone_mode=False), "--json" in words)
+    assert code in (None, ended), said.getvalue()
+    return subprocess.CompletedProcess(words, ended, out.getvalue(), said.getvalue())
 
-        monkeypatch.chdir(tmp_path)
-        words = [word for part in line for word in shlex.split(part)]
-        out, said = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(said):
-            ended = guarded(lambda: app(words, standalone_mode=False), "--json" in words)
-        assert code in (None, ended), said.getvalue()
-        return subprocess.CompletedProcess(words, ended, out.getvalue(), said.getvalue())
 
-    return call
+@pytest.fixture
+def cam(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess]:
+    """`cam` in an empty folder."""
+    return partial(cam_in, tmp_path)
 
 
 @pytest.fixture

@@ -1,13 +1,11 @@
 """cam detach as a shell sees it: columns, published numbers, words, exit codes."""
 
 import json
-import subprocess
-import sys
 from math import inf, pi
 
 import pytest
 
-from tests.conftest import rows
+from tests.conftest import cam_in, rows
 
 SHORT = "--rpm 112:128 --points 3 --set detach.settle=1 --no-plot"
 
@@ -16,11 +14,7 @@ SHORT = "--rpm 112:128 --points 3 --set detach.settle=1 --no-plot"
 def bare(tmp_path_factory):
     """`cam detach --no-plot` of the default scene, run once: (process, folder)."""
     folder = tmp_path_factory.mktemp("bare")
-    done = subprocess.run(
-        [sys.executable, "-m", "camcli", "detach", "--no-plot", "--verbose"],
-        cwd=folder, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    return done, folder / "out/detach"
+    return cam_in(folder, "detach --no-plot --verbose", code=0), folder / "out/detach"
 
 
 @pytest.mark.slow
@@ -38,8 +32,7 @@ def test_a_budget_of_work_keeps_what_was_found(bare, cam, tmp_path, budget, tabl
 
 @pytest.mark.slow
 def test_bare_command_gives_every_published_number(bare):
-    done, folder = bare
-    assert done.returncode == 0, done.stderr
+    _, folder = bare
     found = {(row["quantity"], row["region"]): row for row in reversed(rows(folder / "detach.csv"))}
     expected = {
         ("first_detachment", "A2"): (114.979326744, 1e-9),

@@ -3,8 +3,6 @@
 import json
 import re
 import shutil
-from contextlib import chdir, redirect_stdout
-from io import StringIO
 from math import pi, sqrt
 
 import numpy as np
@@ -12,10 +10,10 @@ import pytest
 
 import camcli
 from camcli.analysis.contact_loss.detachment import detachment
-from camcli.cli.app import app
 from camcli.output.verdict import motion
 from camcli.system import Follower, System
 from tests.cams.lift_tables import Lobe, scene, smooth, table
+from tests.conftest import cam_in
 
 pytestmark = pytest.mark.usefixtures("short_samples")
 
@@ -25,8 +23,7 @@ def made(tmp_path_factory):
     """A folder with a table, and the scene and the picture that cam init made of it."""
     folder = tmp_path_factory.mktemp("made")
     (folder / "lobe.csv").write_text(table(Lobe(smooth), 2, decimals=3))
-    with chdir(folder), redirect_stdout(StringIO()):
-        app(["init", "lobe.csv"], standalone_mode=False)
+    cam_in(folder, "init lobe.csv", code=0)
     return folder
 
 

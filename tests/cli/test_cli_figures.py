@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 
 import camcli
-from camcli.cli.app import app
-from camcli.cli.exit_codes import guarded
 from camcli.cli.figures import State, chosen, compared, figures_in, read, verdict
 from camcli.output.digest import Drift, caption, drifts
+from tests.conftest import cam_in
 
 pytestmark = pytest.mark.slow
 
@@ -50,9 +49,8 @@ def computed(tmp_path_factory):
     (home / "scenes").mkdir()
     for name, (command, rest) in FIGURES.items():
         write(home / "scenes", name, command, rest)
-    for more in ([], ["--update-reference"]):
-        words = ["figures", "--folder", str(home / "scenes"), "-o", str(home / "out"), "-q", *more]
-        assert guarded(lambda words=words: app(words, standalone_mode=False)) == 0
+    for more in ("", "--update-reference"):
+        cam_in(home, f"figures --folder {home}/scenes -o {home}/out -q", more, code=0)
     return home
 
 

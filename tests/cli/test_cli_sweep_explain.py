@@ -1,13 +1,11 @@
 """cam sweep --lyapunov and --explain as a shell sees them."""
 
 import json
-import subprocess
-import sys
 from math import inf, log
 
 import pytest
 
-from tests.conftest import rows
+from tests.conftest import cam_in, rows
 
 SMALL = "--set run.transient=200 --set run.record=130"
 
@@ -56,18 +54,13 @@ def test_without_the_flags_the_column_is_empty_and_all_else_the_same(cam, tmp_pa
 def explained(tmp_path_factory):
     """`cam sweep --explain` over corner impacts, a doubling and a crisis: process, folder."""
     folder = tmp_path_factory.mktemp("explained")
-    words = ("--rpm", "670:742", "--points", "13", "--explain", "--threads", "2", "-o", ".")
-    done = subprocess.run(
-        [sys.executable, "-m", "camcli", "sweep", *words],
-        cwd=folder, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    return done, folder
+    line = "sweep --rpm 670:742 --points 13 --explain --threads 2 -o ."
+    return cam_in(folder, line, code=0), folder
 
 
 @pytest.mark.slow
 def test_events_and_changes_of_a_range_are_listed_with_their_causes(explained):
     done, folder = explained
-    assert done.returncode == 0, done.stderr
     for said in ("Critical speeds of attractors", "739.3197802", "Changes of the diagram"):
         assert said in done.stdout
     record = json.loads((folder / "run.json").read_text())["result"]

@@ -6,13 +6,14 @@ CAMCLI_FUZZ raises the number of examples of every fuzz; CONTRIBUTING.md has the
 from __future__ import annotations
 
 import contextlib
-import io
 import json
 import math
 import os
+import shlex
 import signal
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -23,6 +24,7 @@ from camcli.analysis.simulate import simulate
 from camcli.errors import SceneError, Status
 from camcli.scene import Scene, load_scene, resolved, scene_hash
 from camcli.system import Follower, System
+from tests.conftest import cam_in
 
 SECONDS = 30.0  # of processor time, for one example; most take milliseconds, a plan may take 10 s
 
@@ -76,13 +78,9 @@ def accepted(call):
 
 def command_line(words: Sequence[str]) -> tuple[int, str]:
     """(exit code, stderr) of `cam words...` in this process."""
-    from camcli.cli.app import app
-    from camcli.cli.exit_codes import guarded
-
-    said = io.StringIO()
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said), limited():
-        code = guarded(lambda: app(list(words), standalone_mode=False))
-    return code, said.getvalue()
+    with limited():
+        done = cam_in(Path.cwd(), *map(shlex.quote, words))
+    return done.returncode, done.stderr
 
 
 @contextlib.contextmanager
