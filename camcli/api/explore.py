@@ -262,8 +262,8 @@ def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> It
     speeds = result.values[0].speeds
     points = MOST_POINTS // len(speeds)
     for speed in speeds:
-        turn, theta, _, u = map(np.asarray, speed.impacts)
-        q, v = map(np.asarray, speed.strobe[1:3])
+        turn, theta, _, u = speed.impacts
+        _, q, v, *_ = speed.strobe
         recorded, label = len(q), str(speed.label)
         if not recorded:
             continue
@@ -393,16 +393,14 @@ def _motion_data(found: Explored) -> dict[str, Any]:
     rows, events, motions = [], [], []
     for motion, simulation in zip(found.motions, found.simulations, strict=True):
         per_second, last = motion.rpm / 60.0, motion.turns * (1.0 + 1e-12)
-        own = [row for row in simulation.trajectory if row[0] * per_second <= last]
-        rests = [row[6] == STICKING for row in own]
-        inner = [False, *(all(rests[k - 1 : k + 2]) for k in range(1, len(own) - 1)), False]
-        kept = [
-            (row[0] * per_second, row[2], row[3], rest)
-            for row, rest, within in zip(own, rests, inner, strict=False)
-            if not within  # there the follower is where the cam is
-        ]
+        t, _, q, v, _, _, contact = map(np.array, zip(*simulation.trajectory, strict=True))
+        t, rest = t * per_second, contact == STICKING
+        rest = rest[t <= last]
+        inner = np.zeros(len(rest), bool)
+        inner[1:-1] = rest[:-2] & rest[1:-1] & rest[2:]  # there the follower is where the cam is
+        kept = np.flatnonzero(~inner)
+        rows.append([x[kept] for x in (t, q, v, rest)])
         happened = [row for row in simulation.events if row[0] * per_second <= last]
-        rows += kept
         events += [(row[0] * per_second, KINDS.index(row[3]), row[5]) for row in happened]
         motions.append(
             {
@@ -414,14 +412,14 @@ def _motion_data(found: Explored) -> dict[str, Any]:
                 "impacts": len(motion.impacts[0]), "strobes": len(motion.strobes[0]),
             }
         )  # fmt: skip
-    t, q, v, rest = zip(*rows, strict=True)
+    t, q, v, rest = map(np.concatenate, zip(*rows, strict=True))
     at, kind, u = zip(*events, strict=True) if events else ((), (), ())
     theta, speed, positions, velocities = map(
         np.concatenate, zip(*((*m.impacts, *m.strobes) for m in found.motions), strict=True)
     )
     return {
         "motions": motions,
-        "rows": {"t": np.array(t), "q": np.array(q), "v": np.array(v), "rest": np.array(rest)},
+        "rows": {"t": t, "q": q, "v": v, "rest": rest},
         "events": {"t": np.array(at), "kind": np.array(kind, np.uint8), "u": np.array(u)},
         "points": {
             "theta_deg": theta, "u": speed, "q": positions, "v": velocities,
