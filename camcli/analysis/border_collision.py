@@ -15,7 +15,7 @@ comes from libm, and only exponents and growths pass through it.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import copysign, fsum, inf, log, prod, sqrt
+from math import fsum, inf, log, prod, sqrt
 
 LONGEST_WORD = 64
 TRANSIENT = 1_000  # steps before an orbit's symbols are read
@@ -40,6 +40,16 @@ def unclear(*terms: float) -> bool:
     return abs(fsum(terms)) <= ROUNDING * fsum(map(abs, terms))
 
 
+def multipliers(trace: float, det: float) -> tuple[complex, complex]:
+    """Roots of z^2 - trace z + det: the larger first (upper half plane first), no cancellation."""
+    disc = 0.25 * trace * trace - det
+    if disc < 0.0:
+        return complex(0.5 * trace, sqrt(-disc)), complex(0.5 * trace, -sqrt(-disc))
+    half = 0.5 * trace
+    large = half + sqrt(disc) if half >= 0.0 else half - sqrt(disc)
+    return complex(large), complex(det / large if large != 0.0 else 0.0)
+
+
 @dataclass(frozen=True)
 class Side:
     """Trace and determinant of the map on one side of the border, or of one turn of a cycle."""
@@ -58,20 +68,9 @@ class Side:
         return 1.0 + self.trace + self.det
 
     @property
-    def multipliers(self) -> tuple[float, float] | tuple[complex, complex]:
-        """Two reals, larger modulus first, or a pair of complex numbers, upper one first.
-
-        The discriminant is a product and the smaller real is det over the larger: no cancellation
-        beyond that of the data themselves.
-        """
-        half, root = abs(self.trace) / 2.0, sqrt(abs(self.det))
-        if self.det > 0.0 and half < root:
-            upper = complex(self.trace / 2.0, sqrt(root - half) * sqrt(root + half))
-            return upper, upper.conjugate()
-        positive = self.det > 0.0
-        spread = sqrt(half - root) * sqrt(half + root) if positive else sqrt(half * half - self.det)
-        large = copysign(half + spread, self.trace)
-        return large, (self.det / large if large else 0.0)
+    def multipliers(self) -> tuple[complex, complex]:
+        """Eigenvalues of the map on this side."""
+        return multipliers(self.trace, self.det)
 
     @property
     def stable(self) -> bool:
@@ -86,8 +85,8 @@ class Side:
             return "a multiplier is +1"
         if unclear(1.0, self.trace, self.det):
             return "a multiplier is -1"
-        complex_pair = isinstance(self.multipliers[0], complex)
-        return "two multipliers on the unit circle" * (complex_pair and unclear(1.0, -self.det))
+        pair = self.multipliers[0].imag != 0.0
+        return "two multipliers on the unit circle" * (pair and unclear(1.0, -self.det))
 
     @property
     def kind(self) -> str:
@@ -96,7 +95,7 @@ class Side:
             return "nonhyperbolic"
         if self.at_one * self.at_minus_one < 0.0:
             return "regular saddle" if self.at_one < 0.0 else "flip saddle"
-        if isinstance(self.multipliers[0], complex):
+        if self.multipliers[0].imag != 0.0:
             return "spiral attractor" if self.stable else "spiral repeller"
         if self.trace < 0.0 or self.det < 0.0:  # one of them is negative
             return "flip attractor" if self.stable else "flip repeller"

@@ -10,9 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.interpolate import BarycentricInterpolator
 
+from camcli.analysis.border_collision import multipliers
 from camcli.analysis.orbits.arclength import Metric
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.shooter import Root, multipliers
+from camcli.analysis.orbits.shooter import Root
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.plots import style
 from camcli.plots.axes import DASHED, DOTTED, TURN_DEG

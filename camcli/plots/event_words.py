@@ -83,9 +83,8 @@ def _two_cycle(found: Cycle) -> list[str]:
     if not found.exists_for:
         return []
     first = found.multipliers[0]
-    twisted = isinstance(first, complex)
-    size = f"larger multiplier {first:.6g}"
-    if twisted:
+    size = f"larger multiplier {first.real:.6g}"
+    if first.imag != 0.0:
         size = f"multipliers {first.real:.6g} +- {first.imag:.6g} i"
     state = "stable" if found.stable else "unstable"
     return [f"{SIDES[found.exists_for]}, the cycle LR exists and is {state}: {size}."]

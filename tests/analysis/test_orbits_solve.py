@@ -10,10 +10,11 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from mpmath import mp
 
+from camcli.analysis.border_collision import multipliers
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits.identify import newton_from, solve_from
 from camcli.analysis.orbits.orbit import from_root
-from camcli.analysis.orbits.shooter import Shooter, multipliers
+from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.kernel.cam_table import TURN
 from tests import oracle, orbit_oracle

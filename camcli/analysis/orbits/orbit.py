@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from camcli.analysis.border_collision import multipliers
 from camcli.analysis.bracketing import lowest
 from camcli.analysis.labels import CONTACT, Label, rotation
 from camcli.analysis.orbits.same_orbit import shortest_period
-from camcli.analysis.orbits.shooter import VERDICTS, Root, multipliers
+from camcli.analysis.orbits.shooter import VERDICTS, Root
 from camcli.cams.regions import regions
 from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.cam_table import TURN, Cam, lift, stretch_at

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import sqrt
 
 import numpy as np
 
@@ -105,16 +104,6 @@ def with_machine(system: System, machine: Sequence[float]) -> tuple[System, floa
     names = [name for name in PARAMETERS if name != "rpm"]
     follower = replace(system.follower, **dict(zip(names, constants, strict=True)))
     return replace(system, follower=follower), rpm
-
-
-def multipliers(trace: float, det: float) -> tuple[complex, complex]:
-    """Roots of z^2 - trace z + det: the larger first (upper half plane first), no cancellation."""
-    disc = 0.25 * trace * trace - det
-    if disc < 0.0:
-        return complex(0.5 * trace, sqrt(-disc)), complex(0.5 * trace, -sqrt(-disc))
-    half = 0.5 * trace
-    large = half + sqrt(disc) if half >= 0.0 else half - sqrt(disc)
-    return complex(large), complex(det / large if large != 0.0 else 0.0)
 
 
 class Shooter:
