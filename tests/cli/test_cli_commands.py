@@ -93,6 +93,7 @@ def test_json_is_one_object_that_equals_the_record(cam, tmp_path):
     assert "impacts.csv" in record["artefacts"]
 
 
+@pytest.mark.slow
 def test_an_orbit_still_settling_is_named_after_it(cam, tmp_path):
     for rpm, label in (("739.3164", "P(1;1)"), ("745", "aperiodic")):
         done = cam("simulate", "--rpm", rpm, "--no-plot", "--json")

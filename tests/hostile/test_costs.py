@@ -107,7 +107,7 @@ def costs(paths: list[Path]) -> list[tuple[float, float, list[str]]]:
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
-@pytest.mark.parametrize("which", ["scenes", "tables"])
+@pytest.mark.parametrize("which", ["scenes", pytest.param("tables", marks=pytest.mark.slow)])
 def test_hostile_files_cost_little_and_are_refused(tmp_path, which):
     cases, paths = SCENES if which == "scenes" else TABLES, []
     for number, (text, _) in enumerate(cases.values()):
