@@ -20,9 +20,8 @@ import random
 import sys
 from math import pi
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from eccentric_cam import EccentricCam  # beside this file
 from mpmath import mp, mpf
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -52,6 +51,40 @@ EXAMPLE = {
     "mass": 1.221, "stiffness": 1430.8, "damping": 0.0, "gravity": 0.0, "preload": 0.0,
     "restitution": 0.8,
 }  # fmt: skip
+
+
+class Harmonic(NamedTuple):
+    """A turn of the eccentric cam: c = middle - half cos x, x = theta - origin."""
+
+    middle: Any
+    half: Any
+    origin: Any
+    end: Any
+
+    def laws(self, lib, x):
+        """Lift and its first two derivatives in the angle."""
+        cos, sin = lib.cos(x), lib.sin(x)
+        return self.middle - self.half * cos, self.half * sin, self.half * cos
+
+
+class EccentricCam:
+    """c = base + lift (1 - cos theta)/2, with what the oracle asks of a cam."""
+
+    def __init__(self, base: float, lift: float):
+        self.half = mpf(lift) / 2
+        self.middle = mpf(base) + self.half
+
+    def segments(self, psi, side=1):
+        """One piece per turn, from the unbounded angle psi on."""
+        turn = mp.floor(psi / (2 * mp.pi))
+        while True:
+            origin = 2 * mp.pi * turn
+            yield Harmonic(self.middle, self.half, origin, origin + 2 * mp.pi)
+            turn += 1
+
+    def laws(self, theta, side=1):
+        """(c, c_theta, c_thetatheta)."""
+        return Harmonic(self.middle, self.half, mpf(0), None).laws(mp, mpf(theta))
 
 
 def case(title, rpm, turns, start=None, cam=ARCS, chatter="none", **changes):
