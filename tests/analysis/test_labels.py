@@ -31,19 +31,6 @@ def test_a_label_is_the_largest_rotation_of_what_is_read(text, symbols, name):
     assert pickle.loads(pickle.dumps(label)).symbols == symbols
 
 
-BAD = [
-    "", "P", "P()", "P(;)", "P(1)", "P(1;)", "P(2;1)", "P(1;1:1)", "P(1;-1)", "P(1;1.5)",
-    "P(1;x)", "P(x;1)", "P(0;)", "P(1;nan)", "p(1;1)", "P(1;1", "(1;1)", "P(1;-inf)", "P(1;1))",
-    "P(65;" + ":".join("1" * 65) + ")",
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("text", BAD)
-def test_what_is_no_label_is_refused(text):
-    with pytest.raises(ValueError, match="found"):
-        Label.parse(text)
-
-
 def find_period(q, w, symbols):
     return labels.find_period(np.column_stack((q, w)), symbols)
 

@@ -80,16 +80,3 @@ def test_every_bound_of_the_table_binds_and_is_not_idle():
 def test_circles_that_do_not_close_are_refused_with_the_amount(change, amount):
     with pytest.raises(ValidationError, match=amount):
         ArcsCam(kind="arcs", **{**GEOMETRY, **change})
-
-
-@pytest.mark.parametrize("strobe", [45.0, 123.456, 155.0, 359.0])
-def test_a_strobe_phase_only_cuts_the_table(strobe):
-    """The lift is the same function wherever the strobe is."""
-    cut = cam(strobe)
-    assert column(cut, "start")[cut.strobe] == pytest.approx(strobe * pi / 180, abs=1e-15)
-    for theta in angles(60):
-        if min(abs(theta - corner) for corner in CORNERS) < 1e-12:
-            continue
-        values = [lift(table, stretch_at(table, theta), theta) for table in (CAM, cut)]
-        for a, b, size in zip(*values, (0.25, 0.28, 1.9), strict=True):
-            assert abs(a - b) <= 2e-14 * size
