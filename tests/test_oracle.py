@@ -3,12 +3,7 @@
 import pytest
 from mpmath import mp, mpf
 
-from tests.oracle import (
-    ArcsCam,
-    Oracle,
-    first_detachment_rpm,
-    region_filling_rpm,
-)
+from tests.oracle import ArcsCam, Oracle, first_detachment_rpm, region_filling_rpm
 
 MASS, STIFFNESS, R = 1.221, 146 * 9.8, 0.8
 CAM = ArcsCam()
@@ -70,10 +65,7 @@ def test_speeds_of_detachment():
     close(region_filling_rpm(CAM, MASS, STIFFNESS), "134.872968058", 1e-9)
 
 
-@pytest.mark.parametrize(
-    ("n", "rpm"),
-    [(1, 124.998297), (8, 120.165355)],
-)
+@pytest.mark.parametrize(("n", "rpm"), [(1, 124.998297), (8, 120.165355)])
 def test_the_nth_impact_after_lift_off_lands_on_c(n, rpm):
     events = chapter(rpm).run(impacts=n)
     assert [e.kind for e in events] == ["detachment"] + ["impact"] * n

@@ -7,12 +7,7 @@ from camcli.analysis.basins import attractor_finder, cell_batches
 from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.basins.measures import boundary
-from camcli.analysis.basins.study import (
-    SIMPLE,
-    Question,
-    basins,
-    study,
-)
+from camcli.analysis.basins.study import SIMPLE, Question, basins, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.classify import classify_at
 from camcli.analysis.integrate import Orbit

@@ -99,11 +99,7 @@ def expected(rpm, **changes):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("rpm", "changes"),
-    [
-        (190.0, {}),
-        (160.0, {"damping": 5.0, "gravity": 9.81, "preload": 20.0}),
-    ],
+    ("rpm", "changes"), [(190.0, {}), (160.0, {"damping": 5.0, "gravity": 9.81, "preload": 20.0})]
 )
 def test_the_columns_are_the_oracles(rpm, changes):
     with mp.workdps(30):

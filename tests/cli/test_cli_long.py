@@ -8,12 +8,7 @@ import json
 
 import pytest
 
-from tests.parallel.long_runs import (
-    SOAK,
-    Case,
-    but_record,
-    cam,
-)
+from tests.parallel.long_runs import SOAK, Case, but_record, cam
 
 pytestmark = pytest.mark.slow
 

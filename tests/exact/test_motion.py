@@ -70,11 +70,7 @@ def test_the_references_of_the_bench_are_proved(name):
         start = float(case["events"][0]["theta"])
         trail = followed(machine, start, case["turns"]).trail
         theirs = [
-            (
-                e["kind"],
-                arb(e["theta"]) + e["turn"] * machine.turn,
-                arb(e["u"]) / omega,
-            )
+            (e["kind"], arb(e["theta"]) + e["turn"] * machine.turn, arb(e["u"]) / omega)
             for e in case["events"]
         ]
         same_events(trail, theirs, case["turns"], arb(0, "1e-22"))

@@ -16,12 +16,7 @@ from mpmath import iv, mp, mpf
 
 import camcli
 from camcli.analysis.orbits.orbit import from_root
-from camcli.analysis.orbits.proofs import (
-    prove_event,
-    prove_orbit,
-    prove_ranges,
-    prove_widely,
-)
+from camcli.analysis.orbits.proofs import prove_event, prove_orbit, prove_ranges, prove_widely
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.cams.compile import Piece

@@ -6,15 +6,7 @@ import pytest
 from camcli.analysis import integrate as engine
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
 from camcli.kernel import backend
-from camcli.kernel.cells import (
-    CHATTERED_TURN,
-    FORGOTTEN,
-    GOES_ON,
-    NEW_REST,
-    UNDECIDED,
-    Point,
-    Rest,
-)
+from camcli.kernel.cells import CHATTERED_TURN, FORGOTTEN, GOES_ON, NEW_REST, UNDECIDED, Point, Rest
 from camcli.kernel.orbit_loop import RESTING
 from tests.kernel.helpers import settings, system
 

@@ -12,12 +12,7 @@ from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import CROWDED, number_events
 from camcli.plots.classify import FORGETS, draw_classify, kind
-from camcli.plots.critical_speeds import (
-    MOST,
-    SINGLE,
-    event_lists,
-    numbered,
-)
+from camcli.plots.critical_speeds import MOST, SINGLE, event_lists, numbered
 from camcli.plots.picture import Panel, Picture
 from tests.conftest import settings
 from tests.output.pictures import count, overlaps, panel, pixels, tall, words

@@ -11,13 +11,7 @@ from camcli.analysis.orbits.curves import Curve, CurvePoint
 from camcli.analysis.orbits.shooter import PARAMETERS as VARIED
 from camcli.analysis.orbits.study import Absence, OrbitsResult, Question, orbits
 from camcli.plots import style
-from camcli.plots.branch_lines import (
-    draw_strands,
-    events_of,
-    phases,
-    positions,
-    strands,
-)
+from camcli.plots.branch_lines import draw_strands, events_of, phases, positions, strands
 from camcli.plots.orbits import LONGEST, PARAMETERS, axis_name, draw_curves, draw_orbits
 from tests.conftest import settings
 from tests.output.pictures import count, panel, pixels, tall, words

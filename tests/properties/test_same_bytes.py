@@ -45,8 +45,7 @@ def plain():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=[pytest.mark.soak] * ("any" in n)) for n in VARIANTS],
+    "name", [pytest.param(n, marks=[pytest.mark.soak] * ("any" in n)) for n in VARIANTS]
 )
 def test_every_way_to_run_gives_the_same_bytes(plain, tmp_path, name):
     """As plain Python does, in a process of its own."""

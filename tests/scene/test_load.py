@@ -10,14 +10,7 @@ import pytest
 import yaml
 
 from camcli.errors import SceneError
-from camcli.scene import (
-    Scene,
-    default_scene_path,
-    json_schema,
-    load_scene,
-    resolved,
-    scene_hash,
-)
+from camcli.scene import Scene, default_scene_path, json_schema, load_scene, resolved, scene_hash
 
 ROOT = Path(__file__).parents[2]
 
