@@ -135,3 +135,11 @@ def test_a_few_speeds_have_their_cells_and_saddles(run):
         (share,) = (float(row["fraction"]) for row in rows(folder / "attractors.csv")
                     if (row["rpm"], row["attractor"]) == (rpm, "1"))  # fmt: skip
         assert own.count("1") / len(own) == pytest.approx(share)
+
+
+def test_another_number_that_is_varied_is_the_first_column(cam, tmp_path):
+    words = "--rpm 358.5 --vary follower.restitution=0.8:0.81 --points 2 --cells 8 --no-plot"
+    cam(f"basins {words} -o out", code=0)
+    for name, last in (("basins", "attractor"), ("attractors", "rpm")):
+        columns = list(rows(tmp_path / f"out/{name}.csv")[0])
+        assert (columns[0], columns[-1]) == ("follower.restitution", last)

@@ -49,6 +49,19 @@ def test_init_overwrites_nothing_and_writes_a_scene_to_fill_in(cam, begun):
     assert "FILL IN" not in cam("simulate -c scene.yaml --dry-run").stderr
 
 
+def test_what_writes_no_run_takes_its_options_too(cam, begun):
+    done = cam("init lobe.csv -o other --json --no-plot", code=0)
+    assert json.loads(done.stdout)["files"] == ["other/lobe.yaml", "other/lobe.csv"]
+    assert (begun / "other/lobe.csv").read_bytes() == (begun / "lobe.csv").read_bytes()
+    assert cam("detach -c other/lobe.yaml --dry-run").returncode == 0
+    assert cam("init --dry-run -o none", code=0).stdout == "would write none/scene.yaml\n"
+    assert not (begun / "none").exists()
+    assert cam("schema -q -o other", code=0).stdout == ""
+    assert "follower" in json.loads((begun / "other/schema.json").read_text())["properties"]
+    cam("classify --trace 0.5,-1.6 --det 0.2,0.3 -o other -q", code=0)
+    assert json.loads((begun / "other/border_collision.json").read_text())["kind"]
+
+
 @pytest.mark.parametrize("command", ["sweep", "detach", "orbits", "classify", "basins"])
 def test_a_range_that_is_not_given_comes_from_the_machine(cam, begun, command):
     done = cam(f"{command} -c lobe.yaml --dry-run", code=0)
