@@ -50,15 +50,14 @@ def of_orbit(system: System, orbit: PeriodicOrbit) -> Exponents:
     if orbit.resting:
         return Exponents(-inf, -inf, 0.0, -inf, inf)
     per_turn = orbit.impacts / orbit.turns
-    large, small = orbit.multipliers
-    sizes = [_size(z) for z in (large, small)]
-    logs = [natural_log(size) / orbit.turns if size > 0.0 else -inf for size in sizes]
-    return Exponents(logs[0], logs[1], 0.0, sum_rule(const, per_turn), per_turn)
+    large, small = (of_multiplier(z, orbit.turns) for z in orbit.multipliers)
+    return Exponents(large, small, 0.0, sum_rule(const, per_turn), per_turn)
 
 
-def _size(z: complex) -> float:
-    """|z| by IEEE arithmetic."""
-    return abs(z.real) if z.imag == 0.0 else sqrt(z.real * z.real + z.imag * z.imag)
+def of_multiplier(z: complex, turns: int) -> float:
+    """ln |z| per period of the cam, by IEEE arithmetic; -inf for zero."""
+    size = abs(z.real) if z.imag == 0.0 else sqrt(z.real * z.real + z.imag * z.imag)
+    return natural_log(size) / turns if size > 0.0 else -inf
 
 
 def sum_rule(const, impacts_per_turn: float) -> float:

@@ -34,16 +34,11 @@ def fractions(codes: np.ndarray, attractors: list[int]) -> dict[int, tuple[float
     others = [int(code) for code in np.unique(codes) if code < -1 or code == 0]
     for code in [*attractors, *sorted(others, reverse=True)]:
         mine = codes == code
-        if total == 0:
-            found[code] = (0.0, 0.0)
-            continue
         near = _around(mine.astype(np.int16))
         edge = above & (near > 0) & (near < around)
-        counts = np.bincount(10 * around[edge] + near[edge], minlength=100).tolist()
-        terms = [
-            counts[10 * n + k] * (k * (n - k) / (n * n)) for n in range(1, 10) for k in range(n)
-        ]
-        found[code] = (int(mine.sum()) / total, sqrt(fsum(terms)) / total)
+        p = near[edge] / around[edge]
+        square, cells = fsum((p * (1.0 - p)).tolist()), max(total, 1)
+        found[code] = (int(mine.sum()) / cells, sqrt(square) / cells)
     return found
 
 

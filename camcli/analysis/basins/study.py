@@ -6,7 +6,7 @@ mapping of C. S. Hsu, Cell-to-Cell Mapping, 1987 (`cell_mapping`).
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 
@@ -19,10 +19,9 @@ from camcli.analysis.basins.measures import Uncertainty, entropies, fractions, u
 from camcli.analysis.basins.region import Region
 from camcli.analysis.basins.saddles import BoundarySaddle, boundary_saddles
 from camcli.analysis.basins.window import Window
-from camcli.analysis.exponents import of_record
+from camcli.analysis.exponents import of_multiplier, of_record
 from camcli.analysis.integrate import AtSpeeds, Cost, Orbit, Settings, Setup, Start, with_turns
 from camcli.errors import Status
-from camcli.kernel.arithmetic import natural_log
 from camcli.kernel.cells import UNDECIDED
 from camcli.parallel import ShardDone, Work
 from camcli.system import System, omega_of
@@ -217,9 +216,7 @@ def largest_exponent(
     None where a record shows too little.
     """
     if attractor.multipliers is not None:
-        z = complex(attractor.multipliers[0])
-        size = sqrt(z.real * z.real + z.imag * z.imag)
-        return natural_log(size) / attractor.turns if size > 0.0 else -inf
+        return of_multiplier(attractor.multipliers[0], attractor.turns)
     if attractor.periodic:
         return -inf
     q, w = attractor.states[0]

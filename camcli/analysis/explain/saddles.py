@@ -11,7 +11,7 @@ import numpy as np
 
 from camcli.analysis.explain.attractor import LEAST, Carried, impacts_of, states_of
 from camcli.analysis.integrate import Record, StartError
-from camcli.analysis.orbits.identify import newton_from
+from camcli.analysis.orbits import identify
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.shooter import Shooter
@@ -106,13 +106,11 @@ def find_saddles(
     that it never comes near are not found. size: widths of its states.
     """
     found: list[PeriodicOrbit] = []
-    shooter, (theta, u, period) = Shooter(system, rpm), impacts_of(record)
-    at = states_of(record) / size
+    shooter, at = Shooter(system, rpm), states_of(record) / size
     for turns in range(1, LONGEST + 1):
         for k in _close_returns(at, turns):
-            window = slice(*np.searchsorted(period, (k, k + turns)))
-            rows = zip(*(column[window].tolist() for column in (period, theta, u)), strict=True)
-            root = newton_from(shooter, list(rows), turns)
+            impacts = identify.impacts_of(record, range(k, k + turns))
+            root = identify.newton_from(shooter, impacts, turns)
             if root is None:
                 continue
             orbit = from_root(system, root, shooter.verdict(root)[0])

@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
+import numpy as np
+
 from camcli.analysis.exponents import Exponents, of_orbit, of_record
 from camcli.analysis.integrate import Orbit, Record, Settings, Start, with_turns
 from camcli.analysis.labels import (
@@ -118,7 +120,9 @@ def _returns(record: Record, longest: int) -> Iterator[tuple[int, float]]:
 
 def _events(record: Record, window: range) -> Iterator[tuple[int, int, float, float]]:
     """(kind, period, theta, u) of what was logged in these turns."""
-    return ((a, n, x, u) for a, n, x, _, u in record.events() if n in window)
+    own = slice(*np.searchsorted(record.period, (window.start, window.stop)))
+    columns = record.kind, record.period, record.theta, record.u
+    return zip(*(column[own].tolist() for column in columns), strict=True)
 
 
 def impacts_of(record: Record, window: range) -> list[Impact]:
