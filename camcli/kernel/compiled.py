@@ -195,7 +195,7 @@ def _compiled(path: Path, name: str, args: tuple) -> tuple[Any, int]:
     call.compile((numba.types.intp,))
     (result,) = call.overloads.values()
     symbol = result.fndesc.llvm_func_name
-    _, _, (code, _) = result.library.serialize_using_object_code()
+    code = result.library._get_compiled_object()
     _keep(path, symbol.encode() + b"\n" + code)
     return _linked(symbol, code)
 
@@ -211,18 +211,22 @@ def _compilers() -> tuple[type, type]:
     from numba.core.compiler import Compiler
 
     class Part(JITCodeLibrary):
+        """Code that is left as it is; machine code only of the variables that numba writes to."""
+
         def _optimize_functions(self, ll_module: Any) -> None:
             pass
 
         def finalize(self) -> None:
             known = self._final_module.global_variables
             names = [one.name for one in known if one.linkage is llvm.Linkage.common]
-            places = "".join(f'@"{name}" = common global i8* null\n' for name in names)
-            self._codegen._add_module(llvm.parse_assembly(places))  # numba writes to them
+            variables = "".join(f'@"{name}" = common global i8* null\n' for name in names)
+            self._codegen._add_module(llvm.parse_assembly(variables))
             self._codegen._engine.finalize_object()
             self._finalized = True
 
     class Whole(JITCodeLibrary):
+        """An entry with all that is called in it, directly or not, optimised in one go."""
+
         def finalize(self) -> None:
             for library in (found := self._linking_libraries):  # it grows
                 found += [one for one in library._linking_libraries if one not in found]
