@@ -46,6 +46,7 @@ def test_merged_is_the_same_to_the_byte(cam, tmp_path, total, words):
     assert not list((tmp_path / "merged").glob(".*"))
 
 
+@pytest.mark.slow
 def test_a_measured_cam_needs_its_folder(cam, tmp_path):
     (tmp_path / "cams").mkdir()
     for name in ("lift-table.yaml", "valve-lift.csv"):

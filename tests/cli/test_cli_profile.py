@@ -80,6 +80,7 @@ def test_an_eccentric_needs_a_base_radius_for_the_knife_edge(cam, tmp_path):
     assert result["largest_roller_radius_m"]["value"] > 0
 
 
+@pytest.mark.slow
 def test_only_the_panels_asked_for_are_drawn_and_an_old_picture_is_removed(cam, tmp_path):
     heights, picture = [], tmp_path / "here/profile.png"
     for panels in ("[lift]", "[force,lift]"):

@@ -25,7 +25,9 @@ def record(cam, tmp_path):
     return tmp_path / "here" / "run.json"
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "explore")) for n in RUNS]
+)
 def test_the_same_bytes_again(cam, tmp_path, name):
     assert cam(RUNS[name], "-o here").returncode == 0
     before = sorted(tmp_path.rglob("*"))

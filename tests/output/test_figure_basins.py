@@ -77,6 +77,7 @@ def test_aperiodic_attractors_are_dots_and_those_outside_the_window_are_said(res
     assert sum("outside the window" in text for text in words(picture)) == 1
 
 
+@pytest.mark.slow
 def test_a_range_stacks_to_one(chapter):
     question = Question(QUESTION.window.with_cells(8, 8))
     result = study(chapter, [358.5, 359.0, 360.0, 361.0], settings(), question)

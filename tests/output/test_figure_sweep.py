@@ -46,6 +46,7 @@ def test_no_impacts_at_all_is_said_in_the_panel(drawn):
     assert said not in words(drawn(speed(101.0, [7.0], [0.1])))
 
 
+@pytest.mark.slow
 def test_troubled_speeds_get_red_ticks_and_are_counted(drawn):
     good = [speed(700.0 + k, [150.0], [2.0]) for k in range(5)]
     assert count(pixels(drawn(*good)), style.TROUBLE) == 0
