@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 LONGEST_NAME = 500  # characters of a path in a note
 MEANING = (
-    "bound: 4 standard errors of rounding plus what smoothing may have changed; an estimate, "
-    "since no table says what the cam does between its rows"
+    "bound: 3 standard errors, and where smoothing changes more than they do what it may have "
+    "changed; an estimate, since no table says what the cam does between its rows"
 )
 
 
@@ -29,10 +29,11 @@ def accel_errors(cam: Any) -> Sequence[float]:
 
 def table_record(cam: TableCam, system: System) -> dict[str, Any]:
     """The fit of the lift table, and the speeds between which contact is first lost."""
-    from camcli.analysis.contact_loss.detachment import first_loss
+    from camcli.analysis.contact_loss.detachment import loss_range
+    from camcli.system import System
 
-    accuracy = cam.accuracy
-    speeds = [first_loss(system, cam.errors.bounds, side) for side in (-1.0, 1.0)]
+    accuracy, errors = cam.accuracy, cam.errors
+    speeds = loss_range(system, errors.bounds, System.build(system.follower, cam.rougher))
     return {
         **asdict(accuracy),
         "bound": accuracy.bound,

@@ -1,7 +1,7 @@
 """The smoothing spline of a measured lift, and how far its second derivative may be trusted.
 
     minimise  sum share_k (c(theta_k) - lift_k)^2
-              + sum weight_j (fourth difference of the coefficients about knot j)^2
+              + weight sum (fourth differences of the coefficients)^2
 
 over periodic splines of degree 7 on equal knots: six continuous derivatives, as the kernel wants.
 The weight is the eighth power of a smoothing length (P. H. C. Eilers, B. D. Marx, Flexible
@@ -9,24 +9,27 @@ smoothing with B-splines and penalties, Statistical Science 11 (1996)). Coeffici
 of a dwell are held at its level, so the dwell is exactly flat there. Rows side by side that are
 rounded to one lift count as one: their roundings are the same.
 
-The length at every knot is the largest up to which doubling it has changed c_thetatheta nearby by
-no more than BALANCE standard errors: more smoothing would bend the cam there, less would let the
-rounding through.
+The cam is at every knot the fit of the largest length whose bending is still hidden by the rounding
+(O. V. Lepskii, Theory of Probability and its Applications 35 (1991)): a length AHEAD of it, where a
+third of the rounding is left, changes c_thetatheta nearby by no more than BALANCE standard errors
+when it doubles. In between coefficients of neighbouring lengths are blended. One penalty whose
+weight varies would bend the cam more: its variation acts on the fourth derivative, not the eighth.
 
-The error of c_thetatheta has two parts. Rounding passes through the linear smoother: a standard
-error, and a worst case in which every row is wrong by half a digit in the worst direction.
-Smoothing bends: how much, shows in what twice the length changes. Where the cam's c_thetatheta has
-corners the bending falls by half with half the length, where it has none by more, as far as that
-shows; where it jumps, it does not fall, and its bound is wider.
+The error of c_thetatheta at a phase is ERRORS standard errors, so 99.7 % of normal ones: noise
+passes through the linear smoother, its size is that of the rounding or of the residuals. Bending is
+added only where it shows: what a length AHEAD changes beyond QUIET standard errors falls with half
+the length by half at a corner of c_thetatheta, by more where it has none, and where it jumps not at
+all. The worst case is that every row is half a digit off, in the worst direction.
 
 The coefficients come from additions, multiplications and divisions in a fixed order, element by
 element: LAPACK and BLAS may give other last bits on another machine, these do not.
 """
 
-from collections.abc import Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import pairwise
 from math import factorial, sqrt
 from typing import Any
 
@@ -48,23 +51,26 @@ MARGIN = 1.0  # knot spacings of a dwell's ends where coefficients stay free
 PENALTY = np.array([[1.0, -4.0, 6.0, -4.0, 1.0]])
 THIRD = 2.0 ** (1 / 3)
 LENGTHS = [0.5 * 2**octave * step for octave in range(6) for step in (1.0, THIRD, THIRD * THIRD)]
-BALANCE = 4.0
+AHEAD = THIRD * THIRD  # twice a length it shows how a length bends the cam, with less noise
+BALANCE, QUIET = 6.0, 3.0  # standard errors: a corner of c_thetatheta bends by 4 of them, and by 2
+TINY = 1e-300
 SLOPE = 0.5  # of the length along the turn
 HALVINGS = 20  # of the logarithm of the length
 SAMPLE = 600  # rows that estimate the noise
-NORMAL = 0.6745  # median of |x| of a normal distribution
-ERRORS = 4.0  # standard errors in the bound
-SAFETY = 1.25  # of the estimate of the bending
-LEAST_RATIO, CORNER = 1.33, 2.0  # of the bending when the length doubles: at a jump, at a corner
-SMOOTH = 4.0  # the same without corners; more is not counted on
+TRIMMED = 0.6230  # mean square of the nine tenths of a normal distribution nearest its mean
+ERRORS = 3.0  # standard errors in the bound
+LEAST_RATIO, SMOOTH = 1.28, 4.0  # growth of the bending with twice the length, that is counted on
+WRONG = 6.0  # standard deviations: so far off is a row that is wrong, no noise
+SURE = 2.0  # standard errors by which residuals are more than rounding
 JUMP = 1.5  # a smaller ratio speaks of a jump
 NEAR = 2.0  # smoothing lengths around a phase in which bending counts there
 
 Rows = list[list[float]]
+Shares = dict[float, np.ndarray]  # of fits by their smoothing length, at every knot
 
 
-def noise(turn: Turn) -> float:
-    """Standard deviation of the rows, m: of the rounding, or more where rows scatter more.
+def scatter(turn: Turn) -> float:
+    """Standard deviation of the rows before there is a fit, m: no less than that of the rounding.
 
     The scatter is the least of three estimates from polynomials of rising degree: where the lift
     itself bends between rows, the higher ones see less of it.
@@ -75,8 +81,8 @@ def noise(turn: Turn) -> float:
     estimates = [0.0] if len(moving) == 0 else []
     for reach in (2, 3, 4) if len(moving) else ():
         off, weights = turn.deviations(reach)
-        scatter = np.sort((np.abs(off) / np.sqrt(1.0 + (weights * weights).sum(axis=0)))[moving])
-        estimates.append(float(scatter[(len(moving) - 1) // 2]) / NORMAL)
+        squares = np.sort((off * off / (1.0 + (weights * weights).sum(axis=0)))[moving])
+        estimates.append(sqrt(float(squares[: int(0.9 * len(moving)) + 1].mean()) / TRIMMED))
     return max(turn.quantum / sqrt(12.0), min(estimates))
 
 
@@ -151,6 +157,14 @@ def piece(coefficients: np.ndarray, i: int, base: float = 0.0) -> Piece:
     return Piece(center, (high - low) / 2, tuple(values + [0.0] * (TERMS - WIDTH)))
 
 
+def widest(values: np.ndarray, reach: np.ndarray | float) -> np.ndarray:
+    """The largest of values (not negative) within `reach` knots."""
+    found, most = values, int(np.max(reach))
+    for step in range(-most, most + 1):
+        found = np.maximum(found, np.where(abs(step) <= reach, np.roll(values, step), 0.0))
+    return found
+
+
 class Factors:
     """LDL' of a symmetric positive definite band matrix; `rows[i][k]` is its (i, i - k)."""
 
@@ -172,7 +186,7 @@ class Factors:
             self.lower.append(lower)
             self.pivots.append(pivot)
 
-    def solve(self, right: Sequence) -> np.ndarray:
+    def solve(self, right: Sequence | np.ndarray) -> np.ndarray:
         """The solution for one right-hand side, or for every column of several."""
         x, n = list(right), len(right)
         for i, row in enumerate(self.lower):
@@ -191,9 +205,8 @@ class Factors:
 
 @dataclass(frozen=True)
 class Fit:
-    """Coefficients of one smoothing length at every knot, and what solves for others."""
+    """Coefficients of one smoothing length, and what solves for others."""
 
-    weights: np.ndarray
     coefficients: np.ndarray
     factors: Factors
 
@@ -230,8 +243,10 @@ class Smoother:
         root = np.sqrt(self.shares)
         factors = self.weights * root[:, None]
         self.normal, self.right = self._equations(self.interval, factors, turn.lift * root)
+        bent = np.tile(PENALTY, (n, 1))  # centred at knot i + 2
+        self.penalty = self._equations(np.arange(n), bent, np.zeros(n))
         self.rows_per_knot = len(turn.lift) / n
-        self.fits: dict[bytes, Fit] = {}
+        self.fits: dict[float, Fit] = {}
 
     def _levels(self) -> dict[int, float]:
         """Coefficients held at the level of a dwell, but for what rounding may hide at its ends.
@@ -272,21 +287,21 @@ class Smoother:
         np.add.at(band, (row[pair], down[pair]), products[pair])
         return band, right
 
-    def fit(self, length: np.ndarray | float) -> Fit:
-        """The fit of a smoothing length in knot spacings: one, or one at every knot (count,)."""
-        square = np.broadcast_to(length, self.count) ** 2
-        weights = self.rows_per_knot * square * square * square * square
-        key = weights.tobytes()
-        if key not in self.fits:
-            factors = np.sqrt(np.roll(weights, 1))[:, None] * PENALTY  # centred at knot i - 1
-            none = np.zeros(self.count)
-            penalty, right = self._equations(np.arange(self.count), factors, none)
-            solver = Factors((self.normal + penalty).tolist())
+    def fit(self, length: float) -> Fit:
+        """The fit of one smoothing length, in knot spacings."""
+        length = float(f"{length:.9g}")  # one for those that differ by rounding
+        if length not in self.fits:
+            weight = self.rows_per_knot * length**8
+            solver = Factors((self.normal + weight * self.penalty[0]).tolist())
             solved = np.zeros(self.count)
-            solved[self.order] = solver.solve((self.right + right).tolist())
+            solved[self.order] = solver.solve((self.right + weight * self.penalty[1]).tolist())
             solved[list(self.levels)] = list(self.levels.values())
-            self.fits[key] = Fit(weights, solved, solver)
-        return self.fits[key]
+            self.fits[length] = Fit(solved, solver)
+        return self.fits[length]
+
+    def change(self, length: float) -> np.ndarray:
+        """|change| of c_thetatheta at every knot when the length doubles, m/rad2."""
+        return np.abs(self.knot_accels(self.fit(2.0 * length)) - self.knot_accels(self.fit(length)))
 
     def balanced(self, sigma: float) -> np.ndarray:
         """The smoothing length at every knot that balances bending and noise (see the module)."""
@@ -294,12 +309,8 @@ class Smoother:
         length = np.full(self.count, LENGTHS[0])
         good = np.ones(self.count, bool)
         for x in LENGTHS:
-            fit = self.fit(x)
-            change = np.abs(self.knot_accels(self.fit(2.0 * x)) - self.knot_accels(fit))
-            bad = change > BALANCE * sigma * self.spread(fit, knots, basis(np.zeros(1), 2))
-            reach = int(np.ceil(NEAR * x))
-            for step in range(-reach, reach + 1):
-                good &= ~np.roll(bad, step)
+            limit = BALANCE * sigma * self.spread({x: np.ones(self.count)}, knots)
+            good &= widest(self.change(AHEAD * x), NEAR * x) <= widest(limit, NEAR * x)
             if not good.any():
                 break
             length[good] = x
@@ -313,11 +324,11 @@ class Smoother:
     def with_rms(self, wanted: float) -> float:
         """The length whose root mean square deviation is `wanted`, or the nearest there is."""
         low, high = LENGTHS[0], LENGTHS[-1]
-        if self.rms(self.fit(low)) >= wanted:
+        if self.rms(self.fit(low).coefficients) >= wanted:
             return low
         for _ in range(HALVINGS):
             middle = sqrt(low * high)
-            if self.rms(self.fit(middle)) < wanted:
+            if self.rms(self.fit(middle).coefficients) < wanted:
                 low = middle
             else:
                 high = middle
@@ -329,31 +340,41 @@ class Smoother:
         weights = np.broadcast_to(basis(np.zeros(1), 2), (self.count, WIDTH))
         return at(fit.coefficients, knots, weights) * self.per_square
 
-    def residuals(self, fit: Fit) -> np.ndarray:
-        """Spline minus table, m, at every row."""
-        return at(fit.coefficients, self.interval, self.weights) - self.turn.lift
+    def leverage(self, length: float) -> np.ndarray:
+        """Diagonal of the matrix that makes the coefficients of themselves, by way of the rows."""
+        size, found = len(self.order), np.zeros(self.count)
+        normal = np.zeros((size, size))
+        for k in range(self.band + 1):
+            places = np.arange(k, size)
+            normal[places, places - k] = normal[places - k, places] = self.normal[k:, k]
+        found[self.order] = np.diagonal(self.fit(length).factors.solve(normal))
+        return found
 
-    def rms(self, fit: Fit) -> float:
+    def residuals(self, coefficients: np.ndarray) -> np.ndarray:
+        """Spline minus table, m, at every row."""
+        return at(coefficients, self.interval, self.weights) - self.turn.lift
+
+    def rms(self, coefficients: np.ndarray) -> float:
         """Root mean square deviation from the rows that move, m."""
-        off = self.residuals(fit)[(self.turn.line > 0) & (self.turn.lift != 0.0)]
+        off = self.residuals(coefficients)[(self.turn.line > 0) & (self.turn.lift != 0.0)]
         return sqrt(float((off * off).sum()) / max(1, len(off)))
 
-    def accels(self, fit: Fit) -> np.ndarray:
-        """c_thetatheta at `halves`, m/rad2."""
-        return at(fit.coefficients, *self.halves) * self.per_square
-
-    def response(self, fit: Fit, intervals: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    def response(self, shares: Shares, intervals: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """How derivatives answer to the right-hand side: (count, places), zero where held."""
         right = np.zeros((self.count, len(intervals)))
         for k in range(WIDTH):
             right[(intervals + k) % self.count, np.arange(len(intervals))] = weights[..., k]
         whole = np.zeros_like(right)
-        whole[self.order] = fit.factors.solve(right[self.order])
+        for length, share in shares.items():
+            mine = right * share[:, None]
+            some = np.flatnonzero(mine.any(axis=0))
+            found = self.fit(length).factors.solve(mine[np.ix_(self.order, some)])
+            whole[np.ix_(self.order, some)] += found
         return whole
 
-    def spread(self, fit: Fit, intervals: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Standard errors of c_thetatheta at places per standard deviation of the rows, 1/rad2."""
-        z = self.response(fit, intervals, weights)[self.order]
+    def spread(self, shares: Shares, intervals: np.ndarray) -> np.ndarray:
+        """Standard errors of c_thetatheta at knots per standard deviation of the rows, 1/rad2."""
+        z = self.response(shares, intervals, basis(np.zeros(1), 2))[self.order]
         total = (self.normal[:, :1] * z * z).sum(axis=0)
         for k in range(1, self.band + 1):
             total += 2.0 * (self.normal[k:, k : k + 1] * z[k:] * z[:-k]).sum(axis=0)
@@ -377,100 +398,115 @@ class Accuracy:
     line: int  # of the file, where it is largest
     length_deg: float  # smoothing length
     accel: float  # largest |c_thetatheta|
-    standard: float  # standard error of c_thetatheta
+    standard: float  # largest standard error of c_thetatheta
     worst: float  # its error were every row half a digit off, in the worst direction
     bending: float  # the rest of the bound: what smoothing may have changed
     jump_deg: float | None  # where c_thetatheta seems to jump
 
     @property
     def bound(self) -> float:
-        """Bound on the error of c_thetatheta anywhere."""
+        """Largest bound on the error of c_thetatheta at a phase."""
         return ERRORS * self.standard + self.bending
 
 
 class Errors:
     """The errors of one fit, looked at only where they are asked for."""
 
-    def __init__(self, smoother: Smoother, length: np.ndarray | float, noise: float):
-        self.smoother, self.noise = smoother, noise
-        self.length = np.broadcast_to(length, smoother.count)  # (knots,), in knot spacings
-        self.fit = smoother.fit(self.length)
+    def __init__(self, smoother: Smoother, length: np.ndarray | float):
+        self.smoother, self.given, count = smoother, length, smoother.count
+        self.length = np.broadcast_to(length, count)  # (knots,), in knot spacings
+        self.shares: Shares = {}
+        if isinstance(length, float):
+            self.shares = {length: np.ones(count)}
+        else:
+            place = np.interp(np.log(length), np.log(LENGTHS), np.arange(len(LENGTHS)))
+            hats = {x: np.maximum(0.0, 1.0 - abs(place - m)) for m, x in enumerate(LENGTHS)}
+            self.shares = {x: hat for x, hat in hats.items() if hat.any()}
+        self.coefficients = self._blended(lambda x: smoother.fit(x).coefficients)
+
+    @property
+    def rougher(self) -> Errors:
+        """Those of a fit with lengths AHEAD of these."""
+        return Errors(self.smoother, AHEAD * self.given)
+
+    def _blended(self, value: Callable[[float], np.ndarray]) -> np.ndarray:
+        """What a smoothing length gives at every knot, of the lengths that count there."""
+        return sum(share * value(x) for x, share in self.shares.items())
 
     @cached_property
-    def changes(self) -> list[np.ndarray]:
-        """|change| of c_thetatheta at `Smoother.halves` when the length doubles, and again."""
-        s = self.smoother
-        accels = [s.accels(s.fit(self.length * factor)) for factor in (1.0, 2.0, 4.0)]
-        return [np.abs(b - a) for a, b in pairwise(accels)]
+    def noise(self) -> float:
+        """Standard deviation of a row, m: of the rounding, or what the residuals show for sure.
+
+        Their squares over the degrees of freedom, the rows less the trace of the hat matrix, have a
+        relative standard error of sqrt(2 / freedom).
+        """
+        s, off = self.smoother, self.smoother.residuals(self.coefficients)
+        moves = np.isin(s.interval, s.moving)
+        left = float(s.shares[moves].sum() - self._blended(s.leverage).sum())
+        squares = (s.shares * off * off)[moves]
+        squares = squares[squares < (WRONG * scatter(s.turn)) ** 2]
+        found = sqrt(float(squares.sum()) / max(left, 1.0))
+        rounding = s.turn.quantum / sqrt(12.0)
+        return found if found > (1.0 + SURE / sqrt(2.0 * max(left, 1.0))) * rounding else rounding
+
+    @cached_property
+    def changes(self) -> tuple[np.ndarray, np.ndarray]:
+        """|change| of c_thetatheta at every knot when the length doubles, and again."""
+        change = self.smoother.change
+        return self._blended(change), self._blended(lambda x: change(2.0 * x))
 
     @cached_property
     def standard(self) -> np.ndarray:
-        """Standard errors of c_thetatheta at the knots of the moving intervals, m/rad2."""
-        s = self.smoother
-        return self.noise * s.spread(self.fit, s.moving, basis(np.zeros(1), 2))
+        """Standard errors of c_thetatheta at every knot, m/rad2; 0 in a dwell."""
+        s, found = self.smoother, np.zeros(self.smoother.count)
+        found[s.moving] = self.noise * s.spread(self.shares, s.moving)
+        return found
 
     @cached_property
-    def ratio(self) -> float:
-        """How the bending grows when the length doubles; as at a corner where it is not seen."""
-        first, second = (float(max(change)) for change in self.changes)
-        return second / first if first > BALANCE * max(self.standard) else CORNER
+    def excess(self) -> np.ndarray:
+        """How much more a length AHEAD changes c_thetatheta than QUIET standard errors, m/rad2."""
+        change = self._blended(lambda x: self.smoother.change(AHEAD * x))
+        return np.maximum(change - QUIET * self.standard, 0.0) * (self.standard > 0.0)
 
-    @property
-    def factor(self) -> float:
-        """Of the bending over what it changes when the length doubles."""
-        return SAFETY / (min(max(self.ratio, LEAST_RATIO), SMOOTH) - 1.0)
+    @cached_property
+    def ratio(self) -> np.ndarray:
+        """How the bending about every knot grows when the length doubles."""
+        change, more = (widest(value, NEAR * self.length) for value in self.changes)
+        return np.clip(more / np.maximum(change, TINY), LEAST_RATIO, SMOOTH)
 
     @cached_property
     def bounds(self) -> list[float]:
-        """Bound on the error of c_thetatheta in every knot interval, m/rad2; 0 in a dwell.
-
-        The bending at a place is the mean of what doubling the length changes within a length of
-        it, since most of that is rounding, or within NEAR lengths the largest that is more.
-        """
-        s, change, sure = (
-            self.smoother,
-            np.zeros(self.smoother.count),
-            np.zeros(self.smoother.count),
-        )
-        change[s.moving] = self.changes[0].reshape(-1, 2).max(axis=1)
-        sure[s.moving] = np.where(change[s.moving] > BALANCE * self.standard, change[s.moving], 0.0)
-        middle, reach = np.floor(self.length), np.ceil(NEAR * self.length)
-        total, largest = np.zeros(s.count), np.zeros(s.count)
-        for step in range(-int(max(reach)), int(max(reach)) + 1):
-            total += np.where(abs(step) <= middle, np.roll(change, step) ** 2, 0.0)
-            largest = np.where(
-                abs(step) <= reach, np.maximum(largest, np.roll(sure, step)), largest
-            )
-        found = self.factor * np.maximum(largest, np.sqrt(total / (2 * middle + 1)))
-        found[s.moving] += ERRORS * self.standard
-        found[np.setdiff1d(np.arange(s.count), s.moving)] = 0.0
-        return found.tolist()
+        """Bound on the error of c_thetatheta in every knot interval, m/rad2; 0 in a dwell."""
+        moves = np.zeros(self.smoother.count)
+        moves[self.smoother.moving] = 1.0
+        bending = self.excess / (self.ratio ** (2 / 3) * (self.ratio - 1.0))
+        found = ERRORS * self.standard + widest(bending, self.length)
+        edge = widest(1.0 - moves, WIDTH) > 0.0  # held coefficients take no rounding: no measure
+        return (np.where(edge, widest(found, WIDTH), found) * moves).tolist()
 
     def accuracy(self) -> Accuracy:
         """Everything about the fit as a whole."""
         s, turn = self.smoother, self.smoother.turn
-        off = np.where(turn.line > 0, np.abs(s.residuals(self.fit)), 0.0)
-        accels, most = np.abs(s.accels(self.fit)), int(np.argmax(self.changes[0]))
+        off = np.where(turn.line > 0, np.abs(s.residuals(self.coefficients)), 0.0)
+        accels = np.abs(at(self.coefficients, *s.halves) * s.per_square)
         middle = s.moving[[np.argmax(accels) // 2]]
-        answer = s.response(self.fit, middle, basis(np.array([0.5]), 2))
+        answer = s.response(self.shares, middle, basis(np.array([0.5]), 2))
         answer = (s.shares * at(answer, s.interval, s.weights).T).T[turn.line > 0]
-        bound = float(max(self.bounds))
-        jump = self.changes[0][most] > BALANCE * max(self.standard) and self.ratio < JUMP
+        most = int(np.argmax(self.excess))
+        jump = self.excess[most] > 0.0 and self.ratio[most] < JUMP
         return Accuracy(
             rows=int((turn.line > 0).sum()),
             knots=s.count,
             lift=float(max(turn.lift) - min(turn.lift)),
             quantum=turn.quantum,
             noise=self.noise,
-            rms=s.rms(self.fit),
+            rms=s.rms(self.coefficients),
             largest=float(max(off)),
             line=int(turn.line[np.argmax(off)]),
             length_deg=float(np.median(self.length[s.moving])) * 360.0 / s.count,
             accel=float(max(accels)),
             standard=float(max(self.standard)),
             worst=float(0.5 * turn.quantum * s.per_square * np.abs(answer).sum()),
-            bending=bound - ERRORS * float(max(self.standard)),
-            jump_deg=float(s.moving[most // 2] + 0.5 * (most % 2)) * 360.0 / s.count
-            if jump
-            else None,
+            bending=float(max(self.bounds)) - ERRORS * float(max(self.standard)),
+            jump_deg=most * 360.0 / s.count if jump else None,
         )

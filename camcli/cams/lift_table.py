@@ -133,17 +133,24 @@ class TableCam(BaseModel):
     @cached_property
     def errors(self) -> Errors:
         """The fit, and what it may have changed."""
-        from camcli.cams.lift_fit import Errors, Smoother, noise
+        from camcli.cams.lift_fit import Errors, Smoother, scatter
 
-        smoother, sigma = Smoother(self._turn), noise(self._turn)
-        smoothing = self.smoothing
-        fit = smoother.balanced(sigma) if smoothing is None else smoother.with_rms(smoothing)
-        return Errors(smoother, fit, sigma)
+        smoother, rms = Smoother(self._turn), self.smoothing
+        if rms is not None:
+            return Errors(smoother, smoother.with_rms(rms))
+        return Errors(smoother, smoother.balanced(scatter(self._turn)))
 
     @cached_property
     def accuracy(self) -> Accuracy:
         """Rounding found, residuals, and the bound on c_thetatheta."""
         return self.errors.accuracy()
+
+    @property
+    def rougher(self) -> TableCam:
+        """The same table with a rougher fit."""
+        other = self.model_copy()
+        other.__dict__["errors"] = self.errors.rougher
+        return other
 
     @property
     def outside(self) -> str:
@@ -164,7 +171,7 @@ class TableCam(BaseModel):
         """Dwells, and between them the spline in chunks of equal pieces."""
         from camcli.cams.lift_fit import piece
 
-        smoother, coefficients = self.errors.smoother, self.errors.fit.coefficients
+        smoother, coefficients = self.errors.smoother, self.errors.coefficients
         count, moving = smoother.count, set(smoother.moving.tolist())
         parts = []
         for moves, group in groupby(range(count), moving.__contains__):

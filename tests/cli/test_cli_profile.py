@@ -65,7 +65,9 @@ def test_a_flat_face_that_is_undercut_is_warned_of(cam, tmp_path):
     done = cam(*ONLY, "-c", TABLE, "--set cam.base_radius=0.018")
     assert "warning: a flat-faced follower undercuts this cam" in done.stderr
     needed = done.stderr.partition("the base radius must exceed ")[2].split()[0]
-    assert float(needed) == pytest.approx(0.03322801, rel=0.005)  # of the law
+    assert float(needed) == pytest.approx(
+        0.03322801, rel=0.01
+    )  # of the law; c_thetatheta is bounded to 2.4 %
     _, result = profiled(cam, tmp_path, "-c", TABLE, "--base-radius", "0.0335")
     flat = result["flat_faced"]
     assert flat["undercut"] is False

@@ -4,7 +4,7 @@ The set of phases with N <= 0 opens in a region at the least omega*(theta) and f
 largest, omega* being the smallest positive root of the quadratic in `force`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import inf, pi
@@ -12,7 +12,7 @@ from math import inf, pi
 from camcli.analysis.bracketing import NARROW
 from camcli.analysis.contact_loss.force import DEG, Force
 from camcli.cams.regions import Region
-from camcli.kernel.cam_table import TURN
+from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.system import System, omega_of
 
 RPM = 30.0 / pi  # rpm per rad/s
@@ -171,6 +171,23 @@ def first_loss(system: System, errors: Sequence[float] = (0.0,), share: float = 
     errors: bounds on the error of a measured c_thetatheta, m/rad2, in equal parts of the turn;
     share: by how much of them it is off, from -1, lost soonest, to 1.
     """
-    last = len(errors) - 1
-    force = Force(system, lambda x: share * errors[min(int(x / TURN * (last + 1)), last)])
+    force = Force(system, _shared(errors, share))
     return force.lowest(lambda i, x: force.lost(i, x)[0])[0] * RPM
+
+
+def loss_range(system: System, errors: Sequence[float], rough: System) -> tuple[float, float]:
+    """The rpm between which contact is first lost, with a measured cam within its error.
+
+    The least speed of a noisy curve lies below that of the true one, the more so the flatter it is:
+    the upper end is that of one phase, where a rougher fit, whose noise is another, is weakest.
+    """
+    weak, late = Force(rough), Force(system, _shared(errors, 1.0))
+    theta = weak.lowest(lambda i, x: weak.lost(i, x)[0])[2]
+    high = late.lost(stretch_at(system.cam, theta), theta)[0] * RPM
+    return first_loss(system, errors, -1.0), high
+
+
+def _shared(errors: Sequence[float], share: float) -> Callable[[float], float]:
+    """A share of the errors as a function of phase."""
+    last = len(errors) - 1
+    return lambda x: share * errors[min(int(x / TURN * (last + 1)), last)]
