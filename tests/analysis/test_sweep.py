@@ -27,13 +27,6 @@ def test_an_orbit_still_settling_is_named_after_it(chapter):
         assert named[1].exponent < 0.0
 
 
-def test_only_what_was_asked_for_is_recorded(chapter):
-    result = sweep(chapter, [700.0], settings(5, 5), impacts=False)
-    assert result.speeds[0].impacts is None
-    result = sweep(chapter, [700.0], settings(5, 5), strobe=False)
-    assert result.speeds[0].strobe is None
-
-
 @pytest.mark.slow
 def test_after_a_chatter_the_motion_is_the_machines_not_one_of_rounding(chapter):
     """Labels and points of 357.8 to 359.6 rpm, where a fifth of the records close by accident."""

@@ -2,7 +2,6 @@
 
 import os
 import re
-from concurrent.futures import ThreadPoolExecutor
 from itertools import combinations
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,11 +18,10 @@ from camcli.plots import style
 from camcli.plots.axes import draw_forces, newtons
 from camcli.plots.branch_lines import colours
 from camcli.plots.picture import Panel, Picture
-from camcli.plots.simulate import draw_simulation
 from camcli.plots.sweep import draw_sweep
 from camcli.scene.schema import Plot
 from tests.conftest import settings
-from tests.output.pictures import EVEN, bounce, panel, png, speed, sweep_of
+from tests.output.pictures import panel, png, speed, sweep_of
 
 FOLDER = Path(style.__file__).parent
 ROLES = (
@@ -123,15 +121,6 @@ def test_same_bytes_whatever_the_user_set_and_his_settings_stay(drawn):
         assert dict(matplotlib.rcParams) == before
     assert b"Software" not in first
     assert b"tIME" not in first
-
-
-@pytest.mark.slow
-def test_threads_draw_the_same_and_leave_the_settings_alone():
-    before = dict(matplotlib.rcParams)
-    with ThreadPoolExecutor(3) as pool:
-        drawn = list(pool.map(lambda _: png(draw_simulation(bounce(), EVEN, 2)), range(3)))
-    assert len(set(drawn)) == 1
-    assert dict(matplotlib.rcParams) == before
 
 
 # --- forms
