@@ -81,6 +81,7 @@ class Piece:
     center: float
     half: float
     coefficients: tuple[float, ...]
+    rests: tuple[float, float] = (0.0, 0.0)  # what the first two coefficients leave out
 
     def derivative(self, order: int) -> tuple[float, ...]:
         """Coefficients of the order-th derivative, padded to the same length."""
@@ -92,8 +93,9 @@ class Piece:
         return tuple(values + [0.0] * order)
 
     def row(self) -> list[float]:
-        """The kernel's row: centre, then the coefficients of each derivative."""
-        return [self.center, *(x for order in range(ORDERS) for x in self.derivative(order))]
+        """The kernel's row: centre, the coefficients of each derivative, the rests."""
+        values = [x for order in range(ORDERS) for x in self.derivative(order)]
+        return [self.center, *values, *self.rests]
 
     def bounds(self, order: int, cuts: int) -> tuple[float, float]:
         """Rigorous (low, high) of the order-th derivative on the piece.
@@ -138,8 +140,13 @@ def _fit(lift: Callable[[Any], Any], low: float, high: float) -> tuple[Piece, bo
     accel = [value * (k * k * (k * k - 1)) / 3 for k, value in enumerate(sizes)]
     good = max(sizes[-2:]) <= LIFT_TAIL * size and max(accel[-2:]) <= ACCEL_TAIL * max(accel)
     scaled = (powers * arb_mat([[value] for value in series])).entries()
-    coefficients = tuple(float(value / arb(half) ** j) for j, value in enumerate(scaled))
-    return Piece(center, half, coefficients), good
+    exact = [value / arb(half) ** j for j, value in enumerate(scaled)]
+    return Piece(center, half, tuple(map(float, exact)), (_rest(exact[0]), _rest(exact[1]))), good
+
+
+def _rest(value: arb) -> float:
+    """What its double leaves out."""
+    return float(value - float(value))
 
 
 def _compile(part: Part, low: float, high: float) -> list[Piece]:
@@ -153,7 +160,7 @@ def _compile(part: Part, low: float, high: float) -> list[Piece]:
     if part.lift is None:
         half = (high - low) / 2
         level = (float(part.level),) + (0.0,) * (TERMS - 1)
-        return [Piece((low + high) / 2, half, level)]
+        return [Piece((low + high) / 2, half, level, (_rest(arb(part.level)), 0.0))]
     count = 1
     while True:
         width = (high - low) / count
@@ -177,6 +184,7 @@ def build(shape: Shape, strobe_deg: float = 0.0) -> Cam:
     with precision(DIGITS):
         cuts, strobe = _cuts(shape.parts(), float(radians(strobe_deg)))
         stretches = [_compile(part, low, high) for part, low, high in cuts]
+        rests = [_rest(part.start) if low == float(part.start) else 0.0 for part, low, _ in cuts]
     pieces = [piece for group in stretches for piece in group]
     first = [sum(len(group) for group in stretches[:n]) for n in range(len(stretches))]
     starts = [_values(pieces[k], low) for k, (_, low, _) in zip(first, cuts, strict=True)]
@@ -207,6 +215,7 @@ def build(shape: Shape, strobe_deg: float = 0.0) -> Cam:
             c_min=bounds[n][0][0],
             slope_min=bounds[n][1][0],
             dwell=int(bounds[n][0][0] == bounds[n][0][1]),
+            rest=rests[n],
         )
         for n, (group, (_, low, high)) in enumerate(zip(stretches, cuts, strict=True))
     ]

@@ -25,6 +25,25 @@ V0, V1, V2, V3, V4, V5, V6, V7, V8, V9, V10 = (1.0 / factorial(2 * n + 2) for n 
 _, S1, S2, S3, S4, S5, S6, S7, S8, S9, S10 = (1.0 / factorial(2 * n + 1) for n in range(11))
 
 
+SPLIT = 134217729.0  # 2^27 + 1 (Veltkamp)
+
+
+@inlined
+def product_rest(a, b, product):
+    """a b - product, exact where product is a b in doubles (Dekker, Numer. Math. 18, 1971)."""
+    high, low = SPLIT * a, SPLIT * b
+    a1, b1 = high - (high - a), low - (low - b)
+    a2, b2 = a - a1, b - b1
+    return ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2
+
+
+@inlined
+def sum_rest(a, b, total):
+    """a + b - total, exact where total is a + b in doubles (Knuth)."""
+    part = total - a
+    return (a - (total - part)) + (b - part)
+
+
 @inlined
 def cos_sin_series(t):
     """V(t) = (C(t) - 1)/t and S(t) for |t| <= 2.5, both to about 1 ulp.
@@ -62,6 +81,42 @@ def sincos(x):
     if quadrant == 2:
         return -sine, -cosine
     return -cosine, sine
+
+
+@inlined
+def sine_versine(x, x_rest):
+    """sin and 1 - cos of x + x_rest, x >= 0, each in two parts, to about 2e-17."""
+    if x > MEANINGLESS:
+        return 0.0, 0.0, 0.0, 0.0
+    n = int(x * TWO_OVER_PI + 0.5)
+    whole = float(n)
+    a, b = x - whole * PIO2_1, whole * PIO2_2
+    z = a - b
+    rest = sum_rest(a, -b, z) - whole * PIO2_3 + x_rest
+    if z > 1.0 or z < -1.0:
+        z = 0.0
+    p = z * z
+    y = p * p
+    v = y * (V2 + y * (V4 + y * V6)) - p * (V1 + y * (V3 + y * (V5 + y * V7)))
+    s = y * (S2 + y * (S4 + y * (S6 + y * S8))) - p * (S1 + y * (S3 + y * (S5 + y * S7)))
+    half, more = 0.5 * p, z * s
+    sine = z + more
+    versine = half + p * v
+    sine_rest = (z - sine) + more + rest * (1.0 - versine)
+    versine_rest = (half - versine) + p * v + (0.5 * product_rest(z, z, p) + sine * rest)
+    quadrant = n & 3
+    if quadrant == 0:
+        return sine, sine_rest, versine, versine_rest
+    cosine = 1.0 - versine
+    cosine_rest = (1.0 - cosine) - versine - versine_rest
+    if quadrant == 2:
+        fall = 1.0 + cosine
+        return -sine, -sine_rest, fall, (1.0 - fall) + cosine + cosine_rest
+    if quadrant == 1:
+        fall = 1.0 + sine
+        return cosine, cosine_rest, fall, (1.0 - fall) + sine + sine_rest
+    fall = 1.0 - sine
+    return -cosine, -cosine_rest, fall, (1.0 - fall) - sine - sine_rest
 
 
 @outlined

@@ -14,7 +14,7 @@ TURN = 6.283185307179586  # rad, 2 pi as a double
 TERMS = 14  # coefficients of a piece
 ORDERS = 7  # c and its derivatives up to the sixth
 
-PIECE = 1 + ORDERS * TERMS  # a piece: its centre, then the coefficients of each derivative
+PIECE = 3 + ORDERS * TERMS  # its centre, the coefficients of each derivative, two rests
 
 
 class Stretch(NamedTuple):
@@ -44,6 +44,7 @@ class Stretch(NamedTuple):
     c_min: float  # lower bounds of c and c_theta
     slope_min: float
     dwell: int  # 1 where c is constant
+    rest: float  # rad, what `start` leaves out of the corner's phase
 
 
 class Cam(NamedTuple):
@@ -57,9 +58,15 @@ class Cam(NamedTuple):
 
 @inlined
 def polynomial(table, o, x):
-    """Sum of table[o + j] x^j for j < TERMS, as two Horner chains at half the latency."""
+    """Sum of table[o + j] x^j for j < TERMS."""
+    return table[o] + polynomial_gain(table, o, x)
+
+
+@inlined
+def polynomial_gain(table, o, x):
+    """`polynomial` without its constant, as two Horner chains at half the latency."""
     y = x * x
-    even = table[o] + y * (
+    even = y * (
         table[o + 2]
         + y
         * (
@@ -103,6 +110,17 @@ def lift(cam, i, theta):
 
 
 @inlined
+def lift_parts(cam, i, theta):
+    """c and c_theta in two parts each, whose sums are exact to about 1e-17, and c_thetatheta."""
+    o = piece_at(cam, i, theta)
+    x = theta - cam.pieces[o]
+    level, slope = cam.pieces[o + 1], cam.pieces[o + 1 + TERMS]
+    gain = polynomial_gain(cam.pieces, o + 1, x) + cam.pieces[o + PIECE - 2]
+    bend = polynomial_gain(cam.pieces, o + 1 + TERMS, x) + cam.pieces[o + PIECE - 1]
+    return level, gain, slope, bend, polynomial(cam.pieces, o + 1 + 2 * TERMS, x)
+
+
+@inlined
 def lift_at(cam, i, theta):
     """`lift`, reading the stored values at the two ends of the stretch."""
     if theta == cam.stretches[i].start:
@@ -113,10 +131,10 @@ def lift_at(cam, i, theta):
 
 
 @inlined
-def third(cam, i, theta):
-    """Third derivative of c at theta within stretch i."""
+def derivative(cam, order, i, theta):
+    """Derivative of c of an order at theta within stretch i."""
     o = piece_at(cam, i, theta)
-    return polynomial(cam.pieces, o + 1 + 3 * TERMS, theta - cam.pieces[o])
+    return polynomial(cam.pieces, o + 1 + order * TERMS, theta - cam.pieces[o])
 
 
 @inlined

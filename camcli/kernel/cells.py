@@ -138,7 +138,7 @@ def begin_cell(cam, targets, cells, n, state, cell):
     state.gap, state.gap_rate = cells.gap[n], cells.rate[n]
     state.mode, state.stretch = cells.mode[n], cam.strobe
     state.impacts, state.chattered, state.idle, state.total_impacts = 0, 0, 0, 0
-    state.flown, state.period = 0, 0
+    state.flown, state.period, state.known, state.rest = 0, 0, 0, 0.0
     cell.begun, cell.used, cell.stay, cell.longest, cell.symbol = 1, 0, 0, 0, 0
     cell.box = visited_box(targets, state.gap, state.gap_rate)
     meet(targets, state.gap, state.gap_rate, cell)

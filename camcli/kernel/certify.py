@@ -3,7 +3,7 @@
 from enum import IntEnum
 
 from camcli.kernel.cam_table import TURN
-from camcli.kernel.contact_search import LANDED, LOST, STUCK
+from camcli.kernel.contact_search import LANDED, LOST, NEARLY, STUCK, flight_at, gap_at
 from camcli.kernel.flight import BOUNCED, FREE, fly
 from camcli.kernel.flow import constants_of, flow
 from camcli.kernel.marks import entry, inlined
@@ -43,10 +43,16 @@ def next_contact(cam, const, flows, i, theta, v, most, work):
     """
     gap, rate, mode, turn = 0.0, v, BOUNCED, 0
     for _ in range(MOST_STEPS):
-        code, theta, gap, rate = fly(cam, const, flows, i, theta, gap, rate, mode, work)
+        f = flight_at(cam, const, i, theta, gap, rate)
+        code, theta, gap, rate = fly(cam, const, flows, i, f, mode, work)
         mode = FREE
         if code in (STUCK, LOST):
             return code, theta, turn
+        if code == NEARLY:
+            gap, rate, _ = gap_at(cam, const, i, f, theta - f.theta, work)
+            code, theta = LANDED, min(theta - gap / rate, cam.stretches[i].end)
+        if code == LANDED:
+            gap = 0.0
         if theta < cam.stretches[i].end:
             if code == LANDED:
                 return code, theta, turn

@@ -19,12 +19,13 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
 
-from camcli.kernel.cam_table import PIECE, TERMS, lift_at, piece_at, third
+from camcli.kernel.cam_table import PIECE, TERMS, derivative, lift_at, piece_at
 from camcli.kernel.flow import flow
 from camcli.kernel.marks import inlined, outlined
 
 CLEAR, LANDED, ACCUMULATED, STUCK, LOST = 0, 1, 2, 3, 4  # how a step ends
 DIPS, UNKNOWN = 5, 6  # what `decide` says beside CLEAR and LANDED
+NEARLY = 7  # landed, but the phase is rough
 
 PHASE_CAP = 1.5  # largest W s of one step, so that one series covers it
 MOST_HALVINGS = 60
@@ -35,6 +36,7 @@ LONGEST_PHASE = 0.5  # (W + 2 Z) s that its MOST_TERMS terms cover to rounding
 MOST_TERMS = 14
 INVERSE = (0.0, *(1.0 / n for n in range(1, MOST_TERMS + 2)))
 CONVERGED = 3e-6  # a Halley step this small, in units of u/accel, leaves less than one ulp
+ROUGH = 2e-4  # squares of a Halley step, in units of u/accel and u/jerk, that leaves about 1e-5
 
 
 @dataclass(slots=True)
@@ -66,6 +68,12 @@ class Flight(NamedTuple):
 def flight_at(cam, const, i, theta, gap, rate):
     """The flight that begins with (gap, rate) at theta of stretch i."""
     c, c1, c2 = lift_at(cam, i, theta)
+    return flight_over(cam, const, i, theta, gap, rate, c, c1, c2)
+
+
+@inlined
+def flight_over(cam, const, i, theta, gap, rate, c, c1, c2):
+    """The same where c and its derivatives at theta are known."""
     q = c + gap
     w = c1 + rate
     force = const.G + const.W2 * q
@@ -78,7 +86,7 @@ def flight_at(cam, const, i, theta, gap, rate):
 
 @inlined
 def search(cam, const, flows, i, f, work):
-    """One certified step of a flight (see the module): CLEAR, LANDED or LOST."""
+    """One certified step of a flight (see the module): CLEAR, LANDED, NEARLY or LOST."""
     s = f.end
     if const.W * s > PHASE_CAP:
         s = PHASE_CAP / const.W
@@ -150,6 +158,12 @@ def _across(cam, const, flows, i, f, work):
 
 
 @inlined
+def is_near(const, s):
+    """True where `gap_near` is worth its cost and its series long enough."""
+    return s <= NEAR and (const.W + 2.0 * const.Z) * s <= LONGEST_PHASE
+
+
+@inlined
 def gap_at(cam, const, i, f, s, work):
     """(gap, gap_rate, gap_accel) after s rad of the flight, within stretch i.
 
@@ -157,7 +171,7 @@ def gap_at(cam, const, i, f, s, work):
     numbers would drown a low hop.
     """
     work.evaluations += 1
-    if s <= NEAR and (const.W + 2.0 * const.Z) * s <= LONGEST_PHASE:
+    if is_near(const, s):
         return gap_near(cam, const, i, f, s)
     at = f.theta + s
     if at > cam.stretches[i].end:
@@ -173,9 +187,11 @@ def gap_at(cam, const, i, f, s, work):
 def land(cam, const, i, f, high, first, work):
     """Root of the gap between 0 and `high` (gap <= 0) where it is the only one; first: a guess.
 
-    Halley's iteration kept inside the bracket. The evaluation after the last step is spared where
-    the step is below CONVERGED u/accel, which leaves an error of its cube in s; u after it takes
-    the jerk where the bound on it says that this can be more than a rounding.
+    (code, theta, what theta's double leaves out, u). Halley's iteration kept inside the bracket.
+    The evaluation after the last step is spared where the step is below CONVERGED u/accel, which
+    leaves an error of its cube in s; u after it takes the jerk where the bound on it says that this
+    can be more than a rounding. Where `gap_near` is of no use a ROUGH step will do (NEARLY), for
+    `orbit_loop.landing` goes on from it; but not so close to a graze that this would say nothing.
     """
     low = 0.0
     s = first if low < first < high else 0.5 * high
@@ -187,11 +203,12 @@ def land(cam, const, i, f, high, first, work):
             low = s
         else:
             high = s
-        step = high - low
+        step, bend = high - low, 1.0
         if u < 0.0:
-            newton = -g / u
-            curve = newton * a / u
-            step = newton / (1.0 + 0.5 * curve) if abs(curve) < 0.5 else newton
+            step = -g / u
+            bend = 0.5 * step * (a / u)
+            if abs(bend) < 0.25:  # 1/(1 + bend) but for its cube
+                step *= 1.0 - bend * (1.0 - bend)
         after = s + step
         if not low < after < high:
             if abs(step) <= MEANING * (f.theta + s):
@@ -199,17 +216,25 @@ def land(cam, const, i, f, high, first, work):
             after = 0.5 * (low + high)
             if after in (low, high):
                 break
+        elif (
+            bend * bend <= ROUGH
+            and step * step * bound <= ROUGH * -u
+            and abs(a * f.q) * MEANING <= CONVERGED * u * u
+            and not is_near(const, s)
+        ):
+            return NEARLY, min(f.theta + after, cam.stretches[i].end), 0.0, u + step * a
         elif abs(step * a) <= CONVERGED * -u and abs(step) <= CONVERGED:
             if step * step * bound > MEANING * -u:
                 at = min(f.theta + s, cam.stretches[i].end)
                 _, c1, c2 = lift_at(cam, i, at)
-                jerk = -2.0 * const.Z * (a + c2) - const.W2 * (u + c1) - third(cam, i, at)
+                jerk = -2.0 * const.Z * (a + c2) - const.W2 * (u + c1) - derivative(cam, 3, i, at)
                 u += 0.5 * step * step * jerk
             u += step * a
             s = after
             break
         s = after
-    return LANDED, min(f.theta + s, cam.stretches[i].end), 0.0, u
+    after = min(f.theta + s, cam.stretches[i].end)
+    return LANDED, after, s - (after - f.theta), u
 
 
 @inlined

@@ -16,7 +16,6 @@ from camcli.kernel.contact_search import (
     MOST_REFINEMENTS,
     NEAR,
     STUCK,
-    flight_at,
     gap_at,
     gap_near,
     land,
@@ -26,26 +25,27 @@ from camcli.kernel.marks import inlined, outlined
 
 REFUSED = 1e300
 LARGEST_CHANGE = 0.25  # relative change of the acceleration that the chatter map's error covers
-TAYLOR_PHASE = 0.02  # largest (W + 2 Z) s of the follower's own series of order 6
+TAYLOR_PHASE = 0.003  # largest (W + 2 Z) s whose power 5 over 2520 is below a rounding
 HALF_PERIOD = 9.8  # just below pi squared
 
 FREE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins: gap > 0, after an impact, from sticking
 
 
 @inlined
-def fly(cam, const, flows, i, theta, gap, rate, begin, work):
-    """Advance a flight within stretch i from theta: (code, theta, gap, rate).
+def fly(cam, const, flows, i, f, begin, work):
+    """Advance a flight f within stretch i: (code, theta, gap, rate).
 
-    gap >= 0 and rate = d gap/dtheta at theta; `begin` says how the flight begins; `flows` is the
-    table of `flow.fill_flows`. Codes: CLEAR (moved on, at most to the stretch's end), LANDED
-    (contact; rate <= 0 is the relative velocity), ACCUMULATED (chatter ends at theta), STUCK (rests
-    on the cam), LOST (the step shrank to nothing: closer to grazing than doubles can tell).
+    `begin` says how it begins; `flows` is the table of `flow.fill_flows`. Codes: CLEAR (moved on,
+    at most to the stretch's end), LANDED and NEARLY (contact, see `contact_search.land`; rate <= 0
+    is the relative velocity, and for the gap stands what theta's double leaves out), ACCUMULATED
+    (chatter ends at theta), STUCK (rests on the cam), LOST (the step shrank to nothing: closer to
+    grazing than doubles can tell).
     """
+    theta, gap, rate = f.theta, f.gap, f.rate
     if gap <= 0.0 and begin == FREE:
         if rate < 0.0:
             return LANDED, theta, 0.0, rate
         begin = BOUNCED
-    f = flight_at(cam, const, i, theta, gap, rate)
     accel = f.q2 - f.c2
     bound = f.energy + cam.stretches[i].jerk_max
     radius = cam.stretches[i].radius
@@ -167,7 +167,8 @@ def _series(cam, i, f, t, hop, reach, work):
                 break
         s = after
     g, u = series_gap(f.gap, f.rate, t, s)
-    return LANDED, min(f.theta + s, cam.stretches[i].end), 0.0, u
+    after = min(f.theta + s, cam.stretches[i].end)
+    return LANDED, after, s - (after - f.theta), u
 
 
 @inlined

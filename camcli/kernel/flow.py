@@ -13,11 +13,21 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
 
-from camcli.kernel.arithmetic import cos_sin_series, exp_decay, one_minus_exp_ratio, sincos
+from camcli.kernel.arithmetic import (
+    cos_sin_series,
+    exp_decay,
+    one_minus_exp_ratio,
+    product_rest,
+    sincos,
+    sine_versine,
+    sum_rest,
+)
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.marks import entry, inlined, outlined
 
 SERIES_LIMIT = 2.5  # largest |D s^2| that one series covers
+SLOW = 1e-3  # W below which `flow` is as exact, and the equilibrium may be far away
+SHORT = 3.0  # largest 2 Z s + W^2 s^2 of the Taylor series of P
 
 
 class Constants(NamedTuple):
@@ -31,6 +41,7 @@ class Constants(NamedTuple):
     r: float  # restitution
     tolerance: float  # chatter tolerance, rad
     impact_budget: int  # impacts in one period
+    W_rest: float = 0.0  # relative: omega0/omega is W (1 + W_rest)
 
 
 @dataclass(slots=True)
@@ -44,7 +55,8 @@ class Flow:
 
 # Entries of a machine's table: SI, rpm. Any of them may be a bifurcation parameter.
 RPM, MASS, STIFFNESS, DAMPING, GRAVITY, PRELOAD, RESTITUTION = range(7)
-RAD_PER_S = 0.10471975511965977  # pi/30, rad/s per rpm
+RAD_PER_S = 0.10471975511965977  # pi/30 in doubles, rad/s per rpm
+RAD_PER_S_REST = 8.70808526642933e-18  # what it leaves out
 
 
 @inlined
@@ -55,9 +67,24 @@ def constants_of(machine, tolerance, impact_budget):
     W = sqrt(machine[STIFFNESS] / mass) / omega
     Z = machine[DAMPING] / (2.0 * mass) / omega
     G = (machine[GRAVITY] + machine[PRELOAD] / mass) / omega / omega
+    rest = _rest(machine[RPM], omega, machine[STIFFNESS], mass, W)
     return Constants(
-        W, W * W, Z, (Z - W) * (Z + W), G, machine[RESTITUTION], tolerance, impact_budget
+        W, W * W, Z, (Z - W) * (Z + W), G, machine[RESTITUTION], tolerance, impact_budget, rest
     )
+
+
+@inlined
+def _rest(rpm, omega, stiffness, mass, W):
+    """What W leaves out, relative to it: it would shift every landing in the same direction."""
+    if not W > 0.0:
+        return 0.0
+    ratio = stiffness / mass
+    omega0 = sqrt(ratio)
+    rest = -product_rest(ratio, mass, stiffness) / stiffness
+    rest -= product_rest(omega0, omega0, ratio) / ratio
+    rest = 0.5 * rest - product_rest(W, omega, omega0) / omega0
+    rest -= (product_rest(rpm, RAD_PER_S, omega) + rpm * RAD_PER_S_REST) / omega
+    return rest if abs(rest) < 1e-14 else 0.0  # an under- or overflow
 
 
 @inlined
@@ -82,7 +109,7 @@ def _flow_undamped(W, W2, s):
 def _flow_damped(const, s):
     zs = const.Z * s
     ws2 = const.W2 * s * s
-    if 2.0 * zs + ws2 <= 1.0:
+    if 2.0 * zs + ws2 <= SHORT:
         return _flow_short(const, s)
     t = const.D * s * s
     if t > SERIES_LIMIT or (t > 0.05 and ws2 < 0.25):  # (1 - position)/W2 would cancel
@@ -103,20 +130,18 @@ def _flow_damped(const, s):
 @outlined
 def _flow_short(const, s):
     """Taylor series of P by its own differential equation: no cancellation for short s."""
-    if s == 0.0:
-        return 0.0, 1.0, 0.0
     zs = 2.0 * const.Z * s
     ws2 = const.W2 * s * s
-    before = 0.0
-    term = 0.5 * s * s
-    p = term
-    b = 2.0 * term
-    for n in range(3, 23):
+    before, term = 0.0, 1.0
+    b, b1, p = 1.0, 1.0, 1.0
+    for n in range(3, 33):
         term, before = -(zs * term + ws2 * before / (n - 1)) / n, term
         p += term
-        b += n * term
-    b /= s
-    return b, 1.0 - 2.0 * const.Z * b - const.W2 * p, p
+        b += 0.5 * n * term
+        b1 += 0.5 * n * (n - 1) * term
+        if abs(term) + abs(before) <= 1e-20:
+            break
+    return b * s, b1, 0.5 * p * s * s
 
 
 @outlined
@@ -139,6 +164,54 @@ def move(const, q, w, s):
     b, b1, p = flow(const, s)
     force = const.G + const.W2 * q
     return q + (w * b - force * p), w * b1 - force * b
+
+
+@inlined
+def displacement(const, q, q_rest, w, w_rest, s, s_rest):
+    """Change of position and velocity (q, dq/dtheta) in s rad of flight, each in two parts.
+
+    Each of q, w and s has a second part, too, and omega0/omega is W (1 + W_rest): without damping
+    the error is about 1e-17 (q + w/W) and a few roundings of G/W^2, else that of `flow`.
+    """
+    s_rest += const.W_rest * s
+    if const.Z == 0.0 and const.W > SLOW:
+        return _swing(const, q, q_rest, w, w_rest, s, s_rest)
+    b, b1, p = flow(const, s)
+    force = const.G + const.W2 * q
+    rise, drop, pull = w * b, force * p, force * b
+    dq, v = rise - drop, w * b1 - pull
+    accel = -force - const.W2 * dq - 2.0 * const.Z * v
+    dq_rest = sum_rest(rise, -drop, dq) + product_rest(w, b, rise) - product_rest(force, p, drop)
+    dq_rest += w_rest * b - const.W2 * q_rest * p + v * s_rest
+    dq_rest -= const.W_rest * (rise - 2.0 * const.G * p)
+    dw_rest = w_rest * (b1 - 1.0) + accel * s_rest + const.W_rest * (2.0 * const.G * b - pull)
+    return dq, dq_rest, v - w, dw_rest
+
+
+@inlined
+def _swing(const, q, q_rest, w, w_rest, s, s_rest):
+    """`displacement` without damping: (w/W) sin(W s) - q (1 - cos(W s)), q from the equilibrium."""
+    if const.G != 0.0:
+        spring, below = q, const.G / const.W2
+        q = spring + below
+        q_rest += sum_rest(spring, below, q)
+    W = const.W
+    x = W * s
+    sine, sine_rest, fall, fall_rest = sine_versine(x, product_rest(W, s, x) + W * s_rest)
+    inverse = 1.0 / W
+    r = w * inverse
+    r_rest = (w_rest - product_rest(W, r, w)) * inverse - const.W_rest * r
+    rise, drop = r * sine, q * fall
+    dq = rise - drop
+    dq_rest = sum_rest(rise, -drop, dq) + product_rest(r, sine, rise) - product_rest(q, fall, drop)
+    dq_rest += (r * sine_rest + r_rest * sine) - (q * fall_rest + q_rest * fall)
+    g = q * sine
+    g_rest = product_rest(q, sine, g) + (q * sine_rest + q_rest * sine)
+    pull, brake = W * g, w * fall
+    dw = pull + brake
+    dw_rest = sum_rest(pull, brake, dw) + product_rest(W, g, pull) + product_rest(w, fall, brake)
+    dw_rest += W * g_rest + const.W_rest * pull + (w * fall_rest + w_rest * fall)
+    return dq, dq_rest, -dw, -dw_rest
 
 
 @entry

@@ -5,10 +5,22 @@ from enum import IntEnum
 from typing import Any, NamedTuple
 
 from camcli.errors import Status
-from camcli.kernel.cam_table import TURN, lift_at
-from camcli.kernel.contact_search import ACCUMULATED, CONVERGED, LANDED, LOST, STUCK
+from camcli.kernel.arithmetic import product_rest, sum_rest
+from camcli.kernel.cam_table import derivative, lift_at, lift_parts
+from camcli.kernel.contact_search import (
+    ACCUMULATED,
+    CONVERGED,
+    LANDED,
+    LOST,
+    MOST_REFINEMENTS,
+    NEARLY,
+    ROUGH,
+    STUCK,
+    flight_over,
+    is_near,
+)
 from camcli.kernel.flight import BOUNCED, FREE, RELEASED, fly, leap
-from camcli.kernel.flow import move
+from camcli.kernel.flow import displacement
 from camcli.kernel.marks import entry, inlined, outlined
 from camcli.kernel.sticking import SKIP, find_detachment
 
@@ -31,7 +43,9 @@ IMPACT, CHATTER, DETACHMENT = (int(kind) for kind in EventKind)
 OK, LOG_FULL, IMPACT_BUDGET, NO_RETURN, UNRESOLVED, PAUSED, _ = (int(status) for status in Status)
 
 RESTING = 3  # a mode beside FREE, BOUNCED, RELEASED
-LONG_FLIGHT = 8  # steps: a landing after more is computed anew from where its flight began
+# 2 pi in two parts, the first of 40 bits: its products with small integers are exact.
+TURN_HIGH, TURN_LOW = 6.283185307176609, 2.9774189921946493e-12
+SMALL = 1e-8  # rad, and in units of u/accel: a step for which Newton's is exact
 MOST_STEPS_BETWEEN = 100_000  # without an impact or a corner
 
 
@@ -55,6 +69,14 @@ class State:
     from_theta: float = 0.0
     from_gap: float = 0.0
     from_rate: float = 0.0
+    from_rest: float = 0.0  # rad, what from_theta leaves out
+    from_known: int = 0  # 1 where level to slope_rest are of from_theta + from_rest
+    rest: float = 0.0  # rad, what theta leaves out of a contact's phase
+    known: int = 0  # 1 where level to slope_rest are of theta + rest
+    level: float = 0.0  # level + gain is the cam's lift, m
+    gain: float = 0.0
+    slope: float = 0.0  # slope + slope_rest is c_theta
+    slope_rest: float = 0.0
     total_impacts: int = 0
     detachments: int = 0  # outside the transient
 
@@ -132,12 +154,19 @@ def run(cam, const, flows, state, plan, log, strobe, work):
                     mode, gap, rate = RELEASED, 0.0, 0.0
                     continue
             else:
-                code, theta, gap, rate = fly(cam, const, flows, i, theta, gap, rate, mode, work)
+                if mode == BOUNCED and state.from_known:
+                    c, c1 = state.level + state.gain, state.slope
+                    c2 = derivative(cam, 2, i, theta)
+                else:
+                    c, c1, c2 = lift_at(cam, i, theta)
+                f = flight_over(cam, const, i, theta, gap, rate, c, c1, c2)
+                code, theta, gap, rate = fly(cam, const, flows, i, f, mode, work)
                 if code == LOST:
                     status = UNRESOLVED
                     break
-                if code == LANDED and (state.flown > LONG_FLIGHT or state.wraps > 1):
-                    theta, rate = landing(cam, const, state, i, theta, rate, work)
+                if code in (LANDED, NEARLY):
+                    theta, rate = landing(cam, const, state, i, theta, rate, gap, code, work)
+                    code, gap = LANDED, 0.0
                 mode, theta, rate = after_contact(
                     cam, const, state, plan, log, i, theta, rate, mode, code
                 )
@@ -160,28 +189,71 @@ def begin_flight(state, i, theta, gap, rate):
     """Keep where a flight begins, for `landing`."""
     state.flown, state.wraps = 0, 0
     state.from_stretch, state.from_theta = i, theta
-    state.from_gap, state.from_rate = gap, rate
+    state.from_gap, state.from_rate, state.from_rest = gap, rate, state.rest
+    state.from_known, state.known, state.rest = state.known, 0, 0.0
 
 
-@outlined
-def landing(cam, const, state, i, theta, rate, work):
-    """(theta, rate) of a landing after a long flight: one Newton step on the whole of it.
+@inlined
+def landing(cam, const, state, i, theta, rate, rest, code, work):
+    """(theta, rate) of a landing, by Newton's method on the whole flight, in two doubles.
 
-    Every stretch that was crossed has added a rounding, the closed form from where the flight began
-    adds but one. Near a graze, where the step would say nothing, the landing stays where it is.
+    theta to code are what `fly` says. Every stretch that was crossed has added a rounding; the
+    closed form from where the flight began adds but one, and phase, rate and lift there are known
+    to more than a double, since an orbit multiplies what a landing leaves out. Too close to a
+    graze, where a step would say nothing, the landing stays where it is.
     """
-    work.evaluations += 1
-    c, c1, _ = lift_at(cam, state.from_stretch, state.from_theta)
-    s = theta - state.from_theta + TURN * state.wraps
-    q, w = move(const, c + state.from_gap, c1 + state.from_rate, s)
-    c, c1, c2 = lift_at(cam, i, theta)
-    gap, u = q - c, w - c1
-    accel = -const.G - const.W2 * q - 2.0 * const.Z * w - c2
-    if not (u < 0.0 and abs(gap * accel) <= CONVERGED * u * u):
+    turns = TURN_HIGH * state.wraps
+    if code == LANDED and is_near(const, turns + (theta - state.from_theta)):
+        state.rest = state.from_rest + rest
         return theta, rate
-    step = -gap / u
-    after = min(max(theta + step, cam.stretches[i].start), cam.stretches[i].end)
-    return after, min(u + step * accel, 0.0)
+    if not state.from_known:
+        level, gain, slope, bend, c2 = lift_parts(cam, state.from_stretch, state.from_theta)
+        state.level, state.gain = level, gain + (slope + bend) * state.from_rest
+        state.slope = slope + bend
+        state.slope_rest = sum_rest(slope, bend, state.slope) + c2 * state.from_rest
+    gain0 = state.gain + state.from_gap
+    q, w = state.level + gain0, state.slope + state.from_rate
+    q_rest = sum_rest(state.level, gain0, q)
+    w_rest = sum_rest(state.slope, state.from_rate, w) + state.slope_rest
+    for _ in range(MOST_REFINEMENTS):
+        work.evaluations += 1
+        passed = theta - state.from_theta
+        s = turns + passed
+        s_rest = sum_rest(turns, passed, s) + sum_rest(theta, -state.from_theta, passed)
+        s_rest += TURN_LOW * state.wraps - state.from_rest
+        dq, dq_rest, dw, dw_rest = displacement(const, q, q_rest, w, w_rest, s, s_rest)
+        level, gain, slope, bend, c2 = lift_parts(cam, i, theta)
+        part = state.level - level
+        gap = (part + dq) + (sum_rest(state.level, -level, part) + (gain0 - gain) + dq_rest)
+        c1 = slope + bend
+        c1_rest = sum_rest(slope, bend, c1)
+        part = w - c1
+        u = part + dw
+        u_rest = sum_rest(part, dw, u) + sum_rest(w, -c1, part) + (w_rest - c1_rest + dw_rest)
+        accel = -const.G - const.W2 * (q + dq) - 2.0 * const.Z * (w + dw) - c2
+        if not (u < 0.0 and abs(gap * accel) <= ROUGH * u * u):
+            return theta, rate
+        step, jerk, c3 = -gap / u, 0.0, 0.0
+        if abs(step) > SMALL or abs(step * accel) > SMALL * -u:
+            step -= 0.5 * step * (step * (accel / u))
+            c3 = derivative(cam, 3, i, theta)
+            jerk = -2.0 * const.Z * (accel + c2) - const.W2 * (w + dw) - c3
+        u_rest += step * (accel + 0.5 * step * jerk)
+        rate = min(u + u_rest, 0.0)
+        after = theta + step
+        if not cam.stretches[i].start <= after <= cam.stretches[i].end:
+            return min(max(after, cam.stretches[i].start), cam.stretches[i].end), rate
+        if abs(step) <= CONVERGED:
+            break
+        theta = after
+    state.level, state.gain = level, gain + step * (c1 + 0.5 * step * c2)
+    part = step * (c2 + 0.5 * step * c3)
+    state.slope = c1 + part
+    state.slope_rest = sum_rest(c1, part, state.slope) + c1_rest
+    u_rest -= rate - u  # and what the reset leaves out
+    state.slope_rest -= product_rest(const.r, rate, const.r * rate) + const.r * u_rest
+    state.known, state.rest = 1, step - (after - theta)
+    return after, rate
 
 
 @inlined
@@ -233,6 +305,8 @@ def detach(cam, state, plan, log, i, theta):
     """Count (outside the transient) and log a detachment."""
     if state.period >= 0:
         state.detachments += 1
+    state.known = 0
+    state.rest = cam.stretches[i].rest if theta == cam.stretches[i].start else 0.0
     log_event(cam, state, plan, log, DETACHMENT, i, theta, 0.0)
 
 

@@ -6,7 +6,7 @@ minus the contact force over the mass and omega^2. Contact lasts while a < 0.
 
 from math import sqrt
 
-from camcli.kernel.cam_table import lift_at, third
+from camcli.kernel.cam_table import derivative, lift_at
 from camcli.kernel.marks import inlined, outlined
 
 MOST_STEPS = 500
@@ -18,7 +18,7 @@ ROUNDING = 4.0 * 2.220446049250313e-16
 def contact_accel(cam, const, i, theta):
     """(a, da/dtheta, size of its terms) in contact at theta within stretch i."""
     c, c1, c2 = lift_at(cam, i, theta)
-    c3 = third(cam, i, theta)
+    c3 = derivative(cam, 3, i, theta)
     a = -(const.G + const.W2 * c + 2.0 * const.Z * c1) - c2
     slope = -(const.W2 * c1 + 2.0 * const.Z * c2) - c3
     size = abs(const.G) + abs(const.W2 * c) + abs(2.0 * const.Z * c1) + abs(c2)

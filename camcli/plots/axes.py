@@ -243,7 +243,7 @@ def _values(cam: Cam, stretch: np.ndarray, x: np.ndarray) -> np.ndarray:
     start, end, first, count = (np.asarray(column(cam, name))[stretch] for name in names)
     k = np.minimum(((x - start) / (end - start) * count).astype(int), count.astype(int) - 1)
     piece = np.asarray(cam.pieces, dtype=float).reshape(-1, PIECE)[first.astype(int) + k]
-    terms = piece[:, 1:].reshape(len(x), -1, TERMS)[:, :3]
+    terms = piece[:, 1:-2].reshape(len(x), -1, TERMS)[:, :3]
     powers = (x - piece[:, 0])[:, None] ** np.arange(TERMS)
     return np.einsum("xot,xt->ox", terms, powers)
 

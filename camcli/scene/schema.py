@@ -178,7 +178,7 @@ class Run(Section):
     record: Whole = entry("turns recorded", 400, ge=1, le=MOST_TURNS)
     strobe_deg: Number = entry("phase of the strobe, deg", 0.0, ge=0, lt=360)
     chatter_tolerance: Number = entry(
-        "largest error of the accumulation phase, fraction of a turn", 1e-9, ge=1e-13, le=1e-3
+        "largest error of the accumulation phase, fraction of a turn", 1e-9, ge=1e-15, le=1e-3
     )
     impact_budget: Whole = entry("largest number of impacts in a turn", 1_000_000, ge=1, le=10**15)
     work_budget: Whole = entry(

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from camcli.cams.arcs import ArcsCam
 from camcli.cams.compile import column
-from camcli.kernel.cam_table import lift, stretch_at, third
+from camcli.kernel.cam_table import derivative, lift, stretch_at
 from tests.kernel.helpers import GEOMETRY, ORACLE_CAM, cam
 
 CAM = cam()
@@ -56,7 +56,7 @@ def test_every_bound_of_the_table_binds_and_is_not_idle():
             assert c2 - 1e-15 <= most[i]
             assert abs(d3) <= jerk[i] + 1e-12
             assert abs(d4) <= snap[i] + 1e-12
-            assert third(CAM, i, theta) == pytest.approx(float(d3), rel=1e-10, abs=1e-11)
+            assert derivative(CAM, 3, i, theta) == pytest.approx(float(d3), rel=1e-10, abs=1e-11)
             # within the radius the slope's series of six terms is exact to a rounding of 0.27
             assert abs(d7) * radius[i] ** 6 / factorial(6) <= 2e-17
     assert CAM.top == pytest.approx(0.25393320723821, rel=1e-4)

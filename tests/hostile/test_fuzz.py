@@ -131,7 +131,7 @@ PHYSICS = {
     "run.start.theta_deg": ["-1e9", "-5e-324", "139.99999999999997", "140", "360", "1e9"],
     "run.strobe_deg": ["5e-324", "1e-13", "139.99999999999997", "140.00000000000003",
                        "359.99999999999994"],
-    "run.chatter_tolerance": ["1e-13", "1e-3"],
+    "run.chatter_tolerance": ["1e-15", "1e-3"],
 }  # fmt: skip
 CAMS = {
     "cam.base": ["-1e6", "1e-300", "1e6"],

@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 from camcli.kernel import flight
 from camcli.kernel.backend import PLAIN
 from camcli.kernel.cam_table import higher
-from camcli.kernel.contact_search import ACCUMULATED, Tally
+from camcli.kernel.contact_search import ACCUMULATED, Tally, flight_at
 from camcli.kernel.flight import BOUNCED, REFUSED, chatter_map
 from camcli.kernel.flow import Constants
 from camcli.kernel.sticking import contact_accel
@@ -186,9 +186,8 @@ def test_what_the_machine_hands_to_the_map(monkeypatch):
         hop = (1 - const.r) * (part.end - theta) * rng.uniform(0.9, 1.05)
         flows = PLAIN.stretch_flows(cam, const)
         asked.clear()
-        code, reached, _, _ = flight.fly(
-            cam, const, flows, i, theta, 0.0, 0.5 * hop * force, BOUNCED, Tally()
-        )
+        f = flight_at(cam, const, i, theta, 0.0, 0.5 * hop * force)
+        code, reached, _, _ = flight.fly(cam, const, flows, i, f, BOUNCED, Tally())
         if not asked:
             continue
         drift, tau, error = asked[0]

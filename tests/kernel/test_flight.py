@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 from camcli.kernel.arithmetic import sincos
 from camcli.kernel.contact_search import LONGEST_PHASE, NEAR, flight_at, gap_near
 from camcli.kernel.flight import TAYLOR_PHASE, series_gap, taylor
-from camcli.kernel.flow import RAD_PER_S, Constants, flow
+from camcli.kernel.flow import RAD_PER_S, Constants, constants_of, displacement, flow
 from tests import oracle
 from tests.kernel.helpers import cam
 
@@ -103,12 +103,32 @@ def test_short_flights_above_a_dwell_are_exact_to_rounding(W, ratio, phase):
         with mp.workdps(40):
             b, _, p = exact(constants, s)
             true = f.w * b - (mpf(constants.G) + mpf(constants.W2) * f.q) * p
-        size = abs(rate) * s + abs(f.q2) * s * s
-        if phase == LONGEST_PHASE:
-            assert abs(gap_near(table, constants, 0, f, s)[0] - true) < 4e-16 * size
-        else:
+        found = gap_near(table, constants, 0, f, s)[0]
+        if phase == TAYLOR_PHASE:
             t = taylor(table, constants, 0, f.theta, f.q2, f.q3, f.c2)
-            assert abs(series_gap(0.0, rate, t, s)[0] - true) < 2.0**-52 * f.q  # q and c rounded
+            found = series_gap(0.0, rate, t, s)[0]
+        assert abs(found - true) < 4e-16 * (abs(rate) * s + abs(f.q2) * s * s)
+
+
+def test_a_displacement_is_exact_beyond_a_double():
+    """Undamped: with q, w and s in two parts, the exact speed and the exact square of omega0."""
+    draw = random.Random(6)
+    for _ in range(300):
+        mass, k, rpm = draw.uniform(0.1, 3), 10 ** draw.uniform(0, 8), 10 ** draw.uniform(1.5, 4)
+        gravity = draw.choice([0.0, 9.81])
+        const = constants_of([rpm, mass, k, 0.0, gravity, 0.0, 0.8], 0.0, 0)
+        q, w, s = draw.uniform(0.1, 0.5), draw.uniform(-1, 1), draw.uniform(0.03, 7.0) / const.W
+        rests = [draw.uniform(-1, 1) * 2.0**-54 * x for x in (q, w, s)]
+        dq, dq_rest, dw, dw_rest = displacement(const, q, rests[0], w, rests[1], s, rests[2])
+        with mp.workdps(40):
+            W = mp.sqrt(mpf(k) / mpf(mass)) / (mpf(rpm) * mp.pi / 30)
+            x, y, t = (mpf(value) + rest for value, rest in zip((q, w, s), rests, strict=True))
+            level = mpf(const.G) / mpf(const.W2)
+            swing, slope = (x + level) * (mp.cos(W * t) - 1), y * mp.sin(W * t) / W
+            size = 2.0**-55 * (abs(x) + abs(y) / W) + 2.0**-51 * level  # G and W2 are rounded
+            assert abs(mpf(dq) + dq_rest - (swing + slope)) < size
+            fall = y * (mp.cos(W * t) - 1) - W * (x + level) * mp.sin(W * t)
+            assert abs(mpf(dw) + dw_rest - fall) < W * size
 
 
 def test_angles():

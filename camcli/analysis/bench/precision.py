@@ -170,11 +170,11 @@ def _pairs(marks: np.ndarray, hits: np.ndarray) -> list[tuple[int, int]]:
 # --- methods
 
 MAX_TURN = 1.0 / 16.0  # largest step where there is a limit
-TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)  # rtol = atol; and ours for chatter
+TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)  # rtol = atol; and ours, of chatter alone
 STEPS = (100, 400, 1600, 6400)  # per turn, of the fixed steps
 BOTH = (TOLERANCES, TOLERANCES), ((1e-3, 1e-8, 1e-13), (1e-8,))
 SETTINGS = {  # values without and with a limit of steps, of all points and of a quick run
-    CORE: ((TOLERANCES, ()), ((1e-3, 1e-8, 1e-13), ())),
+    CORE: (((*TOLERANCES, 1e-15), ()), ((1e-3, 1e-8, 1e-15), ())),
     "radau": (
         (TOLERANCES, TOLERANCES),
         ((1e-3, 1e-6), (1e-6,)),
