@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, numbers, option
-from camcli.cli.report import at_speed, table
+from camcli.cli.report import THEORY, at_speed, table
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
-    from camcli.analysis.basins.study import Basins, Question, Study
+    from camcli.analysis.basins.study import Basins, Study
     from camcli.api.result import Result
 
 LONG = 30  # characters of a label
@@ -87,7 +87,7 @@ def _cells(text: str | None) -> list[int] | None:
     return [int(words[0]), int(words[-1])]
 
 
-def show(result: Result) -> None:
+def show(result: Result, verbose: bool) -> None:
     """The table of attractors, and for one speed what else the grid says."""
     from camcli.analysis.sweep import status_name
     from camcli.system import omega_of
@@ -110,21 +110,26 @@ def show(result: Result) -> None:
             rows.append([name, str(code), "", "", _share(share)])
     title = f"{speed.rpm:.10g} rpm, {question.method} mapping"
     table(title, ["attractor", "no.", "q (m)", "v (m/s)", "fraction"], rows)
-    for line in _lines(speed, question):
+    for line in _lines(speed, verbose):
         print(line)
+    if not verbose:
+        print(THEORY)
 
 
-def _lines(speed: Basins, question: Question) -> list[str]:
+def _lines(speed: Basins, verbose: bool) -> list[str]:
     entropies, doubt = speed.entropies, speed.uncertainty
     median, most99, most = speed.turns
     lines = [
         f"cells {speed.cells}, computed {speed.computed} "
         f"({100.0 * speed.computed / speed.cells:.3g} %); turns per cell: median {median}, 99 % "
-        f"{most99}, most {most}",
-        f"basin entropy {entropies['basin_entropy']:.4g}, boundary entropy "
-        f"{entropies['boundary_entropy']:.4g} ({entropies['boundary_boxes']} of "
-        f"{entropies['boxes']} boxes of 5 x 5 cells)",
+        f"{most99}, most {most}"
     ]
+    if verbose:
+        lines.append(
+            f"basin entropy {entropies['basin_entropy']:.4g}, boundary entropy "
+            f"{entropies['boundary_entropy']:.4g} ({entropies['boundary_boxes']} of "
+            f"{entropies['boxes']} boxes of 5 x 5 cells)"
+        )
     lines += [
         f"saddle {shown(s.orbit.label, LONG)} on the boundary: {s.led} of {s.tried} motions there "
         "are led to it"

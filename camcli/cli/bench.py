@@ -13,7 +13,7 @@ from camcli.errors import Fault, SceneError
 if TYPE_CHECKING:
     from camcli.api.result import Result
 
-WITHOUT = ("rpm", "points")  # every case has its own
+WITHOUT = ("verbose", "rpm", "points")  # every case has its own
 
 
 def bench(
@@ -66,7 +66,7 @@ def bench(
     return 0
 
 
-def show(result: Result) -> None:
+def show(result: Result, _: bool) -> None:
     """What a person reads of each part, and how much was measured."""
     from camcli.analysis.bench import precision
 

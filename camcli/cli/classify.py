@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import VARY, Request, flag, given, numbers, option, refuse_idle
-from camcli.cli.report import at_speed, pair, plural, table
+from camcli.cli.report import THEORY, at_speed, pair, plural, table
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def classify(
     return run("classify", request, values, show)
 
 
-def show(result: Result) -> None:
+def show(result: Result, verbose: bool) -> None:
     """Print ranges of one label, the explanation, and the check."""
     from camcli.api.classify import remarks
 
@@ -77,21 +77,25 @@ def show(result: Result) -> None:
     rows = [_range_row(list(group)) for _, group in alike]
     title = plural(len(motions), "motion") + at_speed([key], motions[0].rpm)
     title += f", {plural(len(rows), 'range')} of one label"
-    columns = f"label, from ({key}), to ({key}), impacts, chatter, exponent, transient".split(", ")
-    table(title, columns, rows, "classify.csv")
+    columns = f"label, motion, from ({key}), to ({key}), impacts, chatter, exponent, transient"
+    table(title, columns.split(", "), rows, "classify.csv", hidden=0 if verbose else 2)
     if explanation is not None:
-        show_explanation(explanation)
+        show_explanation(explanation, verbose)
     for line in remarks(motions, key):
         print(f"- {line}")
+    if not verbose:
+        print(THEORY)
 
 
 def _range_row(group: list[Motion]) -> list[str]:
+    from camcli.output.verdict import motion
+
     a, b = group[0], group[-1]
     transients = [m.transient for m in group if m.transient is not None]
     turns = f"{min(transients)} to {max(transients)}" if transients else ""
     return [
-        shown(a.label), f"{a.value:.10g}", f"{b.value:.10g}", f"{a.impacts:.4g}", a.chatter,
-        _exponent(group), turns,
+        shown(a.label), motion(a.label), f"{a.value:.10g}", f"{b.value:.10g}", f"{a.impacts:.4g}",
+        a.chatter, _exponent(group), turns,
     ]  # fmt: skip
 
 
@@ -107,16 +111,17 @@ def _exponent(group: list[Motion]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def show_explanation(explanation: Explanation) -> None:
+def show_explanation(explanation: Explanation, verbose: bool) -> None:
     """Print the events, the changes and a sentence for each."""
     from camcli.output.explanations import change_sentence, speed_text
 
     rows = [
-        [speed_text(e.rpm, e.error), f"{e.error:.0e}", f"{e.kind} {e.corner}".strip(),
-         shown(e.label), e.classification]
+        [speed_text(e.rpm, e.error), f"{e.kind} {e.corner}".strip(), shown(e.label),
+         f"{e.error:.0e}", e.classification]
         for e in explanation.events
     ]  # fmt: skip
-    table("Critical speeds of attractors", ["rpm", "error", "event", "motion", "class"], rows)
+    columns, hidden = ["rpm", "event", "motion", "error", "class"], 0 if verbose else 2
+    table("Critical speeds of attractors", columns, rows, hidden=hidden)
     rows = [
         [f"{c.low:.10g} - {c.high:.10g}", shown(c.before), shown(c.after), c.cause]
         for c in explanation.changes

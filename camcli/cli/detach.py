@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from camcli.cli.options import Request, flag, given, option
-from camcli.cli.report import table
+from camcli.cli.options import Request, flag, given, numbers, option
+from camcli.cli.report import THEORY, table
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
@@ -19,7 +18,6 @@ def detach(
     hold_to: str | None = option("Find the spring that holds up to this speed.", "RPM"),
     tolerance: str | None = option("By how much numbers may be off.", "KEY=5%,..."),
     report: bool = flag("Also write a page for print, report.pdf."),
-    verbose: bool = flag("Print the theory: critical speeds, bursts, corners.", "--verbose", "-v"),
 ) -> int:
     """Where contact is lost, and which spring would hold.
 
@@ -51,14 +49,11 @@ def detach(
     values = ranges(request, "detach")
     if request.rpm is not None and ":" not in request.rpm:
         values["detach.force_rpm"] = ([parse_rpm(request.rpm)], "--rpm")
-    top = None if hold_to is None else parse_rpm(hold_to, "--hold-to")
-    if isinstance(top, tuple):
-        found = f"found the range '{hold_to}'"
-        raise SceneError(Fault("--hold-to", "", found, "expected one speed", "give its top"))
+    (top,) = numbers(hold_to, "--hold-to", "one speed in rpm", "--hold-to 3500") or (None,)
     rows = None if tolerance is None else [_tolerance(word) for word in tolerance.split(",")]
     values |= given("detach", hold_to=top, tolerance=rows)
     options = {"report": True} if report else {}
-    return run("detach", request, values, partial(show, verbose=verbose), options=options)
+    return run("detach", request, values, show, options=options)
 
 
 def _tolerance(text: str) -> dict[str, Any]:
@@ -73,7 +68,7 @@ def _tolerance(text: str) -> dict[str, Any]:
     return {"key": key.strip(), "percent": percent}
 
 
-def show(result: Result, verbose: bool = False) -> None:
+def show(result: Result, verbose: bool) -> None:
     """Print what an engineer asks; the theory behind it only where it is asked for."""
     from camcli.output.detach import answers, plainly, theory
 
@@ -84,7 +79,7 @@ def show(result: Result, verbose: bool = False) -> None:
     for line in plainly(result.values) + (theory(result.values) if verbose else []):
         print(f"- {line}")
     if not verbose:
-        print("(critical speeds and their brackets, corner hits, bursts: --verbose, or run.json)")
+        print(THEORY)
 
 
 def _show_theory(found: ContactLoss) -> None:

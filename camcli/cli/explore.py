@@ -12,7 +12,7 @@ from camcli.errors import Fault, SceneError
 if TYPE_CHECKING:
     from camcli.api.result import Result
 
-WITHOUT = ("no_plot", *DRAWING)  # shared options that mean nothing here
+WITHOUT = ("no_plot", "verbose", *DRAWING)  # shared options that mean nothing here
 
 
 def explore(
@@ -77,7 +77,7 @@ def _source(request: Request) -> str:
     return join(words)
 
 
-def _show(result: Result) -> None:
+def _show(result: Result, _: bool) -> None:
     found = result.summary
     print(
         f"{found['motions']} motions at {found['speeds']} speeds, "

@@ -30,7 +30,7 @@ from camcli.scene import Scene, default_scene_path, load_scene
 
 NAME = "figures"
 # shared options that mean nothing here
-WITHOUT = ("config", "rpm", "points", "no_plot", *DRAWING)
+WITHOUT = ("verbose", "config", "rpm", "points", "no_plot", *DRAWING)
 STATE, REFERENCES = "figure.json", "reference"
 NEW, UNCHANGED, CHECK = "new", "unchanged", "check"
 WHOLE = (DONE, NUMERICS)  # exit codes of a run whose artefacts are whole

@@ -10,7 +10,7 @@ from typing import Any
 from camcli.cli.options import DRAWING, SCENE, Request, argument, flag
 from camcli.errors import Fault, SceneError
 
-WITHOUT = (*SCENE, *DRAWING, "threads")  # shared options that mean nothing here
+WITHOUT = (*SCENE, *DRAWING, "threads", "verbose")  # shared options that mean nothing here
 COMMENTS = {
     "header": "lines that name the columns",
     "skip_lines": "lines of the file before the header",

@@ -108,6 +108,7 @@ class Request:
     no_title: bool = flag("No title, no notes in it.")
     panels: str | None = option("Panels drawn, by name.", "A,B")
     json: bool = flag("One JSON object on stdout.")
+    verbose: bool = flag("Print the theory too.", "--verbose", "-v")
     quiet: bool = flag("Say nothing but faults.", "--quiet", "-q")
     threads: int | None = option("Threads; never changes a result. Default: all processors.")
     dry_run: bool = flag("Validate, print the plan and its cost; write nothing.")

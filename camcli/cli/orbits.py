@@ -6,7 +6,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from camcli.cli.options import VARY, Request, Values, flag, given, numbers, option, refuse_idle
-from camcli.cli.report import pair, table
+from camcli.cli.report import THEORY, pair, table
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -99,7 +99,7 @@ def _speeds(request: Request) -> Values:
     return ends | ({"orbits.at": (low, "--rpm")} if low == high else {})
 
 
-def show(result: Result) -> None:
+def show(result: Result, verbose: bool) -> None:
     """Print orbits, branches, bifurcations and curves, then sentences."""
     from camcli.api.orbits import remarks
 
@@ -111,7 +111,8 @@ def show(result: Result) -> None:
             for orbit in found.orbits
         ]  # fmt: skip
         columns = ["orbit", "stable", "impacts at (deg)", "multipliers", "trace", "det"]
-        table(f"Periodic orbits at {found.question.rpm:.10g} rpm", columns, rows)
+        title = f"Periodic orbits at {found.question.rpm:.10g} rpm"
+        table(title, columns, rows, hidden=0 if verbose else 3)
     if found.branches:
         columns = ["branch", "labels", "from", "to", "points", "ends"]
         rows = [
@@ -127,7 +128,7 @@ def show(result: Result) -> None:
              f"{b.value:.13g}", f"{b.error:.1e}", b.classification]
             for b in found.bifurcations
         ]  # fmt: skip
-        table("Bifurcations", columns, rows)
+        table("Bifurcations", columns, rows, hidden=0 if verbose else 2)
     for number, c in enumerate(found.curves, 1):
         table(
             f"Curve {number}: {c.kind} of {c.label}{c.corner and f' at {c.corner}'}",
@@ -139,6 +140,8 @@ def show(result: Result) -> None:
         )
     for line in remarks(found):
         print(f"- {line}")
+    if not verbose:
+        print(THEORY)
 
 
 def _phases(orbit: PeriodicOrbit) -> str:

@@ -13,20 +13,27 @@ if TYPE_CHECKING:
 Row = Sequence[str]
 FILE_WIDTH = 140  # columns of a table that no person watches
 SHOWN = 40  # rows of one that may be long
+THEORY = "(theory: --verbose, or run.json)"
 
 
-def table(title: str, columns: Sequence[str], rows: Sequence[Row], whole: str = "") -> None:
-    """A table for people on stdout; whole: the file that has all rows of one that may be long."""
+def table(
+    title: str, columns: Sequence[str], rows: Sequence[Row], whole: str = "", hidden: int = 0
+) -> None:
+    """A table for people on stdout, without its last, `hidden` columns.
+
+    whole: the file that has all rows of one that may be long.
+    """
     from rich.console import Console
     from rich.table import Table
 
     if whole and len(rows) > SHOWN:
         title, rows = f"{title}, the first {SHOWN} (all of them in {whole})", rows[:SHOWN]
     grid = Table(title=title, title_justify="left")
-    for k, column in enumerate(columns):
+    count = len(columns) - hidden
+    for k, column in enumerate(columns[:count]):
         grid.add_column(column, justify="left" if k == 0 else "right", overflow="fold")
     for row in rows:
-        grid.add_row(*row)
+        grid.add_row(*row[:count])
     person = Console().is_terminal
     Console(width=None if person else FILE_WIDTH).print(grid)
 

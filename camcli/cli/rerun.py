@@ -21,7 +21,7 @@ from camcli.scene import Scene, load_scene
 
 HOME = option("Where the files are that the scene names.", "DIR")
 REPEATED = (*SCENE, "dry_run")  # these stand in the record
-WITHOUT = (*REPEATED, "no_plot", *DRAWING)  # the record says whether it drew
+WITHOUT = (*REPEATED, "no_plot", "verbose", *DRAWING)  # the record says whether it drew
 SAME, OTHER, MISSING = "same bytes", "other bytes", "not made"
 CHANGED = "same bytes, but not those of the file beside the record"
 MOST_BYTES = 64 * 10**6  # of a run.json

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from camcli.api.result import Result
     from camcli.parallel import Shard, Work
 
-Show = Callable[["Result"], None]
+Show = Callable[["Result", bool], None]  # bool: whether to print the theory too
 MOST_SHARDS = 100_000
 MOST_DIGITS = 30  # of --points; a longer number is nonsense, and slow to read
 IN_PIECES = ("sweep", "basins", "bench")  # commands whose finished pieces are kept on disk
@@ -241,7 +241,7 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
 
         if result.system:
             print(verdict(result, record["error"].get("lift_table")))
-        show(result)
+        show(result, request.verbose)
         print(f"{request.folder(result.command)}/: {', '.join(record['artefacts'])}, run.json")
         if result.system and result.cost.impacts:
             print(cost_line(record["cost"], record["error"]))

@@ -10,6 +10,7 @@ from camcli.cli.report import plural, table
 if TYPE_CHECKING:
     from camcli.api.result import Result
 
+WITHOUT = ("verbose",)  # shared options that mean nothing here
 SHOWN = 12  # events in the table on stdout
 NOTHING = 1e-18  # m, rounding of a lift
 
@@ -62,7 +63,7 @@ def simulate(
     return run("simulate", request, one_speed(request), show, options=options)
 
 
-def _show(result: Result) -> None:
+def _show(result: Result, _: bool) -> None:
     found = result.values
     rows = [
         [name, str(period), f"{theta:.10f}", f"{u:.6g}", f"{after:.6g}"]
@@ -74,7 +75,7 @@ def _show(result: Result) -> None:
     table(title, ["event", "period", "theta (deg)", "u- (m/s)", "u+ (m/s)"], rows)
 
 
-def _show_profile(result: Result) -> None:
+def _show_profile(result: Result, _: bool) -> None:
     from camcli.api.simulate import UNITS
 
     found = result.values

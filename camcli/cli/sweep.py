@@ -71,7 +71,7 @@ def sweep(
     return run("sweep", request, values, show, shard=shard, cluster=cluster)
 
 
-def show(result: Result) -> None:
+def show(result: Result, verbose: bool) -> None:
     """Print the ranges of one label, and the explanation if there is one."""
     from camcli.api.sweep import ranges
     from camcli.cli.classify import show_explanation
@@ -96,4 +96,4 @@ def show(result: Result) -> None:
     ends = [f"from ({found.key})", f"to ({found.key})", *found.way_names]
     table(title, ["label", "motion", *ends, f"{what}s", "status"], rows, "speeds.csv")
     if explanation is not None:
-        show_explanation(explanation)
+        show_explanation(explanation, verbose)

@@ -72,3 +72,13 @@ def test_a_folder_with_an_endless_name(tmp_path):
     assert done.returncode == 2
     (line,) = done.stderr.splitlines()
     assert b"File name too long" in line
+
+
+@pytest.mark.parametrize(
+    ("words", "theory"),
+    [("classify --rpm 700", "exponent ┃"), ("orbits --rpm 700", "multipliers"),
+     ("basins --rpm 700 --cells 4,4", "basin entropy")],
+)  # fmt: skip
+def test_theory_is_printed_where_it_is_asked_for(cam, words, theory):
+    assert theory not in cam(words, "--no-plot").stdout
+    assert theory in cam(words, "--no-plot --verbose", code=0).stdout
