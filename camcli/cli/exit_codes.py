@@ -21,24 +21,21 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
 
     as_json: an object with the faults on stdout too.
     """
-    code, faults = INTERNAL, []
+    faults: list[Fault] = []
     try:
         done = call()
         _release()
-        code = done if isinstance(done, int) else DONE
-        if code == INTERRUPTED:  # the option parser has caught the interrupt
-            arrived()
-            faults = [_only("interrupted")]
+        code = done if isinstance(done, int) else DONE  # INTERRUPTED: the option parser caught it
     except SceneError as error:
         code, faults = USAGE, list(error.faults)
     except KeyboardInterrupt:
-        arrived()
-        code, faults = INTERRUPTED, [_only("interrupted")]
+        code = INTERRUPTED
     except Exception as error:
         code, faults = _failure(error)
-        if came():  # a library made another error of it
-            arrived()
-            code, faults = INTERRUPTED, [_only("interrupted")]
+        code = INTERRUPTED if came() else code  # a library made another error of it
+    if code == INTERRUPTED:
+        arrived()
+        faults = [Fault("", "", "interrupted", "", "")]
     for fault in faults:
         note(str(fault))
     with suppress(SceneError):
@@ -50,10 +47,6 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
             print(json.dumps({"exit_code": code, "faults": found}, indent=2))
         _release()
     return code
-
-
-def _only(text: str) -> Fault:
-    return Fault("", "", text, "", "")
 
 
 def _failure(error: Exception) -> tuple[int, list[Fault]]:
@@ -71,8 +64,7 @@ def _failure(error: Exception) -> tuple[int, list[Fault]]:
     if hasattr(error, "exit_code"):
         return int(error.exit_code), []
     if type(error).__name__ == "Abort":
-        arrived()
-        return INTERRUPTED, [_only("interrupted")]
+        return INTERRUPTED, []
     short = ("can't start new thread", "failed to map segment")  # a thread, a library
     if isinstance(error, MemoryError) or any(words in str(error) for words in short):
         cure = "ask for fewer speeds, recorded turns or --threads (cam ... --dry-run)"
