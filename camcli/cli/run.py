@@ -202,9 +202,12 @@ def open_folder(
     read = {key: values[key] for key in ("follower", "cam", "run", command) if key in values}
     kept = command in IN_PIECES or (command == "detach" and scene.detach.tolerance)
     key = {"command": command, "scene": read} if kept else None
+    names = ARTEFACTS[command].split()
+    drawn = [name.removesuffix(".png") for name in names if name.endswith(".png")]
+    names += [f"{name}.{kind}" for name in drawn for kind in scene.plot.formats]
     with run_folder(
         place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts,
-        names=_names(command, scene), about={"scene": values, "plot": not request.no_plot},
+        names=names, about={"scene": values, "plot": not request.no_plot},
     ) as folder:  # fmt: skip
         checkpoint = folder.work.checkpoint
         if folder.mixed and not request.quiet:
@@ -223,13 +226,6 @@ def open_folder(
             print(to_text({"command": command, "shard": shard, "pieces": str(checkpoint.path)}))
         elif not request.quiet:
             note(f"{checkpoint.path}: complete; when all shards are, run cam merge {place}")
-
-
-def _names(command: str, scene: Scene) -> list[str]:
-    """Files that the command writes."""
-    names = ARTEFACTS[command].split()
-    drawn = [name.removesuffix(".png") for name in names if name.endswith(".png")]
-    return names + [f"{name}.{kind}" for name in drawn for kind in scene.plot.formats]
 
 
 def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show) -> None:
