@@ -26,9 +26,9 @@ def chapter_system(strobe_deg: float = 0.0, **follower) -> System:
     return System.build(Follower(**values), scene.cam, strobe_deg)
 
 
-def settings(transient: int = 0, record: int = 1, tolerance: float = 1e-9, **start) -> Settings:
+def settings(transient=0, record=1, tolerance=1e-9, budget=1_000_000, **start) -> Settings:
     """Settings of a run with a start given as q, v, theta_deg."""
-    return Settings(transient, record, tolerance, 1_000_000, Start(**start))
+    return Settings(transient, record, tolerance, budget, Start(**start))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

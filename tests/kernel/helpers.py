@@ -3,10 +3,11 @@
 from functools import cache
 from math import pi
 
-from camcli.analysis.integrate import Orbit, Settings, Start
+from camcli.analysis.integrate import Orbit
 from camcli.cams.arcs import ArcsCam
 from camcli.system import Follower, System
 from tests import oracle
+from tests.conftest import settings
 
 CLOSED = 0.85 - 0.45  # exact in doubles: package and oracle then have the same circles
 GEOMETRY = {
@@ -25,30 +26,24 @@ MEANINGLESS = 1e9  # stretching above which doubles cannot follow
 
 
 @cache
-def machine(strobe_deg=0.0, base_radius=CLOSED):
-    """The chapter's machine; base_radius=0.4 is what a user writes."""
-    arcs = ArcsCam(kind="arcs", **{**GEOMETRY, "base_radius": base_radius})
-    return System.build(Follower(**CHAPTER), arcs, strobe_deg)
+def machine(strobe_deg):
+    """The chapter's machine."""
+    return System.build(Follower(**CHAPTER), ArcsCam(kind="arcs", **GEOMETRY), strobe_deg)
 
 
-def cam(strobe_deg=0.0, base_radius=CLOSED):
+def cam(strobe_deg=0.0):
     """The table of the chapter's cam."""
-    return machine(strobe_deg, base_radius).cam
+    return machine(strobe_deg).cam
 
 
-def system(strobe_deg=0.0, base_radius=CLOSED, **changes):
+def system(strobe_deg=0.0, **changes):
     """The chapter's follower on the chapter's cam, some constants changed."""
-    return machine(strobe_deg, base_radius).with_follower(**changes)
-
-
-def settings(record=3, transient=0, tolerance=1e-9, budget=1_000_000, **start):
-    """Settings with short names; `start` holds q, v, theta_deg."""
-    return Settings(transient, record, tolerance, budget, Start(**start))
+    return machine(strobe_deg).with_follower(**changes)
 
 
 def run(rpm, machine=None, record=3, transient=0, tolerance=1e-9, budget=1_000_000, **start):
     """The record of one orbit."""
-    wanted = settings(record, transient, tolerance, budget, **start)
+    wanted = settings(transient, record, tolerance, budget, **start)
     return Orbit(machine or system(), rpm, wanted).run()
 
 

@@ -8,7 +8,8 @@ from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
 from camcli.kernel import backend
 from camcli.kernel.cells import CHATTERED_TURN, FORGOTTEN, GOES_ON, NEW_REST, UNDECIDED, Point, Rest
 from camcli.kernel.orbit_loop import RESTING
-from tests.kernel.helpers import settings, system
+from tests.conftest import settings
+from tests.kernel.helpers import system
 
 STARTS = [(0.3, -1.0), (0.55, 32.0), (0.1, 5.0), (0.2, -40.0), (1.1, 12.0), (0.1, 0.0), (0.1, -3.0)]
 
@@ -27,7 +28,7 @@ def test_a_cell_is_the_orbit_of_its_start(rpm):
     team = batches(rpm)
     found = ends(team, 12)
     for k, (q, v) in enumerate(STARTS):
-        orbit = engine.Orbit(system(), rpm, settings(12, q=q, v=v))
+        orbit = engine.Orbit(system(), rpm, settings(record=12, q=q, v=v))
         tape = orbit.run(events=False)
         assert (orbit.state.gap, orbit.state.gap_rate) == (found.gap[k], found.rate[k])
         chattered = tape.chatter[11]

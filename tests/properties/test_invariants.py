@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from camcli.analysis.simulate import simulate
 from camcli.errors import Status
-from tests.kernel import helpers
+from tests import conftest
 from tests.kernel.helpers import ORACLE_CAM, events, run, system
 
 SPEED = st.floats(30.0, 3000.0)
@@ -81,7 +81,7 @@ def test_events_are_sound(rpm, data, start):
 def test_the_follower_is_never_inside_the_cam(rpm, data, start):
     """Sampled densely from the closed form between the events."""
     machine = system(**data)
-    wanted = helpers.settings(4, budget=500, **start)
+    wanted = conftest.settings(record=4, budget=500, **start)
     result = simulate(machine, rpm, wanted, 360)
     omega = rpm * pi / 30
     for t, theta, q, v, c, c_dot, contact in result.trajectory:

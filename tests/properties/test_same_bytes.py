@@ -13,7 +13,8 @@ from camcli.analysis import integrate as engine
 from camcli.analysis.sweep import sweep
 from camcli.kernel import backend
 from camcli.parallel import Work
-from tests.kernel.helpers import run, settings, system
+from tests.conftest import settings
+from tests.kernel.helpers import run, system
 from tests.parallel.long_runs import but_record, files
 from tests.properties import digest
 
@@ -112,7 +113,7 @@ def test_the_room_for_the_log_does_not_change_an_orbit(monkeypatch, capacity):
 
 
 def test_what_is_logged_does_not_change_an_orbit():
-    orbits = [engine.Orbit(system(), 745.0, settings(30)) for _ in range(3)]
+    orbits = [engine.Orbit(system(), 745.0, settings(record=30)) for _ in range(3)]
     records = [o.run(events=e, strobes=s) for o, (e, s) in zip(
         orbits, [(True, True), (False, True), (True, False)], strict=True
     )]  # fmt: skip
@@ -125,7 +126,7 @@ def test_what_is_logged_does_not_change_an_orbit():
 def test_lanes_do_not_know_of_each_other():
     """Order of speeds and number of threads change no digit."""
     rpms = [745.0, 190.0, 361.0, 682.0, 100.0, 520.0]
-    wanted = settings(30, transient=20)
+    wanted = settings(20, 30)
     first = sweep(system(), rpms, wanted, work=Work(threads=1)).speeds
     second = sweep(system(), rpms[::-1], wanted, work=Work(threads=2)).speeds[::-1]
     for a, b in zip(first, second, strict=True):
