@@ -113,8 +113,11 @@ class Machine:
         b, b1, p = self.flow(s)
         pull = self.G + self.W2 * q
         q, w = q + w * b - pull * p, w * b1 - pull * b
-        accel = -(self.G + self.W2 * q + self.Z2 * w)
-        return [q, w, accel, -(self.W2 * w + self.Z2 * accel)]
+        accel, jerk = -(self.G + self.W2 * q), -self.W2 * w
+        if not self.undamped:
+            accel -= self.Z2 * w
+            jerk -= self.Z2 * accel
+        return [q, w, accel, jerk]
 
     def force(self, c: list[arb]) -> list[arb]:
         """Force of contact at rest over m omega^2, with two derivatives; c with four of the cam."""
