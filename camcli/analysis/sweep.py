@@ -50,8 +50,7 @@ class Speed:
     chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
     exponent: the largest one per turn, None where it was not asked for or is not known; end: where
     the next speed starts, of a sweep that carries its state; loads: of the record; known: False
-    where the record is one of many motions and the true one is not known; holds_for: as `classify`;
-    highest: the largest q at the strobe, m.
+    where the record is one of many motions and the true one is not known; holds_for: as `classify`.
     """
 
     value: float
@@ -67,7 +66,6 @@ class Speed:
     loads: Loads = NOTHING
     known: bool = True
     holds_for: str | None = None
-    highest: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -329,7 +327,6 @@ class _Task:
             loads=loads_of(system, rpm, record) if known else NOTHING,
             known=known,
             holds_for=holds_for,
-            highest=float(record.strobe_q[:n].max()) if n else 0.0,
         )
 
 

@@ -14,7 +14,7 @@ from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
 from camcli.api.machine import machine_of, span_of
 from camcli.api.orbits import MULTIPLIERS, multiplier_columns
-from camcli.api.result import Progress, Result, decided_words, drawn_by, trouble
+from camcli.api.result import Progress, Result, decided_words, drawn_by, height_notes, trouble
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
@@ -103,6 +103,7 @@ def basins(
             work=work or Work(),
             on_cells=on_cells,
         )
+    heights = height_notes(system, max(speed.rpm for speed in found.speeds))
     tables = {"attractors": _attractors_table(found, key)}
     if found.grids:
         at = (key,) if len(found.grids) > 1 else ()
@@ -122,7 +123,7 @@ def basins(
         pictures={"basins": drawn_by("basins.draw_basins", found, question, own, key)},
         cost=found.cost,
         seconds=watch.seconds,
-        notes=tuple(_notes(found, question)),
+        notes=(*heights, *_notes(found, question)),
         complete=not found.troubled,
     )
 

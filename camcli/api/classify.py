@@ -22,6 +22,7 @@ from camcli.api.result import (
     counted,
     decided_words,
     drawn_by,
+    height_notes,
     status_notes,
     ticks,
     trouble,
@@ -113,6 +114,7 @@ def classify(
     draw = drawn_by("classify.draw_classify", motions, machine.system, events, key)
     troubled = [(m.value, m.status) for m in motions if m.status != Status.OK]
     cut = trouble(explanation.status) if explanation else []
+    heights = height_notes(machine.system, max(m.rpm for m in motions))
     return Result(
         command="classify",
         scene=machine.scene,
@@ -130,7 +132,7 @@ def classify(
         pictures={"classify": draw},
         cost=sum((m.cost for m in motions), explanation.cost if explanation else Cost()),
         seconds=watch.seconds,
-        notes=(*status_notes(troubled, key), *cut),
+        notes=(*heights, *status_notes(troubled, key), *cut),
         complete=not troubled and not cut,
     )
 

@@ -8,13 +8,15 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
+from math import inf, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Budget, Cost, budgeted
+from camcli.cams.compile import lift_range
 from camcli.errors import Status
 from camcli.scene import Scene, load_scene, resolved, scene_hash
-from camcli.system import System
+from camcli.system import System, omega_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,6 +28,28 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str, int, int], None]  # what is counted, how many are done, of how many
 SHOWN = 5  # speeds named in a note
+ABSURD = 1000.0  # times the lift: the height of a flight
+
+
+def height_notes(system: System, rpm: float) -> list[str]:
+    """A warning where the cam, at its fastest, throws the follower absurdly high.
+
+    From the top with v = omega max |c_theta| to the height where v^2/2 is spent on spring, preload
+    and weight; damping alone stops it after m v/b.
+    """
+    f, (low, top), slope = system.follower, lift_range(system.cam), lift_range(system.cam, 1)
+    v, pull = omega_of(rpm) * max(map(abs, slope)), f.gravity + f.preload / f.mass
+    stiff = f.stiffness / f.mass
+    pull += stiff * top
+    slowed = pull + sqrt(max(0.0, pull * pull + stiff * v * v))
+    high = v * v / slowed if slowed > 0.0 else inf
+    high = min(high, f.mass * v / f.damping) if f.damping else high
+    if not ABSURD * (top - low) < high < inf:
+        return []
+    return [
+        f"warning: at {rpm:.10g} rpm the cam throws the follower {high:.3g} m up, "
+        f"{high / (top - low):.3g} times its lift: a model of rigid bodies means little there"
+    ]
 
 
 @dataclass(frozen=True, repr=False)

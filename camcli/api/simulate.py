@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Cost
 from camcli.api.machine import Machine, machine_of
-from camcli.api.result import Progress, Result, drawn_by, trouble
+from camcli.api.result import Progress, Result, drawn_by, height_notes, trouble
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
@@ -24,7 +24,6 @@ TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "c
 EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
 PROFILE = ("theta_deg", "c_m", "c_theta_m_per_rad", "c_thetatheta_m_per_rad2", "force_n")
 UNITS = {"c": "m", "c_theta": "m/rad", "c_thetatheta": "m/rad2"}
-ABSURD_HEIGHT = 1000.0  # times the cam's lift
 
 
 def simulate(
@@ -87,7 +86,6 @@ def simulate(
     scene, system = machine.scene, machine.system
     with stopwatch() as watch:
         found = run(system, scene.run.rpm, machine.settings, scene.simulate.samples)
-    highest = max((row[2] for row in found.trajectory), default=0.0)
 
     draw = drawn_by("simulate.draw_simulation", found, system, scene.simulate.plot_turns)
     return Result(
@@ -113,7 +111,7 @@ def simulate(
         cost=found.cost,
         seconds=watch.seconds,
         notes=(
-            *height_notes([(found.rpm, highest)], system.cam.top),
+            *height_notes(system, found.rpm),
             *_many_notes(found.one_of_many),
             *trouble(found.status),
         ),
@@ -144,18 +142,6 @@ def _many_notes(turn: int | None) -> list[str]:
     return [
         f"from {place} on this is one of many motions that rounding allows: an error of the last "
         "digit has grown beyond five digits of a turn (cam classify names the true motion)"
-    ]
-
-
-def height_notes(heights, top: float) -> list[str]:
-    """A warning where the follower flies absurdly high; heights: (rpm, largest q in m)."""
-    absurd = [(rpm, q) for rpm, q in heights if q > ABSURD_HEIGHT * abs(top)]
-    if not absurd:
-        return []
-    rpm, q = max(absurd, key=lambda pair: pair[1])
-    return [
-        f"warning: at {rpm:.10g} rpm the follower rises to {q:.3g} m, {q / abs(top):.3g} times "
-        "the cam's lift: a model of rigid bodies means little there"
     ]
 
 

@@ -25,11 +25,11 @@ from camcli.api.result import (
     Result,
     decided_words,
     drawn_by,
+    height_notes,
     status_notes,
     ticks,
     trouble,
 )
-from camcli.api.simulate import height_notes
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
@@ -318,7 +318,7 @@ def _result(
     own = machine.system, machine.settings
     draw = drawn_by("sweep.draw_sweep", found, *own, events, branches, zooms)
     troubled = [(speed.value, speed.status) for speed in found.troubled]
-    heights = height_notes([(s.rpm, s.highest) for s in found.bare], machine.system.cam.top)
+    heights = height_notes(machine.system, max(s.rpm for s in found.bare))
     return Result(
         command="sweep",
         scene=scene,

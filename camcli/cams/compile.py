@@ -227,13 +227,14 @@ def build(shape: Shape, strobe_deg: float = 0.0) -> Cam:
     )
 
 
-def lift_range(cam: Cam) -> tuple[float, float]:
-    """(lowest, highest) c, m: of 16 places in every piece, its ends among them."""
+def lift_range(cam: Cam, order: int = 0) -> tuple[float, float]:
+    """(lowest, highest) c, m, or derivative: of 16 places in every piece, its ends among them."""
     values = []
     for stretch in cam.stretches:
         places, size = 16 * int(stretch.piece_count), stretch.end - stretch.start
         i = stretch_at(cam, stretch.start)
-        values += [lift_at(cam, i, stretch.start + size * (k / places))[0] for k in range(places)]
+        thetas = [stretch.start + size * (k / places) for k in range(places)]
+        values += [lift_at(cam, i, theta)[order] for theta in thetas]
     return min(values), max(values)
 
 

@@ -53,12 +53,15 @@ def draw_detach(study: ContactLoss, system: System, measured: bool = False) -> P
         zoom = Panel(partial(_draw_phases, view=enlarged[0], **more), PHASES)
         panels = {"enlarged": zoom, **panels}
     if study.forces:
-        names = [_least(f"{c.rpm:.6g} rpm", c) for c in study.forces]
+        names = [
+            f"{c.rpm:.6g} rpm: least {newtons(c.lowest_n, 4)} at {c.lowest_deg:.4g} deg"
+            for c in study.forces
+        ]
         draw = partial(_draw_forces, curves=study.forces, names=names, corners=corners)
         panels["forces"] = Panel(draw, FORCE)
     if study.springs:
         curves = [curve for _, curve in study.springs]
-        names = [_least(_spring(hold, units_of(system)), curve) for hold, curve in study.springs]
+        names = [_spring(*spring, units_of(system)) for spring in study.springs]
         where = f"at {style.number(curves[0].rpm)} rpm"
         draw = partial(_draw_forces, curves=curves, names=names, corners=corners, where=where)
         panels["springs"] = Panel(draw, FORCE)
@@ -168,7 +171,7 @@ def _ends(study: ContactLoss) -> Iterator[tuple[str, float, float]]:
 
 def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:
     axes.set(xlim=view.rpm, ylim=(view.low, view.high))
-    further = ", on into the next turn" * (view.high > TURN_DEG)
+    further = ",\non into the next turn" * (view.high > TURN_DEG)
     axes.set(xlabel="cam speed (rpm)", ylabel=rf"phase $\theta$ (deg){further}")
     axes.yaxis.set_major_locator(MultipleLocator(60 if view.high - view.low > 180.0 else 10))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % TURN_DEG:g}"))
@@ -229,14 +232,13 @@ def _draw_forces(
     draw_forces(axes, curves, names)
     turn_axis(axes, corners)
     axes.set_title(where)
-    axes.legend(fontsize=style.NOTE, loc="lower left", bbox_to_anchor=(0.0, 1.06))
+    axes.legend(
+        fontsize=style.NOTE, loc="lower left", bbox_to_anchor=(0.0, 1.1)
+    )  # above the corners
 
 
-def _least(name: str, curve: ForceCurve) -> str:
-    return f"{name}: least {newtons(curve.lowest_n, 4)} at {curve.lowest_deg:.4g} deg"
-
-
-def _spring(hold: Hold | None, units: Units) -> str:
+def _spring(hold: Hold | None, curve: ForceCurve, units: Units) -> str:
+    least = f"least {newtons(curve.lowest_n, 4)}"
     if hold is None:
-        return "present spring"
-    return f"{units.stiffnesses(hold.stiffness or 0.0, 5)}, preload {hold.preload:.5g} N"
+        return f"present spring: {least}"
+    return f"{units.stiffnesses(hold.stiffness or 0.0, 4)}, preload {hold.preload:.4g} N: {least}"

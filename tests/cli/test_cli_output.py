@@ -82,3 +82,11 @@ def test_a_folder_with_an_endless_name(tmp_path):
 def test_theory_is_printed_where_it_is_asked_for(cam, words, theory):
     assert theory not in cam(words, "--no-plot").stdout
     assert theory in cam(words, "--no-plot --verbose", code=0).stdout
+
+
+@pytest.mark.parametrize("words", ["simulate", "sweep", "classify", "basins --cells 3,3"])
+def test_a_speed_at_which_the_follower_flies_absurdly_high_is_warned_of(cam, words):
+    """v = omega max |c_theta| over omega0 is 840 m; the spring is already bent by c."""
+    short = "--no-plot --set run.transient=2 --set run.record=2 --set basins.budget=20 --rpm"
+    assert "the cam throws the follower 840 m up" in cam(words, short, "1e6").stderr
+    assert "throws" not in cam(words, short, "1000").stderr
