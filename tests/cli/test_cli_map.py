@@ -69,7 +69,7 @@ def test_a_slow_spiral_into_an_orbit_is_named_after_the_orbit(cam, tmp_path):
     machine = CHAPTER._replace(restitution=r)
     assert rpm < period_doubling_rpm(CAM, machine, STABLE, 1, 700, 745).rpm
     words = f"--set follower.restitution={r} --set run.transient=200 --set run.record=100"
-    start = "--set run.start={q:1.41,v:-7.79}"  # near the orbit
+    start = "--set run.start.q=1.41 --set run.start.v=-7.79"  # near the orbit
     cam(f"sweep --rpm {rpm} {words} {start} --no-plot -q", code=0)
     assert [row["label"] for row in rows(tmp_path / "out/sweep/speeds.csv")] == ["P(1;1)"]
 
