@@ -81,7 +81,7 @@ def bound_line(record: dict[str, Any]) -> str:
     share = 100.0 * record["bound"] / record["accel"]
     text = (
         f"c_thetatheta of the table: within {record['bound']:.2g} m/rad2, {share:.2g} % of its "
-        f"largest ({record['standard']:.2g} standard error of rounding, {record['bending']:.2g} "
+        f"largest ({record['standard']:.2g} standard error of its noise, {record['bending']:.2g} "
         f"by smoothing; every digit at its worst: {record['worst']:.2g}); "
     )
     if low is None:

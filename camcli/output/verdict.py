@@ -95,6 +95,8 @@ def _springs(result: Any) -> Iterator[str]:
         if hold.status is HoldStatus.OK
     ]
     yield f"To hold {asked}: {'; or '.join(springs) or 'no spring can be named, see below'}"
+    if result.scene.spring is not None and result.scene.spring.solid_at is not None:
+        yield "Where a spring of another rate is solid is not known: solid_at is the present one's"
 
 
 def _tolerances(result: Any) -> Iterator[str]:

@@ -96,6 +96,7 @@ def test_a_run_begins_with_a_verdict(cam, begun):
     done = cam("detach -c lobe.yaml", *short, f"--hold-to 5000 {some}")
     assert "impossible" in done.stdout
     assert "With more preload" not in done.stdout.splitlines()[0]
+    assert "solid_at is the present one's" in done.stdout.splitlines()[0]
 
     done = cam("sweep -c lobe.yaml", *short)
     assert done.stdout.startswith(f"Contact holds up to {speed:.0f} +- ")
