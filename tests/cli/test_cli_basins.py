@@ -75,15 +75,15 @@ def test_simple_cell_mapping_says_so(run):
 def test_a_range_gives_fractions_by_speed_and_no_grid(run):
     _, folder = run("--cells", "2")
     assert (folder / "basins.csv").exists()
-    done, folder = run("--rpm", "359:360.5", "--points", "4", "--cells", "8", "--exponents")
+    done, folder = run("--rpm", "359.6:360.2", "--points", "4", "--cells", "8", "--exponents")
     assert done.returncode == 0, done.stderr
     found = rows(folder / "attractors.csv")
-    assert [row["rpm"] for row in found] == ["359.0"] * 2 + ["359.5"] * 2 + ["360.0"] * 2 + [
-        "360.5"
+    assert [row["rpm"] for row in found] == ["359.6"] * 2 + ["359.8"] * 2 + ["360.0"] * 2 + [
+        "360.2"
     ] * 2
     by_number = {n: [row["label"] for row in found if row["attractor"] == n] for n in "12"}
     assert by_number["1"] == ["P(1;2)"] * 4
-    assert by_number["2"][:3] == ["P(3;3:3:2)", "P(3;3:3:2)", "P(6;3:3:2:3:3:2)"]
+    assert by_number["2"] == ["P(3;3:3:2)"] + ["P(6;3:3:2:3:3:2)"] * 3
     # P(1;2): two impacts in a turn, complex multipliers, so ln|m| = ln(r^2) = 2 ln 0.8
     assert float(found[0]["lyapunov_per_period"]) == pytest.approx(-0.446287102628, rel=1e-9)
     assert float(found[0]["multiplier_1_im"]) > 0.0

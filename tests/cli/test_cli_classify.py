@@ -23,7 +23,7 @@ def speeds(result, kind):
     ("command", "rpm", "budget", "kinds", "words"),
     [
         ("sweep", "736:740", 200_000, ["period-doubling"], "P(1;1)"),
-        ("classify", "740.15:740.4", 9_999, [], "budget"),
+        ("classify", "740.4:740.65", 9_999, [], "budget"),
     ],
 )
 def test_a_budget_of_work_keeps_the_causes_found(cam, tmp_path, command, rpm, budget, kinds, words):

@@ -76,7 +76,7 @@ class RestOutcomes:
         if any(abs(gap - g) <= self.near and abs(rate - r) <= self.near for g, r in self.states):
             return
         end = GOES_ON
-        if not self._doubles_hold(state):
+        if not self._doubles_hold(start, state, turns):
             end = self._end_of(self._after(start, turns))
             end = self.chaos(state) if end == FORGOTTEN else end
         self.states.append((gap, rate))
@@ -87,19 +87,21 @@ class RestOutcomes:
         """The known attractors, and a stop at every rest."""
         return self.finder.targets._replace(rests=[], watch_rests=1, near=0.0)
 
-    def _doubles_hold(self, state: State) -> bool:
+    def _doubles_hold(self, start: State, state: State, turns: int) -> bool:
         """True where the run in doubles on from a state after a rest may be believed.
 
-        It reaches a known attractor, or no further rest within the budget, or remembers its start
-        up to and beyond the next rest.
+        It reaches a known attractor, or no further rest within the budget, or remembers this rest
+        up to and beyond the next one, which may be the same.
         """
-        batches, (gap, rate, mode) = self.finder.batches, state
-        ends = batches.run([gap], [rate], self._blind(), self.finder.budget, [mode])
-        if ends.outcome[0] != NEW_REST:
+        batches, (gap, rate, mode) = self.finder.batches, start
+        here = self._blind()._replace(rests=[Rest(*state[:2], GOES_ON)], near=self.near)
+        ends = batches.run([gap], [rate], here, turns + self.finder.budget, [mode])
+        record = record_of(batches, start, 0, int(ends.turns[0]) + AFTER)
+        later = [n for kind, n, *_ in record.events() if kind == CHATTER and n >= turns]
+        if not later:
             return True
-        turns = 2 * int(ends.turns[0]) + AFTER
-        record = record_of(batches, state, 0, turns)
-        return largest_growth(batches.system, batches.rpm, record, range(turns)) <= TOO_LARGE
+        window = range(turns - 1, later[0] + AFTER)
+        return largest_growth(batches.system, batches.rpm, record, window) <= TOO_LARGE
 
     def _after(self, start: State, turns: int) -> After:
         """Where the motion ends after the rest of a start whose chatter ends in turn `turns`."""
