@@ -87,8 +87,8 @@ def test_events_and_changes_of_a_range_are_listed_with_their_causes(explained):
 
 @pytest.mark.slow
 def test_a_crisis_beside_an_undecided_motion_is_explained(cam, tmp_path):
-    """The motion of the default start at 361.2 rpm has no name; the crisis is the figure's jump."""
-    words = "--rpm 361.1:361.2 --points 2 --explain --no-plot"
+    """The motion from rest at 361.192 rpm has no name; the crisis is the figure's jump."""
+    words = "--rpm 361.1:361.192 --points 2 --explain --no-plot"
     cam(f"sweep {words} --set run.transient=300 --set run.record=130", code=0)
     record = json.loads((tmp_path / "out/sweep/run.json").read_text())["result"]
     (change,), (event,) = record["changes"], record["events"]
