@@ -95,8 +95,9 @@ def _picture(path: Path) -> bytes:
     from camcli.scene import load_scene
 
     picture = io.BytesIO()
-    result = simulate(load_scene(path), profile_only=True)
-    write_picture(result.pictures["profile"](), picture)
+    form = {"plot.panels": ["lift", "velocity", "acceleration"], "plot.title": False}
+    result = simulate(load_scene(path, form), profile_only=True)  # no force: the spring is made up
+    write_picture(result.pictures["profile"](), picture, form=result.scene.plot)
     return picture.getvalue()
 
 
