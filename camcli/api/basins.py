@@ -103,7 +103,7 @@ def basins(
             work=work or Work(),
             on_cells=on_cells,
         )
-    heights = height_notes(system, max(speed.rpm for speed in found.speeds))
+    heights = height_notes(system, max((speed.rpm for speed in found.speeds), default=0.0))
     tables = {"attractors": _attractors_table(found, key)}
     if found.grids:
         at = (key,) if len(found.grids) > 1 else ()

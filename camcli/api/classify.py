@@ -114,7 +114,7 @@ def classify(
     draw = drawn_by("classify.draw_classify", motions, machine.system, events, key)
     troubled = [(m.value, m.status) for m in motions if m.status != Status.OK]
     cut = trouble(explanation.status) if explanation else []
-    heights = height_notes(machine.system, max(m.rpm for m in motions))
+    heights = height_notes(machine.system, max((m.rpm for m in motions), default=0.0))
     return Result(
         command="classify",
         scene=machine.scene,

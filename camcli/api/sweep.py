@@ -318,7 +318,7 @@ def _result(
     own = machine.system, machine.settings
     draw = drawn_by("sweep.draw_sweep", found, *own, events, branches, zooms)
     troubled = [(speed.value, speed.status) for speed in found.troubled]
-    heights = height_notes(machine.system, max(s.rpm for s in found.bare))
+    heights = height_notes(machine.system, max((s.rpm for s in found.bare), default=0.0))
     return Result(
         command="sweep",
         scene=scene,
