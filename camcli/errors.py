@@ -56,6 +56,7 @@ class Fault:
     """One fault of the input: where it stands, its path, what was found and what to do.
 
     `where` is `file:line:column`, `--set` or an option's name; `path` the dotted scene path.
+    Its text is `where: path: found, expected, cure`, without what is empty.
     """
 
     where: str

@@ -16,10 +16,13 @@ when it doubles. In between coefficients of neighbouring lengths are blended. On
 weight varies would bend the cam more: its variation acts on the fourth derivative, not the eighth.
 
 The error of c_thetatheta at a phase is ERRORS standard errors, so 99.7 % of normal ones: noise
-passes through the linear smoother, its size is that of the rounding or of the residuals. Bending is
-added only where it shows: what a length AHEAD changes beyond QUIET standard errors falls with half
-the length by half at a corner of c_thetatheta, by more where it has none, and where it jumps not at
-all. The worst case is that every row is half a digit off, in the worst direction.
+passes through the linear smoother, its size is that of the rounding or of the residuals. Bending by
+a length L is taken as C L^p, p = 1 at a corner of c_thetatheta, more where it is smooth, 0 at a
+jump; ratio = 2^p is measured. What doubling a length of AHEAD L changes beyond QUIET standard
+errors (`excess`) is C L^p ratio^(2/3) (ratio - 1), so the bound is
+    ERRORS standard errors + excess/(ratio^(2/3) (ratio - 1)).
+`Accuracy.worst`, not in the bound, is the error if every row were half a digit off, each in the
+worst direction.
 
 The coefficients come from additions, multiplications and divisions in a fixed order, element by
 element: LAPACK and BLAS may give other last bits on another machine, these do not.

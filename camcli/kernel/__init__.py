@@ -10,5 +10,7 @@ velocity is dq/dtheta (m/rad) and the follower is described by dimensionless num
 (`flow.Constants`). That makes results exactly scale-free.
 
 The same letters everywhere: c, c1, c2, ... the cam and its derivatives by theta; q, w = q' the
-follower; gap = q - c, rate = gap'; u the rate at an impact, before it; i a stretch of the cam.
+follower; gap = q - c, rate = gap'; u the rate at an impact, before it
+(after it in `chatter_map`); i a stretch of the cam, on which c is smooth; x_rest what x leaves out
+of a number that is kept in two doubles.
 """

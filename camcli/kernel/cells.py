@@ -5,8 +5,9 @@ A x^2 + B x y + C y^2 <= 1 about it and the impacts of the turn that begins ther
 to it when one whole period of it leads from ellipse to ellipse with these impacts and shrinks the
 form by the factor asked for. A known aperiodic attractor is a set of boxes of the section; a start
 belongs to it when it stays in them for as many turns in a row as asked for. A complete chatter
-erases all memory: the few states (gap, rate) at the strobe after one are known with the outcome
-they lead to, or that the motion is to be followed on; at another one a start stops.
+erases all memory: the few states (gap, rate) at the strobe after one are in a table, each with the
+outcome it leads to, or that the motion is to be followed on. A start that comes to one not in the
+table stops there (NEW_REST).
 """
 
 from dataclasses import dataclass

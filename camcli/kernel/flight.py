@@ -222,17 +222,18 @@ def chatter_map(const, hop, slope, curve, drift):
     In flight gap'' + 2 Z gap' + W^2 gap = A(theta), the relative acceleration in contact, so
     z = exp(Z s) gap is a ball that bounces under
         z'' = D z - |A| (1 + f1 s + f2 s^2 + ...),    z' -> -r z' at z = 0.
-    `hop` is 2 u/|A|, the other arguments are A'/A and A''/A and a bound on |A'''/A| ahead. The
-    phase obeys tau = p + tau', p the first hop and tau' the phase after it. Solved order by order,
-    with L = hop/(1 - r) and d = D hop^2,
-        tau = L (1 - f1 L/3 + (2 + s) f1^2 L^2/9 - (1 + s) f2 L^2/6 + d/(12 q) + d^2/(80 q')),
-        q = 1 + r + r^2, q' = q + r^3 + r^4, s = r/q.
+    Here f1 = A'/A + Z and f2 = A''/(2 A) + Z A'/A + Z^2/2 (exp(Z s) A(s) in powers of s), and
+    D = Z^2 - W^2. `hop` is 2 u/|A| (rad), slope A'/A (1/rad), curve A''/A (1/rad^2), drift a bound
+    on |A'''/A| ahead (1/rad^3). The phase obeys tau = s + tau', s the first hop and tau' the phase
+    after it. Solved order by order, with L = hop/(1 - r) and d = D hop^2,
+        tau = L (1 - f1 L/3 + (2 + p) f1^2 L^2/9 - (1 + p) f2 L^2/6 + d/(12 n) + d^2/(80 n')),
+        n = 1 + r + r^2, n' = n + r^3 + r^4, p = r/n.
     The first term is the classical 2 r |u-|/((1 - r)|a|). With e_n the bound of f_n L^n, the
     neglected part is below
         L ((e1 + e2)(e1^2 + e2 + d/5) + 2 e3/5 + d^3/256)
-    while e1 + e2 + e3 <= 1/4 and |d| <= 1/2, else refused: the next terms of the series with room
-    for the later ones, checked against exact sums in the tests. Needs 0 < r < 1; the caller sees to
-    it that tau does not jump over a corner.
+    while e1 + e2 + e3 <= 1/4 and |d| <= 1/2, else the error is REFUSED: the next terms of the
+    series with room for the later ones, checked against exact sums in the tests. Needs 0 < r < 1;
+    the caller sees to it that tau does not jump over a corner.
     """
     r = const.r
     length = hop / (1.0 - r)

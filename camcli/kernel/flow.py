@@ -170,8 +170,11 @@ def move(const, q, w, s):
 def displacement(const, q, q_rest, w, w_rest, s, s_rest):
     """Change of position and velocity (q, dq/dtheta) in s rad of flight, each in two parts.
 
-    Each of q, w and s has a second part, too, and omega0/omega is W (1 + W_rest): without damping
-    the error is about 1e-17 (q + w/W) and a few roundings of G/W^2, else that of `flow`.
+    (dq, dq_rest, dw, dw_rest). The start is q + q_rest, w + w_rest, the length s + s_rest, and
+    omega0/omega = W (1 + e), e = W_rest, which for Z = 0 acts, to first order, as s (1 + e) and
+        dq: -e (w B - 2 G P),    dw: e (G - W^2 q) B.
+    The error is about 1e-17 (q + w/W) and a few roundings of G/W^2 without damping, else that of
+    `flow`.
     """
     s_rest += const.W_rest * s
     if const.Z == 0.0 and const.W > SLOW:

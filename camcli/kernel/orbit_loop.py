@@ -75,8 +75,8 @@ class State:
     known: int = 0  # 1 where level to slope_rest are of theta + rest
     level: float = 0.0  # level + gain is the cam's lift, m
     gain: float = 0.0
-    slope: float = 0.0  # slope + slope_rest is c_theta
-    slope_rest: float = 0.0
+    slope: float = 0.0  # c_theta
+    slope_rest: float = 0.0  # what it leaves out, and of the rate after an impact
     total_impacts: int = 0
     detachments: int = 0  # outside the transient
 
@@ -197,10 +197,13 @@ def begin_flight(state, i, theta, gap, rate):
 def landing(cam, const, state, i, theta, rate, rest, code, work):
     """(theta, rate) of a landing, by Newton's method on the whole flight, in two doubles.
 
-    theta to code are what `fly` says. Every stretch that was crossed has added a rounding; the
-    closed form from where the flight began adds but one, and phase, rate and lift there are known
-    to more than a double, since an orbit multiplies what a landing leaves out. Too close to a
-    graze, where a step would say nothing, the landing stays where it is.
+    theta, rate, rest (rad, in the place of the gap) and code are what `fly` returned, with a
+    rounding for every stretch that it crossed. Solved is, from the flight's start (q, w),
+        q + dq - c(theta) = 0,    u = w + dw - c_theta(theta),    (dq, dw) = `displacement`,
+    where a number x goes on in x_rest. Then state.known = 1, the phase is theta + state.rest, and
+    level to slope_rest are the lift and slope there, with which the next flight begins: an orbit
+    multiplies what a landing leaves out. Too close to a graze, where a step would say nothing, and
+    beyond the stretch the phase reached is returned in one double. A short hop keeps that of `fly`.
     """
     turns = TURN_HIGH * state.wraps
     if code == LANDED and is_near(const, turns + (theta - state.from_theta)):
