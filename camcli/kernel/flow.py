@@ -187,8 +187,9 @@ def displacement(const, q, q_rest, w, w_rest, s, s_rest):
     dq_rest = sum_rest(rise, -drop, dq) + product_rest(w, b, rise) - product_rest(force, p, drop)
     dq_rest += w_rest * b - const.W2 * q_rest * p + v * s_rest
     dq_rest -= const.W_rest * (rise - 2.0 * const.G * p)
+    dw = v - w
     dw_rest = w_rest * (b1 - 1.0) + accel * s_rest + const.W_rest * (2.0 * const.G * b - pull)
-    return dq, dq_rest, v - w, dw_rest
+    return dq, dq_rest, dw, dw_rest + sum_rest(v, -w, dw)
 
 
 @inlined

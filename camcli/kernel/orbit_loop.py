@@ -316,7 +316,7 @@ def detach(cam, state, plan, log, i, theta):
 @inlined
 def enter_stretch(cam, state, plan, log, i, gap, rate, mode):
     """Enter the next stretch: (i, theta, rate, mode); a jump of c_theta is a blow or a launch."""
-    state.idle = 0
+    state.idle, state.known = 0, 0
     i += 1
     if i == len(cam.stretches):
         i = 0

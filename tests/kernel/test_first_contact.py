@@ -1,9 +1,12 @@
 """Impacts of whole orbits against the high-precision reference."""
 
-from math import pi, sqrt
+import random
+from math import acos, atan2, cos, hypot, pi, radians, sin, sqrt
 
 import pytest
 
+from camcli.cams.law import LawCam
+from camcli.system import Follower, System
 from tests.kernel.helpers import ORACLE_CAM, events, reference, run, system, worst_phase_error
 
 CRITICAL = 2 * sqrt(1430.8 * 1.221)
@@ -77,3 +80,29 @@ def test_a_bounce_just_before_a_corner_is_a_bounce(changes, corner, before, u):
     kind, turn, theta, _, _ = events(tape, 1)[0]
     assert (kind, turn) == (first.kind, first.turn)
     assert abs(theta - float(first.theta)) < 1e-6
+
+
+def test_a_landing_on_a_corner_flies_on_with_the_slope_beyond_it():
+    """Thrown to land where a dwell ends in a fall steeper than its own: it flies on,
+    and lands on the lower dwell where the closed form from the corner does.
+    """
+    low, high, length = 0.05, 0.13, 20.0
+    law = {"length_deg": length, "law": "constant-velocity"}
+    rise = {**law, "start_deg": 60}
+    cam = LawCam(kind="law", base=low, lift=high - low, top_dwell_deg=150, rise=rise, fall=law)
+    corner, omega = radians(230), 100 * pi / 30
+    draw, compared = random.Random(0), 0
+    for _ in range(60):
+        W, back = draw.uniform(0.9, 1.2), draw.uniform(0.6, 0.7)
+        u = (low - high) / radians(length) * draw.uniform(0.4, 0.8)
+        follower = Follower(mass=1.0, stiffness=(W * omega) ** 2, restitution=0.5)
+        q = high * cos(W * back) - u / W * sin(W * back)
+        w = high * W * sin(W * back) + u * cos(W * back)
+        start = {"q": q, "v": w * omega, "theta_deg": 230 - back * 180 / pi}
+        *_, theta, _, _ = events(run(100.0, System.build(follower, cam), **start))[0]
+        if theta < corner + radians(length):  # rounding let it touch the upper dwell before
+            continue
+        true = acos(low / hypot(high, u / W)) + atan2(u / W, high)
+        assert abs(corner + true / W - theta) < 2e-14
+        compared += 1
+    assert compared > 20

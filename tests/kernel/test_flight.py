@@ -131,6 +131,17 @@ def test_a_displacement_is_exact_beyond_a_double():
             assert abs(mpf(dw) + dw_rest - fall) < W * size
 
 
+def test_a_rate_that_damping_has_worn_down_keeps_its_digits():
+    draw = random.Random(7)
+    for _ in range(100):
+        const = lane(draw.choice([0.0, 0.1]), 10 ** draw.uniform(0, 3))._replace(G=0.01)
+        q, w, s = draw.uniform(0.1, 0.5), draw.uniform(1, 100), draw.uniform(5, 50) / const.Z
+        _, _, dw, dw_rest = displacement(const, q, 0.0, w, 0.0, s, 0.0)
+        b, b1, _ = exact(const, s)
+        slowed, pull = w * b1, (mpf(const.G) + mpf(const.W2) * q) * b
+        assert abs(w + mpf(dw) + dw_rest - (slowed - pull)) < 1e-14 * (abs(slowed) + abs(pull))
+
+
 def test_angles():
     """Of any size that a run meets, and the speed in rad/s."""
     draw = random.Random(5)
