@@ -112,6 +112,9 @@ def lift(cam, i, theta):
 @inlined
 def lift_parts(cam, i, theta):
     """c and c_theta in two parts each, whose sums are exact to about 1e-17, and c_thetatheta."""
+    if cam.stretches[i].dwell:
+        o = PIECE * cam.stretches[i].first_piece
+        return cam.pieces[o + 1], cam.pieces[o + PIECE - 2], 0.0, cam.pieces[o + PIECE - 1], 0.0
     o = piece_at(cam, i, theta)
     x = theta - cam.pieces[o]
     level, slope = cam.pieces[o + 1], cam.pieces[o + 1 + TERMS]
@@ -132,7 +135,9 @@ def lift_at(cam, i, theta):
 
 @inlined
 def derivative(cam, order, i, theta):
-    """Derivative of c of an order at theta within stretch i."""
+    """Derivative of c of an order >= 1 at theta within stretch i."""
+    if cam.stretches[i].dwell:
+        return 0.0
     o = piece_at(cam, i, theta)
     return polynomial(cam.pieces, o + 1 + order * TERMS, theta - cam.pieces[o])
 

@@ -309,6 +309,8 @@ def gap_near(cam, const, i, f, s):
 @outlined
 def cam_fall(cam, i, theta, s):
     """(c(theta + s) - c(theta) - c_theta(theta) s, c_theta(theta + s) - c_theta(theta))."""
+    if cam.stretches[i].dwell:
+        return 0.0, 0.0
     o = piece_at(cam, i, theta)
     last = piece_at(cam, i, theta + s)
     width = 1.0 / cam.stretches[i].per_angle
