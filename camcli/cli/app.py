@@ -1,5 +1,6 @@
 """The `cam` application. Nothing heavy is imported before a command is chosen."""
 
+import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -83,6 +84,7 @@ def main() -> None:
     hold_output()
     code = guarded(lambda: app(standalone_mode=False), "--json" in sys.argv)
     sys.stdout = real
+    gc.freeze()  # what is still there goes with the process: nobody need look through it
     if code == INTERRUPTED:  # without waiting for a piece that is still at work in a thread
         sys.stderr.flush()
         os._exit(code)

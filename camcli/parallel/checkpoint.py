@@ -4,7 +4,8 @@
 
 The first line says what the others belong to. A line is appended by one write, so that a kill at
 any moment, a full disk or a power cut leaves whole lines and at most one torn one at the end, which
-is cut off when the file is opened again. The newest line of a name counts.
+is cut off when the file is opened again. The newest line of a name counts. Pieces of the first
+QUICK seconds wait for the next one after them, or for the end of a run that fails or is cut off.
 """
 
 import errno
@@ -20,12 +21,14 @@ from typing import Any, BinaryIO
 from zlib import crc32
 
 from camcli.errors import Fault, SceneError
+from camcli.interrupts import held
 
 DTYPES = ("<f8", "<i8", "<i4", "<i2", "|i1", "|b1", "|u1")
 MOST_KEY = 1 << 24  # bytes of the first line
 SUM = 8  # bytes that a line begins with
 CAUTIOUS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 APPENDING = os.O_WRONLY | os.O_CREAT | os.O_APPEND
+QUICK = 1.0  # s: a run that takes no longer writes no pieces
 SYNC = 1.0  # s between two waits for the disk: what a power cut costs
 KEY, END = "key", "end"  # places of the first line, and of the one that completes a shard
 
@@ -39,8 +42,9 @@ class Checkpoint:
     def __init__(self, path: Path, key: str, parts: tuple[Path, ...] = ()):
         """Open or create; raises SceneError for a file with pieces of another key, OSError."""
         self.path = path
-        self.pieces = self.size = 0  # size: bytes of all lines
+        self.size = 0  # bytes of all lines
         self._found: dict[tuple[str, int], tuple[Path, int]] = {}
+        self._waiting: dict[tuple[str, int], Any] = {}  # values to be written
         self._lock = Lock()
         for part in parts:
             with open_pieces(part) as file:
@@ -56,7 +60,7 @@ class Checkpoint:
         except BaseException:
             self._file.close()
             raise
-        self._synced = monotonic()
+        self._begun = self._synced = monotonic()
         self.resumed = self.pieces  # pieces there were at the beginning
 
     def _read(self, file: BinaryIO, key: str, path: Path) -> int:
@@ -64,7 +68,7 @@ class Checkpoint:
         end, first = 0, None
         for place, number, value, begin, after in records(file):
             if begin:
-                self._take_note(place, number, path, begin)
+                self._found[place, number] = path, begin
             else:
                 first = place, number, value
             end = after
@@ -78,15 +82,19 @@ class Checkpoint:
             raise refused(path, "found no pieces of this run", "expected them")
         return end
 
-    def _take_note(self, place: str, number: int, path: Path, begin: int) -> None:
-        self.pieces += place != END and (place, number) not in self._found
-        self._found[place, number] = path, begin
+    @property
+    def pieces(self) -> int:
+        """The number of pieces that there are."""
+        return sum(place != END for place, _ in {**self._found, **self._waiting})
 
     def __contains__(self, name: tuple[str, int]) -> bool:
-        return name in self._found
+        return name in self._found or name in self._waiting
 
     def get(self, place: str, number: int) -> Any:
         """The value of a piece that is there; raises SceneError where it is damaged, OSError."""
+        if (place, number) in self._waiting:
+            with self._lock:
+                self._write()
         path, begin = self._found[place, number]
         with open_pieces(path) as file:
             file.seek(begin)
@@ -98,9 +106,16 @@ class Checkpoint:
         raise refused(path, found, "expected it whole")
 
     def put(self, place: str, number: int, value: Any) -> None:
-        """Append a piece; raises SceneError where there is no room, the file is then as before."""
-        rest = memoryview(line := _line(place, number, value))
+        """Keep a piece; raises SceneError where there is no room, the file is then as before."""
         with self._lock:
+            self._waiting[place, number] = value
+            if self._file.closed or monotonic() - self._begun > QUICK:
+                self._write()
+
+    def _write(self) -> None:
+        """Append what waits."""
+        for name in list(self._waiting):
+            rest = memoryview(line := _line(*name, self._waiting[name]))
             begin = self._file.seek(0, os.SEEK_END)
             try:
                 while rest:
@@ -116,19 +131,25 @@ class Checkpoint:
             except BaseException:  # an interrupt
                 self._file.truncate(begin)
                 raise
-            self._take_note(place, number, self.path, begin)
+            self._found[name] = self.path, begin
             self.size += len(line)
+            del self._waiting[name]
 
     def close(self) -> None:
-        """Close; a thread that is still at work puts nothing more. A file without a piece goes."""
-        with self._lock:
-            self._file.close()
-        if not self._found:
-            self.path.unlink(missing_ok=True)
+        """Write what waits, and end: a thread at work puts nothing more. An empty file goes."""
+        with held(), self._lock:
+            try:
+                if not self._file.closed:
+                    self._write()
+            finally:
+                self._file.close()
+                if not self._found:
+                    self.path.unlink(missing_ok=True)
 
     def discard(self) -> None:
         """Close and delete: the work is finished."""
         self._found.clear()
+        self._waiting.clear()
         self.close()
 
 

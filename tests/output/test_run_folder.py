@@ -41,6 +41,7 @@ def test_what_is_on_disk_when_the_power_goes(tmp_path, monkeypatch):
         synced.append((stat.S_ISDIR(os.fstat(handle).st_mode), kept))
 
     monkeypatch.setattr(os, "fsync", fsync)
+    monkeypatch.setattr(checkpoint, "QUICK", -1.0)
     monkeypatch.setattr(checkpoint, "SYNC", -1.0)  # after each piece, not once a second
     with run_folder(tmp_path, KEY) as run:
         list(run.work.run(abs, [1, 2], PLAIN))

@@ -102,6 +102,17 @@ def test_what_was_put_is_there_again(tmp_path):
     assert not (tmp_path / "c").exists()
 
 
+def test_the_first_pieces_wait_for_a_later_one(tmp_path, monkeypatch):
+    monkeypatch.setattr("camcli.parallel.checkpoint.QUICK", np.inf)
+    checkpoint = Checkpoint(tmp_path / "c", "work")
+    checkpoint.put("0", 0, 1)
+    assert (len(ends(tmp_path / "c")), ("0", 0) in checkpoint, checkpoint.pieces) == (1, True, 1)
+    monkeypatch.setattr("camcli.parallel.checkpoint.QUICK", 0.0)
+    checkpoint.put("0", 1, 2)
+    assert (len(ends(tmp_path / "c")), checkpoint.pieces) == (3, 2)
+    checkpoint.discard()
+
+
 def test_torn_at_every_byte_all_whole_pieces_stay(tmp_path):
     whole, path = written(tmp_path / "whole"), tmp_path / "torn"
     marks = ends(tmp_path / "whole")
@@ -155,6 +166,7 @@ def test_a_head_that_a_power_cut_left_as_zeros_starts_anew(tmp_path):
 def test_a_file_that_changes_under_the_run_is_said(tmp_path, cut):
     checkpoint = Checkpoint(tmp_path / "c", "work")
     checkpoint.put("0", 5, np.arange(9.0))
+    assert checkpoint.get("0", 5).tolist() == list(range(9))
     data = bytearray((tmp_path / "c").read_bytes())
     data[-5] ^= 1
     (tmp_path / "c").write_bytes(data[: 30 if cut else None])

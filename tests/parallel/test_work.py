@@ -34,6 +34,7 @@ class Counted:
 @pytest.mark.parametrize(("kept", "room"), [(False, 0), (True, 1 << 20), (True, 80), (True, 0)])
 def test_collected_results_are_a_sequence(checkpoint, kept, room, monkeypatch):
     monkeypatch.setattr("camcli.parallel.work.IN_MEMORY", room)
+    monkeypatch.setattr("camcli.parallel.checkpoint.QUICK", -1.0)
     seen = []
     work = Work(2, checkpoint if kept else None)
     found = work.collect(Counted(), range(5), PLAIN, seen.append)
