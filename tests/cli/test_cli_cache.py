@@ -48,10 +48,13 @@ def cache(warm, tmp_path):
     return tmp_path / "cache"
 
 
-def code_files(cache: Path) -> list[Path]:
-    found = sorted(cache.rglob("*.nbc"))
+def code_files(cache: Path, entry: str = "*") -> list[Path]:
+    found = sorted(cache.rglob(f"{entry}.*.nbc"))
     assert found
     return found
+
+
+CHEAP = "fill_flows"  # the entry of a simulation that is compiled soonest; all are kept alike
 
 
 DAMAGES = {
@@ -67,7 +70,7 @@ DAMAGES = {
     "how", [k if k == "a bit" else pytest.param(k, marks=pytest.mark.soak) for k in DAMAGES]
 )
 def test_a_damaged_cache_is_said_and_made_anew(cache, warm, tmp_path, how):
-    for path in code_files(cache):
+    for path in code_files(cache, CHEAP):
         path.write_bytes(DAMAGES[how](path.read_bytes()))
     killed, at_work = (path.with_suffix(f".{name}") for name in ("killed", "now"))
     for part in (killed, at_work):
@@ -131,11 +134,17 @@ def test_of_processes_that_start_at_once_one_compiles(warm, tmp_path, without_nu
 def test_a_full_disk_under_the_cache_is_no_trouble(tmp_path, warm):
     place = tmp_path / "disk"
     place.mkdir()
-    words = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(place)]
+    words = ["mount", "-t", "tmpfs", "-o", "size=4M", "tmpfs", str(place)]
     if os.geteuid() != 0 or subprocess.run(words, capture_output=True, check=False).returncode != 0:
         pytest.skip("needs the right to mount a tmpfs")
     try:
+        shutil.copytree(warm[0], place, dirs_exist_ok=True)
+        for path in code_files(place, CHEAP):
+            path.unlink()
+        with pytest.raises(OSError, match="No space"):
+            (place / "filler").write_bytes(bytes(2**23))
         done = cam(place, cwd=tmp_path)
+        assert not list(place.rglob(f"{CHEAP}.*"))
     finally:
         subprocess.run(["umount", "-l", str(place)], check=True)
     assert (done.returncode, done.stderr) == (0, "")
