@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import isfinite, pi
+from math import floor, isfinite, log10, pi
 from typing import NamedTuple
 
 from camcli.cams.compile import Shape, build, column, corners
@@ -116,6 +116,11 @@ class Units(NamedTuple):
     def stiffnesses(self, newtons_per_m: float, digits: int = 4) -> str:
         """With the unit."""
         return f"{newtons_per_m / self.per_m:.{digits}g} {self.stiffness}"
+
+
+def decimals(width: float) -> int:
+    """Of a number that is known to within `width`: two digits of that are shown."""
+    return max(0, 1 - floor(log10(width))) if width > 0.0 else 6
 
 
 def units_of(system: System) -> Units:

@@ -8,6 +8,7 @@ from math import isfinite, sqrt
 from typing import TYPE_CHECKING, Any
 
 from camcli.errors import shown
+from camcli.system import decimals
 
 if TYPE_CHECKING:
     from camcli.cams.lift_fit import Accuracy
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from camcli.scene import Scene
     from camcli.system import System
 
+UM = 1e6  # per m
 LONGEST_NAME = 500  # characters of a path in a note
 MEANING = (
     "bound: 3 standard errors, and where smoothing changes more than they do what it may have "
@@ -47,8 +49,8 @@ def fit_line(accuracy: Accuracy, file: str) -> str:
     """One line about the fit."""
     return (
         f"{file}: {accuracy.rows} rows, lift {1e3 * accuracy.lift:.5g} mm, last digit "
-        f"{accuracy.quantum:.3g} m; the cam is within "
-        f"{accuracy.rms:.2g} m rms, {accuracy.largest:.2g} m at most (line {accuracy.line}), "
+        f"{UM * accuracy.quantum:.3g} um; the cam is within {UM * accuracy.rms:.3g} um rms, "
+        f"{UM * accuracy.largest:.3g} um at most (line {accuracy.line}), "
         f"smoothed over {accuracy.length_deg:.2g} deg"
     )
 
@@ -59,13 +61,13 @@ def cautions(accuracy: Accuracy) -> list[str]:
     rounding = accuracy.quantum / sqrt(12.0)
     if accuracy.noise > 1.5 * rounding:
         words.append(
-            f"warning: the table scatters by {accuracy.noise:.2g} m, "
+            f"warning: the table scatters by {UM * accuracy.noise:.3g} um, "
             f"{accuracy.noise / rounding:.2g} times the rounding of its digits"
         )
     if accuracy.largest > 6.0 * accuracy.noise:
         words.append(
-            f"warning: line {accuracy.line} of the table is {accuracy.largest:.2g} m off the cam, "
-            f"{accuracy.largest / accuracy.noise:.3g} times the noise of the rows"
+            f"warning: line {accuracy.line} of the table is {UM * accuracy.largest:.3g} um off the "
+            f"cam, {accuracy.largest / accuracy.noise:.3g} times the noise of the rows"
         )
     if accuracy.jump_deg is not None:
         words.append(
@@ -87,8 +89,9 @@ def bound_line(record: dict[str, Any]) -> str:
     if low is None:
         return text + "contact is never lost"
     if high is None:
-        return text + f"first detachment from {low:.6g} rpm on, or never"
-    return text + f"first detachment between {low:.6g} and {high:.6g} rpm"
+        return text + f"first detachment from {low:.4g} rpm on, or never"
+    form = f".{decimals(high - low)}f"
+    return text + f"first detachment between {low:{form}} and {high:{form}} rpm"
 
 
 def table_notes(scene: Scene) -> list[str]:

@@ -14,7 +14,7 @@ from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.scene import Scene
-from camcli.system import omega_of
+from camcli.system import omega_of, units_of
 
 if TYPE_CHECKING:
     from camcli.analysis.cam_profile import Profile
@@ -166,6 +166,7 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
             for one, base in zip(machines, bases, strict=True)
         ]
     result, f, omega = results[0], machine.system.follower, omega_of(rpm)
+    units = units_of(machine.system)
 
     def rows(one: Profile) -> Iterator[tuple]:
         for theta, c, c1, c2 in zip(one.theta_deg, one.c, one.c1, one.c2, strict=True):
@@ -179,7 +180,10 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
         cams = [one.scene.cam for one in machines]
         rows = zip(results, machines, bases, cams, strict=True)
         return draw_profiles(
-            [Drawn(one, Outline.of(own.system, base, cam), cam) for one, own, base, cam in rows]
+            [
+                Drawn(one, Outline.of(own.system, base, cam), cam, units)
+                for one, own, base, cam in rows
+            ]
         )
 
     notes = []
@@ -187,8 +191,9 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
         least = result.curvature.flat_least
         notes.append(
             f"warning: a flat-faced follower undercuts this cam: the radius of curvature would be "
-            f"{least.value:.4g} m at {least.theta_deg:.5g} deg; the base radius must exceed "
-            f"{result.curvature.least_base_radius:.4g} m (knife edge and roller have other limits)"
+            f"{units.lengths(least.value, 4)} at {least.theta_deg:.5g} deg; the base radius must "
+            f"exceed {units.lengths(result.curvature.least_base_radius, 4)} (knife edge and roller "
+            "have other limits)"
         )
     options = {"profile_only": True, "base_radius": base_radius}
     return Result(

@@ -361,7 +361,8 @@ def _check_sizes(cells: list[Cell], lifts: list[float], quantum: float) -> None:
         expected = "expected lifts from zero up"
         cure = "is lift_column the right column? Subtract the base if the file has radii"
     elif top - bottom < 8.0 * quantum:
-        found = f"found lifts that differ by {top - bottom:.6g} m, a few steps of the last digit"
+        differ = f"found lifts that differ by {1e3 * (top - bottom):.6g} mm"
+        found = f"{differ}, a few steps of the last digit"
         expected, cure = "expected a lift curve", "write more decimals"
     else:
         return
@@ -388,8 +389,8 @@ def _cover(
         return last + 1, True
     _raise(
         rows.lift[k].fault(
-            f"the table {end} at {rows.angle[k].value} deg with a lift of {lifts[k]:.6g} m, an "
-            f"open end ({float(360 - span):.6g} deg of cam are missing)",
+            f"the table {end} at {rows.angle[k].value} deg with a lift of {1e3 * lifts[k]:.6g} mm, "
+            f"an open end ({float(360 - span):.6g} deg of cam are missing)",
             "expected one turn, or zero lift at both ends",
             "measure down to zero lift, or is cam.angle wrong (crank angles are halved)?",
         )
@@ -477,8 +478,8 @@ def _refuse_spikes(turn: Turn, name: str) -> None:
         Fault(
             f"{name}:{turn.line[k]}",
             "lift",
-            f"found a spike: the row is {off[k]:.6g} m off its neighbours",
-            f"expected at most {floor:.6g} m, {floor / turn.quantum:.3g} last digits",
+            f"found a spike: the row is {1e3 * off[k]:.6g} mm off its neighbours",
+            f"expected at most {1e3 * floor:.6g} mm, {floor / turn.quantum:.3g} last digits",
             "correct the row, or remove it",
         )
         for k in np.flatnonzero(spike)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, option, refuse_idle
 from camcli.cli.report import plural, table
@@ -66,7 +66,7 @@ def simulate(
 def _show(result: Result, _: bool) -> None:
     found = result.values
     rows = [
-        [name, str(period), f"{theta:.10f}", f"{u:.6g}", f"{after:.6g}"]
+        [name, str(period), f"{theta:.4f}", f"{u:.4g}", f"{after:.4g}"]
         for _, period, theta, name, _, u, after in found.events[-SHOWN:]
     ]
     title = f"{found.rpm:.10g} rpm: {found.label}, {plural(len(found.events), 'event')} recorded"
@@ -75,27 +75,34 @@ def _show(result: Result, _: bool) -> None:
     table(title, ["event", "period", "theta (deg)", "u- (m/s)", "u+ (m/s)"], rows)
 
 
-def _show_profile(result: Result, _: bool) -> None:
+def _show_profile(result: Any, _: bool) -> None:
     from camcli.api.simulate import UNITS
+    from camcli.output.detach import digits_of
+    from camcli.system import units_of
 
-    found = result.values
+    found, units, digits = result.values, units_of(result.system), digits_of(result.scene)
     rows = []
+
+    def row(what: str, value: float, theta_deg: float) -> None:
+        rows.append([what, f"{value:.{digits}g}", f"{theta_deg:.{digits}g}"])
+
     for name, (low, high) in found.ranges.items():
         for word, extreme in (("least", low), ("largest", high)):
             value = extreme.value if abs(extreme.value) > NOTHING else 0.0
-            what = f"{word} {name} ({UNITS[name]})"
-            rows.append([what, f"{value:.7g}", f"{extreme.theta_deg:.6g}"])
+            unit = units.length + UNITS[name].removeprefix("m")
+            row(f"{word} {name} ({unit})", value * units.per_m, extreme.theta_deg)
     force, bent, first = found.force, found.curvature, found.first
     what = f"least contact force at {force.rpm:.10g} rpm (N)"
-    rows.append([what, f"{force.lowest_n:.7g}", f"{force.lowest_deg:.6g}"])
+    row(what, force.lowest_n, force.lowest_deg)
     if first is not None and first.finite:
-        rows.append(["first detachment (rpm)", f"{first.rpm:.10g}", f"{first.theta_deg:.6g}"])
+        row("first detachment (rpm)", first.rpm, first.theta_deg)
     if bent.base_radius is not None:
-        least, what = bent.flat_least, "least radius of curvature, flat face (m)"
-        rows.append([what, f"{least.value:.5g}", f"{least.theta_deg:.6g}"])
-    rows.append(["base radius a flat face needs (m)", f"{bent.least_base_radius:.5g}", ""])
+        least, what = bent.flat_least, f"least radius of curvature, flat face ({units.length})"
+        row(what, least.value * units.per_m, least.theta_deg)
+    needed = f"{bent.least_base_radius * units.per_m:.{digits}g}"
+    rows.append([f"base radius a flat face needs ({units.length})", needed, ""])
     if bent.roller is not None:
-        place = f"{bent.roller.theta_deg:.6g}"
-        rows.append(["largest roller radius (m)", f"{bent.roller.value:.5g}", place])
+        what = f"largest roller radius ({units.length})"
+        row(what, bent.roller.value * units.per_m, bent.roller.theta_deg)
     corners = ", ".join(f"{name} {theta:.8g}" for name, theta in found.corners.items())
     table(f"Cam, corners (deg): {corners or 'none'}", ["what", "value", "theta (deg)"], rows)

@@ -1,6 +1,7 @@
 """What `cam detach` found, as sentences and as the `result` of run.json."""
 
-from itertools import groupby
+from collections.abc import Sequence
+from itertools import groupby, pairwise
 from math import inf
 from typing import Any
 
@@ -11,7 +12,7 @@ from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.cams.compile import lift_range
 from camcli.errors import Status
-from camcli.system import units_of
+from camcli.system import decimals, units_of
 
 
 def sentences(result: ContactLoss) -> list[str]:
@@ -191,21 +192,31 @@ def crank_of(scene: Any) -> float:
     return 2.0 if getattr(scene.cam, "angle", "") == "crank" else 0.0
 
 
+def digits_of(scene: Any) -> int:
+    """Significant digits of what follows from the cam alone: a measured one deserves fewer."""
+    return 4 if scene.cam.kind == "table" else 6
+
+
+def spacing(speeds: Sequence[float]) -> float:
+    """The least between neighbouring speeds, rpm."""
+    return min((b - a for a, b in pairwise(sorted(set(speeds)))), default=0.1)
+
+
 def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     """Tables (title, heads, rows): past the loss of contact; contact force; springs that hold."""
     found, units = result.values, units_of(result.system)
     crank = crank_of(result.scene)
     names = ["cam (rpm)", *["crank (rpm)"] * bool(crank)]
-    exact = 4 if result.scene.cam.kind == "table" else 6  # digits of a speed
+    exact, seen = digits_of(result.scene), decimals(spacing([s.rpm for s in found.past]))
 
-    def speed(rpm: float) -> list[str]:
-        return [f"{x * rpm:.{exact}g}" for x in (1.0, crank) if x]
+    def speed(rpm: float, form: str) -> list[str]:
+        return [f"{x * rpm:{form}}" for x in (1.0, crank) if x]
 
     def between(low: float | None, high: float | None) -> str:
         return "" if low is None or high is None else f"{_zero(low):.4g} to {high:.4g}"
 
     past = [
-        [*speed(s.rpm), _cell(x.max_gap_m, units.per_m), _cell(x.max_impact_m_per_s),
+        [*speed(s.rpm, f".{seen}f"), _cell(x.max_gap_m, units.per_m), _cell(x.max_impact_m_per_s),
          _cell(x.landing_deg, digits=4), _cell(x.landing_lift_m, units.per_m),
          _cell(x.shut_bounces_per_turn), between(x.min_contact_force_n, x.max_contact_force_n)]
         for s in found.past
@@ -214,7 +225,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     columns = f"loft ({units.length}), lands (m/s), at (deg), at lift ({units.length})"
     columns += ", bounces, force (N)"
     forces = [
-        [*speed(f.rpm), _cell(_zero(f.lowest_n), digits=4),
+        [*speed(f.rpm, f".{exact}g"), _cell(_zero(f.lowest_n), digits=4),
          _cell(f.lowest_deg, digits=4), _cell(f.highest(f.force_n)[0], digits=4),
          *([_cell(f.highest(f.pressure_pa)[0], 1e-6)] if f.pressure_pa else [])]
         for f in found.forces

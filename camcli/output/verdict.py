@@ -1,14 +1,14 @@
 """The answer in a sentence or two, before any table: does contact hold, up to where, what then."""
 
 from collections.abc import Iterator, Mapping
-from math import ceil, floor, inf, log10
+from math import ceil, inf
 from typing import Any
 
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
 from camcli.analysis.labels import APERIODIC, CONTACT, Label
-from camcli.output.detach import crank_of, way
-from camcli.system import Units, units_of
+from camcli.output.detach import crank_of, spacing, way
+from camcli.system import Units, decimals, units_of
 
 MM = 1e3  # per m
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
@@ -35,15 +35,15 @@ def verdict(result: Any, lift_table: Mapping[str, Any] | None) -> str:
 
 def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> str:
     """3347 +- 36 rpm of the cam (6693 of the crank); as many digits as the data deserve."""
-    number, error, digits = f"{rpm:.6g}", "", 2
+    form, error = ".6g", ""
     if low is not None and high is not None:
         width = max(high - rpm, rpm - low)
-        digits = max(0, 1 - floor(log10(width))) if width > 0.0 else 6
-        number, error = f"{rpm:.{digits}f}", f" +- {ceil(width * 10**digits) / 10**digits:g}"
+        digits = decimals(width)
+        form, error = f".{digits}f", f" +- {ceil(width * 10**digits) / 10**digits:g}"
     elif low is not None:
         error = f" (from {low:.4g} on, or never)"
-    beside = f" ({crank * rpm:.{digits}f} of the crank)" if crank else ""
-    return f"{number}{error} rpm of the cam{beside}"
+    beside = f" ({crank * rpm:{form}} of the crank)" if crank else ""
+    return f"{rpm:{form}}{error} rpm of the cam{beside}"
 
 
 def _at_one_speed(result: Any, crank: float) -> str:
@@ -73,7 +73,10 @@ def _past(result: Any) -> Iterator[str]:
     gap, top, shut = (max(row[k] for row in rows) for k in (3, 4, 5))
     lowest = min(row[4] for row in rows)
     mm, speed = units_of(result.system).lengths, f"{u:.0f}" if u >= 10.0 else f"{u:.2g}"
-    where = f"at {top:.6g} rpm" if lowest == top else f"from {lowest:.6g} to {top:.6g} rpm"
+    where = f"at {top:.6g} rpm"
+    if lowest < top:
+        ends = (round(x, decimals(spacing(speeds["rpm"]))) for x in (lowest, top))
+        where = "from {:.10g} to {:.10g} rpm".format(*ends)
     yield f"; past it, {where}, the follower lands at up to {speed} m/s"
     yield f" ({theta:.4g} deg, {mm(lift)} above its lowest), flies up to {mm(gap)} off the cam"
     yield f", and bounces on the shut cam ({shut:.2g} a turn at most)" if shut else ""

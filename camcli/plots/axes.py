@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 from camcli.cams.compile import column
 from camcli.kernel.cam_table import PIECE, TERMS, Cam
 from camcli.plots import style
-from camcli.system import System
+from camcli.system import System, Units, units_of
 
 if TYPE_CHECKING:
     from camcli.analysis.contact_loss.force import ForceCurve
@@ -45,6 +45,13 @@ PARAMETERS = {  # what is varied, where it has a name of its own: name and unit
     "stiffness": ("stiffness", "N/m"),
     "preload": ("preload", "N"),
     "mass": ("mass", "kg"),
+}
+
+
+LIFTS = {  # name and unit of the lift and its derivatives
+    "lift": ("$c$", ""),
+    "velocity": (r"$c_\theta$", "/rad"),
+    "acceleration": (r"$c_{\theta\theta}$", "/rad²"),
 }
 
 
@@ -115,15 +122,29 @@ def turn_axis(axes: Axes, corners: dict[str, float], **more: Any) -> None:
 def length_axis(axis: Axis, name: str, largest: float) -> None:
     """The name of an axis over lengths in m, whose numbers are mm or µm where all are small."""
     unit, size = next(((u, s) for u, s in UNITS.items() if largest >= SMALL * s), ("µm", 1e-6))
+    _count(axis, size)
     axis.set_label_text(f"{name} ({unit})")
+
+
+def unit_axis(axis: Axis, name: str, units: Units, per: str = "", **text: Any) -> None:
+    """The name of an axis over lengths in m, or m per something, in the machine's unit."""
+    _count(axis, 1.0 / units.per_m)
+    axis.set_label_text(f"{name} ({units.length}{per})", **text)
+
+
+def _count(axis: Axis, size: float) -> None:
+    """Numbers in a unit of so many m."""
     if size != 1.0:
         axis.set_major_formatter(FuncFormatter(lambda x, _: style.number(round(x / size, 9))))
 
 
-def strobe_name(system: System) -> str:
+def strobe_axis(axis: Axis, system: System, words: str = "") -> None:
     """The axis of stroboscopic positions."""
     phase = style.number(round(system.strobe_deg, 9))
-    return "stroboscopic $q$ (m)" + rf", $\theta$ = {phase} deg" * (phase != "0")
+    unit_axis(axis, "stroboscopic $q$", units_of(system))
+    axis.label.set_text(
+        axis.label.get_text() + rf", $\theta$ = {phase} deg" * (phase != "0") + words
+    )
 
 
 def say(axes: Axes, text: str) -> None:

@@ -11,9 +11,9 @@ from matplotlib.colors import to_rgb
 from camcli.analysis.basins.study import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question, Study
 from camcli.analysis.sweep import status_name
 from camcli.plots import style
-from camcli.plots.axes import axis_name, one_of, valued
+from camcli.plots.axes import axis_name, one_of, unit_axis, valued
 from camcli.plots.picture import Panel, Picture
-from camcli.system import System, omega_of
+from camcli.system import System, Units, omega_of, units_of
 
 MOST_NAMED = 12  # attractors in the list
 CHARS, RANGE_CHARS = 60, 24  # of a label in the list
@@ -30,7 +30,7 @@ def draw_basins(study: Study, question: Question, system: System, key: str = "rp
 
     key: what is varied, where that is another number.
     """
-    return _windows(study, system, key) if study.grids else _range(study, question, key)
+    return (_windows if study.grids else _range)(study, question, system, key)
 
 
 def area_colours(labels: Sequence[str], largest: int = 0) -> list[str]:
@@ -46,7 +46,7 @@ def _swatch(colour: str) -> dict[str, Any]:
 # --- the windows of a few speeds
 
 
-def _windows(study: Study, system: System, key: str) -> Picture:
+def _windows(study: Study, _: Question, system: System, key: str) -> Picture:
     """The basins of the speeds side by side; their attractors by branch."""
     grids = study.grids
     labels = _labels(grids)
@@ -60,7 +60,7 @@ def _windows(study: Study, system: System, key: str) -> Picture:
     panels = {}
     for speed in grids:
         own = valued(key, style.number(speed.value))
-        draw = partial(_draw_window, basins=speed, colours=colours, named=own)
+        draw = partial(_draw_window, basins=speed, colours=colours, named=own, system=system)
         named = f" {own}" * (len(grids) > 1)
         height = 120.0 if len(grids) == 1 else 66.0
         panels[f"basins{named}"] = Panel(draw, height, across=len(grids), y=shared)
@@ -142,7 +142,9 @@ def percent(share: tuple[float, float]) -> str:
     return f"({value:.{digits}f} ± {error:.{digits}f}) %"
 
 
-def _draw_window(axes: Axes, basins: Basins, colours: dict[int, str], named: str) -> None:
+def _draw_window(
+    axes: Axes, basins: Basins, colours: dict[int, str], named: str, system: System
+) -> None:
     window = basins.window
     codes, index = np.unique(basins.codes, return_inverse=True)
     names = [basins.branches[code - 1] if code > 0 else code for code in codes.tolist()]
@@ -165,7 +167,8 @@ def _draw_window(axes: Axes, basins: Basins, colours: dict[int, str], named: str
         axes.axvspan(low, c, color=style.CAM_BODY, linewidth=0.0, zorder=2)  # over cells it cuts
         axes.axvline(c, color=style.CAM, linewidth=1.6, zorder=3, label="cam, $q = c$")
     axes.set(xlim=window.q, ylim=window.v)
-    axes.set(xlabel="position $q$ (m)", ylabel="velocity $v$ (m/s)")
+    unit_axis(axes.xaxis, "position $q$", units_of(system))
+    axes.set_ylabel("velocity $v$ (m/s)")
     axes.set_title(named)
 
 
@@ -196,23 +199,25 @@ def _marker(number: int) -> dict[str, Any]:
 # --- a range of speeds
 
 
-def _range(study: Study, question: Question, key: str) -> Picture:
+def _range(study: Study, question: Question, system: System, key: str) -> Picture:
     """Fractions stacked over what is varied, and where the attractors are."""
     colours, values = branch_colours(study), np.array([s.value for s in study.speeds])
     middle = 0.5 * (values[1:] + values[:-1])  # edges: halfway from each value to the next
     edges = np.array([2.0 * values[0] - middle[0], *middle, 2.0 * values[-1] - middle[-1]])
     areas = {**colours, UNDECIDED_CODE: style.UNDECIDED, -1: "white"}
     rows: list[list[Any]] = [[_swatch(areas[code]), words] for code, words in _range_entries(study)]
-    window, ends = question.window, [style.number(study.speeds[k].value) for k in (0, -1)]
+    units, window = units_of(system), question.window
+    ends = [style.number(study.speeds[k].value) for k in (0, -1)]
     words = (
         f"{len(study.speeds)} {one_of(key)}s, {window.nq} × {window.nv} starts each, "
-        f"q from {window.q[0]:g} to {window.q[1]:g} m, "
+        f"q from {window.q[0] * units.per_m:g} to {units.lengths(window.q[1], 6)}, "
         f"v from {window.v[0]:g} to {window.v[1]:g} m/s, {question.method} mapping"
     ).replace("-", "−")
     more: dict[str, Any] = {"study": study, "edges": edges, "colours": colours, "key": key}
+    states = partial(_draw_states, units=units, **more)
     panels = {
         "fractions": Panel(partial(_draw_stack, **more), 70.0, key),
-        "attractors": Panel(partial(_draw_states, **more), 52.0, key),
+        "attractors": Panel(states, 52.0, key),
     }
     title = f"Basin fractions, {valued(key, ' to '.join(ends), study.speeds[0].rpm)}"
     return Picture(title, panels, words, lists=[[["", "branch of attractors"], *rows]])
@@ -281,7 +286,7 @@ def _fraction(speed: Basins, branch: int) -> float:
 
 
 def _draw_states(
-    axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, str], key: str
+    axes: Axes, study: Study, edges: np.ndarray, colours: dict[int, str], key: str, units: Units
 ) -> None:
     """The attractors' stroboscopic positions."""
     for speed in study.speeds:
@@ -293,4 +298,4 @@ def _draw_states(
             x = np.full(len(q), speed.value)
             axes.plot(x, q, "o", mfc=colours[branch], mec="black", ms=size, mew=edge, zorder=3)
     axes.set(xlim=(edges.min(), edges.max()), xlabel=axis_name(key))
-    axes.set_ylabel("attractors' stroboscopic $q$ (m)")
+    unit_axis(axes.yaxis, "attractors' stroboscopic $q$", units)

@@ -11,9 +11,10 @@ from matplotlib.ticker import MultipleLocator
 
 from camcli.analysis.cam_profile import Profile
 from camcli.plots import style
-from camcli.plots.axes import draw_forces, newtons, padded, say, turn_axis
+from camcli.plots.axes import LIFTS, draw_forces, newtons, padded, say, turn_axis, unit_axis
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
+from camcli.system import Units
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,7 @@ class Drawn:
     profile: Profile
     outline: Outline
     cam: Any
+    units: Units
 
     @property
     def name(self) -> str:
@@ -38,7 +40,7 @@ class Drawn:
 
 def draw_profiles(cams: Sequence[Drawn]) -> Picture:
     """Picture of a cam, others beside it; outline and follower on it where they are asked for."""
-    profile = cams[0].profile
+    profile, units = cams[0].profile, cams[0].units
     low, high = profile.ranges["c"]
     first, said = profile.first, "no speed marks a first detachment"
     if first is not None and first.finite:
@@ -53,7 +55,9 @@ def draw_profiles(cams: Sequence[Drawn]) -> Picture:
         if k == 1 or name in COMPARED
     }
     if not many:
-        return Picture(f"Cam with a lift of {1e3 * (high.value - low.value):.4g} mm", panels, said)
+        return Picture(
+            f"Cam with a lift of {units.lengths(high.value - low.value, 4)}", panels, said
+        )
     return Picture(f"Cams side by side: {', '.join(cam.name for cam in cams)}", panels)
 
 
@@ -93,11 +97,16 @@ def _curve(axes: Axes, profile: Profile, values: Sequence[float], colour: str = 
     axes.plot(profile.theta_deg, values, color=colour)
 
 
+def _name(axes: Axes, drawn: Drawn, panel: str) -> None:
+    name, per = LIFTS[panel]
+    unit_axis(axes.yaxis, name, drawn.units, per, size=style.WITH_INDEX)
+
+
 def _draw_lift(axes: Axes, drawn: Drawn) -> None:
     profile, cam = drawn.profile, drawn.cam
     name = "cam" if drawn.measured else None
     axes.plot(profile.theta_deg, profile.c, color=style.CAM, label=name)
-    axes.set_ylabel("$c$ (m)")
+    _name(axes, drawn, "lift")
     if drawn.measured:
         own, rows = cam.measured.line > 0, "rows of the table"
         theta, c = cam.measured.theta[own], cam.base + cam.measured.lift[own]
@@ -106,16 +115,16 @@ def _draw_lift(axes: Axes, drawn: Drawn) -> None:
 
 def _draw_slope(axes: Axes, drawn: Drawn) -> None:
     _curve(axes, drawn.profile, drawn.profile.c1)
-    axes.set_ylabel("$c_\\theta$ (m/rad)", size=style.WITH_INDEX)
+    _name(axes, drawn, "velocity")
 
 
 def _draw_acceleration(axes: Axes, drawn: Drawn) -> None:
     profile = drawn.profile
     _curve(axes, profile, profile.c2)
-    axes.set_ylabel(r"$c_{\theta\theta}$ (m/rad²)", size=style.WITH_INDEX)
+    _name(axes, drawn, "acceleration")
     if not drawn.measured:
         return
-    axes.set_title(f"error below {drawn.cam.accuracy.bound:.2g} m/rad²")
+    axes.set_title(f"error below {drawn.units.lengths(drawn.cam.accuracy.bound, 2)}/rad²")
     bounds = np.asarray(drawn.cam.errors.bounds)  # in equal shares of the turn
     share = (np.asarray(profile.theta_deg) / 360.0 * len(bounds)).astype(int)
     bound, c2 = bounds[np.minimum(share, len(bounds) - 1)], np.asarray(profile.c2)
@@ -135,8 +144,8 @@ def _draw_flat(axes: Axes, drawn: Drawn) -> None:
     colour = style.TROUBLE if bent.undercut else style.CAM
     _curve(axes, drawn.profile, bent.flat, colour)
     less = "" if bent.base_radius is not None else "\nless the base radius"
-    axes.set_ylabel(f"radius of curvature{less} (m)")
-    needs = f"needs a base radius above {bent.least_base_radius:.4g} m"
+    unit_axis(axes.yaxis, f"radius of curvature{less}", drawn.units)
+    needs = f"needs a base radius above {drawn.units.lengths(bent.least_base_radius, 4)}"
     axes.set_title(f"flat face{': undercut' * bent.undercut}, {needs}", color=colour)
 
 
@@ -147,7 +156,9 @@ def _draw_knife(axes: Axes, drawn: Drawn) -> None:
         say(axes, "unknown without the base radius\n(--base-radius)")
     else:
         _curve(axes, drawn.profile, bent.knife)
-    largest = "" if bent.roller is None else f" of at most {bent.roller.value:.4g} m"
+    largest = (
+        "" if bent.roller is None else f" of at most {drawn.units.lengths(bent.roller.value, 4)}"
+    )
     axes.set_title(f"knife edge, or roller{largest}: pitch curve")
     axes.set_ylabel("curvature (1/m)")
 

@@ -22,6 +22,7 @@ from camcli.analysis.sweep import Sweep
 from camcli.plots import style
 from camcli.plots.axes import (
     DASHED,
+    LIFTS,
     PARAMETERS,
     TURN_DEG,
     axis_name,
@@ -35,8 +36,9 @@ from camcli.plots.axes import (
     phase_axis,
     phase_range,
     say,
-    strobe_name,
+    strobe_axis,
     turn_axis,
+    unit_axis,
 )
 from camcli.plots.branch_lines import (
     Event,
@@ -61,7 +63,7 @@ from camcli.plots.density import Columns, Image
 from camcli.plots.event_words import event_words
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.plots.simulate import GAP, Trace, angle_axis
-from camcli.system import System, omega_of
+from camcli.system import System, omega_of, units_of
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
@@ -230,7 +232,7 @@ def _draw_positions(axes: Axes, scene: _Scene) -> None:
     _draw_branches(axes, scene, positions, 0.0)
     for event in scene.events:
         mark(axes, event.source.kind, [event.value] * len(event.positions), event.positions)
-    axes.set_ylabel(strobe_name(scene.system))
+    strobe_axis(axes.yaxis, scene.system)
 
 
 def _draw_plane(axes: Axes, scene: _Scene) -> None:
@@ -487,13 +489,6 @@ def _draw_orbit(
     axes.set_ylabel(r"relative velocity $u = v - \dot c$ (m/s)")
 
 
-LIFTS = {
-    "lift": r"$c$ (m)",
-    "velocity": r"$c_\theta$ (m/rad)",
-    "acceleration": r"$c_{\theta\theta}$ (m/rad²)",
-}
-
-
 def _nothing(study: OrbitsResult) -> str:
     absent = study.absent
     if absent is None:
@@ -527,7 +522,8 @@ def _draw_impacts(
         for phase in at:
             look = {**line_look(orbit.stable), "linewidth": 0.7}
             axes.axvline(phase, color=shade, alpha=0.6, zorder=1, **look)
-    axes.set_ylabel(list(LIFTS.values())[order], size=style.WITH_INDEX)
+    name, per = list(LIFTS.values())[order]
+    unit_axis(axes.yaxis, name, units_of(system), per, size=style.WITH_INDEX)
     turn_axis(axes, style.corner_names(system.corners_deg), named=order == 0)
 
 
@@ -540,7 +536,8 @@ def _draw_states(
     q, rate = np.array([state for orbit in orbits for state in orbit.states]).T
     axes.set(xlim=padded(q, 0.5 * abs(q).max()), ylim=padded(rate, 0.5 * abs(rate).max() or 1.0))
     axes.locator_params(nbins=5)
-    axes.set(xlabel=strobe_name(system), ylabel=r"stroboscopic $q_\theta$ (m/rad)")
+    strobe_axis(axes.xaxis, system)
+    unit_axis(axes.yaxis, r"stroboscopic $q_\theta$", units_of(system), "/rad")
 
 
 def _draw_multipliers(axes: Axes, orbits: Sequence[PeriodicOrbit], shades: Sequence[str]) -> None:

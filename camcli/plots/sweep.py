@@ -18,6 +18,7 @@ from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, status_name
 from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import (
+    LIFTS,
     NARROW_DEG,
     TURN_DEG,
     axis_name,
@@ -29,22 +30,20 @@ from camcli.plots.axes import (
     phase_axis,
     phase_range,
     say,
-    strobe_name,
+    strobe_axis,
     trouble_ticks,
     valued,
 )
 from camcli.plots.critical_speeds import event_lists, numbered
 from camcli.plots.density import PER_MM, WIDE, Cloud, Columns, Image
 from camcli.plots.picture import Panel, Picture
-from camcli.system import System
+from camcli.system import System, units_of
 
 if TYPE_CHECKING:
     from camcli.analysis.explain.changes import Event
 
-SMALL = 0.02  # m: a cam that is smaller throughout is drawn in mm
 ENLARGED_SHARE = 0.4  # of the speeds, for a panel of their own
 ENLARGED_PART, FEW = 0.3, 10  # of the positions, where most of more speeds than a few are
-CURVES = (("$c$", "m"), (r"$c_\theta$", "m/rad"), (r"$c_{\theta\theta}$", "m/rad²"))
 SECTIONS = ("impacts", "strobe")
 STRIP = 26.0  # mm, height of the strip of exponents
 UNKNOWN = "undecided after rests"
@@ -285,7 +284,7 @@ def cloud_panels(
                 axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
         axes.set_xlabel(axis_name(sweep.key))
         if view.section == "strobe":
-            axes.set_ylabel(strobe_name(system) + ", enlarged" * name.endswith("enlarged"))
+            strobe_axis(axes.yaxis, system, ", enlarged" * name.endswith("enlarged"))
         else:
             phase_axis(axes, *view.limits)
             corner_lines(axes, style.corner_names(system.corners_deg).items(), "y")
@@ -324,22 +323,22 @@ def enlarged_range(cloud: Cloud) -> tuple[float, float] | None:
 
 def cam_beside(system: System, low: float, high: float, what: str) -> list[Callable]:
     """The cam's lift and its derivatives beside a panel, over the same phases."""
-    theta, orders = lift_curves(system.cam, len(CURVES))
-    milli = bool(np.nanmax(np.abs(orders)) < SMALL)
+    theta, orders = lift_curves(system.cam, len(LIFTS))
+    units = units_of(system)
     corners = style.corner_names(system.corners_deg).items()
 
     def draw(axes: Axes, k: int) -> None:
-        name, unit = CURVES[k]
-        axes.plot(orders[k] * (1e3 if milli else 1.0), theta, color=style.CAM, linewidth=0.9)
+        name, per = list(LIFTS.values())[k]
+        axes.plot(orders[k] * units.per_m, theta, color=style.CAM, linewidth=0.9)
         phase_axis(axes, low, high)
         axes.set_ylabel(axes.get_ylabel() + what if k == 0 else "")
         axes.tick_params(left=k == 0, labelleft=k == 0, bottom=False, labelbottom=False)
         corner_lines(axes, corners, "y", named=False)
-        axes.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 5, 10], min_n_ticks=2))
+        axes.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 4, 5, 10], min_n_ticks=2))
         if not what:
             axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90, labelsize=7)
             axes.set_title(name, loc="center", size=style.WITH_INDEX)
             axes.xaxis.set_label_position("top")
-            axes.set_xlabel("m" * milli + unit, size=style.NOTE)
+            axes.set_xlabel(units.length + per, size=style.NOTE)
 
-    return [partial(draw, k=k) for k in range(len(CURVES))]
+    return [partial(draw, k=k) for k in range(len(LIFTS))]

@@ -66,7 +66,7 @@ FILES = [
     (TEXT.replace(",", ";").replace(".", ","), "lift.csv:2:3: cam.file: found a decimal comma: '0"),
     (TEXT.replace(",", " ").replace(".", ","), "write decimal: comma in the section cam"),
     (without(170, 300), "the rows of lines 169 and 170 are 132 deg apart"),
-    (without(2, 150), "begins at 149 deg with a lift of 0.0061307 m, an open end"),
+    (without(2, 150), "begins at 149 deg with a lift of 6.1307 mm, an open end"),
     (without(200, 362), "lift.csv:199:5: cam.lift: the table ends at 197 deg with a lift of"),
     (FINE + "361,0\n", "lift.csv:362:1: cam.angle: the table covers 361 deg of cam, 1 too much"),
     (FINE + "360,0.3\n", "the last row is one turn after the first, its lift is 0.3"),
@@ -96,7 +96,7 @@ def test_a_spike_is_named_and_a_smaller_one_warned_of(tmp_path, line, off):
     deg, lift = FINE.splitlines()[line - 1].split(",")
     found = fault(tmp_path, changed(line, f"{deg},{float(lift) + off:.4f}", FINE))
     assert found.startswith(f"lift.csv:{line}:1: cam.lift: found a spike: the row is ")
-    assert float(found.split("the row is ")[1].split()[0]) == pytest.approx(off / 1e3, rel=0.02)
+    assert float(found.split("the row is ")[1].split()[0]) == pytest.approx(off, rel=0.02)
     if line == 182:
         cam = scene(tmp_path, changed(line, f"{deg},{float(lift) + 0.0009:.4f}", FINE)).cam
         assert any(f"line {line} of the table" in text for text in cautions(cam.accuracy))

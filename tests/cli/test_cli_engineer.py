@@ -221,6 +221,7 @@ def test_what_happens_past_the_loss_of_contact(cam, begun):
     result = camcli.detach(camcli.load_scene(begun / "lobe.yaml", {"detach.rpm.num": 5}))
     first, speeds = result.values.detachment.first.rpm, result.tables["speeds"]
     assert first < speeds["rpm"][0] < speeds["rpm"][-1] == result.scene.detach.rpm.stop
+    assert f"from {speeds['rpm'][0]:.0f} to {speeds['rpm'][-1]:.0f} rpm" in verdict  # 100 apart
     k = int(speeds["max_impact_m_per_s"].argmax())
     gap, lift = max(speeds["max_gap_m"]), speeds["landing_lift_m"][k]
     assert f"lands at up to {speeds['max_impact_m_per_s'][k]:.2g} m/s" in verdict

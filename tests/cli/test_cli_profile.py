@@ -65,9 +65,8 @@ def test_a_flat_face_that_is_undercut_is_warned_of(cam, tmp_path):
     done = cam(*ONLY, "-c", TABLE, "--set cam.base_radius=0.018")
     assert "warning: a flat-faced follower undercuts this cam" in done.stderr
     needed = done.stderr.partition("the base radius must exceed ")[2].split()[0]
-    assert float(needed) == pytest.approx(
-        0.03322801, rel=0.01
-    )  # of the law; c_thetatheta is bounded to 2.4 %
+    law = 33.22801  # mm; c_thetatheta of the table is bounded to 2.4 %
+    assert float(needed) == pytest.approx(law, rel=0.01)
     _, result = profiled(cam, tmp_path, "-c", TABLE, "--base-radius", "0.0335")
     flat = result["flat_faced"]
     assert flat["undercut"] is False
@@ -113,12 +112,25 @@ def test_the_example_table_is_that_of_its_program():
 def test_every_command_runs_on_a_table_and_says_what_it_is_worth(cam, tmp_path, words):
     short = "--set run.transient=20 --set run.record=8 --no-plot -o here"
     done = cam(words[0], "-c", TABLE, f"--rpm 3500 {short}", *words[1:], code=0)
-    assert "valve-lift.csv: 145 rows, lift 10.16 mm, last digit 2.54e-06 m" in done.stderr
+    assert "valve-lift.csv: 145 rows, lift 10.16 mm, last digit 2.54 um" in done.stderr
     assert "first detachment between 33" in done.stdout
     table = json.loads((tmp_path / "here/run.json").read_text())["error"]["lift_table"]
     assert 0.0 < table["bound"] < 0.2 * table["accel"]
     low, high = table["first_detachment_rpm"]
     assert low < 3345.4 < high
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "per_m"), [("lift-table", "mm", 1e3), ("chapter", "m", 1)]
+)
+def test_a_small_cam_is_drawn_in_mm(name, unit, per_m):
+    cam = simulate(load_scene(CONFIGS / f"{name}.yaml"), profile_only=True)
+    for panel, named in (("lift", f"({unit})"), ("acceleration", f"({unit}/rad²)")):
+        axes = plot(cam, panels=[panel]).axes[1]
+        assert axes.get_ylabel().endswith(named)
+        axes.figure.canvas.draw()
+        for at, label in zip(axes.get_yticks(), axes.get_yticklabels(), strict=True):
+            assert float(label.get_text().replace("−", "-")) == pytest.approx(at * per_m)
 
 
 def test_cams_side_by_side_share_their_axes(cam, tmp_path):
