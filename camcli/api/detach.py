@@ -155,6 +155,7 @@ def detach(
 def _write_report(result: Result, system: System, file: BinaryIO) -> None:
     """The page of --report."""
     from camcli.api.lift_table import table_record
+    from camcli.cams import cam_name
     from camcli.output.detach import answers, machine
     from camcli.output.pictures import write_picture
     from camcli.output.verdict import verdict
@@ -168,8 +169,9 @@ def _write_report(result: Result, system: System, file: BinaryIO) -> None:
     for title, heads, rows in answers(result):
         few = rows[:: 1 + (len(rows) - 1) // FEW]
         lists.append([[title], heads, *few])
-    title = f"Contact of cam and follower: {getattr(cam, 'file', cam.kind)}"
-    picture = draw_report(result.values, system, Outline.of(system, base, cam), title, words, lists)
+    title = f"Contact of cam and follower: {cam_name(cam)}"
+    drawn = Outline.of(system, base, cam), title, words.replace("+-", "±"), lists
+    picture = draw_report(result.values, system, cam.kind == "table", *drawn)
     page = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
     write_picture(picture, file, "pdf", scene.plot.model_copy(update=page), margin=15.0)
 

@@ -13,3 +13,11 @@ from camcli.cams.lift_table import TableCam
 
 AnyCam = ArcsCam | LawCam | EccentricCam | TableCam
 CAMS = get_args(AnyCam)
+
+
+def cam_name(cam: AnyCam) -> str:
+    """What a cam is called beside others: its file, its law or its kind."""
+    if isinstance(cam, TableCam):
+        return cam.file
+    law = cam.rise.law if isinstance(cam, LawCam) else None
+    return law if isinstance(law, str) else cam.kind

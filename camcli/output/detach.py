@@ -10,6 +10,7 @@ from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, Settled
 from camcli.analysis.contact_loss.detachment import AlwaysLost, CriticalSpeed, Quantity, Reason
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
+from camcli.cams import cam_name
 from camcli.cams.compile import lift_range
 from camcli.errors import Status
 from camcli.system import decimals, units_of
@@ -260,7 +261,7 @@ def machine(result: Any) -> list[list[str]]:
         ["force at full lift", f"{f.preload + f.stiffness * lift[1]:.4g} N"],
         ["damping", f"{f.damping:.4g} N s/m"],
         ["restitution", f"{f.restitution:.3g}"],
-        ["cam", getattr(cam, "file", cam.kind)],
+        ["cam", cam_name(cam)],
         ["lift", units.lengths(lift[1] - lift[0], 4)],
     ]
     return [["machine", ""], *rows]

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
 from camcli.analysis.cam_profile import Profile
+from camcli.cams import cam_name
 from camcli.plots import style
 from camcli.plots.axes import LIFTS, draw_forces, newtons, padded, say, turn_axis, unit_axis
 from camcli.plots.mechanism import Outline, machine_panels
@@ -25,12 +26,6 @@ class Drawn:
     outline: Outline
     cam: Any
     units: Units
-
-    @property
-    def name(self) -> str:
-        """What it is called beside others: its law or its kind."""
-        law = getattr(getattr(self.cam, "rise", None), "law", None)
-        return law if isinstance(law, str) else self.cam.kind
 
     @property
     def measured(self) -> bool:
@@ -58,7 +53,7 @@ def draw_profiles(cams: Sequence[Drawn]) -> Picture:
         return Picture(
             f"Cam with a lift of {units.lengths(high.value - low.value, 4)}", panels, said
         )
-    return Picture(f"Cams side by side: {', '.join(cam.name for cam in cams)}", panels)
+    return Picture(f"Cams side by side: {', '.join(cam_name(cam.cam) for cam in cams)}", panels)
 
 
 Draw = Callable[[Axes, Drawn], None]
@@ -71,7 +66,7 @@ def _panels(cam: Drawn, among: Sequence[Drawn]) -> dict[str, Panel]:
     rise, fall = theta[np.argmax(slope)], theta[np.argmin(slope)]
     room = 0.4 * float(np.ptp(outline.radius))
     moments = {"at rest": (0.0, 0.0), "lifting": (rise, 0.0), "landing": (fall, room)}
-    panels = machine_panels(outline, moments, cam.name if among else "")
+    panels = machine_panels(outline, moments, cam_name(cam.cam) if among else "")
     for name, draw in DRAW.items():
         half = name.startswith("curvature")
         do = partial(_draw, draw=draw, cam=cam, among=among)

@@ -53,8 +53,9 @@ def draw_detach(study: ContactLoss, system: System, measured: bool = False) -> P
         zoom = Panel(partial(_draw_phases, view=enlarged[0], **more), PHASES)
         panels = {"enlarged": zoom, **panels}
     if study.forces:
+        exact = 4 if measured else 6  # digits
         names = [
-            f"{c.rpm:.6g} rpm: least {newtons(c.lowest_n, 4)} at {c.lowest_deg:.4g} deg"
+            f"{c.rpm:.{exact}g} rpm: least {newtons(c.lowest_n, 4)} at {c.lowest_deg:.4g} deg"
             for c in study.forces
         ]
         draw = partial(_draw_forces, curves=study.forces, names=names, corners=corners)
@@ -86,13 +87,14 @@ def _first_loss(study: ContactLoss, measured: bool) -> str:
 def draw_report(
     study: ContactLoss,
     system: System,
+    measured: bool,
     outline: Outline,
     title: str,
     words: str,
     lists: Sequence[Rows],
 ) -> Picture:
     """A page of one machine: the cam, forces, loft and landing speed, and the springs."""
-    drawn, units = draw_detach(study, system).panels, units_of(system)
+    drawn, units = draw_detach(study, system, measured).panels, units_of(system)
     panels = {"outline": replace(machine_panels(outline, {})["outline"], usual=True)}
     if "forces" in drawn:
         panels["forces"] = replace(drawn["forces"], across=2)

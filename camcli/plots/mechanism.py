@@ -20,7 +20,7 @@ from camcli.cams import ArcsCam, EccentricCam
 from camcli.plots import style
 from camcli.plots.axes import lift
 from camcli.plots.picture import Panel
-from camcli.system import System
+from camcli.system import System, Units, units_of
 
 NARROW = 35.0  # mm, of a panel without room for the names of corners
 GUESSED = 1.5  # lifts, a base radius that is not known
@@ -38,6 +38,7 @@ class Outline:
     circles: Sequence[tuple[str, float, float, float]]  # centre's name, distance, direction, radius
     guessed: bool
     flat: bool  # the follower's face
+    units: Units
     sprung: bool  # without a spring the follower is drawn as a ball on a table, if its face is flat
 
     @classmethod
@@ -56,8 +57,8 @@ class Outline:
             ]
         corners = style.corner_names(system.corners_deg)
         flat = isinstance(cam, EccentricCam)
-        sprung = system.follower.stiffness > 0.0
-        return cls(theta, radius, corners, circles, base_radius is None, flat, sprung)
+        sprung, guessed = system.follower.stiffness > 0.0, base_radius is None
+        return cls(theta, radius, corners, circles, guessed, flat, units_of(system), sprung)
 
     @property
     def body(self) -> tuple[np.ndarray, np.ndarray]:
@@ -176,7 +177,9 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         va = "center" if abs(y[2]) > 0.1 * size else "bottom"
         axes.text(x[2], y[2], "" if narrow else words, ha=side, va=va, **small)
     _follower(axes, outline, 0.0, turned)
-    each = dict.fromkeys(f"{name} {radius:.4g} m" for name, _, _, radius in outline.circles)
+    each = dict.fromkeys(
+        f"{name} {outline.units.lengths(radius, 4)}" for name, _, _, radius in outline.circles
+    )
     radii = "base radius not given: 1.5 lifts" if outline.guessed else f"radii: {', '.join(each)}"
     said = rf"$\theta$ = {turned:g} deg" + f"\n{radii}" * (turned == 0.0)
     axes.set_title(among or said, loc="center")

@@ -199,7 +199,7 @@ class _Heading:
             right = self._list(left, rows)
             if right > self.wide + SPACE and left > EDGE:
                 self._undo()
-                self.top = below
+                self.top = below + SPACE
                 right = self._list(EDGE, rows)
             if right > self.wide + SPACE:  # the last words of each row below it
                 self._undo()
