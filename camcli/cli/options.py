@@ -158,13 +158,17 @@ CLUSTER = option("Dask scheduler HOST:PORT, or local.", "ADDRESS")
 
 
 def _tables(name: str) -> str:
-    """What the docstring of a command's API function, which is not run, says of its tables."""
+    """What the docstring of a command's API function, which is not run, says of its tables.
+
+    They are what its section Returns says after the first paragraph.
+    """
     path = Path(__file__).parents[1] / "api" / f"{name}.py"
     tree = ast.parse(path.read_text(encoding="utf-8") if path.is_file() else "")
     own = (x for x in tree.body if isinstance(x, ast.FunctionDef) and x.name == name)
-    told = "".join(ast.get_docstring(x) or "" for x in own).partition("the ending:\n\n")[2]
-    table, *more = re.split(r"\n\n\w+\n---", told)[0].replace("``", "").split("\n\n")
-    return "\n\n".join([dedent(table), *(" ".join(text.split()) for text in more)]).strip()
+    said = "".join(ast.get_docstring(x) or "" for x in own).replace("``", "")
+    returns = re.split(r"\n\n\w+\n---", said.partition("\nReturns\n")[2])[0]
+    _, *told = returns.split("\n\n")
+    return "\n\n".join([*map(dedent, told[:1]), *(" ".join(text.split()) for text in told[1:])])
 
 
 class _Command(TyperCommand):

@@ -26,9 +26,11 @@ def test_help_names_commands_files_and_columns(cam):
     done = cam("--help", code=0)
     assert all(name in done.stdout for name in commands.split())
     for command in ("simulate", "sweep"):
-        text = cam(command, "--help").stdout
-        assert f"{command}.png" in text
-        assert "theta_deg" in text
+        assert f"{command}.png" in cam(command, "--help").stdout
+    tables = {"simulate": "trajectory", "sweep": "impacts", "orbits": "branch", "bench": "scale",
+              "basins": "attractors", "detach": "detach", "classify": "classify"}  # fmt: skip
+    for command, table in tables.items():  # read from the docstrings of the library
+        assert re.search(rf"\n  {table}\.csv  +\w", cam(command, "--help").stdout)
     for command, line in COMMANDS.items():  # of those not asked for nothing else is known
         assert " ".join(cam(command, "--help").stdout.split()).count(line) == 1
     assert cam().stderr == done.stdout
