@@ -153,9 +153,16 @@ class _Page(Figure):
     look: tuple[str | None, str | None] = (None, None)  # font and style
 
     def draw(self, renderer: RendererBase) -> None:
-        """Draw with the settings it was made with."""
+        """Draw with the settings it was made with.
+
+        A figure is saved in two drawings, of which the first is for its layout alone.
+        """
+        layout = self.get_layout_engine()
         with style.look(*self.look):
-            super().draw(renderer)
+            if self.canvas.is_saving() and isinstance(layout, _Layout):
+                layout.execute(self)
+            else:
+                super().draw(renderer)
 
 
 def _folded(row: Sequence[Cell], most: int) -> list[Sequence[Cell]]:
