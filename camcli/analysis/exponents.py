@@ -73,19 +73,16 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     kernel = backend.current()
     cam = system.cam_for(kernel)
     rows = len(record.kind)
-    size = rows // BATCHES
-    if size < FEWEST or const.r == 0.0:
+    if rows // BATCHES < FEWEST or const.r == 0.0:
         return None
     pairs, logs = kernel.table(Pair, [Pair()]), []
+    growths = kernel.table(Growth, [Growth() for _ in range(BATCHES)])
     chatters = 0
     sums = [0.0] * 4  # first, area, impacts, length
     columns = [kernel.numbers(x, int) for x in (record.kind, record.period)]
     columns += [kernel.numbers(x) for x in (record.theta, record.u)]
-    for k in range(BATCHES):
-        part = slice(k * size, rows if k == BATCHES - 1 else (k + 1) * size)
-        growths = kernel.table(Growth, [Growth()])
-        kernel.stretch_events(cam, const, *(x[part] for x in columns), pairs, growths)
-        growth = backend.row_of(Growth, growths[0])
+    kernel.stretch_events(cam, const, *columns, pairs, growths)
+    for growth in (backend.row_of(Growth, row) for row in growths):
         chatters += growth.chatters
         if not growth.length > 0.0 or growth.first == 0.0 or growth.area == 0.0:
             continue

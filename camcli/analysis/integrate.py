@@ -192,7 +192,7 @@ class Orbit:
             strobe.q[0], strobe.w[0] = self.position()
         logs: list[tuple] = []  # columns of each slice
         capacity = (
-            min(max(FIRST_CAPACITY, 2 * self.settings.record), MOST_CAPACITY) if events else 0
+            min(max(FIRST_CAPACITY, 4 * self.settings.record), MOST_CAPACITY) if events else 0
         )
         while True:
             done = self.work.steps + self.work.evaluations

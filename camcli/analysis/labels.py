@@ -75,7 +75,7 @@ def sections(record: Record) -> tuple[np.ndarray, list[float]]:
     """States at the strobes that begin whole turns, (turns, 2) in m, m/rad, and their symbols."""
     columns = record.strobe_q, record.strobe_w, record.impacts, record.chatter
     q, w, impacts, chatter = (column[: record.periods] for column in columns)
-    return np.column_stack((q, w)), np.where(chatter != 0, inf, impacts).tolist()
+    return np.array((q, w)).T, np.where(chatter != 0, inf, impacts).tolist()
 
 
 def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:

@@ -108,16 +108,18 @@ class Machine:
         zb = self.Z * b
         return b, c - zb, (1 - c - zb) / self.W2 if self.sprung else (s - b) / self.Z2
 
-    def move(self, q: arb, w: arb, s: arb) -> list[arb]:
-        """q (m) and its first three derivatives by the angle after s rad of flight from (q, w)."""
+    def move(self, q: arb, w: arb, s: arb, order: int = 3) -> list[arb]:
+        """q (m) and its derivatives by the angle, 2 or 3, after s rad of flight from (q, w)."""
         b, b1, p = self.flow(s)
         pull = self.G + self.W2 * q
         q, w = q + w * b - pull * p, w * b1 - pull * b
-        accel, jerk = -(self.G + self.W2 * q), -self.W2 * w
+        accel = -(self.G + self.W2 * q)
         if not self.undamped:
             accel -= self.Z2 * w
-            jerk -= self.Z2 * accel
-        return [q, w, accel, jerk]
+        if order < 3:
+            return [q, w, accel]
+        jerk = -self.W2 * w
+        return [q, w, accel, jerk if self.undamped else jerk - self.Z2 * accel]
 
     def force(self, c: list[arb]) -> list[arb]:
         """Force of contact at rest over m omega^2, with two derivatives; c with four of the cam."""

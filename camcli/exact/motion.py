@@ -184,10 +184,12 @@ class Motion:
             phi, rate = self.at.middle.entries()
             q, w = self._cam(phi, self.i, self.n, 1)
             w += rate
+        stretch = self.machine.stretches[i]
+        theta = phi - n * self.turn
 
         def gap(s: arb) -> list[arb]:
-            flight, cam = machine.move(q, w, s), self._cam(phi + s, i, n, order)
-            return [x - y for x, y in zip(flight, cam, strict=False)]
+            cam = stretch.derivatives(theta + s, order)
+            return [x - y for x, y in zip(machine.move(q, w, s, order), cam, strict=True)]
 
         return gap
 

@@ -16,6 +16,7 @@ from contextvars import ContextVar
 from copy import copy
 from dataclasses import dataclass
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from threading import Lock
 from time import perf_counter
@@ -59,7 +60,8 @@ class Kernel:
             return values if isinstance(values, list) else [kind(value) for value in values]
         import numpy as np
 
-        return np.require(values, np.float64 if kind is float else np.int64, ["C", "W"])
+        column = np.ascontiguousarray(values, np.float64 if kind is float else np.int64)
+        return column if column.flags.writeable else column.copy()
 
     def zeros(self, count: int, kind: type = float) -> Any:
         """A column of zeros."""
@@ -78,8 +80,7 @@ class Kernel:
             return rows if isinstance(rows, list) else list(rows)
         import numpy as np
 
-        names = tuple(kind.__annotations__)
-        values = [tuple(getattr(row, name) for name in names) for row in rows]
+        values = list(map(attrgetter(*kind.__annotations__), rows))
         return np.array(values, _row_type(kind))
 
     def room(self, kind: type, count: int) -> Any:
@@ -151,11 +152,10 @@ def for_work(turns: float, enough: float = LITTLE_WORK) -> Kernel:
 
     Where compiled code is on disk, LEAST_WORK is enough.
     """
-    if must_compile() or (may_compile() and turns > enough):
-        return compiled()
-    if _compiled is None and may_compile() and turns > LEAST_WORK and is_cached():
-        return compiled()
-    return current()
+    if _compiled is not None or not may_compile():
+        return current()
+    much = turns > enough or must_compile() or (turns > LEAST_WORK and is_cached())
+    return compiled() if much else PLAIN
 
 
 def compiled() -> Kernel:

@@ -94,9 +94,13 @@ def after_impact(const, lifts, u, qq, qw, wq, ww):
 
 @entry
 def stretch_events(cam, const, kind, period, theta, u, pairs, growths):
-    """Carry pairs[0] through logged events; lengths and area multiply into growths[0]."""
-    pair, growth = pairs[0], growths[0]
+    """Carry pairs[0] through logged events; lengths and area multiply into the growths.
+
+    growths[k] is of the k-th of as many equal parts; what is left over belongs to the last.
+    """
+    pair, size = pairs[0], len(kind) // len(growths)
     for n in range(len(kind)):
+        growth = growths[min(n // size, len(growths) - 1) if size > 0 else 0]
         if kind[n] == CHATTER:
             growth.chatters += 1
             pair.seen = 0

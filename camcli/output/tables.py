@@ -72,14 +72,17 @@ class Table:
     def csv(self) -> Iterator[str]:
         """The text of the CSV file, a block at a time."""
         yield ",".join(self.columns) + "\n"
-        width = len(self.columns) + 1
         for block in self.blocks():
+            alike = next((k for k, entry in enumerate(block) if _is_column(entry)), 0)
+            begin = to_json(_cells(block[:alike]))[1:-1] + b"," * (alike > 0)  # of each row
+            width = len(block) - alike + 1
             cells = ["\n"] * (width * _length(block))
-            for k, entry in enumerate(block):
+            for k, entry in enumerate(block[alike:]):
                 own = _cells(entry) if _is_column(entry) else _cells([entry]) * _length(block)
                 cells[k::width] = own
             if cells:  # JSON has the same shortest digits as Python, several times as fast
-                text = (to_json(cells)[1:-1] + b",").replace(b',"\\n",', b"\n")
+                text = (to_json(cells)[1:-1] + b",").replace(b',"\\n",', b"\n" + begin)
+                text = begin + text[: len(text) - len(begin)]
                 yield text.replace(b'"', b"").decode()
 
     def npz(self, file: BinaryIO) -> None:
