@@ -34,11 +34,15 @@ ROW = 20  # evaluations that take as long as looking at a row of a log
 
 @dataclass(frozen=True)
 class Start:
-    """Initial state: q (m), v (m/s), None meaning on the cam and at its velocity; theta in deg."""
+    """Initial state: q (m), v (m/s), None meaning on the cam and at its velocity; theta in deg.
+
+    place: where it stands in the scene.
+    """
 
     q: float | None = None
     v: float | None = None
     theta_deg: float = 0.0
+    place: str = field(default="run.start", compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -280,7 +284,9 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
     if gap < 0.0:
         found = f"found q = {start.q!r} m, {-gap:.6g} m below the cam"
         expected = f"expected at least c = {c!r} m at {start.theta_deg!r} deg"
-        raise StartError(Fault("", "run.start.q", found, expected, "raise it, or null for rest"))
+        raise StartError(
+            Fault("", f"{start.place}.q", found, expected, "raise it, or null for rest")
+        )
     on_strobe = i == cam.strobe and theta == cam.stretches[i].start
     mode = FREE if gap > 0.0 or rate < 0.0 else BOUNCED
     return State(theta, gap, rate, mode, i, -settings.transient - (0 if on_strobe else 1))

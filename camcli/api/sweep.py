@@ -142,7 +142,10 @@ def sweep(
             key=key,
             setup=setup,
             direction=section.direction,
-            also=[Start(start.q, start.v, start.theta_deg) for start in section.also],
+            also=[
+                Start(start.q, start.v, start.theta_deg, f"sweep.also.{k}")
+                for k, start in enumerate(section.also)
+            ],
             adaptive=section.adaptive,
             impacts="impacts" in section.sections,
             strobe="strobe" in section.sections,

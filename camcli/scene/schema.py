@@ -69,6 +69,12 @@ def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
     return values
 
 
+def _each_once(sections: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Sections with a number of the scene each: no number twice."""
+    _unique(tuple("run.rpm" if one.key == "rpm" else one.key for one in sections))
+    return sections
+
+
 def _ascending(values: tuple[float, float]) -> tuple[float, float]:
     if not values[0] < values[1]:
         found = f"found [{values[0]:.15g}, {values[1]:.15g}]"
@@ -86,6 +92,7 @@ Names = Annotated[
     AfterValidator(_unique),
 ]
 Items = Annotated[tuple[Name, ...], BeforeValidator(items)]
+Keyed = Annotated[tuple[Name, ...], BeforeValidator(items), AfterValidator(_each_once)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Whole = Annotated[int, Field(strict=True), BeforeValidator(whole)]
 Speed = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
@@ -231,7 +238,7 @@ class Varying(Section):
     """What goes over a range of speeds, or over the values of another number instead."""
 
     rpm: RpmRange = entry("range of speeds", default_factory=RpmRange)
-    vary: Items[Axis] = entry("another number to vary instead", (), max_length=1)
+    vary: Keyed[Axis] = entry("another number to vary instead", (), max_length=1)
 
     @property
     def axis(self) -> Axis | RpmRange:
@@ -274,7 +281,7 @@ class Plot(Section):
 class Sweep(Varying):
     """What `cam sweep` does at each speed of a range."""
 
-    vary: Items[Axis] = entry("numbers varied instead; two make a map", (), max_length=2)
+    vary: Keyed[Axis] = entry("numbers varied instead; two make a map", (), max_length=2)
     zoom: Items[Zoom] = entry("parts of the range with values and a panel each", (), max_length=4)
     direction: Literal["fixed", "up", "down", "both"] = entry(
         "start every speed alike, or carry the state up, down, or up and down", "fixed"
@@ -340,7 +347,7 @@ class Detach(Section):
     precompression_m: Number | None = entry(
         "preload per stiffness where hold_to chooses both, m; null: as it is", None, ge=0, le=1e6
     )
-    tolerance: Items[Tolerance] = entry("numbers of the machine that may be off", (), max_length=6)
+    tolerance: Keyed[Tolerance] = entry("numbers of the machine that may be off", (), max_length=6)
     machines: Whole = entry("machines sampled within the tolerances", 100, ge=1, le=100_000)
 
 
@@ -360,7 +367,7 @@ class Orbits(Varying):
     """
 
     rpm: OrbitsRange = entry("range of speeds", default_factory=OrbitsRange)
-    vary: Items[Axis] = entry("rpm or constants of the follower varied", (), max_length=2)
+    vary: Keyed[Axis] = entry("rpm or constants of the follower varied", (), max_length=2)
     at: Speed | None = entry("speed where orbits are found; null: run.rpm, or the middle", None)
     label: str | None = entry("only orbits with this label, P(m;s1:...:sm)", None, max_length=400)
     starts: Whole = entry("motions simulated beside the scene's start", 24, ge=0, le=100_000)
