@@ -1,4 +1,4 @@
-"""sin, cos, exp and ln from IEEE additions and multiplications alone.
+"""sin, cos, atan, exp and ln from IEEE additions and multiplications alone.
 
 The C library's versions differ in the last bit between machines, and a chaotic orbit
 differs with them; these give the same bits everywhere.
@@ -24,7 +24,24 @@ MEANINGLESS = 1e15  # beyond it one ulp of an angle is a sizeable part of a turn
 V0, V1, V2, V3, V4, V5, V6, V7, V8, V9, V10 = (1.0 / factorial(2 * n + 2) for n in range(11))
 _, S1, S2, S3, S4, S5, S6, S7, S8, S9, S10 = (1.0 / factorial(2 * n + 1) for n in range(11))
 
-
+LARGEST_TANGENT = 0.5
+# (atan(x)/x - 1)/x^2 in powers of x^2 up to its square, interpolated at Chebyshev's nodes
+ATAN = (
+    -0.33333333333333326,
+    0.199999999999916,
+    -0.14285714284106285,
+    0.11111110990139533,
+    -0.09090904370311348,
+    0.07692198451257941,
+    -0.06665052856794013,
+    0.058664967492257074,
+    -0.05157516225552972,
+    0.04283578705573422,
+    -0.02895352123252625,
+    0.011152908092096216,
+)
+A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A11, A12 = ATAN
+INVERSE = (0.0, *(1.0 / n for n in range(1, 33)))  # a product costs a quarter of a division
 SPLIT = 134217729.0  # 2^27 + 1 (Veltkamp)
 
 
@@ -58,6 +75,17 @@ def cos_sin_series(t):
     s_even = 1.0 + y * (S2 + y * (S4 + y * (S6 + y * (S8 + y * S10))))
     s_odd = S1 + y * (S3 + y * (S5 + y * (S7 + y * S9)))
     return v_even + t * v_odd, s_even + t * s_odd
+
+
+@inlined
+def atan_ratio(y):
+    """atan(x)/x for y = x^2 <= LARGEST_TANGENT^2, to about 1 ulp."""
+    z = y * y
+    w = z * z
+    p = (A1 + y * A2) + z * (A3 + y * A4)
+    q = (A5 + y * A6) + z * (A7 + y * A8)
+    r = (A9 + y * A10) + z * (A11 + y * A12)
+    return 1.0 + y * (p + w * (q + w * r))
 
 
 @outlined

@@ -3,7 +3,7 @@
 from enum import IntEnum
 
 from camcli.kernel.cam_table import TURN
-from camcli.kernel.contact_search import LANDED, LOST, NEARLY, STUCK, flight_at, gap_at
+from camcli.kernel.contact_search import EXACTLY, LANDED, LOST, NEARLY, STUCK, flight_at, gap_at
 from camcli.kernel.flight import BOUNCED, FREE, fly
 from camcli.kernel.flow import constants_of, flow
 from camcli.kernel.marks import entry, inlined
@@ -51,8 +51,8 @@ def next_contact(cam, const, flows, i, theta, v, most, work):
         if code == NEARLY:
             gap, rate, _ = gap_at(cam, const, i, f, theta - f.theta, work)
             code, theta = LANDED, min(theta - gap / rate, cam.stretches[i].end)
-        if code == LANDED:
-            gap = 0.0
+        if code in (LANDED, EXACTLY):
+            code, gap = LANDED, 0.0
         if theta < cam.stretches[i].end:
             if code == LANDED:
                 return code, theta, turn

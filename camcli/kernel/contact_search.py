@@ -19,13 +19,14 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
 
+from camcli.kernel.arithmetic import INVERSE
 from camcli.kernel.cam_table import PIECE, TERMS, derivative, lift_at, piece_at
 from camcli.kernel.flow import flow
 from camcli.kernel.marks import inlined, outlined
 
 CLEAR, LANDED, ACCUMULATED, STUCK, LOST = 0, 1, 2, 3, 4  # how a step ends
 DIPS, UNKNOWN = 5, 6  # what `decide` says beside CLEAR and LANDED
-NEARLY = 7  # landed, but the phase is rough
+NEARLY, EXACTLY = 7, 8  # landed, but the phase is rough; landed, and it is exact in two parts
 
 PHASE_CAP = 1.5  # largest W s of one step, so that one series covers it
 MOST_HALVINGS = 60
@@ -34,7 +35,6 @@ MEANING = 4.0 * 2.220446049250313e-16
 NEAR = 0.03125  # rad, longest flight for which `gap_near` is worth its cost
 LONGEST_PHASE = 0.5  # (W + 2 Z) s that its MOST_TERMS terms cover to rounding
 MOST_TERMS = 14
-INVERSE = (0.0, *(1.0 / n for n in range(1, MOST_TERMS + 2)))
 CONVERGED = 3e-6  # a Halley step this small, in units of u/accel, leaves less than one ulp
 ROUGH = 2e-4  # squares of a Halley step, in units of u/accel and u/jerk, that leaves about 1e-5
 

@@ -1,20 +1,23 @@
 """The flight after a contact or in the air, up to its landing or the end of a stretch.
 
-The cheap cases are told apart here: resting, accumulating, short hops and lift-off, each with the
-inequality that makes the landing the only one; everything else is left to `search`.
+The cheap cases are told apart here: resting, accumulating, falling on a dwell, short hops and
+lift-off, each with what makes the landing the only one; everything else is left to `search`.
 """
 
 from math import sqrt
 
+from camcli.kernel.arithmetic import LARGEST_TANGENT, atan_ratio
 from camcli.kernel.cam_table import TURN, higher
 from camcli.kernel.contact_search import (
     ACCUMULATED,
     CLEAR,
+    EXACTLY,
     LANDED,
     LONGEST_PHASE,
     MEANING,
     MOST_REFINEMENTS,
     NEAR,
+    NEARLY,
     STUCK,
     gap_at,
     gap_near,
@@ -36,10 +39,10 @@ def fly(cam, const, flows, i, f, begin, work):
     """Advance a flight f within stretch i: (code, theta, gap, rate).
 
     `begin` says how it begins; `flows` is the table of `flow.fill_flows`. Codes: CLEAR (moved on,
-    at most to the stretch's end), LANDED and NEARLY (contact, see `contact_search.land`; rate <= 0
-    is the relative velocity, and for the gap stands what theta's double leaves out), ACCUMULATED
-    (chatter ends at theta), STUCK (rests on the cam), LOST (the step shrank to nothing: closer to
-    grazing than doubles can tell).
+    at most to the stretch's end), LANDED, NEARLY and EXACTLY (contact, see `contact_search`; the
+    rate is then the relative velocity <= 0, and for the gap stands what theta's double leaves out),
+    ACCUMULATED (chatter ends at theta), STUCK (rests on the cam), LOST (the step shrank to nothing:
+    closer to grazing than doubles can tell).
     """
     theta, gap, rate = f.theta, f.gap, f.rate
     if gap <= 0.0 and begin == FREE:
@@ -61,6 +64,10 @@ def fly(cam, const, flows, i, f, begin, work):
             tau = _accumulation(cam, const, i, f)
             if tau >= 0.0:
                 return ACCUMULATED, theta + tau, 0.0, 0.0
+        if cam.stretches[i].dwell and const.Z == 0.0:
+            code, after, rest, u = _drop(cam, const, i, f, work)
+            if code != CLEAR:
+                return code, after, rest, u
         root = rate if gap == 0.0 else sqrt(rate * rate - 2.0 * accel * gap)
         hop = (rate + root) / -accel if rate >= 0.0 else 2.0 * gap / (root - rate)
         if bound * (1.5 * hop) <= -0.5 * accel:
@@ -138,6 +145,36 @@ def _hop(cam, const, i, f, hop, work):
         if g > 0.0:
             return CLEAR, cam.stretches[i].end, g, u
     return land(cam, const, i, f, reach, hop, work)
+
+
+@inlined
+def _drop(cam, const, i, f, work):
+    """Landing on a dwell without damping: (code, theta, rest, rate), CLEAR where it is not near.
+
+    The follower swings about its equilibrium, so with F = G + W^2 c > 0 it lands at the rate
+        u = -sqrt(rate^2 + gap (2 F + W^2 gap))    after    s = (2/W) atan(W h),
+        h = (rate - u)/(2 F + W^2 gap) = gap/(-u - rate);
+    s = 2 h for W = 0. From the cam it lands as fast as it left, and however low the hop is nothing
+    cancels: in a small phase that is all. A longer flight, begun elsewhere, is left to `landing`.
+    """
+    height = const.W2 * f.gap
+    span = 2.0 * f.force - height
+    if not span > height:
+        return CLEAR, f.theta, f.gap, f.rate
+    work.evaluations += 1
+    root = f.rate if f.gap == 0.0 else sqrt(f.rate * f.rate + f.gap * span)
+    h = (f.rate + root) / span if f.rate >= 0.0 else f.gap / (root - f.rate)
+    x = const.W * h
+    if not x <= LARGEST_TANGENT:
+        return CLEAR, f.theta, f.gap, f.rate
+    s = 2.0 * h * atan_ratio(x * x)
+    if not s < f.end:
+        return CLEAR, f.theta, f.gap, f.rate
+    after = min(f.theta + s, cam.stretches[i].end)
+    if f.gap > 0.0 or const.W * s > LONGEST_PHASE:
+        return NEARLY, after, 0.0, -root
+    softer = const.W_rest * (f.force - const.G) / f.force  # F is larger by twice that
+    return EXACTLY, after, s - (after - f.theta) - 2.0 * s * softer, -root
 
 
 @inlined

@@ -14,6 +14,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from camcli.kernel.arithmetic import (
+    INVERSE,
     cos_sin_series,
     exp_decay,
     one_minus_exp_ratio,
@@ -135,7 +136,7 @@ def _flow_short(const, s):
     before, term = 0.0, 1.0
     b, b1, p = 1.0, 1.0, 1.0
     for n in range(3, 33):
-        term, before = -(zs * term + ws2 * before / (n - 1)) / n, term
+        term, before = -(zs * term + ws2 * before * INVERSE[n - 1]) * INVERSE[n], term
         p += term
         b += 0.5 * n * term
         b1 += 0.5 * n * (n - 1) * term

@@ -10,6 +10,7 @@ from camcli.kernel.cam_table import derivative, lift_at, lift_parts
 from camcli.kernel.contact_search import (
     ACCUMULATED,
     CONVERGED,
+    EXACTLY,
     LANDED,
     LOST,
     MOST_REFINEMENTS,
@@ -164,7 +165,7 @@ def run(cam, const, flows, state, plan, log, strobe, work):
                 if code == LOST:
                     status = UNRESOLVED
                     break
-                if code in (LANDED, NEARLY):
+                if code in (LANDED, NEARLY, EXACTLY):
                     theta, rate = landing(cam, const, state, i, theta, rate, gap, code, work)
                     code, gap = LANDED, 0.0
                 mode, theta, rate = after_contact(
@@ -206,7 +207,8 @@ def landing(cam, const, state, i, theta, rate, rest, code, work):
     beyond the stretch the phase reached is returned in one double. A short hop keeps that of `fly`.
     """
     turns = TURN_HIGH * state.wraps
-    if code == LANDED and is_near(const, turns + (theta - state.from_theta)):
+    hop = turns + (theta - state.from_theta)
+    if code == EXACTLY or (code == LANDED and is_near(const, hop)):
         state.rest = state.from_rest + rest
         return theta, rate
     if not state.from_known:

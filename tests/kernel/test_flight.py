@@ -8,8 +8,16 @@ import pytest
 from mpmath import mp, mpf
 
 from camcli.kernel.arithmetic import sincos
-from camcli.kernel.contact_search import LONGEST_PHASE, NEAR, flight_at, gap_near
-from camcli.kernel.flight import TAYLOR_PHASE, series_gap, taylor
+from camcli.kernel.contact_search import (
+    EXACTLY,
+    LONGEST_PHASE,
+    NEAR,
+    NEARLY,
+    Tally,
+    flight_at,
+    gap_near,
+)
+from camcli.kernel.flight import BOUNCED, FREE, TAYLOR_PHASE, fly, series_gap, taylor
 from camcli.kernel.flow import RAD_PER_S, Constants, constants_of, displacement, flow
 from tests import oracle
 from tests.kernel.helpers import cam
@@ -108,6 +116,30 @@ def test_short_flights_above_a_dwell_are_exact_to_rounding(W, ratio, phase):
             t = taylor(table, constants, 0, f.theta, f.q2, f.q3, f.c2)
             found = series_gap(0.0, rate, t, s)[0]
         assert abs(found - true) < 4e-16 * (abs(rate) * s + abs(f.q2) * s * s)
+
+
+def test_a_fall_on_a_dwell_is_exact_to_rounding():
+    """In closed form, from the cam and from above it, however low it is."""
+    table, draw, codes = cam(), random.Random(5), set()
+    for n in range(400):
+        const = lane(draw.choice([0.0, 0.1, 0.5, 3.0]), 0.0)
+        const = const._replace(G=draw.choice([0.0, 0.3]) if const.W else 0.3, tolerance=-1.0)
+        s = 10 ** draw.uniform(-7, 0) * min(1.0, 0.9 / (const.W or 0.9))
+        speed = s * (const.G + 0.1 * const.W2)
+        gap, rate = (
+            (0.0, 0.4 * speed) if n % 2 else (0.2 * s * speed, draw.uniform(-1, 0.1) * speed)
+        )
+        f = flight_at(table, const, 0, 0.0, gap, rate)
+        code, theta, rest, u = fly(table, const, None, 0, f, FREE if gap else BOUNCED, Tally())
+        codes.add(code)
+        s = mpf(theta) + rest
+        b, b1, p = exact(const, s)
+        with mp.workdps(40):
+            force = mpf(const.G) + mpf(const.W2) * f.q
+            error = gap + mpf(rate) * b - force * p
+        assert abs(error) < 1e-15 * s * abs(u)
+        assert abs(rate * b1 - force * b - u) < 1e-15 * abs(u)
+    assert codes == {NEARLY, EXACTLY}
 
 
 def test_a_displacement_is_exact_beyond_a_double():
