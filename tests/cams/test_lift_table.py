@@ -237,7 +237,14 @@ def test_a_stated_smoothing_is_the_rms_deviation(tmp_path, wanted):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "decimals"), [(polynomial, 2), (cycloidal, 3), (smooth, 2)])
+@pytest.mark.parametrize(
+    ("law", "decimals"),
+    [
+        pytest.param(polynomial, 2, marks=pytest.mark.soak),
+        pytest.param(cycloidal, 3, marks=pytest.mark.soak),
+        (smooth, 2),
+    ],
+)
 def test_the_first_detachment_lies_in_its_range_of_some_three_errors(tmp_path, law, decimals):
     """True errors are those of a law measured with its phase shifted; 12 tables tell 3 from 5."""
     follower, lobe = Follower(0.12, 42000.0, 12.0, 0.0, 260.0, 0.4), Lobe(law, 60, 40)

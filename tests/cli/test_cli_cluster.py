@@ -26,7 +26,7 @@ import sys, time
 sys.path.insert(0, {str(Path(__file__).parents[2])!r})
 import camcli.parallel.dask_cluster as cluster
 def slow(task, chunk, program, run=cluster._run):
-    time.sleep(0.1 * len(chunk))
+    time.sleep(0.05 * len(chunk))
     return run(task, chunk, program)
 slow.__module__, slow.__qualname__ = "camcli.parallel.dask_cluster", "_run"
 cluster._run = slow
@@ -85,13 +85,16 @@ def cluster(tmp_path_factory):
     made.end()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def whole(tmp_path_factory):
-    """What the same commands make with threads."""
-    folder = tmp_path_factory.mktemp("whole")
-    for words in (SWEEP, BASINS):
-        assert cam((*words, "-o", words[0]), folder)[0] == 0
-    return {name: but_record(files(folder / name)) for name in ("sweep", "basins")}
+    """What the same command makes with threads."""
+
+    def made(words):
+        folder = tmp_path_factory.mktemp("whole")
+        assert cam((*words, "-o", "."), folder)[0] == 0
+        return but_record(files(folder))
+
+    return made
 
 
 def clean(said: str) -> None:
@@ -107,7 +110,7 @@ def clean(said: str) -> None:
 def test_processes_of_this_machine(tmp_path, whole, words):
     local = (*words, "--cluster", "local", "--threads", "2", "-o", str(tmp_path / "out"))
     assert ended(begin(command(*local), tmp_path)) == (0, "")
-    assert but_record(files(tmp_path / "out")) == whole[words[0]]
+    assert but_record(files(tmp_path / "out")) == whole(words)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out"]
     assert b'"cluster"' not in files(tmp_path / "out")["run.json"]
 
@@ -122,7 +125,7 @@ def test_workers_elsewhere_and_one_that_dies(tmp_path, cluster, whole):
     code, said = ended(process)
     assert code == 0, said
     clean(said)
-    assert but_record(files(tmp_path / "out")) == whole["sweep"]
+    assert but_record(files(tmp_path / "out")) == whole(SWEEP)
 
 
 @pytest.mark.soak
@@ -156,7 +159,7 @@ def test_all_workers_die_then_an_interrupt_then_the_scheduler(tmp_path, cluster,
 
     code, said = cam((*SWEEP, "-o", "out"), tmp_path)
     assert (code, "going on" in said) == (0, True)
-    assert but_record(files(tmp_path / "out")) == whole["sweep"]
+    assert but_record(files(tmp_path / "out")) == whole(SWEEP)
 
 
 @pytest.mark.slow

@@ -139,7 +139,7 @@ def figures(tmp_path):
 @pytest.mark.slow
 def test_figures_killed_at_any_moment_end_the_same_and_leave_no_children(tmp_path):
     case = figures(tmp_path)
-    case.soak(1, 2)
+    case.soak(1, 1)
     assert len(but_record(case.new)) == 3
 
 

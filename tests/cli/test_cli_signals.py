@@ -10,12 +10,12 @@ from tests.parallel.long_runs import begin, command, ended, files
 
 SOME = {
     "one long piece": "sweep --rpm 745 --set run.transient=100000000",
-    "many pieces": "sweep --points 100001",
-    "cells": "basins --cells 4000 --set basins.budget=100000 --rpm 739.35",
     "explain": "sweep --rpm 735:745 --points 200 --explain",
 }
 ALL = {
     **SOME,
+    "many pieces": "sweep --points 100001",
+    "cells": "basins --cells 4000 --set basins.budget=100000 --rpm 739.35",
     "one orbit": "simulate --rpm 745 --set run.transient=1000000000",
     "detach": "detach --rpm 110:2000 --points 100000",
     "classify": "classify --rpm 740:745 --points 1000",

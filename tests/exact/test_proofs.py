@@ -328,10 +328,10 @@ def contradicted(system, rpm, kind, root, proof):
     return None
 
 
-def test_two_hundred_random_machines():
+def test_random_machines():
     """Proved or honestly not; a proof and the certificate of the doubles never contradict."""
     rng, seen, tables = Random(8), {"proved": 0, "refuted": 0, "open": 0}, 0
-    for _ in range(200):
+    for _ in range(60):
         system, rpm, kind = machine_of(rng)
         shooter = Shooter(system, rpm)
         for turns in (1, 2):
@@ -345,7 +345,7 @@ def test_two_hundred_random_machines():
                     assert contradicted(system, rpm, kind, root, proof) is None
                 elif proof.refuted:
                     assert shooter.verdict(root)[0] != ADMISSIBLE
-    assert seen["proved"] > 50
-    assert seen["refuted"] > 100
-    assert tables > 20
+    assert seen["proved"] > 15
+    assert seen["refuted"] > 30
+    assert tables > 5
     assert seen["open"] < 0.1 * sum(seen.values()), seen

@@ -20,7 +20,7 @@ SCENES = {
     "r = 0.05": (150.0, {"restitution": 0.05}, 1),
     "r = 0.1, damped": (190.0, {"restitution": 0.1, "damping": 50.0}, 1),
     "r = 0.3": (150.0, {"restitution": 0.3}, 1),
-    "r = 0.95": (116.5, {"restitution": 0.95}, 1),
+    "r = 0.9": (116.5, {"restitution": 0.9}, 1),
 }
 
 

@@ -19,10 +19,10 @@ from tests.output.pictures import count, panel, pixels, tall, words
 pytestmark = pytest.mark.slow
 
 QUESTIONS = {
-    "doubling": Question(700.0, span=Span(672.0, 756.0, 0.84)),
+    "doubling": Question(700.0, span=Span(672.0, 756.0, 2.8)),
     "fold": Question(358.5, span=Span(350.0, 385.0, 0.6)),
-    "resting": Question(190.0, span=Span(110.0, 205.0, 2.0)),
-    "contact": Question(100.0, span=Span(90.0, 110.0, 2.0)),
+    "resting": Question(190.0, span=Span(110.0, 205.0, 5.0)),
+    "contact": Question(100.0, span=Span(90.0, 110.0, 10.0)),
     "one speed": Question(358.5),
 }
 
