@@ -127,7 +127,8 @@ def sweep(
         return _mapped(machine, progress, work or Work())
     if section.curves is not None:
         cure = "vary a second number: --vary KEY=LO:HI"
-        raise SceneError(Fault("--curves", "sweep.vary", "found no map", "expected two", cure))
+        fault = Fault("--curves", "sweep.vary", "found no map", "expected two numbers", cure)
+        raise SceneError(fault)
     key, values, setup = span_of(machine, section)
     branches = [] if section.branches is None else read_branches(section.branches, key)
     if section.zoom:
@@ -267,7 +268,7 @@ def _orbits_file(
         of = [next(c for c in rows[0] if c in own or c.startswith(f"{own[1]}_")) for own in named]
         yield rows, of
     except BAD_FILE:
-        raise SceneError(Fault(option, str(path), "found none", expected, cure)) from None
+        raise SceneError(Fault(option, str(path), "found no such table", expected, cure)) from None
 
 
 def _explained(

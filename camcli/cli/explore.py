@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from camcli.cli.exit_codes import note
 from camcli.cli.options import DRAWING, VARY, Request, Values, flag, option, refuse_idle
+from camcli.cli.report import plural
 from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
@@ -80,6 +81,7 @@ def _source(request: Request) -> str:
 def _show(result: Result, _: bool) -> None:
     found = result.summary
     print(
-        f"{found['motions']} motions at {found['speeds']} speeds, "
-        f"{found['bifurcations']} bifurcations of solved branches; open explore.html in a browser"
+        f"{plural(found['motions'], 'motion')} at {plural(found['speeds'], 'speed')}, "
+        f"{plural(found['bifurcations'], 'bifurcation')} of solved branches; "
+        "open explore.html in a browser"
     )

@@ -42,7 +42,7 @@ def rerun(
     """
     record = record / "run.json" if record.is_dir() else record
     found = read_record(record)
-    scene = found.load(folder, record.parent)
+    scene = found.load(folder, record.parent, str(record))
     there = {name for name in found.artefacts if (record.parent / name).is_file()}
     changed = there - set(unchanged(record.parent, found.artefacts))
     with ExitStack() as stack:
@@ -109,10 +109,10 @@ class Record(BaseModel):
     artefacts: dict[Annotated[str, ARTEFACT], str] = {}
     program_sha256: str = ""
 
-    def load(self, folder: Path | None, beside: Path) -> Scene:
+    def load(self, folder: Path | None, beside: Path, name: str = "scene") -> Scene:
         """Its scene, files that it names in a folder of the user's, else `beside` the record.
 
-        Only there the user has allowed to look. Raises SceneError.
+        Only there the user has allowed to look. Raises SceneError, which calls the scene `name`.
         """
         cam = self.scene.get("cam")
         outside = isinstance(cam, dict) and cam.get("allow_outside") is True
@@ -126,7 +126,8 @@ class Record(BaseModel):
                 else fault
                 for fault in error.faults
             ]
-            raise SceneError(*faults) from None
+            named = (replace(f, where=name) if f.where == "scene" else f for f in faults)
+            raise SceneError(*named) from None
 
 
 def record_of(text: str | bytes, path: Path) -> Record:

@@ -181,6 +181,10 @@ def test_a_scene_from_stdin_and_one_that_is_a_record(cam, tmp_path, monkeypatch)
     done = cam("simulate -c out/simulate/run.json")
     assert (done.returncode, "found the run.json of a run" in done.stderr) == (2, True)
     assert cam("rerun out/simulate").returncode == 0
+    record = tmp_path / "out/simulate/run.json"
+    record.write_text(record.read_text().replace('"mass": 1.0', '"mass": "heavy"'))
+    fault = cam("rerun out/simulate", code=2).stderr
+    assert fault.startswith("out/simulate/run.json: follower.mass: found 'heavy', expected a num")
 
 
 @pytest.mark.slow
