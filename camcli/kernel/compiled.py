@@ -1,4 +1,4 @@
-"""The kernel's machine code: compiled by numba once, kept on disk for exactly these sources.
+"""The kernel's machine code: compiled once, kept on disk for exactly these sources.
 
 Importing numba takes longer than most runs, so it is imported to compile, and not to run: code on
 disk is loaded by LLVM alone, and called as numba calls its own functions from each other.
@@ -19,7 +19,6 @@ from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
 from time import sleep, time
-from types import FunctionType
 from typing import Any
 from uuid import uuid4
 
@@ -28,14 +27,11 @@ from numpy import ndarray
 
 from camcli.interrupts import compiling
 from camcli.kernel.backend import read_intact
-from camcli.kernel.marks import ENTRIES, FUNCTIONS, OUTLINED
+from camcli.kernel.marks import ENTRIES
 
 ABANDONED = 60.0  # s: nobody compiles, or writes a file, for so long
 LOOKS = 600  # in that time, whether the other one is done
 UNUSED = 30 * 86400.0  # s, after which code goes, of whatever sources it is
-# Nothing allocates, so reference counts (_nrt) would only cost: an atomic per call.
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
-OPTIONS |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 # numba's own convention: where the result goes, where an exception goes, arguments
 CALL = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_char_p)
 
@@ -173,103 +169,11 @@ def _linked(symbol: str, code: bytes) -> tuple[Any, int]:
 
 def _compiled(path: Path, name: str, args: tuple) -> tuple[Any, int]:
     """The same, compiled for these arguments and kept at the path."""
-    import numba
-    from numba.extending import intrinsic
+    from camcli.kernel.compiler import machine_code
 
-    types = numba.types.Tuple(tuple(map(numba.typeof, args)))
-
-    @intrinsic
-    def unpacked(typing: Any, address: Any) -> Any:
-        def load(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            place = context.get_value_type(types).as_pointer()
-            return builder.load(builder.inttoptr(values[0], place))
-
-        return types(address), load
-
-    entry = _dispatchers()[ENTRIES[name]]
-
-    @numba.njit(pipeline_class=_compilers()[1], **OPTIONS)
-    def call(address: int) -> int:
-        return entry(*unpacked(address))  # type: ignore[call-arg]
-
-    call.compile((numba.types.intp,))
-    (result,) = call.overloads.values()
-    symbol = result.fndesc.llvm_func_name
-    code = result.library._get_compiled_object()
+    symbol, code = machine_code(ENTRIES[name], args)
     _keep(path, symbol.encode() + b"\n" + code)
     return _linked(symbol, code)
-
-
-@cache
-def _compilers() -> tuple[type, type]:
-    """numba's compiler for the functions that an entry calls, and for the entry.
-
-    numba would optimise each function together with all that it calls, and make machine code of it,
-    before its callers do the same again. Here only the entry is, which contains all of them.
-    """
-    from numba.core.codegen import JITCodeLibrary
-    from numba.core.compiler import Compiler
-
-    class Part(JITCodeLibrary):
-        """Code that is left as it is; machine code only of the variables that numba writes to."""
-
-        def _optimize_functions(self, ll_module: Any) -> None:
-            pass
-
-        def finalize(self) -> None:
-            known = self._final_module.global_variables
-            names = [one.name for one in known if one.linkage is llvm.Linkage.common]
-            variables = "".join(f'@"{name}" = common global i8* null\n' for name in names)
-            self._codegen._add_module(llvm.parse_assembly(variables))
-            self._codegen._engine.finalize_object()
-            self._finalized = True
-
-    class Whole(JITCodeLibrary):
-        """An entry with all that is called in it, directly or not, optimised in one go."""
-
-        def finalize(self) -> None:
-            for library in (found := self._linking_libraries):  # it grows
-                found += [one for one in library._linking_libraries if one not in found]
-            super().finalize()
-
-        def _optimize_final_module(self) -> None:
-            passes, builder = self._codegen._module_pass_manager()
-            passes.run(self._final_module, builder)
-
-    def compiler(kind: type) -> type:
-        class Own(Compiler):
-            def __init__(self, typing: Any, target: Any, library: Any, *rest: Any):
-                library = kind(target.codegen(), kind.__name__)
-                library.enable_object_caching()
-                super().__init__(typing, target, library, *rest)
-
-        return Own
-
-    return compiler(Part), compiler(Whole)
-
-
-@cache
-def _dispatchers() -> dict[Callable, Any]:
-    """What compiles each function of the kernel.
-
-    They see copies of their modules' names, so a plain function still calls plain ones.
-    """
-    import numba
-
-    modules = {function.__module__ for function in FUNCTIONS}
-    spaces = {name: dict(vars(sys.modules[name])) for name in modules}
-    compiled = {}
-    for function in FUNCTIONS:
-        copy = FunctionType(function.__code__, spaces[function.__module__], function.__name__)
-        copy.__module__, copy.__doc__ = function.__module__, function.__doc__
-        compiled[function] = numba.njit(
-            forceinline=function not in OUTLINED, pipeline_class=_compilers()[0], **OPTIONS
-        )(copy)
-    for space in spaces.values():
-        for name, value in space.items():
-            if isinstance(value, FunctionType) and value in compiled:
-                space[name] = compiled[value]
-    return compiled
 
 
 def _keep(path: Path, content: bytes) -> None:

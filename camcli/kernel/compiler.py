@@ -1,0 +1,195 @@
+"""How the kernel becomes machine code: numba infers types and lowers, LLVM optimises.
+
+`numba.njit` would do the same in twice the time. Here numba knows only the types and operators that
+the kernel uses, runs only the passes that change something in it, and leaves all functions to LLVM
+in one module, which is optimised for an entry as a whole. Importing this module imports numba.
+"""
+
+from collections.abc import Callable
+from functools import cache, partial, reduce
+from typing import Any
+
+import llvmlite.binding as llvm
+import numba
+from numba.core import codegen, compiler, cpu, types, typing
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.compiler_machinery import PassManager
+from numba.core.typed_passes import (
+    NativeLowering,
+    NoPythonBackend,
+    NopythonTypeInference,
+    PreLowerStripPhis,
+)
+from numba.core.typing.templates import AbstractTemplate
+from numba.core.untyped_passes import IRProcessing, ReconstructSSA, TranslateByteCode
+
+from camcli.kernel.marks import FUNCTIONS, OUTLINED
+
+# Not those for closures, literals, expressions of arrays, parallel loops and reference counts.
+PASSES: list[Any] = [TranslateByteCode, IRProcessing, ReconstructSSA, NopythonTypeInference]
+PASSES += [PreLowerStripPhis, NativeLowering, NoPythonBackend]
+
+
+class _Types(typing.Context):
+    """What operators and functions return for types of arguments; each answer is kept."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._answers: dict = {}
+
+    def load_additional_registries(self) -> None:
+        from numba.core.typing import mathdecl
+
+        self.install_registry(mathdecl.registry)
+
+    def refresh(self) -> None:
+        if not self._registries:
+            super().refresh()
+
+    def resolve_function_type(self, function: Any, args: Any, keywords: Any) -> Any:
+        key = function, args, *dict(keywords).items()
+        if key not in self._answers:
+            self._answers[key] = super().resolve_function_type(function, args, keywords)
+        return self._answers[key]
+
+
+class _Target(cpu.CPUContext):
+    """How they are lowered."""
+
+    def load_additional_registries(self) -> None:
+        # after `_Types` is filled: what they would add to it for other types takes longer
+        from numba.cpython import builtins, listobj, mathimpl, numbers, rangeobj, tupleobj  # noqa
+        from numba.np import arrayobj  # noqa
+
+        self.install_registry(mathimpl.registry)
+
+    def refresh(self) -> None:
+        if not self._registries:
+            super().refresh()
+
+    def mangler(self, name: str, args: Any, *, abi_tags: Any = (), uid: Any = None) -> str:
+        return f"{name}.{uid}"  # numba's names tell all types, and are most of a module's text
+
+    def post_lowering(self, module: Any, library: Any) -> None:
+        pass  # no reference counts, whose runtime numba would link
+
+
+class _Library(codegen.JITCodeLibrary):
+    """Where numba puts a function: into the module of all."""
+
+    module: Any
+
+    def create_ir_module(self, name: str) -> Any:
+        return self.module
+
+    def add_ir_module(self, module: Any) -> None:
+        pass
+
+    def finalize(self) -> None:
+        pass
+
+
+class _Compiler(compiler.CompilerBase):
+    def define_pipelines(self) -> list:
+        manager = PassManager("kernel")
+        for one in PASSES:
+            manager.add_pass(one, one.__name__)
+        manager.finalize()
+        return [manager]
+
+
+_types = _Types()
+_target = _Target(_types)
+_codegen = _target.codegen()
+_codegen._library_class = _Library  # also of what numba compiles for an operator
+_library = _Library(_codegen, "kernel")
+_parts: list = []  # modules of the entries before, whose functions the next one may call
+
+
+@global_compiler_lock
+def machine_code(entry: Callable, args: tuple) -> tuple[str, bytes]:
+    """An object file, and the name in it of a function that calls the entry.
+
+    It takes the address of arguments of the types of `args`, one after the other, and returns what
+    the entry returns, all in numba's own convention.
+    """
+    _Library.module = _codegen._create_empty_module("kernel")
+    given = numba.typeof(args)
+
+    def arguments(address: int) -> tuple:
+        raise NotImplementedError
+
+    def load(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        place = context.get_value_type(given).as_pointer()
+        return builder.load(builder.inttoptr(values[0], place))
+
+    def call(address: int) -> int:
+        return entry(*arguments(address))
+
+    _declare(arguments, lambda address: _lowered(arguments, load, given, address))
+    name = _compiled(call, types.intp).fndesc.llvm_func_name
+    part = llvm.parse_assembly(str(_Library.module))
+    part.verify()
+    module = part.clone()
+    for other in _parts:
+        module.link_in(other, preserve=True)
+    _parts.append(part)
+    for function in module.functions:
+        if not function.is_declaration and function.name != name:
+            function.linkage = llvm.Linkage.internal
+    everything, builder = _codegen._module_pass_manager()
+    first = llvm.create_new_module_pass_manager()
+    first.add_global_dead_code_eliminate_pass()  # what this entry does not call
+    first.run(module, builder)
+    everything.run(module, builder)
+    return name, _codegen._tm.emit_object(module)
+
+
+def _compiled(function: Callable, *args: Any) -> Any:
+    """numba's result for a function and types of arguments; it is in the module then."""
+    flags: Any = compiler.Flags()
+    flags.error_model = "numpy"
+    flags.forceinline = function not in OUTLINED
+    flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+    result = compiler.compile_extra(
+        _types, _target, function, args, None, flags, {}, _library, _Compiler
+    )
+    _target.insert_user_function(function, result.fndesc)
+    return result
+
+
+def _lowered(function: Callable, lower: Callable, returns: Any, *args: Any) -> Any:
+    """The signature of a function that `lower` lowers."""
+    _target.insert_func_defn([(lower, function, args)])
+    return returns(*args)
+
+
+def _declare(function: Callable, typed: Callable) -> None:
+    """Tell numba of a function; `typed` gives its signature for types of arguments."""
+    known = cache(typed)
+    template = type(
+        function.__name__,
+        (AbstractTemplate,),
+        {"key": function, "generic": lambda self, args, keywords: known(*args)},
+    )
+    _types.insert_user_function(function, template)
+
+
+def _extreme(sign: str, context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    """Python's min (sign <) or max (>) of numbers of one type, first among equals."""
+    real = signature.return_type == types.float64
+    compare = builder.fcmp_ordered if real else builder.icmp_signed
+    return reduce(lambda a, b: builder.select(compare(sign, b, a), b, a), values)
+
+
+def _whole(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    """Python's int of a float."""
+    return builder.fptosi(values[0], context.get_value_type(signature.return_type))
+
+
+for _one in FUNCTIONS:
+    _declare(_one, lambda *args, one=_one: _compiled(one, *args).signature)
+_declare(min, lambda *args: _lowered(min, partial(_extreme, "<"), args[0], *args))
+_declare(max, lambda *args: _lowered(max, partial(_extreme, ">"), args[0], *args))
+_declare(int, lambda *args: _lowered(int, _whole, types.intp, *args))
+_types.refresh()
