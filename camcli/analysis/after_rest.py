@@ -158,13 +158,15 @@ def of_shape(
 
 
 def _followed(motion: Motion) -> After:
-    trail, states = motion.trail, list[State]()
+    trail, states, largest = motion.trail, list[State](), (0.0, 0.0)
     while len(states) < LONGEST and len(trail.impacts) < MOST_IMPACTS:
         for q, w in trail.states[len(states) :]:
             if max(q.rad(), w.rad()) > CLOSE * max(abs(q), abs(w)):  # too wide to be compared
                 raise UndecidedError
-            states.append((float(q), float(w)))
-            if m := repeats(states, trail.symbols[: len(states)]):
+            state = float(q), float(w)
+            states.append(state)
+            largest = max(largest[0], abs(state[0])), max(largest[1], abs(state[1]))
+            if m := repeats(states, trail.symbols[: len(states)], largest):
                 symbols = tuple(trail.symbols[len(states) - m : len(states)])
                 return After(SETTLED, len(states), tuple(states[-m:]), symbols)
         before = len(trail.leaves)
@@ -190,13 +192,13 @@ def cycle(motion: Motion) -> After | None:
     return After(CYCLE, m, states, symbols, leaves)
 
 
-def repeats(states: Sequence[State], symbols: Sequence[float]) -> int:
+def repeats(states: Sequence[State], symbols: Sequence[float], largest: State) -> int:
     """Turns m <= LONGEST_PERIOD after which the end of a record repeats, or 0.
 
     The last three periods have the same symbols, and each is nearer to the one before than that one
-    was, at last within CLOSE of the largest state.
+    was, at last within CLOSE of the largest numbers of all states.
     """
-    n, size = len(states), size_of(states)
+    n, size = len(states), size_of([largest])
 
     def apart(k: int, m: int) -> float:
         return distance(states[k], states[k - m], size)

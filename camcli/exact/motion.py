@@ -330,8 +330,7 @@ class Motion:
                 at = [one for one in self.machine.stretches if not one.start > self.section]
                 state = at[-1].derivatives(self.section, 1)
             else:
-                c = self._cam(self.phi, self.i, self.n)
-                state = self.machine.move(c[0], c[1] + self.rate, strobe - self.phi)
+                state = self.machine.move(self.q, self.w, strobe - self.phi)
             self.trail.states.append((state[0], state[1]))
             self.trail.symbols.append(inf if self.chattered else float(self.impacts))
             self.impacts, self.chattered = 0, False

@@ -7,6 +7,7 @@ largest, omega* being the smallest positive root of the quadratic in `force`.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import cache
 from math import inf, pi
 
 from camcli.analysis.bracketing import NARROW
@@ -126,10 +127,11 @@ def detachment(system: System) -> Detachment:
 
 
 def _loss(force: Force, region: Region) -> Loss:
-    omega, i, theta = force.lowest(lambda i, x: force.lost(i, x)[0], region.stretches)
+    lost = cache(force.lost)  # it is asked for three times at the same samples
+    omega, i, theta = force.lowest(lambda i, x: lost(i, x)[0], region.stretches)
     opens = _critical(force, Quantity.OPENS, region, i, theta, omega)
-    late, j, place = force.lowest(lambda i, x: -force.lost(i, x)[0], region.stretches)
-    back = force.lowest(lambda i, x: force.lost(i, x)[1], region.stretches)[0]
+    late, j, place = force.lowest(lambda i, x: -lost(i, x)[0], region.stretches)
+    back = force.lowest(lambda i, x: lost(i, x)[1], region.stretches)[0]
     late = -late if -late <= back else inf  # where it opens again before, it is never filled
     return Loss(region, i, opens, _critical(force, Quantity.FILLS, region, j, place, late))
 
