@@ -107,12 +107,13 @@ def test_a_root_on_the_boundary_of_two_stretches_is_found_once():
 
 
 @pytest.mark.parametrize(("stiffness", "gravity"), [(1430.8, 0.0), (0.0, 9.81)])
-def test_an_elastic_undamped_follower_has_an_answer_and_is_at_best_neutral(stiffness, gravity):
-    """r = 1 without damping: every phase of a dwell solves the closure equation; det is 1."""
+def test_an_elastic_undamped_follower_has_no_isolated_orbit(stiffness, gravity):
+    """r = 1, b = 0: a flight is as fast at its end as at its start, so c_theta = 0 at the impact.
+
+    That is so on the dwells, where every phase solves the closure equation and none is isolated.
+    """
     system = chapter_system(restitution=1.0, stiffness=stiffness, gravity=gravity)
-    for root in single_impact_roots(Shooter(system, 700.0), 700.0, 1):
-        assert root.det == 1.0
-        assert not from_root(system, root).stable
+    assert single_impact_roots(Shooter(system, 700.0), 700.0, 1) == []
 
 
 ORACLE_CASES = {

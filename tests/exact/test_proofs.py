@@ -120,6 +120,7 @@ def moved(orbit, by):
 
 
 def test_a_virtual_orbit_is_refuted(high):
+    assert high.values.virtual
     for orbit in high.values.virtual:
         proof = prove_orbit(SYSTEM, orbit)
         assert proof.refuted
