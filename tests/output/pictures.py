@@ -14,7 +14,6 @@ from camcli.analysis.sweep import Speed, Sweep
 from camcli.errors import Status
 from camcli.output.pictures import write_picture
 from camcli.plots.picture import TALLEST
-from camcli.plots.style import look
 from tests.analysis.test_detach import eccentric
 
 RPM = 60.0  # a turn per second
@@ -26,23 +25,38 @@ def png(picture, kind="png", form=None):
     return buffer.getvalue()
 
 
+_last = [None, None]  # the last picture, and its figure
+
+
+def figure_of(picture):
+    """The figure of a picture, made once."""
+    if _last[0] is not picture:
+        _last[:] = picture, picture.figure()
+    return _last[1]
+
+
+def drawn(picture):
+    """The figure, drawn."""
+    figure = figure_of(picture)
+    if figure.stale:
+        figure.canvas.draw()
+    return figure
+
+
 def pixels(picture):
     """(row, column, rgb) of a picture."""
-    figure = picture.figure()
-    with look():
-        figure.canvas.draw()
-    return np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
+    return np.asarray(drawn(picture).canvas.buffer_rgba())[:, :, :3]
 
 
 def count(image, colour):
     """How many pixels have a colour."""
     rgb = [round(255 * part) for part in to_rgb(colour)]
-    return int((image == rgb).all(axis=2).sum())
+    return int(np.logical_and.reduce([image[:, :, k] == rgb[k] for k in range(3)]).sum())
 
 
 def words(picture):
     """Every text of a picture that is not a number of an axis."""
-    figure = picture.figure()
+    figure = figure_of(picture)
     texts = [text for axes in figure.axes for text in [*axes.texts, axes.title]]
     for axes in figure.axes:
         texts += axes.get_legend().get_texts() if axes.get_legend() else []
@@ -51,8 +65,7 @@ def words(picture):
 
 def tall(picture):
     """Height in mm; it is never above that of a page, and the layout finds room for all."""
-    figure = picture.figure()
-    figure.canvas.draw()
+    figure = drawn(picture)
     height = figure.get_figheight() * 25.4
     assert height <= TALLEST + 1e-9
     heads, *panels = figure.axes
