@@ -19,6 +19,7 @@ from camcli.kernel.contact_search import (
     NEAR,
     NEARLY,
     STUCK,
+    UNKNOWN,
     gap_at,
     gap_near,
     land,
@@ -52,14 +53,15 @@ def fly(cam, const, flows, i, f, begin, work):
     accel = f.q2 - f.c2
     bound = f.energy + cam.stretches[i].jerk_max
     radius = cam.stretches[i].radius
-    if begin == BOUNCED and accel >= 0.0 and 6.0 * rate > bound * radius * radius:
-        # gap >= rate s - bound s^3/6 > 0 as far as a series reaches: no short hop to look for
-        return search(cam, const, flows, i, f, work)
-    if (begin != FREE and accel >= 0.0) or begin == RELEASED:
-        return _leave(cam, const, flows, i, f, work)
-    if begin == BOUNCED and rate <= 0.0:
+    # gap >= rate s - bound s^3/6 > 0 as far as a series reaches: no short hop to look for
+    rises = begin == BOUNCED and accel >= 0.0 and 6.0 * rate > bound * radius * radius
+    if not rises and ((begin != FREE and accel >= 0.0) or begin == RELEASED):
+        code, after, rest, u = _leave(cam, const, i, f, work)
+        if code != UNKNOWN:
+            return code, after, rest, u
+    elif begin == BOUNCED and rate <= 0.0:
         return STUCK, theta, 0.0, 0.0
-    if accel < 0.0:
+    elif accel < 0.0:
         if begin == BOUNCED and 0.0 < const.r < 1.0:
             tau = _accumulation(cam, const, i, f)
             if tau >= 0.0:
@@ -76,8 +78,10 @@ def fly(cam, const, flows, i, f, begin, work):
 
 
 @outlined
-def _leave(cam, const, flows, i, f, work):
+def _leave(cam, const, i, f, work):
     """Leave the cam with rate >= 0 and gap_accel >= 0 (or released by a zero of the force).
+
+    `fly`, or UNKNOWN where it takes a `search`: that is long code, compiled in one place.
 
     With jerk < 0 and the fourth derivative below K the gap rises once and falls once while
     K s <= |jerk|/2, so a landing predicted by the cubic within that range is the only one. From
@@ -102,7 +106,7 @@ def _leave(cam, const, flows, i, f, work):
         work.evaluations += 1
         gap, rate, _ = gap_near(cam, const, i, f, s)
         return CLEAR, cam.stretches[i].end if s == f.end else f.theta + s, max(gap, 0.0), rate
-    return search(cam, const, flows, i, f, work)
+    return UNKNOWN, f.theta, f.gap, f.rate
 
 
 @inlined
