@@ -151,7 +151,7 @@ def test_rests_are_asked_once_and_what_no_ball_decides_is_undecided(chapter, mon
 @pytest.mark.parametrize(("rpm", "third"), [(358.3, "P(28;inf:"), (362.0, None)])
 def test_cycles_through_rests_are_attractors_and_chaos_through_them_is_one(chapter, rpm, third):
     """At 362 rpm excursions from a rest differ, and none settles."""
-    result, _ = basins(chapter, rpm, settings(), Question(WINDOW.with_cells(10, 10)))
+    result, _ = basins(chapter, rpm, settings(), Question(WINDOW.with_cells(6, 6)))
     assert labels(result)[:2] == ["P(1;2)", "P(3;3:3:2)" if third else "aperiodic"]
     assert result.undecided == 0
     if third:

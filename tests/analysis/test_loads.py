@@ -15,7 +15,7 @@ from camcli.kernel import backend
 from tests.oracle import ArcsCam, Follower, Oracle
 
 EXAMPLE = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
-TURNS = 3
+TURNS = 2
 LOWEST, LIFT = 0.1, 0.15393320723821  # m
 
 

@@ -27,7 +27,7 @@ def shards(cam, total: int, line: str) -> None:
     [
         (3, f"{SWEEP} --lyapunov --set sweep.tables=npz --set detach.rpm.num=7"),
         pytest.param(
-            2, f"sweep --rpm 735:745 --points 4 {TURNS} --explain",
+            2, f"sweep --rpm 736:740 --points 3 {TURNS} --explain",
             marks=pytest.mark.slow,
         ),
         (2, f"sweep --rpm 690:700 --vary follower.restitution=0.7:0.8 --points 3,2 {TURNS}"),

@@ -50,7 +50,7 @@ def high():
 @pytest.fixture(scope="module")
 def three_turns():
     """The branch of P(3;3:3:2) from fold to grazing."""
-    speeds = {"rpm__start": 357.0, "rpm__stop": 380.0, "rpm__num": 80, "at": 358.5}
+    speeds = {"rpm__start": 357.0, "rpm__stop": 380.0, "rpm__num": 40, "at": 358.5}
     return study(label="P(3;3:3:2)", branches=0, **speeds).values
 
 

@@ -76,14 +76,14 @@ def test_any_cam_can_be_drawn():
 
 @pytest.mark.slow
 def test_an_animation_moves_as_trajectory_csv_does(cam, tmp_path, monkeypatch):
-    monkeypatch.setattr("camcli.plots.simulate.FRAMES", 12)
+    monkeypatch.setattr("camcli.plots.simulate.FRAMES", 6)
     values = {"run.rpm": 190, "run.transient": 10, "run.record": 2}
     sets = [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
     done = cam("simulate --animate", *sets, "--no-plot -o here --json", code=0)
     written = json.loads(done.stdout)["artefacts"]
     assert ("simulate.mp4" in written) == (shutil.which("ffmpeg") is not None)
     with Image.open(tmp_path / "here" / "simulate.gif") as film:
-        assert film.n_frames == 12  # one period
+        assert film.n_frames == 6  # one period
         assert film.info["loop"] == 0
     scene = camcli.load_scene(None, values)
     result = camcli.simulate(scene)
@@ -93,6 +93,6 @@ def test_an_animation_moves_as_trajectory_csv_does(cam, tmp_path, monkeypatch):
     for k, figure in enumerate(draw_frames(result.values, result.system, outline, 3)):
         machine, time = figure.axes
         ((_, q),) = time.lines[-1].get_xydata()
-        assert q == pytest.approx(np.interp(1 + k / 12, turns, rows["q_m"]), abs=1e-4)
+        assert q == pytest.approx(np.interp(1 + k / 6, turns, rows["q_m"]), abs=1e-4)
         (tip,) = [patch.get_xy()[0][1] for patch in machine.patches[1:]]
         assert tip == pytest.approx(q + 0.3, abs=1e-4)  # the cam's offset
