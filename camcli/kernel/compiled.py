@@ -46,13 +46,18 @@ class CompiledEntry:
         self._folder, self._name, self._waiting = folder, name, waiting
         self._function: Any = None
         self._lock = Lock()
+        self._last: tuple[tuple, list, list] = (), [], []  # cam, and what `_flatten` makes of it
 
-    def __call__(self, *args: Any) -> int:
-        numbers: list = []
-        kinds: list = []
+    def __call__(self, cam: tuple, *args: Any) -> int:
+        last = self._last
+        if last[0] is not cam:  # it is the same for many calls
+            last = cam, [], []
+            _flatten(*last)
+            self._last = last
+        numbers, kinds = last[1].copy(), last[2].copy()
         _flatten(args, numbers, kinds)
         if self._function is None:
-            self._load(args, numbers, kinds)
+            self._load((cam, *args), numbers, kinds)
         if kinds != self._kinds:
             raise TypeError(f"{self._name} was compiled for other columns")
         try:
