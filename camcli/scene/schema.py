@@ -33,6 +33,7 @@ MOST_MOTIONS = MOST_SPEEDS  # speeds times starts
 MOST_CELLS = 16_384  # along one side of a window
 LARGEST = 1e16  # of a constant of the follower, SI
 FARTHEST, QUICKEST = 1e9, 1e12  # of a start: m and m/s
+ROUNDING = 1e-12  # of the lift: a difference below is none
 SPRING = ("rate", "preload", "seat_load", "nose_load")
 
 
@@ -541,12 +542,15 @@ class Scene(Section):
                 "seat_load": (low, 1.0), "nose_load": (high, 1.0)}  # fmt: skip
         (a, b, x), (d, e, y) = ((*sums[name], value) for name, value in given.items())
         size = a * e - b * d
-        rate = (x * e - b * y) / size if size else -1.0
-        preload = (a * y - x * d) / size if size else 0.0
+        alike = abs(size) <= ROUNDING * max(abs(low), abs(high))  # both at q = 0
+        rate = -1.0 if alike else (x * e - b * y) / size
+        preload = 0.0 if alike else (a * y - x * d) / size
         if not 0.0 <= rate <= LARGEST or not abs(preload) <= LARGEST:
             found = " and ".join(f"{name} {value:.6g} N" for name, value in given.items())
-            lift = f"expected a spring that presses harder at {high:.4g} m than at {low:.4g} m"
-            raise SceneError(Fault("", "spring", f"found {found}", lift, "check both loads"))
+            at = f"{high:.4g} m than at {round(low, 12) + 0.0:.4g} m"
+            cure = "both are at q = 0 here, give another" if alike else "check both loads"
+            lift = f"expected a spring that presses harder at {at}"
+            raise SceneError(Fault("", "spring", f"found {found}", lift, cure))
         spring = {"stiffness": rate, "preload": preload}
         object.__setattr__(self, "follower", self.follower.model_copy(update=spring))
         object.__setattr__(self, "spring", Spring(solid_at=self.spring.solid_at))

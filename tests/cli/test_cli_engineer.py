@@ -171,6 +171,7 @@ def test_a_spring_is_given_by_any_two_of_its_loads(loads):
     [
         ({"stiffness": 42000}, {"seat_load": 260}, "found follower.stiffness beside loads"),
         ({}, {"seat_load": 260}, "spring: found seat_load, expected two of rate, preload"),
+        ({}, {"preload": 260, "seat_load": 260}, "both are at q = 0 here"),
         ({}, {"seat_load": 680, "nose_load": 260}, "expected a spring that presses harder at 0.01"),
         ({}, {"rate": 1, "seat_load": 2, "nose_load": 3}, "found rate, seat_load, nose_load"),
         ({}, {"solid_at": 0.012}, "follower.stiffness"),
