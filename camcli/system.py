@@ -92,6 +92,11 @@ class System:
             raise SceneError(Fault("", "follower", found, "expected finite squares of both", cure))
         return const
 
+    @property
+    def lift(self) -> float:
+        """From the lowest to the highest c, m: a close bound."""
+        return self.cam.top - min(column(self.cam, "c_min"))
+
     def machine(self, rpm: float) -> list[float]:
         """The follower's constants and the speed as the kernel's table (`kernel.flow`)."""
         f = self.follower
@@ -125,5 +130,4 @@ def decimals(width: float) -> int:
 
 def units_of(system: System) -> Units:
     """Those of a machine."""
-    lift = system.cam.top - min(column(system.cam, "c_min"))
-    return Units("mm", 1e3, "N/mm") if lift < SMALL_LIFT else Units("m", 1.0, "N/m")
+    return Units("mm", 1e3, "N/mm") if system.lift < SMALL_LIFT else Units("m", 1.0, "N/m")

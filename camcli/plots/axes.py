@@ -84,15 +84,20 @@ def _named(key: str) -> tuple[str, str | None]:
     return PARAMETERS.get(name, (key, None)) if section in ("", "run", "follower") else (key, None)
 
 
-def padded(values: np.ndarray | Sequence[float], constant: float | None = None) -> tuple:
-    """Range of the values with a margin; `constant` on either side where they do not vary."""
+def padded(
+    values: np.ndarray | Sequence[float], constant: float | None = None, zero: float = 1.0
+) -> tuple:
+    """Range of the values with a margin.
+
+    On either side of values that do not vary `constant`, else a tenth of them, or of zeros `zero`.
+    """
     values = np.asarray(values, dtype=float)
     if not len(values):
         return 0.0, 1.0
     low, high = float(values.min()), float(values.max())
     size = max(abs(low), abs(high))
     if high - low <= 1e-6 * size:
-        constant = (0.1 * size or 1.0) if constant is None else constant
+        constant = (0.1 * size or zero) if constant is None else constant
         return low - constant, high + constant
     return low - 0.04 * (high - low), high + 0.04 * (high - low)
 

@@ -227,7 +227,7 @@ def _lost(branch: Branch) -> list[PeriodicOrbit]:
 def _draw_positions(axes: Axes, scene: _Scene) -> None:
     """Stroboscopic positions."""
     seen = np.concatenate([scene.every(positions), *_simulated(scene, "strobe")])
-    _draw_simulated(axes, scene, "strobe", padded(seen))
+    _draw_simulated(axes, scene, "strobe", padded(seen, zero=scene.system.lift))
     _over_parameter(axes, scene, named=False)
     _draw_branches(axes, scene, positions, 0.0)
     for event in scene.events:
@@ -534,7 +534,8 @@ def _draw_states(
     for orbit, shade in zip(orbits, shades, strict=True):
         axes.plot(*zip(*orbit.states, strict=True), zorder=5, **_dot(orbit, shade))
     q, rate = np.array([state for orbit in orbits for state in orbit.states]).T
-    axes.set(xlim=padded(q, 0.5 * abs(q).max()), ylim=padded(rate, 0.5 * abs(rate).max() or 1.0))
+    room = [0.5 * abs(values).max() or system.lift for values in (q, rate)]
+    axes.set(xlim=padded(q, room[0]), ylim=padded(rate, room[1]))
     axes.locator_params(nbins=5)
     strobe_axis(axes.xaxis, system)
     unit_axis(axes.yaxis, r"stroboscopic $q_\theta$", units_of(system), "/rad")

@@ -233,11 +233,12 @@ class _View:
     across: int = 1
 
 
-def _views(survey: Survey, zooms: Sequence[tuple[float, float]]) -> dict[str, _View]:
+def _views(survey: Survey, zooms: Sequence[tuple[float, float]], lift: float) -> dict[str, _View]:
     """The whole range; phases enlarged where most have few; parts of the range."""
     if survey.impacts is None and survey.strobe is None:
         return {}
     views, every = {}, Columns.of(survey.values)
+    positions = partial(padded, zero=lift)
     if (cloud := survey.impacts) is not None:
         enlarged = enlarged_range(cloud)
         height = 72.0 if enlarged is None else 48.0
@@ -245,13 +246,13 @@ def _views(survey: Survey, zooms: Sequence[tuple[float, float]]) -> dict[str, _V
         if enlarged is not None:
             views["enlarged"] = _View("impacts", enlarged, every, 60.0)
     if (cloud := survey.strobe) is not None:
-        views["strobe"] = _View("strobe", padded(cloud.extremes()), every, 50.0)
+        views["strobe"] = _View("strobe", positions(cloud.extremes()), every, 50.0)
         low, high = cloud.ends()
         if len(low) > FEW:
-            inner = padded([np.quantile(low, 0.1), np.quantile(high, 0.9)])
+            inner = positions([np.quantile(low, 0.1), np.quantile(high, 0.9)])
             if np.ptp(inner) < ENLARGED_PART * np.ptp(views["strobe"].limits):
                 views["strobe enlarged"] = _View("strobe", inner, every, 60.0)
-    for section, limits in (("impacts", phase_range), ("strobe", padded)):
+    for section, limits in (("impacts", phase_range), ("strobe", positions)):
         for k, span in enumerate(zooms if section in views else (), 1):
             columns = Columns.of(survey.values, WIDE // 2, span)
             seen = getattr(survey, section).extremes(columns.bin_of_speed >= 0)
@@ -263,7 +264,7 @@ def cloud_panels(
     survey: Survey, sweep: Sweep, system: System, zooms: Sequence[tuple[float, float]] = ()
 ) -> dict[str, Panel]:
     """Panels of what was recorded, from one pass over the speeds."""
-    views, kinds = _views(survey, zooms), sorted(set(survey.kinds))
+    views, kinds = _views(survey, zooms, system.lift), sorted(set(survey.kinds))
     images = {
         (name, kind): Image(view.columns, *view.limits, round(view.height * PER_MM))
         for name, view in views.items()

@@ -1,10 +1,12 @@
 """The picture of periodic orbits: every kind of study, and the lines that matter."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import camcli
 from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Curve, CurvePoint
@@ -18,6 +20,7 @@ from tests.output.pictures import count, panel, pixels, tall, words
 
 pytestmark = pytest.mark.slow
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 QUESTIONS = {
     "doubling": Question(700.0, span=Span(672.0, 756.0, 2.8)),
     "fold": Question(358.5, span=Span(350.0, 385.0, 0.6)),
@@ -134,3 +137,13 @@ def test_curves_of_one_colour_differ_in_their_dashes(found):
     looks = {(line.get_color(), line.get_linestyle()) for line in picture.figure().axes[1].lines}
     assert len(looks) >= 5
     assert any("ends: an impact reaches a corner" in text for text in words(picture))
+
+
+def test_a_motion_at_rest_at_the_strobe_is_shown_within_the_lift():
+    """q = 0 and no velocity: no range of its own, nor one of a metre for 10 mm of lift."""
+    values = {"orbits.at": 3300.0, "orbits.starts": 0, "orbits.rpm.num": 1}
+    values |= {f"orbits.rpm.{end}": 3300.0 for end in ("start", "stop")}
+    result = camcli.orbits(camcli.load_scene(CONFIGS / "valve-train.yaml", values))
+    axes = camcli.plot(result, panels=["section"]).axes[1]
+    assert axes.get_xlim() == axes.get_ylim() == pytest.approx((-0.01, 0.01), rel=1e-4)
+    assert axes.get_xlabel() == "stroboscopic $q$ (mm)"
