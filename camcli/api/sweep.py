@@ -36,6 +36,7 @@ from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
 from camcli.scene import Scene
+from camcli.system import units_of
 
 if TYPE_CHECKING:
     from camcli.analysis.classify import Motion
@@ -210,7 +211,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
             "direction": found.direction,
             "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],
         },
-        pictures={"map": drawn_by("sweep_map.draw_map", found, lines)},
+        pictures={"map": drawn_by("sweep_map.draw_map", found, units_of(machine.system), lines)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=tuple(notes),

@@ -15,11 +15,12 @@ from camcli.plots import style
 from camcli.plots.axes import axis_name, valued
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import colour_of, kind_of
+from camcli.system import Units
 
 HEIGHT = 90.0  # mm
 NAMES = {
     "exponents": "largest exponent (1/turn)",
-    "max_gap_m": "largest gap (m)",
+    "max_gap_m": "largest gap",
     "airborne_fraction": "share of the time in the air",
     "max_impact_m_per_s": "hardest impact (m/s)",
     "min_contact_force_n": "least contact force (N)",
@@ -27,14 +28,14 @@ NAMES = {
     "contact_lost_deg": "contact first lost (deg)",
     "contact_regained_deg": "contact last regained (deg)",
     "landing_deg": "phase of the hardest impact (deg)",
-    "landing_lift_m": "lift at the hardest impact (m)",
+    "landing_lift_m": "lift at the hardest impact",
     "shut_bounces_per_turn": "bounces on the shut cam (1/turn)",
 }
 DASHES = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1, 1)), "grazing": (0, (4, 1, 1, 1))}
 Curve = tuple[str, Sequence[float], Sequence[float]]  # kind of bifurcation, along both numbers
 
 
-def draw_map(found: Map, curves: Sequence[Curve] = ()) -> Picture:
+def draw_map(found: Map, units: Units, curves: Sequence[Curve] = ()) -> Picture:
     """Panels `kind`, `exponents` where they were measured, and by name each of the loads.
 
     curves: bifurcations in the two numbers, drawn over all.
@@ -54,6 +55,8 @@ def draw_map(found: Map, curves: Sequence[Curve] = ()) -> Picture:
     for name, words in NAMES.items():
         of = attrgetter("exponent" if name == "exponents" else f"loads.{name}")
         values = np.array([[of(speed) for speed in row] for row in rows], dtype=float)
+        if name.endswith("_m"):
+            values, words = values * units.per_m, f"{words} ({units.length})"
         usual = name == "exponents" and bool(np.isfinite(values).any())
         draw = partial(_draw_values, found, values, words)
         panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual)
