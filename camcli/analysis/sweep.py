@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import pi
 from typing import Any
@@ -397,8 +397,8 @@ def _joined(turns: Sequence[Record]) -> Record:
 def _store(speed: Speed) -> dict[str, Any]:
     return vars(speed) | {
         "strobe": speed.strobe and speed.strobe[1:],
-        "cost": astuple(speed.cost),
-        "end": speed.end and astuple(speed.end),
+        "cost": vars(speed.cost),
+        "end": speed.end and vars(speed.end),
     }
 
 
@@ -407,8 +407,8 @@ def _load(stored: dict[str, Any]) -> Speed:
     return replace(
         speed,
         strobe=speed.strobe and (range(len(speed.strobe[0])), *speed.strobe),
-        cost=Cost(*speed.cost),  # type: ignore[misc]
-        end=speed.end and Start(*speed.end),  # type: ignore[misc]
+        cost=Cost(**stored["cost"]),
+        end=speed.end and Start(**stored["end"]),
         loads=Loads(*speed.loads),
     )
 
