@@ -254,7 +254,7 @@ def compiling(request: Request) -> AbstractContextManager[Stopwatch]:
 
     def say(damaged: bool) -> None:
         why = "the cache of the kernel was damaged and is removed; " if damaged else ""
-        note(f"{why}compiling the kernel for this machine: some 5 to 20 s, once ...")
+        note(f"{why}compiling the kernel for this machine: some 5 to 10 s, once ...")
 
     return stopwatch(None if request.quiet else say)
 

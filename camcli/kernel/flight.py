@@ -81,7 +81,7 @@ def fly(cam, const, flows, i, f, begin, work):
 def _leave(cam, const, i, f, work):
     """Leave the cam with rate >= 0 and gap_accel >= 0 (or released by a zero of the force).
 
-    `fly`, or UNKNOWN where it takes a `search`: that is long code, compiled in one place.
+    Returns what `fly` does, or UNKNOWN where it takes a `search`, which is left to `fly`.
 
     With jerk < 0 and the fourth derivative below K the gap rises once and falls once while
     K s <= |jerk|/2, so a landing predicted by the cubic within that range is the only one. From
