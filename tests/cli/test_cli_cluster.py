@@ -166,7 +166,7 @@ def test_all_workers_die_then_an_interrupt_then_the_scheduler(tmp_path, cluster,
 @pytest.mark.parametrize("address", [pytest.param(None, marks=pytest.mark.soak), "", "nonsense"])
 def test_no_scheduler_is_said_soon(tmp_path, address):
     address = f"127.0.0.1:{free_port()}" if address is None else address
-    code, said = ended(begin(command(*SWEEP, "--cluster", address, "-o", "out"), tmp_path))
+    code, said = cam((*SWEEP, "--cluster", address, "-o", "out"), tmp_path)
     assert (code, "--cluster: found no scheduler" in said) == (2, True), said
     clean(said)
     assert list(tmp_path.iterdir()) == []
