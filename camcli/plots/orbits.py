@@ -472,7 +472,7 @@ def _draw_motion(
             axes.plot(trace.angle, rests, color=style.STICKING, lw=3.0, zorder=2, label="sticking")
         for points in (trace.events[kind] for kind in trace.events if kind == "impact"):
             mark(axes, "impact", points[:, 0], points[:, 1], label="impact")
-    length_axis(axes.yaxis, "position $q$", max(np.abs(trace.q).max() for trace in traces))
+    unit_axis(axes.yaxis, "position $q$", longest.units)
     angle_axis(axes, longest)
 
 

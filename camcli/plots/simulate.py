@@ -16,10 +16,19 @@ from camcli.analysis.labels import period_of
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
 from camcli.errors import Status
 from camcli.plots import style
-from camcli.plots.axes import TURN_DEG, corner_lines, length_axis, lift, mark, places_beside, say
+from camcli.plots.axes import (
+    TURN_DEG,
+    corner_lines,
+    length_axis,
+    lift,
+    mark,
+    places_beside,
+    say,
+    unit_axis,
+)
 from camcli.plots.mechanism import Outline, draw_machine
 from camcli.plots.picture import Panel, Picture
-from camcli.system import System
+from camcli.system import System, Units, units_of
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
 TICK = 21.0  # pt, from one tick to the next at least
@@ -40,7 +49,7 @@ class Trace:
     `q`, `cam`, `gap` (m), `u` (m/s) and `bend` (c_thetatheta, m/rad2) are by point; the corners of
     the cam are among the points. `sticks` holds from a point to the next. `events` has (angle, q)
     of every kind, `jumps` (u_minus, u_plus) of the impacts, `section` the states (q, v) at the
-    strobe phase; `origin` is the angle at time 0.
+    strobe phase; `origin` is the angle at time 0; `units` are the machine's.
     """
 
     low: float
@@ -56,6 +65,7 @@ class Trace:
     events: dict[str, np.ndarray]
     jumps: np.ndarray
     section: np.ndarray
+    units: Units
 
     @classmethod
     def of(cls, simulation: Simulation, system: System, turns: int) -> Trace:
@@ -99,6 +109,7 @@ class Trace:
             events={kind: np.array(points) for kind, points in events.items()},
             jumps=np.array(jumps).reshape(-1, 2),
             section=section,
+            units=units_of(system),
         )
 
     def during(self, values: np.ndarray, state: np.ndarray) -> np.ndarray:
@@ -171,7 +182,7 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     low, high = float(trace.cam.min()), float(trace.q.max())
     room = 0.06 * (high - low) or 0.06 * abs(high) or 1.0
     axes.set(ylim=(low - room, high + room))
-    length_axis(axes.yaxis, "position $q$", max(abs(low), abs(high)))
+    unit_axis(axes.yaxis, "position $q$", trace.units)
     axes.fill_between(trace.angle, low - room, trace.cam, color=style.CAM_BODY, linewidth=0)
     axes.plot(trace.angle, trace.cam, color=style.CAM, linewidth=0.8, label="cam")
     _draw_contact(axes, trace, trace.q, named=True)
@@ -256,7 +267,8 @@ def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
 def _draw_section(axes: Axes, trace: Trace, _: Simulation) -> None:
     """The states of all recorded turns at the strobe phase."""
     axes.plot(*trace.section.T, "o", color=style.IMPACT, ms=1.5, mew=0.0, rasterized=True)
-    axes.set(xlabel="stroboscopic $q$ (m)", ylabel="stroboscopic $v$ (m/s)")
+    unit_axis(axes.xaxis, "stroboscopic $q$", trace.units)
+    axes.set_ylabel("stroboscopic $v$ (m/s)")
 
 
 def angle_axis(axes: Axes, trace: Trace) -> None:
@@ -299,7 +311,8 @@ def draw_frames(
         for colour, state in ((style.FLIGHT, ~trace.sticks), (style.STICKING, trace.sticks)):
             time.plot(angles, trace.during(trace.q, state), color=colour)
         title = f"{style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
-        time.set(xlim=(low, high), title=title, ylabel="position (m)")
+        time.set(xlim=(low, high), title=title)
+        unit_axis(time.yaxis, "position", trace.units)
         time.set_xlabel(r"cam angle $\theta$ (deg)")
         line, (dot,) = time.axvline(color=style.GUIDE, lw=0.8), time.plot([], [], "o")
         figure.canvas.draw()
