@@ -72,7 +72,7 @@ FILES = {  # lines (or bytes), the law, zero of the file in deg of the cam, keys
         ["deg,mm,mm/deg", *(f"{row},{k % 7 - 3}" for k, row in enumerate(rows(TURN)))], LOBE, 0,
         {"lift_column": "mm"}),
     "dial gauge": (["deg,lift", *rows(range(0, 360, 2), WIDE, form="{:g},{:.2f}")], WIDE, 0, {}),
-    "noise": (["deg,lift", *rows(HALF, noise=0.001)], LOBE, 0, {}),
+    "noise": (["deg,lift", *rows(TURN, noise=0.001)], LOBE, 0, {}),
     "an eccentric": (["deg,lift", *rows(TURN, ROUND, form="{:g},{:.3f}")], ROUND, 0, {}),
     "quoted cells": (
         ['"deg","lift"', *rows(TURN, OTHER, form='"{:g}","{:.4f}"')], OTHER, 0,
