@@ -357,7 +357,7 @@ def _check_sizes(cells: list[Cell], lifts: list[float], quantum: float) -> None:
         cure = "is the unit in cam.lift the file's? And lift_column, rocker_ratio?"
     elif bottom < -0.02 * abs(top) - quantum:
         at = lifts.index(bottom)
-        found = f"found a lift of {bottom:.6g} m, below the base circle"
+        found = f"found a lift of {1e3 * bottom:.6g} mm, below the base circle"
         expected = "expected lifts from zero up"
         cure = "is lift_column the right column? Subtract the base if the file has radii"
     elif top - bottom < 8.0 * quantum:

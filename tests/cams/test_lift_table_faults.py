@@ -71,6 +71,7 @@ FILES = [
     (FINE + "361,0\n", "lift.csv:362:1: cam.angle: the table covers 361 deg of cam, 1 too much"),
     (FINE + "360,0.3\n", "the last row is one turn after the first, its lift is 0.3"),
     ("deg,lift\n" + "".join(f"{k},0.0\n" for k in range(360)), "a few steps of the last digit"),
+    (changed(22, "20,-1.5", FINE), "found a lift of -1.5 mm, below the base circle"),
     (b"1,2\n" * 2_500_001, "more than 10 MB"),
     ("deg,lift\n" + "1,2\n" * 40_001, "found 40001 rows"),
 ]
