@@ -7,7 +7,7 @@ import os
 def main() -> None:
     """Run the command line; an interrupt while it is still being loaded is one like any other."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads spin until there is work
-    gc.set_threshold(50_000)  # a start makes many objects and no garbage: a tenth of its time
+    gc.set_threshold(300_000)  # a start makes many objects and no garbage: a tenth of its time
     try:
         from camcli.cli.app import main as run
     except KeyboardInterrupt:

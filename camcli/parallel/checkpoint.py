@@ -28,7 +28,8 @@ MOST_KEY = 1 << 24  # bytes of the first line
 SUM = 8  # bytes that a line begins with
 CAUTIOUS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 APPENDING = os.O_WRONLY | os.O_CREAT | os.O_APPEND
-QUICK = 1.0  # s: a run that takes no longer writes no pieces
+QUICK = 1.0  # s: a run that takes no longer writes no pieces,
+MOST_WAITING = 1 << 26  # unless their arrays take more bytes
 SYNC = 1.0  # s between two waits for the disk: what a power cut costs
 KEY, END = "key", "end"  # places of the first line, and of the one that completes a shard
 
@@ -45,6 +46,7 @@ class Checkpoint:
         self.size = 0  # bytes of all lines
         self._found: dict[tuple[str, int], tuple[Path, int]] = {}
         self._waiting: dict[tuple[str, int], Any] = {}  # values to be written
+        self._waiting_bytes = 0
         self._lock = Lock()
         for part in parts:
             with open_pieces(part) as file:
@@ -109,7 +111,9 @@ class Checkpoint:
         """Keep a piece; raises SceneError where there is no room, the file is then as before."""
         with self._lock:
             self._waiting[place, number] = value
-            if self._file.closed or monotonic() - self._begun > QUICK:
+            early = monotonic() - self._begun <= QUICK and not self._file.closed
+            self._waiting_bytes += _bytes_of(value) if early else 0
+            if not early or self._waiting_bytes > MOST_WAITING:
                 self._write()
 
     def _write(self) -> None:
@@ -134,6 +138,7 @@ class Checkpoint:
             self._found[name] = self.path, begin
             self.size += len(line)
             del self._waiting[name]
+        self._waiting_bytes = 0
 
     def close(self) -> None:
         """Write what waits, and end: a thread at work puts nothing more. An empty file goes."""
@@ -199,6 +204,15 @@ def records(file: BinaryIO) -> Iterator[tuple[str, int, Any, int, int]]:
 def _line(place: str, number: int, value: Any) -> bytes:
     data = pack([place, number, value])
     return _check(data) + b" " + data + b"\n"
+
+
+def _bytes_of(value: Any) -> int:
+    """What the arrays in a value take."""
+    if isinstance(value, dict):
+        value = list(value.values())
+    if isinstance(value, list | tuple):
+        return sum(map(_bytes_of, value))
+    return getattr(value, "nbytes", 0)
 
 
 def _check(data: bytes) -> bytes:

@@ -110,6 +110,11 @@ def test_the_first_pieces_wait_for_a_later_one(tmp_path, monkeypatch):
     monkeypatch.setattr("camcli.parallel.checkpoint.QUICK", 0.0)
     checkpoint.put("0", 1, 2)
     assert (len(ends(tmp_path / "c")), checkpoint.pieces) == (3, 2)
+    monkeypatch.setattr("camcli.parallel.checkpoint.QUICK", np.inf)
+    monkeypatch.setattr("camcli.parallel.checkpoint.MOST_WAITING", 100)
+    for number, lines in ((2, 3), (3, 5)):  # 64 bytes wait, 128 do not
+        checkpoint.put("0", number, {"columns": (None, np.zeros(8))})
+        assert len(ends(tmp_path / "c")) == lines
     checkpoint.discard()
 
 
