@@ -116,8 +116,8 @@ def machine_code(entry: Callable, args: tuple) -> tuple[str, bytes]:
     _Library.module = _codegen._create_empty_module("kernel")
     given = numba.typeof(args)
 
-    def arguments(address: int) -> tuple:
-        raise NotImplementedError
+    def arguments(address: int) -> Any:
+        """What is at an address; `load` makes its machine code."""
 
     def load(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         place = context.get_value_type(given).as_pointer()
