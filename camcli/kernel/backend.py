@@ -8,24 +8,23 @@ stays what it is, so nothing changes under a thread that uses it.
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from copy import copy
 from dataclasses import dataclass
+from enum import Enum
 from functools import cache
 from operator import attrgetter
-from pathlib import Path
 from threading import Lock
 from time import perf_counter
 from typing import Any, TypeVar
 
-from camcli import errors
 from camcli.kernel.cam_table import Cam, Stretch
 from camcli.kernel.cells import settle_cells
 from camcli.kernel.certify import certify_orbit
+from camcli.kernel.code_cache import cache_dir, is_cached
 from camcli.kernel.flow import Constants, Flow, fill_flows
 from camcli.kernel.loads import measure_loads
 from camcli.kernel.orbit_loop import Log, Strobe, advance
@@ -168,7 +167,7 @@ def compiled() -> Kernel:
             if _compiled is None:
                 from camcli.kernel.compiled import compile_entries
 
-                entries = compile_entries(cache_dir(), _waiting)
+                entries = compile_entries(cache_dir(), _waiting, _tell)
                 _compiled = Kernel(compiled=True, **entries)
     return _compiled
 
@@ -184,48 +183,23 @@ def must_compile() -> bool:
     return may_compile() and os.environ.get("CAMCLI_KERNEL", "auto") == "compiled"
 
 
-@cache
-def source_hash() -> str:
-    """Hash of every source that decides about the compiled code: it names the cache.
+class News(Enum):
+    """What a user may want to know of the kernel's machine code."""
 
-    numba itself sees only edits in the file of an entry, not in what it calls.
-    """
-    digest = hashlib.sha256()
-    for path in (Path(errors.__file__), *sorted(Path(__file__).parent.glob("*.py"))):
-        digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()[:16]
+    COMPILING = "compiling"  # it is not on disk, and takes some seconds
+    DAMAGED = "damaged"  # what was on disk is removed
+    KILLED = "killed"  # what was on disk ended a process that tried it, and is removed
+    NOT_OURS = "not-ours"  # others may write the folder on disk, so it is not used
+    PUBLIC = "public"  # numba's public functions compile it, which makes each start slower
 
 
-def cache_dir() -> Path:
-    """Folder of the compiled kernel: one per state of the sources."""
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    if home.startswith("~"):
-        home = os.devnull  # a user without a home: nothing is kept, which only costs time
-    return Path(home) / "camcli" / f"kernel-{source_hash()}"
-
-
-def is_cached(entry: str = "advance") -> bool:
-    """True if an earlier process left this entry compiled for these sources, and undamaged."""
-    return any(read_intact(path) is not None for path in cache_dir().glob(f"{entry}.*.nbc"))
-
-
-def read_intact(path: Path) -> bytes | None:
-    """What follows the SHA-256 at the head of a file; a damaged file is removed."""
-    try:
-        data = path.read_bytes()
-    except OSError:
-        return None
-    if hashlib.sha256(data[32:]).digest() == data[:32]:
-        return data[32:]
-    with suppress(OSError):
-        path.unlink()
-    return None
+Notice = Callable[[News], None]
 
 
 class Stopwatch:
     """The seconds of a run, without those in which it waited for the kernel to be compiled."""
 
-    def __init__(self, notice: Callable[[bool], None] | None, outer: Stopwatch | None = None):
+    def __init__(self, notice: Notice | None, outer: Stopwatch | None = None):
         self.outer, self._began = outer, perf_counter()
         self.seconds = 0.0
         self.compile_seconds = 0.0
@@ -239,15 +213,10 @@ class Stopwatch:
             return until - self._began - self.compile_seconds
 
     @contextmanager
-    def waiting(self, entry: str | None) -> Iterator[None]:
+    def waiting(self) -> Iterator[None]:
         """Count the time in which at least one thread of the run waits."""
-        outer = nullcontext() if self.outer is None else self.outer.waiting(None)
+        outer = nullcontext() if self.outer is None else self.outer.waiting()
         with self._lock:
-            if self.notice is not None and entry is not None:
-                there = any(cache_dir().glob(f"{entry}.*.nbc"))
-                if not is_cached(entry):
-                    self.notice(there)
-                    self.notice = None
             if self._waiting == 0:
                 self._since = perf_counter()
             self._waiting += 1
@@ -265,10 +234,8 @@ _stopwatch: ContextVar[Stopwatch | None] = ContextVar("stopwatch", default=None)
 
 
 @contextmanager
-def stopwatch(notice: Callable[[bool], None] | None = None) -> Iterator[Stopwatch]:
-    """Time a run; `notice` is called once before something is compiled that is not on disk.
-
-    Its argument is True where what is on disk was damaged, and is removed.
+def stopwatch(notice: Notice | None = None) -> Iterator[Stopwatch]:
+    """Time a run; `notice` is called with each `News`, once or more often.
 
     Without one, that of the run around it is taken. The watch belongs to this context and the
     threads that are started in it (`parallel.in_threads`).
@@ -283,7 +250,14 @@ def stopwatch(notice: Callable[[bool], None] | None = None) -> Iterator[Stopwatc
         _stopwatch.reset(token)
 
 
-def _waiting(entry: str | None = None):
+def _waiting():
     """The context of whoever waits for the compiler."""
     watch = _stopwatch.get()
-    return nullcontext() if watch is None else watch.waiting(entry)
+    return nullcontext() if watch is None else watch.waiting()
+
+
+def _tell(news: News) -> None:
+    """Tell the run that is timed of something about the machine code."""
+    watch = _stopwatch.get()
+    if watch is not None and watch.notice is not None:
+        watch.notice(news)

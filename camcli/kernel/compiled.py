@@ -1,201 +1,247 @@
-"""The kernel's machine code: compiled once, kept on disk for exactly these sources.
+"""The kernel's entries as machine code: checked code, from the disk or made anew.
 
 Importing numba takes longer than most runs, so it is imported to compile, and not to run: code on
-disk is loaded by LLVM alone, and called as numba calls its own functions from each other.
+disk is loaded by LLVM alone. `compiler` makes that code with parts of numba that may change with
+any version of it. Where it fails, or where what it makes is not believed, numba's public functions
+make the code (`public_compiler`).
+
+Nothing is believed before `self_check` has compared a small case of the entry with plain Python,
+bit for bit. Code that ended a process while it was tried is not tried again: what was on disk is
+removed, and what has just been made gives way to the public way when it has ended MOST_DEATHS
+processes. One may have been killed by somebody else.
 """
 
 from __future__ import annotations
 
-import contextlib
 import os
-import struct
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
-from ctypes import CFUNCTYPE, addressof, byref, c_char, c_char_p, c_int32, c_int64, c_void_p
-from functools import cache, partial
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext, suppress
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
-from time import sleep, time
 from typing import Any
-from uuid import uuid4
 
-import llvmlite.binding as llvm
-from numpy import ndarray
-
+from camcli.errors import Fault, SceneError
 from camcli.interrupts import compiling
-from camcli.kernel.backend import read_intact
+from camcli.kernel import code_cache
+from camcli.kernel.backend import News
+from camcli.kernel.machine_code import MachineCode, flatten, form_of
 from camcli.kernel.marks import ENTRIES
+from camcli.kernel.self_check import case_of, is_right
+from camcli.piece_faults import SHORTAGES
 
-ABANDONED = 60.0  # s: nobody compiles, or writes a file, for so long
-LOOKS = 600  # in that time, whether the other one is done
-UNUSED = 30 * 86400.0  # s, after which code goes, of whatever sources it is
-# numba's own convention: where the result goes, where an exception goes, arguments
-CALL = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_char_p)
+MOST_DEATHS = 2
+SLOWER = "CAMCLI_KERNEL=python runs without it, some hundred times slower"
 
 
 class CompiledEntry:
-    """A compiled entry with one signature, that of its first call; it returns an int or nothing.
+    """An entry that is loaded or compiled at its first call; it takes what that call takes."""
 
-    Any other kind of argument is a fault of the caller and raises TypeError.
-    """
-
-    def __init__(self, folder: Path, name: str, waiting: Callable[[], AbstractContextManager]):
-        self._folder, self._name, self._waiting = folder, name, waiting
-        self._function: Any = None
+    def __init__(
+        self, source: CodeSource, name: str, waiting: Callable[[], AbstractContextManager]
+    ):
+        self._source, self._name, self._waiting = source, name, waiting
+        self._call: Callable | None = None
         self._lock = Lock()
-        self._last: tuple[tuple, list, list] = (), [], []  # cam, and what `_flatten` makes of it
 
-    def __call__(self, cam: tuple, *args: Any) -> int:
-        last = self._last
-        if last[0] is not cam:  # it is the same for many calls
-            last = cam, [], []
-            _flatten(*last)
-            self._last = last
-        numbers, kinds = last[1].copy(), last[2].copy()
-        _flatten(args, numbers, kinds)
-        if self._function is None:
-            self._load((cam, *args), numbers, kinds)
-        if kinds != self._kinds:
-            raise TypeError(f"{self._name} was compiled for other columns")
-        try:
-            packed = self._form.pack(*numbers)
-        except struct.error as error:
-            raise TypeError(f"{self._name} was compiled for other arguments ({error})") from None
-        returned = c_int64()
-        failed = self._function(byref(returned), None, packed)
-        assert not failed  # the kernel raises nothing
-        return returned.value
+    def __call__(self, cam: tuple, *args: Any) -> Any:
+        call = self._call or self._load((cam, *args))
+        return call(cam, *args)
 
-    def _load(self, args: tuple, numbers: list, kinds: list) -> None:
+    def _load(self, args: tuple) -> Callable:
         with self._waiting(), self._lock, compiling():
-            if self._function is None:
-                form = "=" + "".join("d" if isinstance(x, float) else "q" for x in numbers)
-                depends = *_machine(), [kind.descr for kind in kinds], form
-                name = f"{self._name}.{sha256(repr(depends).encode()).hexdigest()[:16]}.nbc"
-                path = self._folder / name
-                code = _from_disk(path)
-                if code is None:
-                    with _alone(self._folder):
-                        code = _from_disk(path) or _compiled(path, self._name, args)
-                self._engine, address = code
-                self._kinds, self._form = kinds, struct.Struct(form)
-                self._function = CALL(address)
+            if self._call is None:
+                self._call = self._source.code(self._name, args)
+            return self._call
 
 
 def compile_entries(
-    folder: Path, waiting: Callable[[str], AbstractContextManager]
+    folder: Path,
+    waiting: Callable[[], AbstractContextManager],
+    tell: Callable[[News], None],
 ) -> dict[str, CompiledEntry]:
     """The entries by name, compiled at their first call; `waiting` is entered while that lasts.
 
     Code is read from `folder` and kept there. What cannot be read, or is damaged, is compiled
     again; what cannot be written is not kept.
     """
-    return {name: CompiledEntry(folder, name, partial(waiting, name)) for name in ENTRIES}
+    source = CodeSource(folder, tell)
+    return {name: CompiledEntry(source, name, waiting) for name in ENTRIES}
 
 
-def _flatten(values: tuple, numbers: list, kinds: list) -> None:
-    """The numbers that numba makes of arguments, each of 8 bytes.
+class CodeSource:
+    """Where checked machine code comes from; `tell` is called with what a user may want to know."""
 
-    A tuple is its entries; a column its owner (none: nobody counts references), size, width of an
-    entry, address, shape and strides. kinds: what the columns and tables hold.
-    """
-    for value in values:
-        if isinstance(value, tuple):
-            _flatten(value, numbers, kinds)
-        elif isinstance(value, ndarray):
-            if not (value.flags.carray and value.ndim == 1):
-                raise TypeError("the kernel takes columns that are contiguous and may be written")
-            size, width = value.size, value.itemsize
-            address = addressof(c_char.from_buffer(value)) if size else 0  # type: ignore[arg-type]
-            numbers += (0, 0, size, width, address, size, width)
-            kinds.append(value.dtype)
-        else:
-            numbers.append(value)
+    def __init__(self, folder: Path, tell: Callable[[News], None]):
+        self._folder, self._tell = folder, tell
+        self._public = False  # True: the public way was taken in this process
 
+    def code(self, name: str, args: tuple) -> Callable:
+        """The entry of this name for arguments like these."""
+        entry = _Entry(self._folder, name, args)
+        code_cache.make_folder(self._folder)
+        if os.path.lexists(self._folder) and not code_cache.is_trusted(self._folder):
+            self._tell(News.NOT_OURS)
+        call = self._kept(entry)
+        if call is None:
+            self._tell(News.COMPILING)
+            with code_cache.alone(self._folder):
+                call = self._kept(entry) or self._made(entry)
+        return call
 
-@cache
-def _machine() -> tuple:
-    """All that the code depends on beside the kernel's sources, which name the folder."""
-    cpu = llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features()
-    settings = sorted((key, os.environ[key]) for key in os.environ if key.startswith("NUMBA_"))
-    return *map(version, ("numba", "llvmlite")), sys.version, *map(str, cpu), settings
-
-
-@contextlib.contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """One process compiles while others that start with it wait, where the system has locks.
-
-    Not for ever: it may have been stopped.
-    """
-    handle = None
-    try:
-        with contextlib.suppress(ImportError, OSError):
-            import fcntl
-
-            folder.mkdir(parents=True, exist_ok=True)
-            handle = os.open(folder, os.O_RDONLY)
-            for _ in range(LOOKS):
-                with contextlib.suppress(BlockingIOError):
-                    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                    break
-                sleep(ABANDONED / LOOKS)
-        yield
-    finally:
-        if handle is not None:
-            os.close(handle)
-
-
-def _from_disk(path: Path) -> tuple[Any, int] | None:
-    """(what owns the code, its address), or None."""
-    content = read_intact(path)
-    if content is None:
-        return None
-    with contextlib.suppress(OSError):
-        os.utime(path)  # when it was used last
-    symbol, _, code = content.partition(b"\n")
-    try:
-        return _linked(symbol.decode(), code)
-    except Exception:  # a sum says that it was written so, not that it can be used
-        return None
-
-
-def _linked(symbol: str, code: bytes) -> tuple[Any, int]:
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    machine = llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine()
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-    engine.finalize_object()
-    return engine, engine.get_function_address(symbol)
-
-
-def _compiled(path: Path, name: str, args: tuple) -> tuple[Any, int]:
-    """The same, compiled for these arguments and kept at the path."""
-    from camcli.kernel.compiler import machine_code
-
-    symbol, code = machine_code(ENTRIES[name], args)
-    _keep(path, symbol.encode() + b"\n" + code)
-    return _linked(symbol, code)
-
-
-def _keep(path: Path, content: bytes) -> None:
-    """Write a file with its SHA-256; beside its place first, so that nobody finds half of it.
-
-    A file that a killed process left half written is removed, and code that nobody uses any more.
-    """
-    part = path.with_suffix(f".{uuid4().hex}")
-    with contextlib.suppress(OSError):
+    def _kept(self, entry: _Entry) -> Callable | None:
+        """What is on disk, if it is right; what is not is removed."""
+        if not code_cache.is_trusted(self._folder):
+            return None
+        if self._takes_public_way():
+            return self._by_numba(entry) if _is_kept_by_numba(self._numba_folder, entry) else None
+        marks = code_cache.deaths(self._folder, entry.trial_of_kept)
+        if marks:
+            self._tell(News.KILLED)
+            _discard(entry.file, *marks)
+            return None
         try:
-            part.write_bytes(sha256(content).digest() + content)
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
-    for other in path.parent.parent.glob("kernel-*/*"):
-        with contextlib.suppress(OSError):
-            unused = time() - other.stat().st_mtime
-            if unused > (UNUSED if other.suffix == path.suffix else ABANDONED):
-                other.unlink()
-                other.parent.rmdir()
+            content = code_cache.read_code(entry.file)
+            if content is None:
+                return None
+            call = entry.tried(content, entry.trial_of_kept)
+        except code_cache.DamagedCodeError:
+            call = None
+        if call is None:
+            self._tell(News.DAMAGED)
+            _discard(entry.file)
+        return call
+
+    def _made(self, entry: _Entry) -> Callable:
+        """The entry compiled, checked and kept."""
+        marks = code_cache.deaths(self._folder, entry.trial_of_made)
+        if len(marks) < MOST_DEATHS and not self._takes_public_way():
+            content = _made_by_us(entry)
+            call = None if content is None else entry.tried(content, entry.trial_of_made)
+            if content is not None and call is not None:
+                if code_cache.is_trusted(self._folder):
+                    code_cache.keep_code(entry.file, content)
+                _discard(*marks)
+                return call
+        return self._by_numba(entry)
+
+    @property
+    def _numba_folder(self) -> Path:
+        """Folder of the code that the public way keeps; it is there where that way is taken."""
+        return self._folder / f"numba-{code_cache.machine_key()}"
+
+    def _takes_public_way(self) -> bool:
+        return self._public or code_cache.is_trusted(self._numba_folder)
+
+    def _by_numba(self, entry: _Entry) -> Callable:
+        """The entry by the public way, which is taken from now on."""
+        import_numba()
+        from camcli.kernel.public_compiler import compiled_entry
+
+        self._tell(News.PUBLIC)
+        self._public, folder = True, self._numba_folder
+        marks = code_cache.deaths(self._folder, entry.trial_of_numba)
+        if marks:
+            self._tell(News.KILLED)
+            _discard(folder, *marks)
+        places = [folder, None] if _prepare_for_numba(folder) else [None]
+        with code_cache.on_trial(self._folder, entry.trial_of_numba):
+            for place in places:
+                call = compiled_entry(entry.name, place)
+                # what numba has kept may be damaged in any way; what it has just made may not
+                with nullcontext() if place is None else suppress(Exception):
+                    if is_right(entry.name, call):
+                        return call
+                _discard(folder)
+        raise RuntimeError(
+            f"numba {version('numba')} makes other numbers of '{entry.name}' than Python; {SLOWER}"
+        )
+
+
+class _Entry:
+    """An entry with the kinds of its arguments, and the names under which it is kept and tried."""
+
+    def __init__(self, folder: Path, name: str, args: tuple):
+        self.name, self.args = name, args
+        self.numbers: list = []
+        self.kinds: list = []
+        flatten(args, self.numbers, self.kinds)
+        types = _types(args)
+        if types != _types(case_of(name)):
+            raise TypeError(f"'{name}' is called with other kinds of arguments than in its check")
+        stem = f"{name}.{code_cache.machine_key()}.{sha256(types.encode()).hexdigest()[:16]}"
+        self.file = folder / (stem + code_cache.CODE)
+        self.trial_of_kept = f"{stem}.kept"
+        self.trial_of_made = f"{stem}.made"
+        self.trial_of_numba = f"{stem}.numba"
+
+    def tried(self, content: bytes, trial: str) -> Callable | None:
+        """The code, if it can be loaded and does what plain Python does."""
+        symbol, _, code = content.partition(b"\n")
+        with code_cache.on_trial(self.file.parent, trial), suppress(Exception):
+            call = MachineCode(self.name, symbol.decode(), code, self.numbers, self.kinds)
+            if is_right(self.name, call):
+                return call
+        return None
+
+
+def import_numba() -> None:
+    """Import numba, which some settings and a broken installation prevent; raises SceneError."""
+    threads = os.environ.get("NUMBA_NUM_THREADS", "1").strip()
+    if threads.lstrip("+-").isdecimal() and int(threads) < 1:
+        found, expected = f"found '{threads}'", "expected a whole number above 0"
+        raise SceneError(Fault("NUMBA_NUM_THREADS", "", found, expected, "or unset it"))
+    try:
+        import numba  # noqa: F401 - whether it can be imported
+    except Exception as error:
+        if isinstance(error, MemoryError) or any(words in str(error) for words in SHORTAGES):
+            raise
+        found = f"cannot be imported ({type(error).__name__}: {error})"
+        cure = f"install it again; {SLOWER}"
+        raise SceneError(Fault("numba", "", found, "", cure)) from error
+
+
+def _made_by_us(entry: _Entry) -> bytes | None:
+    """The content of a file of code, or None where this numba is not the one that we know."""
+    try:
+        from camcli.kernel.compiler import machine_code
+
+        symbol, code = machine_code(ENTRIES[entry.name], entry.args)
+    except (MemoryError, OSError):
+        raise
+    except Exception:
+        return None
+    return symbol.encode() + b"\n" + code
+
+
+def _types(args: tuple) -> str:
+    """The kinds of arguments, which decide about the machine code."""
+    numbers: list = []
+    kinds: list = []
+    flatten(args, numbers, kinds)
+    return repr(([kind.descr for kind in kinds], form_of(numbers)))
+
+
+def _discard(*paths: Path) -> None:
+    for path in paths:
+        code_cache.discard(path)
+
+
+def _is_kept_by_numba(folder: Path, entry: _Entry) -> bool:
+    """Whether numba has an index of this entry in the folder; only time depends on it."""
+    return any(path.is_file() for path in folder.glob(f"*/*.{entry.name}-*.nbi"))
+
+
+def _prepare_for_numba(folder: Path) -> bool:
+    """Make the folder safe for numba, which opens what it finds; False if nothing can be kept."""
+    if not code_cache.is_trusted(folder.parent):
+        return False
+    code_cache.make_folder(folder)
+    with suppress(OSError):
+        folder.chmod(0o700)  # numba makes files that a group may write, where the user lets it
+        os.utime(folder)  # when it was used last
+    for path in folder.rglob("*"):
+        if not code_cache.is_plain(path):
+            code_cache.discard(path)
+    return code_cache.is_trusted(folder) and os.access(folder, os.W_OK)

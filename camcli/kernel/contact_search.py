@@ -165,12 +165,18 @@ def is_near(const, s):
 
 @inlined
 def gap_at(cam, const, i, f, s, work):
+    """`gap_after`, counted in work."""
+    work.evaluations += 1
+    return gap_after(cam, const, i, f, s)
+
+
+@inlined
+def gap_after(cam, const, i, f, s):
     """(gap, gap_rate, gap_accel) after s rad of the flight, within stretch i.
 
     From the closed form of q and c, or where s is short in relative coordinates: q - c of two large
     numbers would drown a low hop.
     """
-    work.evaluations += 1
     if is_near(const, s):
         return gap_near(cam, const, i, f, s)
     at = f.theta + s

@@ -159,7 +159,8 @@ def _drop(cam, const, i, f, work):
         u = -sqrt(rate^2 + gap (2 F + W^2 gap))    after    s = (2/W) atan(W h),
         h = (rate - u)/(2 F + W^2 gap) = gap/(-u - rate);
     s = 2 h for W = 0. From the cam it lands as fast as it left, and however low the hop is nothing
-    cancels: in a small phase that is all. A longer flight, begun elsewhere, is left to `landing`.
+    cancels: in a small phase that is all. A longer flight, begun elsewhere, is left to `landing`,
+    but where all of it is a short hop.
     """
     height = const.W2 * f.gap
     span = 2.0 * f.force - height
@@ -175,10 +176,11 @@ def _drop(cam, const, i, f, work):
     if not s < f.end:
         return CLEAR, f.theta, f.gap, f.rate
     after = min(f.theta + s, cam.stretches[i].end)
+    rest = s - (after - f.theta)
     if f.gap > 0.0 or const.W * s > LONGEST_PHASE:
-        return NEARLY, after, 0.0, -root
+        return NEARLY, after, rest, -root
     softer = const.W_rest * (f.force - const.G) / f.force  # F is larger by twice that
-    return EXACTLY, after, s - (after - f.theta) - 2.0 * s * softer, -root
+    return EXACTLY, after, rest - 2.0 * s * softer, -root
 
 
 @inlined

@@ -1,28 +1,27 @@
 """What an engineer reads off a record: the highest flight, time in the air, impacts, forces.
 
 A record is a sequence of flights and rests between its events. In a flight the gap is the closed
-form of `flow` minus the cam, at rest the contact force over m omega^2 is -a of `sticking`. Both are
-smooth on a stretch, so an extremum is where the derivative changes sign between two phases that are
-a cell apart at most, CELL or an eighth of the follower's own period, or at an end.
+form of `flow` minus the cam, at rest the contact force over m omega^2 is -a of `sticking`. An
+extremum is looked for cell by cell, and a cell of h rad is left only when nothing can hide in it.
+With f the gap or the contact force, values at both ends and |f'''| <= M between them,
+    (f''(0) + f''(h) - M h)/2 <= f'' <= (f''(0) + f''(h) + M h)/2,
+and one of these settles the cell: no value of it can exceed one seen before, f' has one sign, or
+f'' has one sign, so that f' has at most one zero. Else the cell is halved.
 """
 
 from dataclasses import dataclass
-from math import inf, sqrt
 
-from camcli.kernel.cam_table import TURN, lift_at, stretch_at
-from camcli.kernel.flow import move
+from camcli.kernel.cam_table import TURN, higher, lift_at, stretch_at
+from camcli.kernel.contact_search import flight_at, gap_after
 from camcli.kernel.marks import entry, inlined, outlined
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 from camcli.kernel.sticking import contact_accel
 
-CELL = TURN / 16.0
 SLIVER = 1e-12  # rad: a rest that ends at a corner ends before it
 STEPS = 40  # of Newton's method or a bisection, at most
 GOES_ON, AIRBORNE, AT_REST = -1, 0, 1  # how a call ends
-ROUNDING = 1e-12  # share of the terms of a bound, more than their rounding
-FLAT = 1e-9  # rad: nearer to an extremum its value is exact to rounding
-SHUT = 0.01  # of the whole lift: a cam that is lifted by no more counts as shut
-BOUNCE = 0.1  # of the hardest impact before: a softer one is no bounce that counts
+FLAT = 1e-9  # rad, or the share of a short flight: so near to an extremum its value is exact
+STIFF = 8.0  # Z h of a cell above which a damper's layer is thin in it
 
 
 @dataclass(slots=True)
@@ -37,13 +36,16 @@ class Loads:
     lost: float = -1.0  # least phase after the strobe at which contact is lost; below 0: never
     regained: float = -1.0  # largest one at which it is regained
     landing: float = -1.0  # phase of the hardest impact; below 0: none
-    landing_lift: float = 0.0  # above the lowest, at it
-    shut_bounces: int = 0  # impacts on a cam that is shut
+    landing_c: float = 0.0  # the cam's lift there
+    shut_bounces: int = 0  # impacts at `bounce` or more on a cam no higher than `shut`
+    # what counts
+    shut: float = 0.0
+    bounce: float = 0.0
     # the last event
     place: float = 0.0  # rad since the first strobe
     phase: float = 0.0
-    q: float = 0.0
-    w: float = 0.0
+    gap: float = 0.0
+    rate: float = 0.0
     still: int = 0  # 1: at rest from there on
     struck: int = 0  # 1: an impact, after which it may rest
 
@@ -52,58 +54,67 @@ class Loads:
 def measure_loads(cam, const, kind, period, theta, u, turns, ends, loads):
     """Go on with loads[0] over events of `turns` whole turns; in order, from any call to the next.
 
-    A rest ends with a detachment or after a chatter; `ends`: GOES_ON where more events come, else
-    AIRBORNE or AT_REST, how the last turn ends.
+    A rest ends with a detachment, or at a kink with an impact; it begins with a chatter, or with an
+    impact after which nothing bounces. `ends`: GOES_ON where more events come, else AIRBORNE or
+    AT_REST, how the last turn ends.
     """
     load = loads[0]
     strobe = cam.stretches[cam.strobe].start
-    cell = CELL if const.W * CELL < TURN / 8.0 else TURN / 8.0 / const.W
-    steepest = _largest_accel(cam, const)
-    low = cam.top
-    for i in range(len(cam.stretches)):
-        low = min(low, cam.stretches[i].start_c)
-    shut = low + SHUT * (cam.top - low)
     for n in range(len(kind)):
         if period[n] < 0 or period[n] >= turns:
             continue
         since = theta[n] - strobe + (TURN if theta[n] < strobe else 0.0)
         at = TURN * period[n] + since
         if kind[n] == DETACHMENT:
-            if load.struck == 1:
-                regain(load, load.place)
-            load.still = 1
-        _until(cam, const, at, steepest, cell, load)
+            _rest_since_impact(load)
+        _until(cam, const, at, load)
         if load.still == 1 and kind[n] != CHATTER and (load.lost < 0.0 or since < load.lost):
             load.lost = since
-        load.q, c1, _ = lift_at(cam, stretch_at(cam, theta[n]), theta[n])
-        load.w = c1
+        i = stretch_at(cam, theta[n])
+        load.gap, load.rate = 0.0, 0.0
+        load.still, load.struck = 0, 0
         if kind[n] == IMPACT:
-            load.w = c1 - const.r * u[n]
+            load.rate, load.struck = -const.r * u[n], 1
             if -u[n] > load.max_impact:
                 load.max_impact = -u[n]
-                load.landing, load.landing_lift = theta[n], load.q - low
-            if load.q <= shut and -u[n] >= BOUNCE * load.max_impact:
+                load.landing, load.landing_c = theta[n], lift_at(cam, i, theta[n])[0]
+            if -u[n] >= load.bounce and lift_at(cam, i, theta[n])[0] <= load.shut:
                 load.shut_bounces += 1
         elif kind[n] == CHATTER:
             regain(load, at)
-        load.still = 1 if kind[n] == CHATTER else 0
-        load.struck = 1 if kind[n] == IMPACT else 0
+            load.still = 1
+        elif theta[n] == cam.stretches[i].start:  # a downward kink throws the follower off
+            load.rate = max(-cam.stretches[i].slope_jump, 0.0)
         load.place, load.phase = at, theta[n]
+        if load.struck == 1 and load.rate == 0.0 and _is_pressed(cam, const, i, theta[n]):
+            _rest_since_impact(load)
     if ends == AT_REST:
-        if load.struck == 1:
-            regain(load, load.place)
-        load.still = 1
+        _rest_since_impact(load)
     if ends != GOES_ON:
-        _until(cam, const, TURN * turns, steepest, cell, load)
+        _until(cam, const, TURN * turns, load)
+
+
+@outlined
+def _is_pressed(cam, const, i, theta):
+    """Whether the follower at rest on the cam is pressed to it, at theta of stretch i."""
+    return contact_accel(cam, const, i, theta)[0] < 0.0
 
 
 @inlined
-def _until(cam, const, at, steepest, cell, load):
+def _rest_since_impact(load):
+    """The follower rests; since the last event where that was an impact."""
+    if load.struck == 1:
+        regain(load, load.place)
+    load.still, load.struck = 1, 0
+
+
+@inlined
+def _until(cam, const, at, load):
     """The rest, or the flight, from the last event up to `at`."""
     if load.still == 1:
         _rest(cam, const, load.phase, at - load.place, load)
     else:
-        _fly(cam, const, load.phase, load.q, load.w, at - load.place, steepest, cell, load)
+        _fly(cam, const, load.phase, load.gap, load.rate, at - load.place, load)
 
 
 @inlined
@@ -114,118 +125,143 @@ def regain(load, place):
         load.regained = since
 
 
-@inlined
-def _largest_accel(cam, const):
-    """Upper bound of the second derivative of the gap while it grows, m/rad2."""
-    c, c2 = abs(cam.top), 0.0
-    for i in range(len(cam.stretches)):
-        c = max(c, abs(cam.stretches[i].c_min))
-        c2 = max(c2, abs(cam.stretches[i].accel_min), abs(cam.stretches[i].accel_max))
-    return abs(const.G) + const.W2 * c + 2.0 * const.Z * TURN * c2 + c2
-
-
 @outlined
 def _rest(cam, const, theta, span, load):
     """The force over a rest of `span` rad from theta; one turn of it is all."""
     left, i = min(span, TURN), stretch_at(cam, theta)
     while left > SLIVER:
-        size = min(cam.stretches[i].end - theta, left)
-        cells = int(size / CELL) + 1
-        a, slope, _ = contact_accel(cam, const, i, theta)
-        _force(load, -a)
-        for k in range(cells):
-            low = theta + size * (k / cells)
-            high = theta + size * ((k + 1) / cells)
-            if k + 1 == cells and size < left:
-                high = cam.stretches[i].end
-            a, after, _ = contact_accel(cam, const, i, high)
-            _force(load, -a)
-            if slope * after < 0.0:
-                for _ in range(STEPS):
-                    if high - low <= FLAT:
-                        break
-                    middle = 0.5 * (low + high)
-                    a, bend, _ = contact_accel(cam, const, i, middle)
-                    if slope * bend > 0.0:
-                        low = middle
-                    else:
-                        high = middle
-                _force(load, -a)
-            slope = after
-        left -= size
+        end = cam.stretches[i].end
+        if end - theta > left:
+            end = theta + left
+        left -= end - theta
+        _press(cam, const, i, theta, end, load)
         i += 1
         if i == len(cam.stretches):
             i = 0
         theta = cam.stretches[i].start
-
-
-@inlined
-def _force(load, force):
-    if load.min_force > load.max_force:
-        load.min_force = load.max_force = force
-    if force < load.min_force:
-        load.min_force = force
-    if force > load.max_force:
-        load.max_force = force
 
 
 @outlined
-def _fly(cam, const, theta, q, w, span, steepest, cell, load):
-    """The gap over a flight of `span` rad from (q, w) at theta.
+def _press(cam, const, i, theta, end, load):
+    """The force from theta to `end`, within stretch i (see the module)."""
+    third = const.W2 * cam.stretches[i].jerk_max + 2.0 * const.Z * cam.stretches[i].snap_max
+    third += cam.stretches[i].crackle_max
+    force, slope, curve = _force(cam, const, i, theta, load)
+    step = end - theta
+    while theta < end:
+        step = min(step, end - theta)
+        after = end if step == end - theta else theta + step
+        force1, slope1, curve1 = _force(cam, const, i, after, load)
+        low, high = 0.5 * (curve + curve1 - third * step), 0.5 * (curve + curve1 + third * step)
+        down, up = min(low, 0.0), max(high, 0.0)
+        bulge = 0.125 * step * step
+        within = max(force, force1) - down * bulge <= load.max_force
+        within = within and min(force, force1) - up * bulge >= load.min_force
+        rises = slope + down * step >= 0.0 or slope1 - up * step >= 0.0
+        falls = slope + up * step <= 0.0 or slope1 - down * step <= 0.0
+        settled = within or rises or falls or low >= 0.0 or high <= 0.0 or step <= FLAT
+        if not settled:
+            step *= 0.5
+            continue
+        if slope * slope1 < 0.0 and not within:
+            _turning_force(cam, const, i, theta, after, slope, load)
+        theta, force, slope, curve = after, force1, slope1, curve1
+        step *= 2.0
 
-    It is left out where u s + steepest s^2/2, which no flight exceeds, is below a gap seen before,
-    and so is a stretch above which even the highest point of the flight would be.
-    """
+
+@inlined
+def _turning_force(cam, const, i, low, high, slope, load):
+    """Count the force where its slope is zero between two phases, `slope` at the lower one."""
+    x = 0.5 * (low + high)
+    for _ in range(STEPS):
+        _, here, curve = _force(cam, const, i, x, load)
+        if here * slope > 0.0:
+            low = x
+        else:
+            high = x
+        step = -here / curve if curve != 0.0 else high - low
+        x = x + step if low < x + step < high else 0.5 * (low + high)
+        if abs(step) <= FLAT or high - low <= FLAT:
+            break
+
+
+@inlined
+def _force(cam, const, i, theta, load):
+    """(force, its first and second derivative) in contact at theta of stretch i; it is counted."""
+    a, slope, _ = contact_accel(cam, const, i, theta)
+    c2 = lift_at(cam, i, theta)[2]
+    c3, c4, _, _ = higher(cam, i, theta)
+    if load.min_force > load.max_force:
+        load.min_force = load.max_force = -a
+    load.min_force = min(load.min_force, -a)
+    load.max_force = max(load.max_force, -a)
+    return -a, -slope, const.W2 * c2 + 2.0 * const.Z * c3 + c4
+
+
+@outlined
+def _fly(cam, const, theta, gap, rate, span, load):
+    """The gap over a flight of `span` rad from (gap, rate) at theta."""
     load.airborne += span
-    flown, i = 0.0, stretch_at(cam, theta)
-    c, c1, _ = lift_at(cam, i, theta)
-    if (q - c) + (max(w - c1, 0.0) + 0.5 * steepest * span) * span <= load.max_gap:
-        return
-    highest = _highest(const, q, w)
-    while flown < span:
-        size = min(cam.stretches[i].end - theta, span - flown)
-        cells = int(size / cell) + 1 if highest - cam.stretches[i].c_min > load.max_gap else 0
-        rate = 0.0
-        if cells > 0:
-            rate, _ = _gap(cam, const, i, theta, q, w, flown, load)
-        for k in range(cells):
-            low, high = size * (k / cells), size * ((k + 1) / cells)
-            after, _ = _gap(cam, const, i, theta + high, q, w, flown + high, load)
-            if rate > 0.0 > after:
-                x = 0.5 * (low + high)
-                for _ in range(STEPS):
-                    now, accel = _gap(cam, const, i, theta + x, q, w, flown + x, load)
-                    if now > 0.0:
-                        low = x
-                    else:
-                        high = x
-                    step = -now / accel if accel < 0.0 else high - low
-                    x = x + step if low < x + step < high else 0.5 * (low + high)
-                    if abs(step) <= FLAT or high - low <= FLAT:
-                        break
-            rate = after
-        flown += size
-        i += 1
-        if i == len(cam.stretches):
-            i = 0
-        theta = cam.stretches[i].start
+    i, left = stretch_at(cam, theta), span
+    flat = FLAT * min(span, 1.0)
+    step = span
+    while left > 0.0:
+        f = flight_at(cam, const, i, theta, gap, rate)
+        step, gap, rate = _climb(cam, const, i, f, min(step, f.end, left), flat, load)
+        left -= step
+        if step < f.end:
+            theta, step = theta + step, 2.0 * step
+        else:
+            i += 1
+            if i == len(cam.stretches):
+                i = 0
+            theta, step = cam.stretches[i].start, left
+            rate -= cam.stretches[i].slope_jump
 
 
 @inlined
-def _highest(const, q, w):
-    """No less than any q of a flight from (q, w): w^2 + W^2 q^2 + 2 G q never grows."""
-    spring, fall = w * w + const.W2 * q * q, const.G + const.W2 * q
-    root = const.G + sqrt(fall * fall + const.W2 * w * w)
-    if const.G < 0.0 or root <= 0.0:
-        return inf
-    weight = 2.0 * const.G * q
-    return (spring + weight + ROUNDING * (spring + abs(weight))) / root
+def _climb(cam, const, i, f, step, flat, load):
+    """Count the gap over a cell from the start of f on, `step` rad or less, within stretch i.
+
+    (step, gap, rate) at its end. As of the module, M by the flight's own energy (`contact_search`).
+    """
+    third = f.energy + cam.stretches[i].jerk_max
+    accel = f.q2 - f.c2
+    load.max_gap = max(load.max_gap, f.gap)
+    while True:
+        gap, rate, accel1 = gap_after(cam, const, i, f, step)
+        load.max_gap = max(load.max_gap, gap)
+        low = 0.5 * (accel + accel1 - third * step)
+        high = 0.5 * (accel + accel1 + third * step)
+        down, up = min(low, 0.0), max(high, 0.0)
+        if max(f.gap, gap) - 0.125 * down * step * step <= load.max_gap:
+            break
+        if f.rate + down * step >= 0.0 or rate - up * step >= 0.0:
+            break
+        if f.rate + up * step <= 0.0 or rate - down * step <= 0.0:
+            break
+        if high <= 0.0:
+            if f.rate > 0.0 > rate:
+                _highest_gap(cam, const, i, f, step, flat, load)
+            break
+        if step <= flat:
+            break
+        step *= 0.5 if const.Z * step < STIFF else 0.125
+    return step, gap, rate
 
 
 @inlined
-def _gap(cam, const, i, theta, q, w, s, load):
-    """(rate, accel) of the gap after s rad of flight; one larger than any before is kept."""
-    q, w = move(const, q, w, s)
-    c, c1, c2 = lift_at(cam, i, theta)
-    load.max_gap = max(load.max_gap, q - c)
-    return w - c1, -(const.G + const.W2 * q + 2.0 * const.Z * w) - c2
+def _highest_gap(cam, const, i, f, high, flat, load):
+    """Count the gap where its rate is zero, between the start of f and `high` rad after it."""
+    low, x = 0.0, 0.5 * high
+    for _ in range(STEPS):
+        gap, rate, accel = gap_after(cam, const, i, f, x)
+        load.max_gap = max(load.max_gap, gap)
+        if rate > 0.0:
+            low = x
+        else:
+            high = x
+        step = -rate / accel if accel < 0.0 else high - low
+        x = x + step if low < x + step < high else 0.5 * (low + high)
+        if abs(step) <= flat or high - low <= flat:
+            break

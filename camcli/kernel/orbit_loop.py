@@ -41,11 +41,14 @@ class EventKind(IntEnum):
 
 # numba compiles ints, not members of an enum.
 IMPACT, CHATTER, DETACHMENT = (int(kind) for kind in EventKind)
-OK, LOG_FULL, IMPACT_BUDGET, NO_RETURN, UNRESOLVED, PAUSED, _ = (int(status) for status in Status)
+OK, LOG_FULL, IMPACT_BUDGET, NO_RETURN, UNRESOLVED, PAUSED, *_ = map(int, Status)
 
 RESTING = 3  # a mode beside FREE, BOUNCED, RELEASED
 # 2 pi in two parts, the first of 40 bits: its products with small integers are exact.
 TURN_HIGH, TURN_LOW = 6.283185307176609, 2.9774189921946493e-12
+# rad: of a lower hop the difference of two lifts, each known to some 1e-19 of its size, has fewer
+# digits than the hop itself has: of one of 1.8e-7 rad it leaves the phase off by 300 roundings.
+LOWEST = 3e-5
 SMALL = 1e-8  # rad, and in units of u/accel: a step for which Newton's is exact
 MOST_STEPS_BETWEEN = 100_000  # without an impact or a corner
 
@@ -135,7 +138,7 @@ def run(cam, const, flows, state, plan, log, strobe, work):
             break
         steps += 1
         state.idle += 1
-        skipped = 0
+        skipped, rested = 0, False
         if mode != FREE or gap == 0.0 or state.flown == 0:
             begin_flight(state, i, theta, gap, rate)
         state.flown += 1
@@ -173,12 +176,15 @@ def run(cam, const, flows, state, plan, log, strobe, work):
                 )
             if theta < cam.stretches[i].end:
                 continue
-            i, theta, rate, mode = enter_stretch(cam, state, plan, log, i, gap, rate, mode)
+            rested = mode == RESTING
+            i, theta, rate, mode = enter_stretch(cam, state, i, rate, mode)
         if i == cam.strobe:
             begin_period(cam, state, plan, strobe, i, gap, rate)
-            if mode == FREE and never_returns(cam, const, i, gap, rate):
-                status = NO_RETURN
-                break
+        if rested and mode == FREE and rate > 0.0 and state.period < plan.stop:
+            detach(cam, state, plan, log, i, theta)
+        if i == cam.strobe and mode == FREE and never_returns(cam, const, i, gap, rate):
+            status = NO_RETURN
+            break
     state.theta, state.gap, state.gap_rate = theta, gap, rate
     state.mode, state.stretch = mode, i
     work.steps += steps
@@ -204,11 +210,12 @@ def landing(cam, const, state, i, theta, rate, rest, code, work):
     where a number x goes on in x_rest. Then state.known = 1, the phase is theta + state.rest, and
     level to slope_rest are the lift and slope there, with which the next flight begins: an orbit
     multiplies what a landing leaves out. Too close to a graze, where a step would say nothing, and
-    beyond the stretch the phase reached is returned in one double. A short hop keeps that of `fly`.
+    beyond the stretch the phase reached is returned in one double. A short hop keeps that of `fly`,
+    in relative coordinates throughout; one onto a dwell across a corner from LOWEST down.
     """
     turns = TURN_HIGH * state.wraps
     hop = turns + (theta - state.from_theta)
-    if code == EXACTLY or (code == LANDED and is_near(const, hop)):
+    if code == EXACTLY or hop <= LOWEST or (code == LANDED and is_near(const, hop)):
         state.rest = state.from_rest + rest
         return theta, rate
     if not state.from_known:
@@ -316,7 +323,7 @@ def detach(cam, state, plan, log, i, theta):
 
 
 @inlined
-def enter_stretch(cam, state, plan, log, i, gap, rate, mode):
+def enter_stretch(cam, state, i, rate, mode):
     """Enter the next stretch: (i, theta, rate, mode); a jump of c_theta is a blow or a launch."""
     state.idle, state.known = 0, 0
     i += 1
@@ -327,11 +334,7 @@ def enter_stretch(cam, state, plan, log, i, gap, rate, mode):
     kick = cam.stretches[i].slope_jump
     if kick != 0.0:
         rate -= kick
-        if mode == RESTING and rate != 0.0:
-            if rate > 0.0:
-                detach(cam, state, plan, log, i, theta)
-            mode = FREE
-        elif mode != FREE and rate < 0.0:
+        if mode == RESTING or rate < 0.0:
             mode = FREE
     return i, theta, rate, mode
 

@@ -1,0 +1,209 @@
+"""A small case of every entry, run in plain Python and compiled: machine code is believed after it.
+
+The cam is three parabolas, so it needs no solver: c_thetatheta is +BEND, -BEND and +BEND, each on a
+stretch of its own. The follower lands, bounces, chatters to rest and leaves again.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+from camcli.kernel.backend import PLAIN, Kernel
+from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
+from camcli.kernel.cam_table import ORDERS, TERMS, TURN, Cam, Stretch
+from camcli.kernel.cells import Cells, Point, Progress, Rest, Room, Targets
+from camcli.kernel.contact_search import Tally
+from camcli.kernel.flight import FREE
+from camcli.kernel.flow import RPM, Constants, Flow, constants_of
+from camcli.kernel.loads import AIRBORNE, Loads
+from camcli.kernel.marks import ENTRIES
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, Plan, State
+from camcli.kernel.shooting import Border, correct_orbit
+from camcli.kernel.variational import Growth, Pair
+
+ARRAYS = replace(PLAIN, compiled=True)  # tables as machine code takes them, filled by Python
+MACHINE = (250.0, 1.25, 200.0, 2.0, 9.81, 3.0, 0.5)  # rpm, SI; a chatter in each turn
+FAST = (400.0, *MACHINE[1:])  # with an orbit of one impact in each turn, near ORBIT
+ORBIT = [2.52, 0.136]  # its phase (rad) and rate after it (m/rad), in stretch ORBIT_STRETCH
+ORBIT_STRETCH = 1
+BASE, BEND = 0.125, 0.125  # m, m/rad^2
+STRETCHES = 3
+TOLERANCE, IMPACTS = 1e-6, 1000  # of a chatter, rad; most in a turn
+EVENTS = [  # kind, period, theta, u; about those of a simulation of MACHINE
+    (IMPACT, 0, 0.19, -0.07),
+    (IMPACT, 0, 0.58, -0.035),
+    (CHATTER, 0, 0.96, 0.0),
+    (DETACHMENT, 0, 1.5707963267948966, 0.0),
+    (IMPACT, 0, 5.67, -0.14),
+    (IMPACT, 1, 0.19, -0.07),
+]
+
+
+def case_of(name: str, kernel: Kernel = ARRAYS) -> tuple:
+    """The arguments of an entry in its case; they are fresh, as an entry writes into them."""
+    return CASES[name](kernel)
+
+
+def is_right(name: str, call: Callable) -> bool:
+    """Whether compiled code leaves the bits in its case that plain Python leaves."""
+    for_python, for_code = case_of(name, PLAIN), case_of(name)
+    expected = [ENTRIES[name](*for_python) or 0, *_numbers(for_python)]
+    found = [call(*for_code) or 0, *_numbers(for_code)]
+    if len(found) != len(expected):
+        return False
+    # a list of floats may hold an int where an array holds a float
+    kinds = [type(number) for number in found]
+    expected = [kind(number) for kind, number in zip(kinds, expected, strict=True)]
+    return _bits(found) == _bits(expected)
+
+
+def _bits(numbers: list) -> bytes:
+    return struct.pack(
+        "=" + "".join("d" if isinstance(n, float) else "q" for n in numbers), *numbers
+    )
+
+
+def _numbers(value: Any) -> Iterator[float]:
+    """All numbers of arguments, in order, as Python's own."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, int | float):
+        yield value
+        return
+    if not isinstance(value, tuple | list):  # a row
+        value = [getattr(value, field) for field in type(value).__annotations__]
+    for part in value:
+        yield from _numbers(part)
+
+
+def _cam(kernel: Kernel) -> Cam:
+    """Three parabolas that join with their slopes, from 0 to 2 pi; the second one in two pieces."""
+    quarter = TURN / 4.0
+    pieces: list[float] = []
+    stretches: list[Stretch] = []
+    c, c1 = BASE, 0.0
+    for start, width, count, c2 in (
+        (0.0, quarter, 1, BEND),
+        (quarter, 2.0 * quarter, 2, -BEND),
+        (3.0 * quarter, quarter, 1, BEND),
+    ):
+        first, half = len(stretches) + (len(stretches) > 1), 0.5 * width / count
+        at, end, end1 = start + half, c, c1
+        for _ in range(count):
+            middle, slope = end + half * (end1 + 0.5 * c2 * half), end1 + c2 * half
+            derivatives = [[middle, slope, 0.5 * c2], [slope, c2], [c2]]
+            derivatives += [[]] * (ORDERS - len(derivatives))
+            pieces.append(at)
+            for powers in derivatives:
+                pieces += powers + [0.0] * (TERMS - len(powers))
+            pieces += [0.0, 0.0]
+            at += 2.0 * half
+            end, end1 = middle + half * (slope + 0.5 * c2 * half), slope + c2 * half
+        stretches.append(
+            Stretch(
+                start=start, end=start + width, first_piece=first, piece_count=count,
+                per_angle=count / width, start_c=c, start_c1=c1, start_c2=c2,
+                end_c=end, end_c1=end1, end_c2=c2, slope_jump=0.0,
+                accel_min=c2, accel_max=c2, jerk_max=0.0, snap_max=0.0, crackle_max=0.0,
+                radius=TURN, c_min=min(c, end), slope_min=min(c1, end1), dwell=0, rest=0.0,
+            )
+        )  # fmt: skip
+        c, c1 = end, end1
+    return kernel.cam(Cam(stretches, pieces, 0, BASE + BEND * quarter * quarter))
+
+
+def _constants() -> Constants:
+    return constants_of(MACHINE, TOLERANCE, IMPACTS)
+
+
+def _fill_flows(kernel: Kernel) -> tuple:
+    return _cam(kernel), _constants(), kernel.room(Flow, STRETCHES**2)
+
+
+def _advance(kernel: Kernel) -> tuple:
+    """From a flight through two turns."""
+    cam, const = _cam(kernel), _constants()
+    states = kernel.table(State, [State(gap=0.01, mode=FREE, period=-1)])
+    plan, works = Plan(-1, 2, 10_000), kernel.table(Tally, [Tally()])
+    flows, log, strobe = kernel.stretch_flows(cam, const), kernel.log(64), kernel.strobe(3)
+    return cam, const, flows, states, plan, log, strobe, works
+
+
+def _settle_cells(kernel: Kernel) -> tuple:
+    """Two starts, with an attractor of each kind and a rest to end at."""
+    cam, const, count = _cam(kernel), _constants(), 2
+    point = Point(
+        gap=0.0, rate=0.0, a=1e4, b=0.0, c=1e4, shrink=0.5, attractor=0, following=0, symbol=2,
+        turns=1,
+    )  # fmt: skip
+    targets = Targets(
+        points=kernel.table(Point, [point]), boxes=kernel.numbers([0, 2], int),
+        stay=kernel.numbers([9, 9], int), gap=0.0, rate=-0.1, per_gap=100.0, per_rate=5.0,
+        columns=2, rows=1, rests=kernel.table(Rest, [Rest(0.0, 0.0, 0)]), watch_rests=1, near=1e-9,
+    )  # fmt: skip
+    whole = (kernel.zeros(count, int) for _ in range(6))
+    cells = Cells(kernel.numbers([0.01, 0.2]), kernel.numbers([0.0, 0.05]), *whole)
+    works, one = kernel.room(Tally, 1), (kernel.room(State, 1), kernel.room(Progress, 1))
+    room = Room(*one, works, kernel.log(0), kernel.strobe(1))
+    return cam, const, kernel.stretch_flows(cam, const), targets, cells, 0, 3, 10_000, room
+
+
+def _stretch_events(kernel: Kernel) -> tuple:
+    pairs = kernel.table(Pair, [Pair()])
+    growths = kernel.table(Growth, [Growth(), Growth()])
+    return _cam(kernel), _constants(), *_events(kernel), pairs, growths
+
+
+def _measure_loads(kernel: Kernel) -> tuple:
+    loads = kernel.table(Loads, [Loads(gap=0.01, rate=-0.07)])
+    return _cam(kernel), _constants(), *_events(kernel), 2, AIRBORNE, loads
+
+
+def _events(kernel: Kernel) -> Iterator[Any]:
+    """The columns of EVENTS."""
+    for column in zip(*EVENTS, strict=True):
+        yield kernel.numbers(list(column), type(column[0]))
+
+
+def _correct_orbit(kernel: Kernel) -> tuple:
+    """From the guess ORBIT."""
+    n, turns = 1, 1
+    zeros = kernel.zeros
+    tables = Tables(
+        blocks=zeros(n * BLOCK), columns=zeros(2 * n), step=zeros(2 * n + 1),
+        tangent=zeros(2 * n + 1), hand=zeros(ROWS * WIDE), store=zeros(2 * n * WIDE),
+        last=zeros(35),
+    )  # fmt: skip
+    guess = [*ORBIT, FAST[RPM]]
+    row, origin = kernel.numbers([0.0, 0.0, 1.0]), kernel.numbers(guess.copy())
+    border = Border(row, origin, right=0.0, scale=1e-3, rate=1e-3)
+    machine, x = kernel.numbers(list(FAST)), kernel.numbers(guess)
+    whole = kernel.numbers([ORBIT_STRETCH, 0], int)
+    rates, out = zeros(n), zeros(3)
+    return _cam(kernel), machine, RPM, n, turns, whole, x, border, rates, tables, out
+
+
+def _certify_orbit(kernel: Kernel) -> tuple:
+    """The orbit that `_correct_orbit` finds."""
+    n, turns = 1, 1
+    case = _correct_orbit(PLAIN)
+    correct_orbit(*case)
+    x, rates = case[6], case[8]
+    flows, works = kernel.room(Flow, STRETCHES**2), kernel.room(Tally, 1)
+    machine, whole = kernel.numbers(list(FAST)), kernel.numbers([ORBIT_STRETCH, 0], int)
+    x, rates, found = kernel.numbers(x), kernel.numbers(rates), kernel.zeros(2)
+    return _cam(kernel), machine, n, turns, whole, x, rates, flows, found, works
+
+
+CASES: dict[str, Callable[[Kernel], tuple]] = {
+    "fill_flows": _fill_flows,
+    "advance": _advance,
+    "settle_cells": _settle_cells,
+    "stretch_events": _stretch_events,
+    "measure_loads": _measure_loads,
+    "correct_orbit": _correct_orbit,
+    "certify_orbit": _certify_orbit,
+}

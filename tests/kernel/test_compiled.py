@@ -1,0 +1,158 @@
+"""Where the kernel's machine code comes from, and when numba's public way is taken.
+
+The smallest entry stands for all: each is kept, tried and compiled alike.
+"""
+
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+from struct import pack
+
+import numba
+import pytest
+
+from camcli.kernel import code_cache, compiled
+from camcli.kernel.backend import News
+from camcli.kernel.cam_table import TURN
+from camcli.kernel.compiled import CodeSource
+from camcli.kernel.self_check import case_of, is_right
+from tests.conftest import own_way
+
+ROOT = Path(__file__).parents[2]
+ENTRY = "fill_flows"
+
+
+class Source:
+    """A source of code with a folder of its own, and what it tells."""
+
+    def __init__(self, folder: Path):
+        self.folder, self.news = folder, []
+
+    def code(self):
+        """The entry's code, as a process that begins gets it."""
+        self.news.clear()
+        call = CodeSource(self.folder, self.news.append).code(ENTRY, case_of(ENTRY))
+        assert is_right(ENTRY, call)
+        return call
+
+    def files(self) -> list[str]:
+        return sorted(p.name.split(".")[0] for p in self.folder.iterdir())
+
+
+@pytest.fixture
+def source(tmp_path):
+    return Source(tmp_path / "camcli" / "kernel-0")
+
+
+@pytest.fixture
+def unknown(monkeypatch):
+    """A numba that has not what our own way uses."""
+    monkeypatch.setitem(sys.modules, "camcli.kernel.compiler", None)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there are no named pipes")
+def test_a_numba_that_is_not_known_compiles_by_itself(source, unknown):
+    before = numba.config.CACHE_DIR
+    source.code()
+    assert source.news == [News.COMPILING, News.PUBLIC]
+    assert len(source.files()) == 1
+    source.code()
+    assert source.news == [News.PUBLIC]  # numba finds its code on the disk
+    assert before == numba.config.CACHE_DIR
+    (index,) = source.folder.rglob("*.nbi")
+    index.unlink()
+    os.mkfifo(index)  # which numba would wait for
+    source.code()
+    assert source.news == [News.COMPILING, News.PUBLIC]
+
+
+@own_way
+def test_our_own_way_is_taken_where_it_works_and_the_disk_next_time(source):
+    source.code()
+    assert source.news == [News.COMPILING]
+    assert source.files() == [ENTRY]
+    source.code()
+    assert source.news == []
+
+
+def other_bits(content: bytes) -> bytes:
+    """The same code with another last bit of 2 pi."""
+    found = pack("<d", TURN)
+    assert found in content
+    return content.replace(found, pack("<d", math.nextafter(TURN, 0.0)))
+
+
+@own_way
+def test_code_on_the_disk_with_other_bits_is_damaged(source):
+    source.code()
+    (path,) = source.folder.iterdir()
+    code_cache.keep_code(path, other_bits(code_cache.read_code(path)))
+    source.code()
+    assert source.news == [News.DAMAGED, News.COMPILING]
+    assert source.files() == [ENTRY]
+
+
+@own_way
+def test_code_of_ours_with_other_bits_gives_way_to_the_public_way(source, monkeypatch):
+    made = compiled._made_by_us
+    monkeypatch.setattr(compiled, "_made_by_us", lambda entry: other_bits(made(entry)))
+    source.code()
+    assert source.news == [News.COMPILING, News.PUBLIC]
+    assert not list(source.folder.glob(f"{ENTRY}.*"))  # it is not kept
+
+
+@own_way
+def test_code_of_ours_that_ended_two_processes_gives_way_to_the_public_way(source):
+    """One may have been killed by somebody else."""
+    code_cache.make_folder(source.folder)
+    trial = compiled._Entry(source.folder, ENTRY, case_of(ENTRY)).trial_of_made
+    marks = [source.folder / f"{trial}.{n}.trial" for n in range(2)]
+    marks[0].touch()
+    source.code()
+    assert source.news == [News.COMPILING]
+    assert source.files() == [ENTRY]
+    for mark in marks:
+        mark.touch()
+    code_cache.discard(source.folder / next(source.folder.glob("*.nbc")))
+    source.code()
+    assert source.news == [News.COMPILING, News.PUBLIC]
+
+
+def test_other_arguments_than_in_the_check_are_a_fault_of_the_program(source):
+    cam, const, flows = case_of(ENTRY)
+    with pytest.raises(TypeError, match="than in its check"):
+        CodeSource(source.folder, source.news.append).code(ENTRY, (cam, const._replace(r=1), flows))
+
+
+PUBLICLY = """
+import runpy, sys
+sys.modules["camcli.kernel.compiler"] = None
+sys.argv = sys.argv[1:]
+runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
+"""
+
+
+@pytest.mark.soak
+def test_commands_write_the_same_by_the_public_way(tmp_path):
+    """A simulation, a sweep, basins and orbits, compiled by numba's public functions and by us."""
+    lines = [
+        "simulate --rpm 190", "sweep --rpm 660:760 --points 21", "basins --rpm 700 --cells 12,12",
+        "orbits --rpm 700:702 --points 3",
+    ]  # fmt: skip
+    base = {**os.environ, "PYTHONPATH": str(ROOT), "CAMCLI_KERNEL": "compiled"}
+    for name, start in (("ours", ("-m", "camcli")), ("public", ("-c", PUBLICLY, "camcli"))):
+        env = {**base, "XDG_CACHE_HOME": str(tmp_path / name)}
+        for line in lines:
+            command, *words = line.split()
+            words += ["--no-plot", "-o", str(tmp_path / name / command)]
+            done = subprocess.run(
+                [sys.executable, *start, command, *words],
+                env=env, capture_output=True, text=True, check=False,
+            )  # fmt: skip
+            assert done.returncode == 0, done.stderr
+            assert ("its own" in done.stderr or "by itself" in done.stderr) == (name == "public")
+    for path in (tmp_path / "ours").glob("*/*.csv"):
+        other = tmp_path / "public" / path.parent.name / path.name
+        assert path.read_bytes() == other.read_bytes(), path

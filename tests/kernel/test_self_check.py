@@ -1,0 +1,59 @@
+"""The small case of every entry tells machine code that is right from code that is not."""
+
+import math
+
+import numpy as np
+import pytest
+
+from camcli.kernel.marks import ENTRIES
+from camcli.kernel.self_check import ARRAYS, CASES, case_of, is_right
+
+
+def arrays(values):
+    """Every column and table of some arguments."""
+    for value in values:
+        if isinstance(value, np.ndarray):
+            yield value
+        elif isinstance(value, tuple):
+            yield from arrays(value)
+
+
+def floats(values):
+    """(column, place) of every float that is not 0."""
+    for array in arrays(values):
+        for column in [array[name] for name in array.dtype.names or ()] or [array]:
+            if column.dtype == np.float64:
+                yield from ((column, n) for n in range(len(column)) if column[n] != 0.0)
+
+
+def test_every_entry_has_its_case():
+    assert set(CASES) == set(ENTRIES)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_case_tells_one_bit(name):
+    entry = ENTRIES[name]
+    assert is_right(name, entry)
+    after = case_of(name)
+    entry(*after)
+    before = b"".join(array.tobytes() for array in arrays(case_of(name)))
+    assert b"".join(array.tobytes() for array in arrays(after)) != before  # it does something
+
+    def nudged(*args):
+        returned = entry(*args)
+        column, n = list(floats(args))[-1]
+        column[n] = math.nextafter(column[n], math.inf)
+        return returned
+
+    assert not is_right(name, nudged)
+    assert not is_right(name, lambda *args: (entry(*args) or 0) + 1)
+    assert not is_right(name, lambda *args: None)  # code that does nothing
+
+
+def test_the_case_lands_chatters_rests_and_leaves():
+    """Of the simulation: so little time is well spent."""
+    args = case_of("advance")
+    assert ENTRIES["advance"](*args) == 0
+    log, count = args[5], args[3][0].logged
+    assert set(log.kind[:count].tolist()) == {1, 2, 3}
+    assert ARRAYS.compiled
