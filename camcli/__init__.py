@@ -11,10 +11,10 @@
 Nothing is imported before it is used.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # for who checks types; `typing` takes milliseconds to import
 if TYPE_CHECKING:
+    from typing import Any
+
     from camcli.api.basins import basins
     from camcli.api.classify import classify
     from camcli.api.detach import detach
@@ -43,7 +43,9 @@ __all__ = [
 ]  # fmt: skip
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> "Any":
+    from importlib import import_module
+
     if name == "__version__":
         from importlib.metadata import version
 

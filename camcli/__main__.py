@@ -1,18 +1,28 @@
 """`cam` and `python -m camcli`."""
 
+import _signal  # `signal` without its enums, which take milliseconds to import
 import gc
 import os
 
 
+def _end(number: int, frame: object) -> None:
+    """End the process at once: nothing has begun."""
+    os.write(2, b"interrupted\n")
+    os._exit(130)
+
+
 def main() -> None:
-    """Run the command line; an interrupt while it is still being loaded is one like any other."""
+    """Run the command line; an interrupt while it is still being loaded is one like any other.
+
+    Before this function Python itself is starting, and tells an interrupt in its own way.
+    """
+    for number in (_signal.SIGINT, _signal.SIGTERM):
+        if _signal.getsignal(number) != _signal.SIG_IGN:
+            _signal.signal(number, _end)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads spin until there is work
     gc.set_threshold(300_000)  # a start makes many objects and no garbage: a tenth of its time
-    try:
-        from camcli.cli.app import main as run
-    except KeyboardInterrupt:
-        os.write(2, b"interrupted\n")
-        os._exit(130)
+    from camcli.cli.app import main as run
+
     run()
 
 

@@ -27,7 +27,7 @@ class Status(IntEnum):
     LOG_FULL = 1, "the event log was too small", "this is a fault of the program"  # it resumes
     IMPACT_BUDGET = (
         2,
-        "more impacts in one turn than run.impact_budget allows",
+        "as many impacts in one turn as run.impact_budget",
         "raise run.impact_budget, raise run.chatter_tolerance, or lower restitution",
     )
     NO_RETURN = (
@@ -44,6 +44,11 @@ class Status(IntEnum):
     WORK_BUDGET = (  # of a whole analysis; the kernel does not know of it
         6, "the budget of work was used up, the rest is left out", "raise run.work_budget",
     )  # fmt: skip
+    FAULT = (  # of one piece of a run; the kernel does not know of it either
+        7,
+        "an exception that nobody foresaw, which cost this piece alone",
+        "this is a fault of camcli, please report it with run.json",
+    )
 
     @property
     def text(self) -> str:

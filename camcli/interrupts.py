@@ -12,8 +12,9 @@ on disk.
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from threading import Thread
 from time import sleep
 from typing import Any
@@ -23,6 +24,8 @@ EXIT_CODE = 130
 PATIENCE = 0.6  # s that the main thread has to come to its end
 PARENT = "CAMCLI_PARENT"  # environment: process whose end is ours too
 INTERVAL = 0.5  # s
+
+_leftovers: set[str] = set()  # see `unfinished`
 
 _came = _ending = False
 _holding = 0
@@ -52,13 +55,34 @@ def _handle(number: int, frame: object) -> None:
     look()
 
 
+class CutOffError(BaseException):
+    """The time of an `until` is over; no `except Exception` takes it for a fault."""
+
+
+_over: ContextVar[Callable[[], bool] | None] = ContextVar("over", default=None)
+
+
+@contextmanager
+def until(over: Callable[[], bool]) -> Iterator[None]:
+    """Raise CutOffError in the block, or in its threads, at the first look that finds `over()`."""
+    token = _over.set(over)
+    try:
+        yield
+    finally:
+        _over.reset(token)
+
+
 def look() -> None:
     """Raise KeyboardInterrupt where a signal has come that may not have been seen.
 
-    Not once the first has reached the end of the command: another one is no other news.
+    Not once the first has reached the end of the command: another one is no other news. Raises
+    CutOffError where the time of an `until` is over.
     """
     if _came and not _holding and not _ending:
         raise KeyboardInterrupt
+    over = _over.get()
+    if over is not None and over():
+        raise CutOffError
 
 
 def came() -> bool:
@@ -111,14 +135,52 @@ def _watch(reader: int) -> None:
         _end()
 
 
+def unfinished(path: str | os.PathLike[str]) -> None:
+    """Note a file, or a folder of files, that is removed where the process is ended at once."""
+    _leftovers.add(os.fspath(path))
+
+
+def finished(path: str | os.PathLike[str]) -> None:
+    """Forget a file or folder that was noted: it may stay, or has gone."""
+    _leftovers.discard(os.fspath(path))
+
+
+@contextmanager
+def removed_at_end(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Have a file or folder removed where the process is ended at once within the block."""
+    unfinished(path)
+    try:
+        yield
+    finally:
+        finished(path)
+
+
 def _end() -> None:
+    """Say that the process ends, and end it at once, from any thread."""
     with suppress(OSError, ValueError, AttributeError, RuntimeError):
         sys.stderr.write("interrupted\n")
         sys.stderr.flush()
+    _leave()
+
+
+def _leave() -> None:
+    """End the process at once, without an exception anywhere."""
+    for path in tuple(_leftovers):
+        with suppress(OSError):
+            _remove(path)
     os._exit(EXIT_CODE)
+
+
+def _remove(path: str) -> None:
+    if not os.path.isdir(path):
+        os.unlink(path)
+        return
+    for name in os.listdir(path):
+        os.unlink(os.path.join(path, name))
+    os.rmdir(path)
 
 
 def _end_with(parent: int) -> None:
     while os.getppid() == parent:
         sleep(INTERVAL)
-    os._exit(EXIT_CODE)
+    _leave()

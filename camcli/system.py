@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import floor, isfinite, log10, pi
+from math import floor, inf, isfinite, log10, pi
 from typing import NamedTuple
 
-from camcli.cams.compile import Shape, build, column, corners
+from camcli.cams.compile import Shape, build, column, corners, lift_range
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import Kernel
 from camcli.kernel.cam_table import Cam
@@ -51,6 +51,7 @@ class System:
         """The same cam under another follower."""
         other = System(replace(self.follower, **changes), self.cam, self.shape)
         other.__dict__["_cams"] = self._cams  # the tables are of the cam alone
+        other.__dict__["lift_range"] = self.lift_range
         return other
 
     def __getstate__(self) -> dict:
@@ -92,6 +93,16 @@ class System:
             raise SceneError(Fault("", "follower", found, "expected finite squares of both", cure))
         return const
 
+    @cached_property
+    def lift_range(self) -> tuple[float, float]:
+        """(lowest, highest) c, m."""
+        return lift_range(self.cam)
+
+    @property
+    def rocker_ratio(self) -> float:
+        """Lift of the follower per lift of the cam's lobe; 1 where no rocker is between them."""
+        return getattr(self.shape, "rocker_ratio", 1.0)
+
     @property
     def lift(self) -> float:
         """From the lowest to the highest c, m: a close bound."""
@@ -126,6 +137,21 @@ class Units(NamedTuple):
 def decimals(width: float) -> int:
     """Of a number that is known to within `width`: two digits of that are shown."""
     return max(0, 1 - floor(log10(width))) if width > 0.0 else 6
+
+
+def is_measured(system: System) -> bool:
+    """Whether its cam is a lift table, whose error leaves more open than any computation."""
+    return getattr(system.shape, "kind", "") == "table"
+
+
+def range_words(low: float, high: float) -> str:
+    """`4111 to 4378 rpm`, with the digits that its width deserves."""
+    if low == inf:
+        return "never"
+    if high == inf:
+        return f"from {low:.4g} rpm on, or never"
+    form = f".{decimals(high - low)}f"
+    return f"{low:{form}} to {high:{form}} rpm"
 
 
 def units_of(system: System) -> Units:

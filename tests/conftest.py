@@ -8,8 +8,9 @@ import io
 import os
 import shlex
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,11 @@ import pytest
 from camcli.analysis.integrate import Settings, Start
 from camcli.scene import load_scene
 from camcli.system import Follower, System
+
+NUMBA = tuple(int(part) for part in version("numba").split(".")[:2])
+own_way = pytest.mark.skipif(
+    NUMBA < (0, 62), reason="this numba compiles the kernel by its public functions"
+)
 
 
 def chapter_system(strobe_deg: float = 0.0, **follower) -> System:
@@ -39,6 +45,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     if "CAMCLI_SOAK" not in os.environ:
         items[:] = [item for item in items if not item.get_closest_marker("soak")]
     items.sort(key=lambda item: not item.name.endswith("[types]"))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """A test that is left out is a failure where CAMCLI_NO_SKIPS asks for all of them."""
+    report = yield
+    if report.skipped and "CAMCLI_NO_SKIPS" in os.environ:
+        report.outcome = "failed"
+        report.longrepr = f"left out: {report.longrepr}"
+    return report
 
 
 def rows(path: Path) -> list[dict[str, str]]:

@@ -81,7 +81,8 @@ class ArcsCam:
     With O1 and O2 the centres of flank and nose, |O1 O2| = flank_radius - nose_radius, so the law
     of cosines gives O1-O-O2 and the flank begins at a = c - (pi - O1OO2); b is on the ray O1 O2.
     The base circle is flank_radius - flank_center: base_radius must agree within rounding, and is
-    not used otherwise (a cam built on it would jump at a by the last bit of a double).
+    not used otherwise (a cam built on it would jump at a by the last bit of a double). Lengths are
+    taken as doubles unless they are mpf: `flank_radius` may be the exact sum of the two others.
     """
 
     def __init__(
@@ -90,7 +91,7 @@ class ArcsCam:
     ):  # fmt: skip
         with mp.workdps(CAM_DPS):
             lengths = flank_center, flank_radius, nose_center, nose_radius, offset
-            k1, R1, k2, R2, off = (mpf(float(x)) for x in lengths)
+            k1, R1, k2, R2, off = map(_num, lengths)
             if abs(R1 - k1 - mpf(float(base_radius))) > 1e-12:
                 raise ValueError("the base circle does not touch the flank circle")
             aoc = mp.pi - mp.acos((k1**2 + k2**2 - (R1 - R2) ** 2) / (2 * k1 * k2))

@@ -1,6 +1,9 @@
 """The library as a script uses it: beside other code, twice, in threads, and like the command."""
 
-from concurrent.futures import ThreadPoolExecutor
+import pickle
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from io import BytesIO
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -40,7 +43,7 @@ def test_a_result_saves_what_the_command_writes(cam, tmp_path, command):
     assert set(record["artefacts"]) <= set(ARTEFACTS[command].split())  # looked for before a run
     for name, table in result.tables.items():
         assert f"{name}.csv" in record["artefacts"]
-        assert all(len(table[column]) == len(table) for column in table.columns)
+        assert all(len(table[column]) == table.rows for column in table.columns)
 
 
 def test_columns_are_arrays_of_the_numbers_in_the_file(tmp_path):
@@ -52,8 +55,12 @@ def test_columns_are_arrays_of_the_numbers_in_the_file(tmp_path):
     for column in table.columns:
         np.testing.assert_array_equal(table[column], read[column])
     assert result.tables["speeds"]["label"].dtype.kind == "U"
-    with pytest.raises(KeyError):
+    with pytest.raises(KeyError, match="'theta'; there are rpm, period, theta_deg"):
         table["theta"]
+    with pytest.raises(KeyError, match="no table 'speed'; there are impacts, strobe, speeds"):
+        result.tables["speed"]
+    with pytest.raises(KeyError, match="no picture 'map'; there are sweep"):
+        camcli.plot(result, "map")
 
 
 def test_progress_is_told_and_a_picture_is_a_figure():
@@ -129,3 +136,61 @@ def test_the_api_is_what_it_says():
     for name in ("simulate", "sweep", "detach", "orbits", "basins", "classify", "plot"):
         text = getattr(camcli, name).__doc__
         assert all(f"{part}\n    ---" in text for part in ("Parameters", "Returns"))
+
+
+VARY = [{"key": "follower.mass", "start": 1.2, "stop": 1.3, "num": 2}]
+PICKLED = {
+    "simulate": {}, "sweep": {}, "detach": {}, "orbits": {}, "basins": {}, "classify": {},
+    "sweep, a map": {"sweep.vary": [{"key": "rpm", "start": 690, "stop": 700, "num": 2}, *VARY]},
+    "sweep of another number": {"sweep.vary": VARY},
+    "classify, explained": {"classify.explain": True},
+    "simulate, animated": {"animate": True},
+    "simulate, its cam": {"profile_only": True},
+    "detach, with a report": {"report": True},
+    "orbits, proved": {"prove": True},
+    "explore": {"sweep.rpm.num": 2, "with_basins": True},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PICKLED)
+def test_a_result_comes_back_from_a_pickle_as_it_was(name):
+    command = name.partition(",")[0].split()[0]
+    small = TURNS | SMALL.get(command, SMALL["basins"] | SMALL["orbits"])
+    asked = {key: value for key, value in PICKLED[name].items() if "." in key}
+    options = {key: value for key, value in PICKLED[name].items() if "." not in key}
+    result = getattr(camcli, command)(camcli.load_scene(None, small | asked), **options)
+    same = pickle.loads(pickle.dumps(result))
+    assert tables_of(same) == tables_of(result)
+    assert (same.summary, same.notes, same.cost) == (result.summary, result.notes, result.cost)
+    assert same.pictures.keys() == result.pictures.keys()
+    assert same.files.keys() == result.files.keys()
+    if command == "explore":
+        pages = [one.files["explore.html"] for one in (result, same)]
+        written = [BytesIO(), BytesIO()]
+        for write, file in zip(pages, written, strict=True):
+            write(file)
+        assert written[0].getvalue() == written[1].getvalue()
+
+
+def tables_of(result) -> dict[str, str]:
+    return {name: "".join(table.csv()) for name, table in result.tables.items()}
+
+
+def test_a_page_is_saved_without_pictures_into_a_new_folder(tmp_path):
+    camcli.explore(camcli.load_scene(None, TURNS | SMALL["orbits"] | {"sweep.rpm.num": 2})).save(
+        tmp_path / "new", plot=False
+    )
+    assert sorted(files(tmp_path / "new")) == ["explore.html"]
+
+
+def test_a_process_pool_returns_results_and_tables():
+    spawn = get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=spawn) as pool:
+        result = pool.submit(camcli.sweep, scene("sweep")).result()
+        table = pool.submit(pickle.loads, pickle.dumps(result.tables["speeds"])).result()
+    here = camcli.sweep(scene("sweep"))
+    for name, own in here.tables.items():
+        assert list(result.tables[name].csv()) == list(own.csv())
+    assert list(table.csv()) == list(here.tables["speeds"].csv())
+    figures = [camcli.plot(one) for one in (result, here)]
+    assert len(figures[0].axes) == len(figures[1].axes) > 0

@@ -4,10 +4,9 @@ A rest erases all memory, so the motion after it is one motion of the machine. T
 asked about it, in ball arithmetic (`camcli.exact`). What do these data do, exactly? The motion is
 followed until it repeats (SETTLED), has run LONGEST turns without (WANDERS), or comes back to a
 departure it has had (CYCLE). And what does every machine do whose speed reads the same? All are
-followed at once: where errors grow little they end as the exact data do, certainly. Else a cycle
-may hang on digits that no scene has, so machines are followed whose speeds differ by SHARES, within
-half the last digit: the first ENOUGH that go through the same cycle, or else settle, must all end
-alike. `HoldsFor` says which of these was answered.
+followed at once: where errors grow little they end as the exact data do, certainly. Where they
+grow much, the answer is about these very data and hangs on digits that no measured speed has.
+`HoldsFor` says which of these was answered.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -34,9 +32,7 @@ SETTLED, WANDERS, CYCLE, UNKNOWN = "settled", "wanders", "cycle", "unknown"
 LAST_DIGIT_DIGITS = (60,)  # for balls of 1e-16
 LONGEST = 400  # turns followed
 MOST_IMPACTS = 4_000
-SAME = 1e-5  # of the states: motions of neighbours that settled are nearer than this
-SHARES = tuple(Fraction(k * sign, 10**17) for k in (1, 2, 3, 4) for sign in (1, -1))
-ENOUGH = 3  # neighbours that end alike
+SAME = 1e-5  # of the states: motions that settled on one orbit are nearer than this
 CLOSE = 1e-8  # relative distance of a state to the one a period before
 SHRINKS = 0.95  # what a period leaves of that distance
 NOTHING_LEFT = 1e-13  # a distance that need not shrink
@@ -48,10 +44,8 @@ class HoldsFor(StrEnum):
 
     LAST_DIGIT = "last-digit"  # every machine whose speed rounds to this one: proved for all
     EXACT_DATA = "exact-data"  # the machine of these doubles, exactly; others may differ
-    SAMPLED = "sampled"  # ENOUGH machines within the last digit; these very data may differ
 
 
-Share = Fraction | int | None  # by which a speed is larger; None: all that read the same
 State = tuple[float, float]  # q (m), dq/dtheta (m/rad) at a strobe
 
 
@@ -90,30 +84,9 @@ def after_rest(system: System, rpm: float, theta: float) -> After:
     found = of_machine(system, rpm, theta)
     if found.kind not in (SETTLED, CYCLE):
         return found
-    every = of_machine(system, rpm, theta, None)
-    if every.kind == found.kind and every.symbols == found.symbols and _same(every, found):
-        return replace(found, holds_for=HoldsFor.LAST_DIGIT)
-    if found.kind == SETTLED:
-        return replace(found, holds_for=HoldsFor.EXACT_DATA)
-    return _of_neighbours(system, rpm, theta, found)
-
-
-def _of_neighbours(system: System, rpm: float, theta: float, cycle: After) -> After:
-    """What ENOUGH machines agree on whose speed differs by less than its rounding."""
-    agreed: list[After] = []
-    for asked, share in enumerate(SHARES):
-        if len(SHARES) - asked < ENOUGH - len(agreed):
-            break
-        found = of_machine(system, rpm, theta, share)
-        if found.kind == SETTLED or (found.kind == CYCLE and found.symbols == cycle.symbols):
-            agreed.append(found)
-            if not _same(agreed[0], found):
-                break
-            if len(agreed) == ENOUGH:
-                return replace(
-                    cycle if found.kind == CYCLE else agreed[0], holds_for=HoldsFor.SAMPLED
-                )
-    return After(UNKNOWN, cycle.turns)
+    every = of_machine(system, rpm, theta, every=True)
+    alike = every.kind == found.kind and every.symbols == found.symbols and _same(every, found)
+    return replace(found, holds_for=HoldsFor.LAST_DIGIT if alike else HoldsFor.EXACT_DATA)
 
 
 def _same(a: After, b: After) -> bool:
@@ -126,33 +99,25 @@ def _same(a: After, b: After) -> bool:
     )
 
 
-def of_machine(system: System, rpm: float, theta: float, share: Share = 0) -> After:
-    """One machine's motion, its speed larger by a share; None: that of all with this speed."""
-    return of_shape(system.shape, system.follower, system.strobe, rpm, theta, share)
+def of_machine(system: System, rpm: float, theta: float, every: bool = False) -> After:
+    """The motion of the machine of these doubles; `every`: of all whose speed reads the same."""
+    return of_shape(system.shape, system.follower, system.strobe, rpm, theta, every)
 
 
 @lru_cache(maxsize=REMEMBERED)
 def of_shape(
-    shape: Shape,
-    follower: Follower,
-    strobe: float,
-    rpm: float,
-    theta: float,
-    share: Share,
+    shape: Shape, follower: Follower, strobe: float, rpm: float, theta: float, every: bool = False
 ) -> After:
     """The same; other starts at a speed, or a sweep the other way, come to the same rest."""
     from camcli.exact.machine import Machine
     from camcli.exact.motion import EndlessError, Motion
 
     def followed() -> After:
-        if share is None:
-            machine = Machine.within_last_digit(shape, follower, rpm)
-        else:
-            machine = Machine(shape, follower, rpm, share)
-        return _followed(Motion(machine, strobe, theta))
+        make = Machine.within_last_digit if every else Machine
+        return _followed(Motion(make(shape, follower, rpm), strobe, theta))
 
     try:
-        return decided(followed, LAST_DIGIT_DIGITS if share is None else DIGITS)
+        return decided(followed, LAST_DIGIT_DIGITS if every else DIGITS)
     except (UndecidedError, EndlessError):
         return After(UNKNOWN)
 

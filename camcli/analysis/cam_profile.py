@@ -5,6 +5,9 @@ distance from the axis: R(theta) = base_radius + c(theta) - lowest c. Then a fla
 that line touches a cam of radius of curvature rho = R + c_thetatheta, and a knife edge, or the
 centre of a roller, runs along the curve of polar radius R, of curvature
     kappa = (R^2 + 2 R'^2 - R R'')/(R^2 + R'^2)^(3/2).
+
+With a rocker c is the lift of the valve, and what runs on the cam lifts rocker_ratio times less:
+c/rocker_ratio and its derivatives take the place of c in R, rho and kappa.
 """
 
 from collections.abc import Callable
@@ -27,7 +30,7 @@ class Extreme:
 
 @dataclass(frozen=True)
 class Curvature:
-    """Of the cam under a flat face (less the base radius where that is unknown), and of a knife.
+    """Of the lobe under a flat face (less the base radius where that is unknown), and of a knife.
 
     `knife` is None without a base radius. `roller`: largest roller that follows the pitch curve,
     None where nothing limits it.
@@ -79,7 +82,7 @@ def profile(system: System, rpm: float, points: int, base_radius: float | None) 
         },
         force=force.curve(rpm),
         first=detachment(system).first,
-        curvature=_curvature(force, base_radius, c, c1, c2),
+        curvature=_curvature(force, base_radius, system.rocker_ratio, c, c1, c2),
     )  # fmt: skip
 
 
@@ -107,22 +110,29 @@ def _lowest(force: Force, f: Callable[[float, float, float], float], sign: float
     return Extreme(sign * value, theta * DEG)
 
 
-def _curvature(force: Force, base: float | None, c, c1, c2) -> Curvature:
-    lowest = _extreme(force, 0, 1.0).value
+def _curvature(force: Force, base: float | None, ratio: float, c, c1, c2) -> Curvature:
+    """Of the lobe; c, c1, c2: lift of the follower and its derivatives, ratio times the lobe's."""
+    lowest = _extreme(force, 0, 1.0).value / ratio
     radius = (base or 0.0) - lowest
-    flat = _lowest(force, lambda q, _, a: q + radius + a)
-    needed = -_lowest(force, lambda q, _, a: q - lowest + a).value
+
+    def flat(q: float, a: float) -> float:
+        return q / ratio + radius + a / ratio
+
+    def knife(q: float, v: float, a: float) -> float:
+        return polar_curvature(q / ratio + radius, v / ratio, a / ratio)
+
+    needed = -_lowest(force, lambda q, _, a: q / ratio - lowest + a / ratio).value
     sharpest = None
     if base is not None:
-        found = _lowest(force, lambda q, v, a: -polar_curvature(q + radius, v, a), -1.0)
+        found = _lowest(force, lambda q, v, a: -knife(q, v, a), -1.0)
         if found.value > 0.0:
             sharpest = Extreme(1.0 / found.value, found.theta_deg)
     rows = list(zip(c, c1, c2, strict=True))
     return Curvature(
         base_radius=base,
-        flat=[q + radius + a for q, _, a in rows],
-        flat_least=flat,
+        flat=[flat(q, a) for q, _, a in rows],
+        flat_least=_lowest(force, lambda q, _, a: flat(q, a)),
         least_base_radius=max(0.0, needed),
-        knife=None if base is None else [polar_curvature(q + radius, v, a) for q, v, a in rows],
+        knife=None if base is None else [knife(q, v, a) for q, v, a in rows],
         roller=sharpest,
     )

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from math import inf
+from math import inf, nan
+
+import numpy as np
 
 from camcli.analysis.after_rest import CYCLE, HoldsFor, after_first_rest
 from camcli.analysis.exponents import Exponents, of_orbit, of_record
@@ -17,6 +19,7 @@ from camcli.analysis.integrate import (
     Settings,
     Setup,
     Start,
+    refuse_below,
     with_turns,
 )
 from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, UNDECIDED, passages
@@ -28,6 +31,7 @@ from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.parallel import in_threads
+from camcli.piece_faults import PieceFault, attempt
 from camcli.system import System
 
 COMPLETE, INCOMPLETE, NONE = "complete", "incomplete", "none"
@@ -43,7 +47,8 @@ class Motion:
     or undecided; orbit: solved, where periodic; exponents: None where the record shows too little;
     transient: turns until the orbit is reached (None without one); impacts: in one period of the
     orbit, or the mean per turn; record: of the recorded turns; holds_for: the machines that a label
-    is about which doubles alone could not tell (`after_rest`).
+    is about which doubles alone could not tell (`after_rest`); fault: what nobody foresaw and cost
+    this value: its status is FAULT then, and nothing of the motion is known.
     """
 
     value: float
@@ -59,6 +64,7 @@ class Motion:
     cost: Cost
     record: Record
     holds_for: HoldsFor | None = None
+    fault: PieceFault | None = None
 
     @property
     def period(self) -> int:
@@ -85,15 +91,18 @@ def classify(
     threads: int | None = 1,
     on_speed: Callable[[], None] = lambda: None,
     setup: Callable[[float], Setup] | None = None,
+    key: str = "rpm",
 ) -> list[Motion]:
     """The motions from settings.start and `starts` of a cloud, speed by speed in order.
 
     Each with the length of its transient; `seed` chooses other starts of the cloud. The values are
-    speeds (rpm), or what `setup` makes machines of. Raises StartError before any work if the start
-    lies below the cam.
+    speeds (rpm), or what `setup` makes machines of; key: of what is varied. A value that raises
+    what nobody foresaw has one motion, of status FAULT. Raises StartError before any work if the
+    start lies below the cam.
     """
     setup = setup or AtSpeeds(system, settings)
-    Orbit(*setup(values[0]))
+    if values:
+        refuse_below(setup, (values[0],))
     turns = len(values) * (starts + 1) * (settings.transient + settings.record)
     backend.for_work(turns)
 
@@ -102,11 +111,30 @@ def classify(
         found = attractors(own, rpm, runs, starts, seed)
         return [replace(with_transient(own, runs, motion), value=value) for motion in found]
 
+    def motions_or_fault(value: float) -> list[Motion]:
+        found = attempt(f"{key} = {value!r}", lambda: motions_at(value))
+        if isinstance(found, PieceFault):
+            return [_failed(value, value if key == "rpm" else nan, settings.start, found)]
+        return found
+
     motions: list[Motion] = []
-    for found in in_threads(motions_at, values, threads):
+    for found in in_threads(motions_or_fault, values, threads):
         motions += found
         on_speed()
     return motions
+
+
+def _failed(value: float, rpm: float, start: Start, fault: PieceFault) -> Motion:
+    """A motion of which nothing is known."""
+    nothing, count = np.empty(0), np.empty(0, int)
+    record = Record(
+        count, count, nothing, nothing, nothing, nothing, nothing, count, count,
+        periods=0, detachments=0, resting=False, status=Status.FAULT, cost=Cost(),
+    )  # fmt: skip
+    return Motion(
+        value, rpm, start, UNDECIDED, None, None, nan, "", None, Status.FAULT, Cost(), record,
+        fault=fault,
+    )  # fmt: skip
 
 
 def classify_at(
@@ -192,8 +220,11 @@ def attractors(
     found: list[Motion] = []
     for start in (settings.start, *islice(cloud(system, rpm), skip, skip + starts)):
         motion = classify_at(system, rpm, settings, start)
-        if not any(same_motion(motion, other) for other in found):
+        known = next((k for k, other in enumerate(found) if same_motion(motion, other)), None)
+        if known is None:
             found.append(motion)
+        else:  # what it took was done all the same
+            found[known] = replace(found[known], cost=found[known].cost + motion.cost)
     return sorted(found, key=_order)
 
 

@@ -6,7 +6,7 @@ same bits, so the switch can happen in the middle of an orbit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
@@ -14,7 +14,7 @@ from math import pi
 
 import numpy as np
 
-from camcli.errors import Fault, SceneError, Status
+from camcli.errors import CamError, Fault, SceneError, Status
 from camcli.interrupts import look
 from camcli.kernel import backend
 from camcli.kernel.backend import Kernel, row_of
@@ -22,6 +22,7 @@ from camcli.kernel.cam_table import Cam, lift_at, stretch_at
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import BOUNCED, FREE
 from camcli.kernel.orbit_loop import RESTING, Log, Plan, State, Strobe
+from camcli.piece_faults import attempt
 from camcli.system import System, omega_of
 
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
@@ -70,7 +71,7 @@ class AtSpeeds:
         return self.system, rpm, self.settings
 
 
-class BudgetSpentError(Exception):
+class BudgetSpentError(CamError):
     """All the work that an analysis may do is done."""
 
 
@@ -113,6 +114,7 @@ def budgeted(limit: int, tick: Callable[[int, int], None]) -> Iterator[Budget]:
 
 def spend(work: int) -> None:
     """Count work other than an orbit's, in the budget around it if there is one."""
+    look()
     budget = _budget.get()
     if budget is not None:
         budget.spend(work)
@@ -226,6 +228,13 @@ class Orbit:
         q, w = self.position()
         return Start(q, w * self.omega, theta_deg)
 
+    @property
+    def _thrown_off(self) -> bool:
+        """Whether a downward kink throws the follower off right now, out of a rest."""
+        stretch = self.system.cam.stretches[self.state.stretch]
+        at_start = self.state.theta == stretch.start and self.state.gap == 0.0
+        return at_start and self.state.gap_rate == -stretch.slope_jump > 0.0
+
     def _slice(self, kernel: Kernel, capacity: int, strobe: Strobe) -> tuple[Status, Log, Strobe]:
         """One call of the kernel: its status, the rows it logged, the strobe."""
         cam = self.system.cam_for(kernel)
@@ -261,7 +270,7 @@ class Orbit:
             chatter=np.asarray(strobe.chatter[:started], int),
             periods=periods,
             detachments=state.detachments,
-            resting=state.mode == RESTING,
+            resting=state.mode == RESTING or self._thrown_off,
             status=status,
             cost=Cost(state.total_impacts, self.work.evaluations, self.work.crossings),
         )  # fmt: skip
@@ -290,6 +299,16 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
     on_strobe = i == cam.strobe and theta == cam.stretches[i].start
     mode = FREE if gap > 0.0 or rate < 0.0 else BOUNCED
     return State(theta, gap, rate, mode, i, -settings.transient - (0 if on_strobe else 1))
+
+
+def refuse_below(
+    setup: Callable[..., Setup], values: Sequence[float], start: Start | None = None
+) -> None:
+    """Raise StartError where the start lies below the cam at these values of what is varied.
+
+    Any other failure there is that of one piece of the work, which will meet it.
+    """
+    attempt("", lambda: Orbit(*setup(*values), start))
 
 
 def with_turns(settings: Settings, transient: int, record: int) -> Settings:

@@ -19,11 +19,15 @@ from camcli.errors import Status
 CONTACT, APERIODIC, UNDECIDED = "contact", "aperiodic", "undecided"  # labels without symbols
 LONGEST_PERIOD = 64
 WINDOW = 16  # periods compared at least
+MOST_SYMBOLS = 1_000_000  # of a label in a file
 FEWEST_IMPACTS = 16  # in the record, to call it aperiodic
 
 
 class Label(str):
     """P(m;s1:...:sm) of these symbols; a string, so that it is compared and written as its text.
+
+    Only what a user types is parsed. Words, colours and periods come from `symbols`, and a label
+    without symbols (contact, aperiodic, undecided) is no `Label` but a plain string.
 
     symbols: impacts in each period of the cam, in the order of the name, `inf` for a complete
     chatter.
@@ -50,7 +54,10 @@ class Label(str):
 
     @classmethod
     def parse(cls, text: str) -> Label:
-        """The label that a text means, in any rotation; ValueError where it is none."""
+        """The label that a text of a user means, in any rotation; ValueError where it is none.
+
+        At most LONGEST_PERIOD turns: orbits of more are not looked for.
+        """
         close = re.sub(r"\s*([(;:)])\s*", r"\1", text.strip())
         found = re.fullmatch(r"P\((\d{1,9});((?:\d{1,9}|inf)(?::(?:\d{1,9}|inf))*)\)", close)
         counts = found[2].split(":") if found else []
@@ -66,9 +73,27 @@ def rotation(symbols: Sequence[float], tie: Callable[[int], tuple] = lambda firs
 
 def period_of(label: str) -> int:
     """Turns after which a motion with this label repeats; 0 where it does not."""
-    if label == CONTACT:
-        return 1
-    return int(label[2:].partition(";")[0]) if label.startswith("P(") else 0
+    if isinstance(label, Label):
+        return len(label.symbols)
+    return 1 if label == CONTACT else 0
+
+
+def to_plain(label: str) -> str | list[float]:
+    """The label as plain values, for a file: its symbols, or the word that it is."""
+    return list(label.symbols) if isinstance(label, Label) else label
+
+
+def from_plain(stored: str | list[float]) -> str:
+    """The label of these plain values; ValueError where they are none."""
+    if isinstance(stored, str):
+        if stored not in (CONTACT, APERIODIC, UNDECIDED):
+            raise ValueError(f"found the label {stored!r:.40}")
+        return stored
+    if not isinstance(stored, list) or not 0 < len(stored) <= MOST_SYMBOLS:
+        raise ValueError("expected a label")
+    if not all(s == inf or (isinstance(s, int | float) and 0 <= s == int(s)) for s in stored):
+        raise ValueError("expected a label of counts of impacts")
+    return Label(stored)
 
 
 def sections(record: Record) -> tuple[np.ndarray, list[float]]:

@@ -8,11 +8,12 @@ from camcli.analysis.integrate import Cost, Orbit, Record, Settings, with_turns
 from camcli.analysis.labels import period_of
 from camcli.analysis.orbits.identify import TOO_LARGE, named
 from camcli.errors import Status
+from camcli.interrupts import look
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import natural_log
-from camcli.kernel.cam_table import TURN, lift, stretch_at
+from camcli.kernel.cam_table import TURN, Cam, lift, stretch_at
 from camcli.kernel.flow import move
-from camcli.kernel.orbit_loop import CHATTER, IMPACT, EventKind
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, EventKind
 from camcli.kernel.sticking import contact_accel
 from camcli.kernel.variational import Growth, Pair, log_factor
 from camcli.system import System
@@ -90,6 +91,7 @@ def one_of_many_from(
     columns = [kernel.numbers(x, int) for x in (whole.kind, whole.period)]
     columns += [kernel.numbers(x) for x in (whole.theta, whole.u)]
     for k, kind in enumerate(whole.kind):
+        look()
         if kind == CHATTER:
             growths = kernel.table(Growth, [Growth()])
         kernel.stretch_events(cam, const, *(x[k : k + 1] for x in columns), pairs, growths)
@@ -102,6 +104,8 @@ def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
     omega, r = orbit.omega, orbit.const.r
     for kind, period, theta, q, u in record.events():
         after = -r * u if kind == IMPACT and u != 0.0 else 0.0
+        if kind == DETACHMENT:
+            after = thrown_off(orbit.system.cam, theta)
         yield (
             (TURN * period + _since(theta, strobe)) / omega,
             period,
@@ -111,6 +115,12 @@ def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
             u * omega,
             after * omega,
         )
+
+
+def thrown_off(cam: Cam, theta: float) -> float:
+    """Rate of the gap just after a detachment, m/rad: at a downward kink the jump of the slope."""
+    stretch = cam.stretches[stretch_at(cam, theta)]
+    return max(-stretch.slope_jump, 0.0) if theta == stretch.start else 0.0
 
 
 def _since(theta: float, strobe: float) -> float:
@@ -177,6 +187,7 @@ class _Sampler:
 
     def _period(self, p: int, node: _Node, stop: float):
         """Rows of one period from `node` to `stop`; returns whether it ends sticking."""
+        look()
         j = 0
         while j < len(self.grid) and self.grid[j] < node.s:
             j += 1
@@ -192,6 +203,8 @@ class _Sampler:
             if kind == IMPACT:
                 yield (*at, (c1 + u) * self.omega, *cam_now, FLIGHT)
             w = c1 - self.const.r * u if kind == IMPACT else c1
+            if kind == DETACHMENT:
+                w += thrown_off(self.cam, theta)
             node = _Node(s, q, w, kind == CHATTER)
             if kind == IMPACT and n + 1 < len(events) and events[n + 1][0] == CHATTER:
                 length = _since(events[n + 1][2], self.strobe) - s

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import pi
+from math import nan, pi
 from typing import Any
 
 import numpy as np
 
+from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.classify import Motion, classify_at
 from camcli.analysis.integrate import (
     AtSpeeds,
@@ -19,9 +20,10 @@ from camcli.analysis.integrate import (
     Settings,
     Setup,
     Start,
+    refuse_below,
     with_turns,
 )
-from camcli.analysis.labels import APERIODIC, UNDECIDED, passages
+from camcli.analysis.labels import APERIODIC, UNDECIDED, from_plain, passages, to_plain
 from camcli.analysis.loads import Loads, loads_of
 from camcli.analysis.orbits.identify import named
 from camcli.analysis.orbits.same_orbit import SAME, distance, size_of
@@ -29,7 +31,8 @@ from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.cam_table import lift_at
 from camcli.kernel.orbit_loop import IMPACT
-from camcli.parallel import Codec, Work
+from camcli.parallel import Codec, Work, stored
+from camcli.piece_faults import PieceFault, attempt
 from camcli.system import System, omega_of
 
 FIXED, UP, DOWN, BOTH = "fixed", "up", "down", "both"
@@ -50,13 +53,15 @@ class Speed:
     chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
     exponent: the largest one per turn, None where it was not asked for or is not known; end: where
     the next speed starts, of a sweep that carries its state; loads: of the record; known: False
-    where the record is one of many motions and the true one is not known; holds_for: as `classify`.
+    where the record is one of many motions and the true one is not known; holds_for: as `classify`;
+    fault: what nobody foresaw and cost this speed: its status is FAULT then, and nothing of the
+    motion is known (no impact_count; rpm is nan where even the machine could not be made).
     """
 
     value: float
     rpm: float
     label: str
-    impact_count: int
+    impact_count: int | None
     status: int
     impacts: tuple | None
     strobe: tuple | None
@@ -66,6 +71,7 @@ class Speed:
     loads: Loads = NOTHING
     known: bool = True
     holds_for: str | None = None
+    fault: PieceFault | None = None
 
 
 @dataclass(frozen=True)
@@ -90,6 +96,11 @@ class Sweep:
         """Speeds whose status is not ok, without their sections."""
         return [speed for speed in self.bare if speed.status != Status.OK]
 
+    @property
+    def faults(self) -> list[PieceFault]:
+        """What cost single speeds, see `Speed`."""
+        return _faults(self.bare)
+
 
 @dataclass(frozen=True)
 class Map:
@@ -110,6 +121,11 @@ class Map:
         """All, line after line."""
         for line in self.lines:
             yield from line
+
+    @property
+    def faults(self) -> list[PieceFault]:
+        """What cost single points, see `Speed`."""
+        return [fault for line in self.lines for fault in _faults(line)]
 
 
 def bare(speed: Speed) -> Speed:
@@ -146,13 +162,14 @@ def sweep(
     differ, or the sizes of whose chaos do, down to FINEST of the range; only where each starts
     alike (`fixed`). The values are speeds (rpm), or what `setup` makes machines of. Where `work`
     has a checkpoint, the speeds are kept in it and read from it. `on_speed` is called with each
-    finished speed, in order. Raises StartError before any work if a start lies below the cam.
+    finished speed, in order. A speed that raises what nobody foresaw has the status FAULT. Raises
+    StartError before any work if a start lies below the cam.
     """
     turns = len(values) * (settings.transient + settings.record)
-    task = _Task(setup or AtSpeeds(system, settings), impacts, strobe, lyapunov, turns)
+    task = _Task(key, setup or AtSpeeds(system, settings), impacts, strobe, lyapunov, turns)
     tasks = [task, *(replace(task, start=start) for start in also)]
     for one in tasks if values else ():
-        Orbit(*one.setup(values[0]), one.start)
+        refuse_below(one.setup, (values[0],), one.start)
     work, rows = work or Work(), list[Speed]()
 
     def count(speed: Speed) -> None:
@@ -212,6 +229,7 @@ def _between(speeds: Sequence[Speed]) -> list[float]:
         0.5 * (a.value + b.value)
         for k, (a, b) in enumerate(pairwise(rows))
         if b.value - a.value > least
+        and Status.FAULT not in (a.status, b.status)  # nothing is known of the motion there
         and (
             a.label != b.label
             or (a.label == APERIODIC and any(abs(x[k + 1] - x[k]) > CHANGED for x in sizes))
@@ -239,11 +257,12 @@ def sweep_map(
     A line of one second value is a piece of `work`: kept, shared and run like the speeds of
     `sweep`. Raises StartError before any work if the first start lies below the cam.
     """
-    system, rpm, settings = setup(first[0], second[0])
-    Orbit(system, rpm, settings)
-    turns = len(first) * len(second) * (settings.transient + settings.record)
+    refuse_below(setup, (first[0], second[0]))
+    found = attempt("", lambda: setup(first[0], second[0])[2])
+    runs = 0 if isinstance(found, PieceFault) else found.transient + found.record
+    turns = len(first) * len(second) * runs
     ordered = list(first) if direction == FIXED else sorted(first, reverse=direction == DOWN)
-    task = _Line(setup, ordered, direction != FIXED, lyapunov, turns, decide)
+    task = _Line(keys, setup, ordered, direction != FIXED, lyapunov, turns, decide)
     cost = Cost()
 
     def count(line: Sequence[Speed]) -> None:
@@ -251,7 +270,7 @@ def sweep_map(
         cost = sum((speed.cost for speed in line), cost)
         on_line(line)
 
-    lines = (work or Work()).collect(task, second, LINES, count)
+    lines = (work or Work()).collect(task, second, _lines_over(ordered), count)
     return Map(keys, ordered, second, lines, direction, cost)
 
 
@@ -259,6 +278,7 @@ def sweep_map(
 class _Line:
     """The speeds of a map at one value of its second number."""
 
+    keys: tuple[str, str]
     setup: Callable[[float, float], Setup]
     first: Sequence[float]
     carry: bool
@@ -268,7 +288,8 @@ class _Line:
 
     def __call__(self, second: float) -> list[Speed]:
         machines = lambda x: self.setup(x, second)  # noqa: E731
-        task = _Task(machines, False, False, self.lyapunov, self.turns, self.decide)
+        key = f"{self.keys[1]} = {second!r}, {self.keys[0]}"
+        task = _Task(key, machines, False, False, self.lyapunov, self.turns, self.decide)
         found: list[Speed] = []
         for x in self.first:
             before = found[-1] if self.carry and found else None
@@ -278,8 +299,9 @@ class _Line:
 
 @dataclass(frozen=True)
 class _Task:
-    """One speed, wherever it is computed."""
+    """One speed, wherever it is computed; key: of what is varied."""
 
+    key: str
     setup: Callable[[float], Setup]
     impacts: bool
     strobe: bool
@@ -297,8 +319,30 @@ class _Task:
         return self._at(value, self.start if before is None else before.end)
 
     def _at(self, value: float, start: Start | None) -> Speed:
+        """The speed, or that it failed."""
+        name = f"{self.key} = {value!r}"
+        name += f" from {start.place}" if start is not None and start == self.start else ""
+        machine = attempt(name, lambda: self.setup(value))
+        if isinstance(machine, PieceFault):
+            return self._failed(value, nan, machine)
+        found = attempt(name, lambda: self._measured(value, *machine, start))
+        if isinstance(found, PieceFault):
+            return self._failed(value, machine[1], found)
+        return found
+
+    def _failed(self, value: float, rpm: float, fault: PieceFault) -> Speed:
+        """A speed of which nothing is known."""
+        nothing = np.empty(0)
+        impacts = (np.empty(0, int), *[nothing] * 3) if self.impacts else None
+        counts = [np.empty(0, int)] * 2
+        strobe = (range(0), nothing, nothing, *counts) if self.strobe else None
+        status = Status.FAULT
+        return Speed(value, rpm, UNDECIDED, None, status, impacts, strobe, Cost(), fault=fault)
+
+    def _measured(
+        self, value: float, system: System, rpm: float, settings: Settings, start: Start | None
+    ) -> Speed:
         backend.for_work(self.turns)
-        system, rpm, settings = self.setup(value)
         orbit = Orbit(system, rpm, settings, start)
         record = orbit.run()
         end, cost, n, to_mps = orbit.as_start(), record.cost, record.periods, orbit.omega
@@ -395,28 +439,61 @@ def _joined(turns: Sequence[Record]) -> Record:
 
 
 def _store(speed: Speed) -> dict[str, Any]:
-    return vars(speed) | {
+    """What a file keeps of a speed without a fault."""
+    values = {name: value for name, value in vars(speed).items() if name != "fault"}
+    return values | {
+        "label": to_plain(speed.label),
         "strobe": speed.strobe and speed.strobe[1:],
         "cost": vars(speed.cost),
         "end": speed.end and vars(speed.end),
     }
 
 
-def _load(stored: dict[str, Any]) -> Speed:
-    speed = Speed(**stored)
-    return replace(
-        speed,
-        strobe=speed.strobe and (range(len(speed.strobe[0])), *speed.strobe),
-        cost=Cost(**stored["cost"]),
-        end=speed.end and Start(**stored["end"]),
-        loads=Loads(*speed.loads),
-    )
+LOAD = stored.optional(stored.real)
+START = {"q": LOAD, "v": LOAD, "theta_deg": stored.real, "place": stored.text}
+CHECKS: dict[str, Callable[[Any], Any]] = {  # of what `_store` makes of a speed
+    "value": stored.real,
+    "rpm": stored.real,
+    "label": from_plain,
+    "impact_count": stored.whole,
+    "status": stored.one_of(*map(int, Status)),
+    "impacts": stored.optional(stored.columns(4)),
+    "strobe": stored.optional(stored.columns(4)),
+    "cost": lambda value: Cost(**stored.fields(value, dict.fromkeys(vars(Cost()), stored.whole))),
+    "exponent": stored.optional(stored.extended),
+    "end": stored.optional(lambda value: Start(**stored.fields(value, START))),
+    "loads": lambda value: Loads(*stored.items(LOAD, len(Loads._fields))(value)),
+    "known": stored.flag,
+    "holds_for": stored.optional(stored.one_of(*map(str, HoldsFor))),
+}
 
 
-CODEC = Codec(_store, _load)
-LINES = Codec(
-    lambda line: [_store(speed) for speed in line], lambda stored: [_load(one) for one in stored]
+def _load(value: Any) -> Speed:
+    speed = Speed(**stored.fields(value, CHECKS))
+    return replace(speed, strobe=speed.strobe and (range(len(speed.strobe[0])), *speed.strobe))
+
+
+def _load_line(value: Any) -> list[Speed]:
+    return stored.items(_load)(value)
+
+
+def _faults(speeds: Sequence[Speed]) -> list[PieceFault]:
+    return [speed.fault for speed in speeds if speed.fault is not None]
+
+
+CODEC = Codec(
+    _store, _load, lambda speed, value: speed.value == value, lambda speed: _faults([speed])
 )
+
+
+def _lines_over(first: Sequence[float]) -> Codec:
+    """Lines of a map over these values of its first number."""
+    return Codec(
+        lambda line: [_store(speed) for speed in line],
+        _load_line,
+        lambda line, _: [speed.value for speed in line] == list(first),
+        _faults,
+    )
 
 
 def _impact_rows(record, omega: float) -> tuple:

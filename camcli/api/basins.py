@@ -18,6 +18,7 @@ from camcli.api.result import Progress, Result, decided_words, drawn_by, height_
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
+from camcli.piece_faults import PieceFault, attempt, gather, gathering, piece
 from camcli.scene import Scene
 from camcli.system import omega_of
 
@@ -90,7 +91,7 @@ def basins(
         if progress is not None:
             progress("cells", min(done, total), total)
 
-    with stopwatch() as watch:
+    with stopwatch() as watch, gathering() as faults:
         found = study(
             system,
             values,
@@ -102,7 +103,10 @@ def basins(
             saddles=section.saddles,
             work=work or Work(),
             on_cells=on_cells,
+            key=key,
         )
+        gather(fault for speed in found.speeds for fault in speed.faults)
+        summary = piece("the summary", lambda: _summary(found, question), {})
     heights = height_notes(system, max((speed.rpm for speed in found.speeds), default=0.0))
     tables = {"attractors": _attractors_table(found, key)}
     if found.grids:
@@ -112,19 +116,21 @@ def basins(
     if section.saddles:
         tables["saddles"] = Table.of_rows((key, *SADDLES), lambda: _saddle_rows(found))
 
-    own = system if setup is None else setup(values[0])[0]
+    own = attempt("", lambda: system if setup is None else setup(values[0])[0])
+    own = system if isinstance(own, PieceFault) else own  # its cam is drawn
     return Result(
         command="basins",
         scene=scene,
         system=system,
         values=(found, question),
         tables=tables,
-        summary=_summary(found, question),
+        summary=summary,
         pictures={"basins": drawn_by("basins.draw_basins", found, question, own, key)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=(*heights, *_notes(found, question)),
         complete=not found.troubled,
+        faults=tuple(faults),
     )
 
 

@@ -18,10 +18,12 @@ from camcli.analysis.integrate import Cost
 from camcli.api.basins import basins
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.sweep import sweep
+from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.parallel import Codec, Work
 from camcli.parallel.threads import thread_count
+from camcli.piece_faults import PieceFault, attempt, gather, gathering
 from camcli.scene import Cam, Scene, load_scene
 
 
@@ -106,7 +108,7 @@ def bench(
                        bench.repeats each
     """
     scene = scene or load_scene()
-    with stopwatch() as watch:
+    with stopwatch() as watch, gathering() as faults:
         parts = [part] if part else PARTS
         found = {name: _measured(name, scene, progress, work or Work()) for name in parts}
     results = {name: RESULTS[name](rows) for name, rows in found.items()}
@@ -125,6 +127,7 @@ def bench(
         seconds=watch.seconds,
         notes=(*trouble, *[NO_HEYOKA] * absent),
         complete=not trouble,
+        faults=tuple(faults),
         options={"part": part} if part else {},
     )
 
@@ -167,11 +170,38 @@ def _studied(name: str, repeats: int) -> Throughput:
 
 
 def _measured(name: str, scene: Scene, progress: Progress | None, work: Work) -> list:
-    """A row for every piece, measured one after the other."""
+    """A row for every piece, measured one after the other.
+
+    Of a piece that raises what nobody foresaw: a row of status FAULT where rows have one.
+    """
     pieces, measure, _ = _pieces(name, scene)
-    codec = Codec(lambda row: list(astuple(row)), lambda stored: PARTS[name](*stored))
+    codec = Codec(
+        lambda row: list(astuple(row)),
+        lambda stored: PARTS[name](*stored),
+        faults=lambda row: [row] if isinstance(row, PieceFault) else [],
+    )
     alone = replace(work.within(name), threads=1)
-    return list(alone.collect(measure, pieces, codec, ticks(progress, name, len(pieces))))
+    task = partial(_attempted, name, measure)
+    found = alone.collect(task, pieces, codec, ticks(progress, name, len(pieces)))
+    gather(row for row in found if isinstance(row, PieceFault))
+    rows = []
+    for piece, row in zip(pieces, found, strict=True):
+        if not isinstance(row, PieceFault):
+            rows.append(row)
+        elif name == "precision":
+            case, point = piece
+            status = Status.FAULT.text
+            rows.append(precision.Measured(case, point.method, point.setting, status=status))
+    return rows
+
+
+def _attempted(part: str, measure: Callable[[Any], Any], piece: Any) -> Any:
+    """The row of a piece, or what it failed of."""
+    words = piece
+    if part == "precision":
+        case, point = piece
+        words = f"{case}, {point.method} {point.setting}"
+    return attempt(f"{part}: {words}", lambda: measure(piece))
 
 
 def _table(kind: Any, rows: Sequence) -> Table:

@@ -32,6 +32,7 @@ from camcli.kernel.backend import stopwatch
 from camcli.output.explanations import explained
 from camcli.output.tables import Table
 from camcli.parallel import Work
+from camcli.piece_faults import gather, gathering, piece
 from camcli.scene import Scene
 
 if TYPE_CHECKING:
@@ -78,8 +79,8 @@ def classify(
 
         holds_for: after a rest whose motion doubles forget, the label is decided in ball
         arithmetic, and this says for which machines. last-digit: proved for every speed that rounds
-        to this one; exact-data: for these data as they are; sampled: three speeds within the last
-        digit agree, these data may differ. Else empty.
+        to this one; exact-data: for these data as they are, others within the last digit may do
+        otherwise. Else empty.
 
     Raises
     ------
@@ -97,7 +98,7 @@ def classify(
     if section.explain:
         refuse_to_explain(section, "classify")
     key, values, setup = span_of(machine, section)
-    with stopwatch() as watch:
+    with stopwatch() as watch, gathering() as faults:
         motions = run(
             machine.system,
             machine.settings,
@@ -107,8 +108,11 @@ def classify(
             None if work is None else work.threads,
             ticks(progress, "speeds", len(values)),
             setup,
+            key,
         )
+        gather(m.fault for m in motions if m.fault is not None)
         explanation = explanation_of(machine, motions, progress) if section.explain else None
+        summary = piece("the summary", lambda: _summary(motions, explanation, key), {})
 
     events = explanation.events if explanation else ()
     draw = drawn_by("classify.draw_classify", motions, machine.system, events, key)
@@ -124,30 +128,45 @@ def classify(
             "classify": Table.of_rows((key, *CLASSIFY), lambda: map(_row, motions)),
             "corners": corners_table(explanation),
         },
-        summary={
-            "words": remarks(motions, key),
-            "motions": [_motion(m) for m in motions],
-            **(explained(explanation) if explanation else {}),
-        },
+        summary=summary,
         pictures={"classify": draw},
         cost=sum((m.cost for m in motions), explanation.cost if explanation else Cost()),
         seconds=watch.seconds,
         notes=(*heights, *status_notes(troubled, key), *cut),
         complete=not troubled and not cut,
+        faults=tuple(faults),
     )
 
 
 def explanation_of(
     machine: Machine, motions: list[Motion], progress: Progress | None
 ) -> Explanation:
-    """The changes of the motion from the scene's own start, as far as run.work_budget goes."""
-    from camcli.analysis.explain.changes import explain
+    """The changes of the motion from the scene's own start, as far as run.work_budget goes.
 
-    own = [m for m in motions if m.start == machine.settings.start]
-    tick = ticks(progress, "changes", max(1, len(own) - 1))
+    Between neighbours of which something is known: a speed that failed is left out.
+    """
+    from camcli.analysis.explain.changes import Explanation, explain
+
+    own = [m for m in motions if m.start == machine.settings.start and m.fault is None]
+    if len(own) < 2:
+        return Explanation([], [], [], Cost())
+    tick = ticks(progress, "changes", len(own) - 1)
+    nothing = Explanation([], [], [], Cost(), Status.FAULT)
     with budget_of(machine.scene, progress) as budget:
-        found = explain(machine.system, machine.settings, own, tick)
-    return replace(found, status=budget.status)
+        found = piece(
+            "the explanation",
+            lambda: explain(machine.system, machine.settings, own, tick),
+            nothing,
+        )
+    return found if found is nothing else replace(found, status=budget.status)
+
+
+def _summary(motions: list[Motion], explanation: Explanation | None, key: str) -> dict[str, Any]:
+    return {
+        "words": remarks(motions, key),
+        "motions": [_motion(m) for m in motions],
+        **(explained(explanation) if explanation else {}),
+    }
 
 
 def corners_table(explanation: Explanation | None) -> Table:
@@ -160,7 +179,8 @@ def corners_table(explanation: Explanation | None) -> Table:
 def _row(m: Motion) -> tuple:
     stable = None if m.stable is None else int(m.stable)
     exponent = None if m.exponents is None else m.exponents.largest
-    named = m.value, m.label, m.period, m.impacts, m.chatter, stable, exponent
+    impacts = None if m.fault is not None else m.impacts
+    named = m.value, m.label, m.period, impacts, m.chatter, stable, exponent
     return *named, status_name(m.status), m.holds_for
 
 
@@ -181,7 +201,7 @@ def remarks(motions: list[Motion], key: str = "rpm") -> list[str]:
         )
     said += decided_words((m.holds_for for m in motions), "motions")
     said += _shown([m for m in motions if m.orbit is None and m.status == Status.OK], key)
-    undecided = [m.value for m in motions if m.label == UNDECIDED]
+    undecided = [m.value for m in motions if m.label == UNDECIDED and m.fault is None]
     if undecided:
         said.append(
             f"undecided at {counted(undecided, key)}: no orbit up to 64 turns could be solved and "

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import inf
+from functools import partial
+from math import inf, isnan
 from typing import BinaryIO
 
 from camcli.analysis.contact_loss.detachment import SpeedStatus
@@ -10,7 +11,7 @@ from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.sweep import rpm_grid
-from camcli.api.lift_table import accel_errors
+from camcli.api.lift_table import accel_errors, with_ranges
 from camcli.api.machine import Machine, machine_of, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, status_notes, ticks, trouble
 from camcli.api.sweep import SPEEDS, speed_row
@@ -21,10 +22,11 @@ from camcli.kernel.backend import stopwatch
 from camcli.output.detach import summary
 from camcli.output.tables import Table
 from camcli.parallel import Work
+from camcli.piece_faults import gathering, piece
 from camcli.scene import Scene
 from camcli.system import System, omega_of
 
-DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s")
+DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s", "rpm_low", "rpm_high")
 ACCUMULATION = ("rpm", "theta_deg")
 CORNER_HITS = ("impact", "corner", "rpm")
 FEW = 8  # rows of a table in a report
@@ -64,12 +66,15 @@ def detach(
         Tables, named as their files without the ending:
 
         detach.csv        quantity, region, theta_deg, rpm (infinite where contact is never lost),
-                          omega_rad_per_s: the critical speeds; their brackets stand in run.json
+                          omega_rad_per_s, rpm_low, rpm_high: the critical speeds, and between
+                          which speeds each lies: its bracket, of a measured cam what the error of
+                          its table leaves (empty where that is not known)
         accumulation.csv  rpm, theta_deg: where a complete chatter ends, a row per burst and speed
         corner_hits.csv   impact, corner, rpm: impact n after lift-off lands on a corner
         force.csv         rpm, theta_deg, force_n, pressure_pa: contact force of a follower kept on
                           the cam; with the section contact of the scene the Hertz pressure, else
-                          empty (NaN)
+                          empty (NaN); under a rocker the force is the valve's, the pressure the
+                          lobe's, on which rocker_ratio times that force acts
         speeds.csv        columns as of sweep: the motion at some speeds past the first loss of
                           contact, 20 turns from rest and 20 that are measured
         tolerance.csv     with detach.tolerance its keys, table_error (of a measured cam: -1 to 1
@@ -90,7 +95,7 @@ def detach(
         section, machine = scene.detach, replace(machine, scene=scene)
     machines = tolerated(machine)
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
-    with stopwatch() as watch, budget_of(scene, progress) as budget:
+    with stopwatch() as watch, budget_of(scene, progress) as budget, gathering() as faults:
         found = run(
             system,
             rpms,
@@ -106,12 +111,13 @@ def detach(
             hertz=_hertz(machine),
             on_speed=ticks(progress, "speeds", len(rpms)),
         )
-
     tables: dict[str, Table] = {}
-    words = summary(found)
-    if section.tolerance:
-        done = tolerances(machines, found, work or Work(), progress)
-        tables["tolerance"], words["tolerance"] = done
+    with gathering() as more:
+        found = piece("the ranges of a measured cam", partial(with_ranges, found, system), found)
+        words = piece("the summary", lambda: summary(found), {})
+        if section.tolerance:
+            done = tolerances(machines, found, work or Work(), progress)
+            tables["tolerance"], words["tolerance"] = done
 
     # two rows at a corner, one for each side
     forces = [(f.rpm, f.theta_deg, f.force_n, f.pressure_pa or None) for f in found.forces]
@@ -141,20 +147,21 @@ def detach(
             **tables,
         },
         summary={"status": budget.status.text, **words},
-        pictures={"detach": drawn_by("detach.draw_detach", found, system, cam.kind == "table")},
+        pictures={"detach": drawn_by("detach.draw_detach", found, system)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=tuple(notes),
         complete=not notes,
+        faults=(*faults, *more),
         options={"report": True} if report else {},
-        files={"report.pdf": lambda file: _write_report(result, system, file)} if report else {},
     )
-    return result
+    if not report:
+        return result
+    return replace(result, files={"report.pdf": partial(_write_report, result, system)})
 
 
 def _write_report(result: Result, system: System, file: BinaryIO) -> None:
     """The page of --report."""
-    from camcli.api.lift_table import table_record
     from camcli.cams import cam_name
     from camcli.output.detach import answers, machine
     from camcli.output.pictures import write_picture
@@ -164,14 +171,14 @@ def _write_report(result: Result, system: System, file: BinaryIO) -> None:
 
     scene, cam = result.scene, result.scene.cam
     base = getattr(scene.contact, "base_radius", None) or getattr(cam, "base_radius", None)
-    words = verdict(result, table_record(cam, system) if cam.kind == "table" else None)
+    words = " ".join(verdict(result, result.error.get("lift_table")))
     lists = [machine(result)]
     for title, heads, rows in answers(result):
         few = rows[:: 1 + (len(rows) - 1) // FEW]
         lists.append([[title], heads, *few])
     title = f"Contact of cam and follower: {cam_name(cam)}"
     drawn = Outline.of(system, base, cam), title, words.replace("+-", "±"), lists
-    picture = draw_report(result.values, system, cam.kind == "table", *drawn)
+    picture = draw_report(result.values, system, *drawn)
     page = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
     write_picture(picture, file, "pdf", scene.plot.model_copy(update=page), margin=15.0)
 
@@ -180,11 +187,16 @@ def _critical_rows(found: ContactLoss) -> Iterator[tuple]:
     """Critical speeds; a speed that does not exist is inf, without a phase."""
     for c in found.critical_speeds:
         theta = c.theta_deg if c.finite else None
-        yield c.quantity, c.region, theta, c.rpm, omega_of(c.rpm)
+        yield c.quantity, c.region, theta, c.rpm, omega_of(c.rpm), *_known(c.low, c.high)
     for hold in found.holds:
         if hold.detaches_rpm is not None:
-            rpm = hold.detaches_rpm
-            yield hold.quantity, hold.region, hold.theta_deg, rpm, omega_of(rpm)
+            rpm, ends = hold.detaches_rpm, _known(hold.low_rpm, hold.high_rpm)
+            yield hold.quantity, hold.region, hold.theta_deg, rpm, omega_of(rpm), *ends
+
+
+def _known(*speeds: float | None) -> list[float | None]:
+    """What is not known is empty."""
+    return [None if rpm is None or isnan(rpm) else rpm for rpm in speeds]
 
 
 def _hertz(machine: Machine) -> Hertz | None:
@@ -196,5 +208,6 @@ def _hertz(machine: Machine) -> Hertz | None:
     if base is None:
         found, expected = "found no radius of the base circle", "expected it here or in the cam"
         raise SceneError(Fault("", "contact.base_radius", found, expected, "give it in m"))
-    base -= lift_range(cam)[0]
-    return Hertz(contact.width, contact.modulus, base, contact.follower_radius)
+    ratio = machine.system.rocker_ratio
+    base -= lift_range(cam)[0] / ratio
+    return Hertz(contact.width, contact.modulus, base, contact.follower_radius, ratio)

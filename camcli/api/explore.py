@@ -2,39 +2,45 @@
 
 import json
 from base64 import b64encode
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.resources import files
+from itertools import product
 from math import ceil, pi, sqrt
 from typing import Any, BinaryIO
 
 import numpy as np
 
 from camcli.analysis.cam_profile import profile
+from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.integrate import Cost, Start, with_turns
-from camcli.analysis.labels import period_of
+from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED, Label, period_of
 from camcli.analysis.orbits.same_orbit import CLOSE, distance_to
 from camcli.analysis.simulate import STICKING, Simulation, simulate
 from camcli.api.basins import basins
+from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine, Varied, machine_of, with_values
 from camcli.api.orbits import orbits
 from camcli.api.result import Progress, Result, ticks
 from camcli.api.sweep import sweep
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import for_work, stopwatch
 from camcli.kernel.cam_table import TURN
 from camcli.output.run_record import plain
 from camcli.parallel import Work
+from camcli.piece_faults import gather, gathering, piece
 from camcli.plots import style
 from camcli.plots.axes import axis_name
 from camcli.plots.event_words import event_words
 from camcli.plots.mechanism import Outline
 from camcli.plots.sweep_map import cell_edges
 from camcli.scene import Axis, Scene
-from camcli.system import Follower, System, omega_of
+from camcli.scene.schema import RpmRange
+from camcli.system import Follower, System, omega_of, range_words, units_of
 
 STEP = 0.4  # of the follower's fastest motion, rad, between rows: a cubic errs by STEP^4/384 of it
+LAYER = 2000  # rows per turn at most for what damping ends at once: less than 1e-3 of the lift
 FEWEST_ROWS = 48  # per turn
 MOST_SPEEDS, MOST_ROWS = 1000, 250_000  # of a page of 8 MB; a row takes 17 bytes
 LONGEST = 16  # turns of a motion that are shown
@@ -44,6 +50,9 @@ MOST_TURNS, ROOM = 8, 350_000  # of each of them; rows of a whole page
 PROFILE_ROWS = 720
 DIRECTIONS = ("fixed", "up", "down")  # of sweeps
 KINDS = ("impact", "chatter", "detachment")
+# bytes of the page, for `page_bytes`
+PER_MOTION, PER_ROW, PER_EVENT, PER_POINT = 250.0, 17.4, 12.0, 10.7
+SOLVED = 0.25
 
 Columns = tuple[np.ndarray, np.ndarray]
 NONE: Columns = (np.empty(0), np.empty(0))
@@ -130,8 +139,8 @@ def explore(
     Returns
     -------
     Result
-        No tables: ``save`` writes ``explore.html``, which needs no other file. ``values`` holds the
-        motions and their simulations.
+        No tables: ``save`` writes ``explore.html``, which needs no other file, where there is a
+        motion to show. ``values`` holds the motions and their simulations.
 
     Raises
     ------
@@ -142,41 +151,40 @@ def explore(
     machine = machine_of(scene)
     scene = machine.scene
     span, asked = scene.sweep.rpm, parts_of(scene, with_basins, with_map)
-    samples = _samples(machine.system.follower, min(span.start, span.stop))
-    most = min(MOST_SPEEDS, MOST_ROWS // samples)
-    if span.num > most:
-        found, limit = f"found {span.num} speeds", f"expected at most {most} on a page"
-        raise SceneError(Fault("", "sweep.rpm.num", found, limit, "give --points"))
-    with stopwatch() as watch:
+    samples = _samples_of(machine)
+    _refuse_too_many(span, samples)
+    of_map = _samples_of_map(machine, asked["map"][1].sweep.vary) if with_map else samples
+    with stopwatch() as watch, gathering() as faults:
         runs = len(DIRECTIONS) * span.num + scene.orbits.starts
         for_work(runs * (scene.run.transient + scene.run.record))
         calls = {"sweep": partial(sweep, work=work), "basins": partial(basins, work=work)}
-        parts = {
-            name: calls.get(command, orbits)(own, progress)
-            for name, (command, own) in asked.items()
-        }
-        sweeps = [(way, parts[f"sweep {way}"]) for way in DIRECTIONS]
+        parts: dict[str, Result] = {}
+        for name, (command, own) in asked.items():
+            part = piece(name, partial(calls.get(command, orbits), own, progress))
+            if part is not None:
+                parts[name] = part
+                gather(replace(one, piece=f"{name}: {one.piece}") for one in part.faults)
+        sweeps = [(way, parts[f"sweep {way}"]) for way in DIRECTIONS if f"sweep {way}" in parts]
         motions = _attractors(machine, sweeps, MOST_ROWS // (samples * span.num))
-        motions += _solved(machine, parts["orbits"], motions)
+        motions += _solved(machine, parts["orbits"], motions) if "orbits" in parts else []
+        if not motions and not faults:
+            raise SceneError(_nothing_to_show(sweeps))
         left = ROOM - samples * sum(motion.turns for motion in motions)
-        turns = left // (samples * SIDE * SIDE * max(1, with_basins + with_map))
+        turns = left // (max(samples, of_map) * SIDE * SIDE * max(1, with_basins + with_map))
         turns = max(1, min(MOST_TURNS, turns))
-        motions += _starts(machine, parts["basins"], turns) if with_basins else []
-        motions += _points(machine, parts["map"], turns) if with_map else []
+        motions += _starts(machine, parts["basins"], turns) if "basins" in parts else []
+        motions += _points(machine, parts["map"], turns) if "map" in parts else []
         tick = ticks(progress, "motions", len(motions))
-        simulations = []
+        pairs: list[tuple[Motion, Simulation]] = []
         for motion in motions:
-            start = Start(motion.q, motion.v, scene.run.strobe_deg)
-            settings = replace(with_turns(machine.settings, 0, motion.turns + 1), start=start)
-            rows = max(samples, _samples(motion.system.follower, motion.rpm))
-            simulations.append(simulate(motion.system, motion.rpm, settings, rows))
+            name = f"the motion {motion.label} at {motion.rpm:.10g} rpm ({motion.origin})"
+            simulation = piece(name, partial(_simulated, machine, motion, samples))
+            pairs += [] if simulation is None else [(motion, simulation)]
             tick()
+    motions, simulations = [motion for motion, _ in pairs], [simulation for _, simulation in pairs]
     explored = Explored(motions, simulations, parts)
+    write_page = partial(_write_page, source, machine, explored)
     costs = [*(one.cost for one in simulations), *(part.cost for part in parts.values())]
-
-    def write(file: BinaryIO) -> None:
-        data = {"source": source, **_machine_data(machine), **_motion_data(explored)}
-        file.write(page(data).encode())
 
     return Result(
         command="explore",
@@ -187,16 +195,34 @@ def explore(
         summary={
             "speeds": span.num,
             "motions": len(motions),
-            "bifurcations": len(parts["orbits"].tables["bifurcations"]),
+            "bifurcations": len(parts["orbits"].values.bifurcations) if "orbits" in parts else 0,
         },
         pictures={},
-        files={"explore.html": write},
+        files={"explore.html": write_page} if motions else {},
         cost=sum(costs, Cost()),
         seconds=watch.seconds,
-        notes=tuple(f"{name}: {note}" for name, part in parts.items() for note in part.notes),
-        complete=all(part.complete for part in parts.values()),
+        notes=(
+            *(f"{name}: {note}" for name, part in parts.items() for note in part.notes),
+            *([] if motions else ["no whole turn of any motion was recorded: no page to show"]),
+        ),
+        complete=all(part.complete for part in parts.values()) and bool(motions),
+        faults=tuple(faults),
         options={"with_basins": with_basins, "with_map": with_map, "source": source},
     )
+
+
+def _simulated(machine: Machine, motion: Motion, samples: int) -> Simulation:
+    """A motion of the page; samples: rows per turn, at least."""
+    start = Start(motion.q, motion.v, machine.scene.run.strobe_deg)
+    settings = replace(with_turns(machine.settings, 0, motion.turns + 1), start=start)
+    rows = max(samples, _samples(motion.system.follower, motion.rpm))
+    return simulate(motion.system, motion.rpm, settings, rows)
+
+
+def _write_page(source: str, machine: Machine, explored: Explored, file: BinaryIO) -> None:
+    """Write explore.html."""
+    data = {"source": source, **_machine_data(machine), **_motion_data(explored)}
+    file.write(page(data).encode())
 
 
 def parts_of(scene: Scene, with_basins: bool, with_map: bool) -> dict[str, tuple[str, Scene]]:
@@ -216,11 +242,96 @@ def parts_of(scene: Scene, with_basins: bool, with_map: bool) -> dict[str, tuple
     return parts
 
 
+def page_bytes(
+    machine: Machine, sampled: Mapping[str, Result], with_basins: bool, with_map: bool
+) -> float:
+    """About how long the page of a scene will be, from sweeps of a few of its speeds.
+
+    sampled: results by the names of `parts_of`. Orbits that no sweep finds are taken to add
+    SOLVED of what the sweeps find.
+    """
+    scene = machine.scene
+    sweeps = [(way, sampled[f"sweep {way}"]) for way in DIRECTIONS]
+    span, samples = scene.sweep.rpm, _samples_of(machine)
+    motions = _attractors(machine, sweeps, MOST_ROWS // (samples * span.num))
+    share = span.num / len(sweeps[0][1].values[0].speeds)
+    shown = sum(len(one.impacts[0]) + len(one.strobes[0]) for one in motions)
+    points = min(shown, MOST_POINTS * len(motions) / share)
+    turns = sum(one.turns for one in motions)
+    per_turn = PER_ROW * samples + PER_EVENT * 3.0
+    found = PER_MOTION * len(motions) + PER_POINT * points + per_turn * turns
+    beside = cells = 0.0
+    if with_basins:
+        cells = 4.0 / 3.0 * scene.basins.cells[0] * scene.basins.cells[1]
+        beside = MOST_TURNS * float(SIDE * SIDE)
+    if with_map:
+        periods = [period_of(speed.label) for speed in sampled["map"].values[0].speeds]
+        each = sum(p if 0 < p <= MOST_TURNS else MOST_TURNS for p in periods) / len(periods)
+        one, two = (min(SIDE, axis.num) for axis in _axes_of_map(scene))
+        beside += each * one * two
+    bare = len(page({"source": "", **_machine_data(machine)}))
+    return bare + (1.0 + SOLVED) * share * found + per_turn * beside + cells
+
+
 def _samples(f: Follower, rpm: float) -> int:
-    """Rows per turn, so that a cubic from row to row is the motion itself."""
+    """Rows per turn, so that a cubic from row to row is the motion itself.
+
+    Where damping is more than critical a motion ends in two steps; the first is over at once, goes
+    less than lift omega / rate, and is not followed more closely than LAYER rows show.
+    """
     decay, square = f.damping / (2.0 * f.mass), f.stiffness / f.mass
-    fastest = max(sqrt(square), decay + sqrt(max(0.0, decay * decay - square)))
-    return max(FEWEST_ROWS, ceil(TURN / omega_of(rpm) * fastest / STEP))
+    rows = TURN / omega_of(rpm) / STEP
+    fast = decay + sqrt(decay * decay - square) if decay * decay > square else 0.0
+    return max(FEWEST_ROWS, ceil(rows * sqrt(square)), min(LAYER, ceil(rows * fast)))
+
+
+def _samples_of(machine: Machine) -> int:
+    """Rows per turn at the slowest speed of the page."""
+    span = machine.scene.sweep.rpm
+    return _samples(machine.system.follower, min(span.start, span.stop))
+
+
+def _samples_of_map(machine: Machine, axes: tuple[Axis, ...]) -> int:
+    """Rows per turn of the motions of a map; raises SceneError where a page cannot hold them.
+
+    They are most at a corner: the rates rise or fall with each constant, and with the speed.
+    """
+    machines = Varied(machine, axes)
+    ends = [(axis.start, axis.stop) for axis in axes]
+    samples, place = max(
+        (_samples(system.follower, rpm), place)
+        for place in product(*ends)
+        for system, rpm, _ in [machines(*place)]
+    )
+    motions = min(SIDE, axes[0].num) * min(SIDE, axes[1].num)
+    if samples * motions > ROOM:
+        at = " and ".join(f"{axis.key} = {x:.10g}" for axis, x in zip(axes, place, strict=True))
+        found = f"found motions of {samples} rows a turn, at {at}"
+        expected = f"expected at most {ROOM // motions} on a page"
+        cure = "a follower so stiff moves too fast to be shown: narrow the range, or leave map out"
+        raise SceneError(Fault("--with map", "sweep.vary", found, expected, cure))
+    return samples
+
+
+def _refuse_too_many(span: RpmRange, samples: int) -> None:
+    """Raise SceneError for more speeds than a page holds."""
+    most = min(MOST_SPEEDS, MOST_ROWS // samples)
+    if most == 0:
+        found = f"found motions of {samples} rows a turn at {min(span.start, span.stop):.10g} rpm"
+        expected = f"expected at most {MOST_ROWS} on a page"
+        cure = "a follower so stiff moves too fast to be shown: raise the speeds"
+        raise SceneError(Fault("", "sweep.rpm", found, expected, cure))
+    if span.num > most:
+        found, limit = f"found {span.num} speeds", f"expected at most {most} on a page"
+        raise SceneError(Fault("", "sweep.rpm.num", found, limit, "give --points"))
+
+
+def _nothing_to_show(sweeps: list[tuple[str, Result]]) -> Fault:
+    """Why no speed has a motion, and what to do about it."""
+    statuses = [Status(speed.status) for _, result in sweeps for speed in result.values[0].speeds]
+    status = max(set(statuses), key=statuses.count)
+    found = f"found no motion at any speed ({status.cause})"
+    return Fault("", "sweep.rpm", found, "expected one at least", status.cure)
 
 
 def _axes_of_map(scene: Scene) -> tuple[Axis, ...]:
@@ -264,7 +375,7 @@ def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> It
     for speed in speeds:
         turn, theta, _, u = speed.impacts
         _, q, v, *_ = speed.strobe
-        recorded, label = len(q), str(speed.label)
+        recorded, label = len(q), speed.label
         if not recorded:
             continue
         period = period_of(label)
@@ -317,7 +428,7 @@ def _solved(machine: Machine, result: Result, known: list[Motion]) -> list[Motio
             at = *_start(machine, orbit.rpm, *state), period_of(orbit.label), True, orbit.stable
             strobes = np.array(state[:1]), np.array(state[1:])
             own = machine.system, NONE, strobes
-            found.append(Motion(orbit.rpm, str(orbit.label), "solved", *at, None, *own))
+            found.append(Motion(orbit.rpm, orbit.label, "solved", *at, None, *own))
     return found
 
 
@@ -329,16 +440,15 @@ def _some(count: int) -> list[int]:
 
 def _starts(machine: Machine, result: Result, turns: int) -> Iterator[Motion]:
     """Motions from a grid of starts in the window of the basins, by the attractor they reach."""
-    section = machine.scene.basins
-    cells, attractors = dict(result.tables["basins"]), dict(result.tables["attractors"])
-    names = dict(zip(attractors["attractor"].tolist(), attractors["label"].tolist(), strict=True))
+    section, cells = machine.scene.basins, dict(result.tables["basins"])
+    names = _labels_of_codes(result)
     (wide, high), codes = section.cells, cells["attractor"].tolist()
     for k in (row * wide + column for row in _some(high) for column in _some(wide)):
         if codes[k] == -1:
             continue  # below the cam
         start = float(cells["q_m"][k]), float(cells["v_m_per_s"][k])
         yield Motion(
-            section.rpm.start, str(names.get(codes[k], "undecided")), "start", *start, turns,
+            section.rpm.start, names.get(codes[k], UNDECIDED), "start", *start, turns,
             False, None, None, machine.system, place=start,
         )  # fmt: skip
 
@@ -358,7 +468,7 @@ def _points(machine: Machine, result: Result, most: int) -> Iterator[Motion]:
             turns = period if 0 < period <= most else most
             constants = zip(axes, place, strict=True)
             yield Motion(
-                rpm, str(speed.label), "map", speed.end.q, speed.end.v, turns, turns == period,
+                rpm, speed.label, "map", speed.end.q, speed.end.v, turns, turns == period,
                 True if period else None, speed.exponent, system, place=place,
                 sets={axis.key: x for axis, x in constants if axis.path != "run.rpm"},
             )  # fmt: skip
@@ -379,13 +489,59 @@ def _machine_data(machine: Machine) -> dict[str, Any]:
         "corners": turn.corners,
         "speeds": [scene.sweep.rpm.start, scene.sweep.rpm.stop, scene.sweep.rpm.num],
         "outline": {
-            "x": x[:-1:2], "y": y[:-1:2], "rise": float(body.radius.min() - c.min()),
+            "x": x[:-1:2], "y": y[:-1:2], "ratio": body.ratio,
+            "rise": float(body.radius.min() - c.min() / body.ratio),
             "told": not body.guessed, "flat": body.flat,
         },
         "cam": {
             "theta_deg": np.array(turn.theta_deg), "c": c, "c1": c1, "c2": c2,
         },
+        "measured": _measured(machine),
     }  # fmt: skip
+
+
+def _measured(machine: Machine) -> str:
+    """What the error of a measured cam leaves open; empty of a law."""
+    between = lost_between(machine.system)
+    if between is None:
+        return ""
+    cam: Any = machine.scene.cam
+    accuracy, units = cam.accuracy, units_of(machine.system)
+    first = detachment(machine.system).first
+    by_the_fit = "" if first is None else f" ({first.rpm:.4g} by the fit)"
+    return (
+        f"The cam is a smoothed lift table, right to {accuracy.rms * 1e6:.2g} um rms and, in its "
+        f"second derivative, to {units.lengths(accuracy.bound, 2)}/rad2: contact is first lost at "
+        f"{range_words(*between)}{by_the_fit}. Motions and bifurcations are those of the smoothed "
+        "cam."
+    )
+
+
+def _labels_of_codes(landed: Result) -> dict[int, str]:
+    """The labels of the attractors of basins at one speed, by their numbers in the tables."""
+    (speed,) = landed.values[0].speeds
+    pairs = zip(speed.branches, speed.attractors, strict=True)
+    return {number: attractor.label for number, attractor in pairs}
+
+
+def _labels_of_branches(solved: Result) -> set[str]:
+    """The labels of all orbits in the table of branches."""
+    found = solved.values
+    points = (orbit for branch in found.branches for orbit in branch.points)
+    return {orbit.label for orbit in (*found.orbits, *points)}
+
+
+def _symbols(label: str) -> Sequence[float]:
+    """Impacts in each turn, inf for a complete chatter; none of what has no period."""
+    return label.symbols if isinstance(label, Label) else ()
+
+
+def colour_name(label: str) -> str:
+    """The colour of the motion with a label, as the page names it (COLOURS)."""
+    if not isinstance(label, Label):
+        return label if label in (CONTACT, APERIODIC) else UNDECIDED
+    period = period_of(label)
+    return f"period{period}" if period <= len(style.PERIODS) else "longer"
 
 
 def _motion_data(found: Explored) -> dict[str, Any]:
@@ -404,7 +560,8 @@ def _motion_data(found: Explored) -> dict[str, Any]:
         events += [(row[0] * per_second, KINDS.index(row[3]), row[5]) for row in happened]
         motions.append(
             {
-                "rpm": motion.rpm, "label": motion.label, "origin": motion.origin,
+                "rpm": motion.rpm, "label": motion.label, "symbols": _symbols(motion.label),
+                "colour": colour_name(motion.label), "origin": motion.origin,
                 "q": motion.q, "v": motion.v, "turns": motion.turns, "loops": motion.loops,
                 "period": period_of(motion.label), "stable": motion.stable,
                 "exponent": motion.exponent, "place": motion.place, "sets": motion.sets,
@@ -424,8 +581,8 @@ def _motion_data(found: Explored) -> dict[str, Any]:
         "points": {
             "theta_deg": theta, "u": speed, "q": positions, "v": velocities,
         },
-        "branches": _branches(found.parts["orbits"]),
-        "bifurcations": _bifurcations(found.parts["orbits"]),
+        "branches": _branches(found.parts["orbits"]) if "orbits" in found.parts else [],
+        "bifurcations": _bifurcations(found.parts["orbits"]) if "orbits" in found.parts else [],
         "planes": [data(found.parts[name]) for name, data in PLANES.items() if name in found.parts],
     }  # fmt: skip
 
@@ -433,6 +590,7 @@ def _motion_data(found: Explored) -> dict[str, Any]:
 def _branches(solved: Result) -> list[dict[str, Any]]:
     """The branches as columns; one of impact `k` in `theta_deg[k]` and `u[k]`, NaN without it."""
     table = dict(solved.tables["branch"])
+    colours = {label: colour_name(label) for label in _labels_of_branches(solved)}
     columns = {
         name: [table[column] for column in table if column.startswith(prefix)]
         for name, prefix in (("theta_deg", "theta_deg_"), ("u", "u_minus_m_per_s_"))
@@ -446,6 +604,7 @@ def _branches(solved: Result) -> list[dict[str, Any]]:
             {
                 "rpm": table["rpm"][own].tolist(), "stable": table["stable"][own],
                 "label": table["label"][own].tolist(),
+                "colour": colours[str(table["label"][own][0])],
                 "q": [table["q_m"][own]], "v": [table["v_m_per_s"][own]],
                 **{name: [column[own] for column in own_] for name, own_ in columns.items()},
             }
@@ -473,7 +632,7 @@ def _basins_data(landed: Result) -> dict[str, Any]:
     """The window with the attractor of every cell."""
     section, attractors = landed.scene.basins, landed.tables["attractors"]
     columns = (attractors[name].tolist() for name in ("attractor", "label", "fraction"))
-    named = list(zip(*columns, strict=True))
+    named, labels = list(zip(*columns, strict=True)), _labels_of_codes(landed)
     place = {number: k for k, (number, _, _) in enumerate(named)}  # 255: below the cam
     codes = [place.get(n, 255) for n in landed.tables["basins"]["attractor"].tolist()]
     shares = [f"{label} takes {100.0 * share:.3g} %" for n, label, share in named if n > 0]
@@ -481,23 +640,31 @@ def _basins_data(landed: Result) -> dict[str, Any]:
         "of": "start", "name": "Basins of attraction", "cells": section.cells,
         "x": section.q, "y": section.v,
         "names": ["position q at the strobe (m)", "velocity v at the strobe (m/s)"],
-        "labels": [str(label) for _, label, _ in named],
+        "labels": [label for _, label, _ in named],
+        "colours": [colour_name(labels.get(number, UNDECIDED)) for number, _, _ in named],
         "codes": np.array(codes, np.uint8),
         "words": f"At {section.rpm.start:.10g} rpm: {', '.join(shares)} of the starts.",
     }  # fmt: skip
 
 
+def _kind_of(label: str) -> tuple[int, str, str]:
+    """What a map shows of a motion: its period, that in words, and the colour."""
+    name = f"period {period_of(label)}" if isinstance(label, Label) else label
+    return period_of(label), name, colour_name(label)
+
+
 def _map_data(result: Result) -> dict[str, Any]:
     """The kind of motion at every point, its period and no more."""
     found = result.values[0]
-    kinds = [[str(s.label).partition(";")[0] for s in line] for line in found.lines]
-    names = sorted({kind for line in kinds for kind in line})
-    codes = np.array([[names.index(kind) for kind in line] for line in kinds])
+    kinds = [[_kind_of(speed.label) for speed in line] for line in found.lines]
+    every = sorted({kind for line in kinds for kind in line})
+    codes = np.array([[every.index(kind) for kind in line] for line in kinds])
     x, y = found.first, found.second
     return {
         "of": "map", "name": "Map of motions", "cells": [len(x), len(y)],
         "x": cell_edges(x), "y": cell_edges(y), "names": [axis_name(key) for key in found.keys],
-        "labels": names,
+        "labels": [name for _, name, _ in every],
+        "colours": [colour for _, _, colour in every],
         "codes": codes[np.argsort(y)][:, np.argsort(x)].astype(np.uint8).ravel(),
         "words": "",
     }  # fmt: skip

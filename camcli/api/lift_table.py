@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict
-from math import isfinite, sqrt
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from math import inf, isfinite, nan, sqrt
 from typing import TYPE_CHECKING, Any
 
 from camcli.errors import shown
-from camcli.system import decimals
+from camcli.system import is_measured, range_words
 
 if TYPE_CHECKING:
+    from camcli.analysis.contact_loss.detachment import CriticalSpeed, Detachment
+    from camcli.analysis.contact_loss.study import ContactLoss
     from camcli.cams.lift_fit import Accuracy
     from camcli.cams.lift_table import TableCam
     from camcli.scene import Scene
     from camcli.system import System
 
 UM = 1e6  # per m
+UNKNOWN = (nan, nan)  # a bracket
 LONGEST_NAME = 500  # characters of a path in a note
 MEANING = (
     "bound: 3 standard errors, and where smoothing changes more than they do what it may have "
@@ -29,13 +32,70 @@ def accel_errors(cam: Any) -> Sequence[float]:
     return cam.errors.bounds if cam.kind == "table" else (0.0,)
 
 
-def table_record(cam: TableCam, system: System) -> dict[str, Any]:
-    """The fit of the lift table, and the speeds between which contact is first lost."""
+def lost_between(system: System) -> tuple[float, float] | None:
+    """The rpm between which the error of a measured cam leaves the first loss; None of a law."""
     from camcli.analysis.contact_loss.detachment import loss_range
     from camcli.system import System
 
-    accuracy, errors = cam.accuracy, cam.errors
-    speeds = loss_range(system, errors.bounds, System.build(system.follower, cam.rougher))
+    if not is_measured(system):
+        return None
+    cam: Any = system.shape
+    shape, table = cam.rougher
+    return loss_range(system, cam.errors.bounds, System(system.follower, table, shape))
+
+
+def widened(found: Detachment, system: System) -> Detachment:
+    """The critical speeds with brackets as wide as the error of a measured cam leaves them.
+
+    Its cam is smooth, so one region: it opens at the first detachment, and is never filled, since
+    c_thetatheta is positive somewhere.
+    """
+    between = lost_between(system)
+    if between is None:
+        return found
+    first = found.first and _between(found.first, between)
+    losses = []
+    for loss in found.losses:
+        leading = found.first is not None and loss.region.name == found.first.region
+        opens = _between(loss.opens, between if leading else UNKNOWN)
+        fills = _between(loss.fills, UNKNOWN) if loss.fills.finite else loss.fills
+        losses.append(replace(loss, opens=opens, fills=fills))
+    return replace(found, first=first, losses=tuple(losses))
+
+
+def with_ranges(found: ContactLoss, system: System) -> ContactLoss:
+    """Everything about the loss of contact, with such brackets; NaN where only chatter tells.
+
+    A chatter has more to do with the table than one phase, and how much more is not known.
+    """
+    if lost_between(system) is None:
+        return found
+    from camcli.analysis.contact_loss.hold import replaced
+
+    holds = []
+    for hold in found.holds:
+        if hold.detaches_rpm is not None:
+            with_spring = replaced(system, hold.stiffness or 0.0, hold.preload or 0.0)
+            low, high = lost_between(with_spring) or UNKNOWN
+            hold = replace(hold, low_rpm=low, high_rpm=high)
+        holds.append(hold)
+    return replace(
+        found,
+        detachment=widened(found.detachment, system),
+        ends=tuple(_between(speed, UNKNOWN) for speed in found.ends),
+        completion=tuple(_between(speed, UNKNOWN) for speed in found.completion),
+        holds=tuple(holds),
+    )
+
+
+def _between(speed: CriticalSpeed, ends: tuple[float, float]) -> CriticalSpeed:
+    return replace(speed, low=ends[0], high=ends[1])
+
+
+def table_record(cam: TableCam, system: System) -> dict[str, Any]:
+    """The fit of the lift table, and the speeds between which contact is first lost."""
+    accuracy = cam.accuracy
+    speeds = lost_between(system) or ()
     return {
         **asdict(accuracy),
         "bound": accuracy.bound,
@@ -77,21 +137,18 @@ def cautions(accuracy: Accuracy) -> list[str]:
     return words
 
 
-def bound_line(record: dict[str, Any]) -> str:
+def bound_line(record: Mapping[str, Any]) -> str:
     """One line about what the table says of c_thetatheta and the first detachment."""
-    low, high = record["first_detachment_rpm"]
+    low, high = (inf if rpm is None else rpm for rpm in record["first_detachment_rpm"])
     share = 100.0 * record["bound"] / record["accel"]
     text = (
         f"c_thetatheta of the table: within {record['bound']:.2g} m/rad2, {share:.2g} % of its "
         f"largest ({record['standard']:.2g} standard error of its noise, {record['bending']:.2g} "
         f"by smoothing; every digit at its worst: {record['worst']:.2g}); "
     )
-    if low is None:
+    if low == inf:
         return text + "contact is never lost"
-    if high is None:
-        return text + f"first detachment from {low:.4g} rpm on, or never"
-    form = f".{decimals(high - low)}f"
-    return text + f"first detachment between {low:{form}} and {high:{form}} rpm"
+    return text + f"first detachment at {range_words(low, high)}"
 
 
 def table_notes(scene: Scene) -> list[str]:

@@ -24,6 +24,8 @@ RANGES = {  # of the first loss of contact; of the natural frequency where conta
 }
 PAST = 1.05  # one speed, of the first loss of contact
 HIGH, FAST = 2.0, 4.0  # of the lift above it, and of lift times omega: windows of starts
+LEAST_LIFT = 1e-12  # of |c|: a window of a smaller lift is so high
+SLOWEST = 1e-300  # m/s, where lift times omega is no double
 
 
 @dataclass(frozen=True)
@@ -78,9 +80,11 @@ def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, str]]:
             low = high = scene.run.rpm if given else _round(PAST * speed)
             why = "that of run.rpm" if given else why
             bottom, lift = _lift(system)
-            fast = _round(FAST * lift * omega_of(low))
-            top = _round(bottom + (1.0 + HIGH) * lift)
-            window = {"q": (_round(bottom), top), "v": (-fast, fast)}
+            fast = _round(FAST * lift * omega_of(low)) or SLOWEST
+            ends = _round(bottom), _round(bottom + (1.0 + HIGH) * lift)
+            if not ends[0] < ends[1]:  # a lift below the digits that are shown
+                ends = bottom, bottom + (1.0 + HIGH) * max(lift, LEAST_LIFT * abs(bottom))
+            window = {"q": ends, "v": (-fast, fast)}
         else:
             shares, window = RANGES[name][0 if lost else 2 :], {}
             low, high = (_round(share * speed) for share in shares[:2])

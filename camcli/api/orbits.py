@@ -24,9 +24,10 @@ from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
 from camcli.api.machine import Machine, machine_of, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks, trouble
 from camcli.api.sweep import IMPACTS, STROBE, blocks
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
+from camcli.piece_faults import gather, gathering, piece
 from camcli.plots.event_words import event_words
 from camcli.scene import Axis, Orbits, Scene
 from camcli.system import omega_of
@@ -97,8 +98,7 @@ def orbits(
         A number that ``vary`` names is the first column, under its key. With ``prove`` branch and
         bifurcations append proved (yes, no), bifurcations also enclosure_low and enclosure_high of
         the parameter; ``summary`` has the boxes, the step that failed, and holds_for: last-digit
-        where an orbit is proved for every value of the parameter that rounds to its own, else
-        exact-data.
+        where an orbit is proved for every speed that rounds to its own, else exact-data.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def orbits(
     asked = _spelt_out(scene)
     section, question = asked.orbits, _question(asked)
     keys = {_constant(axis): axis.key for axis in section.vary}
-    with stopwatch() as watch:
+    with stopwatch() as watch, gathering() as faults:
         tick = ticks(progress, "branches", question.branches + 2)
         with budget_of(scene, progress) as budget:
             found = run(system, machine.settings, question, tick)
@@ -128,34 +128,47 @@ def orbits(
                 found = replace(found, proofs=proofs_of(system, found))
         if section.simulated and question.span is not None:
             simulated = _simulated(machine, found.question, section.simulated)
+            gather(simulated.faults)
+        summary = piece("the summary", lambda: _summary(found), {})
+        notes = piece("the notes", lambda: _notes(found), []) + trouble(budget.status)
+        tables = _tables(found, simulated, section, keys)
 
-    tables = {
-        "branch": _branch_table(found, keys),
-        "bifurcations": _bifurcations_table(found, keys),
-    }
-    if simulated is not None:
-        key = keys.get(simulated.key, UNITS.get(simulated.key, simulated.key))
-        for name, columns in (("impacts", IMPACTS), ("strobe", STROBE)):
-            tables[name] = Table((key, *columns), partial(blocks, simulated, name))
     pictures = {"orbits": drawn_by("orbits.draw_orbits", found, system, simulated)}
     if section.curve is not None:
-        tables["curve"] = _curve_table(found.curves, section, keys)
         pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, section.curve_in)
-    notes = _notes(found) + trouble(budget.status)
     return Result(
         command="orbits",
         scene=scene,
         system=system,
         values=found,
         tables=tables,
-        summary={"status": budget.status.text, **_summary(found)},
+        summary={"status": budget.status.text, **summary},
         pictures=pictures,
         cost=found.cost + (simulated.cost if simulated else Cost()),
         seconds=watch.seconds,
         notes=tuple(notes),
         complete=not notes,
+        faults=tuple(faults),
         options={"prove": True} if prove else {},
     )
+
+
+def _tables(
+    found: OrbitsResult, simulated: Sweep | None, section: Orbits, keys: Keys
+) -> dict[str, Table]:
+    """The tables by name; one that cannot be made is left out."""
+    makes = {
+        "branch": partial(_branch_table, found, keys),
+        "bifurcations": partial(_bifurcations_table, found, keys),
+    }
+    if simulated is not None:
+        key = keys.get(simulated.key, UNITS.get(simulated.key, simulated.key))
+        for name, columns in (("impacts", IMPACTS), ("strobe", STROBE)):
+            makes[name] = partial(Table, (key, *columns), partial(blocks, simulated, name))
+    if section.curve is not None:
+        makes["curve"] = partial(_curve_table, found.curves, section, keys)
+    made = {name: piece(f"{name}.csv", make) for name, make in makes.items()}
+    return {name: table for name, table in made.items() if table is not None}
 
 
 def _notes(found: OrbitsResult) -> list[str]:
@@ -170,6 +183,9 @@ def _notes(found: OrbitsResult) -> list[str]:
             value = branch.points[0 if branch.ends[0] == Kind.LOST else -1].value
             beyond = f"beyond {value:.10g}: unresolved there"
             notes.append(f"branch {branch.number} could not be followed {beyond}")
+        if Kind.FAULT in branch.ends:
+            value = branch.points[0 if branch.ends[0] == Kind.FAULT else -1].value
+            notes += trouble(Status.FAULT, f" on branch {branch.number} beyond {value:.10g}")
     if found.question.curve and not any(curve.points for curve in found.curves):
         notes.append(f"no {found.question.curve} was located, so there is no curve to continue")
     return notes
@@ -455,7 +471,7 @@ def _proved(result: OrbitsResult) -> Iterator[str]:
         return
     name, proofs = result.question.parameter, result.proofs
     named = [
-        (f"{o.label}, {name} = {o.value!r}{WHOSE[p.holds_for]}" if p.proved else str(o.label), p)
+        (f"{o.label}, rpm = {o.rpm!r}{WHOSE[p.holds_for]}" if p.proved else str(o.label), p)
         for o, p in zip(result.orbits, proofs.orbits, strict=True)
     ]
     named += [

@@ -6,24 +6,35 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from importlib import import_module
+from io import BytesIO
 from math import inf, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Budget, Cost, budgeted
 from camcli.cams.compile import lift_range
-from camcli.errors import Status
+from camcli.errors import Fault, SceneError, Status, shown
+from camcli.interrupts import came
+from camcli.output.run_folder import RunFolder, UnwritableError, run_folder
+from camcli.output.run_record import (
+    cost_record,
+    error_record,
+    plain,
+    run_record,
+    to_text,
+)
+from camcli.output.tables import Named, Table
+from camcli.piece_faults import PieceFault, fault_records, gather, gathering, piece
 from camcli.scene import Scene, load_scene, resolved, scene_hash
+from camcli.scene.schema import no_panel
 from camcli.system import System, omega_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from camcli.output.run_folder import RunFolder
-    from camcli.output.tables import Table
     from camcli.plots.picture import Picture
 
 Progress = Callable[[str, int, int], None]  # what is counted, how many are done, of how many
@@ -54,7 +65,7 @@ def height_notes(system: System, rpm: float) -> list[str]:
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """The result of one analysis of one scene.
+    """The result of one analysis of one scene; it pickles, so that processes can return it.
 
     Attributes
     ----------
@@ -64,7 +75,8 @@ class Result:
         What was asked, with every default filled in.
     tables : Mapping[str, Table]
         Tables by the names of the CSV files without their ending; ``tables["speeds"]["rpm"]`` is a
-        NumPy array. The unit stands in the name of a column.
+        NumPy array. The unit stands in the name of a column. A table is a mapping of its columns:
+        ``pandas.DataFrame(tables["speeds"])`` takes it as it is.
     summary : Mapping[str, Any]
         Plain values beside the tables: the entry ``result`` of run.json.
     notes : tuple of str
@@ -72,6 +84,9 @@ class Result:
     complete : bool
         False where a row's status is not ok or a search found no safe bracket (the command then
         ends with exit code 3). All good rows are there.
+    faults : tuple of PieceFault
+        Pieces (a speed, a block of cells, a branch, a motion) that an unforeseen exception has
+        cost; their rows have the status ``fault``. The command then ends with exit code 1.
     cost : Cost
         Impacts and gap evaluations, those of transients included.
     seconds : float
@@ -87,6 +102,12 @@ class Result:
         of two where an explanation or a question belongs to it.
     options : Mapping[str, Any]
         Arguments beside the scene, as run.json keeps them.
+    error : Mapping[str, Any]
+        Bounds on errors, the entry `error` of run.json: of one event, and of a measured cam
+        ``error["lift_table"]``: its fit, the bound on c_thetatheta, and ``first_detachment_rpm``,
+        the two speeds between which contact is first lost (None: at no speed).
+    verdict : list of str
+        The answer in sentences, as the command begins with it; none of `bench`.
     """
 
     command: str
@@ -100,16 +121,38 @@ class Result:
     seconds: float = 0.0
     notes: tuple[str, ...] = ()
     complete: bool = True
+    faults: tuple[PieceFault, ...] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
     files: Mapping[str, Callable[[BinaryIO], Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        from camcli.output.run_record import plain
-
         object.__setattr__(self, "summary", plain(self.summary))
+        object.__setattr__(self, "tables", Named("table", self.tables))
+        object.__setattr__(self, "pictures", Named("picture", self.pictures))
 
     def __repr__(self) -> str:
         return f"<Result of {self.command}: tables {', '.join(self.tables)}>"
+
+    @cached_property
+    def error(self) -> Mapping[str, Any]:
+        """Bounds on errors; see above."""
+        if self.system is None or self.scene.cam.kind != "table":
+            return self._error_of_an_event()
+        from camcli.api.lift_table import table_record
+
+        table = table_record(self.scene.cam, self.system)
+        return {**self._error_of_an_event(), "lift_table": table}
+
+    def _error_of_an_event(self) -> dict[str, Any]:
+        tolerance = self.scene.run.chatter_tolerance
+        return {} if self.system is None else error_record(tolerance, self.system)
+
+    @cached_property
+    def verdict(self) -> list[str]:
+        """The answer in sentences; see above."""
+        from camcli.output.verdict import verdict
+
+        return [] if self.system is None else verdict(self, self.error.get("lift_table"))
 
     def save(self, folder: str | Path, *, plot: bool = True) -> Mapping[str, Any]:
         """Write the files of the command `cam COMMAND -o folder`, byte for byte.
@@ -129,54 +172,105 @@ class Result:
         Raises
         ------
         SceneError
-            If the folder cannot be written, or another run is at work in it.
+            If the folder cannot be written, or another run is at work in it; or, when all else is
+            in its place, if a picture cannot be drawn as the scene asks.
         """
-        from camcli.output.run_folder import run_folder
-
         with run_folder(Path(folder)) as run:
             return self.write(run, plot=plot)
 
     def write(
         self, folder: RunFolder, *, plot: bool = True, from_disk: int = 0
     ) -> Mapping[str, Any]:
-        """`save` into an open folder; from_disk: pieces that an interrupted run had computed."""
-        from camcli.output.run_record import cost_record, error_record, run_record, to_text
+        """`save` into an open folder; from_disk: pieces that an interrupted run had computed.
+
+        A table, a picture or a page that cannot be made costs itself alone: where nobody foresaw
+        it, it is one of the record's piece_faults; what the scene or the system is to blame for is
+        raised when all else is in its place.
+        """
+        with gathering() as faults:
+            gather(self.faults)
+            blamed, kept = self._write_files(folder, plot)
+            record = self._record(faults, folder.hashes | kept, plot or bool(kept), from_disk)
+            text = piece("the summary", partial(to_text, record))
+            if text is None:
+                record |= {"result": None, "piece_faults": fault_records(faults)}
+                text = to_text(record)
+        folder.write_text("run.json", [text])
+        folder.commit(kept)
+        if blamed:
+            raise blamed[0]
+        return record
+
+    def _write_files(self, folder: RunFolder, plot: bool) -> tuple[list[Exception], dict[str, str]]:
+        """Write tables, pictures and pages.
+
+        Returns errors that the scene or the system is to blame for, and the pictures of the run
+        before that may stay.
+        """
+        blamed: list[Exception] = []
+
+        def made(name: str, write: Callable[..., Any], fill: Callable[[BinaryIO], Any]) -> None:
+            try:
+                piece(name, partial(write, name, fill))
+            except Exception as error:
+                if isinstance(error, UnwritableError) or came():
+                    raise
+                blamed.append(error)
 
         binary = self.command == "sweep" and self.scene.sweep.tables == "npz"
         for name, table in self.tables.items():
             if binary and name != "speeds":
-                folder.write(f"{name}.npz", table.npz)
+                made(f"{name}.npz", folder.write, table.npz)
             else:
-                folder.write_text(f"{name}.csv", table.csv())
-        form, digest = self.scene.plot, scene_hash(self.scene)
+                made(f"{name}.csv", folder.write, table.write_csv)
+        form = self.scene.plot
         files = {f"{name}.{kind}": (name, kind) for name in self.pictures for kind in form.formats}
-        kept = {} if plot else folder.keep_pictures(list(files), digest)
+        kept = {} if plot else folder.keep_pictures(list(files), scene_hash(self.scene))
         for file, (name, kind) in files.items() if plot else ():
-            from camcli.output.pictures import write_picture
-
-            draw = partial(write_picture, self.pictures[name](), kind=kind, form=form)
-            folder.write(file, draw)
+            made(file, folder.write_whole, partial(self._draw, name, kind))
         for name, fill in self.files.items():
-            folder.write(name, fill)
+            made(name, folder.write_whole, fill)
         folder.claim([*folder.hashes, "run.json"])
-        errors = error_record(self.scene.run.chatter_tolerance, self.system) if self.system else {}
-        if self.system and self.scene.cam.kind == "table":
-            from camcli.api.lift_table import table_record
+        return blamed, kept
 
-            errors["lift_table"] = table_record(self.scene.cam, self.system)
-        record = run_record(
+    def _record(
+        self, faults: Sequence[PieceFault], artefacts: Mapping[str, str], plot: bool, from_disk: int
+    ) -> dict[str, Any]:
+        """The content of run.json."""
+        errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
+        said = piece("verdict", lambda: self.verdict, [])
+        return run_record(
             command=self.command,
             scene=resolved(self.scene),
-            scene_sha256=digest,
-            options={**self.options, "plot": plot or bool(kept)},
+            scene_sha256=scene_hash(self.scene),
+            options={**self.options, "plot": plot},
             cost=cost_record(self.cost, self.seconds, from_disk),
             error=errors,
+            verdict=said,
             result=self.summary,
-            artefacts=folder.hashes | kept,
+            piece_faults=fault_records(faults),
+            artefacts=artefacts,
         )
-        folder.write_text("run.json", [to_text(record)])
-        folder.commit(kept)
-        return record
+
+    def _draw(self, name: str, kind: str, file: BinaryIO) -> None:
+        """Write a picture; raises SceneError where only its style is to blame that it fails."""
+        from camcli.output.pictures import write_picture
+
+        picture, form = self.pictures[name](), self.scene.plot
+        try:
+            write_picture(picture, file, kind, form)
+        except (SceneError, OSError):
+            raise
+        except Exception as error:
+            if form.style is None:
+                raise
+            plain = form.model_copy(update={"style": None})
+            write_picture(picture, BytesIO(), kind, plain)  # fails alike where the fault is ours
+            found = (
+                f"found a style in which {name}.{kind} cannot be drawn ({shown(str(error), 200)})"
+            )
+            cure = "change it, or leave it out"
+            raise SceneError(Fault(form.style, "plot.style", found, "", cure)) from None
 
 
 def plot(
@@ -211,12 +305,16 @@ def plot(
     KeyError
         If the result has no such picture.
     SceneError
-        If `form` has an unknown key, or a value that does not fit.
+        If `form` has an unknown key, a value that does not fit, or panels that are not there.
     """
     name = next(iter(result.pictures)) if picture is None else picture
-    checked = load_scene(None, {f"plot.{key}": value for key, value in form.items()}).plot
+    values = {f"plot.{key}": value for key, value in form.items()}
+    checked = load_scene(None, values, command=result.command).plot
     changed = result.scene.plot.model_copy(update={key: getattr(checked, key) for key in form})
     drawn = result.pictures[name]()
+    if "panels" in form and (missing := drawn.lacking(changed.panels)):
+        known = list(drawn.panels)
+        raise SceneError(*(Fault("", "plot.panels", *no_panel(one, known)) for one in missing))
     if axes is None:
         return drawn.figure(changed)
     own = list(axes) if isinstance(axes, Iterable) else [axes]
@@ -228,9 +326,16 @@ def plot(
 
 
 def drawn_by(place: str, *args: Any) -> Callable[[], Picture]:
-    """What draws a picture: a function of the plots, `module.function`, imported when it does."""
+    """What draws a picture: a function of the plots, `module.function`, imported when it does.
+
+    It pickles, as a Result does.
+    """
+    return partial(_drawing, place, *args)
+
+
+def _drawing(place: str, *args: Any) -> Picture:
     module, _, name = place.partition(".")
-    return lambda: getattr(import_module(f"camcli.plots.{module}"), name)(*args)
+    return getattr(import_module(f"camcli.plots.{module}"), name)(*args)
 
 
 def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., None]:
@@ -275,7 +380,6 @@ def decided_words(found: Iterable[str | None], what: str) -> list[str]:
     texts = {
         HoldsFor.LAST_DIGIT: "for every speed that rounds to the given one (proved)",
         HoldsFor.EXACT_DATA: "for the data exactly as they are, not for every speed that rounds so",
-        HoldsFor.SAMPLED: "by three speeds within the last digit that agree (the data may differ)",
     }
     counts = Counter(filter(None, found))
     words = [f"{counts[name]} {text}" for name, text in texts.items() if counts[name]]

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from math import isfinite
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Cost
+from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine, machine_of
 from camcli.api.result import Progress, Result, drawn_by, height_notes, trouble
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.scene import Scene
-from camcli.system import omega_of, units_of
+from camcli.system import System, omega_of, units_of
 
 if TYPE_CHECKING:
     from camcli.analysis.cam_profile import Profile
     from camcli.analysis.simulate import Simulation
+    from camcli.plots.picture import Picture
 
 TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "contact")
 EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
@@ -66,7 +69,8 @@ def simulate(
         profile.csv     with profile_only the only one: theta_deg, c_m, c_theta_m_per_rad,
                         c_thetatheta_m_per_rad2, force_n (the contact force at the speed); two rows
                         at a corner, left side first; profile_2.csv and profile_3.csv of the cams
-                        in simulate.beside
+                        in simulate.beside; under a rocker all of them are the valve's, and the
+                        curvature in the summary and the picture is the lobe's
 
     Raises
     ------
@@ -121,17 +125,22 @@ def simulate(
 
 def _films(machine: Machine, found: Simulation) -> dict[str, Callable[[BinaryIO], None]]:
     """The motion as animated files."""
-    from camcli.output.pictures import animation_kinds, write_animation
+    from camcli.output.pictures import animation_kinds
 
-    def write(file: BinaryIO, kind: str) -> None:
-        from camcli.plots.mechanism import Outline
-        from camcli.plots.simulate import draw_frames
+    return {
+        f"simulate.{kind}": partial(_write_film, machine, found, kind) for kind in animation_kinds()
+    }
 
-        cam, turns = machine.scene.cam, machine.scene.simulate.plot_turns
-        outline = Outline.of(machine.system, getattr(cam, "base_radius", None), cam)
-        write_animation(draw_frames(found, machine.system, outline, turns), file, kind)
 
-    return {f"simulate.{kind}": partial(write, kind=kind) for kind in animation_kinds()}
+def _write_film(machine: Machine, found: Simulation, kind: str, file: BinaryIO) -> None:
+    """Write the motion as a GIF or as an MP4."""
+    from camcli.output.pictures import write_animation
+    from camcli.plots.mechanism import Outline
+    from camcli.plots.simulate import draw_frames
+
+    cam, turns = machine.scene.cam, machine.scene.simulate.plot_turns
+    outline = Outline.of(machine.system, getattr(cam, "base_radius", None), cam)
+    write_animation(draw_frames(found, machine.system, outline, turns), file, kind)
 
 
 def _many_notes(turn: int | None) -> list[str]:
@@ -162,7 +171,7 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
     rpm, samples = scene.run.rpm, scene.simulate.samples
     with stopwatch() as watch:
         results = [
-            profile(one.system, rpm, samples, base)
+            _with_range(profile(one.system, rpm, samples, base), one.system)
             for one, base in zip(machines, bases, strict=True)
         ]
     result, f, omega = results[0], machine.system.follower, omega_of(rpm)
@@ -172,19 +181,6 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
         for theta, c, c1, c2 in zip(one.theta_deg, one.c, one.c1, one.c2, strict=True):
             spring = f.mass * f.gravity + f.preload + f.stiffness * c
             yield theta, c, c1, c2, spring + omega * (f.damping * c1 + f.mass * (omega * c2))
-
-    def draw():
-        from camcli.plots.cam_profile import Drawn, draw_profiles
-        from camcli.plots.mechanism import Outline
-
-        cams = [one.scene.cam for one in machines]
-        rows = zip(results, machines, bases, cams, strict=True)
-        return draw_profiles(
-            [
-                Drawn(one, Outline.of(own.system, base, cam), cam, units)
-                for one, own, base, cam in rows
-            ]
-        )
 
     notes = []
     if result.curvature.undercut:
@@ -205,8 +201,8 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
             "profile" + f"_{k}" * (k > 1): Table.of_rows(PROFILE, partial(rows, one))
             for k, one in enumerate(results, 1)
         },
-        summary=_profile_summary(result),
-        pictures={"profile": draw},
+        summary=_profile_summary(result, machine.system.rocker_ratio),
+        pictures={"profile": partial(_draw_profiles, machines, results, bases)},
         cost=Cost(),
         seconds=watch.seconds,
         notes=tuple(notes),
@@ -214,7 +210,29 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
     )
 
 
-def _profile_summary(result) -> dict[str, Any]:
+def _draw_profiles(
+    machines: Sequence[Machine], results: Sequence[Profile], bases: Sequence[float | None]
+) -> Picture:
+    """The cams side by side; bases: radii of their base circles, m."""
+    from camcli.plots.cam_profile import Drawn, draw_profiles
+    from camcli.plots.mechanism import Outline
+
+    units, drawn = units_of(machines[0].system), []
+    for machine, found, base in zip(machines, results, bases, strict=True):
+        cam = machine.scene.cam
+        drawn.append(Drawn(found, Outline.of(machine.system, base, cam), cam, units))
+    return draw_profiles(drawn)
+
+
+def _with_range(found: Profile, system: System) -> Profile:
+    """The profile with the first detachment between the speeds that a measured cam leaves."""
+    between = lost_between(system)
+    if between is None or found.first is None:
+        return found
+    return replace(found, first=replace(found.first, low=between[0], high=between[1]))
+
+
+def _profile_summary(result: Profile, ratio: float) -> dict[str, Any]:
     bent, first = result.curvature, result.first
     return {
         "rpm": result.force.rpm,
@@ -225,6 +243,7 @@ def _profile_summary(result) -> dict[str, Any]:
         },
         "least_force_n": {"value": result.force.lowest_n, "theta_deg": result.force.lowest_deg},
         "first_detachment_rpm": first.rpm if first is not None and first.finite else None,
+        "first_detachment_between_rpm": None if first is None else [first.low, first.high],
         "base_radius_m": bent.base_radius,
         "flat_faced": {
             "least_radius_m": vars(bent.flat_least) if bent.base_radius else None,
@@ -232,5 +251,7 @@ def _profile_summary(result) -> dict[str, Any]:
             "least_base_radius_m": bent.least_base_radius,
         },
         "largest_roller_radius_m": bent.roller and vars(bent.roller),
-        "assumed": "the follower moves along a line through the axis, at base_radius + c - least c",
+        "rocker_ratio": ratio,
+        "assumed": "what runs on the cam moves along a line through the axis, "
+        "at base_radius + (c - least c)/rocker_ratio",
     }

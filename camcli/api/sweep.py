@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import csv
+from array import array
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
-from io import StringIO
 from itertools import groupby
+from math import isfinite, nan
 from operator import itemgetter
 from os import PathLike
 from pathlib import Path
@@ -31,10 +33,11 @@ from camcli.api.result import (
     trouble,
 )
 from camcli.cams.files import decoded, read_bytes
-from camcli.errors import Fault, SceneError, Status
+from camcli.errors import Fault, SceneError, Status, shown
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
+from camcli.piece_faults import gather, gathering, piece
 from camcli.scene import Scene
 from camcli.system import units_of
 
@@ -42,7 +45,8 @@ if TYPE_CHECKING:
     from camcli.analysis.classify import Motion
     from camcli.analysis.explain.changes import Explanation
 
-MOST_BYTES = 500_000_000  # of a table that is drawn over the points
+MOST_BYTES = 200_000_000  # of a table that is drawn over the points
+MOST_NUMBERS, MOST_LINES = 20_000_000, 5000  # of it
 # columns after the one of what is varied
 IMPACTS = ("period", "theta_deg", "q_m", "u_minus_m_per_s")
 STROBE = ("period", "q_m", "v_m_per_s", "impacts", "chatter")
@@ -55,10 +59,10 @@ SPEEDS = ("label", "impacts", "lyapunov_per_period", "status", *Loads._fields, "
 class Branch(NamedTuple):
     """A solved branch: values, stability, phases of every impact (deg), q at the strobe (m)."""
 
-    values: list[float]
+    values: array[float]
     stable: list[bool]
-    phases: list[list[float]]
-    q: list[float]
+    phases: list[array[float]]
+    q: array[float]
 
 
 def sweep(
@@ -95,8 +99,8 @@ def sweep(
                      the recorded turns; forces while on the cam, the first phase after the strobe
                      at which contact is lost and the last where it is regained, phase and lift of
                      the hardest impact, and impacts, a tenth as hard or harder, within a hundredth
-                     of the lift; empty (NaN) where they do not apply; holds_for: last-digit,
-                     exact-data or sampled as in classify, mostly empty
+                     of the lift; empty (NaN) where they do not apply, all of them where the status
+                     is fault; holds_for: last-digit or exact-data as in classify, mostly empty
         corners.csv  corner impacts of the solved branches (explain), columns as bifurcations.csv
         map.csv      of two numbers: both keys, label, period (turns), impacts_per_turn,
                      lyapunov_per_period, the columns of speeds.csv from max_gap_m on, status,
@@ -136,7 +140,7 @@ def sweep(
         values += [x for part in section.zoom for x in rpm_grid(part.start, part.stop, part.num)]
         values = sorted(set(values), reverse=values[0] > values[-1])
     work = work or Work()
-    with stopwatch() as watch:
+    with stopwatch() as watch, gathering() as faults:
         found = run(
             machine.system,
             values,
@@ -155,11 +159,13 @@ def sweep(
             work=work,
             on_speed=ticks(progress, "speeds", len(values) * (1 + len(section.also))),
         )
+        gather(found.faults)
+        motions: list[Motion] = []
+        explanation: Explanation | None = None
         if section.explain:
             motions, explanation = _explained(machine, found, progress, work)
-        else:
-            motions, explanation = [], None
-    return _result(machine, found, branches, motions, explanation, watch.seconds)
+        result = _result(machine, found, branches, motions, explanation)
+    return replace(result, seconds=watch.seconds, faults=tuple(faults))
 
 
 def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
@@ -197,7 +203,9 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         for second, line in zip(found.second, found.lines, strict=True):
             for speed in line:
                 turns, period = machine.settings.record, period_of(speed.label) or None
-                named = speed.label, period, speed.impact_count / turns, speed.exponent
+                count = speed.impact_count
+                impacts = None if count is None else count / turns
+                named = speed.label, period, impacts, speed.exponent
                 ends = status_name(speed.status), speed.holds_for
                 yield speed.value, second, *named, *speed.loads, *ends
 
@@ -216,6 +224,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         seconds=watch.seconds,
         notes=tuple(notes),
         complete=not troubled,
+        faults=tuple(found.faults),
     )
 
 
@@ -224,52 +233,92 @@ def read_branches(path: str | PathLike, key: str) -> list[Branch]:
 
     Raises SceneError where the file is none, or is in another parameter.
     """
-    with _orbits_file("--branches", path, "branch.csv", [key], "see cam orbits") as (rows, (x,)):
-        if len({row[x] for row in rows}) == 1 < len(rows):
+    with _orbits_file("--branches", path, "branch.csv", [key], "see cam orbits") as table:
+        header, rows, (x,) = table
+        number, stable, q = (header.index(name) for name in ("branch", "stable", "q_m"))
+        phases = [k for k, name in enumerate(header) if name.startswith("theta_deg_")]
+        branches: list[Branch] = []
+        count = 0
+        for _, members in groupby(rows, itemgetter(number)):
+            one = Branch(array("d"), [], [array("d") for _ in phases], array("d"))
+            for row in members:
+                one.values.append(_finite(row[x]))
+                one.stable.append(row[stable] == "1")
+                one.q.append(_finite(row[q]))
+                for column, k in zip(one.phases, phases, strict=True):
+                    column.append(_finite(row[k]) if row[k] else nan)
+                count += 1
+                _refuse_many(count * (len(phases) + 2), len(branches))
+            branches.append(one)
+        if len({value for one in branches for value in one.values}) == 1 < count:
             raise ValueError("solved along another parameter")
-        phases = [name for name in rows[0] if name.startswith("theta_deg_")]
-        return [
-            Branch(
-                [float(row[x]) for row in some],
-                [row["stable"] == "1" for row in some],
-                [[float(row[name] or "nan") for row in some] for name in phases],
-                [float(row["q_m"]) for row in some],
-            )
-            for some in (list(members) for _, members in groupby(rows, itemgetter("branch")))
-        ]
+        return branches
 
 
 def read_curves(
     path: str | PathLike, keys: tuple[str, str]
-) -> list[tuple[str, list[float], list[float]]]:
+) -> list[tuple[str, Sequence[float], Sequence[float]]]:
     """(kind, first, second) of every curve in a curve.csv of `orbits`, along two keys of a scene.
 
     Raises SceneError where the file is none, or is in other parameters.
     """
     cure = "see cam orbits --curve"
-    with _orbits_file("--curves", path, "curve.csv", keys, cure) as (rows, (x, y)):
-        members = groupby(rows, itemgetter("curve", "kind"))
-        curves = [
-            (kind, [(float(row[x]), float(row[y])) for row in own]) for (_, kind), own in members
-        ]
-        return [(kind, *map(list, zip(*points, strict=True))) for kind, points in curves]
+    with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
+        curve, kind = header.index("curve"), header.index("kind")
+        curves: list[tuple[str, Sequence[float], Sequence[float]]] = []
+        count = 0
+        for (_, name), members in groupby(rows, itemgetter(curve, kind)):
+            first, second = array("d"), array("d")
+            for row in members:
+                first.append(_finite(row[x]))
+                second.append(_finite(row[y]))
+                count += 1
+                _refuse_many(2 * count, len(curves))
+            curves.append((name, first, second))
+        return curves
+
+
+def _finite(text: str) -> float:
+    """A number of a table; raises ValueError where it is none, or not finite."""
+    number = float(text)
+    if not isfinite(number):
+        raise ValueError(f"found {text}")
+    return number
+
+
+def _refuse_many(numbers: int, lines: int) -> None:
+    """Raise ValueError for more than can be drawn over a picture."""
+    if numbers > MOST_NUMBERS or lines >= MOST_LINES:
+        raise ValueError(f"more than {MOST_LINES} lines, or {MOST_NUMBERS} numbers in them")
 
 
 @contextmanager
 def _orbits_file(
     option: str, path: str | PathLike, what: str, keys: Sequence[str], cure: str
-) -> Iterator[tuple[list[dict[str, str]], list[str]]]:
-    """The rows of a table of `orbits`, and its columns of keys of a scene: by the key itself,
-    restitution, stiffness_n_per_m. Raises SceneError where the file or the block finds none."""
+) -> Iterator[tuple[list[str], Iterator[list[str]], list[int]]]:
+    """The header of a table of `orbits`, its rows, and where the columns of keys of a scene are.
+
+    A column bears the key itself, or as in restitution, stiffness_n_per_m. Raises SceneError where
+    the file, or the block, finds no such table; the rows are read one at a time.
+    """
     expected = f"expected a {what} in {' and '.join(keys)}"
     text = decoded(read_bytes(Path(path), str(path), MOST_BYTES, expected, cure), str(path))
+    rows = csv.reader(text.splitlines())
     try:
-        rows = list(csv.DictReader(StringIO(text, newline=""), restkey="", restval=""))
-        named = [(key, key.rpartition(".")[2]) for key in keys]
-        of = [next(c for c in rows[0] if c in own or c.startswith(f"{own[1]}_")) for own in named]
-        yield rows, of
-    except BAD_FILE:
-        raise SceneError(Fault(option, str(path), "found no such table", expected, cure)) from None
+        header = next(rows)
+        names = [(key, key.rpartition(".")[2]) for key in keys]
+        yield (
+            header,
+            rows,
+            [
+                next(k for k, c in enumerate(header) if c in own or c.startswith(f"{own[1]}_"))
+                for own in names
+            ],
+        )
+    except BAD_FILE as error:
+        found = f"found no such table ({shown(str(error), 100) or 'no such column'})"
+        where = f"{path}:{rows.line_num}"
+        raise SceneError(Fault(option, where, found, expected, cure)) from None
 
 
 def _explained(
@@ -279,7 +328,7 @@ def _explained(
     from camcli.analysis.classify import classify
     from camcli.api.classify import explanation_of
 
-    rpms = list(dict.fromkeys(speed.rpm for speed in found.bare))
+    rpms = list(dict.fromkeys(speed.rpm for speed in found.bare if speed.fault is None))
     motions = classify(
         machine.system,
         machine.settings,
@@ -287,6 +336,7 @@ def _explained(
         threads=work.threads,
         on_speed=ticks(progress, "motions", len(rpms)),
     )
+    gather(motion.fault for motion in motions if motion.fault is not None)
     return motions, explanation_of(machine, motions, progress)
 
 
@@ -296,10 +346,11 @@ def _result(
     branches: list[Branch],
     motions: list[Motion],
     explanation: Explanation | None,
-    seconds: float,
 ) -> Result:
+    """What was found, without its time and its faults."""
     scene, section = machine.scene, machine.scene.sweep
-    cost, summary, cut = found.cost, _summary(found), []
+    cost, cut = found.cost, list[str]()
+    summary = piece("the summary", lambda: _summary(found), {})
     tables: dict[str, Table] = {
         name: Table((found.key, *columns, *found.way_names), partial(blocks, found, name))
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
@@ -314,7 +365,7 @@ def _result(
         from camcli.output.explanations import explained
 
         cost = sum((motion.cost for motion in motions), cost + explanation.cost)
-        summary |= explained(explanation)
+        summary |= piece("the summary of changes", lambda: explained(explanation), {})
         cut = trouble(explanation.status)
         tables["corners"] = corners_table(explanation)
 
@@ -333,7 +384,6 @@ def _result(
         summary=summary,
         pictures={"sweep": draw},
         cost=cost,
-        seconds=seconds,
         notes=(*heights, *_unknown(found), *status_notes(troubled, found.key), *cut),
         complete=not troubled and not cut,
     )

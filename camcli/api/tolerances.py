@@ -16,10 +16,9 @@ from camcli.api.machine import Machine, Varied
 from camcli.api.result import Progress, ticks
 from camcli.errors import Fault, SceneError
 from camcli.output.tables import Table
-from camcli.parallel import Codec, Work
+from camcli.parallel import Codec, Work, stored
+from camcli.piece_faults import PieceFault, attempt, gather
 from camcli.scene import Axis, resolved
-
-NUMBERS = Codec(list, list)
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,13 @@ class _Holds:
     machines: Varied
     springs: Sequence[Hold]
 
-    def __call__(self, piece: Sequence[float]) -> list[float]:
+    def __call__(self, piece: Sequence[float]) -> list[float] | PieceFault:
+        """The speeds of one machine, or that they could not be found."""
+        numbers = ", ".join(f"{x:.10g}" for x in piece)
+        keys = ", ".join(axis.key for axis in self.machines.axes)
+        return attempt(f"the machine with {keys} = {numbers}", lambda: self._speeds(piece))
+
+    def _speeds(self, piece: Sequence[float]) -> list[float]:
         known = len(self.machines.axes)
         system, _, _ = self.machines(*piece[:known])
         share = piece[known] if len(piece) > known else 0.0
@@ -55,11 +60,12 @@ def tolerated(machine: Machine) -> Varied:
 
 def tolerances(
     machines: Varied, found: ContactLoss, work: Work, progress: Progress | None
-) -> tuple[Table, dict[str, Any]]:
+) -> tuple[Table, dict[str, Any] | None]:
     """The table ``tolerance``, and the chance and the worst case it shows.
 
     The corners of the tolerances first, then machines in between, all equally likely; the n-th is
-    always the same. A measured cam is off by a share of the bound on its error, from -1 to 1.
+    always the same. A measured cam is off by a share of the bound on its error, from -1 to 1. The
+    speeds of a machine that failed are empty.
     """
     section, axes = machines.machine.scene.detach, machines.axes
     draw, springs = Random(0), [hold for hold in found.holds if hold.stiffness is not None]
@@ -71,30 +77,50 @@ def tolerances(
     corners = list(product(*ranges))
     between = [tuple(draw.uniform(*ends) for ends in ranges) for _ in range(section.machines)]
     pieces = [*corners, *between]
-    rows = work.collect(
-        _Holds(machines, springs), pieces, NUMBERS, ticks(progress, "machines", len(pieces))
+    numbers = Codec(
+        list,
+        stored.items(stored.extended, 1 + len(springs)),
+        faults=lambda row: [row] if isinstance(row, PieceFault) else [],
     )
-    rows = [[float(rpm) for rpm in row] for row in rows]
+    found_rows = work.collect(
+        _Holds(machines, springs), pieces, numbers, ticks(progress, "machines", len(pieces))
+    )
+    gather(row for row in found_rows if isinstance(row, PieceFault))
+    unknown: list[float | None] = [None] * (1 + len(springs))
+    rows = [
+        unknown if isinstance(row, PieceFault) else [float(rpm) for rpm in row]
+        for row in found_rows
+    ]
     columns = [*keys, "first_detachment_rpm"]
     columns += [f"{hold.quantity}_rpm" for hold in springs]
-    sampled = list(zip(*rows[len(corners) :], strict=True))
-    worst = [min(column) for column in zip(*rows, strict=True)]
-    said = {
+    table = Table.of_rows(
+        columns, lambda: ((*piece, *row) for piece, row in zip(pieces, rows, strict=True))
+    )
+    return table, _summary(rows, len(corners), springs, section)
+
+
+def _summary(
+    rows: Sequence[Sequence[Any]], corners: int, springs: Sequence[Hold], section: Any
+) -> dict[str, Any] | None:
+    """Chance and worst case of the machines that are known; None where none in between is."""
+    sampled = [row for row in rows[corners:] if None not in row]
+    if not sampled:
+        return None
+    known = [row for row in rows if None not in row]
+    worst = [min(column) for column in zip(*known, strict=True)]
+    first, *others = zip(*sampled, strict=True)
+    return {
         "machines": section.machines,
         "worst_rpm": worst[0],
-        "median_rpm": median(sampled[0]),
+        "median_rpm": median(first),
         "springs": {
             str(hold.quantity): {
                 "worst_rpm": least,
                 "chance": sum(rpm >= (section.hold_to or 0.0) for rpm in speeds) / len(speeds),
             }
-            for hold, least, speeds in zip(springs, worst[1:], sampled[1:], strict=True)
+            for hold, least, speeds in zip(springs, worst[1:], others, strict=True)
         },
     }
-    table = Table.of_rows(
-        columns, lambda: ((*piece, *row) for piece, row in zip(pieces, rows, strict=True))
-    )
-    return table, said
 
 
 def _axis(machine: Machine, key: str, percent: float) -> Axis:
@@ -104,10 +130,9 @@ def _axis(machine: Machine, key: str, percent: float) -> Axis:
     except (LookupError, TypeError):
         value = None
         Varied(machine, [Axis(key=key, start=1.0, stop=1.0)], "--tolerance")  # the nearest name
-    named = key.partition(".")[0] in ("follower", "cam")
-    if not named or isinstance(value, bool) or not isinstance(value, int | float) or value == 0:
+    if isinstance(value, bool) or not isinstance(value, int | float) or value == 0:
         expected = "expected a number of follower or cam that is not zero"
-        fault = Fault("--tolerance", key, f"found {value!r}", expected, "e.g. follower.mass=5%")
-        raise SceneError(fault)
+        found = "found a section" if isinstance(value, dict) else f"found {value!r}"
+        raise SceneError(Fault("--tolerance", key, found, expected, "e.g. follower.mass=5%"))
     share = abs(value) * percent / 100.0
     return Axis(key=key, start=value - share, stop=value + share, num=2)

@@ -1,7 +1,8 @@
 """Cam kinds: one file per kind, registered in `AnyCam`.
 
 A kind is a pydantic model with a literal `kind`, geometry checks that raise ValueError, and
-`parts(numbers)`: the smooth parts of one turn. Everything else is done from those parts.
+`parts()`: the smooth parts of one turn, in balls of as many digits as are in use. Everything else
+is done from those parts.
 """
 
 from typing import get_args

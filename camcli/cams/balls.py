@@ -82,6 +82,11 @@ def head(value: Any) -> arb:
     return value[0] if isinstance(value, arb_series) else value
 
 
+def slope(value: Any) -> arb:
+    """The coefficient after it: zero of a ball, which depends on nothing."""
+    return value[1] if isinstance(value, arb_series) else arb(0)
+
+
 def acos(y: arb) -> arb:
     """acos y, rad; of what may be 1 or -1, and no more, that of these."""
     return y.acos() if abs(y) < 1 else arb(0) if y > 0 else arb.pi()

@@ -24,9 +24,9 @@ from camcli.kernel.cam_table import (
     TURN,
     Cam,
     Stretch,
+    derivative,
     lift_at,
     polynomial,
-    stretch_at,
 )  # fmt: skip
 
 DIGITS = 60  # from which coefficients round to the same doubles on every machine
@@ -228,14 +228,35 @@ def build(shape: Shape, strobe_deg: float = 0.0) -> Cam:
 
 
 def lift_range(cam: Cam, order: int = 0) -> tuple[float, float]:
-    """(lowest, highest) c, m, or derivative: of 16 places in every piece, its ends among them."""
-    values = []
-    for stretch in cam.stretches:
+    """(lowest, highest) c, m, or derivative of that order.
+
+    Of 16 places in every piece and both ends of every stretch, and where the slope is zero beside
+    the lowest and the highest of them.
+    """
+    lowest: list[tuple[float, int, float, float]] = []  # value, stretch, its phase, to the next
+    for i, stretch in enumerate(cam.stretches):
         places, size = 16 * int(stretch.piece_count), stretch.end - stretch.start
-        i = stretch_at(cam, stretch.start)
-        thetas = [stretch.start + size * (k / places) for k in range(places)]
-        values += [lift_at(cam, i, theta)[order] for theta in thetas]
-    return min(values), max(values)
+        thetas = [stretch.start + size * (k / places) for k in range(places)] + [stretch.end]
+        lowest += [(lift_at(cam, i, x)[order], i, x, size / places) for x in thetas]
+    low, high = min(lowest), max(lowest)
+    return (
+        min(low[0], _flat_value(cam, order, *low[1:])),
+        max(high[0], _flat_value(cam, order, *high[1:])),
+    )
+
+
+def _flat_value(cam: Cam, order: int, i: int, theta: float, step: float) -> float:
+    """c, or its derivative of that order, where its slope is zero within a step of theta."""
+    a = max(theta - step, cam.stretches[i].start)
+    b = min(theta + step, cam.stretches[i].end)
+    before = derivative(cam, order + 1, i, a)
+    if before * derivative(cam, order + 1, i, b) < 0.0:
+        while a < (theta := 0.5 * (a + b)) < b:
+            if derivative(cam, order + 1, i, theta) * before > 0.0:
+                a = theta
+            else:
+                b = theta
+    return lift_at(cam, i, theta)[order]
 
 
 def column(cam: Cam, name: str) -> list[float]:

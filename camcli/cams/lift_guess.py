@@ -1,22 +1,49 @@
 """How a lift table in a file seems to be written, for `cam init`: a proposal that the user checks.
 
 The table is the longest run of lines with the same number of cells, two of them numbers. What only
-its maker knows is guessed from the titles and the sizes, and marked as a guess.
+its maker knows is guessed from the titles and the sizes, and marked as a guess. A row that cannot
+be read is refused by line and column, never skipped.
 """
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from statistics import median
+from typing import Any, NamedTuple
 
 from camcli.cams.files import decoded, refused
-from camcli.cams.lift_reading import UNIT_WORDS, number, splitter, text_lines
+from camcli.cams.lift_reading import (
+    UNIT_WORDS,
+    UNITS,
+    has_quoted_comma,
+    number,
+    raise_each_cause,
+    refuse_too_many_rows,
+    splitter,
+    text_lines,
+)
+from camcli.errors import Fault, SceneError, shown
 
 LEAST_RUN = 8  # lines
 MOST_HEADER = 3  # lines
 ANGLE = r"deg|°|ang|winkel|grad|theta|phi|crank|cam|kw|nw|rot|pos"
 CRANK = r"crank|kurbel|\bkw|°kw|\bca\b|\bcad\b|°ca"
 LIFT = r"lift|hub|rise|valve|ventil|displ|hoehe|höhe|\bh\b|\by\b|\bs\b"
+VALVE, LOBE = r"valve|ventil", r"lobe|nocken|tappet|lifter|stößel|stoessel|\bcam\b"
+NO_LIFT = r"vel|acc|jerk|geschw|beschl|ruck|force|kraft|curv|error|dev|abw|tol|/ ?(deg|rad|°|s)"
+HUNDREDTHS = r"1/100 ?mm|\b0?\.01 ?mm"  # of a millimetre
+RADII = 0.05  # of the largest number: where the smallest is larger they are radii
+BELOW = 0.02  # of the largest lift: lifts fall so far below zero at most
+LOBE_HEIGHT, GROUND = 0.1, 0.02  # of the largest lift: a lobe rises above, and falls below
+LARGEST_MM, LARGEST_THOU = 120.0, 3000.0  # numbers above are no mm, and no thousandths of an inch
+LARGE = 0.1  # m: a larger lift is doubted
+ALIKE = 0.01  # of the largest lift: columns that differ by less are of one lobe
+LEAP = (
+    0.5  # of a column's range: an angle that falls back by more goes through zero, or begins anew
+)
+MOST_LEAPS = 20
+REACH = 1.5  # spacings of the rows: how far the next angle may be
 
 
 @dataclass
@@ -26,60 +53,199 @@ class Guess:
     keys: dict[str, Any]
     unsure: dict[str, str] = field(default_factory=dict)
 
+    def doubt(self, key: str, why: str) -> None:
+        """Add a reason for which a key is only a guess."""
+        self.unsure[key] = f"{self.unsure[key]}; {why}" if key in self.unsure else why
+
+
+class Cells(NamedTuple):
+    """A line cut into cells."""
+
+    line: int  # of the file, from 1
+    cells: list[tuple[int, str]]  # (column from 1, text)
+    numbers: list[str]  # '' where a cell is none
+
+
+class Run(NamedTuple):
+    """Lines of numbers with equally many cells, one after the other."""
+
+    start: int  # index of its first line
+    rows: list[Cells]
+
 
 def guess(data: bytes, name: str) -> Guess:
     """How the table in these bytes seems to be written; raises SceneError where there is none."""
-    lines = text_lines(decoded(data, name, table=True), name)
-    decimal, start, rows = max(
-        ((decimal, *_longest_run(lines, decimal)) for decimal in ("point", "comma")),
-        key=lambda run: len(run[2]),
+    text = text_lines(decoded(data, name, table=True), name)
+    decimal, lines = max(
+        ((decimal, _cut(text, decimal)) for decimal in ("point", "comma")),
+        key=lambda way: len(_longest_run(way[1]).rows),
     )
-    if len(rows) < LEAST_RUN:
-        what = f"found no {LEAST_RUN} rows of numbers one after the other"
-        raise refused(name, "", what, "expected a table of angles and lifts", "is it the file?")
-    split, width = splitter(lines[start][1], decimal), len(rows[0])
+    run = _longest_run(lines)
+    if len(run.rows) < LEAST_RUN:
+        raise _no_table(lines, name)
+    refuse_too_many_rows(len(run.rows), name)
+    start, width = run.start, len(run.rows[0].cells)
     first = start
     while first > 0 and start - first < MOST_HEADER:
-        cells = [word for _, word in split(lines[first - 1][1])]
-        if len(cells) != width or sum(map(bool, cells)) < 2:
+        above = lines[first - 1]
+        filled, numbers = sum(bool(word) for _, word in above.cells), sum(map(bool, above.numbers))
+        if len(above.cells) != width or filled < 2 or numbers >= 2:
             break
         first -= 1
-    titles = [[word for _, word in split(line)] for _, line in lines[first:start]]
+    titles = [[word for _, word in line.cells] for line in lines[first:start]]
     words = [" ".join(column).lower() for column in zip(*titles, strict=True)] or [""] * width
     columns = {
-        k: [float(number(row[k], decimal)) for row in rows]
+        k: [float(row.numbers[k]) for row in run.rows if row.numbers[k]]
         for k in range(width)
-        if all(number(row[k], decimal) for row in rows)
+        if 2 * sum(bool(row.numbers[k]) for row in run.rows) > len(run.rows)
     }
+    angle = _angle_column(columns, words, name)
+    lift, others = _lift_columns(columns, words, angle, name)
+    table = Table(lines, run, angle, lift, name)
+    table.refuse_what_cannot_be_read()
     found = Guess({"header": start - first})
-    if first > 0 and lines[first][0] > 1:
-        found.keys["skip_lines"] = lines[first][0] - 1
+    if first > 0 and lines[first].line > 1:
+        found.keys["skip_lines"] = lines[first].line - 1
+        _doubt_what_is_skipped(found, lines[:first], table)
     if decimal == "comma":
         found.keys["decimal"] = decimal
-    angle = _angle_column(columns, words, name)
-    lift = _lift_column(columns, words, angle, name)
     names = titles[0] if titles else []
     for key, k in (("angle_column", angle), ("lift_column", lift)):
         named = names and names[k] and names.count(names[k]) == 1
         found.keys[key] = names[k] if named else k + 1
     _angle_kind(found, columns[angle], words[angle])
     _lift_unit(found, columns[lift], words[lift])
+    _radii(found, columns[lift])
+    _rocker(found, words[lift])
+    _other_lobes(found, columns, lift, [(k, names[k] if names else "") for k in others])
     return found
 
 
-def _longest_run(lines: list[tuple[int, str]], decimal: str) -> tuple[int, list[list[str]]]:
-    """(first line, cells) of the longest run of rows of numbers."""
-    best: tuple[int, list[list[str]]] = (0, [])
-    run: list[list[str]] = []
-    for k, (_, line) in enumerate(lines):
-        cells = [word for _, word in splitter(line, decimal)(line)]
-        if sum(bool(number(word, decimal)) for word in cells) < 2:
-            run = []
+# -- lines to a run of rows --------------------------------------------------------------------
+
+
+def _cut(text: list[tuple[int, str]], decimal: str) -> list[Cells]:
+    """The cells of every line, with decimal points or commas."""
+    quoted = any(has_quoted_comma(line) for _, line in text)
+    lines = []
+    for n, line in text:
+        cells = splitter(line, decimal, quoted)(line)
+        lines.append(Cells(n, cells, [number(word, decimal) for _, word in cells]))
+    return lines
+
+
+def _longest_run(lines: list[Cells]) -> Run:
+    """The longest run of rows of numbers."""
+    best = start = end = 0
+    for k, line in enumerate(lines):
+        if sum(map(bool, line.numbers)) < 2:
+            start = k + 1
             continue
-        run = [*run, cells] if run and len(run[0]) == len(cells) else [cells]
-        if len(run) > len(best[1]):
-            best = k + 1 - len(run), run
-    return best
+        if k > start and len(line.cells) != len(lines[start].cells):
+            start = k
+        if k + 1 - start > end - best:
+            best, end = start, k + 1
+    return Run(best, lines[best:end])
+
+
+def _no_table(lines: list[Cells], name: str) -> SceneError:
+    """The fault of a file without a table; it names the first row that is nearly one."""
+    found = f"found no {LEAST_RUN} rows of numbers one after the other"
+    for line in lines:
+        k = next((k for k, text in enumerate(line.numbers) if not text), None)
+        if k is not None and sum(map(bool, line.numbers)) == 1 and line.cells[k][1]:
+            found += f", and '{shown(line.cells[k][1], 40)}' in line {line.line}"
+            break
+    return refused(name, "", found, "expected a table of angles and lifts", "is it the file?")
+
+
+class Table:
+    """The rows of numbers, and which lines around them belong to them."""
+
+    def __init__(self, lines: list[Cells], run: Run, angle: int, lift: int, name: str):
+        self.lines, self.run, self.angle, self.lift, self.name = lines, run, angle, lift, name
+        self.width = len(run.rows[0].cells)
+        angles = [float(row.numbers[angle]) for row in run.rows if self.is_row(row)]
+        steps = [b - a for a, b in pairwise(angles)]
+        self.sign = 1.0 if 2 * sum(step > 0.0 for step in steps) > len(steps) else -1.0
+        self.angles = [self.sign * angle for angle in angles]  # they rise
+        self.reach = REACH * median(map(abs, steps))
+
+    def refuse_what_cannot_be_read(self) -> None:
+        """Raise SceneError where a row, or a line below the rows, cannot be read.
+
+        A scene may skip lines above the table, or take them for its header, none below its first
+        row.
+        """
+        begin = self.run.start
+        top = min([k for k in range(begin) if self._is_before(k)], default=begin)
+        below = self.lines[begin + len(self.run.rows) :]
+        rows = [k for k, line in enumerate(below) if self.is_row(line)]
+        behind = [k for k in rows if self._is_behind(k, below[k])]
+        again = min(set(rows) - set(behind), default=len(below))
+        if again < len(below) and not any(k < again for k in behind):
+            raise self._two_tables(below[again], "rows of numbers begin again")
+        among = [*self.lines[top:begin], *self.run.rows, *below[:again]]
+        raise_each_cause(self._fault(line) for line in among if not self.is_row(line))
+        for k, (before, now) in enumerate(pairwise(self.angles), 1):
+            if before - now > self.reach and now >= self.angles[0]:
+                raise self._two_tables(self.run.rows[k], "the angle begins again")
+
+    def is_row(self, line: Cells) -> bool:
+        """Whether both cells that count are numbers."""
+        same = len(line.cells) == self.width
+        return same and bool(line.numbers[self.angle] and line.numbers[self.lift])
+
+    def _is_before(self, k: int) -> bool:
+        """Whether the angle of a line above comes before the first row's, by so many rows."""
+        angle = self._angle_of(self.lines[k])
+        most = self.reach * (self.run.start - k)
+        return angle is not None and 0.0 < self.angles[0] - angle <= most
+
+    def _is_behind(self, k: int, line: Cells) -> bool:
+        """Whether the angle of a line, the k-th below the rows, follows theirs by so many rows."""
+        angle, last = self._angle_of(line), self.angles[-1]
+        if angle is None:
+            return False
+        turns = (0.0,) if angle >= self.angles[0] else (0.0, 360.0, 720.0)  # through zero
+        return any(0.0 < angle + turn - last <= self.reach * (k + 1) for turn in turns)
+
+    def _angle_of(self, line: Cells) -> float | None:
+        """The angle in a line, rising, where it has one."""
+        if self.angle >= len(line.numbers) or not line.numbers[self.angle]:
+            return None
+        return self.sign * float(line.numbers[self.angle])
+
+    def _fault(self, line: Cells) -> Fault:
+        """What is wrong with a line among the rows, or below them."""
+        place = f"{self.name}:{line.line}"
+        cure = "correct the row or remove it, or begin the line with # if it is a comment"
+        if len(line.cells) != self.width:
+            expected = f"expected {self.width} as in the rows beside it"
+            return Fault(place, "", f"found {len(line.cells)} cells", expected, cure)
+        bad = next(k for k in (self.angle, self.lift) if not line.numbers[k])
+        column, text = line.cells[bad]
+        found = f"found '{shown(text, 40)}'" if text else "found an empty cell"
+        return Fault(f"{place}:{column}", "", found, "expected a number", cure)
+
+    def _two_tables(self, line: Cells, what: str) -> SceneError:
+        found, expected = f"{what} at {line.numbers[self.angle]}", "expected one table in a file"
+        cure = "cut the file there, a table of its own for each cam, and make a scene of each"
+        return refused(f"{self.name}:{line.line}", "", found, expected, cure)
+
+
+def _doubt_what_is_skipped(found: Guess, lines: list[Cells], table: Table) -> None:
+    """Say so where another table is among the lines above the one that is read."""
+    rows = [line.line for line in lines if table.is_row(line)]
+    if len(rows) >= LEAST_RUN:
+        found.doubt(
+            "skip_lines",
+            f"lines {rows[0]} to {rows[-1]} are another table, which is not read; for a scene of "
+            "it put it into a file of its own",
+        )
+
+
+# -- what the columns are ----------------------------------------------------------------------
 
 
 def _angle_column(columns: dict[int, list[float]], words: list[str], name: str) -> int:
@@ -94,21 +260,31 @@ def _angle_column(columns: dict[int, list[float]], words: list[str], name: str) 
 
 
 def _steady(column: list[float]) -> bool:
-    """Whether the numbers only rise or only fall, but for one leap back by a turn."""
+    """Whether the numbers only rise or only fall, but for a few leaps back by half their range."""
     steps = [b - a for a, b in pairwise(column)]
     against = min(([s for s in steps if s <= 0.0], [s for s in steps if s >= 0.0]), key=len)
-    return not against or (len(against) == 1 and abs(against[0]) > 180.0)
+    leap = LEAP * (max(column) - min(column))
+    return len(against) <= MOST_LEAPS and all(abs(step) > leap for step in against)
 
 
-def _lift_column(columns: dict[int, list[float]], words: list[str], angle: int, name: str) -> int:
-    """A column that rises and falls again; by its title where there are several."""
-    others = {k: column for k, column in columns.items() if k != angle}
-    humps = [k for k, c in others.items() if max(c) > max(abs(c[0]), abs(c[-1])) and min(c) > -0.1]
-    titled = [k for k in humps if re.search(LIFT, words[k])]
+def _lift_columns(
+    columns: dict[int, list[float]], words: list[str], angle: int, name: str
+) -> tuple[int, list[int]]:
+    """(the column that rises and falls again, others like it); by its title where there are more.
+
+    One that begins and ends at its nose counts too, where there is no other.
+    """
+    candidates = {k: column for k, column in columns.items() if k != angle and max(column) > 0.0}
+    candidates = {k: c for k, c in candidates.items() if min(c) > -BELOW * max(c) - 1e-9}
+    humps = [k for k, c in candidates.items() if max(c) > max(abs(c[0]), abs(c[-1]))]
+    humps = humps or [k for k, c in candidates.items() if not _steady(c) and max(c) > min(c)]
     if not humps:
         found, cure = "found no column that rises and falls again", "is the lift in the file?"
         raise refused(name, "", found, "expected a column of lifts", cure)
-    return next(iter(titled or humps))
+    lifts = [k for k in humps if not re.search(NO_LIFT, words[k])]
+    titled = [k for k in lifts if re.search(LIFT, words[k])]
+    chosen = next(iter(titled or lifts or humps))
+    return chosen, [k for k in lifts if k != chosen]
 
 
 def _angle_kind(found: Guess, angles: list[float], title: str) -> None:
@@ -116,13 +292,104 @@ def _angle_kind(found: Guess, angles: list[float], title: str) -> None:
     crank = span > 400.0 or bool(re.search(CRANK, title))
     found.keys["angle"] = "crank" if crank else "cam"
     if not crank and not re.search(r"cam|nocken|\bnw", title) and span < 340.0:
-        found.unsure["angle"] = f"{span:g} deg of the cam, or of a crank that turns twice as fast?"
+        found.doubt("angle", f"{span:g} deg of the cam, or of a crank that turns twice as fast?")
 
 
-def _lift_unit(found: Guess, lifts: list[float], title: str) -> None:
+def _lift_unit(found: Guess, numbers: list[float], title: str) -> None:
+    """The unit by the title, else by the size of the numbers."""
+    top = max(numbers)
+    lift = top - min(numbers) if min(numbers) > RADII * top else top
+    if re.search(HUNDREDTHS, title):
+        found.keys |= {"lift": "fraction", "max_lift": 1e-5}
+        found.doubt("lift", f"hundredths of a millimetre by the title, {lift / 100:.4g} mm of lift")
+        return
     unit = next((unit for words, unit in UNIT_WORDS.items() if re.search(words, title)), None)
-    top = max(lifts)
-    if unit is None:
-        unit = "mm" if top > 1.0 else "inch" if top > 0.05 else "m"
-        found.unsure["lift"] = f"the largest number is {top:g}"
+    if unit is not None:
+        found.keys["lift"] = unit
+        if lift * UNITS[unit] > LARGE:
+            said = f"the title says {unit}, but that is a lift of {lift * UNITS[unit]:.4g} m"
+            found.doubt("lift", said)
+        return
+    if lift > LARGEST_THOU:
+        unit, why = "um", f"the largest number is {top:g}, too large for thousandths of an inch"
+    elif lift > LARGEST_MM:
+        unit = "thou"
+        said = f"as thousandths of an inch a lift of {lift * UNITS[unit] * 1e3:.4g} mm"
+        why = f"the largest number is {top:g}: {said}, as mm one of {lift / 1e3:.4g} m"
+    else:
+        unit = "mm" if lift > 1.0 else "inch" if lift > 0.05 else "m"
+        why = f"the largest number is {top:g}"
     found.keys["lift"] = unit
+    found.doubt("lift", why)
+
+
+def _radii(found: Guess, numbers: list[float]) -> None:
+    """Where all numbers are far from zero they are radii: the lift is what is more than the least.
+
+    They are the follower's lift only if what ran on the cam was a follower like the machine's.
+    """
+    least, top = min(numbers), max(numbers)
+    if least <= RADII * top:
+        return
+    found.keys["subtract"] = least
+    unit = found.keys.get("max_lift") or UNITS[found.keys["lift"]]
+    found.keys["base_radius"] = float(f"{least * unit:.12g}")
+    found.doubt(
+        "subtract",
+        f"the numbers go from {least:g} to {top:g}, so they are radii: the least one is taken for "
+        "the base circle, and what is more for the lift; that is the lift of the follower only "
+        "where the radii were measured with a follower like it (a roller, a flat face)",
+    )
+
+
+def _rocker(found: Guess, title: str) -> None:
+    """On which side of a rocker the table may be from."""
+    valve = bool(re.search(VALVE, title)) and not re.search(LOBE, title)
+    found.keys["rocker_ratio"] = 1
+    found.keys["measured_at"] = "valve" if valve else "lobe"
+    if not valve:
+        found.doubt(
+            "rocker_ratio",
+            "taken without a rocker; if there is one, write its ratio (lift of the valve per lift "
+            "of the lobe), and measured_at: valve if the table is of the valve",
+        )
+
+
+# -- what else the file holds ------------------------------------------------------------------
+
+
+def _other_lobes(
+    found: Guess, columns: dict[int, list[float]], lift: int, others: Sequence[tuple[int, str]]
+) -> None:
+    """Say so where the file has lifts of other lobes: in columns beside, or in the same one."""
+    own = columns[lift]
+    size = max(own) - min(own)
+    for k, title in others:
+        other = columns[k]
+        scale = max(other) - min(other)
+        name = f"column {k + 1}" + (f" '{shown(title, 40)}'" if title else "")
+        shares = [(a - min(own)) / size for a in own]
+        others_shares = [(b - min(other)) / scale for b in other]
+        differ = max(abs(a - b) for a, b in zip(shares, others_shares, strict=False))
+        if len(own) == len(other) and differ < ALIKE:
+            said = f"{name} is {scale / size:.4g} times this one"
+            found.doubt("lift_column", f"{said}: the same lobe in another unit, or behind a rocker")
+        else:
+            said = f"{name} rises and falls too, another lobe: this scene leaves it out"
+            cure = f"for a scene of it copy this one and write lift_column: {title or k + 1}"
+            found.doubt("lift_column", f"{said}; {cure}")
+    count = _lobes(own)
+    if count > 1:
+        found.doubt(
+            "lift_column",
+            f"it rises from zero and comes back {count} times: if these are {count} cams, cut the "
+            "file, a table for each, and make a scene of each",
+        )
+
+
+def _lobes(lifts: list[float]) -> int:
+    """How often the lift rises from its lowest and comes back, round the turn."""
+    low, size = min(lifts), max(lifts) - min(lifts)
+    shares = [(lift - low) / size for lift in lifts]
+    up = [share > LOBE_HEIGHT for share in shares if share > LOBE_HEIGHT or share < GROUND]
+    return sum(now and not before for before, now in pairwise([up[-1], *up]))

@@ -39,8 +39,15 @@ BACKGROUND = 8.0  # times the median deviation, likewise
 PATTERN = 0.1  # deviation from the pattern of one wrong row, relative
 DEG = 57.29577951308232
 
-UNITS = {"m": 1.0, "mm": 1e-3, "inch": 0.0254}
-UNIT_WORDS = {r"\bmm\b|millim": "mm", r"\bin\b|inch|zoll|\"": "inch", r"\bm\b|met(er|re)": "m"}
+UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "inch": 0.0254, "thou": 0.0254e-3}
+UNIT_WORDS = {  # of a title, the more special ones first
+    r"\bthou\b|thousandth|\bmils?\b|\b0?\.001 ?(\"|in)|1/1000 ?(\"|in|zoll)": "thou",
+    r"\bum\b|[µμ]m|micron|mikrom|microm": "um",
+    r"\bmm\b|millim": "mm",
+    r"\bin\b|inch|zoll|\"": "inch",
+    r"\bm\b|met(er|re)": "m",
+}
+_QUOTED = re.compile(r'"[^"]*"')
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
 
 
@@ -109,7 +116,7 @@ class _Rows:
     lift: list[Cell]
 
 
-def _raise(faults: Iterable[Fault]) -> None:
+def raise_each_cause(faults: Iterable[Fault]) -> None:
     """Raise the faults, one for each cause: the first, and how many are like it."""
     causes: dict[tuple[str, ...], list[Fault]] = {}
     for fault in faults:
@@ -132,10 +139,10 @@ def _rows(text: str, name: str, cam: TableCam) -> _Rows:
         cure = "is this the right file?"
         raise refused(name, "file", found, "expected rows of angle and lift", cure)
     head, body = lines[: cam.header], lines[cam.header :]
-    if len(body) > MAX_ROWS:
-        found, expected = f"found {len(body)} rows", f"expected at most {MAX_ROWS}"
-        raise refused(name, "file", found, expected, "thin the table out")
-    split = splitter((body or head)[0][1], cam.decimal)
+    refuse_too_many_rows(len(body), name, "file")
+    rows_of_text = body or head
+    quoted = any(has_quoted_comma(row) for _, row in rows_of_text)
+    split = splitter(rows_of_text[0][1], cam.decimal, quoted)
     titles = [word for _, word in split(head[0][1])] if head else []
     if titles and all(number(word, cam.decimal) for word in titles):
         found, cure = "found a header of numbers", "if it is the first row, write header: false"
@@ -148,6 +155,10 @@ def _rows(text: str, name: str, cam: TableCam) -> _Rows:
     if chosen[0] == chosen[1]:
         found = f"angle_column and lift_column are both column {chosen[0] + 1}"
         raise refused(name, "lift_column", found, "expected two columns", "name both")
+    if max(chosen) >= width:
+        found = f"found {width} cells in the first row, and {len(titles)} titles in the header"
+        cure = "complete either; is the comma a decimal comma?"
+        raise refused(f"{name}:{body[0][0]}", "file", found, "expected as many of both", cure)
     title = titles[chosen[1]].lower().replace("_", " ") if titles else ""
     named = {unit for pattern, unit in UNIT_WORDS.items() if re.search(pattern, title)}
     if named and cam.lift not in {*named, "fraction"}:
@@ -170,7 +181,7 @@ def _rows(text: str, name: str, cam: TableCam) -> _Rows:
                 faults.append(cell)
             else:
                 into.append(cell)
-    _raise(faults)
+    raise_each_cause(faults)
     steps = [b.value - a.value for a, b in itertools.pairwise(rows.angle)]
     if 2 * sum(step < 0 for step in steps) > len(steps):
         rows.angle.reverse()
@@ -181,6 +192,13 @@ def _rows(text: str, name: str, cam: TableCam) -> _Rows:
             rows.angle[k:] = [c._replace(value=c.value + turn) for c in rows.angle[k:]]
             break
     return rows
+
+
+def refuse_too_many_rows(count: int, name: str, key: str = "") -> None:
+    """Raise SceneError where a table has more rows than are read."""
+    if count > MAX_ROWS:
+        found, expected = f"found {count} rows", f"expected at most {MAX_ROWS}"
+        raise refused(name, key, found, expected, "thin the table out")
 
 
 def text_lines(text: str, name: str, skip: int = 0) -> list[tuple[int, str]]:
@@ -205,17 +223,28 @@ def text_lines(text: str, name: str, skip: int = 0) -> list[tuple[int, str]]:
     return lines
 
 
-def splitter(row: str, decimal: str) -> Callable[[str], list[tuple[int, str]]]:
+def has_quoted_comma(row: str) -> bool:
+    """Whether a cell in quotes holds a comma: then a comma outside of quotes separates cells."""
+    return '"' in row and any("," in text for text in _QUOTED.findall(row))
+
+
+def splitter(
+    row: str, decimal: str, quoted: bool = False
+) -> Callable[[str], list[tuple[int, str]]]:
     """What cuts a line into cells, as (column, text), as this row is to be cut.
 
     At semicolons if it has one, else at tabs, else at commas unless they are or seem decimal, else
-    at white space.
+    at white space. A cell in quotes is not cut. quoted: some cell of the table has a comma in
+    quotes, so that commas are decimal there and separate elsewhere.
     """
-    words = row.split()
+    bare = _QUOTED.sub("", row)
+    words = bare.split()
     commas = len(words) > 1 and all(number(w, "comma") and not w.endswith(",") for w in words)
-    marks = [";", "\t"] if commas or decimal == "comma" else [";", "\t", ","]
-    mark = next((mark for mark in marks if mark in row), "")
-    pattern = re.compile(f"(?:^|(?<={mark}))[^{mark}]*" if mark else r"\S+")
+    decimal_commas = commas or (decimal == "comma" and not quoted)
+    marks = [";", "\t"] if decimal_commas else [";", "\t", ","]
+    mark = next((mark for mark in marks if mark in bare), "")
+    cell = rf'\s*"[^"]*"\s*(?={mark}|$)|[^{mark}]*'
+    pattern = re.compile(f"(?:^|(?<={mark}))(?:{cell})" if mark else r'"[^"]*"|\S+')
 
     def split(line: str) -> list[tuple[int, str]]:
         found = [(m.start(), m[0]) for m in pattern.finditer(line)]
@@ -302,13 +331,13 @@ def _one_turn(rows: _Rows, cam: TableCam) -> Turn:
     with localcontext() as context:
         context.prec = 60  # LARGEST with MOST_DECIMALS, and more
         angles = [cell.value * _angle_unit(cam) for cell in rows.angle]
-        _raise(
+        raise_each_cause(
             _not_ascending(a, b) for a, b in itertools.pairwise(rows.angle) if not b.value > a.value
         )
-        last_digit, steps = _quantum(rows.lift)
-        unit = (cam.max_lift or UNITS[cam.lift]) * cam.rocker_ratio
+        last_digit, steps = _quantum(rows.lift, Decimal(repr(cam.subtract)))
+        unit = cam.metres
         quantum = float(last_digit) * unit
-        lifts = [float(cell.value) * unit for cell in rows.lift]
+        lifts = [float(cell.value - Decimal(repr(cam.subtract))) * unit for cell in rows.lift]
         _check_sizes(rows.lift, lifts, quantum)
         spacing = median_low([b - a for a, b in itertools.pairwise(angles)])
         count, covered = _cover(rows, angles, spacing, steps, lifts)
@@ -330,14 +359,15 @@ def _not_ascending(before: Cell, now: Cell) -> Fault:
     return now.fault(found, "expected angles that only rise or only fall", cure, "angle")
 
 
-def _quantum(lift: list[Cell]) -> tuple[Decimal, list[int]]:
-    """(step of the last digit in the file's unit, lifts as whole numbers of the last decimal).
+def _quantum(lift: list[Cell], zero: Decimal) -> tuple[Decimal, list[int]]:
+    """(step of the last digit in the file's unit, lifts above `zero` as whole numbers of such).
 
-    Numbers written with a power of ten have a step each; theirs is the root mean square.
+    `zero` is rounded to the last digit that the file has. Numbers written with a power of ten have
+    a step each; theirs is the root mean square.
     """
     values = [cell.value for cell in lift]
     most = max(map(_decimals, lift))
-    steps = [int(value.scaleb(most)) for value in values]
+    steps = [int((value - zero).scaleb(most).to_integral_value()) for value in values]
     if any("e" in cell.text.lower() for cell in lift):
         digits = max(len(value.as_tuple().digits) for value in values)
         sizes = [Decimal(10) ** (v.adjusted() - digits + 1) for v in values if v]
@@ -359,8 +389,8 @@ def _check_sizes(cells: list[Cell], lifts: list[float], quantum: float) -> None:
         at = lifts.index(bottom)
         found = f"found a lift of {1e3 * bottom:.6g} mm, below the base circle"
         expected = "expected lifts from zero up"
-        cure = "is lift_column the right column? Subtract the base if the file has radii"
-    elif top - bottom < 8.0 * quantum:
+        cure = "is lift_column the right column, and cam.subtract right?"
+    elif top == bottom or top - bottom < 8.0 * quantum:  # all of them zero where the unit is tiny
         differ = f"found lifts that differ by {1e3 * (top - bottom):.6g} mm"
         found = f"{differ}, a few steps of the last digit"
         expected, cure = "expected a lift curve", "write more decimals"
@@ -387,7 +417,7 @@ def _cover(
         return last, True
     if 360 - span <= spacing * 3 / 2:
         return last + 1, True
-    _raise(
+    raise_each_cause(
         rows.lift[k].fault(
             f"the table {end} at {rows.angle[k].value} deg with a lift of {1e3 * lifts[k]:.6g} mm, "
             f"an open end ({float(360 - span):.6g} deg of cam are missing)",
@@ -429,7 +459,7 @@ def _turn(
             expected = f"expected at most {WIDEST_GAP:g} deg of cam where the lift moves"
             cure = "measure the rows between"
             faults.append(Fault(f"{name}:{row[2]}", "angle", found, expected, cure))
-    _raise(faults)
+    raise_each_cause(faults)
     filled.sort(key=lambda row: row[0])
     theta, lift, line, steps = (list(column) for column in zip(*filled, strict=True))
     dwells = _dwells(name, theta, lift, steps, quantum)
@@ -474,7 +504,7 @@ def _refuse_spikes(turn: Turn, name: str) -> None:
     slack = PATTERN * np.abs(off) + turn.quantum
     for weight, step in zip(weights, (-2, -1, 1, 2), strict=True):  # of the neighbour at -step
         spike &= np.abs(np.roll(off, step) + np.roll(weight, step) * off) <= slack
-    _raise(
+    raise_each_cause(
         Fault(
             f"{name}:{turn.line[k]}",
             "lift",

@@ -2,6 +2,9 @@
 
     c(theta) = base + rocker_ratio * lift(angle),    theta = zero_deg +- angle
 
+of a table measured at the lobe; one measured at the valve is that of the follower as it is, and
+rocker_ratio only says how much less the lobe lifts.
+
 Everything about the file stands in the scene; nothing about it is guessed. The lift is smoothed
 only as far as the rounding of its digits demands, and what is left of the error of c_thetatheta is
 estimated (`lift_fit`).
@@ -20,13 +23,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from flint import arb
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, model_validator
 
-from camcli.cams.compile import Part
+from camcli.cams.compile import Part, build
 from camcli.cams.files import read_bytes, refused
 from camcli.errors import SceneError
 
 if TYPE_CHECKING:
     from camcli.cams.lift_fit import Accuracy, Errors
     from camcli.cams.lift_reading import Turn
+    from camcli.kernel.cam_table import Cam
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Column = Annotated[int, Field(strict=True, ge=1)] | Annotated[str, Field(min_length=1)]
@@ -58,14 +62,20 @@ class TableCam(BaseModel):
     angle: Literal["cam", "crank"] = Field(
         description="degrees of the cam, or of a crank that turns twice as fast"
     )
-    lift: Literal["m", "mm", "inch", "fraction"] = Field(
-        description="unit of the lift; fraction: of max_lift"
+    lift: Literal["m", "mm", "um", "inch", "thou", "fraction"] = Field(
+        description="unit of the lift; thou: 0.001 inch; fraction: of max_lift"
+    )
+    subtract: Annotated[Number, Field(ge=-1e6, le=1e6)] = Field(
+        0.0, description="number of the table at zero lift: of radii that of the base circle"
     )
     max_lift: Annotated[Number, Field(gt=0, le=1e6)] | None = Field(
         None, description="lift where the table says 1, m; only with lift: fraction"
     )
     rocker_ratio: Annotated[Number, Field(gt=0, le=1e3)] = Field(
-        1.0, description="lift of the follower per lift in the table"
+        1.0, description="lift of the follower, a valve, per lift of the lobe; 1: no rocker"
+    )
+    measured_at: Literal["lobe", "valve"] = Field(
+        "lobe", description="on which side of a rocker the table was measured"
     )
     zero_deg: Annotated[Number, Field(ge=-1e6, le=1e6)] = Field(
         description="angle of the cam where the table's angle is zero, deg"
@@ -75,7 +85,7 @@ class TableCam(BaseModel):
     )
     base: Annotated[Number, Field(ge=-1e6, le=1e6)] = Field(description="c at zero lift, m")
     base_radius: Annotated[Number, Field(gt=0, le=1e6)] | None = Field(
-        None, description="radius of the base circle, m; only the radius of curvature needs it"
+        None, description="radius of the base circle, m; only the shape of the lobe needs it"
     )
     smoothing: Annotated[Number, Field(ge=0, le=1e6)] | None = Field(
         None, description="rms deviation of the cam from the table, m; null: as its rounding asks"
@@ -146,11 +156,19 @@ class TableCam(BaseModel):
         return self.errors.accuracy()
 
     @property
-    def rougher(self) -> TableCam:
-        """The same table with a rougher fit."""
+    def metres(self) -> float:
+        """Lift of the follower, m, where the table has a lift of 1."""
+        from camcli.cams.lift_reading import UNITS
+
+        behind = self.rocker_ratio if self.measured_at == "lobe" else 1.0
+        return (self.max_lift or UNITS[self.lift]) * behind
+
+    @cached_property
+    def rougher(self) -> tuple[TableCam, Cam]:
+        """The same table with a rougher fit, and that compiled."""
         other = self.model_copy()
         other.__dict__["errors"] = self.errors.rougher
-        return other
+        return other, build(other)
 
     @property
     def outside(self) -> str:

@@ -78,11 +78,19 @@ def main() -> None:
     from camcli import interrupts
     from camcli.cli.exit_codes import INTERRUPTED, guarded, hold_output
 
-    interrupts.install()
+    def run() -> object:
+        interrupts.install()
+        return app(standalone_mode=False)
+
     os.environ.pop("MPLBACKEND", None)  # pictures are files; a name unknown here would stop them
     real = sys.stdout
     hold_output()
-    code = guarded(lambda: app(standalone_mode=False), "--json" in sys.argv)
+    try:
+        code = guarded(run, "--json" in sys.argv)
+        interrupts.arrived()  # all is done: a signal from here on is no news
+    except KeyboardInterrupt:  # a second one, while the first was told
+        interrupts.arrived()
+        code = INTERRUPTED
     sys.stdout = real
     gc.freeze()  # what is still there goes with the process: nobody need look through it
     if code == INTERRUPTED:  # without waiting for a piece that is still at work in a thread

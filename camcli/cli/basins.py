@@ -38,11 +38,13 @@ def basins(
     The window holds starts (q, v) at the strobe phase, run.strobe_deg.
     Codes of cells: 1, 2, ... the attractors; 0 undecided after basins.budget turns; -1 below the
     cam (not computed); -2 impact-budget, -3 no-return, -4 unresolved: numerical trouble, exit
-    code 3. Attractors are found, not given: cells that end on no known one are looked at. A
-    periodic one counts once the orbit solver has it and it attracts; q_m, v_m_per_s is its state
-    where its label begins. An aperiodic one is told by recurrence over 32768 turns and listed with
-    its lowest state; two that visit a common box of the section are one. Slow transients are
-    followed on or stay undecided; where nothing dissipates all is undecided.
+    code 3; -7 fault: a fault of camcli cost this block of cells, or this speed, alone, exit code 1,
+    run.json has the traceback (piece_faults). Attractors are found, not given: cells that end on
+    no known one are looked at. A periodic one counts once the orbit solver has it and it attracts;
+    q_m, v_m_per_s is its state where its label begins. An aperiodic one is told by recurrence over
+    32768 turns and listed with its lowest state; two that visit a common box of the section are
+    one. Slow transients are followed on or stay undecided; where nothing dissipates all is
+    undecided.
 
     \b
     Methods: orbit follows every cell until it meets an attractor: a whole period of it within the

@@ -13,7 +13,7 @@ from camcli.errors import Fault, SceneError
 if TYPE_CHECKING:
     from camcli.api.result import Result
 
-WITHOUT = ("verbose", "rpm", "points")  # every case has its own
+WITHOUT = ("verbose", "rpm", "points", "panels")  # every case has its own
 
 
 def bench(
@@ -36,7 +36,8 @@ def bench(
     turn of a complete chatter is not asked of anybody. bound: what is promised for ours where the
     error is largest; of_bound: the largest share of any bound, beyond 1 a failure.
     Status: ok; over-bound (exit code 3); missed or invented (impacts); given-up (time or impacts
-    used up); failed (the method stopped with an error); not-installed.
+    used up); failed (the method stopped with an error); fault (of camcli, exit code 1, run.json has
+    the traceback); not-installed.
     Methods: core (over its chatter tolerance), rk45, dop853, lsoda, radau (scipy's solve_ivp with
     contact events over rtol = atol, without a step limit and with steps of at most 1/16 turn),
     heyoka (Taylor series with terminal events; extra `bench`), rk4 (fixed steps and bisection).

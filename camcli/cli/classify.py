@@ -40,6 +40,8 @@ def classify(
     admissible, attracting orbit of up to 64 turns that the record approaches; contact; aperiodic
     where none does and the largest exponent is positive by three standard errors; undecided where
     neither can be shown, or where a cycle through a rest is an accident of rounding.
+    Status: as of cam sweep; fault: a fault of camcli cost this row alone, exit code 1, run.json has
+    the traceback (piece_faults).
     --vary KEY=LO:HI varies any number of follower, cam or run, at the speed --rpm.
     --starts N classifies N more starts at each speed (Halton points, --seed): a row per attractor.
 
@@ -94,7 +96,8 @@ def _range_row(group: list[Motion]) -> list[str]:
     transients = [m.transient for m in group if m.transient is not None]
     turns = f"{min(transients)} to {max(transients)}" if transients else ""
     return [
-        shown(a.label), motion(a.label), f"{a.value:.10g}", f"{b.value:.10g}", f"{a.impacts:.4g}",
+        shown(a.label), motion(a.label), f"{a.value:.10g}", f"{b.value:.10g}",
+        "" if a.fault is not None else f"{a.impacts:.4g}",
         a.chatter, _exponent(group), turns,
     ]  # fmt: skip
 

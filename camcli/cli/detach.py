@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, given, numbers, option
@@ -9,6 +10,7 @@ from camcli.cli.report import THEORY, table
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
+    from camcli.analysis.contact_loss.detachment import CriticalSpeed
     from camcli.analysis.contact_loss.study import ContactLoss
     from camcli.api.result import Result
 
@@ -39,9 +41,12 @@ def detach(
     hold_both               of another stiffness and preload
 
     \b
-    Every critical speed has a bracket and a status in run.json: ok; never; at-standstill; jump
+    Every critical speed has a bracket and a status in run.json, of a measured cam what the error
+    of its table leaves: ok; never; at-standstill; jump
     (the end of the chatter jumps over a corner); unresolved, exit code 3. A curve of corner hits
-    may end where its impact ceases to exist: run.json says where.
+    may end where its impact ceases to exist: run.json says where. Status of speeds.csv: as of cam
+    sweep. Where a fault of camcli costs a speed, a region, a curve or a machine (empty in
+    tolerance.csv), the exit code is 1 and run.json has the traceback (piece_faults).
     """
     from camcli.cli.run import ranges, run
     from camcli.scene import parse_rpm
@@ -75,20 +80,22 @@ def show(result: Result, verbose: bool) -> None:
     for title, heads, rows in answers(result):
         table(title, heads, rows)
     if verbose:
-        _show_theory(result.values)
+        _show_theory(result)
     for line in plainly(result.values) + (theory(result.values) if verbose else []):
         print(f"- {line}")
     if not verbose:
         print(THEORY)
 
 
-def _show_theory(found: ContactLoss) -> None:
+def _show_theory(result: Result) -> None:
     """Critical speeds, corner hits and bursts."""
     from camcli.output.detach import burst_ranges
 
+    found: ContactLoss = result.values
+    digits = _digits_of_a_table if result.scene.cam.kind == "table" else _digits_of_a_law
     critical = [
-        [c.quantity.replace("accumulation", "accumulates").replace("_", " "), c.region,
-         f"{c.theta_deg:.8f}", f"{c.rpm:.9f}", f"{c.high - c.low:.1e}", c.status]
+        [c.quantity.replace("accumulation", "accumulates").replace("_", " "), c.region, *digits(c),
+         c.status]
         for c in found.critical_speeds
         if c.finite
     ]  # fmt: skip
@@ -98,9 +105,22 @@ def _show_theory(found: ContactLoss) -> None:
     ]
     bursts = [[said, f"{a:.10g}", f"{b:.10g}", str(n)] for said, a, b, n in burst_ranges(found)]
     for title, columns, rows in (
-        ("Critical speeds", "speed, region, theta (deg), rpm, bracket, status", critical),
+        ("Critical speeds", "speed, region, theta (deg), rpm, bracket (rpm), status", critical),
         ("Impacts on corners", "impact, corner, rpm, bracket (rpm), status", hits),
         ("Bursts after settling", "chattering, from (rpm), to (rpm), speeds", bursts),
     ):
         if rows:
             table(title, columns.split(", "), rows)
+
+
+def _digits_of_a_law(c: CriticalSpeed) -> list[str]:
+    """Phase, speed, and the width of its bracket."""
+    return [f"{c.theta_deg:.8f}", f"{c.rpm:.9f}", f"{c.high - c.low:.1e}"]
+
+
+def _digits_of_a_table(c: CriticalSpeed) -> list[str]:
+    """Phase, speed, and the bracket that the error of the table leaves, where that is known."""
+    from camcli.system import range_words
+
+    known = "" if isnan(c.low) else range_words(c.low, c.high).removesuffix(" rpm")
+    return [f"{c.theta_deg:.4g}", f"{c.rpm:.4g}", known]

@@ -10,7 +10,7 @@ from contextlib import suppress
 from io import BytesIO, TextIOWrapper
 from typing import TextIO
 
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import arrived, came
 
 DONE, INTERNAL, USAGE, NUMERICS, INTERRUPTED = 0, 1, 2, 3, 130
@@ -51,6 +51,8 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
 
 def _failure(error: Exception) -> tuple[int, list[Fault]]:
     """Exit code and faults: usage errors of the option parser, limits of the system, our own."""
+    from camcli.piece_faults import MOST_TEXT, SHORTAGES, PieceFault
+
     if hasattr(error, "exit_code") and hasattr(error, "format_message"):
         text = error.format_message()
         if type(error).__name__ == "NoArgsIsHelpError":
@@ -65,16 +67,16 @@ def _failure(error: Exception) -> tuple[int, list[Fault]]:
         return int(error.exit_code), []
     if type(error).__name__ == "Abort":
         return INTERRUPTED, []
-    short = ("can't start new thread", "failed to map segment")  # a thread, a library
-    if isinstance(error, MemoryError) or any(words in str(error) for words in short):
+    if isinstance(error, MemoryError) or any(words in str(error) for words in SHORTAGES):
         cure = "ask for fewer speeds, recorded turns or --threads (cam ... --dry-run)"
         return USAGE, [Fault("cam", "", "out of memory", "", cure)]
     if isinstance(error, OSError):
         return USAGE, [_refused_by_the_system(error)]
     if os.environ.get("CAMCLI_TRACEBACK"):
         raise error
-    found = f"internal fault: {type(error).__name__}: {error}"
-    cure = "this is a fault of camcli, please report it; CAMCLI_TRACEBACK=1 shows where it is"
+    fault = PieceFault.of(error, "")
+    found = f"internal fault: {shown(fault.error, MOST_TEXT)} ({fault.place})"
+    cure = "this is a fault of camcli, please report it; CAMCLI_TRACEBACK=1 shows the traceback"
     return INTERNAL, [Fault("cam", "", found, "", cure)]
 
 
@@ -101,8 +103,16 @@ class Held(TextIOWrapper):
 
     def __init__(self, real: TextIO):
         self.bytes = BytesIO()
-        super().__init__(self.bytes, encoding=real.encoding, errors=real.errors)
+        super().__init__(self.bytes, encoding=real.encoding, errors=_lenient(real.errors))
         self.real = real
+
+
+def _lenient(errors: str | None) -> str:
+    """How a stream writes what its encoding lacks, such as the bytes of a name that is no text.
+
+    Where it would raise it writes the escapes of Python: no name costs a run its words.
+    """
+    return "backslashreplace" if errors in (None, "strict") else errors
 
 
 def hold_output() -> None:
@@ -114,6 +124,8 @@ def hold_output() -> None:
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - for the rest of the process
     elif not sys.stdout.isatty():
         sys.stdout = Held(sys.stdout)
+    elif isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors=_lenient(sys.stdout.errors))
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from camcli.cli.exit_codes import note
 from camcli.cli.options import DRAWING, VARY, Request, Values, flag, option, refuse_idle
 from camcli.cli.report import plural
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, printable
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -36,6 +36,7 @@ def explore(
     the motions from a grid of starts in their window; --with map the map over the speeds and
     --vary KEY=LO:HI (a constant of the follower; --points N,M), or over two of them, and the
     motions at a grid of its points. Every motion is a cam simulate, whose command the page shows.
+    A motion that a fault of camcli cost is left out: exit code 1, run.json has the traceback.
     """
     from camcli.cli.run import run
 
@@ -47,10 +48,11 @@ def explore(
     chosen = {f"with_{name}": name in asked for name in ("basins", "map")}
     options = {**chosen, "source": _source(request)}
     done = run("explore", request, _values(request, vary or []), _show, options=options)
-    if open_ and not request.dry_run:
+    path = (request.folder("explore") / "explore.html").resolve()
+    if open_ and not request.dry_run and path.is_file():
         import webbrowser
 
-        page = (request.folder("explore") / "explore.html").resolve().as_uri()
+        page = path.as_uri()
         if not webbrowser.open(page):
             note(f"no browser was found; open {page}")
     return done
@@ -69,10 +71,10 @@ def _values(request: Request, vary: list[str]) -> Values:
 
 
 def _source(request: Request) -> str:
-    """The options that name the scene, as typed in a shell."""
+    """The options that name the scene, as typed in a shell; bytes that are no text as escapes."""
     from shlex import join
 
-    words = [] if request.config is None else ["-c", str(request.config)]
+    words = [] if request.config is None else ["-c", printable(str(request.config))]
     for text in request.sets or ():
         words += ["--set", text]
     return join(words)
@@ -80,8 +82,7 @@ def _source(request: Request) -> str:
 
 def _show(result: Result, _: bool) -> None:
     found = result.summary
-    print(
-        f"{plural(found['motions'], 'motion')} at {plural(found['speeds'], 'speed')}, "
-        f"{plural(found['bifurcations'], 'bifurcation')} of solved branches; "
-        "open explore.html in a browser"
-    )
+    motions = f"{plural(found['motions'], 'motion')} at {plural(found['speeds'], 'speed')}"
+    solved = f"{plural(found['bifurcations'], 'bifurcation')} of solved branches"
+    then = "; open explore.html in a browser" if result.files else ""
+    print(f"{motions}, {solved}{then}")

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
-from functools import cache
+from functools import cache, partial
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
@@ -19,6 +19,7 @@ from pydantic import BaseModel, ValidationError
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import DRAWING, Request, argument, flag, option, refuse_idle
 from camcli.cli.report import plural, progress_bar, table
+from camcli.cli.run import tell_faults
 from camcli.errors import Fault, SceneError
 from camcli.interrupts import PARENT
 from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, caption, digest, drifts
@@ -26,6 +27,7 @@ from camcli.output.gallery import Shown, page
 from camcli.output.program import program_hash
 from camcli.output.run_folder import run_folder, unchanged
 from camcli.parallel import thread_count
+from camcli.piece_faults import PieceFault, attempt, fault_records, gather, gathering, piece
 from camcli.scene import Scene, default_scene_path, load_scene
 
 NAME = "figures"
@@ -41,6 +43,7 @@ OWNED = {  # options that say where and how it is run, not what is drawn
 READS = {"explore": ("sweep", "orbits", "basins")}  # commands that read others' sections
 CAM_ONLY = "--profile-only"  # with it a command knows no impacts, and of a run only the speed
 PORTABILITY = "portability broke"
+FAULTS = "faults.json"  # of pieces: figures, pages, comparisons that nobody foresaw to fail
 MOST_DRIFTS = 12  # of a figure shown to people
 LARGE = 1_000_000  # bytes: a larger table goes once its digest is made
 
@@ -108,6 +111,8 @@ def figures(
     \b
     NAME/           artefacts, run.json and figure.json of one figure
     index.html      all pictures with scene, command, numbers and cost; works offline
+    faults.json     where a fault of camcli cost a figure, its comparison or its entry alone: the
+                    tracebacks; exit code 1, and the figure is computed again the next time
 
     \b
     Figures are the scenes in --folder that have a section `figure`: its `command` is run as
@@ -151,21 +156,25 @@ def figures(
         _print(request, "cam figures, planned; seconds of the last time", rows, {"plan": rows})
         return DONE
     began = perf_counter()
-    with run_folder(out) as store:
-        try:
-            done = _compute(request, [f for f in asked if why[f.name] != UNCHANGED], why, out)
-        finally:
-            store.write_text("index.html", [page([_shown(f, out / f.name) for f in known])])
-            store.commit()
+    with gathering() as faults:
+        with run_folder(out) as store:
+            (out / FAULTS).unlink(missing_ok=True)
+            try:
+                done = _compute(request, [f for f in asked if why[f.name] != UNCHANGED], why, out)
+            finally:
+                store.write_text("index.html", [page([_entry(f, out / f.name) for f in known])])
+                store.commit()
+        drifted = _drifts(asked, out) if check else []
     states = {f.name: state for f in asked if (state := read(State, out / f.name / STATE))}
     if update_reference and len(states) == len(asked):
         update(asked, known, states)
         note(f"{asked[0].reference_path.parent}/: references of {plural(len(asked), 'figure')}")
-    pairs = [(f, states[f.name]) for f in asked if f.name in states and check]
-    drifted = [drift for figure, state in pairs for drift in compared(figure, state)]
     _show(request, asked, why, done, drifted if check else None, out, perf_counter() - began)
     codes = {state.exit for state in (*states.values(), *done.values())}
     codes |= {NUMERICS} if drifted else set()
+    if faults:
+        _write_faults(out, faults)
+        codes.add(INTERNAL)
     return max(codes - set(WHOLE), default=max(codes, default=DONE))
 
 
@@ -324,6 +333,16 @@ def _run(figure: Figure, options: list[str]) -> State:
     return State(hashes=figure.hashes, exit=code, notes=notes, seconds=seconds)
 
 
+def _computed(figure: Figure, options: list[str], folder: Path) -> State:
+    """Compute a figure; its folder is marked as finished where its artefacts are whole."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / STATE).unlink(missing_ok=True)  # until it is whole again
+    done = _run(figure, [*options, "-o", str(folder)])
+    if done.exit in WHOLE:
+        _finish(folder, done)
+    return done
+
+
 def _finish(folder: Path, done: State) -> None:
     """Write figure.json with the digest, and remove the large tables that it was made from."""
     found = digest(folder)
@@ -352,16 +371,17 @@ def _compute(
     count = thread_count(request.threads)
     options = ["--quiet", "--json", "--threads", str(max(1, count // max(1, len(wanted))))]
     options += [word for text in request.sets or () for word in ("--set", text)]
-    finished = 0
+    finished, faults = 0, dict[str, PieceFault]()
 
-    def piece(figure: Figure) -> State:
+    def compute(figure: Figure) -> State:
         nonlocal finished
         name, folder = figure.name, out / figure.name
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / STATE).unlink(missing_ok=True)  # until it is whole again
-        done = _run(figure, [*options, "-o", str(folder)])
-        if done.exit in WHOLE:
-            _finish(folder, done)
+        found = attempt(name, lambda: _computed(figure, options, folder))
+        if isinstance(found, PieceFault):
+            faults[name] = found
+            done = State(hashes=figure.hashes, exit=INTERNAL, notes=["fault, see below"])
+        else:
+            done = found
         finished += 1
         if progress is not None:
             progress("figures", finished, len(wanted))
@@ -374,9 +394,10 @@ def _compute(
         pool = ThreadPoolExecutor(count)
         try:
             names = [figure.name for figure in ordered]
-            done = dict(zip(names, pool.map(piece, ordered), strict=True))
+            done = dict(zip(names, pool.map(compute, ordered), strict=True))
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
+    gather(faults[name] for name in names if name in faults)
     for name, each in done.items():
         for line in (each.notes or [f"exit code {each.exit}"]) if each.exit != DONE else ():
             note(f"{name}: {line}")
@@ -421,6 +442,17 @@ def compared(figure: Figure, state: State) -> list[Drift]:
     return other + found
 
 
+def _drifts(asked: Sequence[Figure], out: Path) -> list[Drift]:
+    """All numbers that are not the reference's, of the figures that are finished."""
+    found: list[Drift] = []
+    for figure in asked:
+        state = read(State, out / figure.name / STATE)
+        if state is not None:
+            name = f"the comparison of {figure.name}"
+            found += piece(name, partial(compared, figure, state), [])
+    return found
+
+
 def verdict(drifted: Sequence[Drift]) -> str:
     """One line on what the drifts mean together."""
     if not drifted:
@@ -436,6 +468,21 @@ def verdict(drifted: Sequence[Drift]) -> str:
 
 
 # --- what is shown
+
+
+def _write_faults(out: Path, faults: Sequence[PieceFault]) -> None:
+    """Say what failed, and keep the tracebacks."""
+    records = fault_records(faults)
+    with run_folder(out) as store:
+        store.write_text(FAULTS, [json.dumps(records, indent=1) + "\n"])
+        store.commit()
+    tell_faults(records, out / FAULTS)
+
+
+def _entry(figure: Figure, folder: Path) -> Shown:
+    """A figure as the page shows it; one that fails there has its name alone."""
+    bare = Shown(figure.name, figure.name, "", figure.shown_command, "", folder)
+    return piece(f"the entry of {figure.name} in index.html", partial(_shown, figure, folder), bare)
 
 
 def _shown(figure: Figure, folder: Path) -> Shown:

@@ -1,107 +1,86 @@
-"""What a run will cost: a few of its real pieces are run for a moment and extrapolated.
-
-And the refusal, before any work, of what can never fit into the memory or on the disk.
-"""
+"""What a run will cost: a few of its real pieces are run for a moment and extrapolated."""
 
 from __future__ import annotations
 
 import json
-import os
-import shutil
 from collections.abc import Mapping
+from io import BytesIO
 from math import ceil
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.cli.options import Request
 from camcli.cli.report import table
-from camcli.cli.run import analysis
-from camcli.errors import Fault, SceneError
-from camcli.kernel.backend import LITTLE_WORK, for_work, stopwatch
+from camcli.cli.run import IN_PIECES, analysis
+from camcli.cli.sizes import PROGRAM, drawing_of, in_words, size_of
+from camcli.interrupts import CutOffError, until
+from camcli.kernel.backend import LITTLE_WORK, Stopwatch, for_work, stopwatch
 from camcli.parallel import Shard, Work
+from camcli.parallel.checkpoint import Checkpoint, pack
 from camcli.scene import Scene
 
-SHARE_OF_MEMORY = 0.8
-PROGRAM = 45e6  # bytes of memory of the program itself, measured
-COMPILED, DRAWING = 130e6, 125e6  # and with the compiled kernel, and with a picture
-PICTURE, RECORD = 250e3, 5e3  # bytes of a PNG and of run.json
-MUCH = 200e6  # bytes of files that are worth a word
-MOST = 10.0  # s of a sample, then nothing is foreseen
+if TYPE_CHECKING:
+    from camcli.api.result import Result
+
+RECORD, REPORT, FILM = 5e3, 130e3, 400e3  # bytes of run.json, and of what --report, --animate add
+MOST = 10.0  # s of all samples, then nothing more is foreseen
 ENOUGH = 1.0  # s after which no larger sample is run
 SHORT = 1000  # turns of transient and of record in a sample; the rest is taken to be like them
+FEW_ROWS = 9000  # of a trajectory in a sample, for each of its pieces
+FEW_STARTS = 5  # of classify at each speed of a sample: more find hardly more attractors
 BOUNDED = ("detach", "orbits")  # have a budget
 PER_WORK = 2e-7  # s, for one of it, measured: 1e-7 to 4e-7
 LARGEST = 32  # the largest sample; each is twice the one before
+MOST_GRIDS = 3  # speeds whose cells become a table
+# tables that grow with the record, or the cells
+LARGE = ("impacts", "strobe", "trajectory", "events", "basins")
 
 
-class Size(NamedTuple):
-    """How much a scene asks for, and the least bytes that takes."""
+class Cost(NamedTuple):
+    """What a sample, or a whole run, takes: bytes of LARGE tables, of others, and of pieces."""
 
-    what: str
-    pieces: int  # of equal work
-    orbits: int
-    turns: float  # of all orbits; 0 where it is not known before
-    memory: float
-    disk: float
+    impacts: float
+    seconds: float
+    recorded: float
+    rows: float
+    kept: float
 
 
-def size_of(command: str, scene: Scene) -> Size:
-    """The size of a command's work."""
-    run, turns = scene.run, scene.run.transient + scene.run.record
-    match command:
-        case "simulate":
-            rows = scene.simulate.samples * run.record
-            what = f"{run.record} recorded turns x {scene.simulate.samples} samples"
-            return Size(what, run.record, 1, turns, 280.0 * rows, 102.0 * rows)
-        case "sweep":
-            section, what = scene.sweep, f"speeds of {turns} turns, {run.record} recorded"
-            n = section.count + sum(part.num for part in section.zoom)
-            n *= 1 + len(section.also)
-            rows = n * run.record * len(section.sections)
-            if len(section.vary) == 2:
-                n, rows = section.vary[0].num * section.vary[1].num, 0
-            memory = 32.0 * rows / max(1, n) + 1e3 * n
-            disk = 43.0 * rows * (1 if section.tables == "none" else 2) + 600.0 * n
-            return Size(f"{n} {what}", n, n, n * turns, memory, disk)
-        case "classify":
-            speeds, starts = scene.classify.count, scene.classify.starts + 1
-            what = f"{speeds} speeds x {starts} starts x {run.record} recorded turns"
-            orbits, memory = speeds * starts, 45.0 * speeds * run.record
-            return Size(what, orbits, orbits, orbits * turns, memory, 790.0 * speeds)
-        case "basins":
-            (nq, nv), levels = scene.basins.cells, scene.basins.refine
-            what, orbits = (
-                f"{nq} x {nv} cells, refined {levels} times",
-                nq * nv * scene.basins.count,
-            )
-            memory = 70.0 * nq * nv + (14.0 * nq * nv * 4**levels + 20e6 if levels else 0.0)
-            return Size(what, orbits, orbits, 0.0, memory, 54.0 * orbits)
-        case "explore":
-            n = scene.sweep.rpm.num
-            return Size(f"{n} speeds", n, 3 * n, 3 * n * turns, 1e6 * n, 8e6)
-        case _:
-            n = scene.detach.rpm.num if command == "detach" else scene.orbits.starts + 1
-            return Size(f"{n} runs", n, n, 0.0, 300.0 * n, 300.0 * n)
+class _Weighed(Checkpoint):
+    """A checkpoint that keeps nothing, and counts the bytes of what it is given."""
+
+    def __init__(self) -> None:
+        self.size, self.bytes = 0, 0
+
+    def __contains__(self, name: tuple[str, int]) -> bool:
+        return False
+
+    def put(self, place: str, number: int, value: Any) -> None:
+        self.bytes += len(pack(value))
 
 
 def sample_of(command: str, scene: Scene, n: int) -> Scene:
     """The scene with few of its pieces, of few turns each."""
     from camcli.api.machine import with_values
 
-    run, few, section = scene.run, dict[str, Any](), getattr(scene, command)
-    record = min(25 * n if command == "simulate" else SHORT, run.record)
+    run, few = scene.run, dict[str, Any]()
+    section: Any = getattr(scene, command, None)
+    record = min(SHORT, run.record)
+    if command == "simulate":
+        record = min(max(1, FEW_ROWS * n // section.samples), run.record)
     match command:
         case "sweep":
-            few = {"zoom": (), "also": (), **_fewer(section, n)}
+            few = {"zoom": (), "also": (), "explain": False, "adaptive": False}
+            few |= _fewer(section, n)
         case "classify":
-            few = {"starts": 0, "explain": False, **_fewer(section, n)}
+            few = {"starts": min(FEW_STARTS, section.starts), "explain": False}
+            few |= _fewer(section, n)
         case "basins":
             cells = tuple(min(8 * n, side) for side in section.cells)
             few = {"refine": 0, "cells": cells, **_fewer(section, 1)}
         case "detach":
             few = {"rpm": _fewer(section, 25 * n)["rpm"], "tolerance": ()}
     scene = with_values(scene, "run", transient=min(SHORT, run.transient), record=record)
-    return with_values(scene, command, **few)
+    return with_values(scene, command, **few) if few else scene
 
 
 def _fewer(section: Any, n: int) -> dict[str, Any]:
@@ -115,60 +94,47 @@ def _fewer(section: Any, n: int) -> dict[str, Any]:
     return {"rpm": few(section.rpm), "vary": tuple(map(few, getattr(section, "vary", ())))}
 
 
-def refuse_too_large(command: str, scene: Scene, folder: Path, shard: Shard | None) -> None:
-    """Raise SceneError for a run whose least need is more than this machine has."""
-    need, share = size_of(command, scene), 1 if shard is None else shard.total
-    faults = []
-    for have, needed, of, where, cure in (
-        (SHARE_OF_MEMORY * memory(), need.memory, "memory", "80% of this machine's", ""),
-        (free_disk(folder), need.disk / share, "files", f"free on the disk of {folder}",
-         ", or choose another -o"),
-    ):  # fmt: skip
-        if needed > have:
-            found = f"found {need.what}, at least {in_words(needed)} of {of}"
-            limit = f"expected at most {in_words(have)}, {where}"
-            faults.append(Fault("", command, found, limit, f"ask for fewer{cure}"))
-    if faults:
-        raise SceneError(*faults)
-
-
 def forecast(
     command: str, scene: Scene, request: Request, shard: Shard | None, options: Mapping[str, Any]
 ) -> None:
-    """Print what the run would do and cost; nothing is written."""
-    size, share = size_of(command, scene), 1 if shard is None else shard.total
+    """Print what the run would do and cost; nothing is written, and it takes a few seconds."""
+    size, share = size_of(command, scene, options), 1 if shard is None else shard.total
     notes = [f"shard {shard.number} of {shard.total}: pieces only, no tables"] if shard else []
-    explains = getattr(getattr(scene, command, None), "explain", False)
-    if explains:
-        notes.append("what --explain takes is not known before: 5 to 15 s for many a change")
     if command == "detach" and scene.detach.tolerance:
-        notes.append(f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each")
-    if command == "orbits":
-        notes.append("how many branches there are, and so the time, is not known before")
-    if command == "explore":
-        notes.append("the orbits come on top: how many are solved is not known before")
-    impacts = seconds = tables = None
+        from camcli.api.machine import machine_of
+        from camcli.api.tolerances import tolerated
+
+        tolerated(machine_of(scene))  # a plan refuses what the run would
+    notes += _not_foreseen(command, scene, options)
+    cost = None
     if options.get("profile_only"):
-        impacts, tables = 0.0, 100.0 * scene.simulate.samples
-    else:
-        try:
-            sampled = [_extrapolated(*part, request) for part in _parts(command, scene, options)]
-            if sampled:
-                impacts, seconds, tables = map(sum, zip(*sampled, strict=True))
-        except TimeoutError:
-            notes.append(f"a small part took {MOST:g} s: how long it takes is not known before")
-    if explains or (seconds is None and command in BOUNDED):
+        cost = Cost(0.0, 0.0, 0.0, size.tables, 0.0)
+    elif command != "orbits":
+        with stopwatch() as watch, until(lambda: watch.passed() > MOST):
+            try:
+                cost = _sampled(command, scene, request, options, watch)
+            except CutOffError:
+                notes.append(f"a small part took {MOST:g} s: how long it takes is not known before")
+    if getattr(getattr(scene, command, None), "explain", False) or (
+        cost is None and command in BOUNDED
+    ):
         most = scene.run.work_budget
         notes.append(f"run.work_budget = {most} ends it after some {PER_WORK * most:.0f} s")
-    files = None if tables is None else ceil(tables + RECORD + (0 if request.no_plot else PICTURE))
+    drawn = not request.no_plot and shard is None
+    drawing, pictures = drawing_of(command, scene, options) if drawn else (0.0, 0.0)
+    more = REPORT * bool(options.get("report")) + FILM * bool(options.get("animate"))
+    files = kept = None
+    if cost is not None:
+        files = 0 if shard else ceil(cost.recorded + cost.rows + RECORD + pictures + more)
+        kept = ceil(cost.kept / share) if command in IN_PIECES else 0
     plan = {
         "orbits": ceil(size.orbits / share),
         "periods": ceil(size.turns / share) or None,
-        "impacts": None if impacts is None else ceil(impacts / share),
-        "seconds": None if seconds is None else seconds / share,
-        "bytes": 0 if shard else files,
-        "disk": ceil(size.disk / share) if shard else files and files + ceil(size.disk / 2),
-        "memory": round(PROGRAM + COMPILED + (0 if request.no_plot else DRAWING) + size.memory),
+        "impacts": None if cost is None else ceil(cost.impacts / share),
+        "seconds": None if cost is None else cost.seconds / share,
+        "bytes": files,
+        "disk": None if files is None or kept is None else files + kept,
+        "memory": round(PROGRAM + drawing + size.memory),
     }
     if request.json:
         print(json.dumps({"command": command, "plan": {**plan, "notes": notes}}, indent=2))
@@ -179,6 +145,31 @@ def forecast(
         print(text)
 
 
+def _not_foreseen(command: str, scene: Scene, options: Mapping[str, Any]) -> list[str]:
+    """Sentences on what no sample shows."""
+    said = {
+        "what --explain takes is not known before: 5 to 15 s for many a change": getattr(
+            getattr(scene, command, None), "explain", False
+        ),
+        f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each": (
+            command == "detach" and scene.detach.tolerance
+        ),
+        "how many branches there are, and so the time, is not known before": command == "orbits",
+        "the orbits come on top: how many are solved is not known before": command == "explore",
+        "how many speeds --adaptive adds is not known before": (
+            command == "sweep" and scene.sweep.adaptive
+        ),
+        "what --refine adds at boundaries is not known before": (
+            command == "basins" and scene.basins.refine
+        ),
+        "a speed in the middle stands for all, though those with chaos take many times as long": (
+            command == "basins" and scene.basins.count > 1
+        ),
+        "drawing the animation comes on top, some 10 to 20 s": options.get("animate"),
+    }
+    return [text for text, holds in said.items() if holds]
+
+
 def _cell(name: str, value: Any) -> str:
     if value is None:
         return "not known before"
@@ -187,75 +178,93 @@ def _cell(name: str, value: Any) -> str:
     return f"{value:.2g} s" if name == "seconds" else f"{value:.6g}"
 
 
-def _parts(command: str, scene: Scene, options: Mapping[str, Any]) -> list[tuple[str, Scene]]:
-    """The commands, and their scenes, that a command is made of and whose cost can be known."""
-    parts = {"": (command, scene)}
-    if command == "explore":
-        from camcli.api.explore import parts_of
-        from camcli.api.machine import machine_of
+def _sampled(
+    command: str, scene: Scene, request: Request, options: Mapping[str, Any], watch: Stopwatch
+) -> Cost:
+    """The cost of a command from samples of it, or of the commands that it is made of."""
+    if command == "basins":
+        return _at_each_speed(scene, request, watch)
+    if command != "explore":
+        return _extrapolated(command, scene, request, watch)[0]
+    from camcli.api.explore import page_bytes, parts_of
+    from camcli.api.machine import machine_of
 
-        parts = parts_of(machine_of(scene).scene, options["with_basins"], options["with_map"])
-    return [(name, own) for name, own in parts.values() if name != "orbits"]
+    machine = machine_of(scene)
+    asked = {"with_basins": options["with_basins"], "with_map": options["with_map"]}
+    samples = {
+        name: _extrapolated(part, own, request, watch)
+        for name, (part, own) in parts_of(machine.scene, **asked).items()
+        if part != "orbits"
+    }
+    costs = [cost for cost, _ in samples.values()]
+    page = page_bytes(machine, {name: result for name, (_, result) in samples.items()}, **asked)
+    return Cost(sum(c.impacts for c in costs), sum(c.seconds for c in costs), 0.0, page, 0.0)
 
 
-def _extrapolated(command: str, scene: Scene, request: Request) -> list[float]:
-    """Impacts, seconds and bytes of the tables, from samples of growing size.
+def _at_each_speed(scene: Scene, request: Request, watch: Stopwatch) -> Cost:
+    """The cost of basins: every speed, or value, has attractors to be found, and cells."""
+    from camcli.api.machine import with_values
 
-    In proportion to the turns where their number is known, else fixed + pieces * each, from the
-    two largest samples: a cost that comes once must be told from the rest.
+    count = scene.basins.count
+    middle = with_values(scene, "basins", **_fewer(scene.basins, 1))
+    cost, _ = _extrapolated("basins", middle if count > 1 else scene, request, watch)
+    if count > MOST_GRIDS:
+        cost = cost._replace(recorded=0.0)
+    return Cost(*(count * one for one in cost))
+
+
+def _extrapolated(
+    command: str, scene: Scene, request: Request, watch: Stopwatch
+) -> tuple[Cost, Result]:
+    """The cost, from samples of growing size, and the result of the largest of them.
+
+    In proportion to the turns, recorded turns and rows where their number is known, else fixed +
+    pieces * each, from the two largest samples: a cost that comes once must be told from the rest.
     """
-    size = size_of(command, scene)
+    size = size_of(command, scene, {})
     for_work(size.turns or LITTLE_WORK + 1)  # a sample runs as the whole will
-    samples: list[tuple[Scene, list[float]]] = []
+    samples: list[tuple[Scene, Cost]] = []
 
     def tick(*_: object) -> None:
         if watch.passed() > MOST:
-            raise TimeoutError
+            raise CutOffError
 
     n, enough = (8, 1) if size.turns else (2, 2)
-    with stopwatch() as watch:
-        while n <= LARGEST and (len(samples) < enough or watch.passed() < ENOUGH):
-            small = sample_of(command, scene, n)
-            result = analysis(command, Work(request.threads))(small, tick)
-            text = sum(len(line) for t in result.tables.values() for line in t.csv())
-            costs = [result.cost.impacts, result.seconds, text + len(json.dumps(result.summary))]
-            samples.append((small, costs))
-            if size_of(command, small).pieces == size.pieces:
+    with stopwatch() as own:
+        while n <= LARGEST and (len(samples) < enough or own.passed() < ENOUGH):
+            small, weighed = sample_of(command, scene, n), _Weighed()
+            pieces = size_of(command, small, {}).pieces
+            result = analysis(command, Work(request.threads, weighed))(small, tick)
+            samples.append((small, _cost_of(result, weighed.bytes)))
+            if pieces == size.pieces:
                 break
             n *= 2
     small, last = samples[-1]
-    part = size_of(command, small)
+    part = size_of(command, small, {})
     if size.turns:
+        turns, rows = size.turns / part.turns, size.rows / max(1, part.rows)
         recorded = size.orbits * scene.run.record / (part.orbits * small.run.record)
-        scales = [size.turns / part.turns, size.turns / part.turns, recorded]
-        return [cost * scale for cost, scale in zip(last, scales, strict=True)]
-    fixed = [0.0] * len(last)
+        kept = recorded if last.recorded else rows
+        scales = Cost(turns, turns, recorded, rows, kept)
+        return Cost(*(cost * scale for cost, scale in zip(last, scales, strict=True))), result
+    fixed = Cost(0.0, 0.0, 0.0, 0.0, 0.0)
     if len(samples) > 1:
         before, earlier = samples[-2]
-        share = part.pieces / (part.pieces - size_of(command, before).pieces)
-        fixed = [min(b, max(0.0, b - share * (b - a))) for a, b in zip(earlier, last, strict=True)]
-    return [f + (c - f) * size.pieces / part.pieces for f, c in zip(fixed, last, strict=True)]
+        share = part.pieces / (part.pieces - size_of(command, before, {}).pieces)
+        pairs = zip(earlier, last, strict=True)
+        fixed = Cost(*(min(b, max(0.0, b - share * (b - a))) for a, b in pairs))
+    scale = size.pieces / part.pieces
+    return Cost(*(f + (c - f) * scale for f, c in zip(fixed, last, strict=True))), result
 
 
-def in_words(count: float) -> str:
-    """Bytes in words: MB, from a thousand of them on GB."""
-    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{count / 1e6:.3g} MB"
-
-
-def memory() -> float:
-    """Bytes of memory of this machine."""
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (ValueError, OSError, AttributeError):
-        return 4e9
-
-
-def free_disk(folder: Path) -> float:
-    """Bytes free where the folder is or will be."""
-    place = folder.absolute()
-    while not os.path.exists(place) and place != place.parent:  # a name too long is no error
-        place = place.parent
-    try:
-        return float(shutil.disk_usage(place).free)
-    except OSError:
-        return float("inf")
+def _cost_of(result: Result, kept: int) -> Cost:
+    """What a sample has taken."""
+    binary = result.command == "sweep" and result.scene.sweep.tables == "npz"
+    sizes = {}
+    for name, one in result.tables.items():
+        file = BytesIO()
+        (one.npz if binary and name != "speeds" else one.write_csv)(file)
+        sizes[name] = file.tell()
+    large = sum(sizes[name] for name in sizes if name in LARGE)
+    rows = sum(sizes.values()) - large + len(json.dumps(result.summary))
+    return Cost(result.cost.impacts, result.seconds, large, rows, kept)

@@ -2,15 +2,20 @@
 
 import io
 import json
+import os
+import unicodedata
+from contextlib import suppress
 from operator import methodcaller
 from pathlib import Path
 from shlex import quote
-from typing import Any
+from typing import Any, NamedTuple
 
+from camcli.cli.exit_codes import note
 from camcli.cli.options import DRAWING, SCENE, Request, argument, flag
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, printable
 
 WITHOUT = (*SCENE, *DRAWING, "threads", "verbose")  # shared options that mean nothing here
+PNG = b"\x89PNG\r\n\x1a\n"  # the first bytes of every such picture
 COMMENTS = {
     "header": "lines that name the columns",
     "skip_lines": "lines of the file before the header",
@@ -18,11 +23,30 @@ COMMENTS = {
     "angle_column": "name, or number from 1",
     "lift_column": "name, or number from 1",
     "angle": "cam | crank: a crank turns twice as fast as the cam",
-    "lift": "m | mm | inch | fraction (of max_lift)",
+    "lift": "m | mm | um | inch | thou (0.001 inch) | fraction (of max_lift)",
+    "max_lift": "m, lift where the table says 1",
+    "subtract": "number of the table on the base circle",
+    "base_radius": "m, of the base circle; only for the shape of the lobe",
+    "rocker_ratio": "lift of the valve per lift of the lobe; 1: no rocker between them",
+    "measured_at": "lobe | valve: on which side of the rocker the table was measured",
     "zero_deg": "deg of the cam where the table's angle is zero; turns all phases",
     "direction": "same | reversed: whether the cam's angle rises or falls with the table's",
     "base": "m, the follower's height at zero lift",
 }
+
+
+class Files(NamedTuple):
+    """What `cam init` writes: the scene, its picture, and a copy of the table elsewhere."""
+
+    scene: Path
+    picture: Path | None = None
+    copy: Path | None = None
+
+    @property
+    def named(self) -> dict[str, Path]:
+        """Those that are written, by what they are."""
+        every = {"scene": self.scene, "picture": self.picture, "copy": self.copy}
+        return {what: path for what, path in every.items() if path is not None}
 
 
 def init(
@@ -37,10 +61,16 @@ def init(
                     picture of the cam beside it; what is only a guess is marked CHECK
     cam init        writes scene.yaml, a valve train to fill in
     -o DIR          writes there, a copy of the table too
+
+    \b
+    No table is ever written over: --force replaces a scene by a scene and a PNG by a PNG. A file
+    that holds two tables, or a row that cannot be read, is refused by its line.
     """
     text = Path(__file__).with_name("scene.yaml").read_text(encoding="utf-8")
-    files, keys, unsure = {"scene.yaml": text.encode()}, {}, {}
-    home, fill = request.out or Path(), "mass, spring and cam"
+    content = {"scene": text.encode()}
+    keys: dict[str, Any] = {}
+    unsure: dict[str, str] = {}
+    files, fill = Files((request.out or Path()) / "scene.yaml"), "mass, spring and cam"
     if table is not None:
         from camcli.cams.files import read_bytes
         from camcli.cams.lift_guess import guess
@@ -48,18 +78,20 @@ def init(
 
         expected, cure = "expected a table of angles and lifts", "check the name"
         data = read_bytes(table, str(table), MAX_BYTES, expected, cure)
-        keys, unsure = (found := guess(data, str(table))).keys, found.unsure
-        home, fill = request.out or table.parent, "mass and spring"
-        files = {table.with_suffix(".yaml").name: _scene(text, table, keys, unsure).encode()}
-        if home.resolve() != table.parent.resolve():
-            files[table.name] = data
-    path = home / next(iter(files))
-    pictures = [path.with_suffix(".png")] * (table is not None and not request.no_plot)
-    names = [str(home / name) for name in files] + list(map(str, pictures))
+        files = _files(table, request.out, not request.no_plot)
+        _refuse_shared(table, files)
+        found = guess(data, str(table))
+        keys, unsure, fill = found.keys, found.unsure, "mass and spring"
+        content = {"scene": _scene(text, table, keys, unsure).encode(), "copy": data}
+    _refuse_to_overwrite(files, content, force)
+    names = list(map(str, files.named.values()))
     if not request.dry_run:
-        _write(home, files, force)
-        for picture in pictures:  # a fault of the table names lines of the scene
-            _write(home, {picture.name: _picture(path)}, force)
+        written = {
+            path.name: content[what] for what, path in files.named.items() if what in content
+        }
+        _write(files.scene.parent, written)
+        if files.picture is not None:
+            _draw(files.scene, files.picture)
     if request.json:
         print(json.dumps({"command": "init", "files": names, "keys": keys, "unsure": unsure}))
         return 0
@@ -70,10 +102,98 @@ def init(
     if request.dry_run:
         print(f"would write {', '.join(names)}")
         return 0
-    for picture in pictures:
-        print(f"{picture}: the cam and the rows of the table")
-    print(f"{path}: fill in {fill}, then: cam detach -c {quote(str(path))}")
+    if files.picture is not None:
+        print(f"{files.picture}: the cam and the rows of the table")
+    scene = str(files.scene)
+    print(f"{scene}: fill in {fill}, then: cam detach -c {quote(scene)}")
     return 0
+
+
+# -- which files, and which of them may not be written ------------------------------------------
+
+
+def _files(table: Path, out: Path | None, drawn: bool) -> Files:
+    """Where the files of a table go: beside it, or in another folder with a copy of it."""
+    home = table.parent if out is None else out
+    scene, picture = (home / table.with_suffix(ending).name for ending in (".yaml", ".png"))
+    copy = home / table.name
+    return Files(scene, picture if drawn else None, None if _is_one(copy, table) else copy)
+
+
+def _refuse_shared(table: Path, files: Files) -> None:
+    """Raise SceneError where two of the files would be one, or the name cannot stand in a scene."""
+    try:
+        table.name.encode()
+    except UnicodeEncodeError:
+        found, expected = "found a name that is no UTF-8 text", "expected one: a scene must hold it"
+        raise SceneError(Fault(str(table), "", found, expected, "rename the table")) from None
+    for what in ("scene", "picture"):
+        path = files.named.get(what)
+        if path is None:
+            continue
+        for other, name in ((table, "table"), (files.copy, "copy of the table")):
+            if other is not None and _is_one(path, other):
+                found = f"found that the {what} would be written over the {name}"
+                cure = "rename the table, e.g. to end in .csv"
+                raise SceneError(Fault(str(path), "", found, "expected files of their own", cure))
+
+
+def _is_one(one: Path, other: Path) -> bool:
+    """Whether two names are of one file.
+
+    Through links too, and where only the case of letters differs, as that of some systems does not
+    count.
+    """
+    with suppress(OSError, ValueError):
+        if os.path.samefile(one, other):
+            return True
+    same_folder = _plain(os.path.realpath(one.parent)) == _plain(os.path.realpath(other.parent))
+    with suppress(OSError, ValueError):
+        same_folder = os.path.samefile(one.parent, other.parent)
+    return same_folder and _plain(one.name) == _plain(other.name)
+
+
+def _plain(name: str) -> str:
+    """A name without the differences that some file systems do not see."""
+    return unicodedata.normalize("NFC", name).casefold()
+
+
+def _refuse_to_overwrite(files: Files, content: dict[str, bytes], force: bool) -> None:
+    """Raise SceneError where a file of this name is not to be overwritten."""
+    for what, path in files.named.items():
+        if not os.path.lexists(path):
+            continue
+        ours = _is_ours(what, path, content.get(what, b""))
+        if ours and (force or what == "copy"):
+            continue
+        found = "found a file of this name"
+        cure = "add --force to overwrite it" if ours else "move it away, or choose another -o DIR"
+        kind = {"scene": "scene", "picture": "PNG", "copy": "copy of the table"}[what]
+        found += "" if ours else f" that is no {kind}"
+        raise SceneError(Fault(str(path), "", found, "expected none", cure))
+
+
+def _is_ours(what: str, path: Path, content: bytes) -> bool:
+    """Whether a file is a scene, a PNG, or the copy of the table as it would be written."""
+    from camcli.scene.document import parse
+    from camcli.scene.load import MAX_BYTES
+
+    try:
+        if not path.is_file():
+            return False
+        with open(path, "rb") as file:
+            data = file.read(max(MAX_BYTES, len(content)) + 1)
+    except OSError:
+        return False
+    if what == "copy":
+        return data == content
+    if what == "picture":
+        return data.startswith(PNG)
+    scene = parse(data[:MAX_BYTES].decode(errors="replace"), str(path)).data
+    return isinstance(scene, dict) and "cam" in scene
+
+
+# -- what is written ---------------------------------------------------------------------------
 
 
 def _scene(text: str, table: Path, keys: dict[str, Any], unsure: dict[str, str]) -> str:
@@ -82,33 +202,34 @@ def _scene(text: str, table: Path, keys: dict[str, Any], unsure: dict[str, str])
     values |= {"zero_deg": 0, "direction": "same", "base": 0}
     lines = []
     for key, value in values.items():
-        written = f"  {key}: {json.dumps(value, ensure_ascii=False)}"
+        odd = isinstance(value, str) and not value.isprintable()
+        written = f"  {key}: {json.dumps(value, ensure_ascii=odd)}"
         comment = f"CHECK: {unsure[key]}" if key in unsure else COMMENTS.get(key, "")
-        lines.append(f"{written:<30} # {comment}".rstrip(" #"))
+        lines.append(f"{written:<30} # {printable(comment)}".rstrip(" #"))
     return text.partition("cam:\n")[0] + "cam:\n" + "\n".join(lines) + "\n"
 
 
-def _picture(path: Path) -> bytes:
-    """The cam of the scene beside its rows, as a PNG."""
+def _draw(scene: Path, picture: Path) -> None:
+    """Write the picture of the scene's cam beside the rows of its table."""
     from camcli.api.simulate import simulate
     from camcli.output.pictures import write_picture
     from camcli.scene import load_scene
 
-    picture = io.BytesIO()
     form = {"plot.panels": ["lift", "velocity", "acceleration"], "plot.title": False}
-    result = simulate(load_scene(path, form), profile_only=True)  # no force: the spring is made up
-    write_picture(result.pictures["profile"](), picture, form=result.scene.plot)
-    return picture.getvalue()
+    try:
+        result = simulate(load_scene(scene, form), profile_only=True)  # no force: made-up spring
+    except SceneError:
+        note(f"note: {scene} is written; what the fault is about may be corrected there")
+        raise
+    drawn = io.BytesIO()
+    write_picture(result.pictures["profile"](), drawn, form=result.scene.plot)
+    _write(picture.parent, {picture.name: drawn.getvalue()})
 
 
-def _write(home: Path, files: dict[str, bytes], force: bool) -> None:
+def _write(home: Path, files: dict[str, bytes]) -> None:
     """Write files into the user's own folder, all of them or none."""
     from camcli.output.run_folder import run_folder
 
-    for name in files if not force else ():
-        if (home / name).exists():
-            found, cure = "found a file of this name", "add --force to overwrite it"
-            raise SceneError(Fault(str(home / name), "", found, "expected none", cure))
     with run_folder(home) as store:
         for name, data in files.items():
             store.write(name, methodcaller("write", data))

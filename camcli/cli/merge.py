@@ -10,7 +10,7 @@ from pathlib import Path
 
 from camcli.cli.options import DRAWING, Request, argument
 from camcli.cli.rerun import HOME, REPEATED, Record, record_of
-from camcli.cli.run import execute
+from camcli.cli.run import MOST_SHARDS, check_before, execute
 from camcli.errors import Fault, SceneError
 from camcli.output.program import program_hash
 from camcli.parallel.checkpoint import key_of
@@ -32,10 +32,11 @@ def merge(
     order, then cam merge DIR: the same artefacts, byte for byte, as of one run.
     """
     paths = _paths(parts or [Path("out")])
-    record = _record(paths)
+    record, told_by = _record(paths)
     no_plot = request.no_plot or not record.options.plot
-    scene = record.load(folder, Path())
+    scene = record.load(folder, Path(), str(told_by))
     request = replace(request, out=request.out or paths[0].parent, no_plot=no_plot)
+    check_before(record.command, scene, request.folder(record.command), {}, not no_plot)
     show = import_module(f"camcli.cli.{record.command}").show
     return execute(record.command, scene, request, show, parts=tuple(paths))
 
@@ -52,13 +53,15 @@ def _paths(given: Sequence[Path]) -> list[Path]:
     return found
 
 
-def _record(paths: Sequence[Path]) -> Record:
-    """What the parts belong to; raises SceneError unless they are all parts of one run, complete.
+def _record(paths: Sequence[Path]) -> tuple[Record, Path]:
+    """What the parts belong to, and the part that tells of what its results do not hang on.
+
+    Raises SceneError unless they are all parts of one run, complete.
 
     A part that is there twice, or one of another division of the same run, does no harm.
     """
     numbers: dict[int, set[int]] = {}  # parts that are there, by their total
-    first: dict = {}
+    first = ""  # key of the first part
     plot = False
     for path in paths:
         try:
@@ -66,21 +69,26 @@ def _record(paths: Sequence[Path]) -> Record:
         except OSError as error:
             found = f"cannot be read ({error.strerror})"
             raise _refusal(path, found, "leave it out", "expected a file of --shard I/N") from None
-        key = json.loads(text) if record_of(text, path) else {}
-        if key != (first := first or key):
-            other = ", ".join(f"another {name}" for name in first if key.get(name) != first[name])
-            found = f"found pieces of other work than in {paths[0]} ({other})"
+        record_of(text, path)
+        first = first or text
+        if text != first:  # the values may be equal: -0.0 is another machine than 0.0
+            found = f"found pieces of other work than in {paths[0]} ({_differ(first, text)})"
             cure = "merge each on its own; every shard needs the same scene, options and version"
             raise _refusal(path, found, cure)
         match end:
-            case {"shard": [int(number), int(total)], "scene": dict(scene), "plot": bool(drawn)}:
+            case {
+                "shard": [int(number), int(total)],
+                "scene": dict(scene),
+                "plot": bool(drawn),
+            } if 1 <= number <= total <= MOST_SHARDS:
                 numbers.setdefault(total, set()).add(number)
                 plot |= drawn
             case _:
                 cure = "run the same command again, it goes on"
                 raise _refusal(path, "found a part not complete", cure)
+    key = json.loads(first)
     whole = {**key, "scene": {**scene, **key["scene"]}, "options": {"plot": plot}}
-    record = record_of(json.dumps(whole), paths[0])
+    record = record_of(json.dumps(whole, default=repr), path)
     if record.program_sha256 != program_hash():
         cure = "merge with the version that computed the parts"
         raise _refusal(paths[0], "found pieces of another version of this program", cure)
@@ -92,7 +100,18 @@ def _record(paths: Sequence[Path]) -> Record:
         more = ", ..." if lacking[total] > SHOWN else ""
         found = f"found {len(numbers[total])} of {total} parts, not there: {names}{more}"
         raise _refusal("", found, "run --shard of those too", "expected all")
-    return record
+    return record, path
+
+
+def _differ(one: str, two: str) -> str:
+    """In what two keys of pieces differ, in words."""
+    first, second = json.loads(one), json.loads(two)
+    names = [
+        f"another {name}"
+        for name in first
+        if json.dumps(first[name]) != json.dumps(second.get(name))
+    ]
+    return ", ".join(names) or "written in another way"
 
 
 def _refusal(path: Path | str, found: str, cure: str, expected: str = "") -> SceneError:

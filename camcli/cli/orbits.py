@@ -52,7 +52,9 @@ def orbits(
     (an impact reaches a corner of the cam); grazing (a contact appears in a flight, or an impact
     fades); for orbits that rest: chatter-completion, departure (a departure from rest appears or
     vanishes), itinerary (an impact appears, fades or moves to another turn), detachment (contact
-    is first lost). A branch ends at one of these, or at end-of-range.
+    is first lost). A branch ends at one of these, or at end-of-range; in run.json also at: closed,
+    lost, work-budget, and fault, a fault of camcli that cost the rest of the branch alone, exit
+    code 1, with the traceback (piece_faults).
     Classification of a corner impact, from the traces and determinants on both sides:
     persistence, nonsmooth-fold, border-period-doubling, robust-chaos, no-attractor, dangerous,
     degenerate; run.json has the inequalities, and what a simulation shows on either side.

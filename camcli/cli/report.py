@@ -63,9 +63,13 @@ def cost_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
         from_disk = costs["pieces_from_disk"]
         took = f", {from_disk} pieces from disk, the rest in {costs['seconds']:.3g} s ("
     per_impact = costs["gap_evaluations"] / max(1, costs["impacts"])
+    contact = f"contact within {errors['contact_gap_m']:.1g} m"
+    if table := errors.get("lift_table"):
+        off = f"{table['rms'] * 1e6:.2g} um rms"
+        contact += f" of the fitted cam, which is within {off} of its measured table"
     return (
         f"{costs['impacts']} impacts{took}{per_impact:.2g} gap evaluations each); "
-        f"error per event: contact within {errors['contact_gap_m']:.1g} m, "
+        f"error per event: {contact}, "
         f"accumulation within {errors['accumulation_phase_turns']:.1g} turn"
     )
 

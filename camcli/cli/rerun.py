@@ -5,18 +5,25 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    StringConstraints,
+    ValidationError,
+    model_validator,
+)
 
 from camcli.cams.files import read_bytes
-from camcli.cli.exit_codes import DONE, NUMERICS, note
+from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import DRAWING, SCENE, Request, argument, option
 from camcli.cli.report import table
-from camcli.cli.run import ARTEFACTS, compute
+from camcli.cli.run import ARTEFACTS, check_before, compute, options_of, tell_faults
 from camcli.errors import Fault, SceneError, shown
 from camcli.output.program import program_hash
-from camcli.output.run_folder import run_folder, unchanged
+from camcli.output.run_folder import RECORD, run_folder, unchanged
 from camcli.scene import Scene, load_scene
 
 HOME = option("Where the files are that the scene names.", "DIR")
@@ -49,9 +56,10 @@ def rerun(
         out = request.out
         if out is None:
             out = Path(stack.enter_context(TemporaryDirectory(prefix="cam-rerun-")))
+        options = found.options.arguments()
+        check_before(found.command, scene, out, options, found.options.plot)
         names = ARTEFACTS[found.command].split()
         place = stack.enter_context(run_folder(out, threads=request.threads, names=names))
-        options = found.options.arguments()
         result, made = compute(found.command, scene, request, place, options, found.options.plot)
     now = made["artefacts"]
     verdicts = {
@@ -70,6 +78,9 @@ def rerun(
         table(title, ["artefact", "verdict"], [list(row) for row in verdicts.items()])
     if differ and found.program_sha256 != program_hash():
         note("the record is of another version of this program")
+    if made["piece_faults"]:
+        tell_faults(made["piece_faults"], None if request.out is None else out / RECORD)
+        return INTERNAL
     if any(not name.endswith(".png") for name in differ):
         return NUMERICS
     if differ and not changed:
@@ -83,7 +94,7 @@ def rerun(
 class Options(BaseModel):
     """What the command line alone decides; all else stands in the scene."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
     plot: bool = True
     profile_only: bool = False
@@ -100,14 +111,33 @@ class Options(BaseModel):
         return self.model_dump(exclude={"plot"}, exclude_unset=True)
 
 
+def _can_be_rerun(command: str) -> str:
+    """The name of a command whose run.json says enough; that of bench does not."""
+    known = [name for name in ARTEFACTS if name != "bench"]
+    if command not in known:
+        raise ValueError(f"expected {', '.join(known)}")
+    return command
+
+
 class Record(BaseModel):
     """A run; the rest of a run.json is not read."""
 
-    command: Literal["simulate", "sweep", "detach", "orbits", "basins", "classify", "explore"]
+    command: Annotated[str, AfterValidator(_can_be_rerun)]
     scene: dict[str, Any]
     options: Options = Options()
     artefacts: dict[Annotated[str, ARTEFACT], str] = {}
     program_sha256: str = ""
+
+    @model_validator(mode="after")
+    def _own_options(self) -> "Record":
+        """Only options that the command has, and together only what it takes together."""
+        given, own = self.options.model_fields_set - {"plot"}, options_of(self.command)
+        if others := sorted(given - own):
+            expected = f"expected {', '.join(sorted(own | {'plot'}))}"
+            raise ValueError(f"options: found {others[0]} of another command, {expected}")
+        if self.options.animate and self.options.profile_only:
+            raise ValueError("options: found animate beside profile_only, expected one of them")
+        return self
 
     def load(self, folder: Path | None, beside: Path, name: str = "scene") -> Scene:
         """Its scene, files that it names in a folder of the user's, else `beside` the record.
@@ -136,7 +166,8 @@ def record_of(text: str | bytes, path: Path) -> Record:
         return Record.model_validate_json(text)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        said = ": ".join([*(shown(str(key)) for key in first["loc"]), first["msg"]])
+        words = first["msg"].removeprefix("Value error, ")
+        said = ": ".join([*(shown(str(key)) for key in first["loc"]), shown(words, 300)])
         raise _unreadable(path, f"cannot be read ({said})") from None
 
 

@@ -6,17 +6,20 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from importlib import import_module
+from importlib.metadata import version
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from camcli.cli.exit_codes import DONE, NUMERICS, note
+from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request, Values, given, numbers
 from camcli.cli.report import cost_line, progress_bar
 from camcli.errors import Fault, SceneError, shown
-from camcli.kernel.backend import Stopwatch, stopwatch
-from camcli.output.run_folder import RunFolder, run_folder
+from camcli.kernel.backend import News, Stopwatch, stopwatch
+from camcli.kernel.code_cache import cache_dir
+from camcli.output.run_folder import RECORD, RunFolder, run_folder
 from camcli.output.run_record import to_text
+from camcli.piece_faults import MOST_TEXT, PieceFault, attempt, fault_records
 from camcli.scene import Scene, load_scene, parse_rpm, resolved
 
 if TYPE_CHECKING:
@@ -25,8 +28,13 @@ if TYPE_CHECKING:
 
 Show = Callable[["Result", bool], None]  # bool: whether to print the theory too
 MOST_SHARDS = 100_000
+MOST_PIECES = 5  # named in the line on a fault
 MOST_DIGITS = 30  # of --points; a longer number is nonsense, and slow to read
 IN_PIECES = ("sweep", "basins", "bench")  # commands whose finished pieces are kept on disk
+LEFT_BY_INIT = {  # words in the comments of a scene that cam init wrote
+    "FILL IN": "numbers that cam init made up; put yours there",
+    "CHECK": "guesses of cam init; correct what is wrong, and remove the word",
+}
 ARTEFACTS = {  # files of other people with these names are looked for before any work is done
     "simulate": "trajectory.csv events.csv profile.csv profile_2.csv profile_3.csv simulate.png "
     "profile.png simulate.gif simulate.mp4",
@@ -41,6 +49,22 @@ ARTEFACTS = {  # files of other people with these names are looked for before an
     "classify": "classify.csv corners.csv classify.png",
     "explore": "explore.html",
     "bench": "precision.csv stability.csv scale.csv precision.png stability.png",
+}
+
+
+NEWS = {
+    News.COMPILING: "compiling the kernel for this machine: some 5 to 10 s, once ...",
+    News.DAMAGED: "the cache of the kernel was damaged and is removed",
+    News.KILLED: "an earlier process ended while it loaded the kernel: its cache is removed",
+    News.NOT_OURS: (
+        "the cache of the kernel is not used, and each run compiles: {folder} is not a folder that "
+        "only you may write; make it one (chown, chmod go-w), or remove it"
+    ),
+    News.PUBLIC: (
+        "note: camcli's own way to compile does not know numba {numba}, so numba compiles the "
+        "kernel by itself: half a minute once, and each start takes some 2 s longer; the numbers "
+        "are the same"
+    ),
 }
 
 
@@ -127,8 +151,11 @@ def run(
     values: what the options set in the scene; options: further arguments of the API function.
     """
     from camcli.api.machine import is_open, machine_of
+    from camcli.cli.panels import check_panels
 
-    scene = load_scene(request.config, request.sets or (), values | request.form())
+    values = values | request.form()
+    scene = load_scene(request.config, request.sets or (), values, command=command)
+    check_panels(command, scene, request, options or {})
     if not request.quiet:
         _tell(scene, request.config)
     if is_open(scene, command):
@@ -136,25 +163,47 @@ def run(
         scene = machine.scene
         if command in machine.said and not request.quiet:
             note(f"note: {machine.said[command]}")
-    if not request.no_plot and (scene.plot.font or scene.plot.style):
-        from camcli.plots.style import look
-
-        with look(scene.plot.font, scene.plot.style):  # there are none: say so before the work
-            pass
-    from camcli.cli.forecast import MUCH, forecast, in_words, refuse_too_large, size_of
-
-    part = shard_of(shard)
-    refuse_too_large(command, scene, request.folder(command), part)
-    needed = size_of(command, scene).disk
-    if needed > MUCH and not request.quiet:
-        less = "--set sweep.tables=npz writes less; " if command == "sweep" else ""
-        said = f"note: this writes {in_words(needed)} of files, or more"
-        note(f"{said}; {less}see cam {command} --dry-run")
+    part, more = shard_of(shard), options or {}
+    check_before(command, scene, request.folder(command), more, not request.no_plot, part)
     if request.dry_run:
+        from camcli.cli.forecast import forecast
+
         with compiling(request):
-            forecast(command, scene, request, part, options or {})
+            forecast(command, scene, request, part, more)
         return DONE
+    if not request.quiet:
+        _tell_of_size(command, scene, more)
     return execute(command, scene, request, show, shard=part, cluster=cluster, options=options)
+
+
+def check_before(
+    command: str,
+    scene: Scene,
+    folder: Path,
+    options: Mapping[str, Any],
+    drawn: bool,
+    shard: Shard | None = None,
+) -> None:
+    """Raise SceneError before any work for what can never fit, or never be drawn."""
+    from camcli.cli.sizes import refuse_too_large
+
+    if drawn and (scene.plot.font or scene.plot.style):
+        from camcli.plots.style import check_look
+
+        check_look(scene.plot.font, scene.plot.style)
+    refuse_too_large(command, scene, folder, options, drawn=drawn, shard=shard)
+
+
+def _tell_of_size(command: str, scene: Scene, options: Mapping[str, Any]) -> None:
+    """Note that much will be written."""
+    from camcli.cli.sizes import MUCH, in_words, size_of
+
+    size = size_of(command, scene, options)
+    if max(size.tables, size.kept) > MUCH:
+        files = f"note: this writes at least {in_words(size.tables)} of files"
+        files += f", and {in_words(size.kept)} of pieces until then" if size.kept else ""
+        less = "--set sweep.tables=npz writes less; " if command == "sweep" else ""
+        note(f"{files}; {less}see cam {command} --dry-run")
 
 
 def execute(
@@ -165,8 +214,17 @@ def execute(
     with open_folder(command, scene, request, **pieces) as folder:
         drawn = not request.no_plot
         result, record = compute(command, scene, request, folder, options or {}, drawn)
-        _say(result, record, request, show)
-    return DONE if folder.shard_done or result.complete else NUMERICS
+        fault = attempt("the words on the screen", lambda: _say(result, record, request, show))
+        if isinstance(fault, PieceFault):  # all files are in their places
+            more = [*record["piece_faults"], *fault_records([fault])]
+            record = {**record, "piece_faults": more}
+            folder.replace_record(to_text(record))
+        tell_faults(record["piece_faults"], folder.folder / RECORD)
+    if folder.shard_done:
+        return INTERNAL if folder.work.faults else DONE
+    if record["piece_faults"]:
+        return INTERNAL
+    return DONE if result.complete else NUMERICS
 
 
 def compute(
@@ -222,10 +280,14 @@ def open_folder(
                 note(f"{checkpoint.pieces} pieces are on disk, the same command goes on from them")
             raise
     if folder.shard_done and checkpoint is not None:
+        records = fault_records(folder.work.faults)
+        tell_faults(records, checkpoint.path)
         if request.json:
-            print(to_text({"command": command, "shard": shard, "pieces": str(checkpoint.path)}))
+            said = {"command": command, "shard": shard, "pieces": str(checkpoint.path)}
+            print(to_text(said | ({"piece_faults": records} if records else {})))
         elif not request.quiet:
-            note(f"{checkpoint.path}: complete; when all shards are, run cam merge {place}")
+            again = " (it tries again what failed)" if records else ""
+            note(f"{checkpoint.path}: complete; when all shards are, run cam merge {place}{again}")
 
 
 def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show) -> None:
@@ -233,12 +295,10 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
     if request.json:
         print(to_text(record), end="")
     else:
-        from camcli.output.verdict import verdict
-
-        if result.system:
-            print(verdict(result, record["error"].get("lift_table")))
+        if record["verdict"]:
+            print(" ".join(record["verdict"]))
         show(result, request.verbose)
-        print(f"{request.folder(result.command)}/: {', '.join(record['artefacts'])}, run.json")
+        print(f"{request.folder(result.command)}/: {', '.join([*record['artefacts'], RECORD])}")
         if result.system and result.cost.impacts:
             print(cost_line(record["cost"], record["error"]))
         if "lift_table" in record["error"]:
@@ -249,20 +309,44 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
         note(text)
 
 
+def tell_faults(faults: Sequence[Mapping[str, Any]], place: Path | None) -> None:
+    """A line on each kind of fault of a piece, and how to report them.
+
+    place: of the run.json, None where it is gone.
+    """
+    for fault in faults:
+        pieces = fault["pieces"]
+        more = f" and {len(pieces) - MOST_PIECES} more" if len(pieces) > MOST_PIECES else ""
+        where = f" ({fault['place']})" if fault["place"] else ""
+        lost = shown(", ".join(pieces[:MOST_PIECES]), MOST_TEXT)
+        note(f"fault: {lost}{more}: {shown(fault['error'], MOST_TEXT)}{where}")
+    if faults:
+        how = "" if place is None else f" with {place}, which has the traceback"
+        note(f"this is a fault of camcli and cost these pieces alone, please report it{how}")
+
+
 def compiling(request: Request) -> AbstractContextManager[Stopwatch]:
-    """Say so before the kernel is compiled."""
+    """Say so before the kernel is compiled, and what is not as it should be with its cache."""
+    told: set[News] = set()
 
-    def say(damaged: bool) -> None:
-        why = "the cache of the kernel was damaged and is removed; " if damaged else ""
-        note(f"{why}compiling the kernel for this machine: some 5 to 10 s, once ...")
+    def tell(news: News) -> None:
+        if news not in told:
+            told.add(news)
+            note(NEWS[news].format(folder=cache_dir(), numba=version("numba")))
 
-    return stopwatch(None if request.quiet else say)
+    return stopwatch(None if request.quiet else tell)
 
 
 def analysis(command: str, work: Work) -> Callable[..., Result]:
     """The API function of a command, which works so where it works in pieces."""
     call = getattr(import_module(f"camcli.api.{command}"), command)
     return partial(call, work=work) if "work" in signature(call).parameters else call
+
+
+def options_of(command: str) -> set[str]:
+    """Arguments of the API function of a command, beside the scene and how it is run."""
+    call = getattr(import_module(f"camcli.api.{command}"), command)
+    return set(signature(call).parameters) - {"scene", "progress", "work"}
 
 
 def shard_of(text: str | None) -> Shard | None:
@@ -286,10 +370,11 @@ def _tell(scene: Scene, config: Path | None) -> None:
 
     if config is not None and config.is_file():
         lines = config.read_text(errors="replace").splitlines()
-        left = [str(n) for n, line in enumerate(lines, 1) if "FILL IN" in line.partition("#")[2]]
-        if left:
-            where = f"{config}: line{'s' * (len(left) > 1)} {', '.join(left)}"
-            note(f"note: {where}: FILL IN: numbers that cam init made up; put yours there")
+        for word, said in LEFT_BY_INIT.items():
+            left = [str(n) for n, line in enumerate(lines, 1) if word in line.partition("#")[2]]
+            if left:
+                where = f"{config}: line{'s' * (len(left) > 1)} {', '.join(left)}"
+                note(f"note: {where}: {word}: {said}")
     for text in doubts(scene):
         note(text)
     if scene.cam.kind == "table":

@@ -48,7 +48,9 @@ def simulate(
                  mechanism, the cam with its follower at rest, lifting and landing, and outline and
                  turned, the cam with its circles and corners at 0 and at 180 deg
     Curvature assumes a follower that moves along a line through the axis, base_radius + c minus
-    the lowest c away from it; the radius is the cam's, or that of --base-radius.
+    the lowest c away from it; the radius is the cam's, or that of --base-radius. Under a rocker
+    (cam.rocker_ratio) the cam drawn and its curvature are those of the lobe, which lifts
+    rocker_ratio times less; lift, velocity, acceleration and force are those of the valve.
     """
     from camcli.cli.run import one_speed, run
 
@@ -78,7 +80,7 @@ def _show(result: Result, _: bool) -> None:
 def _show_profile(result: Any, _: bool) -> None:
     from camcli.api.simulate import UNITS
     from camcli.output.detach import digits_of
-    from camcli.system import units_of
+    from camcli.system import is_measured, range_words, units_of
 
     found, units, digits = result.values, units_of(result.system), digits_of(result.scene)
     rows = []
@@ -96,8 +98,14 @@ def _show_profile(result: Any, _: bool) -> None:
     row(what, force.lowest_n, force.lowest_deg)
     if first is not None and first.finite:
         row("first detachment (rpm)", first.rpm, first.theta_deg)
+        if is_measured(result.system):
+            left = range_words(first.low, first.high).removesuffix(" rpm")
+            rows.append(["left open by the table (rpm)", left, ""])
+    ratio = result.system.rocker_ratio
+    lobe = "" if ratio == 1.0 else f" of the lobe (rocker {ratio:.6g})"
     if bent.base_radius is not None:
-        least, what = bent.flat_least, f"least radius of curvature, flat face ({units.length})"
+        least = bent.flat_least
+        what = f"least radius of curvature{lobe}, flat face ({units.length})"
         row(what, least.value * units.per_m, least.theta_deg)
     needed = f"{bent.least_base_radius * units.per_m:.{digits}g}"
     rows.append([f"base radius a flat face needs ({units.length})", needed, ""])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, option
 from camcli.cli.report import at_speed, plural, table
+from camcli.errors import shown
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -55,7 +56,8 @@ def sweep(
     turns fits, and no orbit is being approached; undecided: too few turns or impacts to tell. A
     motion that rests in some turns only is decided as cam classify does, beyond rounding (in a map
     with --decide, some seconds a point); where that fails it is undecided and grey.
-    Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
+    Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3; fault: a
+    fault of camcli cost this row alone, exit code 1, run.json has the traceback (piece_faults).
     """
     from camcli.cli.run import points_of, ranges, run, span_of
 
@@ -87,7 +89,15 @@ def show(result: Result, verbose: bool) -> None:
         return
     groups = ranges(found)
     rows = [
-        [label, motion(label), f"{a.value:.10g}", f"{b.value:.10g}", *map(str, way), str(n), status]
+        [
+            shown(label),
+            motion(label),
+            f"{a.value:.10g}",
+            f"{b.value:.10g}",
+            *map(str, way),
+            str(n),
+            status,
+        ]
         for label, status, way, a, b, n in groups
     ]
     what = "speed" if found.key == "rpm" else "value"

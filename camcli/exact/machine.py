@@ -16,7 +16,7 @@ from typing import Any
 from flint import arb, arb_mat, arb_series
 
 from camcli.cams import balls
-from camcli.cams.balls import below, derivatives, head
+from camcli.cams.balls import UndecidedError, derivatives, head
 from camcli.cams.compile import Part, Piece, Shape
 from camcli.system import Follower
 
@@ -58,12 +58,17 @@ class Machine:
         self.Z = b / (2 * m) / omega
         self.Z2 = 2 * self.Z
         self.G = (g + load / m) / (omega * omega)
+        self.undamped = isinstance(b, arb) and b == 0
+        self.springless = isinstance(k, arb) and k == 0
+        self.free = self.undamped and self.springless
+        self.sprung = head(self.W2) > 0 or head(self.W2) < 0
         damped = b * b - 4 * k * m
-        self.undamped = isinstance(self.Z, arb) and self.Z == 0
-        self.sprung = head(self.W2) != 0
-        self.critical = head(damped) == 0
-        self.over = not self.critical and below(0, head(damped))
-        self.frequency = (damped if self.over else -damped).sqrt() / (2 * m * omega)
+        self.over = head(damped) > 0
+        self.near_critical = not (self.over or head(damped) < 0)
+        if self.near_critical:
+            self.square = damped / (4 * m * m * omega * omega)
+        else:
+            self.frequency = (damped if self.over else -damped).sqrt() / (2 * m * omega)
         self.turn = 2 * arb.pi()
         self.stretches = cam if isinstance(cam, list) else stretches_of(cam)
         self.center, self.slopes, self.width = self, self, 0.0
@@ -89,24 +94,49 @@ class Machine:
         """(B, B', P) after s rad of flight.
 
         With e = exp(-Z s) and f^2 = |Z^2 - W^2|: B = e sin(f s)/f, C = e cos(f s) below critical
-        damping, B = e s, C = e at it, B = (e1 - e2)/(2 f), C = (e1 + e2)/2 above, where e1,2 =
-        exp((+-f - Z) s). B' = C - Z B, P = (1 - C - Z B)/W^2; without a spring P = (s - B)/(2 Z),
-        or s^2/2.
+        damping, B = (e1 - e2)/(2 f), C = (e1 + e2)/2 above, where e1,2 = exp((+-f - Z) s), and
+        B = e S(x) s, C = e cosh(sqrt x), x = (Z^2 - W^2) s^2, S(x) = sinh(sqrt x)/sqrt x where
+        that may be zero. B' = C - Z B, P = (1 - C - Z B)/W^2; see `_without_spring` where W may
+        be zero.
         """
-        f = self.frequency
         if self.over:
+            f = self.frequency
             e1, e2 = ((f - self.Z) * s).exp(), ((-f - self.Z) * s).exp()
             b, c = (e1 - e2) / (2 * f), (e1 + e2) / 2
+        elif self.free:
+            b, c = s, arb(1)
+        elif self.near_critical:
+            x = self.square * s * s
+            b, c = _sinh_over_root(x) * s, _cosh_of_root(x)
         else:
-            sine, c = (s, arb(1)) if self.critical else (f * s).sin_cos()
-            b = sine if self.critical else sine / f
+            sine, c = (self.frequency * s).sin_cos()
+            b = sine / self.frequency
         if self.undamped:
-            return b, c, (1 - c) / self.W2 if self.sprung else s * s / 2
+            return b, c, (1 - c) / self.W2 if self.sprung else self._without_spring(s)
         if not self.over:
             decay = (-self.Z * s).exp()
             b, c = decay * b, decay * c
         zb = self.Z * b
-        return b, c - zb, (1 - c - zb) / self.W2 if self.sprung else (s - b) / self.Z2
+        p = (1 - c - zb) / self.W2 if self.sprung else self._without_spring(s)
+        return b, c - zb, p
+
+    def _without_spring(self, s: arb) -> arb:
+        """P = the integral of B where W may be zero; raises UndecidedError.
+
+        Undamped that is S(-(W s/2)^2)^2 s^2/2. With W = 0 it is D(-2 Z s) s^2, D(x) = (E(x) - 1)/x
+        and E(x) = (exp x - 1)/x; overdamped (E((f - Z) s) - E(-(f + Z) s)) s/(2 f).
+        """
+        if self.free:
+            return s * s / 2
+        if self.undamped:
+            half = _sinh_over_root(-self.W2 * s * s / 4)
+            return half * half * s * s / 2
+        if self.springless:
+            return _quotient_of_quotient(-self.Z2 * s) * s * s
+        if self.over:
+            slow, fast = (self.frequency - self.Z) * s, (-self.frequency - self.Z) * s
+            return (_exp_quotient(slow) - _exp_quotient(fast)) * s / (2 * self.frequency)
+        raise UndecidedError
 
     def move(self, q: arb, w: arb, s: arb, order: int = 3) -> list[arb]:
         """q (m) and its derivatives by the angle, 2 or 3, after s rad of flight from (q, w)."""
@@ -125,6 +155,30 @@ class Machine:
         """Force of contact at rest over m omega^2, with two derivatives; c with four of the cam."""
         n = [self.W2 * c[k] + 2 * self.Z * c[k + 1] + c[k + 2] for k in range(3)]
         return [self.G + n[0], n[1], n[2]]
+
+
+def _cosh_of_root(x: Any) -> Any:
+    """cosh(sqrt x) of a ball or of a series of two coefficients; entire, cos(sqrt -x) below 0."""
+    at = head(x)
+    return (at / 4).hypgeom_0f1(arb(0.5)) + (at / 4).hypgeom_0f1(arb(1.5)) * (x - at) / 2
+
+
+def _sinh_over_root(x: Any) -> Any:
+    """S(x) = sinh(sqrt x)/sqrt x, likewise."""
+    at = head(x)
+    return (at / 4).hypgeom_0f1(arb(1.5)) + (at / 4).hypgeom_0f1(arb(2.5)) * (x - at) / 6
+
+
+def _exp_quotient(x: Any) -> Any:
+    """E(x) = (exp x - 1)/x, likewise."""
+    at = head(x)
+    return at.hypgeom_1f1(1, 2) + at.hypgeom_1f1(2, 3) * (x - at) / 2
+
+
+def _quotient_of_quotient(x: Any) -> Any:
+    """D(x) = (E(x) - 1)/x, likewise."""
+    at = head(x)
+    return at.hypgeom_1f1(1, 3) / 2 + at.hypgeom_1f1(2, 4) * (x - at) / 6
 
 
 def stretches_of(shape: Shape) -> list[Stretch]:

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, arb_series, ctx
 
-from camcli.cams.balls import UndecidedError, head
+from camcli.cams.balls import UndecidedError, head, slope
 from camcli.cams.compile import Shape
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import Machine, Stretch, stretches_of
@@ -51,6 +51,7 @@ class Step(StrEnum):
     NUMBER = "the value lies outside the error that is claimed for it"
     BOXES = "more boxes would be needed than are tried"
     WORK_BUDGET = "the budget of work was used up"
+    FAULT = "it failed in a way that nobody foresaw"
     MODEL = "it rests on the cam in a way that is not followed exactly"
 
 
@@ -174,8 +175,8 @@ class Shooting:
         for k, flight in enumerate(self.flights(machine, z[:-1])):
             j = (k + 1) % n
             bounce = machine.r * flight.rate + z[2 * j + 1]
-            values[2 * k][0], values[2 * k + 1][0] = flight.gap[0], bounce[0]
-            rows[2 * k][-1], rows[2 * k + 1][-1] = flight.gap[1], bounce[1]
+            values[2 * k][0], values[2 * k + 1][0] = head(flight.gap), head(bounce)
+            rows[2 * k][-1], rows[2 * k + 1][-1] = slope(flight.gap), slope(bounce)
             end = flight.rate, arb(0), r * head(flight.accel), arb(1)
             for column, block in ((2 * k, flight.start), (2 * j, end)):
                 for i in range(4):
@@ -237,8 +238,8 @@ class Shooting:
             tangent = _columns(slopes, free).solve(_columns(slopes, [fixed])).entries()
         except ZeroDivisionError:
             raise NotProvedError(Step.SINGULAR) from None
-        slope = dict(zip(free, (-t for t in tangent), strict=True))
-        return [arb_series([x, slope.get(k, 1)], 2) for k, x in enumerate(hull)]
+        slopes_of = dict(zip(free, (-t for t in tangent), strict=True))
+        return [arb_series([x, slopes_of.get(k, 1)], 2) for k, x in enumerate(hull)]
 
     def zero(
         self, guess: Sequence[arb], fixed: int, test: Test, reach: arb | None = None
@@ -251,18 +252,17 @@ class Shooting:
         box, step = self.box(guess, fixed), arb(1)
         for _ in range(NEWTON):
             value = test(self.along(box.hull(), fixed))
-            step = (value[0] / value[1]).mid()
+            step = (head(value) / slope(value)).mid()
             box.middle[fixed] = (box.middle[fixed] - step).mid()
             box = self.box(box.middle, fixed)
             if abs(step) < (1 + abs(box.middle[fixed])) * arb(2) ** (-ctx.prec // 2):
                 break
         at = box.middle[fixed]
-        off = test(self.along(box.hull(), fixed))[0]
+        off = head(test(self.along(box.hull(), fixed)))
         least = (1 + abs(at)) * arb(2) ** (-ctx.prec // 2)
         wide = least if reach is None else reach
         around = self.box(box.middle, fixed, wide)
-        slope = test(self.along(around.hull(), fixed))[1]
-        root = at - off / slope
+        root = at - off / slope(test(self.along(around.hull(), fixed)))
         if not arb(at, wide.mid()).contains_interior(root):
             raise NotProvedError(Step.CROSSING)
         middle = list(box.middle)

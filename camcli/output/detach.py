@@ -149,7 +149,11 @@ def burst_ranges(result: ContactLoss) -> list[tuple[str, float, float, int]]:
 
 
 def summary(result: ContactLoss) -> dict[str, Any]:
-    """The result of run.json; a speed that does not exist is infinite."""
+    """The result of run.json; a speed that does not exist is infinite.
+
+    low_rpm and high_rpm are the speeds between which a critical speed lies, null where that is not
+    known; of a measured cam they are what the error of its table leaves.
+    """
     return {
         "words": sentences(result),
         "critical_speeds": [_critical(c) for c in result.critical_speeds],
@@ -232,6 +236,8 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
         for f in found.forces
     ]  # fmt: skip
     pressed = ", Hertz (MPa)" if found.forces and found.forces[0].pressure_pa else ""
+    ratio = result.system.rocker_ratio
+    where = "" if ratio == 1.0 else f", at the valve; on the lobe {ratio:.6g} times as large"
     springs = [
         [way(h), _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, digits=4),
          _cell(h.nose_n, digits=4),
@@ -241,7 +247,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     ]  # fmt: skip
     tables = [
         ("Past the loss of contact", [*names, *columns.split(", ")], past),
-        ("Contact force if the follower is kept on the cam",
+        (f"Contact force if the follower is kept on the cam{where}",
          [*names, *f"least (N), at (deg), largest (N){pressed}".split(", ")], forces),
         ("Springs that hold contact",
          ["spring", *f"rate ({units.stiffness}), preload (N), at full lift (N), holds to (rpm), "
@@ -264,6 +270,8 @@ def machine(result: Any) -> list[list[str]]:
         ["cam", cam_name(cam)],
         ["lift", units.lengths(lift[1] - lift[0], 4)],
     ]
+    if (ratio := result.system.rocker_ratio) != 1.0:
+        rows.append(["rocker ratio", f"{ratio:.6g}"])
     return [["machine", ""], *rows]
 
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, BinaryIO
+
+from camcli.interrupts import removed_at_end
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,10 +59,17 @@ def write_animation(frames: Iterator[Figure], file: BinaryIO, kind: str) -> None
 
     writer = {"gif": PillowWriter, "mp4": FFMpegWriter}[kind](fps=FRAMES_PER_S)
     first = next(frames)
-    with TemporaryDirectory() as place:
-        path = Path(place) / f"frames.{kind}"
+    with unfinished_folder() as place:
+        path = place / f"frames.{kind}"
         with writer.saving(first, path, first.dpi):
             writer.grab_frame()
             for _ in frames:
                 writer.grab_frame()
         file.write(path.read_bytes())
+
+
+@contextmanager
+def unfinished_folder() -> Iterator[Path]:
+    """A temporary folder, which goes however the block ends, and where the process is cut too."""
+    with TemporaryDirectory() as place, removed_at_end(place):
+        yield Path(place)

@@ -11,17 +11,25 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from hashlib import file_digest, sha256
+from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from camcli.errors import Fault, SceneError
-from camcli.interrupts import held
+from camcli.interrupts import finished, held, unfinished
 from camcli.output.program import program_hash
 from camcli.parallel import Checkpoint, Shard, ShardDone, Work
 from camcli.parallel.checkpoint import END
+from camcli.piece_faults import fault_records
 
 PART, PIECES = ".cam-part", ".pieces"  # endings of files that are gone when a run has finished
 RECORD = "run.json"
+MOST_TRIES = 100  # to make a folder that others make and remove at the same time
+NO_FOLDER = "found no way to create it (it is not there, or removed again and again)"
+
+
+class UnwritableError(SceneError):
+    """A file or folder cannot be written."""
 
 
 class RunFolder:
@@ -46,6 +54,7 @@ class RunFolder:
     def write(self, name: str, fill: Callable[[BinaryIO], Any]) -> None:
         """Let `fill` write the bytes of `name`; an earlier file stays until `commit`."""
         part = self._part(name)
+        unfinished(part)
         try:
             with open(part, "wb") as file:
                 fill(file)
@@ -55,9 +64,16 @@ class RunFolder:
             self.hashes[name] = _hash(part)
         except BaseException as error:
             part.unlink(missing_ok=True)
+            finished(part)
             if isinstance(error, OSError):
                 raise _unwritable(self.folder, name, error) from None
             raise
+
+    def write_whole(self, name: str, fill: Callable[[BinaryIO], Any]) -> None:
+        """The same, with nothing written before `fill` has made all: its errors are its own."""
+        made = BytesIO()
+        fill(made)
+        self.write(name, lambda file: file.write(made.getbuffer()))
 
     def write_text(self, name: str, chunks: Iterable[str]) -> None:
         """Write `name` from pieces of text."""
@@ -90,7 +106,8 @@ class RunFolder:
         """Those pictures of the run before that show this scene with the very same numbers."""
         tables = {name: digest for name, digest in self.before.items() if name not in names}
         if (
-            tables != self.hashes
+            not self.before
+            or tables != self.hashes
             or scene_sha256.encode() not in (self.folder / RECORD).read_bytes()
         ):
             return {}
@@ -123,10 +140,18 @@ class RunFolder:
         except OSError as error:
             raise _unwritable(self.folder, name, error) from None
 
+    def replace_record(self, text: str) -> None:
+        """Put another run.json in the place of the one that was committed; all else stays."""
+        self.write_text(RECORD, [text])
+        with held():
+            os.replace(self._part(RECORD), self.folder / RECORD)
+
     def close(self) -> None:
         """Forget what was not committed."""
         for name in self.hashes:
-            self._part(name).unlink(missing_ok=True)
+            part = self._part(name)
+            part.unlink(missing_ok=True)
+            finished(part)
 
     def _part(self, name: str) -> Path:
         return self.folder / f".{name}{PART}"
@@ -158,21 +183,21 @@ def run_folder(
     """
     run = RunFolder(folder, Work(threads, shard=shard))
     with ExitStack() as stack:
-        stack.callback(_remove_empty, _prepare(folder))
+        text = path = None
+        if key is not None:
+            text = json.dumps({**key, "program_sha256": program_hash()}, sort_keys=True)
+            path = folder / _name_of_pieces(key.get("command", "run"), text, shard)
         if shard is None:
-            stack.enter_context(_locked(folder))
+            stack.enter_context(_folder_alone(folder))
             run.look_around()
             run.claim([*names, RECORD] if names else ())
             stack.callback(run.close)
             for part in folder.glob(f".*{PART}"):  # of a run that was killed
                 _remove(part)
-        if key is not None:
-            text = json.dumps({**key, "program_sha256": program_hash()}, sort_keys=True)
-            path = folder / _name_of_pieces(key.get("command", "run"), text, shard)
+        elif path is not None:
+            stack.enter_context(_pieces_alone(folder, path))
+        if path is not None and text is not None:
             try:
-                if shard is not None:  # other shards may be at work in the same folder
-                    path.touch()
-                    stack.enter_context(_locked(path))
                 checkpoint = run.work.checkpoint = Checkpoint(path, text, parts)
             except OSError as error:
                 raise _unwritable(folder, path.name, error) from None
@@ -185,7 +210,8 @@ def run_folder(
             yield run
         except ShardDone:
             assert shard is not None
-            checkpoint.put(END, 0, {**(about or {}), "shard": list(shard)})
+            told = {"piece_faults": fault_records(run.work.faults)} if run.work.faults else {}
+            checkpoint.put(END, 0, {**(about or {}), "shard": list(shard), **told})
             run.shard_done = True
         finally:
             if run.committed and key is not None:
@@ -198,19 +224,69 @@ def _name_of_pieces(command: str, key: str, shard: Shard | None) -> str:
     return f".{command}-{sha256(key.encode()).hexdigest()[:12]}{PIECES}"
 
 
+@contextmanager
+def _folder_alone(folder: Path) -> Iterator[None]:
+    """Make the folder, and have it alone; an empty one that was made here goes at the end.
+
+    Only who has the lock removes it, and a lock counts only on the folder that is there under its
+    name: a run that begins while another one ends may have locked the one that was just removed.
+    Raises SceneError where the folder cannot be written, or another run has it.
+    """
+    made: list[Path] = []
+    for _ in range(MOST_TRIES):
+        made += [path for path in _prepare(folder) if path not in made]
+        with ExitStack() as stack:
+            if not stack.enter_context(_locked(folder)):
+                continue
+            stack.callback(_remove_empty, made)
+            yield
+            return
+    raise _refused(folder, NO_FOLDER)
+
+
+@contextmanager
+def _pieces_alone(folder: Path, path: Path) -> Iterator[None]:
+    """Make the file of the pieces of a shard in the folder, and have that file alone.
+
+    Other shards may be at work in the same folder. Raises SceneError as `_folder_alone`.
+    """
+    for _ in range(MOST_TRIES):
+        made = _prepare(folder)
+        with ExitStack() as stack:
+            try:
+                path.touch()
+            except FileNotFoundError:  # another shard has removed the folder, which was empty
+                continue
+            except OSError as error:
+                raise _unwritable(folder, path.name, error) from None
+            stack.callback(_remove_empty, made)
+            if not stack.enter_context(_locked(path)):
+                continue
+            yield
+            return
+    raise _refused(folder, NO_FOLDER)
+
+
 def _prepare(folder: Path) -> list[Path]:
     """Create the folder, or raise SceneError where nothing could be written into it.
 
-    Returns what was not there before, the folder itself first.
+    Returns what was not there before, the folder itself first. Another run may remove it at once,
+    where it has made it too.
     """
     made = [path for path in (folder, *folder.parents) if not os.path.lexists(path)]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except (FileExistsError, NotADirectoryError):
-        raise _refused(folder, "found a file where the folder should be") from None
-    except OSError as error:
-        raise _refused(folder, f"found no way to create it ({error.strerror})") from None
-    if not os.access(folder, os.W_OK | os.X_OK):
+    for _ in range(MOST_TRIES):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            break
+        except FileNotFoundError:  # another run has removed a folder above it
+            continue
+        except (FileExistsError, NotADirectoryError):
+            raise _refused(folder, "found a file where the folder should be") from None
+        except OSError as error:
+            raise _refused(folder, f"found no way to create it ({error.strerror})") from None
+    else:
+        raise _refused(folder, NO_FOLDER)
+    if not os.access(folder, os.W_OK | os.X_OK) and os.path.lexists(folder):
         raise _refused(folder, "found a folder that may not be written")
     return made
 
@@ -223,25 +299,30 @@ def _remove_empty(made: list[Path]) -> None:
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
+def _locked(path: Path) -> Iterator[bool]:
     """Hold a lock on a folder or file, where the system has locks.
 
-    It belongs to the open file, not to the process: of two runs in one process one is refused.
-    Raises SceneError where another run has it.
+    Gives False where what was locked is not what has the name any more. The lock belongs to the
+    open file, not to the process: of two runs in one process one is refused. Raises SceneError
+    where another run has it.
     """
     with ExitStack() as stack:
+        here = True
         try:
             import fcntl
 
             handle = os.open(path, os.O_RDONLY)
             stack.callback(os.close, handle)
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            here = os.path.samestat(os.fstat(handle), os.stat(path))
         except BlockingIOError:
             found, cure = "found another run at work here", "wait for it, or choose another"
             raise SceneError(Fault("-o", str(path), found, "expected it free", cure)) from None
+        except FileNotFoundError:
+            here = False
         except (ImportError, OSError):
             pass  # a system, or a file system, without locks
-        yield
+        yield here
 
 
 def _remove(path: Path) -> None:
@@ -277,10 +358,10 @@ def _hash(path: Path) -> str:
         return file_digest(file, "sha256").hexdigest()
 
 
-def _unwritable(folder: Path, name: str, error: OSError) -> SceneError:
+def _unwritable(folder: Path, name: str, error: OSError) -> UnwritableError:
     return _refused(folder, f"{name} could not be written ({error.strerror})")
 
 
-def _refused(folder: Path, found: str) -> SceneError:
+def _refused(folder: Path, found: str) -> UnwritableError:
     expected, cure = "expected a writable folder", "choose another"
-    return SceneError(Fault("-o", str(folder), found, expected, cure))
+    return UnwritableError(Fault("-o", str(folder), found, expected, cure))

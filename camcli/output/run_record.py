@@ -44,8 +44,8 @@ def error_record(tolerance: float, system: System) -> dict[str, Any]:
 
 
 def run_record(**parts: Any) -> dict[str, Any]:
-    """The record: command, scene, scene_sha256, options, cost, error, result and artefacts (the
-    SHA-256 of each file), then the program, the versions and the machine."""
+    """The record: command, scene, scene_sha256, options, cost, error, verdict, result, piece_faults
+    and artefacts (the SHA-256 of each file), then the program, the versions and the machine."""
     versions = {}
     for package in PACKAGES:
         with suppress(PackageNotFoundError):

@@ -6,15 +6,22 @@ a comma, a quote or a backslash.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, NoReturn
 
 from pydantic_core import to_json
 
 if TYPE_CHECKING:
     import numpy as np
+
+    Columns = Mapping[str, np.ndarray]
+else:
+
+    class Columns(Mapping, dict):
+        """A Mapping that is a dict besides, whose own content stays empty."""
+
 
 Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
 ROWS = 1 << 12  # rows that become a block at a time
@@ -22,20 +29,30 @@ KINDS = {float, int, str, type(None)}
 SAME_FORM, EXPONENT = 1e-4, 1e16  # magnitudes between which JSON and Python write a number alike
 
 
-@dataclass(frozen=True, repr=False)
-class Table:
+class Table(Columns):
     """Named columns of equal length, made anew from the result each time they are read.
 
     ``table["rpm"]`` is a column as a NumPy array: numbers as float64 or int64, with NaN where a
     number is not known, texts as strings; columns of an empty table are float64.
-    ``table.columns`` are the names, as in the CSV file.
+    ``table.columns`` are the names, as in the CSV file, and ``table.rows`` is how many rows it has.
+
+    It is a Mapping of these columns, so that ``dict(table)`` has them all, and a dict because
+    pandas.DataFrame reads no other mapping: what would write to the dict, copy it or compare it is
+    replaced. A table cannot be changed.
     """
 
-    columns: tuple[str, ...]
-    blocks: Callable[[], Iterator[Block]]
+    def __init__(self, columns: Sequence[str], blocks: Callable[[], Iterator[Block]]):
+        self.columns = tuple(columns)
+        self.blocks = blocks
 
     def __repr__(self) -> str:
         return f"Table({', '.join(self.columns)})"
+
+    def __reduce__(self) -> tuple:
+        """Pickled, a table is its values: what makes them may be a function of another process."""
+        return Table, (self.columns, partial(iter, list(self.blocks())))
+
+    __eq__, __ne__, __hash__ = object.__eq__, object.__ne__, object.__hash__
 
     @classmethod
     def of_rows(cls, columns: Sequence[str], rows: Callable[[], Iterable[Sequence]]) -> Table:
@@ -53,21 +70,45 @@ class Table:
         import numpy as np
 
         if column not in self.columns:
-            raise KeyError(f"{column}; there are {', '.join(self.columns)}")
+            raise unknown("column", column, self.columns)
         k = self.columns.index(column)
         parts = [np.asarray(_missing(_spread(block, k))) for block in self.blocks()]
         found = np.concatenate(parts) if parts else np.empty(0)
         return found.astype(np.int64) if found.dtype.kind in "iu" else found
 
+    def __contains__(self, column: object) -> bool:
+        return column in self.columns
+
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
 
-    def keys(self) -> tuple[str, ...]:
-        """The names, so that ``dict(table)`` has every column."""
-        return self.columns
+    def __reversed__(self) -> Iterator[str]:
+        return reversed(self.columns)
 
     def __len__(self) -> int:
+        """The number of columns."""
+        return len(self.columns)
+
+    @property
+    def rows(self) -> int:
+        """The number of rows."""
         return sum(_length(block) for block in self.blocks())
+
+    def copy(self) -> dict[str, np.ndarray]:
+        """All columns, in a dict that may be changed."""
+        return dict(self)
+
+    def __or__(self, other: Mapping) -> dict:
+        return {**self, **other}
+
+    def __ror__(self, other: Mapping) -> dict:
+        return {**other, **self}
+
+    def _fixed(self, *_: object, **__: object) -> NoReturn:
+        raise TypeError("a table cannot be changed; dict(table) can")
+
+    __setitem__ = __delitem__ = __ior__ = _fixed
+    update = setdefault = pop = popitem = clear = _fixed
 
     def csv(self) -> Iterator[str]:
         """The text of the CSV file, a block at a time."""
@@ -85,13 +126,17 @@ class Table:
                 text = begin + text[: len(text) - len(begin)]
                 yield text.replace(b'"', b"").decode()
 
+    def write_csv(self, file: BinaryIO) -> None:
+        """Write the CSV file."""
+        file.writelines(chunk.encode() for chunk in self.csv())
+
     def npz(self, file: BinaryIO) -> None:
         """Write the columns as numpy.load reads them; no time stands in the archive."""
         from zipfile import ZIP_STORED, ZipFile, ZipInfo
 
         import numpy as np
 
-        count = len(self)
+        count = self.rows
         with ZipFile(file, "w", ZIP_STORED) as archive:
             for k, name in enumerate(self.columns):
                 first = next((_spread(block, k) for block in self.blocks()), ())
@@ -104,6 +149,25 @@ class Table:
                     np.lib.format.write_array_header_1_0(member, header)
                     for block in self.blocks():
                         member.write(np.asarray(_spread(block, k), dtype=kind).tobytes())
+
+
+class Named(dict[str, Any]):
+    """What has names; the error of a wrong one says which names there are.
+
+    kind: the word for one of them, e.g. `table`.
+    """
+
+    def __init__(self, kind: str, content: Mapping[str, Any]):
+        super().__init__(content)
+        self.kind = kind
+
+    def __missing__(self, name: str) -> NoReturn:
+        raise unknown(self.kind, name, self)
+
+
+def unknown(kind: str, name: object, known: Iterable[str]) -> KeyError:
+    """The error for a name that is not one of those known."""
+    return KeyError(f"found no {kind} {name!r}; there are {', '.join(known) or 'none'}")
 
 
 def _is_column(entry: Any) -> bool:

@@ -16,21 +16,22 @@ LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
 LARGE_RADIUS = 1.0  # m
 
 
-def verdict(result: Any, lift_table: Mapping[str, Any] | None) -> str:
+def verdict(result: Any, lift_table: Mapping[str, Any] | None) -> list[str]:
     """Sentences on a `Result`; `lift_table`: what run.json says of the error of a measured cam."""
     crank = crank_of(result.scene)
     if result.command == "simulate":
-        return _at_one_speed(result, crank)
+        return [_at_one_speed(result, crank)]
     found = loss.detachment(result.system)
     if found.always:
         kink = found.always[0].reason is loss.Reason.KINK
         why = "the cam's slope drops" if kink else "the spring does not press even at standstill"
-        return f"Contact is lost at every speed: {why} at {found.always[0].theta_deg:.4g} deg."
+        return [f"Contact is lost at every speed: {why} at {found.always[0].theta_deg:.4g} deg."]
     if found.first is None:
-        return "Contact holds at every speed."
+        return ["Contact holds at every speed."]
     low, high = lift_table["first_detachment_rpm"] if lift_table else (None, None)
     said = f"Contact holds up to {_speed(found.first.rpm, low, high, crank)}"
-    return ". ".join([said + "".join(_past(result)), *_springs(result), *_tolerances(result)]) + "."
+    sentences = [said + "".join(_past(result)), *_springs(result), *_tolerances(result)]
+    return [f"{sentence}." for sentence in sentences]
 
 
 def _speed(rpm: float, low: float | None, high: float | None, crank: float) -> str:
@@ -133,10 +134,10 @@ def spring_words(hold: Hold, units: Units) -> str:
 
 def motion(label: str) -> str:
     """A label in words."""
-    if not label.startswith("P("):
+    if not isinstance(label, Label):
         words = {CONTACT: "stays on the cam", APERIODIC: "never repeats"}
         return words.get(label, "not known")
-    symbols = Label.parse(label).symbols
+    symbols = label.symbols
     turns, resting = len(symbols), symbols.count(inf)
     repeats = "every turn alike" if turns == 1 else f"repeats every {turns} turns"
     if resting:
@@ -148,22 +149,29 @@ def motion(label: str) -> str:
 def doubts(scene: Any) -> Iterator[str]:
     """What of a machine is probably a wrong unit or sign."""
     follower, cam = scene.follower, scene.cam
-    lift = getattr(cam, "lift", None)
     if cam.kind == "table":
         lift = float(max(cam.measured.lift))
         least = float(min(cam.measured.lift))
         if least > RADII * lift:
+            number = float(f"{least / cam.metres + cam.subtract:.12g}")
             yield (
                 f"warning: the smallest lift of the table is {least * MM:.4g} mm; if these are "
-                f"radii, write base: {-least:.6g}"
+                f"radii, write subtract: {number:.10g}"
             )
-    if isinstance(lift, float) and lift > LARGE_LIFT and follower.mass < LARGE_MASS:
+        top = cam.base + lift
+    elif cam.kind == "arcs":
+        top = cam.nose_center + cam.nose_radius - cam.offset
+        lift = top - (cam.base_radius - cam.offset)
+    else:
+        lift = getattr(cam, "lift", 0.0)
+        top = getattr(cam, "base", 0.0) + lift
+    if lift > LARGE_LIFT and follower.mass < LARGE_MASS:
         yield f"warning: a lift of {lift * MM:.4g} mm; is it in m, or cam.lift the file's unit?"
     radius = getattr(cam, "base_radius", None)
     if radius is not None and radius > LARGE_RADIUS:
         yield f"warning: a base radius of {radius:.4g} m; is it in m?"
     solid = getattr(scene.spring, "solid_at", None)
-    if solid is not None and solid < (lift or 0.0) + getattr(cam, "base", 0.0):
+    if solid is not None and solid < top:
         yield f"warning: the spring is solid at {solid * MM:.4g} mm, below the highest lift"
     if follower.preload < 0.0:
         yield (

@@ -11,6 +11,7 @@ QUICK seconds wait for the next one after them, or for the end of a run that fai
 import errno
 import json
 import os
+import re
 from binascii import a2b_base64, b2a_base64
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,10 +23,13 @@ from zlib import crc32
 
 from camcli.errors import Fault, SceneError
 from camcli.interrupts import held
+from camcli.parallel.threads import memory
 
 DTYPES = ("<f8", "<i8", "<i4", "<i2", "|i1", "|b1", "|u1")
 MOST_KEY = 1 << 24  # bytes of the first line
 SUM = 8  # bytes that a line begins with
+HEAD = re.compile(rb"[0-9a-f]{8} ")  # of a line; a hole in a file is none, however long it is
+SHARE_OF_MEMORY = 0.25  # of this machine, that a line may take
 CAUTIOUS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 APPENDING = os.O_WRONLY | os.O_CREAT | os.O_APPEND
 QUICK = 1.0  # s: a run that takes no longer writes no pieces,
@@ -107,6 +111,10 @@ class Checkpoint:
         found = f"piece {place}/{number} was changed or damaged while the run was at work"
         raise refused(path, found, "expected it whole")
 
+    def path_of(self, place: str, number: int) -> Path:
+        """The file that holds a piece that is there."""
+        return self._found[place, number][0] if (place, number) in self._found else self.path
+
     def put(self, place: str, number: int, value: Any) -> None:
         """Keep a piece; raises SceneError where there is no room, the file is then as before."""
         with self._lock:
@@ -182,13 +190,19 @@ def key_of(path: Path) -> tuple[str, dict]:
     return key, end
 
 
+def most_line() -> int:
+    """The bytes of a line that are read at most: a file may be longer than any memory."""
+    return int(SHARE_OF_MEMORY * memory())
+
+
 def records(file: BinaryIO) -> Iterator[tuple[str, int, Any, int, int]]:
     """(place, number, value, begin, end) of each line from here, up to the first damaged one."""
     end = file.tell()
-    while line := file.readline(MOST_KEY if end == 0 else -1):
-        begin, end = end, end + len(line)
-        check, _, data = line[:-1].partition(b" ")
-        if line[-1:] != b"\n" or check != _check(data):
+    while HEAD.fullmatch(head := file.read(SUM + 1)):
+        line = file.readline(MOST_KEY if end == 0 else most_line())
+        begin, end = end, end + len(head) + len(line)
+        data = line[:-1]
+        if line[-1:] != b"\n" or head[:SUM] != _check(data):
             return
         try:
             named = unpack(data)

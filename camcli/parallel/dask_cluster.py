@@ -18,7 +18,7 @@ from contextlib import suppress
 from time import monotonic, perf_counter
 from typing import Any
 
-from camcli.errors import Fault, SceneError
+from camcli.errors import CamError, Fault, SceneError
 from camcli.interrupts import held
 from camcli.parallel.threads import thread_count
 
@@ -32,7 +32,7 @@ POLL, PATIENCE = 2.0, 60.0  # s: between looks; without any worker, before givin
 RESUME = "repeat the command: finished pieces are on disk"
 
 
-class OtherProgramError(Exception):
+class OtherProgramError(CamError):
     """A worker has another version of this program."""
 
 

@@ -26,6 +26,14 @@ def thread_count(threads: int | None) -> int:
     return os.cpu_count() or 1
 
 
+def memory() -> float:
+    """Bytes of memory of this machine."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (ValueError, OSError, AttributeError):
+        return 4e9
+
+
 def in_threads(
     function: Callable[[Piece], Result], pieces: Sequence[Piece], threads: int | None = None
 ) -> Iterator[Result]:

@@ -10,25 +10,39 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
-from camcli.errors import Fault, SceneError
+from camcli.errors import CamError, Fault, SceneError, shown
 from camcli.parallel.checkpoint import Checkpoint, refused
 from camcli.parallel.threads import in_threads
+from camcli.piece_faults import PieceFault
 
 IN_MEMORY = 1 << 26  # bytes of pieces on disk that are in memory too
 MISFITS = (ValueError, TypeError, LookupError, AttributeError)  # of a piece that is no result
 
 
+def _any(result: Any, piece: Any) -> bool:
+    return True
+
+
+def _no_faults(_: Any) -> Sequence[PieceFault]:
+    return ()
+
+
 class Codec(NamedTuple):
     """How a result becomes plain values (see `checkpoint.pack`) and comes back.
 
-    A result that is stored as None is not kept.
+    `load` raises ValueError for values that are no result (see `stored`), `fits` says whether a
+    result is that of a piece: a file may hold all. faults: those that a result carries. One that
+    has any is not kept on disk, so that it is tried again when the run goes on, and neither are
+    pieces that may depend on it.
     """
 
     store: Callable[[Any], Any]
     load: Callable[[Any], Any]
+    fits: Callable[[Any, Any], bool] = _any
+    faults: Callable[[Any], Sequence[PieceFault]] = _no_faults
 
 
 class Cluster(Protocol):
@@ -47,13 +61,17 @@ class Shard(NamedTuple):
     total: int
 
 
-class ShardDone(Exception):  # noqa: N818 - no error: there is no more to do here
+class ShardDone(CamError):  # noqa: N818 - no error: there is no more to do here
     """The pieces of this shard are on disk; what comes after needs those of all."""
 
 
 @dataclass
 class Work:
-    """How pieces are run, and where their results are kept: `Work()` keeps nothing."""
+    """How pieces are run, and where their results are kept: `Work()` keeps nothing.
+
+    faults: of the pieces that were run here, in their order; failed: whether one of this place
+    was among them, so that what is asked for after it may depend on it.
+    """
 
     threads: int | None = None
     checkpoint: Checkpoint | None = None
@@ -61,9 +79,14 @@ class Work:
     shard: Shard | None = None
     place: str = ""
     calls: int = 0
+    faults: list[PieceFault] = field(default_factory=list)
+    failed: bool = False
 
     def within(self, name: str) -> Work:
-        """The same, with a count of calls of its own: what is asked there is called `name`."""
+        """The same, with a count of calls of its own: what is asked there is called `name`.
+
+        What is asked in one such place depends on no other one.
+        """
         return replace(self, place=f"{self.place}{name}/", calls=0)
 
     def run(
@@ -74,7 +97,7 @@ class Work:
         Without `codec` nothing is kept. Where `share` and this is a shard, the others' pieces are
         left out and ShardDone is raised at the end. A task for a cluster must pickle.
         """
-        return self._run(self._kept(codec, len(pieces)), task, pieces, share)
+        return self._run(self._kept(codec, pieces), task, pieces, share)
 
     def collect(
         self,
@@ -87,7 +110,7 @@ class Work:
 
         `on_result` is called with each, in order. A shard does its own pieces: see `run`.
         """
-        kept = self._kept(codec, len(pieces))
+        kept = self._kept(codec, pieces)
         return _collected(kept, self._run(kept, task, pieces, True), on_result)
 
     def collect_chain(
@@ -106,20 +129,31 @@ class Work:
             found, expected = "found a chain, each piece after the one before", "expected parts"
             cure = "leave it out, or set sweep.direction=fixed"
             raise SceneError(Fault("--shard", "", found, expected, cure))
-        kept = self._kept(codec, len(pieces))
+        kept = self._kept(codec, pieces)
 
         def chain() -> Iterator:
             result = first
             for k, piece in enumerate(pieces):
-                result = kept[k] if kept.has(k) else kept.put(k, step(result, piece))
+                if kept.has(k):
+                    result = kept[k]
+                else:
+                    result = kept.put(k, step(result, piece), not self.failed)
+                    self._look_at(result, codec)
                 yield result
 
         return _collected(kept, chain(), on_result)
 
-    def _kept(self, codec: Codec | None, count: int) -> Kept:
+    def _kept(self, codec: Codec | None, pieces: Sequence) -> Kept:
         """The place of the next call in the checkpoint."""
         number, self.calls = self.calls, self.calls + 1
-        return Kept(self.checkpoint if codec else None, codec, f"{self.place}{number}", count)
+        checkpoint = self.checkpoint if codec and not self.failed else None
+        return Kept(checkpoint, codec, f"{self.place}{number}", pieces)
+
+    def _look_at(self, result: Any, codec: Codec | None) -> None:
+        """Take note of the faults of a result that was computed here."""
+        faults = codec.faults(result) if codec is not None else ()
+        self.faults += faults
+        self.failed = self.failed or bool(faults)
 
     def _run(self, kept: Kept, task: Callable, pieces: Sequence, share: bool) -> Iterator:
         first, step = 0, 1
@@ -136,7 +170,9 @@ class Work:
         for k in ours:
             if nth < len(missing) and missing[nth] == k:
                 nth += 1
-                yield next(fresh)
+                result = next(fresh)
+                self._look_at(result, kept.codec)
+                yield result
             else:
                 yield kept[k]
         if share and self.shard is not None:
@@ -151,7 +187,7 @@ def _collected(kept: Kept, running: Iterator, on_result: Callable[[Any], None]) 
             results.append(result)
         else:
             results.clear()
-    return results if len(results) == kept.length else kept
+    return results if len(results) == len(kept) else kept
 
 
 @dataclass(frozen=True)
@@ -161,10 +197,15 @@ class Kept(Sequence):
     checkpoint: Checkpoint | None
     codec: Codec | None
     place: str
-    length: int
+    pieces: Sequence
+    unkept: dict[int, Any] = field(default_factory=dict)  # results that no file may have
 
     def __len__(self) -> int:
-        return self.length
+        return len(self.pieces)
+
+    def __reduce__(self) -> tuple:
+        """Pickled, the results are a list: the file is of this process."""
+        return list, (list(self),)
 
     def has(self, k: int) -> bool:
         """Whether the result of piece k is there."""
@@ -172,22 +213,33 @@ class Kept(Sequence):
 
     def __getitem__(self, k):
         if isinstance(k, slice):
-            return [self[n] for n in range(*k.indices(self.length))]
-        k = range(self.length)[k]
+            return [self[n] for n in range(*k.indices(len(self)))]
+        k = range(len(self.pieces))[k]
+        if k in self.unkept:
+            return self.unkept[k]
         assert self.checkpoint is not None
         assert self.codec is not None
         try:
-            return self.codec.load(self.checkpoint.get(self.place, k))
+            result = self.codec.load(self.checkpoint.get(self.place, k))
+            if not self.codec.fits(result, self.pieces[k]):
+                raise ValueError("it is that of another piece")
         except SceneError:
             raise
         except MISFITS as error:
-            found = f"piece {self.place}/{k} holds no result ({error})"
-            raise refused(self.checkpoint.path, found, "expected pieces of this run") from None
+            found = f"piece {self.place}/{k} holds no result ({shown(str(error), 200)})"
+            path = self.checkpoint.path_of(self.place, k)
+            raise refused(path, found, "expected pieces of this run") from None
+        return result
 
-    def put(self, k: int, result: Any) -> Any:
-        """Keep the result of piece k, and return it."""
+    def put(self, k: int, result: Any, sound: bool = True) -> Any:
+        """Keep the result of piece k, and return it.
+
+        On disk where there is a checkpoint, the result has no fault, and it is `sound`: depends on
+        no other one that has.
+        """
         if self.checkpoint is not None and self.codec is not None:
-            stored = self.codec.store(result)
-            if stored is not None:
-                self.checkpoint.put(self.place, k, stored)
+            if sound and not self.codec.faults(result):
+                self.checkpoint.put(self.place, k, self.codec.store(result))
+            else:
+                self.unkept[k] = result
         return result

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from scipy.interpolate import BarycentricInterpolator
+from scipy.optimize import brentq
 
 from camcli.analysis.border_collision import multipliers
 from camcli.analysis.orbits.arclength import Metric
@@ -265,14 +266,24 @@ def draw_paths(axes: Axes, lines: Sequence[Strand], colour: str) -> None:
 
 
 def turning_real(points: Sequence[PeriodicOrbit]) -> list[float]:
-    """Parameters at which a complex pair of multipliers becomes real, or the other way round."""
+    """Parameters at which a complex pair of multipliers becomes real, or the other way round.
+
+    There trace^2 - 4 det is zero: between the two points where it changes its sign, on the
+    polynomial through these and two more on either side. At a corner, where two points share a
+    parameter, it is not smooth, and a line takes the place of the polynomial.
+    """
     x, gap = np.array([(p.value, p.trace**2 - 4.0 * p.det) for p in points]).T
-    turns = np.flatnonzero(gap[1:] * gap[:-1] < 0.0)
     found = []
-    for k in turns:
-        near = slice(max(0, k - 2), k + 4)  # the discriminant is smooth there, but at corners
-        order = np.argsort(gap[near])
-        found.append(float(BarycentricInterpolator(gap[near][order], x[near][order])(0.0)))
+    for k in np.flatnonzero(gap[1:] * gap[:-1] < 0.0):
+        near = slice(max(0, k - 2), k + 4)
+        steps = np.diff(x[near])
+        if x[k] == x[k + 1]:
+            found.append(float(x[k]))
+            continue
+        smooth = (steps > 0.0).all() or (steps < 0.0).all()
+        some = near if smooth else slice(k, k + 2)
+        curve = BarycentricInterpolator(x[some], gap[some])
+        found.append(float(brentq(curve, x[k], x[k + 1])))
     return found
 
 

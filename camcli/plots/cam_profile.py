@@ -15,7 +15,7 @@ from camcli.plots import style
 from camcli.plots.axes import LIFTS, draw_forces, newtons, padded, say, turn_axis, unit_axis
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
-from camcli.system import Units
+from camcli.system import Units, range_words
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,10 @@ def draw_profiles(cams: Sequence[Drawn]) -> Picture:
     if first is not None and first.finite:
         exact = 4 if cams[0].measured else 6  # digits
         said = f"first detachment at {first.rpm:.{exact}g} rpm, {first.theta_deg:.{exact}g} deg"
+        if cams[0].measured:
+            said += f" ({range_words(first.low, first.high)} by the error of the table)"
+    if (ratio := cams[0].outline.ratio) != 1.0:
+        said += f"; outline and curvature are those of the lobe under a rocker of {ratio:.6g}"
     many = len(cams) > 1
     each = [_panels(cam, cams if many else ()) for cam in cams]
     panels = {

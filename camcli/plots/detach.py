@@ -19,7 +19,7 @@ from camcli.plots import style
 from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, newtons, say, turn_axis
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture, Rows
-from camcli.system import System, Units, units_of
+from camcli.system import System, Units, is_measured, range_words, units_of
 
 PHASES, FORCE = 62.0, 46.0  # mm
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
@@ -43,8 +43,9 @@ class _View:
         return self.fold + (np.asarray(theta_deg, dtype=float) - self.fold) % TURN_DEG
 
 
-def draw_detach(study: ContactLoss, system: System, measured: bool = False) -> Picture:
+def draw_detach(study: ContactLoss, system: System) -> Picture:
     """Picture of where contact is lost: phases over speed, forces over the turn."""
+    measured = is_measured(system)
     corners = style.corner_names(system.corners_deg)
     *enlarged, whole = _views(study)
     more: dict[str, Any] = {"study": study, "corners": corners}
@@ -72,6 +73,7 @@ def draw_detach(study: ContactLoss, system: System, measured: bool = False) -> P
 
 
 def _first_loss(study: ContactLoss, measured: bool) -> str:
+    """The sentence of the title; of a measured cam with what the error of its table leaves."""
     first = study.detachment.first
     if first is None:
         never = study.detachment.never
@@ -79,6 +81,8 @@ def _first_loss(study: ContactLoss, measured: bool) -> str:
     exact = (4, 4) if measured else (12, 9)  # digits that a lift table, or any other cam, deserves
     rpm, theta = (f"{x:.{n}g}" for x, n in zip((first.rpm, first.theta_deg), exact, strict=True))
     text = f"contact is first lost at {rpm} rpm, {theta} deg"
+    if measured:
+        text += f" ({range_words(first.low, first.high)} by the error of the table)"
     if study.completion:
         text += f"; chatter stops being complete at {study.completion[0].rpm:.4f} rpm"
     return text
@@ -87,14 +91,13 @@ def _first_loss(study: ContactLoss, measured: bool) -> str:
 def draw_report(
     study: ContactLoss,
     system: System,
-    measured: bool,
     outline: Outline,
     title: str,
     words: str,
     lists: Sequence[Rows],
 ) -> Picture:
     """A page of one machine: the cam, forces, loft and landing speed, and the springs."""
-    drawn, units = draw_detach(study, system, measured).panels, units_of(system)
+    drawn, units = draw_detach(study, system).panels, units_of(system)
     panels = {"outline": replace(machine_panels(outline, {})["outline"], usual=True)}
     if "forces" in drawn:
         panels["forces"] = replace(drawn["forces"], across=2)

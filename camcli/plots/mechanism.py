@@ -2,7 +2,8 @@
 
 The follower moves along a line through the cam's axis, at R(theta) = base radius + c - lowest c
 from it, with a knife edge; an eccentric is a circle under a flat face. The cam turns
-counterclockwise; the follower stands above it.
+counterclockwise; the follower stands above it. With a rocker the drawing is that of the lobe, and
+of what runs on it: lifts and gaps are rocker_ratio times smaller than the valve's.
 """
 
 from __future__ import annotations
@@ -40,12 +41,15 @@ class Outline:
     flat: bool  # the follower's face
     units: Units
     sprung: bool  # without a spring the follower is drawn as a ball on a table, if its face is flat
+    ratio: float = 1.0  # lift of the follower per lift of the cam
 
     @classmethod
     def of(cls, system: System, base_radius: float | None, cam: Any = None) -> Outline:
         """From the lift; `cam` is the scene's, whose circles are shown if it is made of arcs."""
         theta = np.linspace(0.0, 2.0 * np.pi, 1441)
         c = lift(system.cam, theta)[0]
+        ratio = system.rocker_ratio
+        c = c / ratio
         base = base_radius or GUESSED * max(float(np.ptp(c)), 1e-9)
         radius = base + c - c.min()
         circles = [("O", 0.0, 0.0, float(radius.min()))]
@@ -58,7 +62,8 @@ class Outline:
         corners = style.corner_names(system.corners_deg)
         flat = isinstance(cam, EccentricCam)
         sprung, guessed = system.follower.stiffness > 0.0, base_radius is None
-        return cls(theta, radius, corners, circles, guessed, flat, units_of(system), sprung)
+        units = units_of(system)
+        return cls(theta, radius, corners, circles, guessed, flat, units, sprung, ratio)
 
     @property
     def body(self) -> tuple[np.ndarray, np.ndarray]:
@@ -110,7 +115,7 @@ def _follower(
 ) -> float:
     """A follower on its stem, its tip `gap` above the cam; returns where its spring ends, or would.
 
-    highest: that the tip ever is.
+    gap: on the cam's side of a rocker, m. highest: that the tip ever is.
     """
     size = float(outline.radius.max())
     tip, wide, top = outline.at(turned) + gap, WIDE * size, (2.0 + STEM) * size

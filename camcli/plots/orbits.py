@@ -209,8 +209,8 @@ def _draw_simulated(
     span: tuple = (-np.inf, np.inf),
 ) -> None:
     """Simulated motions, grey, within limits and a part of the parameter."""
-    if scene.simulated is not None:
-        values = [speed.value for speed in scene.simulated.speeds]
+    values = [speed.value for speed in scene.simulated.speeds] if scene.simulated else []
+    if any(span[0] <= value <= span[1] for value in values):
         image = Image(Columns.of(values, span=span), *limits, IMAGE)
         for k, found in enumerate(_simulated(scene, section)):
             image.take(k, found)

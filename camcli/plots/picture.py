@@ -69,13 +69,15 @@ class Picture:
 
     def chosen(self, names: Sequence[str] | None) -> dict[str, Panel]:
         """The panels of these names (`event` means event 3 too); the usual ones without any."""
-        found = {
-            own: panel
-            for name in names or ()
-            for own, panel in self.panels.items()
-            if own == name or own.startswith(f"{name} ")
-        }
+        found = {own: self.panels[own] for name in names or () for own in self._named(name)}
         return found or {name: panel for name, panel in self.panels.items() if panel.usual}
+
+    def lacking(self, names: Sequence[str] | None) -> list[str]:
+        """Those of the names that none of the panels has."""
+        return [name for name in names or () if not self._named(name)]
+
+    def _named(self, name: str) -> list[str]:
+        return [own for own in self.panels if own == name or own.startswith(f"{name} ")]
 
     def _page(self, form: Plot) -> Figure:
         layout = _Layout()

@@ -317,7 +317,7 @@ def draw_frames(
         line, (dot,) = time.axvline(color=style.GUIDE, lw=0.8), time.plot([], [], "o")
         figure.canvas.draw()
         figure.set_layout_engine("none")
-    highest = float(trace.gap.max() + outline.radius.max())
+    highest = float(trace.gap.max() / outline.ratio + outline.radius.max())
     count = ceil((high - low) / TURN_DEG * FRAMES)
     for angle in np.linspace(low, high, count, endpoint=False):
         gap, q = (float(np.interp(angle, angles, y)) for y in (trace.gap, trace.q))
@@ -325,5 +325,5 @@ def draw_frames(
         dot.set(data=([angle], [q]), color=style.FLIGHT if gap > 0.0 else style.STICKING)
         with style.look():
             machine.clear()
-            draw_machine(machine, outline, gap, angle % TURN_DEG, highest)
+            draw_machine(machine, outline, gap / outline.ratio, angle % TURN_DEG, highest)
         yield figure

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from string import ascii_lowercase
 from threading import RLock
@@ -11,12 +12,16 @@ from typing import Any
 import matplotlib
 from matplotlib.colors import to_hex, to_rgb
 
-from camcli.analysis.labels import period_of
+from camcli.analysis.labels import Label, period_of
 from camcli.cams.files import decoded, read_bytes
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, shown
 
 DPI = 300  # as in camcli.mplstyle
 MOST_BYTES = 256_000  # of a style's file
+EXPECTED = "expected a matplotlib style: its name, or a file of lines `key: value`"
+MOST_SIZE, MOST_COUNT = 1000.0, 1e6  # of a number in it: points, shares; of those in COUNTS
+COUNTS = ("agg.path.chunksize", "figure.max_open_warning", "animation.bitrate")
+DPIS, LEAST_DPI, MOST_DPI = ("figure.dpi", "savefig.dpi"), 20.0, 1200.0
 COMMENT = re.compile(r'("[^"]*")|#.*')  # in it, or quoted text
 WITH_INDEX = 9  # pt, of words with an index, which is 0.7 of them
 NOTE = 7  # pt, of what stands inside or above a panel
@@ -61,40 +66,157 @@ def look(font: str | None = None, sheet: str | None = None) -> Iterator[None]:
     font: name of an installed one. sheet: name or file of a matplotlib style, on top of ours.
     Raises SceneError where there is none of that name.
     """
-    settings: dict[Any, Any] = {**matplotlib.rcParamsDefault, **RC}
-    if sheet is not None:
-        settings |= _sheet(sheet)
+    with _settled(_ours(font, {} if sheet is None else _sheet(sheet))):
+        yield
+
+
+def _ours(font: str | None, style: dict[Any, Any] | None = None) -> dict[Any, Any]:
+    """Our settings, those of a style on top of them, and those of a font."""
+    settings: dict[Any, Any] = {**matplotlib.rcParamsDefault, **RC, **(style or {})}
     if font is not None:
         _refuse_unknown(font)
         settings |= {"font.family": [font, "DejaVu Sans"], "mathtext.fontset": "custom"}
         settings |= {"mathtext.rm": font, "mathtext.it": f"{font}:italic"}
-    for name in KEPT:
-        settings.pop(name, None)
-    with _ONE_AT_A_TIME, matplotlib.rc_context(settings):
+    return settings
+
+
+@contextmanager
+def _settled(settings: dict[Any, Any]) -> Iterator[None]:
+    """matplotlib's settings in the block; one thread at a time."""
+    kept = {name: value for name, value in settings.items() if name not in KEPT}
+    with _ONE_AT_A_TIME, matplotlib.rc_context(kept):
         yield
 
 
+def check_look(font: str | None, sheet: str | None) -> None:
+    """Raise SceneError where a picture could not be drawn so: a small one is.
+
+    matplotlib takes settings that it cannot draw, and says so only when it does. The fault names
+    the line of a style's file up to which the picture can be drawn.
+    """
+    with look(font, sheet):
+        pass
+    if sheet is None or _trial(font, dict(settings := _sheet(sheet))) is None:
+        return
+    items, drawn = list(settings.items()), 0  # so many of them can be drawn,
+    fails = len(items)  # and so many cannot
+    while fails - drawn > 1:
+        middle = (drawn + fails) // 2
+        if _trial(font, dict(items[:middle])) is None:
+            drawn = middle
+        else:
+            fails = middle
+    key, error = items[fails - 1][0], _trial(font, dict(items[:fails]))
+    where = f"{sheet}:{lines[key]}" if (lines := _lines(sheet)) else sheet
+    found = f"found {key}, in which nothing can be drawn ({shown(str(error), 200)})"
+    expected, cure = "expected a style to draw in", "correct the line, or leave it out"
+    raise SceneError(Fault(where, "plot.style", found, expected, cure))
+
+
+def dpi_of(sheet: str | None) -> float:
+    """Dots per inch of a picture in a style."""
+    settings = {**RC, **({} if sheet is None else _sheet(sheet))}
+    own = settings["savefig.dpi"]
+    return float(settings["figure.dpi"] if own == "figure" else own)
+
+
+def _trial(font: str | None, settings: dict[Any, Any]) -> Exception | None:
+    """What goes wrong in a small picture with all that pictures are made of, None where nothing."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    try:
+        with _settled(_ours(font, settings)):
+            figure = Figure(figsize=(1.6, 1.6), dpi=50, layout="constrained")
+            FigureCanvasAgg(figure)
+            axes = figure.add_subplot()
+            axes.plot([0.0, 1.0, 2.0], [0.0, 1.0, 0.5], marker="o", label="$q_1$ (m)")
+            axes.plot([0.0, 1.0, 2.0], [1.0, 0.0, 0.3])
+            axes.scatter([0.5], [0.5], label="point")
+            axes.imshow([[0.0, 1.0], [1.0, 0.0]], extent=(0.0, 1.0, 0.0, 1.0))
+            axes.fill_between([0.0, 1.0], [0.0, 0.0], [0.2, 0.1], hatch="/")
+            axes.contour([[0.0, 1.0], [1.0, 0.0]])
+            axes.annotate("a", (0.5, 0.5), (1.0, 1.0), arrowprops={"arrowstyle": "->"})
+            axes.set(title="Test", xlabel="speed (rpm)", ylabel=r"phase $\theta$")
+            axes.legend()
+            figure.savefig(BytesIO(), format="png", dpi=50)
+    except Exception as error:
+        return error
+    return None
+
+
 def _sheet(sheet: str) -> dict[Any, Any]:
-    """The settings of a matplotlib style."""
+    """The settings of a matplotlib style; raises SceneError for what no picture can have."""
     from matplotlib.style import library
 
     if sheet in library:
         return dict(library[sheet])
-    expected = "expected a matplotlib style: its name, or a file of lines `key: value`"
-    cure = "python -c 'import matplotlib.style; print(matplotlib.style.available)' lists the names"
-    text = decoded(read_bytes(Path(sheet), sheet, MOST_BYTES, expected, cure, "plot.style"), sheet)
     settings: Any = matplotlib.RcParams()
-    for number, line in enumerate(text.splitlines(), 1):  # matplotlib's reader would print them
-        key, colon, value = COMMENT.sub(lambda found: found[1] or "", line).partition(":")
-        if not key.strip() and not colon:
-            continue
+    for number, key, value in _read(sheet):  # matplotlib's reader would print them
+        where, cure = f"{sheet}:{number}", "correct the line, or leave it out"
         try:
-            settings[key.strip()] = value.strip().removeprefix('"').removesuffix('"')
+            _refuse_formula(key, value)
+            settings[key] = value
         except (KeyError, ValueError):
-            found, where = "found no setting of matplotlib", f"{sheet}:{number}"
-            cure = "correct the line, or leave it out"
-            raise SceneError(Fault(where, "plot.style", found, expected, cure)) from None
+            found = "found no setting of matplotlib"
+            raise SceneError(Fault(where, "plot.style", found, EXPECTED, cure)) from None
+        if not _within(key, settings[key]):
+            found = f"found {key}: {shown(value)}"
+            most = MOST_COUNT if key in COUNTS else MOST_SIZE
+            expected = f"expected finite numbers of at most {most:g}"
+            if key in DPIS:
+                expected = f"expected {LEAST_DPI:g} to {MOST_DPI:g}"
+            raise SceneError(Fault(where, "plot.style", found, expected, cure))
+        if key == "font.family":
+            _refuse_no_family(settings[key], where)
     return dict(settings)
+
+
+def _read(sheet: str) -> Iterator[tuple[int, str, str]]:
+    """(line, key, value) of the settings in a style's file."""
+    cure = "python -c 'import matplotlib.style; print(matplotlib.style.available)' lists the names"
+    text = decoded(read_bytes(Path(sheet), sheet, MOST_BYTES, EXPECTED, cure, "plot.style"), sheet)
+    for number, line in enumerate(text.splitlines(), 1):
+        key, colon, value = COMMENT.sub(lambda found: found[1] or "", line).partition(":")
+        if key.strip() or colon:
+            yield number, key.strip(), value.strip().removeprefix('"').removesuffix('"')
+
+
+def _lines(sheet: str) -> dict[str, int]:
+    """The line of each setting of a style's file; none of a style of matplotlib's own."""
+    from matplotlib.style import library
+
+    return {} if sheet in library else {key: number for number, key, _ in _read(sheet)}
+
+
+def _refuse_formula(key: str, value: str) -> None:
+    """Raise ValueError for a cycle of properties with arithmetic in it: it is evaluated."""
+    if key == "axes.prop_cycle" and (
+        "**" in value or re.search(r"\d{5}|['\"\])]\s*\*\s*\d|\d\s*\*\s*['\"\[(]", value)
+    ):
+        raise ValueError
+
+
+def _within(key: str, value: Any) -> bool:
+    """Whether all numbers of a setting are finite, and of a size that can be drawn."""
+    if isinstance(value, list | tuple):
+        return all(_within(key, one) for one in value)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return True
+    if key in DPIS:
+        return LEAST_DPI <= value <= MOST_DPI
+    return abs(value) <= (MOST_COUNT if key in COUNTS else MOST_SIZE)
+
+
+def _refuse_no_family(families: Sequence[str], where: str) -> None:
+    """Raise SceneError where none of the families is installed: matplotlib warns at each word."""
+    from matplotlib.font_manager import font_family_aliases, fontManager
+
+    known = {entry.name for entry in fontManager.ttflist} | set(font_family_aliases)
+    if families and known.isdisjoint(families):
+        found = f"found font.family: {shown(', '.join(families))}"
+        expected, cure = "expected an installed font", "name another, or leave the line out"
+        raise SceneError(Fault(where, "plot.style", found, expected, cure))
 
 
 def _refuse_unknown(font: str) -> None:
@@ -113,7 +235,7 @@ def period_colour(period: int) -> str:
 
 def label_colour(label: str) -> str:
     """Colour of the motion with a label."""
-    if label.startswith("P("):
+    if isinstance(label, Label):
         return period_colour(period_of(label))
     return {"contact": CONTACT, "undecided": UNDECIDED}.get(label, APERIODIC)
 

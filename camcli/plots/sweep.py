@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from camcli.analysis.integrate import Settings, Start
-from camcli.analysis.labels import period_of
+from camcli.analysis.labels import Label, period_of
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, status_name
 from camcli.errors import Status
 from camcli.plots import style
@@ -47,8 +48,9 @@ ENLARGED_PART, FEW = 0.3, 10  # of the positions, where most of more speeds than
 SECTIONS = ("impacts", "strobe")
 STRIP = 26.0  # mm, height of the strip of exponents
 UNKNOWN = "undecided after rests"
-KINDS = {
+KINDS = {  # colours, see `kind_of`
     "contact": style.CONTACT,
+    **{f"period {period}": colour for period, colour in enumerate(style.PERIODS, 1)},
     "with rests": style.STICKING,
     "longer periods": style.LONGER,
     "aperiodic": style.APERIODIC,
@@ -93,9 +95,9 @@ def kind_of(speed: Speed) -> str:
     """What its motion is, in a few words that have a colour each."""
     if not speed.known:
         return UNKNOWN
-    if not speed.label.startswith("P("):
+    if not isinstance(speed.label, Label):
         return speed.label
-    if "inf" in speed.label:
+    if inf in speed.label.symbols:
         return "with rests"
     period = period_of(speed.label)
     return f"period {period}" if period <= len(style.PERIODS) else "longer periods"
@@ -103,8 +105,6 @@ def kind_of(speed: Speed) -> str:
 
 def colour_of(kind: str) -> str:
     """The colour of a kind of motion, that of its basin."""
-    if kind.startswith("period "):
-        return style.period_colour(int(kind[7:]))
     return KINDS[kind]
 
 

@@ -30,6 +30,9 @@ _EXPECTED = {  # where YAML has another word than Python, and bounds as they wer
     "less_than": "a number less than {lt:.15g}",
     "less_than_equal": "a number of at most {le:.15g}",
 }
+_SIZES = {  # of a value that has a right type
+    "greater_than", "greater_than_equal", "less_than", "less_than_equal", "string_too_short",
+}  # fmt: skip
 _CURES = {  # of a value of the wrong type
     "tuple_type": "write {name} as a list: [{value}]",
     "string_type": "put {name} in quotes",
@@ -48,9 +51,11 @@ def findings(document: Document, error: ValidationError) -> Iterator[Finding]:
              for kind in ("missing", "extra_forbidden")}  # fmt: skip
     misspelt = {path for path in kinds["missing"] for other in kinds["extra_forbidden"][:MAX_HINTS]
                 if path[:-1] == other[:-1] and _nearest(other[-1], [path[-1]])}  # fmt: skip
+    # Of a value that may be of several types, which one is too large for its own: that alone.
+    sized = {p for p, d in zip(places, details, strict=True) if d["type"] in _SIZES}
     for number, k in enumerate(order):
         detail, path = details[k], places[k]
-        if path in misspelt:
+        if path in misspelt or (path in sized and detail["type"] not in _SIZES):
             continue
         cause = detail.get("ctx", {}).get("error")
         if number >= MAX_WORDS:
@@ -229,7 +234,7 @@ def _cure(value: Any, path: Path, kind: str, words: list[str]) -> str:
     if value is None:
         return f"give {name} a value, or remove the line"
     if kind in _CURES:
-        return _CURES[kind].format(name=name, value=value)
+        return _CURES[kind].format(name=name, value=shown(str(value), 40))
     if isinstance(value, list | dict):
         return f"give {name} a single value" * kind.endswith("type") or f"change {name}"
     if kind == "word":

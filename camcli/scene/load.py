@@ -39,6 +39,7 @@ def load_scene(
     options: Mapping[str, tuple[Any, str]] | None = None,
     *,
     folder: str | os.PathLike = "",
+    command: str = "",
 ) -> Scene:
     """Read, override and validate a scene.
 
@@ -54,6 +55,8 @@ def load_scene(
         beat the overrides.
     folder
         Where a lift table that a dict names is looked for; beside the file for a path.
+    command
+        What the scene is for, where that is known: a fault then names only panels that it draws.
 
     Raises
     ------
@@ -79,7 +82,8 @@ def load_scene(
         try:
             # A cam that names a file finds it beside the scene; elsewhere the user alone allows.
             names = {str(text).partition("=")[0].strip() for text in (*overrides, *(options or ()))}
-            context = {"folder": home, "permitted": not names.isdisjoint(OUTSIDE)}
+            permitted = not names.isdisjoint(OUTSIDE)
+            context = {"folder": home, "permitted": permitted, "command": command}
             scene = Scene.model_validate(document.data, strict=True, context=context)
         except ValidationError as error:
             from camcli.scene.faults import findings as translated
@@ -138,6 +142,9 @@ def _read(file: Path) -> Document:
     name = shown(str(file), 500)
     cure = "check the name, or leave out -c for the default scene"
     try:
+        if name == "-" and sys.stdin is None:
+            cure = "pipe one into it, or name a file"
+            raise SceneError(Fault("stdin", "", "found it closed", "expected a scene", cure))
         if name == "-":
             name, data = "stdin", sys.stdin.buffer.read(MAX_BYTES + 1)[:MAX_BYTES]
         else:
@@ -171,7 +178,7 @@ def _overriding(
             name = f"--set {shown(text)}"
             path, equals, value = text.partition("=")
             document = parse(value, name, rank, numbered=False)
-            odd = any("\ud800" <= character <= "\udfff" for character in text)
+            odd = _has_odd_bytes(text)
             if odd or not equals:
                 cure = "write the key, an = and the value without blanks between"
                 found = "found bytes that are no UTF-8 text" if odd else "found no '='"
@@ -180,7 +187,16 @@ def _overriding(
                 path = ""
             yield path, document
     for rank, (path, (value, name)) in enumerate(options.items(), len(overrides) + 1):
-        yield path, document_of(value, Mark(rank, name))
+        document = document_of(value, Mark(rank, name))
+        if isinstance(value, str) and _has_odd_bytes(value):
+            found, expected = f"found '{shown(value)}', no UTF-8 text", "expected a name in UTF-8"
+            document.findings = [Finding(Mark(rank, name), (), found, expected, "rename the file")]
+        yield path, document
+
+
+def _has_odd_bytes(text: str) -> bool:
+    """Whether a text of the command line holds bytes that are no UTF-8."""
+    return any("\ud800" <= character <= "\udfff" for character in text)
 
 
 def _override(

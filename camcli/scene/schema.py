@@ -9,6 +9,7 @@ constants stay finite numbers and a turn of any speed has an end.
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import (
@@ -22,8 +23,8 @@ from pydantic import (
     model_validator,
 )
 
-from camcli.cams import AnyCam
-from camcli.errors import Fault, SceneError
+from camcli.cams import CAMS, AnyCam
+from camcli.errors import Fault, SceneError, shown
 
 SLOWEST, FASTEST = 1e-9, 1e9  # rpm
 SWITCHES = {"yes": True, "on": True, "no": False, "off": False}
@@ -121,17 +122,58 @@ Sides = Annotated[tuple[Side, Side], BeforeValidator(items)]
 SectionName = Literal["impacts", "strobe"]
 ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
-PanelName = Literal[
-    "motion", "gap", "phase", "section", "passage",  # of simulate
-    "mechanism", "outline", "turned", "lift", "velocity", "acceleration", "force", "curvature",
-    "impacts", "enlarged", "strobe",  # of sweep
-    "kind", "max_gap_m", "airborne_fraction", "max_impact_m_per_s", "min_contact_force_n",
-    "max_contact_force_n", "contact_lost_deg", "contact_regained_deg", "landing_deg",
-    "landing_lift_m", "shut_bounces_per_turn",  # of its map
-    "phases", "forces", "springs",  # of detach, and of orbits and classify
-    "positions", "plane", "multipliers", "event", "orbit", "curves",  # of orbits
-    "basins", "fractions", "attractors",  # of basins
-    "exponents", "labels",  # of classify
+PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it draws
+    "simulate": {
+        "motion": ("motion", "gap", "phase", "section", "passage"),
+        "profile": (
+            "mechanism", "outline", "turned", "lift", "velocity", "acceleration", "force",
+            "curvature",
+        ),
+    },
+    "sweep": {
+        "diagram": ("impacts", "enlarged", "strobe", "exponents"),
+        "map": (
+            "kind", "exponents", "max_gap_m", "airborne_fraction", "max_impact_m_per_s",
+            "min_contact_force_n", "max_contact_force_n", "contact_lost_deg",
+            "contact_regained_deg", "landing_deg", "landing_lift_m", "shut_bounces_per_turn",
+        ),
+    },
+    "detach": {"loss": ("phases", "enlarged", "forces", "springs")},
+    "orbits": {
+        "branches": ("phases", "positions", "plane", "multipliers", "event"),
+        "orbits": ("motion", "orbit", "plane", "lift", "velocity", "acceleration", "section"),
+        "curve": ("curves",),
+    },
+    "basins": {"window": ("basins",), "range": ("fractions", "attractors")},
+    "classify": {"motions": ("phases", "exponents", "labels")},
+}  # fmt: skip
+
+
+def panels_of(command: str = "") -> list[str]:
+    """The names of the panels that a command can draw; of all commands where none is named."""
+    asked = [PANELS[command]] if command in PANELS else PANELS.values()
+    return list(dict.fromkeys(name for one in asked for names in one.values() for name in names))
+
+
+def no_panel(name: str, known: Sequence[str]) -> tuple[str, str, str]:
+    """(found, expected, cure) for a panel that is none of those known, the nearest first."""
+    from difflib import get_close_matches
+
+    near = get_close_matches(name[:40].lower(), known, n=1, cutoff=0.6)
+    ordered = dict.fromkeys([*near, *known])
+    cure = f"did you mean '{near[0]}'?" if near else "choose some of these"
+    return f"found '{shown(name)}'", f"expected one of {', '.join(ordered)}", cure
+
+
+def _panel(name: str, info: ValidationInfo) -> str:
+    """The name of a panel of any command; a fault tells those of the command that is asked for."""
+    if name not in panels_of():
+        raise refused(*no_panel(name, panels_of((info.context or {}).get("command", ""))))
+    return name
+
+
+PanelName = Annotated[
+    str, Field(json_schema_extra={"enum": panels_of()}), AfterValidator(_panel)
 ]  # fmt: skip
 Cam = Annotated[AnyCam, Field(discriminator="kind")]
 
@@ -188,7 +230,9 @@ class Run(Section):
     chatter_tolerance: Number = entry(
         "largest error of the accumulation phase, fraction of a turn", 1e-9, ge=1e-15, le=1e-3
     )
-    impact_budget: Whole = entry("largest number of impacts in a turn", 1_000_000, ge=1, le=10**15)
+    impact_budget: Whole = entry(
+        "impacts in a turn at which a run is given up", 1_000_000, ge=1, le=10**15
+    )
     work_budget: Whole = entry(
         "gap evaluations, or work that takes as long, of what cannot be foreseen "
         "(detach, orbits, --explain) before the rest is left out",
@@ -206,6 +250,26 @@ class RpmRange(Section):
     num: Whole = entry("number of speeds", 401, ge=1, le=MOST_SPEEDS)
 
 
+def _refuse_other_sections(key: str, sections: Sequence[str], example: str) -> None:
+    """Raise SceneError, with the nearest key, where a key is not one of these sections."""
+    if key.partition(".")[0] in sections:
+        return
+    from difflib import get_close_matches  # only after a mistake
+
+    models = {"follower": (Follower,), "cam": CAMS, "run": (Run,)}
+    known: dict[str, list[str]] = {}  # paths by their last names
+    for section in sections:
+        for model in models[section]:
+            for name in model.model_fields:
+                known.setdefault(name, []).append(f"{section}.{name}")
+    last = key.rpartition(".")[2][:40].lower()
+    names = [last] if last in known else get_close_matches(last, known, n=1, cutoff=0.6)
+    near = " or ".join(dict.fromkeys(path for name in names for path in known[name]))
+    cure = f"did you mean {near}?" if near else f"e.g. {example}"
+    expected = f"expected a number of {', '.join(sections[:-1])} or {sections[-1]}"
+    raise refused(f"found the key '{key}'", expected, cure)
+
+
 class Axis(Section):
     """A number of the scene, and the equally spaced values it takes instead of a speed's."""
 
@@ -216,9 +280,8 @@ class Axis(Section):
 
     @model_validator(mode="after")
     def _of_the_machine(self) -> Axis:
-        if self.key != "rpm" and self.key.partition(".")[0] not in ("follower", "cam", "run"):
-            expected = "expected a number of follower, cam or run"
-            raise refused(f"found the key '{self.key}'", expected, "e.g. follower.restitution")
+        if self.key != "rpm":
+            _refuse_other_sections(self.key, ("follower", "cam", "run"), "follower.restitution")
         return self
 
     @property
@@ -321,6 +384,11 @@ class Tolerance(Section):
 
     key: str = entry("path of the number, as in --set: follower.mass", max_length=200)
     percent: Number = entry("largest deviation, percent of the number", gt=0, le=90)
+
+    @model_validator(mode="after")
+    def _of_the_machine(self) -> Tolerance:
+        _refuse_other_sections(self.key, ("follower", "cam"), "follower.mass")
+        return self
 
 
 class DetachRange(RpmRange):

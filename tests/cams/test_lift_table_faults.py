@@ -65,6 +65,10 @@ FILES = [
     (b"deg,lift\n1,\x00\x01", "lift.csv:2:3: cam.file: found the control character 0x00"),
     (TEXT.replace(",", ";").replace(".", ","), "lift.csv:2:3: cam.file: found a decimal comma: '0"),
     (TEXT.replace(",", " ").replace(".", ","), "write decimal: comma in the section cam"),
+    (
+        TEXT.replace("deg,lift", "n,deg,lift"),
+        "lift.csv:2:1: cam.file: found 2 cells in the first row, and 3 titles in the header",
+    ),
     (without(170, 300), "the rows of lines 169 and 170 are 132 deg apart"),
     (without(2, 150), "begins at 149 deg with a lift of 6.1307 mm, an open end"),
     (without(200, 362), "lift.csv:199:5: cam.lift: the table ends at 197 deg with a lift of"),
@@ -124,7 +128,7 @@ KEYS = [
     ({"sha256": "0" * 64}, "this is not the file the scene was made for"),
     ({"lift": "fraction"}, "lift: fraction and max_lift belong together"),
     ({"max_lift": 0.01}, "lift: fraction and max_lift belong together"),
-    ({"lift": "cm"}, "found 'cm', expected one of m, mm, inch, fraction"),
+    ({"lift": "cm"}, "found 'cm', expected one of m, mm, um, inch, thou, fraction"),
     ({"smoothing": -1}, "expected a number of at least 0"),
 ]
 

@@ -1,7 +1,9 @@
 """Lift tables as measuring machines, spreadsheets and cam grinders write them, through cam init."""
 
 import random
+import re
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from tests.cams.lift_tables import Eccentric, Lobe, cycloidal, polynomial, smoot
 from tests.cams.lift_tables import scene as table_scene
 
 LOBE, ROUND = Lobe(smooth), Eccentric()
+THOU = 0.0254e-3
 OTHER = Lobe(cycloidal)
 WIDE = Lobe(polynomial, 60, 40)
 FOLLOWER = Follower(0.12, 42000.0, 12.0, 0.0, 260.0, 0.4)
@@ -29,6 +32,31 @@ def rows(angles, lobe=LOBE, unit=1e-3, form="{:g},{:.4f}", scale=1.0, shift=0.0,
 
 def german(lines):
     return [line.replace(",", ";").replace(".", ",") for line in lines]
+
+
+def quoted(lines):
+    """A whole number without quotes, as they are needed only for a comma."""
+    cells = [line.replace(".0000", "").split(",") for line in lines]
+    cells = [[f'"{c}"'.replace(".", ",") if "." in c else c for c in row] for row in cells]
+    return [",".join(row) for row in cells]
+
+
+def two_lobes():
+    other = Lobe(smooth, 60)
+    for k in range(360):
+        yield f"{k},{LOBE.at(k)[0] * 1e3:.4f},{other.at(k + 110)[0] * 1e3:.4f}"
+
+
+class Radii(NamedTuple):
+    """The lobe on a base circle of 18 mm."""
+
+    base: float = 0.018
+
+    def at(self, deg):
+        return self.base + LOBE.at(deg)[0], 0.0
+
+
+RADII = Radii()
 
 
 TURN, CRANK = range(360), range(0, 720, 2)
@@ -77,12 +105,60 @@ FILES = {  # lines (or bytes), the law, zero of the file in deg of the cam, keys
     "quoted cells": (
         ['"deg","lift"', *rows(TURN, OTHER, form='"{:g}","{:.4f}"')], OTHER, 0,
         {}),
+    "decimal commas in quotes": (  # as a spreadsheet writes them that separates by commas
+        ['Winkel,"Hub, mm"', *quoted(rows(TURN))], LOBE, 0,
+        {"decimal": "comma", "lift_column": "Hub, mm"}),
+    "thousandths of an inch": (
+        ["deg,lift (thou)", *rows(TURN, unit=THOU, form="{:g},{:.1f}")], LOBE, 0,
+        {"lift": "thou"}),
+    "thousandths by their size": (
+        ["deg,lift", *rows(TURN, unit=THOU, form="{:g},{:.1f}")], LOBE, 0, {"lift": "thou"}),
+    "micrometres": (["deg,lift", *rows(TURN, unit=1e-6, form="{:g},{:.0f}")], LOBE, 0,
+                    {"lift": "um"}),
+    "hundredths of a millimetre": (
+        ["deg;Hub 1/100 mm", *german(rows(TURN, unit=1e-5, form="{:g},{:.1f}"))], LOBE, 0,
+        {"lift": "fraction", "max_lift": 1e-5}),
+    "two lobes": (["deg,Intake,Exhaust", *two_lobes()], LOBE, 0, {"lift_column": "Intake"}),
+    "two units": (
+        ["deg,inch,mm", *(f"{k},{LOBE.at(k)[0] / 0.0254:.5f},{LOBE.at(k)[0] * 1e3:.4f}"
+                          for k in TURN)], LOBE, 0, {"lift": "inch"}),
+    "radii": (["deg,R mm", *rows(TURN, RADII)], LOBE, 0, {"subtract": 18.0, "base_radius": 0.018}),
+    "radii of the lobe alone": (
+        ["cam deg,R inch", *rows(range(-75, 76), Radii(0.7 * 0.0254), shift=180, unit=0.0254)],
+        LOBE, 180,
+        {"lift": "inch", "subtract": 0.7}),
+    "from the nose": (["deg,lift", *rows(TURN, shift=180)], LOBE, 180, {}),
+    "of a valve": (["deg,Valve lift mm", *rows(TURN)], LOBE, 0, {"measured_at": "valve"}),
+    "of a lobe": (["deg,Lobe lift mm", *rows(TURN)], LOBE, 0, {"measured_at": "lobe"}),
+    "after another table": (
+        ["deg,Exhaust", *rows(range(100, 260)), "deg,Intake mm", *rows(TURN)], LOBE, 0,
+        {"skip_lines": 161, "lift_column": "Intake mm"}),
 }  # fmt: skip
 
 
 FITTED = ("dial gauge", "noise", "an eccentric", "quoted cells")  # one of each law
 UNSURE = {"plain csv": True, "no header": True, "german spreadsheet": False, "comments": True,
           "units in a second line": False, "ten-thousandths of an inch": False}  # fmt: skip
+
+
+OF_A_VALVE = ("of a valve", "units in a second line")
+SAID = {  # CHECK lines; where a file is not here none but those of the unit and a rocker are
+    "thousandths by their size": "CHECK lift: thou is a guess: the largest number is 393.7: as "
+    "thousandths of an inch a lift of 10 mm, as mm one of 0.3937 m",
+    "micrometres": "CHECK lift: um is a guess: the largest number is 10000, too large",
+    "hundredths of a millimetre": "CHECK lift: fraction is a guess: hundredths of a millimetre",
+    "two lobes": "CHECK lift_column: Intake is a guess: column 3 'Exhaust' rises and falls too, "
+    "another lobe: this scene leaves it out; for a scene of it copy this one and write "
+    "lift_column: Exhaust",
+    "two units": "CHECK lift_column: inch is a guess: column 3 'mm' is 25.4 times this one: the "
+    "same lobe in another unit, or behind a rocker",
+    "radii": "CHECK subtract: 18.0 is a guess: the numbers go from 18 to 28, so they are radii",
+    "radii of the lobe alone": "CHECK subtract: 0.7 is a guess: the numbers go from 0.7 to "
+    "1.0937, so they are radii",
+    "after another table": "CHECK skip_lines: 161 is a guess: lines 2 to 161 are another table",
+    "of a lobe": "CHECK rocker_ratio: 1 is a guess: taken without a rocker; if there is one",
+    "plain csv": "CHECK rocker_ratio: 1 is a guess: taken without a rocker; if there is one",
+}
 
 
 def written(name, folder, cam):
@@ -122,7 +198,12 @@ def test_a_table_is_read_as_it_was_written(name, tmp_path, cam, truth):
     true = np.array([law.at(theta)[0] for theta in turn.theta])
     assert np.abs(turn.lift - true).max() < (5e-6 if name == "noise" else 0.51 * turn.quantum)
     assert len(turn.lift) >= 150
-    assert name not in UNSURE or ("CHECK lift" in said) == UNSURE[name]
+    assert name not in UNSURE or ("CHECK lift:" in said) == UNSURE[name]
+    assert SAID.get(name, "") in said
+    checked = set(re.findall("CHECK ([a-z_]+)", said))
+    assert checked <= {"lift", "rocker_ratio", "angle", SAID.get(name, "CHECK -").split()[1][:-1]}
+    assert ("CHECK rocker_ratio" in said) != (name in OF_A_VALVE)
+    assert checked == set(re.findall("  ([a-z_]+): .*# CHECK", (tmp_path / "cam.yaml").read_text()))
     if name == "plain csv":
         assert (tmp_path / "cam.png").read_bytes()[:4] == b"\x89PNG"
     if name in FITTED:
@@ -130,3 +211,97 @@ def test_a_table_is_read_as_it_was_written(name, tmp_path, cam, truth):
         low, high = table_record(scene.cam, system)["first_detachment_rpm"]
         assert low < truth(law) < high
         assert high - low < 0.14 * truth(law)
+
+
+def stacked(*more):
+    return ["deg,Intake", *rows(TURN), *more, *rows(TURN, Lobe(smooth, 60))]
+
+
+def without(line, *new):
+    """The plain table with a line (from 1) replaced."""
+    lines = ["deg,lift", *rows(TURN)]
+    return [*lines[: line - 1], *new, *lines[line:]]
+
+
+REFUSED = {
+    "a bad lift": (without(101, "99,x1.2"), "cam.csv:101:4: found 'x1.2', expected a number, corr"),
+    "a bad angle": (without(101, "9g,1.2"), "cam.csv:101:1: found '9g', expected a number"),
+    "an empty lift": (without(101, "99,"), "cam.csv:101:4: found an empty cell"),
+    "two bad rows": (without(101, "99,-", "99.5,-"), "found '-', and 1 more like it, expected"),
+    "a row of words": (without(101, "n/a,n/a"), "cam.csv:101:1: found 'n/a'"),
+    "a bad row near the end": (without(359, "357,?"), "cam.csv:359:5: found '?'"),
+    "a bad row near the beginning": (without(3, "1,?"), "cam.csv:3:3: found '?'"),
+    "the first row": (without(2, "0,---"), "cam.csv:2:3: found '---'"),
+    "the last row": (without(361, "359,n/a"), "cam.csv:361:5: found 'n/a'"),
+    "a longer row": (without(101, "99,1,2"), "cam.csv:101: found 3 cells, expected 2"),
+    "with a counter": (
+        ["n,deg,lift", *(f"{k},{'99,' if k == 99 else row}" for k, row in enumerate(rows(TURN)))],
+        "cam.csv:101:7: found an empty cell"),
+    "falling": (["deg,lift", *rows(range(359, 200, -1)), "200,x", *rows(range(199, -1, -1))],
+                "cam.csv:161:5: found 'x'"),
+    "through zero": (["deg,lift", *rows(range(200, 360)), "0,x", *rows(range(1, 200))],
+                     "cam.csv:162:3: found 'x'"),
+    "a footer": ([*rows(TURN), "Ende"], "cam.csv:361: found 1 cells, expected 2"),
+    "another table below": (
+        stacked("deg,Exhaust"), "cam.csv:363: rows of numbers begin again at 0, expected"),
+    "another table without a title": (
+        stacked(), "cam.csv:362: the angle begins again at 0, expected one table in a file"),
+    "another lobe below": (
+        ["deg,lift", *rows(range(110, 250)), *rows(range(110, 250))],
+        "cam.csv:142: the angle begins again at 110"),
+    "no numbers": ([f"a{row}" for row in rows(TURN)], "and 'a0' in line 1, expected a table of"),
+    "thousands": (  # of what a person cannot tell
+        ["deg,lift", *(f'{k},"6,798.3"' for k in TURN)], "and '6,798.3' in line 2, expected"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_row_that_cannot_be_read_is_named_and_nothing_is_written(name, tmp_path, cam):
+    lines, said = REFUSED[name]
+    (tmp_path / "cam.csv").write_text("\n".join(lines) + "\n")
+    done = cam("init cam.csv --no-plot")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["cam.csv"]
+
+
+def test_two_lobes_in_one_column_are_seen(tmp_path, cam):
+    pair = [LOBE.at(k)[0] + LOBE.at(k + 150)[0] for k in TURN]
+    text = "deg,lift mm\n" + "".join(f"{k},{1e3 * x:.4f}\n" for k, x in enumerate(pair))
+    (tmp_path / "cam.csv").write_text(text)
+    done = cam("init cam.csv --no-plot", code=0)
+    said = "CHECK lift_column: lift mm is a guess: it rises from zero and comes back 2 times"
+    assert said in done.stdout
+
+
+def test_a_run_tells_of_guesses_that_nobody_has_looked_at(tmp_path, cam):
+    (tmp_path / "cam.csv").write_text("\n".join(["deg,lift", *rows(TURN)]) + "\n")
+    cam("init cam.csv --no-plot", code=0)
+    path = tmp_path / "cam.yaml"
+    lines = path.read_text().splitlines()
+    numbers = ", ".join(str(k) for k, line in enumerate(lines, 1) if "# CHECK" in line)
+    done = cam("simulate --dry-run -c cam.yaml", code=0)
+    assert f"note: cam.yaml: lines {numbers}: CHECK: guesses of cam init; correct" in done.stderr
+    path.write_text(path.read_text().replace("CHECK", "seen"))
+    assert "CHECK" not in cam("simulate --dry-run -c cam.yaml", code=0).stderr
+
+
+def test_a_table_of_the_lobe_is_not_taken_for_the_valve_s_without_a_word(tmp_path, cam, truth):
+    """A lobe of 0.3 inch under a rocker of 1.6."""
+    lobe = Lobe(smooth, 60, 0, 0.3 * 0.0254)
+    lines = ["deg,lift inch", *rows(TURN, lobe, unit=0.0254)]
+    (tmp_path / "cam.csv").write_text("\n".join(lines) + "\n")
+    said = cam("init cam.csv --no-plot", code=0).stdout
+    assert "CHECK rocker_ratio: 1 is a guess: taken without a rocker; if there is one" in said
+    path = tmp_path / "cam.yaml"
+    spring = "--set follower.stiffness=42000 --set follower.preload=260 --set follower.damping=12"
+    detach = f"detach -c cam.yaml --no-plot --points 2 --rpm 2000:2100 {spring}"
+
+    def first(words):
+        return float(cam(words, code=0).stdout.split("up to ")[1].split()[0])
+
+    wrong = first(detach)
+    path.write_text(path.read_text().replace("rocker_ratio: 1 ", "rocker_ratio: 1.6 "))
+    right = first(detach)
+    assert right == pytest.approx(truth(Lobe(smooth, 60, 0, 1.6 * 0.3 * 0.0254)), rel=0.02)
+    assert wrong > 1.1 * right

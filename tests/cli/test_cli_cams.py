@@ -1,8 +1,6 @@
-"""Every kind of cam through every command, the files of configs/, and a made-up kind."""
+"""Every kind of cam through every command, and the files of configs/."""
 
 import json
-import subprocess
-import sys
 from math import pi
 from pathlib import Path
 
@@ -83,47 +81,3 @@ def test_a_blow_is_a_departure(cam, tmp_path):
     orbit = next(r for r in rows(tmp_path / "out" / "branch.csv") if r["label"] == "P(1;inf)")
     phases = [float(orbit[key]) for key in orbit if key.startswith("theta_deg") and orbit[key]]
     assert phases == pytest.approx([30.0, 300.0], abs=1e-9)
-
-
-MADE_UP = """
-import sys
-from typing import Literal
-from flint import arb
-from pydantic import BaseModel, ConfigDict, Field
-import camcli.cams
-from camcli.cams.compile import Part
-
-class TwoLobes(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-    kind: Literal["two-lobes"]
-    lift: float = Field(gt=0, description="lift, m")
-
-    def parts(self):
-        half = arb(self.lift) / 2
-        height = lambda theta: half * (1 - (2 * theta).cos())
-        return [Part(arb(0), 2 * arb.pi(), height)]
-
-camcli.cams.AnyCam |= TwoLobes
-camcli.cams.CAMS = (*camcli.cams.CAMS, TwoLobes)
-from camcli.__main__ import main
-main()
-"""
-
-
-@pytest.mark.slow
-def test_a_new_kind_is_one_class_and_one_registration(tmp_path):
-    """As CONTRIBUTING says: schema and commands then know it."""
-
-    def call(*words):
-        command = [sys.executable, "-c", MADE_UP, *words]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-        return done.stdout
-
-    path = write(tmp_path, "{kind: two-lobes, lift: 0.02}")
-    assert (
-        "two-lobes" in json.loads(call("schema"))["properties"]["cam"]["discriminator"]["mapping"]
-    )
-    call("detach", "-c", str(path), "-o", "out", "--no-plot", "--quiet")
-    first = next(r for r in rows(tmp_path / "out" / "detach.csv") if "first" in r["quantity"])
-    assert float(first["rpm"]) > 0

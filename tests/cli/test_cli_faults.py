@@ -63,6 +63,21 @@ REFUSED = [
     ("detach --tolerance follower.mass=5", "expected KEY=PERCENT%"),
     ("detach --tolerance run.rpm=5%", "run.rpm"),
     ("detach --tolerance follower.mas=5%", "did you mean 'mass'?"),
+    (
+        "detach --tolerance mass=5%",
+        "found the key 'mass', expected a number of follower or cam, did you mean follower.mass?",
+    ),
+    ("detach --tolerance stifness=5% --dry-run", "did you mean follower.stiffness?"),
+    ("detach --tolerance cam.nose=5% --dry-run", "did you mean 'nose_center'?"),
+    ("detach --tolerance spring.rocker=5%", "did you mean cam.rocker_ratio?"),
+    ("detach --tolerance =5%", "found the key '', expected a number of follower or cam"),
+    ("detach --tolerance follower=5%", "follower: found a section"),
+    ("detach --tolerance follower.mass.x=5%", "follower.mass: found a map"),
+    ("detach --tolerance cam.kind=5%", "cam.kind: found 'arcs'"),
+    ("detach --set 'detach.tolerance=[{key: mass, percent: 5}]'", "did you mean follower.mass?"),
+    ("sweep --vary mass=1:2", "did you mean follower.mass?"),
+    ("classify --vary nose_radius=0.1:0.2", "did you mean cam.nose_radius?"),
+    ("basins --vary reccord=1:2", "did you mean run.record?"),
     ("detach --tolerance follower.gravity=5%", "a number of follower or cam"),
     ("orbits --vary cam.nose_radius=0.1:0.2", "expected rpm or a constant of the follower"),
     ("orbits --vary follower.mass=1:2 --parameter mass", "--parameter: found it with --vary"),
@@ -185,6 +200,13 @@ def test_a_scene_from_stdin_and_one_that_is_a_record(cam, tmp_path, monkeypatch)
     record.write_text(record.read_text().replace('"mass": 1.0', '"mass": "heavy"'))
     fault = cam("rerun out/simulate", code=2).stderr
     assert fault.startswith("out/simulate/run.json: follower.mass: found 'heavy', expected a num")
+
+
+def test_a_scene_from_a_closed_stdin(cam, monkeypatch):
+    monkeypatch.setattr(sys, "stdin", None)  # as Python finds it in `cam ... -c - <&-`
+    done = cam("simulate -c -", code=2)
+    said = "stdin: found it closed, expected a scene, pipe one into it, or name a file\n"
+    assert done.stderr == said
 
 
 @pytest.mark.slow

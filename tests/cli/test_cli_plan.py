@@ -1,21 +1,50 @@
 """What --dry-run foresees, beside what real commands then do; timings are not asserted."""
 
 import json
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
-from camcli.cli import forecast
-from camcli.kernel import backend, compiled
+from camcli.cli import forecast, sizes
+from camcli.kernel import backend, code_cache
+from tests.hostile.bounds import limited
 
+CONFIGS = Path(__file__).parents[2] / "configs"
+FACTOR = 2.0  # between what is foreseen and what is measured
+SMALL = 10e3  # bytes that nobody minds
+TURNS = "--set run.transient=50 --set run.record=100"
 SEEN = {
-    "sweep": ("sweep", "--points", "41"),
-    "sweep of chatter": ("sweep", "--rpm", "110:200", "--points", "40"),
-    "sweep as npz": ("sweep", "--set", "sweep.tables=npz", "--points", "40"),
-    "basins": ("basins", "--cells", "120"),
-    "classify": ("classify", "--rpm", "700:745", "--points", "20"),
-    "detach": ("detach",),
-    "simulate": ("simulate", "--rpm", "745", "--set", "run.record=1500", "--points", "90"),
-}
+    "sweep": "sweep --points 41",
+    "sweep of chatter": "sweep --rpm 110:200 --points 40",
+    "sweep as npz": f"sweep --set sweep.tables=npz --points 40 {TURNS}",
+    "sweep of speeds alone": f"sweep --set sweep.tables=none --points 40 {TURNS}",
+    "sweep both ways, zoomed": f"sweep --rpm 690:745 --both --zoom 700:710 --points 21,9 {TURNS}",
+    "sweep of a long record": "sweep --points 9 --set run.record=3000",
+    "map": f"sweep --rpm 690:745 --vary follower.restitution=0.7:0.8 --points 16,16 {TURNS}",
+    "basins": "basins --cells 120",
+    "basins over a range": "basins --rpm 690:710 --points 6 --cells 30",
+    "classify": "classify --rpm 700:745 --points 20",
+    "classify with starts": f"classify --rpm 700:745 --points 8 --starts 12 {TURNS}",
+    "detach": "detach",
+    "report": "detach --report --points 21",
+    "simulate": "simulate --rpm 745 --set run.record=800 --points 90",
+    "simulate finely": "simulate --points 20000 --set run.record=6",
+    "profile": "simulate --profile-only --points 5000",
+    "explore": f"explore --points 41 {TURNS} --set orbits.starts=2",
+    "explore with basins": f"explore --points 5 --with basins --set basins.cells=[20,20] {TURNS}",
+    "explore with map": f"explore --points 5,9 --with map --vary follower.mass=1:2 {TURNS}",
+    **{
+        f"{words.split()[0]} of {name}": f"{words} -c {CONFIGS / name}.yaml"
+        for name in ("eccentric", "law-harmonic", "valve-train", "bouncing-ball")
+        for words in (
+            f"sweep --points 9 {TURNS}", f"simulate --points 60 {TURNS}", "detach --points 9",
+        )
+    },
+    "explore of eccentric": f"explore -c {CONFIGS}/eccentric.yaml --points 6 {TURNS}",
+    "classify of valve-train": f"classify -c {CONFIGS}/valve-train.yaml --points 5 {TURNS}",
+}  # fmt: skip
 
 
 def foreseen(cam, *words: str) -> dict:
@@ -25,19 +54,57 @@ def foreseen(cam, *words: str) -> dict:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("words", SEEN.values(), ids=SEEN)
+@pytest.mark.parametrize("name", SEEN)
 def test_a_plan_is_right_within_a_factor_of_two_and_writes_nothing(
-    cam, tmp_path, monkeypatch, words
+    cam, tmp_path, monkeypatch, name
 ):
     monkeypatch.setattr(forecast, "MOST", 600.0)  # s, where the machine is slow
-    cost = foreseen(cam, *words)
+    words = SEEN[name] + " --no-plot" * ("explore" not in name and name != "report")
+    cost = foreseen(cam, words)
     assert list(tmp_path.iterdir()) == []
-    done = cam(*words, "--no-plot --json -o here", code=0)
+    done = cam(words, "--json -o here")
+    assert done.returncode in (0, 3), done.stderr
     impacts = json.loads(done.stdout)["cost"]["impacts"]
     size = sum(path.stat().st_size for path in (tmp_path / "here").iterdir())
-    assert impacts / 2 <= cost["impacts"] <= impacts * 2
-    assert (size - 5e3) / 2 <= cost["bytes"] - forecast.PICTURE <= (size + 5e3) * 2
+    if "explore" not in name:  # of its impacts those of the solved orbits are not foreseen
+        assert impacts / FACTOR <= cost["impacts"] + 10
+        assert cost["impacts"] <= impacts * FACTOR + 10
+    assert (size - SMALL) / FACTOR <= cost["bytes"] <= (size + SMALL) * FACTOR
     assert cost["disk"] >= cost["bytes"]
+
+
+MEASURED = {
+    "sweep": f"sweep --points 101 {TURNS}",
+    "sweep, nothing drawn": "sweep --points 201 --no-plot",
+    "map": f"sweep --rpm 690:745 --vary follower.mass=1:2 --points 10,10 {TURNS}",
+    "simulate finely": "simulate --points 30000 --set run.record=4",
+    "profile": "simulate --profile-only --points 5000 --width 300mm --height 300mm",
+    "orbits": "orbits --rpm 700:712 --points 11 --set orbits.starts=2",
+    "basins": "basins --cells 30",
+    "classify": f"classify --points 11 {TURNS}",
+    "explore": f"explore --points 101 {TURNS} --set orbits.starts=2",
+}
+CHILD = """
+import re, sys
+from pathlib import Path
+from camcli.cli.app import app
+app(sys.argv[1:], standalone_mode=False)
+print(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1])
+"""  # the peak of this process, not of the one it was forked from
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
+@pytest.mark.parametrize("name", MEASURED)
+def test_the_memory_of_a_plan_is_that_of_the_run_within_a_factor_of_two(
+    cam, tmp_path, monkeypatch, name
+):
+    monkeypatch.setattr(forecast, "MOST", 0.0)  # of memory nothing is sampled
+    planned = foreseen(cam, MEASURED[name])["memory"]
+    command = [sys.executable, "-c", CHILD, *MEASURED[name].split(), "-q", "-o", "here"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    measured = int(done.stdout.split()[-1]) * 1024
+    assert measured / FACTOR <= planned <= measured * FACTOR
 
 
 @pytest.mark.usefixtures("short_samples")
@@ -46,9 +113,11 @@ def test_what_is_known_before_is_exact_and_what_is_not_is_said(cam):
     sweep = foreseen(cam, "sweep", *turns)
     assert (sweep["orbits"], sweep["periods"]) == (21, 2100)
     assert foreseen(cam, "simulate", "--rpm", "700")["periods"] == 1000
-    assert foreseen(cam, "explore", *turns)["seconds"] > 0.0
+    explore = foreseen(cam, "explore", *turns)
+    assert (explore["orbits"], explore["periods"]) == (63, 6300)
+    assert explore["seconds"] > 0.0
     orbits = foreseen(cam, "orbits")
-    assert orbits["seconds"] is None
+    assert (orbits["seconds"], orbits["bytes"]) == (None, None)
     assert "not known before" in orbits["notes"][0]
 
 
@@ -59,6 +128,17 @@ def test_a_shard_makes_its_part_of_the_pieces_and_no_tables(cam):
     assert any("shard 2 of 4" in text for text in part["notes"])
 
 
+@pytest.mark.slow
+def test_the_pieces_of_a_plan_are_those_of_a_shard(cam, tmp_path):
+    words = "sweep --rpm 690:745 --points 120"
+    planned = foreseen(cam, words, "--shard 1/2")["disk"]
+    cam(words, "--shard 1/2 -o here", code=0)
+    size = sum(path.stat().st_size for path in (tmp_path / "here").iterdir())
+    assert size / FACTOR <= planned <= size * FACTOR
+    simulated = foreseen(cam, "simulate --no-plot --set run.record=50")
+    assert simulated["disk"] == simulated["bytes"]  # it keeps no pieces
+
+
 @pytest.mark.parametrize(
     ("line", "found", "figure"),
     [
@@ -67,36 +147,66 @@ def test_a_shard_makes_its_part_of_the_pieces_and_no_tables(cam):
         ("sweep --set run.record=1000000000 --dry-run", "1000000000 rec", "GB of files"),
         ("simulate --points 100000 --set run.record=1000000000", "samples", "e+07 GB"),
         ("classify --set run.record=1000000000 --dry-run", "101 speeds", "GB of memory"),
+        ("explore --set run.record=1000000000", "401 speeds of 3 sweeps", "GB of memory"),
+        (
+            "explore --with map --vary follower.mass=1:2 --points 2,10000000 --dry-run",
+            "20000000 points of a map", "GB of memory",
+        ),
+        ("basins --width 1000mm --height 1000mm --format pdf", "cells", "memory to draw"),
     ],
-)
-def test_what_cannot_fit_is_refused_with_its_figure(cam, tmp_path, line, found, figure):
+)  # fmt: skip
+def test_what_cannot_fit_is_refused_with_its_figure(
+    cam, tmp_path, monkeypatch, line, found, figure
+):
+    monkeypatch.setattr(sizes, "memory", lambda: 12e9)
     done = cam(line, code=2)
     assert all(words in done.stderr for words in (found, figure, "expected"))
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.usefixtures("short_samples")
-def test_much_to_write_is_said_and_a_sample_that_takes_long_ends(cam, monkeypatch):
-    large = "sweep --points 4000 --set run.record=2000 --dry-run"
+def test_much_to_write_is_said_once(cam, monkeypatch):
+    """The plan has a figure of its own, from a sample: two figures would contradict each other."""
+    large = "sweep --points 4000 --set run.record=2000"
+    assert "writes" not in cam(large, "--dry-run").stderr
+    monkeypatch.setattr("camcli.cli.run.execute", lambda *args, **more: 0)
     said = cam(large).stderr
-    assert "note: this writes 1.38 GB" in said
+    assert "note: this writes at least 689 MB of files, and 690 MB of pieces until then" in said
     assert "sweep.tables=npz" in said
-    assert "writes" not in cam("sweep --points 3 --dry-run").stderr
-    monkeypatch.setattr(forecast, "MOST", 0.0)
-    plan = foreseen(cam, "detach")
+    assert "writes" not in cam("sweep --points 3").stderr
+
+
+ENDLESS = "--set follower.stiffness=1e16 --set basins.budget=60"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        f"basins -c {CONFIGS}/eccentric.yaml {ENDLESS}",
+        f"simulate -c {CONFIGS}/law-harmonic.yaml {ENDLESS} --points 100000",
+        f"explore -c {CONFIGS}/eccentric.yaml {ENDLESS}",
+        f"detach -c {CONFIGS}/eccentric.yaml {ENDLESS}",
+    ],
+)
+def test_a_sample_that_takes_long_is_cut_off(cam, monkeypatch, words):
+    """Without that each of them takes more than a minute."""
+    backend.compiled()
+    monkeypatch.setattr(forecast, "MOST", 0.3)
+    with limited(10.0):
+        plan = foreseen(cam, words)
     assert (plan["seconds"], plan["impacts"], plan["bytes"]) == (None, None, None)
-    assert "not known before" in plan["notes"][0]
+    assert any("not known before" in text for text in plan["notes"])
 
 
 def test_compiling_is_no_part_of_a_sample(cam, monkeypatch):
-    now = [0.0]
+    now, make = [0.0], code_cache.make_folder
 
     def slowly(path):
         now[0] += 2 * forecast.MOST
-        return backend.read_intact(path)
+        make(path)
 
     monkeypatch.setattr(backend, "perf_counter", lambda: now[0])
     monkeypatch.setattr(backend, "_compiled", None)
-    monkeypatch.setattr(compiled, "read_intact", slowly)
+    monkeypatch.setattr(code_cache, "make_folder", slowly)
     monkeypatch.setenv("CAMCLI_KERNEL", "compiled")
     assert foreseen(cam, "sweep", "--points", "5")["seconds"] == 0.0

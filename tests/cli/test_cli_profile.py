@@ -113,7 +113,7 @@ def test_every_command_runs_on_a_table_and_says_what_it_is_worth(cam, tmp_path, 
     short = "--set run.transient=20 --set run.record=8 --no-plot -o here"
     done = cam(words[0], "-c", TABLE, f"--rpm 3500 {short}", *words[1:], code=0)
     assert "valve-lift.csv: 145 rows, lift 10.16 mm, last digit 2.54 um" in done.stderr
-    assert "first detachment between 33" in done.stdout
+    assert "first detachment at 33" in done.stdout
     table = json.loads((tmp_path / "here/run.json").read_text())["error"]["lift_table"]
     assert 0.0 < table["bound"] < 0.2 * table["accel"]
     low, high = table["first_detachment_rpm"]

@@ -3,6 +3,7 @@
 import signal
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -85,15 +86,15 @@ def test_a_signal_that_a_library_makes_another_error_of_is_an_interrupt(tmp_path
 LOADING = """
 import os, signal, sys
 from camcli.cli.app import main
-from camcli.kernel import compiled
-def read(path):
+from camcli.kernel import code_cache
+def make(path):
     try:
         os.kill(os.getpid(), signal.SIGTERM)
         sum(range(100))
     except BaseException:
         print("unwound", file=sys.stderr)
         raise
-compiled.read_intact = read
+code_cache.make_folder = make
 main()
 """
 
@@ -104,3 +105,66 @@ def test_nothing_is_raised_in_the_compiler(tmp_path, monkeypatch):
     words = ("sweep", "--points", "2", "--no-plot", "--threads", "1")
     code, said = ended(begin([sys.executable, "-c", LOADING, *words], tmp_path))
     assert (code, "interrupted" in said, "unwound" in said) == (130, True, False), said
+
+
+EARLY = """
+import gc, os, signal, sys
+at = sys.argv.pop(1)
+def send():
+    os.kill(os.getpid(), signal.SIGINT)
+    sum(range(100))
+class Finder:
+    def find_spec(name, path=None, target=None):
+        if name == at:
+            send()
+real = gc.freeze
+gc.freeze = lambda: (at == "end" and send(), real())
+sys.meta_path.insert(0, Finder)
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from camcli.__main__ import main
+main()
+"""
+LOADED = [
+    "camcli.cli.app",
+    "typer",
+    "camcli.interrupts",
+    "camcli.cli.exit_codes",
+    "camcli.cli.schema",
+]
+
+
+@pytest.mark.parametrize("moment", [*LOADED, "camcli.scene", "end"])
+def test_a_signal_while_the_program_is_loaded_or_ends_shows_no_traceback(tmp_path, moment):
+    words = [sys.executable, "-c", EARLY, moment, "schema"]
+    code, said = ended(begin(words, tmp_path))
+    wanted = (0, "") if moment == "end" else (130, "interrupted\n")
+    assert (code, said) == wanted
+
+
+FROZEN = """
+import os, signal, sys, threading, time
+from camcli.cli.app import main
+from camcli.output import pictures
+def write(frames, file, kind):
+    with pictures.unfinished_folder() as place:
+        (place / "frames").write_bytes(b"x")
+        print(place, file=sys.stderr, flush=True)
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGTERM)).start()
+        begun = time.monotonic()
+        while time.monotonic() < begun + 20:  # a library that is deaf to exceptions
+            try:
+                time.sleep(1)
+            except KeyboardInterrupt:
+                pass
+pictures.write_animation = write
+main()
+"""
+
+
+def test_an_animation_that_is_cut_leaves_nothing(tmp_path):
+    words = ("simulate", "--rpm", "700", "--animate", "--no-plot", "--set", "run.record=2")
+    code, said = ended(begin([sys.executable, "-c", FROZEN, *words, "-o", "out"], tmp_path))
+    place, told = said.splitlines()
+    assert (code, told) == (130, "interrupted")
+    assert not Path(place).exists()
+    assert list((tmp_path / "out").glob("*")) + list((tmp_path / "out").glob(".*")) == []

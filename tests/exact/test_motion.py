@@ -76,6 +76,22 @@ def test_the_references_of_the_bench_are_proved(name):
         same_events(trail, theirs, case["turns"], arb(0, "1e-22"))
 
 
+@pytest.mark.parametrize("rpm", [119.712, 119.7125, 119.7126, 119.713, 119.714, 119.72])
+def test_a_low_hop_across_a_corner_lands_within_eight_roundings(rpm, chapter):
+    """Just past corner c a chatter ends that began before it, its hops 1e-7 to 1e-4 rad long."""
+    record = Orbit(chapter, rpm, settings(0, 1, tolerance=1e-15)).run()
+    ours = [theta for kind, _, theta, *_ in record.events() if kind == EventKind.IMPACT]
+    with precision(60):
+        motion = Motion(Machine(chapter.shape, chapter.follower, rpm), 0.0, CORNER_B)
+        while len(motion.trail.leaves) < 2:
+            motion.step()
+        theirs = [phi for phi, _ in motion.trail.impacts if phi < motion.trail.leaves[1]]
+    first = [x for x in ours if x < motion.trail.leaves[1]]
+    assert len(first) >= 25
+    for x, phi in zip(first, theirs, strict=False):
+        assert abs(arb(x) - phi) < 8 * 2.0**-51
+
+
 def same_events(trail, theirs, turns, near):
     """The events (kind, phi, u) of whole turns agree; others of theirs lie in our chatters."""
     end = turns * 2 * arb.pi()

@@ -6,12 +6,16 @@ import json
 import os
 import subprocess
 import sys
+from contextlib import suppress
 from math import cos, pi
 from pathlib import Path
 
 import pytest
 
+from camcli.cams.lift_guess import guess
+from camcli.errors import SceneError
 from camcli.scene.load import MAX_BYTES
+from tests.hostile.bounds import limited
 
 ROOT = Path(__file__).parents[2]
 TABLE = (ROOT / "configs" / "valve-lift.csv").read_text()
@@ -125,3 +129,13 @@ def test_hostile_files_cost_little_and_are_refused(tmp_path, which):
         assert megabytes < 200, name
         assert any(words in fault for fault in faults), (name, faults)
         assert all(len(fault) < 800 and fault.isprintable() for fault in faults), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*TABLES, "more rows than are read"])
+def test_looking_at_a_table_costs_little(name):
+    """In seconds of the processor; a time that grows with the square of the rows takes ten."""
+    text = TABLES.get(name, (HEAD + 2 * "".join(FINE), ""))[0]
+    if not isinstance(text, int):
+        with limited(6.0), suppress(SceneError):
+            guess(text.encode(), "lift.csv")

@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camcli.cams.compile import build
+from camcli.cams.lift_guess import guess
 from camcli.scene import document, load_scene
 from tests.cams.lift_tables import Lobe, cycloidal, polynomial, scene, table
 from tests.hostile.bounds import (
@@ -223,15 +224,16 @@ TABLES = [
 ]
 CHANGES = st.dictionaries(
     st.sampled_from(["zero_deg", "base", "rocker_ratio", "smoothing", "angle", "direction", "lift",
-                     "angle_column", "lift_column", "header"]),
-    st.sampled_from(["0", "1e-9", "0.5", "-3", "7.5", "1e6", "crank", "reversed", "inch", "m", "1",
-                     "2", "lift", "false", "true", "null", "''"]),
+                     "subtract", "measured_at", "angle_column", "lift_column", "header"]),
+    st.sampled_from(["0", "1e-9", "0.5", "-3", "7.5", "1e6", "crank", "reversed", "inch", "m", "um",
+                     "thou", "valve", "1", "2", "lift", "false", "true", "null", "''"]),
     max_size=2,
 )  # fmt: skip
 
 
 def judge(folder, data: bytes, changes: dict[str, str]) -> None:
-    """A scene whose cam compiles and is judged in finite numbers, or faults."""
+    """A scene whose cam compiles and is judged in finite numbers, or faults; so of `cam init`."""
+    accepted(lambda: guess(data, "lift.csv"))
     cam = accepted(lambda: scene(folder, data, **changes).cam)
     if cam is not None:
         compiled = build(cam, 77.7)

@@ -9,6 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from camcli.analysis.integrate import Cost
+from camcli.analysis.labels import Label
 from camcli.analysis.simulate import Simulation
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.errors import Status
@@ -93,6 +94,11 @@ def speed(rpm, phases=(), q=(), status=Status.OK):
     phases = None if phases is None else (range(len(phases)), phases, phases, phases)
     strobe = None if q is None else (range(len(q)), q, q, q, q)
     return Speed(rpm, rpm, "aperiodic", 0, status, phases, strobe, Cost())
+
+
+def label_of(text):
+    """A label with its values, as an analysis gives it."""
+    return Label.parse(text) if text.startswith("P(") else text
 
 
 def sweep_of(*speeds):

@@ -8,17 +8,15 @@ import pytest
 from camcli.analysis.classify import classify_at
 from camcli.analysis.explain.changes import Event
 from camcli.analysis.exponents import Exponents
-from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import CROWDED, number_events
-from camcli.plots.classify import FORGETS, draw_classify, kind
+from camcli.plots.classify import FORGETS, draw_classify
 from camcli.plots.critical_speeds import MOST, SINGLE, event_lists, numbered
 from camcli.plots.picture import Panel, Picture
 from tests.conftest import settings
 from tests.output.pictures import count, overlaps, panel, pixels, tall, words
 
 RPMS = [100.0, 190.0, 358.5, 700.0, 750.0]  # contact, a rest, three turns, one turn, chaos
-KINDS = ["contact", "periodic with rest on the cam", "periodic", "periodic", "aperiodic"]
 
 
 @pytest.fixture(scope="module")
@@ -30,50 +28,11 @@ def event(rpm, kind="corner-hit", label="P(1;inf)", error=1e-10, **more):
     return Event(rpm, error, kind, label, **more)
 
 
-def test_every_kind_is_counted_and_every_label_has_its_colour(chapter, motions):
-    assert [kind(motion) for motion in motions] == KINDS
-    picture = draw_classify(motions, chapter)
-    shown, image = words(picture), pixels(picture)
-    assert picture.words.startswith("aperiodic (1); contact (1); periodic (2); periodic with rest")
-    for label in ("contact", "P(3;3:3:2)", "P(1;1)", "aperiodic"):
-        assert label in shown
-        assert count(image, style.label_colour(label)) > 10_000
-    assert {"hatched: rests on the cam", FORGETS, "period 3"} <= set(shown)
-
-
 def test_a_motion_that_is_not_solved_is_undecided(motions):
     unsolved = replace(motions[2], orbit=None, exponents=None, label="undecided")
     picture = draw_classify([unsolved])
     assert count(pixels(picture), style.UNDECIDED) > 100
     assert picture.words == "undecided (1); exponent not known for 1 of 1 motions"
-
-
-@pytest.mark.slow
-def test_any_order_is_the_ascending_picture_and_trouble_is_marked(motions):
-    first = draw_classify(motions)
-    image = pixels(first)
-    assert (pixels(draw_classify(motions[::-1])) == image).all()
-    assert count(image, style.TROUBLE) == 0
-    bad = draw_classify([*motions, replace(motions[0], value=400.0, status=Status.IMPACT_BUDGET)])
-    assert count(pixels(bad), style.TROUBLE) > 10
-    assert bad.words.endswith("not ok: impact-budget (1)")
-
-
-def labels_panel(motions):
-    return draw_classify(motions).figure().axes[3]
-
-
-def test_the_strip_joins_equal_labels(motions):
-    contact, _, three, one, chaos = motions
-    speeds = [10.0, 40.0, 49.0, 51.0, 98.0]
-    some = [one, one, three, chaos, contact]
-    axes = labels_panel(
-        [replace(m, rpm=rpm, value=rpm) for m, rpm in zip(some, speeds, strict=True)]
-    )
-    first, second = axes.patches[:2]
-    assert first.get_x() + first.get_width() == pytest.approx(44.5)
-    assert (second.get_x(), second.get_width()) == pytest.approx((44.5, 5.5))
-    assert [text.get_text() for text in axes.texts] == ["P(1;1)", "3", "aperiodic", "contact"]
 
 
 def test_exponents_have_bars_and_minus_infinity_has_words(motions):

@@ -12,11 +12,10 @@ from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Curve, CurvePoint
 from camcli.analysis.orbits.shooter import PARAMETERS as VARIED
 from camcli.analysis.orbits.study import Absence, OrbitsResult, Question, orbits
-from camcli.plots import style
-from camcli.plots.branch_lines import draw_strands, events_of, phases, positions, strands
+from camcli.plots.branch_lines import phases, strands
 from camcli.plots.orbits import LONGEST, PARAMETERS, axis_name, draw_curves, draw_orbits
 from tests.conftest import settings
-from tests.output.pictures import count, panel, pixels, tall, words
+from tests.output.pictures import tall, words
 
 pytestmark = pytest.mark.slow
 
@@ -25,31 +24,13 @@ QUESTIONS = {
     "doubling": Question(700.0, span=Span(672.0, 756.0, 2.8)),
     "fold": Question(358.5, span=Span(350.0, 385.0, 0.6)),
     "resting": Question(190.0, span=Span(110.0, 205.0, 5.0)),
-    "contact": Question(100.0, span=Span(90.0, 110.0, 10.0)),
     "one speed": Question(358.5),
 }
 
 
 @pytest.fixture(scope="module")
 def found(chapter):
-    some = {name: orbits(chapter, settings(600), ask) for name, ask in QUESTIONS.items()}
-    at_rest = replace(some["resting"], question=Question(190.0), branches=[], bifurcations=[])
-    return {**some, "at rest": at_rest}
-
-
-@pytest.fixture(scope="module")
-def corners(chapter):
-    return style.corner_names(chapter.corners_deg)
-
-
-@pytest.mark.parametrize("name", ["doubling", "contact", "one speed", "at rest"])
-def test_every_kind_of_study_shows_the_colour_of_its_period(chapter, found, name):
-    picture = draw_orbits(found[name], chapter)
-    image = pixels(picture)
-    assert count(image, style.PERIODS[0]) > 100
-    assert count(image, style.FLIGHT) == 0
-    assert (count(image, style.STICKING) > 0) == (name == "at rest")
-    tall(picture)
+    return {name: orbits(chapter, settings(600), ask) for name, ask in QUESTIONS.items()}
 
 
 def test_where_an_absent_label_exists_is_said(chapter, found):
@@ -75,18 +56,6 @@ def test_every_parameter_has_a_name_and_a_unit(chapter, found):
 # --- lines along a branch
 
 
-def test_stable_parts_are_solid_and_unstable_ones_dashed(found):
-    first, second = found["doubling"].branches[:2]
-    lines = strands(first.points, phases, 360.0)
-    assert [line.stable for line in lines] == [True, False]
-    assert lines[0].x[-1] == lines[1].x[0] == pytest.approx(739.31978, abs=1e-5)
-    axes = panel()
-    draw_strands(axes, lines, style.FLIGHT)
-    assert [line.get_linestyle() for line in axes.lines] == ["-", "--"]
-    assert axes.lines[0].get_linewidth() > axes.lines[1].get_linewidth()
-    assert [line.stable for line in strands(second.points, positions)] == [False]
-
-
 def test_lines_break_where_a_departure_appears_and_where_a_phase_wraps(found):
     lines = strands(found["resting"].branches[0].points, phases, 360.0)
     assert len(lines) == 2
@@ -97,15 +66,6 @@ def test_lines_break_where_a_departure_appears_and_where_a_phase_wraps(found):
 
 
 # --- events
-
-
-def test_events_are_listed_once_in_order_with_all_branches(found, corners):
-    listed = events_of(found["doubling"].bifurcations, corners)
-    names = ["corner impact at b", "period doubling", "corner impact at c"]
-    assert [event.name for event in listed] == names
-    assert [event.branches for event in listed] == [(1, 2), (1,), (3,)]
-    assert listed[1].leaves == (3,)
-    assert listed[2].phases == (corners["c"],)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
 from camcli.analysis.contact_loss.force import ForceCurve
+from camcli.analysis.labels import Label
 from camcli.errors import SceneError
 from camcli.plots import style
 from camcli.plots.axes import draw_forces, newtons
@@ -74,7 +75,7 @@ def test_a_motion_has_the_colour_of_its_period_in_every_picture():
         return [SimpleNamespace(turns=turns)]
 
     assert colours([orbit(2), orbit(1), orbit(3)]) == [style.PERIODS[k] for k in (1, 0, 2)]
-    labels = ["P(2;inf:1)", "P(1;1)", "P(3;3:3:2)"]
+    labels = [Label.parse(text) for text in ("P(2;inf:1)", "P(1;1)", "P(3;3:3:2)")]
     assert [style.label_colour(label) for label in labels] == colours(list(map(orbit, (2, 1, 3))))
     assert colours([orbit(9)]) == [style.LONGER]
     assert style.label_colour("aperiodic") == style.APERIODIC

@@ -2,6 +2,7 @@
 
 import errno
 import json
+import multiprocessing
 import os
 import stat
 import subprocess
@@ -188,3 +189,52 @@ def test_the_program_is_what_can_change_a_number():
     assert {"kernel", "cams", "analysis", "exact", "parallel"} <= folders
     assert not {"cli", "plots", "output"} & folders
     assert program_hash() != program_hash(pictures=True)
+
+
+PAIRS, RUNS = 150, 3
+
+
+def racer(folder, barrier, results) -> None:
+    """Runs that begin at once with others, each pair in a new folder; some fail at once."""
+    for pair in range(PAIRS):
+        place = folder / str(pair) / "new"
+        barrier.wait()
+        try:
+            with run_folder(place) as run:
+                if pair % 3 == 2:
+                    raise ValueError("nothing was written")
+                run.write_text("a.csv", ["whole"])
+                run.write_text("run.json", [json.dumps({"artefacts": run.hashes})])
+                run.commit()
+            results.put((pair, "whole"))
+        except SceneError as error:
+            results.put((pair, error.faults[0].found))
+        except ValueError:
+            results.put((pair, "failed"))
+        except Exception as error:
+            results.put((pair, repr(error)))
+
+
+def test_of_runs_that_begin_at_once_in_a_new_folder_one_is_whole(tmp_path):
+    """Each of the others is refused, or comes after it: nobody's folder is removed under him."""
+    fork = multiprocessing.get_context("fork")
+    barrier, results = fork.Barrier(RUNS), fork.Queue()
+    runs = [
+        fork.Process(target=racer, args=(tmp_path, barrier, results), daemon=True)
+        for _ in range(RUNS)
+    ]
+    for run in runs:
+        run.start()
+    ends: dict[int, list[str]] = {}
+    for _ in range(RUNS * PAIRS):
+        pair, end = results.get(timeout=60)
+        ends.setdefault(pair, []).append(end)
+    for run in runs:
+        run.join()
+    for pair, found in ends.items():
+        there = tmp_path / str(pair) / "new"
+        wanted = "failed" if pair % 3 == 2 else "whole"
+        assert wanted in found
+        assert set(found) <= {wanted, "found another run at work here"}
+        if wanted == "whole":
+            assert sorted(path.name for path in there.iterdir()) == ["a.csv", "run.json"]

@@ -1,13 +1,16 @@
 """Tables: the same numbers as text, as .npz and as arrays, to the last bit."""
 
+import copy
 import io
+import pickle
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camcli.output.tables import Table
+from camcli.output.tables import Named, Table
 
 NUMBERS = st.sampled_from([0.0, -0.0, 0.1, 1 / 3, 5e-324, 1e16, 5e22]) | st.floats(allow_nan=False)
 BLOCK = st.tuples(st.floats(1.0, 1e4), st.lists(st.tuples(st.integers(-9, 9), NUMBERS)))
@@ -42,6 +45,44 @@ def test_what_is_not_known_is_empty_and_what_is_no_number_is_refused():
         table["c"]
     with pytest.raises(TypeError, match="a table cannot hold float64"):
         list(Table.of_rows(("a",), lambda: [(np.float64(1.0),)]).csv())
+
+
+def two_rows():
+    yield [[1.0, 2.5], ["x", "y"]]
+
+
+def test_a_table_is_a_mapping_that_pandas_takes_as_it_is():
+    table = Table(("a", "b"), two_rows)
+    columns = {"a": [1.0, 2.5], "b": ["x", "y"]}
+    assert isinstance(table, Mapping)
+    assert isinstance(table, dict)  # pandas.DataFrame makes one column of names of other mappings,
+    assert {key: table[key].tolist() for key in list(table.keys())} == columns  # and reads so
+    assert (len(table), table.rows, bool(table), "a" in table, "c" in table) == (2, 2, 1, 1, 0)
+    whole = [
+        dict(table), {**table}, table.copy(), table | {}, {} | table, dict(table.items()),
+        dict(zip(table, table.values(), strict=True)),
+    ]  # fmt: skip
+    for found in whole:
+        assert {key: column.tolist() for key, column in found.items()} == columns
+    assert [*reversed(table)] == ["b", "a"]
+    assert table.get("c") is None
+    assert (table == table, table != Table(("a", "b"), two_rows)) == (True, True)
+    for same in (copy.copy(table), pickle.loads(pickle.dumps(table))):
+        assert {key: column.tolist() for key, column in same.items()} == columns
+    for change in (
+        lambda: table.__setitem__("a", 1), lambda: table.update(a=1), lambda: table.pop("a"),
+        lambda: table.__ior__({"a": 1}), table.clear, lambda: table.setdefault("c", 1),
+        lambda: table.__delitem__("a"), table.popitem,
+    ):  # fmt: skip
+        with pytest.raises(TypeError, match="a table cannot be changed"):
+            change()
+
+
+def test_a_wrong_name_is_told_which_there_are():
+    with pytest.raises(KeyError, match="found no column 'c'; there are a, b"):
+        Table(("a", "b"), two_rows)["c"]
+    with pytest.raises(KeyError, match="found no table 'speed'; there are impacts, speeds"):
+        Named("table", {"impacts": 1, "speeds": 2})["speed"]
 
 
 def test_another_form_of_the_tables_replaces_the_one_before(cam, tmp_path):

@@ -1,5 +1,6 @@
 """Work in pieces: order, names, what is kept, and how much of it in memory."""
 
+import pickle
 import threading
 
 import pytest
@@ -40,6 +41,7 @@ def test_collected_results_are_a_sequence(checkpoint, kept, room, monkeypatch):
     found = work.collect(Counted(), range(5), PLAIN, seen.append)
     assert list(found) == seen == [0, 10, 20, 30, 40]
     assert isinstance(found, list) == (not kept or room > checkpoint.size)
+    assert pickle.loads(pickle.dumps(found)) == list(found)
     assert (len(found), found[-1], found[1:3], found[::-2]) == (5, 40, [10, 20], [40, 20, 0])
     for wrong in (5, -6):
         with pytest.raises(IndexError):

@@ -176,7 +176,10 @@ class AttractorFinder:
         return True
 
     def _recognise(self, gap: float, rate: float, mode: int) -> bool:
-        """Take up an aperiodic attractor, or add to a known one, from a long record."""
+        """Take up an aperiodic attractor, or add to a known one, from a long record.
+
+        None whose motion rests: what comes to a rest repeats itself from there on.
+        """
         batches = self.batches
         ends = batches.run([gap], [rate], self.targets, RECORD, [mode])
         if ends.outcome[0] != UNDECIDED:
@@ -185,8 +188,9 @@ class AttractorFinder:
         start = batches.start(float(ends.gap[0]), float(ends.rate[0]), int(ends.mode[0]))
         record = Orbit(batches.system, batches.rpm, settings, start).run(events=False)
         points = batches.passages(record)[: record.periods]
-        settled = record.status == Status.OK and recurrence.is_recurrent(points)
-        return settled and self.take_up(points)
+        if record.status != Status.OK or any(record.chatter[: record.periods]):
+            return False
+        return recurrence.is_recurrent(points) and self.take_up(points)
 
     def take_up(self, points: np.ndarray) -> bool:
         """Add an aperiodic record, joined to the attractor whose boxes it meets."""

@@ -1,22 +1,30 @@
 """Blocks of starts at the strobe, through the kernel and over threads; no cell knows another."""
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
 from camcli.analysis.integrate import SLICE, Cost, Record, Settings, Start, rounding_of
+from camcli.errors import Status
 from camcli.interrupts import look
 from camcli.kernel import backend
-from camcli.kernel.cells import Cells, Point, Progress, Rest, Room, Targets
+from camcli.kernel.cells import CHATTERED_TURN, Cells, Point, Progress, Rest, Room, Targets, trouble
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import BOUNCED, FREE
 from camcli.kernel.orbit_loop import RESTING, State
-from camcli.parallel import Codec, Work
+from camcli.parallel import Codec, Work, stored
+from camcli.piece_faults import PieceFault, attempt
 from camcli.system import System, omega_of
 
 BLOCK = 1024  # cells of one call; its arrays stay in the cache
+LEAST = trouble(max(Status))  # the least outcome of a cell
 FEW = 50  # cells below which plain Python is quicker than a compiler
+FAILED = trouble(int(Status.FAULT))  # outcome of a cell
+
+# ((gap, rate), (mode, outcome, turns, stay, symbol), `Cost`, what it failed of) of a block
+BlockEnds = tuple[np.ndarray, np.ndarray, list[int], PieceFault | None]
 
 
 @dataclass(frozen=True)
@@ -41,6 +49,7 @@ class CellBatches:
     settings: Settings
     work: Work = field(default_factory=Work)
     cost: Cost = field(default_factory=Cost)
+    faults: list[PieceFault] = field(default_factory=list)  # of blocks
 
     @property
     def omega(self) -> float:
@@ -75,15 +84,22 @@ class CellBatches:
     def run(self, gap, rate, targets: Targets, budget: int, mode=None, share: bool = False) -> Ends:
         """Follow starts until a target or for `budget` turns; every gap must be >= 0.
 
-        Raises ShardDone where the cells may be shared and this is one shard of many.
+        A block of cells that raises what nobody foresaw has FAILED as the outcome of each. Raises
+        ShardDone where the cells may be shared and this is one shard of many.
         """
         gap, rate = np.asarray(gap, dtype=float), np.asarray(rate, dtype=float)
         mode = mode_of(gap, rate) if mode is None else mode
         task = _Task(self.system, self.rpm, self.settings, targets, budget, len(gap))
         slices = [slice(begin, begin + BLOCK) for begin in range(0, len(gap), BLOCK)]
         blocks = [(gap[some], rate[some], mode[some]) for some in slices]
-        plain = Codec(lambda result: result, lambda stored: stored)
-        done = list(self.work.run(task, blocks, plain, share))
+        codec = Codec(
+            lambda ends: list(ends[:3]),
+            partial(_ends_of, targets),
+            lambda ends, block: len(ends[0]) == len(block[0]),
+            lambda ends: () if ends[3] is None else (ends[3],),
+        )
+        done = list(self.work.run(task, blocks, codec, share))
+        self.faults += [fault for *_, fault in done if fault is not None]
         self.cost += Cost(*(sum(part[2][k] for part in done) for k in range(3)))
         real = np.concatenate([part[0] for part in done]) if done else np.zeros((0, 2))
         whole = np.concatenate([part[1] for part in done]) if done else np.zeros((0, 5), int)
@@ -120,10 +136,23 @@ class _Task:
         )
         return kernel, cam, const, kernel.stretch_flows(cam, const), known
 
-    def __call__(self, block) -> tuple[np.ndarray, np.ndarray, list[int]]:
+    def __call__(self, block) -> BlockEnds:
+        """A block, or that it failed: its cells are then where they began."""
+        gap, rate, mode = (np.asarray(column) for column in block)
+        name = f"{len(gap)} cells at {self.rpm:.10g} rpm, from {gap[0]!r} m above the cam on"
+        found = attempt(name, lambda: self._followed(gap, rate, mode))
+        if not isinstance(found, PieceFault):
+            return (*found, None)
+        whole = np.zeros((len(gap), 5), np.int32)
+        whole[:, 0], whole[:, 1] = mode, FAILED
+        return np.column_stack((gap, rate)), whole, [0, 0, 0], found
+
+    def _followed(
+        self, gaps: np.ndarray, rates: np.ndarray, modes: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, list[int]]:
         """((gap, rate), (mode, outcome, turns, stay, symbol), `Cost`) of a block."""
         kernel, cam, const, flows, known = self._tables
-        gap, rate, mode = (np.asarray(column).tolist() for column in block)
+        gap, rate, mode = gaps.tolist(), rates.tolist(), modes.tolist()
         real = (kernel.numbers(gap), kernel.numbers(rate))
         whole = (kernel.zeros(len(gap), int) for _ in range(5))
         cells = Cells(*real, kernel.numbers(mode, int), *whole)
@@ -141,6 +170,28 @@ class _Task:
             np.column_stack(cells[2:7]).astype(np.int32),
             [int(sum(cells.impacts)), int(works[0].evaluations), int(works[0].crossings)],
         )
+
+
+def _ends_of(targets: Targets, value: Any) -> BlockEnds:
+    """What a `_Task` returned, read back; raises ValueError where it is something else."""
+    real, whole, cost = stored.items(lambda part: part, 3)(value)
+    real, whole = stored.table(real, 2, "f"), stored.table(whole, 5, "i")
+    cost = stored.items(stored.whole, 3)(cost)
+    mode, outcome, turns, stay, symbol = whole.T
+    if len(real) != len(whole):
+        raise ValueError("expected as many states as outcomes")
+    known = [point.attractor for point in targets.points] + [rest.end for rest in targets.rests]
+    most = max([*known, len(targets.stay) - 1, max(targets.boxes, default=0) - 1])
+    within = (
+        (real[:, 0] >= 0.0, "gaps"),
+        ((mode >= FREE) & (mode <= RESTING), "modes"),
+        ((outcome >= LEAST) & (outcome <= most), "outcomes"),
+        ((turns >= 0) & (stay >= 0), "turns"),
+        (symbol >= CHATTERED_TURN, "symbols"),
+    )
+    if wrong := [what for holds, what in within if not holds.all()]:
+        raise ValueError(f"expected other {wrong[0]}")
+    return real, whole, cost, None
 
 
 # No attractor is known, and rests are of no interest.

@@ -74,7 +74,9 @@ def region_of(batches: CellBatches, attractor: Attractor) -> Region | None:
     s = exp_decay(-natural_log(0.5 * (1.0 + rho)) / len(points))
     forms = _forms(maps, s) / attractor.size**2
     region = Region(points, forms, symbols, shrink, 1.0, rho, False)
-    radius = WIDEST if (_discriminant(forms) > ROUND * forms[:, 0] * forms[:, 2]).all() else 0.0
+    with np.errstate(over="ignore", invalid="ignore"):  # of a cycle that stretches beyond all
+        round_enough = _discriminant(forms) > ROUND * forms[:, 0] * forms[:, 2]
+    radius = WIDEST if round_enough.all() else 0.0
     while radius >= NARROWEST:
         tried = region.scaled(radius)
         if _holds(batches, tried):

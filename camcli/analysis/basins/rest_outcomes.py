@@ -1,10 +1,11 @@
 """Rests on the way of cells: what the motion after each leads to, asked once and then known.
 
 A complete chatter erases all memory, so the state at the strobe after it depends on the departure
-alone: a speed has few of them. Where the doubles run on from it to a known attractor, to no further
-rest, or to the next rest while remembering enough, they are followed on. Where they forget between
-two rests, the motion is followed in ball arithmetic (`analysis.after_rest`), and all cells that
-come to that rest end where it does; where that cannot be said they are undecided.
+alone: a speed has few of them. Where doubles remember that departure until they meet a known
+attractor, or the next rest, they are followed on. Where they forget it, the motion is followed in
+ball arithmetic (`analysis.after_rest`), and all cells that come to that rest end where it does;
+where that cannot be said they are undecided. A motion that comes to the same rest again goes
+through a cycle, however long: it is never called aperiodic.
 """
 
 from __future__ import annotations
@@ -12,10 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from camcli.analysis.after_rest import CYCLE, UNKNOWN, After, after_rest
-from camcli.analysis.basins import recurrence
+from camcli.analysis.after_rest import CYCLE, SETTLED, UNKNOWN, After, after_rest
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.integrate import Orbit, Record, with_turns
@@ -23,7 +21,6 @@ from camcli.analysis.labels import Label
 from camcli.analysis.orbits.identify import TOO_LARGE, largest_growth
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.cells import FORGOTTEN, GOES_ON, NEW_REST, Rest, Targets
-from camcli.kernel.flight import FREE
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 
 if TYPE_CHECKING:
@@ -31,10 +28,6 @@ if TYPE_CHECKING:
 
 SAME = 1e-9  # of the cam's top (m, m/rad): two states after one departure differ less
 AFTER = 3  # turns after a chatter in which a departure is looked for
-SPREAD = 1e-13  # from one start beside a state after a rest to the next, relative
-EXCURSIONS = 512  # such starts
-RECORD = 32_768  # states of the excursions from a rest
-LONGEST = 2_000  # turns to the next rest
 MOST_RESTS = 64  # states after rests that are looked into; further ones are followed on
 
 State = tuple[float, float, int]  # gap (m), rate (m/rad), mode of the kernel
@@ -69,8 +62,7 @@ class RestOutcomes:
         """Find out what the state after a rest, met by a start after `turns`, leads to.
 
         The doubles are believed where they remember; else the motion after the rest is followed
-        with many digits, and the attractor it ends on admitted. Where even that says nothing, it is
-        aperiodic if no start beside it settles: they come back to a rest, each elsewhere.
+        with many digits, and the attractor it ends on admitted.
         """
         finder, (gap, rate, _) = self.finder, state
         if any(abs(gap - g) <= self.near and abs(rate - r) <= self.near for g, r in self.states):
@@ -78,7 +70,6 @@ class RestOutcomes:
         end = GOES_ON
         if not self._doubles_hold(start, state, turns):
             end = self._end_of(self._after(start, turns))
-            end = self.chaos(state) if end == FORGOTTEN else end
         self.states.append((gap, rate))
         self.ends.append(end)
         finder.targets = self.fill(finder.targets)
@@ -90,17 +81,16 @@ class RestOutcomes:
     def _doubles_hold(self, start: State, state: State, turns: int) -> bool:
         """True where the run in doubles on from a state after a rest may be believed.
 
-        It reaches a known attractor, or no further rest within the budget, or remembers this rest
-        up to and beyond the next one, which may be the same.
+        It remembers this rest until it meets a known attractor, or up to and beyond the next rest,
+        which may be the same.
         """
         batches, (gap, rate, mode) = self.finder.batches, start
         here = self._blind()._replace(rests=[Rest(*state[:2], GOES_ON)], near=self.near)
         ends = batches.run([gap], [rate], here, turns + self.finder.budget, [mode])
-        record = record_of(batches, start, 0, int(ends.turns[0]) + AFTER)
-        later = [n for kind, n, *_ in record.events() if kind == CHATTER and n >= turns]
-        if not later:
-            return True
-        window = range(turns - 1, later[0] + AFTER)
+        last = int(ends.turns[0])
+        record = record_of(batches, start, 0, last + AFTER)
+        later = (n for kind, n, *_ in record.events() if kind == CHATTER and n >= turns)
+        window = range(turns - 1, next(later, last) + AFTER)
         return largest_growth(batches.system, batches.rpm, record, window) <= TOO_LARGE
 
     def _after(self, start: State, turns: int) -> After:
@@ -127,46 +117,16 @@ class RestOutcomes:
         if start is None:
             return FORGOTTEN
         gap, rate = batches.states([start.q], [start.v])
+        watch = int(found.kind != SETTLED)  # from one rest to the next there is no end
         for _ in range(2):  # an attractor that is not known yet is, at the second time
-            ends = batches.run(gap, rate, finder.targets._replace(watch_rests=0), finder.budget)
+            targets = finder.targets._replace(watch_rests=watch)
+            ends = batches.run(gap, rate, targets, finder.budget)
             if ends.outcome[0] >= 0:
                 return int(ends.outcome[0])
+            if ends.outcome[0] in (FORGOTTEN, NEW_REST):
+                return FORGOTTEN
             finder.identify(float(ends.gap[0]), float(ends.rate[0]), float(ends.mode[0]))
         return FORGOTTEN
-
-    def chaos(self, state: State) -> int:
-        """The aperiodic attractor that excursions from a rest make up, or FORGOTTEN."""
-        finder, lift = self.finder, np.array(self.finder.batches.lift)
-        ends, points = self._excursions(state)
-        met = {int(end) for end in ends if end != NEW_REST}
-        if any(end < 0 or finder.attractors[end].periodic for end in met):
-            return FORGOTTEN
-        if met:
-            return min(met)
-        if not recurrence.is_recurrent(points) or not finder.take_up(points):
-            return FORGOTTEN
-        return next(
-            k
-            for k, known in enumerate(finder.attractors)
-            if known.points is not None and recurrence.meet(known.points - lift, points)
-        )
-
-    def _excursions(self, state: State) -> tuple[np.ndarray, np.ndarray]:
-        """(outcomes, states at strobes) of starts a little beside one, to the next rest."""
-        batches = self.finder.batches
-        ahead = batches.passages(record_of(batches, state, 0, AFTER))
-        free = ahead[ahead[:, 0] > batches.system.cam.top * SPREAD]
-        if len(free) == 0:
-            return np.array([FORGOTTEN]), np.zeros((0, 2))
-        starts = free[0] * (1.0 + SPREAD * np.arange(1, EXCURSIONS + 1))[:, None]
-        ends = batches.run(starts[:, 0], starts[:, 1], self._blind(), LONGEST)
-        found = []
-        for (gap, rate), turns in zip(starts.tolist(), ends.turns.tolist(), strict=True):
-            record = record_of(batches, (gap, rate, FREE), 0, turns)
-            found.append(batches.passages(record)[:turns])
-            if sum(map(len, found)) >= RECORD:
-                break
-        return ends.outcome, np.concatenate(found)
 
 
 def departure(batches: CellBatches, start: State, turns: int) -> float | None:

@@ -6,7 +6,8 @@ mapping of C. S. Hsu, Cell-to-Cell Mapping, 1987 (`cell_mapping`).
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
+from functools import partial
+from math import inf, nan
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from camcli.analysis.integrate import AtSpeeds, Cost, Orbit, Settings, Setup, St
 from camcli.errors import Status
 from camcli.kernel.cells import UNDECIDED
 from camcli.parallel import ShardDone, Work
+from camcli.piece_faults import PieceFault, attempt, piece
 from camcli.system import System, omega_of
 
 ORBIT, SIMPLE = "orbit", "simple"
@@ -74,6 +76,7 @@ class Basins:
     exponents: tuple[float | None, ...] | None = None  # largest, per turn; None: not asked for
     rests: tuple[tuple[float, After], ...] = ()  # departures (rad) that doubles could not follow
     value: float = 0.0  # the speed (rpm), or that of what is varied instead
+    faults: tuple[PieceFault, ...] = ()  # what cost blocks of cells, or the whole speed
     saddles: tuple[BoundarySaddle, ...] | None = None  # on the boundaries; None: not asked for
 
     @property
@@ -112,41 +115,90 @@ def study(
     saddles: bool = False,
     work: Work | None = None,
     on_cells: Callable[[int], None] = lambda cells: None,
+    key: str = "rpm",
 ) -> Study:
     """Basins at every speed, with attractors numbered alike from speed to speed.
 
     The values are speeds (rpm), or what `setup` makes machines of. `boundary`, `exponents` and
     `saddles` ask for the uncertainty exponent, for Lyapunov exponents and for the saddles on the
-    boundaries; `on_cells` is told of finished cells. Raises ShardDone where this is one shard of
-    many.
+    boundaries; `on_cells` is told of finished cells; key: of what is varied. A value that raises
+    what nobody foresaw has no attractors, and cells of the status FAULT. Raises ShardDone where
+    this is one shard of many.
     """
     branches, speeds = Branches(), list[Basins]()
     work, shared, setup = work or Work(), False, setup or AtSpeeds(system, settings)
-    for k, value in enumerate(values):
+
+    def at(value: float, here: Work) -> Basins:
         own, rpm, runs = setup(value)
-        here = work.within(str(k))
-        try:
-            found, finder = basins(own, rpm, runs, question, work=here, on_cells=on_cells)
-        except ShardDone:
-            shared = True
-            continue
-        doubt = uncertainty(finder, question.window) if boundary else None
+        found, finder = basins(own, rpm, runs, question, work=here, on_cells=on_cells)
+        name = f"{key} = {value!r}"
+        doubt = piece(
+            f"the boundary at {name}",
+            lambda: uncertainty(finder, question.window) if boundary else None,
+        )
         numbers = branches.number(found.attractors, finder)
         if saddles:
-            on_edge = boundary_saddles(finder, found.window, found.codes)
-            found = replace(found, saddles=tuple(on_edge))
+            look = partial(boundary_saddles, finder, found.window, found.codes)
+            found = replace(found, saddles=tuple(piece(f"the saddles at {name}", look, [])))
         found = replace(
             found, branches=numbers, uncertainty=doubt, cost=finder.batches.cost, value=value
         )
         if exponents:
-            grown = [largest_exponent(own, rpm, runs, a) for a in found.attractors]
+            grown = [
+                piece(
+                    f"the exponent of {one.label} at {name}",
+                    partial(largest_exponent, own, rpm, runs, one),
+                )
+                for one in found.attractors
+            ]
             found = replace(found, exponents=tuple(grown))
+        return replace(found, faults=tuple(finder.batches.faults))
+
+    for k, value in enumerate(values):
+        try:
+            found = attempt(f"{key} = {value!r}", partial(at, value, work.within(str(k))))
+        except ShardDone:
+            shared = True
+            continue
+        if isinstance(found, PieceFault):
+            speed = _failed(question, value, value if key == "rpm" else nan, found)
+            speed = replace(
+                speed, saddles=() if saddles else None, exponents=() if exponents else None
+            )
+        else:
+            speed = found
         if len(values) > WINDOWS:
-            found = replace(found, codes=found.codes[:0], level=None)
-        speeds.append(found)
+            speed = replace(speed, codes=speed.codes[:0], level=None)
+        speeds.append(speed)
     if shared:
         raise ShardDone
     return Study(tuple(speeds), sum((speed.cost for speed in speeds), Cost()))
+
+
+def _failed(question: Question, value: float, rpm: float, fault: PieceFault) -> Basins:
+    """Basins of which nothing is known."""
+    status, window = int(Status.FAULT), question.window.halved(question.refine)
+    codes = np.full((window.nv, window.nq), -status, np.int16)
+    return Basins(
+        rpm=rpm,
+        cam_q=nan,
+        window=window,
+        method=question.method,
+        codes=codes,
+        level=np.zeros(codes.shape, np.uint8) if question.refine else None,
+        attractors=(),
+        regions=(),
+        stays=(),
+        fractions={-status: (1.0, 0.0)},
+        undecided=0,
+        troubled={status: window.count},
+        entropies=entropies(codes),
+        computed=0,
+        turns=(0, 0, 0),
+        cost=Cost(),
+        value=value,
+        faults=(fault,),
+    )
 
 
 def basins(

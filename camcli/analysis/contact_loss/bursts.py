@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import partial
 from math import inf
 
 from camcli.analysis.contact_loss.detachment import Loss
@@ -20,6 +21,7 @@ from camcli.errors import Status
 from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 from camcli.kernel.sticking import contact_accel
+from camcli.piece_faults import piece
 from camcli.system import System, omega_of
 
 FINEST = 1e-13  # fraction of a turn, error of the accumulation phase: what doubles still resolve
@@ -208,18 +210,23 @@ def settled(
     force = Force(system)
     turns = Settings(settle, RECORD, settings.chatter_tolerance, settings.impact_budget, Start())
     result = []
-    for rpm in rpms:
+
+    def motion_at(rpm: float) -> Settled:
         orbit = Orbit(system, rpm, turns)
-        try:
-            record = orbit.run(strobes=False)
-        except BudgetSpentError:
-            result.append(Settled(rpm, (), (), Status.WORK_BUDGET, Cost()))
-            continue
+        record = orbit.run(strobes=False)
         bursts, impacts = _bursts(system, orbit, record)
         if record.status == Status.OK:  # of the first turn; one from before it if none begins
             bursts = [b for b in bursts if b.release < inf and b.begin < TURN] or bursts[:1]
         rows = tuple(_settled_burst(force, system.strobe, burst) for burst in bursts)
-        result.append(Settled(rpm, rows, tuple(impacts), record.status, record.cost))
+        return Settled(rpm, rows, tuple(impacts), record.status, record.cost)
+
+    for rpm in rpms:
+        failed = Settled(rpm, (), (), Status.FAULT, Cost())
+        try:
+            result.append(piece(f"rpm = {rpm!r}", partial(motion_at, rpm), failed))
+        except BudgetSpentError:
+            result.append(Settled(rpm, (), (), Status.WORK_BUDGET, Cost()))
+            continue
         on_speed()
     return result
 

@@ -16,6 +16,7 @@ from math import inf, pi, sqrt
 from camcli.analysis.bracketing import TIE, lowest
 from camcli.cams.compile import column
 from camcli.cams.regions import Region, regions
+from camcli.errors import SceneError
 from camcli.kernel.cam_table import lift_at
 from camcli.kernel.sticking import find_detachment
 from camcli.system import System, omega_of
@@ -116,8 +117,14 @@ class Force:
         return self.lowest(lambda i, x: self.newton(i, x, omega), rounding=rounding)
 
     def held(self, region: Region, rpm: float) -> bool:
-        """True where the kernel's own certified step finds no zero of N in the region."""
-        const = self.system.constants(rpm, 1e-9, 1)
+        """True where the kernel's own certified step finds no zero of N in the region.
+
+        False at a speed so low that the constants there are no doubles.
+        """
+        try:
+            const = self.system.constants(rpm, 1e-9, 1)
+        except SceneError:
+            return False
         return not any(
             find_detachment(self.cam, const, i, self.starts[i])[0] for i in region.stretches
         )
@@ -151,16 +158,23 @@ class Hertz:
 
     of a face on the cam at distance R_cam from its axis, and of a roller of radius r on a pitch
     curve of curvature kappa (K. L. Johnson, Contact Mechanics, Cambridge University Press 1985,
-    section 4.2). The follower moves along a line through the axis, as in `cam_profile`.
+    section 4.2). The follower moves along a line through the axis, as in `cam_profile`. With a
+    rocker what runs on the cam lifts `ratio` times less than the valve and is pressed `ratio` times
+    as hard.
     """
 
     width: float
     modulus: float  # E*
     base: float  # radius of the cam where c is zero
     roller: float | None = None
+    ratio: float = 1.0  # lift of the follower per lift of the lobe
 
     def pressure(self, force: float, c: float, c1: float, c2: float) -> float:
-        """Largest pressure, Pa; inf where the cam is undercut, 0 where it does not press."""
+        """Largest pressure, Pa; inf where the cam is undercut, 0 where it does not press.
+
+        Of the contact force (N) and the lift (m, m/rad, m/rad2) of the follower.
+        """
+        force, c, c1, c2 = force * self.ratio, c / self.ratio, c1 / self.ratio, c2 / self.ratio
         if self.roller is None:
             radius = self.base + c + c2
         else:

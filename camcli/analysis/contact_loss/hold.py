@@ -13,7 +13,7 @@ from math import inf
 
 from camcli.analysis.contact_loss.detachment import Quantity, Reason, detachment
 from camcli.analysis.contact_loss.force import DEG, Force
-from camcli.cams.compile import column
+from camcli.cams.compile import lift_range
 from camcli.kernel.cam_table import TURN, lift_at
 from camcli.system import System, omega_of
 
@@ -54,7 +54,7 @@ class Hold:
     speed asked for in newton; nose_n: its force at the highest lift, N. Where it is impossible: the
     obstacle, and the force missing, N (the height missing, m, of a SOLID spring). more: than the
     present spring has, of stiffness, or of preload where only that is another: if less of it would
-    do, the present spring holds.
+    do, the present spring holds. low_rpm, high_rpm: between which detaches_rpm lies.
     """
 
     quantity: Quantity
@@ -69,6 +69,8 @@ class Hold:
     missing_n: float | None = None
     nose_n: float | None = None
     more: bool = True
+    low_rpm: float | None = None
+    high_rpm: float | None = None
 
 
 def usual_margin(system: System, rpm: float, accel_error: Sequence[float] = (0.0,)) -> float:
@@ -78,10 +80,11 @@ def usual_margin(system: System, rpm: float, accel_error: Sequence[float] = (0.0
 
 def usual_precompression(system: System) -> float:
     """That of the present spring, m; of one without preload half the lift above no force."""
-    f, low = system.follower, min(column(system.cam, "c_min"))
-    if f.preload > 0.0 and f.stiffness > 0.0:
-        return f.preload / f.stiffness
-    return max(0.0, -low) + 0.5 * (system.cam.top - low)
+    follower = system.follower
+    if follower.preload > 0.0 and follower.stiffness > 0.0:
+        return follower.preload / follower.stiffness
+    lowest, highest = lift_range(system.cam)
+    return max(0.0, -lowest) + 0.5 * (highest - lowest)
 
 
 def hold_to(
@@ -108,10 +111,11 @@ def hold_to(
     preload = need.checked(Quantity.HOLD_PRELOAD, k, max(least, 0.0), least > 0.0, i, theta)
     preload = replace(preload, more=least > present)
     lower = (least - present) / k if preload.more and k > 0.0 else 0.0
-    if system.cam.top + lower > solid:
+    height = need.highest + lower  # of the new spring at the nose, on the old one's scale
+    if height > solid:
         preload = replace(
             preload, status=HoldStatus.IMPOSSIBLE, obstacle=Obstacle.SOLID,
-            missing_n=system.cam.top + lower - solid,
+            missing_n=height - solid,
         )  # fmt: skip
     both = need.least_stiffness(Quantity.HOLD_BOTH, 0.0, precompression)
     return [stiff, preload, both]
@@ -131,6 +135,7 @@ class Need:
         self.system, self.margin, self.accel_error = system, margin, accel_error
         self.force, self.omega = Force(system), omega_of(rpm)
         self.cam, self.follower = system.cam, system.follower
+        self.highest = lift_range(system.cam)[1]  # m, exact: `cam.top` is a bound on it
 
     def at(self, i: int, theta: float) -> tuple[float, float]:
         """(P, c) at a phase, at the worst speed up to the one asked for."""
@@ -176,13 +181,18 @@ class Need:
     ) -> Hold:
         """The answer with its own first detachment and least force, computed anew."""
         found = detachment(replaced(self.system, k, preload))
-        first = found.first.rpm if found.first else (inf if found.never else None)
+        always = None if found.always else inf
+        first, low, high = always, always, always
+        if found.first:
+            first, low, high = found.first.rpm, found.first.low, found.first.high
         least = 0.0 - self.most(lambda p, c: p - self.margin - k * c - preload)[0]
-        nose, f = k * self.cam.top + preload, self.follower
-        strong = nose > ABSURD * (f.stiffness * self.cam.top + f.preload) > 0.0
+        f = self.follower
+        nose = k * self.highest + preload
+        present = f.stiffness * self.highest + f.preload
+        strong = nose > ABSURD * present > 0.0
         kind = HoldStatus.ABSURD if strong else HoldStatus.OK
         return Hold(
             quantity, kind if needed else HoldStatus.NOT_NEEDED, k, preload,
             self.force.region_of(i).name if needed else "", theta * DEG if needed else None,
-            first, least, nose_n=nose, more=k > f.stiffness,
+            first, least, nose_n=nose, more=k > f.stiffness, low_rpm=low, high_rpm=high,
         )  # fmt: skip

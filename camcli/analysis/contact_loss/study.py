@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 
 from camcli.analysis.contact_loss.accumulation import (
@@ -17,6 +18,7 @@ from camcli.analysis.contact_loss.bursts import RECORD, Bursts, LiftOff, Settled
 from camcli.analysis.contact_loss.detachment import (
     CriticalSpeed,
     Detachment,
+    Loss,
     SpeedStatus,
     detachment,
 )
@@ -29,11 +31,13 @@ from camcli.analysis.contact_loss.hold import (
     usual_precompression,
 )
 from camcli.analysis.integrate import BudgetSpentError, Cost, Orbit, Settings, with_turns
+from camcli.analysis.labels import UNDECIDED
 from camcli.analysis.loads import loads_of
 from camcli.analysis.orbits.identify import named
 from camcli.analysis.sweep import Speed, rpm_grid
 from camcli.errors import Status
 from camcli.kernel import backend
+from camcli.piece_faults import piece
 from camcli.system import System
 
 FEWEST = 41  # speeds of the scan for changes
@@ -139,30 +143,42 @@ def detach(
     ends: list[CriticalSpeed] = []
     completion: list[CriticalSpeed] = []
     landings: list[CornerHit] = []
+
+    def follow(bursts: Bursts, loss: Loss) -> None:
+        lift_offs.append(lift_off(bursts, loss))
+        places = scan_speeds(loss.opens.rpm, loss.region.name, scan)
+        for corner, goal in corners_ahead(bursts):
+            before = len(ends)
+            ends.extend(reaching(bursts, corner, goal, places))
+            if len(ends) > before:
+                low, high = ends[before].low, places[-1]
+                landings.extend(corner_hits(bursts, corner, goal, low, high, impacts))
+        completion.extend(completion_loss(bursts, places))
+
     for loss in found.losses if found.first else ():
         if not loss.opens.finite:
             continue
         bursts = Bursts(system, loss.region.name, loss.opens.theta, settings.impact_budget)
         with suppress(BudgetSpentError):
-            lift_offs.append(lift_off(bursts, loss))
-            places = scan_speeds(loss.opens.rpm, loss.region.name, scan)
-            for corner, goal in corners_ahead(bursts):
-                before = len(ends)
-                ends += reaching(bursts, corner, goal, places)
-                if len(ends) > before:
-                    low, high = ends[before].low, places[-1]
-                    landings += corner_hits(bursts, corner, goal, low, high, impacts)
-            completion += completion_loss(bursts, places)
+            piece(f"the chatter from region {loss.region.name}", partial(follow, bursts, loss))
         cost = cost + bursts.cost
     past: list[Speed] = []
     with suppress(BudgetSpentError):
-        past += _past(system, _past_speeds(found, rpms), settings)
+        past.extend(_past(system, rpm, settings) for rpm in _past_speeds(found, rpms))
     cost = sum((speed.cost for speed in past), cost)
     holds: list[Hold] = []
     if hold_rpm is not None:
         margin = usual_margin(system, hold_rpm, accel_error) if margin is None else margin
         reach = usual_precompression(system) if precompression is None else precompression
-        holds = hold_to(system, hold_rpm, margin, reach, accel_error, solid)
+        search = partial(hold_to, system, hold_rpm, margin, reach, accel_error, solid)
+        holds = piece(f"the springs that hold to {hold_rpm:.10g} rpm", search, [])
+    curves = [
+        piece(f"the contact force at {rpm:.10g} rpm", partial(force.curve, rpm, hertz=hertz))
+        for rpm in _force_speeds(found, rpms, force_rpm)
+    ]
+    springs: Callable[[], list] = list
+    if hold_rpm is not None:
+        springs = partial(list, _springs(system, hold_rpm, holds))
     return ContactLoss(
         detachment=found,
         lift_offs=tuple(lift_offs),
@@ -170,11 +186,9 @@ def detach(
         completion=tuple(completion),
         landings=tuple(landings),
         speeds=tuple(speeds),
-        forces=tuple(
-            force.curve(rpm, hertz=hertz) for rpm in _force_speeds(found, rpms, force_rpm)
-        ),
+        forces=tuple(one for one in curves if one is not None),
         holds=tuple(holds),
-        springs=() if hold_rpm is None else tuple(_springs(system, hold_rpm, holds)),
+        springs=tuple(piece("the contact force with other springs", springs, [])),
         margin=margin or 0.0,
         past=tuple(past),
         cost=cost,
@@ -201,14 +215,18 @@ def _past_speeds(found: Detachment, rpms: Sequence[float]) -> list[float]:
     return speeds[1:] if low == first else speeds
 
 
-def _past(system: System, rpms: Sequence[float], settings: Settings) -> Iterator[Speed]:
-    """The motion at each speed, from rest, and what it loads."""
+def _past(system: System, rpm: float, settings: Settings) -> Speed:
+    """The motion at a speed, from rest, and what it loads."""
     turns = with_turns(settings, PAST_TURNS, PAST_TURNS)
-    for rpm in rpms:
+
+    def measured() -> Speed:
         record = Orbit(system, rpm, turns).run()
         count, loads = int(sum(record.impacts[: record.periods])), loads_of(system, rpm, record)
         name, _ = named(system, rpm, record)
-        yield Speed(rpm, rpm, name, count, record.status, None, None, record.cost, loads=loads)
+        return Speed(rpm, rpm, name, count, record.status, None, None, record.cost, loads=loads)
+
+    failed = Speed(rpm, rpm, UNDECIDED, None, Status.FAULT, None, None, Cost())
+    return piece(f"the motion at {rpm!r} rpm, past the loss of contact", measured, failed)
 
 
 def _force_speeds(

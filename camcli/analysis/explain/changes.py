@@ -6,6 +6,7 @@ A critical speed is that of a solved quantity; a change lies between neighbourin
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from math import pi
 
@@ -23,12 +24,13 @@ from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import both_ways
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Crossing
-from camcli.analysis.orbits.shooter import Shooter
+from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.analysis.orbits.sticking_orbits import Change as RestChange
 from camcli.analysis.orbits.sticking_orbits import follow_sticking
 from camcli.analysis.orbits.study import Bifurcation, Branch, Diagram
 from camcli.analysis.sweep import rpm_grid
 from camcli.errors import Status
+from camcli.piece_faults import piece
 from camcli.system import System
 
 FEW_IMPACTS = 4  # up to which an orbit is followed through the whole range
@@ -90,13 +92,16 @@ def find_events(system: System, settings: Settings, motions: Sequence[Motion]) -
     ]
     cost = shooter.cost
     if any(m.chatter == COMPLETE or m.label == CONTACT for m in motions):
-        study = detach(system, rpm_grid(low, high, max(FEWEST, len(motions))), settings)
-        cost = cost + study.cost
-        first = study.detachment.first
-        more = [_critical(first, DETACHMENT, CONTACT, "")] if first else []
-        more += [_critical(c, ACCUMULATION, CHATTER, c.region) for c in study.accumulation]
-        more += [_critical(c, COMPLETION, CHATTER, c.region) for c in study.completion]
-        more += [_critical(hit, HIT, CHATTER, hit.corner) for hit in study.hits]
+        rpms = rpm_grid(low, high, max(FEWEST, len(motions)))
+        study = piece("the study of detachment", lambda: detach(system, rpms, settings))
+        more = []
+        if study is not None:
+            cost = cost + study.cost
+            first = study.detachment.first
+            more += [_critical(first, DETACHMENT, CONTACT, "")] if first else []
+            more += [_critical(c, ACCUMULATION, CHATTER, c.region) for c in study.accumulation]
+            more += [_critical(c, COMPLETION, CHATTER, c.region) for c in study.completion]
+            more += [_critical(hit, HIT, CHATTER, hit.corner) for hit in study.hits]
         events += [e for e in more if low <= e.rpm <= high]
     once: dict[tuple, Event] = {}  # two branches may end in the same event
     for event in events:
@@ -116,7 +121,8 @@ def _follow(diagram: Diagram, motions: Sequence[Motion], span: Span) -> None:
         orbit = motion.orbit
         if orbit is None or orbit.root is None or seeds >= MOST_SEEDS:
             continue
-        if diagram.holds(orbit.root):
+        held = partial(diagram.holds, orbit.root)
+        if piece(f"the comparison of {orbit.label}", held, instead=True):
             continue
         seeds += 1
         own = span
@@ -124,14 +130,22 @@ def _follow(diagram: Diagram, motions: Sequence[Motion], span: Span) -> None:
             reach = REACH * span.spacing
             low, high = max(span.low, orbit.rpm - reach), min(span.high, orbit.rpm + reach)
             own = Span(low, high, (high - low) / POINTS[1])
-        diagram.add_bouncing(both_ways(diagram.shooter, orbit.root, own), "found")
+        name = f"the branch through {orbit.label} at {orbit.rpm:.10g} rpm"
+        piece(name, partial(_add_branch, diagram, orbit.root, own))
     done, left = 0, MOST_LEAVING
     while done < len(diagram.branch_points) and left > 0:
         index, event = diagram.branch_points[done]
         done += 1
         if not isinstance(event, Crossing) and of_attractor(diagram.bifurcations[index]):
             left -= 1
-            diagram.switch(index, event, span)
+            source = diagram.bifurcations[index]
+            name = f"the branch from the {source.kind} at {source.value:.10g} rpm"
+            piece(name, partial(diagram.switch, index, event, span))
+
+
+def _add_branch(diagram: Diagram, root: Root, span: Span) -> None:
+    """The branch through an orbit."""
+    diagram.add_bouncing(both_ways(diagram.shooter, root, span), "found")
 
 
 def of_attractor(b: Bifurcation) -> bool:
@@ -197,10 +211,12 @@ def explain(
     for a, b in pairwise(motions):
         if not changes_between(a, b):
             continue
+        ends, may_search = (a.rpm, b.rpm, a.label, b.label), searches < MOST_CRISES
+        cause = partial(_change, system, settings, found, a, b, may_search)
+        unknown = Change(*ends, UNEXPLAINED, status=Status.FAULT)
         try:
-            change = _change(system, settings, found, a, b, searches < MOST_CRISES)
+            change = piece(f"the change from {a.rpm!r} to {b.rpm!r} rpm", cause, unknown)
         except BudgetSpentError:
-            ends = (a.rpm, b.rpm, a.label, b.label)
             change = Change(*ends, UNEXPLAINED, status=Status.WORK_BUDGET)
         if change.crisis is not None:
             cost, searches = cost + change.crisis.cost, searches + 1

@@ -95,6 +95,12 @@ class Step:
         """The part of the step up to a root on it."""
         return Step(self.before, self.unit, root, self.reach(root), self.metric)
 
+    def rest(self, root: Root) -> Step:
+        """The part of the step behind a root on it."""
+        unit = self.metric.oriented(root, self.unit)
+        length = self.metric.dot(unit, np.subtract(self.after.x, root.x))
+        return Step(root, unit, self.after, length, self.metric)
+
 
 def steps(
     shooter: Shooter, root: Root, along: Vector, metric: Metric, span: Span

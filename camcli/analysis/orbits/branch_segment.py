@@ -17,8 +17,10 @@ from camcli.analysis.orbits.locate import (
     graze_on,
     parent_of,
     smooth_events,
+    twice_on,
 )
 from camcli.analysis.orbits.shooter import Root, Shooter, Vector
+from camcli.piece_faults import piece
 
 POINTS_PER_SPACING = 30  # times the range over the spacing: a branch longer than that is given up
 
@@ -27,13 +29,15 @@ POINTS_PER_SPACING = 30  # times the range over the spacing: a branch longer tha
 class Segment:
     """Points in order, events in order, and the reason for the end (a kind of event, or `lost`).
 
-    turned: a nonsmooth fold, from which another branch leaves.
+    turned: a nonsmooth fold, from which another branch leaves. begins_doubling: the first point is
+    a period doubling, and has been told elsewhere.
     """
 
     points: list[Root] = field(default_factory=list)
     events: list[tuple[Located, Crossing | None]] = field(default_factory=list)
     end: Kind = Kind.LOST
     turned: Crossing | None = None
+    begins_doubling: bool = False
 
     def close(self, end: Kind, *events: tuple[Located, Crossing | None]) -> None:
         """End here, with the events that end it."""
@@ -45,19 +49,27 @@ def both_ways(shooter: Shooter, root: Root, span: Span) -> tuple[Segment, Segmen
     """The segments down and up from a root, by the parameter's sign."""
     up = np.array(root.tangent if root.tangent[-1] >= 0.0 else [-x for x in root.tangent])
     here = doubling_at(shooter, root)
-    below, above = follow(shooter, root, -up, span), follow(shooter, root, up, span)
+    below, above = (
+        follow(shooter, root, along, span, begins_doubling=here is not None) for along in (-up, up)
+    )
     if here is not None:
         above.events.insert(0, (here, None))
     return below, above
 
 
-def follow(shooter: Shooter, root: Root, along: Vector, span: Span) -> Segment:
+def follow(
+    shooter: Shooter, root: Root, along: Vector, span: Span, begins_doubling: bool = False
+) -> Segment:
     """Follow a branch from `root` in the direction `along` to the end of range or of motion."""
-    segment = Segment(points=[root])
+    segment = Segment(points=[root], begins_doubling=begins_doubling)
+    name = f"the branch of {root.count} impacts in {root.turns} turns from {root.value:.10g} on"
     try:
-        _follow(segment, shooter, root, along, span)
+        failed = piece(name, lambda: _follow(segment, shooter, root, along, span), instead=True)
     except BudgetSpentError:
         segment.close(Kind.WORK_BUDGET)
+    else:
+        if failed:
+            segment.close(Kind.FAULT)
     return segment
 
 
@@ -72,7 +84,13 @@ def _follow(segment: Segment, shooter: Shooter, root: Root, along: Vector, span:
         for step in steps(shooter, root, along, metric, span):
             if step is None or len(segment.points) > most:
                 return
-            crossing = _advance(shooter, segment, step, span)
+            between = twice_on(shooter, step)
+            if between is None:
+                crossing = _advance(shooter, segment, step, span)
+            else:
+                crossing = _advance(shooter, segment, step.cut(between), span)
+                if segment.end == Kind.LOST and crossing is None:
+                    crossing = _advance(shooter, segment, step.rest(between), span)
             if segment.end == Kind.LOST and _closes(segment, step):
                 segment.close(Kind.CLOSED)
             if segment.end != Kind.LOST:
@@ -99,10 +117,13 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
     if graze is not None:
         step, reached, corner = step.cut(graze.root), False, None
     heading = step.metric.oriented(step.after, step.unit)[-1]
-    turned = graze is None and (heading < 0.0) != (step.unit[-1] < 0.0)
-    smooth = smooth_events(shooter, step, turned)
+    turned = (heading < 0.0) != (step.unit[-1] < 0.0)
+    known = segment.begins_doubling and step.before is segment.points[0]
+    smooth = smooth_events(shooter, step, turned, known)
     fold = next((f for f in smooth if f.kind == Kind.FOLD), None)
-    if turned and (fold is None or collapses(shooter, fold.root)):
+    if fold is not None and (
+        collapses(shooter, fold.root) or (fold.status != Bracket.OK and graze is None)
+    ):
         _born(shooter, segment, step)
         return None
     for found in smooth:

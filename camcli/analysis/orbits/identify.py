@@ -146,6 +146,8 @@ def departures(record: Record) -> list[tuple[int, float]]:
 def largest_growth(system: System, rpm: float, record: Record, window: range) -> float:
     """Largest factor between a phase error after a rest and one before the next, in these turns.
 
+    The first one above TOO_LARGE is returned at once.
+
     An orbit that rests on the cam leaves it at a phase known to rounding. If an error of that phase
     grows by more than doubles have digits, the next impacts are an accident of rounding, and that
     such a run closes on itself says nothing about the machine. An error dtheta at the first impact,
@@ -169,6 +171,8 @@ def largest_growth(system: System, rpm: float, record: Record, window: range) ->
         else:
             dq, _, dw, _ = after_flight(const, s, pair[0], 0.0, pair[1], 0.0)
         largest = max(largest, abs(dq / u))
+        if largest > TOO_LARGE:
+            break
         lifts = lift_at(cam, stretch_at(cam, theta), theta)
         dq, _, dw, _ = after_impact(const, lifts, u, dq, 0.0, dw, 0.0)
         last, pair = place, (dq, dw)

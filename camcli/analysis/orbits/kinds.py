@@ -20,6 +20,7 @@ class Kind(StrEnum):
     CLOSED = "closed"
     LOST = "lost"
     WORK_BUDGET = "work-budget"  # see integrate.Budget
+    FAULT = "fault"  # an exception that nobody foresaw, see piece_faults
     # ends of a curve in two parameters
     ANOTHER_CORNER = "an impact reaches a corner"
     NO_MOTION = "the orbit is no motion any more"

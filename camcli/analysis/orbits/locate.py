@@ -34,6 +34,10 @@ SAME_VALUE = 1e-6  # relative distance of the parameters of a fold and of its pe
 ERRORS = (1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # relative half widths tried for a bracket
 FARTHEST = 4.0  # steps ahead that the end of a fading impact is looked for
 RATE_ERROR = 4e-15  # of a landing rate, relative to the lift per rad: some 18 roundings
+CLOSE_TO_A_CORNER = 0.05  # rad: nearer, an impact may be past its corner within a step
+CLOSE_TO_A_MULTIPLIER = 0.15  # of 1 + |trace|: half of what the trace may change by in a step
+MOST_PARABOLAS = 8
+NO_DIP = 0.9  # of the least value: where a parabola dips no further, the next one will not either
 AMPLITUDES = (1e-3, 1e-4, 1e-5, 1e-2)  # rad, tried between a doubled orbit and the single one
 
 Test = Callable[[Root], float]
@@ -93,6 +97,11 @@ def flip_test(root: Root) -> float:
     return 1.0 + root.trace + root.det
 
 
+def fold_test(root: Root) -> float:
+    """1 - trace + det, zero at a fold."""
+    return 1.0 - root.trace + root.det
+
+
 def collapses(shooter: Shooter, root: Root) -> bool:
     """True for an orbit that is another one gone through several times."""
     return shortest_period(section_states(shooter.system, root)[0]) < root.turns
@@ -101,33 +110,64 @@ def collapses(shooter: Shooter, root: Root) -> bool:
 def corner_on(shooter: Shooter, step: Step) -> Located | None:
     """The first place on the step where an impact reaches the end of its region."""
 
-    def located(k: int, side: int) -> Located | None:
+    def located(k: int, side: int) -> Located:
         root = shooter.at_corner(step.after, k, side)
-        if root is None or not -1e-9 * step.length <= step.reach(root) <= step.length:
-            return None
+        if root is None or not _on(step, root):
+            beside = _before_corner(shooter, step, k, side)
+            root = shooter.at_corner(beside, k, side)
+            if root is None or not _on(step, root):
+                error = abs(step.after.value - beside.value)
+                reach = max(step.reach(beside), 0.0)
+                return Located(
+                    Kind.CORNER_IMPACT, beside, reach, error, Bracket.UNRESOLVED, k, side
+                )
         sure = _bracket(shooter, root, lambda beside: beside.theta[k] - root.theta[k])
         return Located(Kind.CORNER_IMPACT, root, max(step.reach(root), 0.0), *sure, k, side)
 
     found = (located(k, side) for _, k, side in shooter.beyond(step.after))
-    return min((f for f in found if f is not None), key=lambda f: f.reach, default=None)
+    return min(found, key=lambda f: f.reach, default=None)
 
 
-def smooth_events(shooter: Shooter, step: Step, turned: bool) -> list[Located]:
-    """Period doublings and folds on a step, in order; `turned`: the parameter turns round on it."""
+def _on(step: Step, root: Root) -> bool:
+    return -1e-9 * step.length <= step.reach(root) <= step.length
+
+
+def _before_corner(shooter: Shooter, step: Step, k: int, side: int) -> Root:
+    """The last root on the step before impact k, beyond its region at the end, is so."""
+    stretch = shooter.cam.stretches[step.before.whole[2 * k]]
+    corner = stretch.end if side > 0 else stretch.start
+
+    def beyond(length: float) -> float:
+        root = step.at(shooter, length)
+        return 1.0 if root is None else side * (root.theta[k] - corner)
+
+    first, last = (side * (root.theta[k] - corner) for root in (step.before, step.after))
+    if first >= 0.0:
+        return step.before
+    low, *_ = bracket(beyond, 0.0, step.length, first, last)
+    return step.at(shooter, low) or step.before
+
+
+def smooth_events(shooter: Shooter, step: Step, turned: bool, known: bool = False) -> list[Located]:
+    """Period doublings and folds on a step, in order.
+
+    turned: the parameter turns round on it; known: the period doubling at its beginning, if there
+    is one, has been told already.
+    """
     found = []
     before, after = flip_test(step.before), flip_test(step.after)
-    if (before < 0.0) != (after < 0.0) and abs(before) > AT_ONCE:
+    if (before < 0.0) != (after < 0.0) and not (known and abs(before) <= AT_ONCE):
         found.append(_root_of(shooter, step, Kind.PERIOD_DOUBLING, flip_test, before, after))
     if turned:
         sign = 1.0 if step.unit[-1] >= 0.0 else -1.0
         found.append(_root_of(shooter, step, Kind.FOLD, lambda r: sign * r.tangent[-1], 1.0, -1.0))
-    return sorted((f for f in found if f is not None), key=lambda f: f.reach)
+    return sorted(found, key=lambda f: f.reach)
 
 
 def _root_of(
     shooter: Shooter, step: Step, kind: Kind, test: Test, before: float, after: float
-) -> Located | None:
-    """The place on a step where `test` changes sign."""
+) -> Located:
+    """The place on a step where `test` changes sign; UNRESOLVED where the orbit is lost there."""
     sign = 1.0 if before < 0.0 else -1.0
 
     def value(length: float) -> float:
@@ -135,16 +175,77 @@ def _root_of(
         return sign * test(root) if root is not None else float("nan")
 
     low, high, _, _ = bracket(value, 0.0, step.length, sign * before, sign * after)
-    root = step.at(shooter, 0.5 * (low + high))
+    reach = 0.5 * (low + high)
+    root = step.at(shooter, reach)
     if root is None:
-        return None
+        last = step.at(shooter, low) or step.before
+        return Located(kind, last, low, abs(step.after.value - last.value), Bracket.UNRESOLVED)
     if kind == Kind.FOLD:
         sides = [step.at(shooter, end) for end in (low, high)]
         width = max((abs(r.value - root.value) for r in sides if r is not None), default=0.0)
         sure = max(width, 8.0 * ulp(root.value)), Bracket.OK
     else:
         sure = _bracket(shooter, root, test)
-    return Located(kind, root, 0.5 * (low + high), *sure)
+    return Located(kind, root, reach, *sure)
+
+
+def twice_on(shooter: Shooter, step: Step) -> Root | None:
+    """A root inside a step on which the branch passes an event and comes back, or None.
+
+    There a test function has the other sign than at both ends of the step: cut at this root, each
+    part holds one event. An impact turns round near the end of its region, or the trace or the
+    parameter near a doubling or a fold.
+    """
+    for k in range(step.before.count):
+        stretch = shooter.cam.stretches[step.before.whole[2 * k]]
+        for end, side in ((stretch.start, -1.0), (stretch.end, 1.0)):
+
+            def inside(root: Root, k: int = k, end: float = end, side: float = side) -> float:
+                return side * (end - root.theta[k])
+
+            found = beyond_both(shooter, step, inside, CLOSE_TO_A_CORNER)
+            if found is not None:
+                return found
+    room = CLOSE_TO_A_MULTIPLIER * (1.0 + abs(step.before.trace))
+    for test in (flip_test, fold_test):
+        sign = 1.0 if test(step.before) >= 0.0 else -1.0
+
+        def outside(root: Root, of: Test = test, sign: float = sign) -> float:
+            return sign * of(root)
+
+        found = beyond_both(shooter, step, outside, room)
+        if found is not None:
+            return found
+    return None
+
+
+def beyond_both(shooter: Shooter, step: Step, test: Test, room: float) -> Root | None:
+    """Where a test that is positive at both ends of a step is negative in between.
+
+    Looked for only where an end is within `room` of zero, by successive parabolas.
+    """
+    ends = (0.0, test(step.before)), (step.length, test(step.after))
+    if not 0.0 < min(y for _, y in ends) < room or step.length <= 0.0:
+        return None
+    left, right, x = ends[0], ends[1], 0.5 * step.length
+    for _ in range(MOST_PARABOLAS):
+        root = step.at(shooter, x)
+        if root is None:
+            return None
+        middle = x, test(root)
+        if middle[1] < 0.0:
+            return root
+        (a, ya), (b, yb), (c, yc) = left, middle, right
+        first, second = (yb - ya) / (b - a), (yc - yb) / (c - b)
+        bend = (second - first) / (c - a)
+        if bend <= 0.0:
+            return None
+        x = 0.5 * (a + b) - 0.5 * first / bend
+        lowest = ya + first * (x - a) + bend * (x - a) * (x - b)
+        if not a < x < c or lowest >= NO_DIP * min(ya, yb, yc):
+            return None
+        left, right = (middle, right) if x > b else (left, middle)
+    return None
 
 
 def _bracket(shooter: Shooter, root: Root, test: Test, least: float = 0.0) -> tuple[float, Bracket]:

@@ -25,11 +25,12 @@ from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.shooter import PARAMETERS, Root, with_machine
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
-from camcli.cams.balls import UndecidedError, below, number, precision
+from camcli.cams.balls import UndecidedError, below, number, precision, slope
 from camcli.exact.first_root import first_root
 from camcli.exact.machine import Machine
 from camcli.exact.motion import EndlessError, Motion
 from camcli.exact.shooting import Box, NotProvedError, Number, Shooting, Step, Test
+from camcli.piece_faults import piece
 from camcli.system import Follower, System
 
 DIGITS = 60, 240  # the second ones where the first do not suffice
@@ -103,26 +104,50 @@ class Proofs:
 
 
 def prove(system: System, found: OrbitsResult) -> Proofs:
-    """Prove what `study.orbits` found."""
-    parameter = found.question.parameter
+    """Prove what `study.orbits` found: orbits are found at a speed, whatever is varied then."""
+    parameter, failed = found.question.parameter, Proof(Step.FAULT)
+
+    def proved(what: str, proof: Callable[[], Proof]) -> Proof:
+        return piece(f"the proof of {what}", proof, failed)
+
+    def ranges(branch: Branch) -> list[Range]:
+        events = [e for e in found.bifurcations if e.branch == branch.number]
+        return list(prove_ranges(system, branch, events))
+
     return Proofs(
-        [prove_widely(system, orbit, parameter) for orbit in found.orbits],
-        [[prove_orbit(system, o, parameter) for o in branch.points] for branch in found.branches],
-        [prove_event(system, event, parameter) for event in found.bifurcations],
         [
-            proved
+            proved(f"{orbit.label} at {orbit.rpm!r} rpm", partial(prove_widely, system, orbit))
+            for orbit in found.orbits
+        ],
+        [
+            [
+                proved(
+                    f"branch {branch.number} at {orbit.value!r}",
+                    partial(prove_orbit, system, orbit, parameter),
+                )
+                for orbit in branch.points
+            ]
             for branch in found.branches
-            for proved in prove_ranges(
-                system, branch, [e for e in found.bifurcations if e.branch == branch.number]
+        ],
+        [
+            proved(
+                f"the {event.kind} at {event.value!r}",
+                partial(prove_event, system, event, parameter),
             )
+            for event in found.bifurcations
+        ],
+        [
+            one
+            for branch in found.branches
+            for one in piece(f"the proof of branch {branch.number}", partial(ranges, branch), [])
         ],
     )
 
 
-def prove_widely(system: System, orbit: PeriodicOrbit, parameter: str = "rpm") -> Proof:
-    """Prove an orbit, if possible for every value of the parameter that rounds to its own."""
-    proof = prove_orbit(system, orbit, parameter)
-    if proof.proved and prove_orbit(system, orbit, parameter, ulp(orbit.value) / 2).proved:
+def prove_widely(system: System, orbit: PeriodicOrbit) -> Proof:
+    """Prove an orbit, if possible for every speed that rounds to its own."""
+    proof = prove_orbit(system, orbit)
+    if proof.proved and prove_orbit(system, orbit, half=ulp(orbit.rpm) / 2).proved:
         return replace(proof, holds_for=HoldsFor.LAST_DIGIT)
     return proof
 
@@ -216,7 +241,7 @@ def _prove_stability(shooting: Shooting, box: Box, stable: bool) -> None:
     if not _decided(trace, det):
         slopes = shooting.trace_det(shooting.along(box.hull(), box.fixed))
         about = shooting.trace_det(box.at(arb(0)))
-        trace, det = (x + y[1] * arb(0, box.half) for x, y in zip(about, slopes, strict=True))
+        trace, det = (x + slope(y) * arb(0, box.half) for x, y in zip(about, slopes, strict=True))
     if _decided(trace, det) != (1 if stable else -1):
         raise NotProvedError(Step.NEUTRAL, _decided(trace, det) != 0)
 
@@ -341,8 +366,7 @@ def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
         except UndecidedError:
             raise NotProvedError(Step.GRAZES) from None
         raise NotProvedError(Step.CONTACT, True)
-    share = None if widely else 0
-    found = of_machine(system, orbit.rpm, orbit.theta[0], share) if orbit.theta else None
+    found = of_machine(system, orbit.rpm, orbit.theta[0], widely) if orbit.theta else None
     if found is None or found.kind != CYCLE:
         raise NotProvedError(Step.MODEL)
     if Label(found.symbols) != orbit.label:
@@ -360,7 +384,7 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
         guess[fixed] = arb(0)
         hull = shooting.box(guess, fixed).hull()
         shooting.admissible(hull, fading=located.fading)
-        if shooting.along(hull, fixed)[-1][1].contains(0):  # then it fades on neither side
+        if slope(shooting.along(hull, fixed)[-1]).contains(0):  # then it fades on neither side
             raise NotProvedError(Step.CROSSING)
     value = hull[-1]
     _agree(value, event)

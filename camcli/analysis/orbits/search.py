@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import islice
 from math import inf
 
@@ -14,6 +15,7 @@ from camcli.analysis.orbits.same_orbit import distance, same_orbit, size_of
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import Continuum, continua, single_impact_roots
 from camcli.errors import Status
+from camcli.piece_faults import piece
 from camcli.system import System, omega_of
 
 MOST_SINGLE = 6  # turns of the single-impact orbits looked for unasked
@@ -74,20 +76,20 @@ def _find(
     system, turns = shooter.system, list(range(1, MOST_SINGLE + 1))
     if label is not None:
         turns = [len(label.symbols)] if sum(label.symbols) == 1.0 else []
-    free = free_orbit(system, rpm)
+    free = piece("the orbit without impacts", partial(free_orbit, system, rpm))
     if free is not None and label in (None, free.label):
         found.add(free)
     for m in turns:
-        found.continua += continua(shooter, rpm, m)
-        for root in single_impact_roots(shooter, rpm, m):
-            found.add(from_root(system, root, shooter.verdict(root)[0]))
+        name = f"the orbits of one impact in {m} turns at {rpm:.10g} rpm"
+        piece(name, partial(_add_single_impacts, found, shooter, rpm, m))
     if label is None or (sum(label.symbols) > 0.0 and not found.orbits and not found.continua):
         run, count = (
             replace(settings, record=RECORD),
             starts if label is None else max(starts, most),
         )
-        for start in (settings.start, *islice(cloud(system, rpm), count)):
-            orbit = identify(system, rpm, shooter.simulate(system, rpm, run, start))
+        for k, start in enumerate((settings.start, *islice(cloud(system, rpm), count))):
+            ends_on = partial(_orbit_from, shooter, rpm, run, start)
+            orbit = piece(f"the motion from start {k} at {rpm:.10g} rpm", ends_on)
             if orbit is not None:
                 found.add(orbit)
                 if orbit.label == label:
@@ -95,7 +97,20 @@ def _find(
     if label is None or found.continua or any(orbit.label == label for orbit in found.orbits):
         return
     if 0.0 < sum(label.symbols) < inf:
-        _try_returns(shooter, rpm, settings, max(starts, 4), label, found)
+        tries = partial(_try_returns, shooter, rpm, settings, max(starts, 4), label, found)
+        piece(f"the search for {label} among close returns", tries)
+
+
+def _add_single_impacts(found: OrbitsFound, shooter: Shooter, rpm: float, turns: int) -> None:
+    """Orbits with one impact in so many turns."""
+    found.continua += continua(shooter, rpm, turns)
+    for root in single_impact_roots(shooter, rpm, turns):
+        found.add(from_root(shooter.system, root, shooter.verdict(root)[0]))
+
+
+def _orbit_from(shooter: Shooter, rpm: float, run: Settings, start: Start) -> PeriodicOrbit | None:
+    """The orbit that a simulated motion ends on."""
+    return identify(shooter.system, rpm, shooter.simulate(shooter.system, rpm, run, start))
 
 
 def cloud(system: System, rpm: float) -> Iterator[Start]:

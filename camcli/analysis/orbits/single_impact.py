@@ -123,8 +123,8 @@ class _Equation:
 
     def roots(self, i: int) -> Iterator[float]:
         """Every zero of h on stretch i, ends included, in ascending order."""
-        if self.B == 0.0 and 1.0 + self.r * self.slope_b == 0.0:
-            return
+        if abs(self.B) <= FOCUS * self.reach and 1.0 + self.r * self.slope_b == 0.0:
+            return  # no finite rate of impact repeats: r = 1 after half a natural period
         stretch = self.cam.stretches[i]
         accel = max(abs(stretch.accel_min), abs(stretch.accel_max))
         bend = abs(self.K) * self.const.W2 * accel + abs(self.turn) * stretch.jerk_max

@@ -18,6 +18,7 @@ from camcli.analysis.orbits.identify import identify
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
+from camcli.piece_faults import piece
 from camcli.system import omega_of
 
 SETTLE = 40  # turns from the orbit at the neighbouring speed
@@ -56,10 +57,16 @@ def follow_sticking(
 ) -> StickingSegment:
     """Follow an orbit that rests on the cam, or never meets it, towards one end of the range."""
     segment = StickingSegment([orbit])
+    name = f"the branch of {orbit.label} from {orbit.value:.10g} {'up' if up else 'down'}"
     try:
-        _follow(segment, shooter, settings, orbit, span, up)
+        failed = piece(
+            name, lambda: _follow(segment, shooter, settings, orbit, span, up), instead=True
+        )
     except BudgetSpentError:
         segment.end = Kind.WORK_BUDGET
+    else:
+        if failed:
+            segment.end = Kind.FAULT
     return segment
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,7 @@ from camcli.analysis.orbits.sticking_orbits import BRACKETS, RUN, Change, follow
 from camcli.cams.regions import corner_list
 from camcli.kernel import backend
 from camcli.kernel.backend import LITTLE_WORK
+from camcli.piece_faults import piece
 from camcli.system import System
 
 if TYPE_CHECKING:
@@ -176,8 +178,9 @@ def orbits(
         found.orbits = [orbit for orbit in found.orbits if orbit.stable == question.stable]
     elif question.label is not None and not found.orbits and not found.continua:
         ends = None if span is None or question.parameter != "rpm" else (span.low, span.high)
+        look = partial(_look_around, system, settings, question.rpm, question.label, ends)
         with suppress(BudgetSpentError):
-            absent = _look_around(system, settings, question.rpm, question.label, ends)
+            absent = piece("the search at other speeds", look)
         if ends is not None and absent is not None and absent.orbit is not None:
             found.orbits, question = [absent.orbit], replace(question, rpm=absent.orbit.rpm)
     shooter = Shooter(system, question.rpm, question.parameter)
@@ -203,36 +206,45 @@ def _follow_all(
     diagram: Diagram, found: Sequence[PeriodicOrbit], span: Span, most: int, on_branch: Tick
 ) -> None:
     """Branches through the orbits found, then up to `most` that leave from events on them."""
-    shooter = diagram.shooter
     # each point of a branch of resting orbits is a simulation
     runs = sum(orbit.resting for orbit in found) * (span.width / span.spacing + BRACKETS)
     backend.for_work(RUN * runs)
     for orbit in found:
-        if orbit.root is None:
-            diagram.add_sticking(replace(orbit, value=shooter.value), span)
-        else:
-            root = shooter.moved(orbit.root, shooter.value)  # its tangent is in another parameter
-            if root is None or diagram.holds(root):
-                continue
-            diagram.add_bouncing(both_ways(shooter, root, span), "found")
+        piece(f"the branch through {orbit.label}", partial(_follow_one, diagram, orbit, span))
         on_branch()
     known, done = len(diagram.branches), 0
     while done < len(diagram.branch_points) and len(diagram.branches) < known + most:
-        diagram.switch(*diagram.branch_points[done], span)
+        index, event = diagram.branch_points[done]
+        source = diagram.bifurcations[index]
+        name = f"the branch from the {source.kind} at {source.value:.10g}"
+        piece(name, partial(diagram.switch, index, event, span))
         done += 1
         on_branch()
 
 
+def _follow_one(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
+    """The branch through an orbit that was found, unless it is one already followed."""
+    shooter = diagram.shooter
+    if orbit.root is None:
+        diagram.add_sticking(replace(orbit, value=shooter.value), span)
+        return
+    root = shooter.moved(orbit.root, shooter.value)  # its tangent is in another parameter
+    if root is not None and not diagram.holds(root):
+        diagram.add_bouncing(both_ways(shooter, root, span), "found")
+
+
 def _curves(system: System, bifurcations: Sequence[Bifurcation], question: Question) -> list[Curve]:
     """Every located bifurcation of the kind asked for, continued; the same curve only once."""
-    found: dict[tuple, Curve] = {}
+    found: dict[tuple, Curve | None] = {}
     plane = question.plane
     for b in bifurcations if plane is not None else ():
         key = (b.label, b.corner, f"{b.value:.9g}")
         if plane and b.kind == question.curve and b.located is not None and key not in found:
+            follow_on = partial(curve, system, b.located, plane, b.label, b.corner)
+            name = f"the curve of the {b.kind} at {b.value:.10g}"
             with suppress(BudgetSpentError):
-                found[key] = curve(system, b.located, plane, b.label, b.corner)
-    return list(found.values())
+                found[key] = piece(name, follow_on)
+    return [one for one in found.values() if one is not None]
 
 
 class Diagram:
@@ -246,7 +258,7 @@ class Diagram:
         self.branches: list[Branch] = []
         self.bifurcations: list[Bifurcation] = []
         self.branch_points: list[tuple[int, Located | Crossing]] = []
-        self._corner_impacts: dict[tuple, CornerImpact] = {}
+        self._corner_impacts: dict[tuple, CornerImpact | None] = {}
 
     def holds(self, root: Root) -> bool:
         """True where some branch passes through the root."""
@@ -310,8 +322,10 @@ class Diagram:
         """The study of a corner impact, made once for both branches that end in it."""
         key = (crossing.corner, crossing.left.count, f"{crossing.left.value:.11g}")
         if key not in self._corner_impacts:
+            name = f"the corner impact at {crossing.corner}, {crossing.left.value:.10g}"
+            study = partial(corner_impact, self.shooter, crossing, self.settings)
             with suppress(BudgetSpentError):
-                self._corner_impacts[key] = corner_impact(self.shooter, crossing, self.settings)
+                self._corner_impacts[key] = piece(name, study)
         return self._corner_impacts.get(key)
 
     def add_sticking(self, start: PeriodicOrbit, span: Span) -> None:

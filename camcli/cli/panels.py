@@ -1,0 +1,85 @@
+"""Panels that are asked for: those that this run will draw, or a fault before it begins."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from camcli.cli.exit_codes import note
+from camcli.cli.options import Request
+from camcli.errors import Fault, SceneError
+from camcli.scene import Scene
+from camcli.scene.schema import PANELS, no_panel
+
+CURES = {  # what makes a command draw what it does not draw in this run
+    "motion": "leave --profile-only out",
+    "profile": "add --profile-only",
+    "diagram": "vary one number, not two",
+    "map": "vary two numbers: --vary KEY=LO:HI twice",
+    "branches": "give a range: --rpm LO:HI",
+    "orbits": "give one speed: --rpm X",
+    "curve": "add --curve KIND",
+    "window": "ask for at most three speeds",
+    "range": "ask for more than three speeds",
+}
+MOST_WINDOWS = 3  # speeds whose basins are drawn as windows
+
+
+def check_panels(command: str, scene: Scene, request: Request, options: Mapping[str, Any]) -> None:
+    """Raise SceneError for panels of the command line that this run does not draw.
+
+    The scene's own may be meant for another command: where none of them is drawn, a note says so.
+    """
+    if scene.plot.panels is None or command not in PANELS or request.no_plot:
+        return
+    pictures, now = PANELS[command], _drawn(command, scene, options)
+    known = [name for picture in now for name in pictures[picture]]
+    wrong = [name for name in scene.plot.panels if name not in known]
+    sets = [text.partition("=")[0].strip() for text in request.sets or ()]
+    asked = request.panels is not None or not {"plot", "plot.panels"}.isdisjoint(sets)
+    where = "--panels" if request.panels is not None else "--set"
+    if wrong and asked:
+        raise SceneError(*(_fault(where, command, name, known) for name in wrong))
+    if len(wrong) == len(scene.plot.panels) and not request.quiet:
+        note(
+            f"note: plot.panels of the scene names none that cam {command} draws here "
+            f"({', '.join(known)}): the usual ones are drawn"
+        )
+    lacks = {
+        "exponents": (command == "sweep" and not scene.sweep.lyapunov, "add --lyapunov"),
+        "springs": (command == "detach" and scene.detach.hold_to is None, "add --hold-to RPM"),
+    }
+    idle = [name for name in scene.plot.panels if asked and lacks.get(name, (False, ""))[0]]
+    if idle:
+        found = [(name, lacks[name][1]) for name in idle]
+        raise SceneError(
+            *(Fault(where, "plot.panels", f"found '{n}', not measured", "", c) for n, c in found)
+        )
+
+
+def _fault(where: str, command: str, name: str, known: list[str]) -> Fault:
+    """A panel that is not drawn: what would draw it, or the nearest one that is."""
+    found, expected, cure = no_panel(name, known)
+    own = [picture for picture, names in PANELS[command].items() if name in names]
+    others = [other for other, pictures in PANELS.items() if name in sum(pictures.values(), ())]
+    if own:
+        cure = CURES[own[0]]
+    elif "did you mean" not in cure:
+        cure = f"it is a panel of cam {others[0]}"
+    return Fault(where, "plot.panels", found, expected, cure)
+
+
+def _drawn(command: str, scene: Scene, options: Mapping[str, Any]) -> list[str]:
+    """Which of the command's pictures this run draws."""
+    if command == "simulate":
+        return ["profile" if options.get("profile_only") else "motion"]
+    if command == "sweep":
+        return ["map" if len(scene.sweep.vary) == 2 else "diagram"]
+    if command == "basins":
+        return ["window" if scene.basins.count <= MOST_WINDOWS else "range"]
+    if command == "orbits":
+        section = scene.orbits
+        over_speeds = not section.vary and section.parameter == "rpm"
+        one = over_speeds and section.rpm.start == section.rpm.stop
+        return ["orbits" if one else "branches"] + ["curve"] * (section.curve is not None)
+    return list(PANELS[command])

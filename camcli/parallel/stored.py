@@ -1,0 +1,124 @@
+"""What is read back from a file of pieces is what was stored: nobody knows who wrote the file.
+
+Each check returns the value, in the form the program takes, or raises ValueError.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import isfinite
+from typing import Any
+
+MOST_INT = 2**62
+
+
+def real(value: Any) -> float:
+    """A finite number."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise ValueError(f"found {value!r:.40}, expected a finite number")
+    return value
+
+
+def extended(value: Any) -> float:
+    """A number that may be infinite."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
+        raise ValueError(f"found {value!r:.40}, expected a number")
+    return value
+
+
+def whole(value: Any) -> int:
+    """A whole number that is not negative."""
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < MOST_INT:
+        raise ValueError(f"found {value!r:.40}, expected a whole number")
+    return value
+
+
+def flag(value: Any) -> bool:
+    """True or false."""
+    if not isinstance(value, bool):
+        raise ValueError(f"found {value!r:.40}, expected true or false")
+    return value
+
+
+def text(value: Any) -> str:
+    """A text of a few words."""
+    if not isinstance(value, str) or len(value) > 200 or not value.isprintable():
+        raise ValueError(f"found {value!r:.40}, expected a text")
+    return value
+
+
+def optional(check: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """What the check takes, or None."""
+    return lambda value: None if value is None else check(value)
+
+
+def one_of(*known: Any) -> Callable[[Any], Any]:
+    """One of the values known, of the same kind."""
+
+    def check(value: Any) -> Any:
+        if not any(value == one and type(value) is type(one) for one in known):
+            raise ValueError(f"found {value!r:.40}, expected one of {len(known)} values")
+        return value
+
+    return check
+
+
+def items(check: Callable[[Any], Any], count: int | None = None) -> Callable[[Any], list]:
+    """A list of what the check takes, so many where their number is known."""
+
+    def check_all(value: Any) -> list:
+        if not isinstance(value, list) or count not in (None, len(value)):
+            raise ValueError(f"expected a list of {'values' if count is None else count}")
+        return [check(one) for one in value]
+
+    return check_all
+
+
+def fields(value: Any, checks: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
+    """A dict of just these names, each checked."""
+    if not isinstance(value, dict) or value.keys() != checks.keys():
+        raise ValueError(f"expected {', '.join(checks)}")
+    found = {}
+    for name, check in checks.items():
+        try:
+            found[name] = check(value[name])
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
+    return found
+
+
+def columns(count: int) -> Callable[[Any], tuple]:
+    """So many columns of equal length: finite numbers."""
+
+    def check(value: Any) -> tuple:
+        import numpy as np
+
+        if not isinstance(value, list) or len(value) != count:
+            raise ValueError(f"expected {count} columns")
+        arrays = [np.asarray(column) for column in value]
+        lengths = {array.shape for array in arrays}
+        if len(lengths) > 1 or any(array.ndim != 1 for array in arrays):
+            raise ValueError("expected columns of equal length")
+        if not all(_numeric(array) for array in arrays):
+            raise ValueError("expected columns of finite numbers")
+        return tuple(value)
+
+    return check
+
+
+def table(value: Any, wide: int, kinds: str) -> Any:
+    """An array of so many columns, of finite numbers of these kinds (numpy's letters)."""
+    import numpy as np
+
+    array = np.asarray(value)
+    if array.ndim != 2 or array.shape[1] != wide or array.dtype.kind not in kinds:
+        raise ValueError(f"expected an array of {wide} columns")
+    if not _numeric(array):
+        raise ValueError("expected finite numbers")
+    return array
+
+
+def _numeric(array: Any) -> bool:
+    import numpy as np
+
+    return array.size == 0 or (array.dtype.kind in "iuf" and bool(np.isfinite(array).all()))

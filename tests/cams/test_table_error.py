@@ -1,0 +1,136 @@
+"""What the error of a lift table leaves open stands wherever its critical speeds are read.
+
+The law of the shipped table is known: contact is first lost at 3345.4 rpm (tests/cams/valve_lift).
+"""
+
+import csv
+import json
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+
+import pytest
+
+import camcli
+from camcli.analysis.contact_loss.detachment import Quantity
+from camcli.api.detach import _critical_rows
+from camcli.api.explore import _machine_data
+from camcli.api.lift_table import with_ranges
+from camcli.api.machine import machine_of
+from camcli.output.detach import summary
+from camcli.output.run_record import plain
+from camcli.system import omega_of, range_words
+from tests.conftest import rows
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+TABLE = str(CONFIGS / "lift-table.yaml")
+TRUTH = 3345.4
+SHORT = {"detach.rpm": {"start": 3400.0, "stop": 3500.0, "num": 2}, "detach.settle": 0}
+WORDS = "3333 to 3378 rpm"
+
+
+@pytest.fixture(scope="module")
+def found():
+    return camcli.detach(camcli.load_scene(TABLE, {**SHORT, "detach.hold_to": 3600.0}))
+
+
+@pytest.fixture(scope="module")
+def left(found):
+    """The range of the library, which holds the truth."""
+    low, high = found.error["lift_table"]["first_detachment_rpm"]
+    assert low < TRUTH < high
+    assert low < found.values.detachment.first.rpm < high
+    assert range_words(low, high) == WORDS
+    return low, high
+
+
+def test_the_table_and_the_summary_have_the_range(found, left):
+    named = {row["quantity"]: row for row in csv.DictReader("".join(found.tables["detach"].csv())
+                                                            .splitlines())}  # fmt: skip
+    for quantity in ("first_detachment", "opens"):
+        row = named[quantity]
+        assert (float(row["rpm_low"]), float(row["rpm_high"])) == left
+    assert (named["fills"]["rpm_low"], named["fills"]["rpm"]) == ("inf", "inf")
+    columns = found.tables["detach"].columns
+    assert columns[-2:] == ("rpm_low", "rpm_high")
+    assert columns[:5] == ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s")
+    for speed in found.summary["critical_speeds"][:2]:
+        assert (speed["low_rpm"], speed["high_rpm"]) == left
+    for hold in found.summary["hold"]:
+        row = named[hold["quantity"]]
+        assert float(row["rpm_low"]) == hold["low_rpm"]
+        assert float(row["rpm_high"]) == hold["high_rpm"]
+        assert 3600.0 < hold["low_rpm"] < hold["detaches_rpm"] < hold["high_rpm"]
+        wide = (hold["high_rpm"] - hold["low_rpm"]) / hold["detaches_rpm"]
+        assert wide == pytest.approx((left[1] - left[0]) / TRUTH, rel=0.1)
+
+
+def test_chatter_on_a_table_has_no_bracket_that_anybody_knows(found):
+    """A bracket of the computation alone would promise too much."""
+    first = found.values.detachment.first
+    loss = replace(first, quantity=Quantity.COMPLETION_LOSS, low=3500.0, rpm=3501.0, high=3502.0)
+    widened = with_ranges(replace(found.values, completion=(loss,)), found.system)
+    *_, row = [row for row in _critical_rows(widened) if row[0] == Quantity.COMPLETION_LOSS]
+    assert row[3:] == (3501.0, omega_of(3501.0), None, None)
+    (told,) = [c for c in plain(summary(widened))["critical_speeds"] if c["rpm"] == 3501.0]
+    assert (told["low_rpm"], told["high_rpm"]) == (None, None)
+
+
+def test_a_law_keeps_the_brackets_of_the_computation():
+    exact = camcli.detach(camcli.load_scene(None, {**SHORT, "detach.hold_to": 150.0}))
+    columns = (exact.tables["detach"][name] for name in ("rpm_low", "rpm", "rpm_high"))
+    finite = [row for row in zip(*columns, strict=True) if row[1] < inf]
+    assert len(finite) > 4
+    assert all(low < rpm < high < low * (1 + 1e-9) for low, rpm, high in finite)
+    assert "lift_table" not in exact.error
+
+
+def test_pictures_say_it(found, left):
+    words = found.pictures["detach"]().words
+    assert words.startswith(f"contact is first lost at 3352 rpm, 190.5 deg ({WORDS} by the error")
+    profile = camcli.simulate(found.scene, profile_only=True)
+    assert profile.summary["first_detachment_between_rpm"] == list(left)
+    words = profile.pictures["profile"]().words
+    assert f"first detachment at 3352 rpm, 190.5 deg ({WORDS} by the error of the table)" in words
+
+
+def test_the_page_says_it(found):
+    said = _machine_data(machine_of(found.scene))["measured"]
+    assert f"contact is first lost at {WORDS} (3352 by the fit)" in said
+    assert _machine_data(machine_of(None))["measured"] == ""
+
+
+def test_the_end_of_a_run_and_its_record_say_it(cam, tmp_path, left):
+    short = "--set run.transient=5 --set run.record=5 --no-plot"
+    done = cam(f"sweep -c {TABLE} --rpm 3500:3510 --points 2 {short}", code=0)
+    assert "error per event: contact within 2e-16 m of the fitted cam, which" in done.stdout
+    assert "which is within 0.75 um rms of its measured table" in done.stdout
+    assert f"first detachment at {WORDS}" in done.stdout.splitlines()[-1]
+    done = cam(f"detach -c {TABLE} --rpm 3400:3500 --points 2 --no-plot -v", code=0)
+    assert "3333 to 3378" in done.stdout
+    assert "3352.175" not in done.stdout.partition("Critical speeds")[2].partition("Bursts")[0]
+    record = json.loads((tmp_path / "out/detach/run.json").read_text())
+    assert record["error"]["lift_table"]["first_detachment_rpm"] == list(left)
+    table = {row["quantity"]: row for row in rows(tmp_path / "out/detach/detach.csv")}
+    assert float(table["first_detachment"]["rpm_high"]) == left[1]
+
+
+@pytest.mark.parametrize("line", ["detach --rpm 3400:3500 --points 2", "simulate --rpm 3500"])
+def test_the_object_of_json_has_the_sentences_of_the_verdict(cam, line):
+    words = f"{line} -c {TABLE} --no-plot --set run.transient=5 --set run.record=5"
+    record = json.loads(cam(f"{words} --json", code=0).stdout)
+    said = cam(words, code=0).stdout.splitlines()[0]
+    assert said == " ".join(record["verdict"])
+    assert all(sentence.endswith(".") for sentence in record["verdict"])
+
+
+def test_the_library_has_the_verdict_too(found):
+    first, second = found.verdict
+    assert first.startswith("Contact holds up to 3352 +- 26 rpm of the cam (6704 of the crank)")
+    assert second.startswith("To hold up to 3600 rpm of the cam with ")
+
+
+def test_an_open_end_is_said_in_words():
+    assert range_words(100.0, inf) == "from 100 rpm on, or never"
+    assert range_words(inf, inf) == "never"
+    assert range_words(99.87, 100.13) == "99.87 to 100.13 rpm"

@@ -1,0 +1,91 @@
+"""Panels: the names told before a run are those that are drawn; others are refused."""
+
+import pytest
+
+import camcli
+from camcli.errors import SceneError
+from camcli.plots.picture import Picture
+from camcli.scene.schema import PANELS
+from tests.conftest import refused
+
+SHORT = {"run.transient": 20, "run.record": 30}
+SPEEDS = {"orbits.rpm.start": 700, "orbits.rpm.stop": 712, "orbits.starts": 2}
+ONE = {**SPEEDS, "orbits.rpm.stop": 700}
+CELLS = {"basins.cells": [8, 8], "basins.rpm.start": 699, "basins.rpm.stop": 700}
+MAP = [{"key": key, "start": 700, "stop": 701, "num": 2} for key in ("rpm", "follower.stiffness")]
+DRAWN = {  # what is drawn: the command, its scene, further arguments; panels that hang on the data
+    "motion": ("simulate", {}, {}, ()),
+    "profile": ("simulate", {}, {"profile_only": True}, ()),
+    "diagram": ("sweep", {"sweep.rpm.num": 3, "sweep.lyapunov": True}, {}, ("enlarged",)),
+    "map": ("sweep", {"sweep.vary": MAP}, {}, ()),
+    "loss": ("detach", {"detach.rpm.num": 3, "detach.hold_to": 130}, {}, ("enlarged",)),
+    "branches": ("orbits", {**SPEEDS, "orbits.rpm.num": 5}, {}, ("event",)),
+    "orbits": ("orbits", ONE, {}, ()),
+    "window": ("basins", {**CELLS, "basins.rpm.num": 3}, {}, ()),
+    "range": ("basins", {**CELLS, "basins.rpm.num": 4}, {}, ()),
+    "motions": ("classify", {"classify.rpm.num": 2}, {}, ()),
+}
+
+
+@pytest.mark.parametrize("picture", DRAWN)
+def test_the_panels_of_a_picture_have_the_names_that_are_told_before(picture):
+    command, values, more, hangs = DRAWN[picture]
+    result = getattr(camcli, command)(camcli.load_scene(None, {**SHORT, **values}), **more)
+    (drawn,) = (draw() for draw in result.pictures.values())
+    assert isinstance(drawn, Picture)
+    names = {name.split()[0] for name in drawn.panels}
+    told = set(PANELS[command][picture])
+    assert names <= told
+    assert told <= names | set(hangs)
+
+
+OF_SWEEP = "found 'labels', expected one of impacts, enlarged, strobe, exponents, it is a panel of"
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("sweep --panels labels", f"{OF_SWEEP} cam classify"),
+        ("sweep --set plot.panels=[labels]", f"--set: plot.panels: {OF_SWEEP} cam classify"),
+        ("orbits --panels basins", "expected one of phases, positions, plane, multipliers, event,"),
+        ("orbits --rpm 700 --panels phases", "expected one of motion, orbit, plane, lift, "),
+        ("orbits --panels curves", "add --curve KIND"),
+        ("classify --panels label", "one of labels, phases, exponents, did you mean 'labels'?"),
+        ("classify --panels ''", "--panels: plot.panels.0: found '', expected one of phases, expo"),
+        ("simulate --panels lift", "one of motion, gap, phase, section, passage, add --profile-on"),
+        ("simulate --profile-only --panels gap", "leave --profile-only out"),
+        ("sweep --panels kind", "vary two numbers"),
+        ("sweep --panels exponents", "found 'exponents', not measured, add --lyapunov"),
+        ("detach --panels springs", "found 'springs', not measured, add --hold-to RPM"),
+        ("basins --panels fractions", "expected one of basins, ask for more than three speeds"),
+        ("bench --panels phases", "No such option"),
+    ],
+)
+def test_panels_that_are_not_drawn_are_refused_before_any_work(cam, tmp_path, line, said):
+    done = cam(line)
+    refused(done, said)
+    assert "springs" in line or "springs" not in done.stderr  # of detach alone
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("short_samples")
+def test_panels_of_the_scene_may_be_meant_for_another_command(cam, tmp_path):
+    scene = tmp_path / "scene.yaml"
+    machine = "follower: {mass: 1, stiffness: 1000, restitution: 0.5}\n"
+    machine += "cam: {kind: eccentric, base: 0.1, lift: 0.1}\n"
+    scene.write_text(f"{machine}plot: {{panels: [labels]}}\n")
+    said = cam("sweep -c scene.yaml --rpm 100:200 --points 2 --dry-run", code=0).stderr
+    assert "plot.panels of the scene names none that cam sweep draws here (impacts, enl" in said
+    said = cam("classify -c scene.yaml --rpm 100:200 --points 2 --dry-run", code=0).stderr
+    assert "plot.panels" not in said
+    scene.write_text(f"{machine}plot: {{panels: [label]}}\n")
+    done = cam("classify -c scene.yaml")
+    refused(done, "scene.yaml:3:17: plot.panels.0: found 'label', expected one of labels, phases, ")
+
+
+def test_the_library_refuses_panels_that_the_picture_does_not_have():
+    result = camcli.sweep(camcli.load_scene(None, {**SHORT, "sweep.rpm.num": 2}))
+    assert camcli.plot(result, panels=["strobe"])
+    for name in ("labels", "exponents", "nothing"):
+        with pytest.raises(SceneError, match=f"found '{name}', expected one of impacts, "):
+            camcli.plot(result, panels=["strobe", name])

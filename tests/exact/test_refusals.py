@@ -1,0 +1,204 @@
+"""Each branch of the prover has a case that it must refuse, beside one that it accepts.
+
+The machine is an eccentric cam whose orbit of one impact a turn has a closed form, so that what is
+wrong in each case is known beforehand: a rate that may be negative, a cam that is met just before
+the landing, a test function without a zero, a determinant of the wrong number of turns.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import exp, pi, sqrt
+
+import pytest
+from flint import arb
+from mpmath import mp
+
+from camcli.cams.balls import UndecidedError, precision
+from camcli.cams.compile import Part
+from camcli.exact.first_root import sharpened
+from camcli.exact.shooting import NotProvedError, Shooting, Step
+from camcli.system import Follower
+
+FOLLOWER = Follower(mass=1.0, stiffness=1.0, restitution=0.8)
+FREQUENCY = 2.0  # omega over the natural frequency
+RPM = FREQUENCY * 30.0 / pi
+SIZE = 1.0 / 3.0  # m, of c = -SIZE cos(theta)
+
+
+@dataclass(frozen=True)
+class Cam:
+    """c = -SIZE cos(theta), with a bump of height s^2 (1 + s/room)^4 (1 - s/small)^4 about a phase.
+
+    s = theta - phase.
+    The bump and its slope vanish at the phase and it ends smoothly; almost all of it lies before.
+    """
+
+    phase: float = 1.0
+    height: float = 0.0
+    room: float = 0.1
+    small: float = 0.002
+
+    def parts(self) -> list[Part]:
+        def smooth(theta):
+            return -arb(SIZE) * theta.cos()
+
+        def bumpy(theta):
+            s = theta - self.phase
+            fades = (1 + s / arb(self.room)) * (1 - s / arb(self.small))
+            return smooth(theta) + self.height * s * s * fades * fades * fades * fades
+
+        low, high = arb(self.phase) - self.room, arb(self.phase) + self.small
+        return [
+            Part(arb(0), low, smooth), Part(low, high, bumpy), Part(high, 2 * arb.pi(), smooth),
+        ]  # fmt: skip
+
+
+def orbit() -> tuple[float, float]:
+    """(phase rad, outgoing rate m/rad) of the stable orbit of one impact a turn, b = g = 0.
+
+    One turn of flight with W = 1/2 from (c, w) to (c, w - (1 + r) v/r), where v is the outgoing
+    rate: with a = cot(W pi), c = a (1 + r)/(1 - r) c_theta/W  (Budd and Dux 1994), here a = 0, so
+    c = 0 at theta = pi/2 or 3 pi/2, and v = 2 r c_theta/(1 - r) from q' = -w after half an
+    oscillation: w_out = -w_in with w_out = c' + v and w_in = c' - v/r gives 2 c' = v (1/r - 1).
+    """
+    r = FOLLOWER.restitution
+    slope = SIZE  # c_theta = SIZE sin(theta) at pi/2
+    return pi / 2.0, 2.0 * slope * r / (1.0 - r)
+
+
+def shooting(cam: Cam, follower: Follower = FOLLOWER) -> Shooting:
+    empty = Shooting(cam, follower, RPM, "rpm", (), 1)
+    return replace(empty, places=(empty.place(arb(orbit()[0]), 0),))
+
+
+def guess() -> list[arb]:
+    return [arb(orbit()[0]), arb(orbit()[1]), arb(RPM)]
+
+
+@pytest.fixture(autouse=True)
+def digits():
+    with precision(60):
+        yield
+
+
+def test_the_orbit_of_the_closed_form_is_proved():
+    equations = shooting(Cam(orbit()[0]))
+    hull = equations.box(guess(), 2).hull()
+    assert abs(hull[0] - orbit()[0]) < 1e-14
+    assert abs(hull[1] - orbit()[1]) < 1e-14
+    equations.admissible(hull)
+
+
+def test_a_cam_that_is_met_just_before_the_landing_is_refused():
+    """The bump meets the flight within 0.1 rad of the landing, and nothing else of it.
+
+    At s rad before the landing the gap is u s to first order and the bump is above height s^2, so
+    that it is met from s = u/height on; it adds nothing to the landing, so that all equations hold.
+    """
+    phase, rate = orbit()
+    incoming = rate / FOLLOWER.restitution
+    equations = shooting(Cam(phase, height=incoming / 0.01))
+    hull = equations.box(guess(), 2).hull()
+    assert abs(hull[0] - phase) < 1e-14
+    with pytest.raises(NotProvedError) as refused:
+        equations.admissible(hull)
+    assert refused.value.step in (Step.CONTACT, Step.GRAZES)
+    shallow = shooting(Cam(phase, height=1e-6 * incoming))  # at most 0.003 u s high
+    shallow.admissible(shallow.box(guess(), 2).hull())
+
+
+def test_a_rate_that_may_be_zero_or_negative_is_refused():
+    equations = shooting(Cam(orbit()[0]))
+    hull = equations.box(guess(), 2).hull()
+    for rate, refuted in ((arb(0, 1e-3), False), (arb(-1), True)):
+        with pytest.raises(NotProvedError) as refused:
+            equations.admissible([hull[0], rate, hull[2]])
+        assert (refused.value.step, refused.value.refuted) == (Step.PULLS, refuted)
+
+
+def test_an_impact_outside_its_stretch_is_refused():
+    equations = shooting(Cam(orbit()[0]))
+    hull = equations.box(guess(), 2).hull()
+    edge = equations.stretches[equations.places[0][0]].end
+    for theta, refuted in ((edge + arb(0, 1e-3), False), (edge + 0.01, True)):
+        with pytest.raises(NotProvedError) as refused:
+            equations.admissible([theta, *hull[1:]])
+        assert (refused.value.step, refused.value.refuted) == (Step.ELSEWHERE, refuted)
+
+
+def test_a_zero_of_a_test_function_must_lie_in_its_reach():
+    equations = shooting(Cam(orbit()[0]))
+    at = RPM * 1.001
+
+    def crosses(z):
+        return z[-1] - at
+
+    box, _ = equations.zero(guess(), 2, crosses, arb(0.01))
+    assert box.hull()[2].contains(arb(at))
+    with pytest.raises(NotProvedError) as refused:  # the zero is known less well than the reach
+        equations.zero(guess(), 2, lambda z: crosses(z) + arb(0, 1e-6), arb(1e-7))
+    assert refused.value.step == Step.CROSSING
+    with pytest.raises(NotProvedError):  # never zero, its slope is zero at the end of Newton's way
+        equations.zero(guess(), 2, lambda z: (z[-1] - at) * (z[-1] - at) + 1, arb(0.01))
+
+
+@pytest.mark.parametrize("turns", [1, 2, 3])
+def test_the_determinant_is_that_of_all_turns(turns):
+    """r^2 from each impact and exp(-b T/m) from each turn, T = 60/rpm."""
+    damped = replace(FOLLOWER, damping=0.07)
+    places = tuple((1, n) for n in range(turns))
+    equations = Shooting(Cam(orbit()[0]), damped, RPM, "rpm", places, turns)
+    x = [arb(value) for _ in range(turns) for value in orbit()]
+    _, det = equations.trace_det([*x, arb(RPM)])
+    period = 60.0 / RPM
+    wanted = FOLLOWER.restitution ** (2 * turns) * exp(-damped.damping * period * turns)
+    assert abs(det - wanted) < 1e-12 * wanted
+    assert det.rad() < 1e-30
+
+
+def test_the_slope_at_a_sharpened_zero_holds_the_true_one():
+    """f = sqrt(2) - sinh(x): zero asinh(sqrt(2)), slope -sqrt(3) there, from a coarse ball."""
+    root = arb(2).sqrt()
+
+    def f(x):
+        high, low = x.sinh(), x.cosh()
+        return [root - high, -low, -high]
+
+    def slopes(x):
+        return [*f(x)[1:], -x.cosh()]
+
+    for radius in (1e-3, 1e-6, 1e-9):
+        about = arb(float(mp.asinh(mp.sqrt(2))), radius)
+        zero, slope = sharpened(f, about, slopes(about))
+        assert zero.overlaps(root.asinh())
+        assert slope.overlaps(-arb(3).sqrt())
+        assert zero.rad() < 1e-50
+        assert slope.rad() < 1e-45
+    with pytest.raises(UndecidedError):
+        sharpened(f, arb(1.0, 1e-3), slopes(arb(1.0, 1e-3)))
+
+
+def test_the_slope_at_a_sharpened_zero_holds_those_at_all_zeros_of_a_blurred_function():
+    """f = -x - 50 x^3/3 + off, |off| <= 1e-3: at off = 0 the slope -1 - 50 x^2 has no slope."""
+
+    def f(x):
+        return [arb(0, 1e-3) - x - 50 * x * x * x / 3, -1 - 50 * x * x, -100 * x]
+
+    coarse = arb(0, 1e-2)
+    zero, slope = sharpened(f, coarse, [*f(coarse)[1:], arb(-100)])
+    for off in (-1e-3, 0.0, 1e-3):
+        true = mp.findroot(lambda x, off=off: off - x - 50 * x**3 / 3, 0.0)
+        assert zero.contains(arb(float(true)))
+        assert slope.contains(arb(float(-1 - 50 * true**2)))
+
+
+def test_the_closed_form_of_the_orbit_is_a_motion():
+    """Half an oscillation in a turn: from (0, w) to (0, -w), with an impact that turns it round."""
+    phase, rate = orbit()
+    slope, r = SIZE, FOLLOWER.restitution
+    assert sqrt(FOLLOWER.stiffness / FOLLOWER.mass) / FREQUENCY == 0.5
+    out = slope + rate
+    back = slope - rate / r
+    assert back == pytest.approx(-out)
+    assert phase == pi / 2.0

@@ -1,0 +1,77 @@
+"""How many rows a page has: bounded whatever the machine, or the motion is refused."""
+
+import numpy as np
+import pytest
+
+import camcli
+from camcli.api.explore import MOST_ROWS, ROOM, _samples
+from camcli.system import Follower
+from tests.conftest import refused
+
+FEW = "--set run.transient=5 --set run.record=10 --set orbits.starts=0"
+
+
+def test_a_map_over_any_damping_has_a_page_of_bounded_length():
+    """It followed every motion in steps of the fastest decay: a million million rows."""
+    axes = [{"key": "follower.damping", "start": 1e-9, "stop": 1e9, "num": 2}]
+    scene = {"sweep.vary": axes, "sweep.rpm.num": 2, "run.transient": 5, "run.record": 10}
+    result = camcli.explore(camcli.load_scene(None, {**scene, "orbits.starts": 0}), with_map=True)
+    rows = [len(one.trajectory) for one in result.values.simulations]
+    assert sum(rows) < MOST_ROWS + ROOM
+    assert max(rows) < 20_000
+
+
+def test_heavy_damping_alone_is_shown(cam, tmp_path):
+    """It asked for at most 0 points."""
+    cam("explore --set follower.damping=1e9 --rpm 700:710 --points 2", FEW, code=0)
+    assert (tmp_path / "out/explore/explore.html").stat().st_size < 1e6
+
+
+@pytest.mark.parametrize("damping", [300.0, 3e3, 3e4, 3e6])
+def test_a_cubic_from_row_to_row_is_the_motion_however_it_is_damped(damping):
+    """Beside the motion sampled 16 times as finely, within a thousandth of the lift."""
+    scene = camcli.load_scene(
+        None,
+        {"follower.damping": damping, "run.transient": 3, "run.record": 2, "run.start.q": 1.2,
+         "run.start.v": -200.0},
+    )  # fmt: skip
+    rows = _samples(Follower(*dict(scene.follower).values()), 700.0)
+    coarse, fine = (
+        camcli.simulate(
+            scene.model_copy(
+                update={"simulate": scene.simulate.model_copy(update={"samples": samples})}
+            )
+        ).tables["trajectory"]
+        for samples in (rows, 16 * rows)
+    )
+    t, q, v = (coarse[name] for name in ("t_s", "q_m", "v_m_per_s"))
+    k = np.clip(np.searchsorted(t, fine["t_s"], side="right") - 1, 0, len(t) - 2)
+    h = t[k + 1] - t[k]
+    s = np.divide(fine["t_s"] - t[k], h, out=np.zeros_like(h), where=h > 0)
+    cubic = (
+        (1 + 2 * s) * (1 - s) ** 2 * q[k]
+        + s * (1 - s) ** 2 * h * v[k]
+        + s * s * (3 - 2 * s) * q[k + 1]
+        + s * s * (s - 1) * h * v[k + 1]
+    )
+    lift = np.ptp(fine["c_m"])
+    assert np.abs(cubic - fine["q_m"]).max() < 1e-3 * lift
+
+
+def test_what_is_too_fast_to_be_shown_is_refused_before_any_work(cam, tmp_path):
+    refused(
+        cam("explore --set follower.stiffness=1e16 --rpm 1:2 --points 2"),
+        "sweep.rpm: found motions of 13574799604 rows a turn at 1 rpm, expected at most 250000",
+    )
+    refused(
+        cam("explore --with map --vary follower.stiffness=0:1e12 --points 2,20"),
+        "rows a turn, at rpm = 660 and follower.stiffness = 1e+12, expected at most 10937",
+    )
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_motion_at_all_is_said_and_makes_no_page(cam, tmp_path):
+    """Nothing presses the follower to the cam, and it never returns."""
+    done = cam("explore --set follower.stiffness=0 --points 3", FEW, "--open", code=3)
+    assert "no whole turn of any motion was recorded: no page to show" in done.stderr
+    assert [path.name for path in (tmp_path / "out/explore").iterdir()] == ["run.json"]

@@ -1,0 +1,146 @@
+"""Words come from values; what fails while they are said, or drawn, costs no file."""
+
+import json
+import pickle
+from math import inf
+
+import pytest
+
+from camcli.analysis.labels import Label, from_plain, period_of, to_plain
+from camcli.output.verdict import motion
+from camcli.plots import style
+from tests.conftest import rows
+
+LONG = Label((inf, *[1.0] * 121))  # as of a search after a rest, of more turns than a user may ask
+SHORT = "--no-plot --set run.transient=5 --set run.record=5"
+
+
+@pytest.mark.parametrize(
+    ("label", "turns", "words"),
+    [
+        (LONG, 122, "repeats every 122 turns, bounces to rest in 1 of them"),
+        (Label((inf,)), 1, "every turn alike, bounces to rest"),
+        (Label((3.0, 3.0, 2.0)), 3, "repeats every 3 turns, 8 impacts"),
+        (Label((1.0,)), 1, "every turn alike, 1 impact"),
+        ("contact", 1, "stays on the cam"),
+        ("aperiodic", 0, "never repeats"),
+        ("undecided", 0, "not known"),
+    ],
+)
+def test_a_label_keeps_its_values_wherever_it_goes(label, turns, words):
+    stored = json.loads(json.dumps(to_plain(label)))
+    for same in (label, from_plain(stored), pickle.loads(pickle.dumps(label))):
+        assert (same, motion(same), period_of(same)) == (label, words, turns)
+        assert style.label_colour(same) == style.label_colour(label)
+
+
+@pytest.fixture
+def no_parser(monkeypatch):
+    """Nothing may read a label back from its text."""
+
+    def parse(text):
+        raise AssertionError(f"{text} was parsed")
+
+    monkeypatch.setattr(Label, "parse", parse)
+
+
+@pytest.mark.usefixtures("no_parser")
+@pytest.mark.parametrize(
+    "line",
+    [
+        "simulate --rpm 190", "sweep --rpm 150:745 --points 4", "detach --points 3",
+        "sweep --rpm 150:745 --vary follower.restitution=0.7:0.8 --points 2,2",
+        "orbits --rpm 700", "basins --rpm 700 --cells 4,4", "classify --rpm 190:700 --points 2",
+        "explore --rpm 190:700 --points 2",
+    ],
+)  # fmt: skip
+def test_no_command_parses_a_label(cam, line):
+    drawing = "" if line.startswith("explore") else "--no-plot"
+    cam(line, drawing, "--set run.transient=5 --set run.record=5 --set orbits.starts=2", code=0)
+
+
+@pytest.mark.usefixtures("no_parser")
+def test_a_sweep_that_goes_on_from_disk_has_labels_with_values(cam, tmp_path, monkeypatch):
+    """Of pieces on disk the words are the same."""
+    line = f"sweep --rpm 150:745 --points 4 {SHORT}"
+    whole = cam(line, "-o whole", code=0).stdout.partition("whole")[0]
+    parts = [cam(line, f"--shard {k}/2 -o parts", code=0) for k in (1, 2)]
+    assert parts[0].stdout == ""
+    assert cam("merge parts", code=0).stdout.partition("parts")[0] == whole
+    same = [(tmp_path / name / "speeds.csv").read_bytes() for name in ("whole", "parts")]
+    assert same[0] == same[1]
+
+
+def test_a_cycle_of_more_turns_than_a_user_may_ask_for_is_told(cam, tmp_path, request):
+    scene = f"-c {request.config.rootpath}/configs/law-smooth.yaml"
+    done = cam("classify", scene, "--rpm 700 --vary cam.rise.length_deg=0.5:0.5 --points 1", code=0)
+    assert "repeats every 122 turns," in done.stdout
+    assert rows(tmp_path / "out/classify/classify.csv")[0]["label"].startswith("P(122;inf:1:1")
+
+
+def broken(*_args, **_options):
+    raise ZeroDivisionError("nobody foresaw this")
+
+
+def record_of(folder):
+    return json.loads((folder / "run.json").read_text())
+
+
+@pytest.mark.parametrize(
+    ("words", "name"), [("motion", "the words on the screen"), ("verdict", "verdict")]
+)
+def test_words_that_fail_cost_the_exit_code_alone(cam, tmp_path, monkeypatch, words, name):
+    line = f"sweep --rpm 150:745 --points 3 {SHORT}"
+    cam(line, "-o whole", code=0)
+    monkeypatch.setattr(f"camcli.output.verdict.{words}", broken)
+    done = cam(line, "-o out", code=1)
+    first, second = done.stderr.splitlines()[-2:]
+    assert first.startswith(f"fault: {name}: ZeroDivisionError: nobody foresaw this (camcli/")
+    assert "this is a fault of camcli" in second
+    assert "out/run.json" in second
+    assert "Traceback" not in done.stderr + done.stdout
+    names = sorted(path.name for path in (tmp_path / "whole").iterdir())
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == names
+    for file in set(names) - {"run.json"}:
+        assert (tmp_path / "out" / file).read_bytes() == (tmp_path / "whole" / file).read_bytes()
+    (fault,) = record_of(tmp_path / "out")["piece_faults"]
+    assert fault["pieces"] == [name]
+    assert "Traceback" in fault["traceback"]
+    assert record_of(tmp_path / "whole")["piece_faults"] == []
+    cam(line, "--json -o json", code=int(words == "verdict"))  # a record takes no other words
+
+
+def test_a_picture_that_fails_costs_itself_alone(cam, tmp_path, monkeypatch):
+    line = "sweep --rpm 150:745 --points 3 --set run.transient=5 --set run.record=5"
+    cam(line, "-o out", code=0)
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    monkeypatch.setattr("camcli.plots.sweep.draw_sweep", broken)
+    done = cam(line, "-o out", code=1)
+    assert "fault: sweep.png: ZeroDivisionError: nobody foresaw this" in done.stderr
+    assert "150" in done.stdout  # the words are said all the same
+    after = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    assert before.keys() - after.keys() == {"sweep.png"}  # that of the run before is gone
+    assert all(after[name] == before[name] for name in after if name != "run.json")
+    assert record_of(tmp_path / "out")["piece_faults"][0]["pieces"] == ["sweep.png"]
+
+
+def test_a_picture_that_the_scene_is_to_blame_for_costs_no_table(cam, tmp_path, monkeypatch):
+    from camcli.errors import Fault, SceneError
+
+    def refused(*_args):
+        raise SceneError(Fault("my.mplstyle:3", "plot.style", "found no LaTeX", "", ""))
+
+    monkeypatch.setattr("camcli.plots.sweep.draw_sweep", refused)
+    done = cam("sweep --rpm 150:745 --points 3 --set run.record=5", code=2)
+    assert "my.mplstyle:3: plot.style: found no LaTeX" in done.stderr
+    assert {"impacts.csv", "strobe.csv", "speeds.csv", "run.json"} == {
+        path.name for path in (tmp_path / "out/sweep").iterdir()
+    }
+
+
+def test_a_table_or_a_summary_that_fails_costs_itself_alone(cam, tmp_path, monkeypatch):
+    monkeypatch.setattr("camcli.api.sweep.speed_row", broken)
+    done = cam("sweep --rpm 150:745 --points 3", SHORT, code=1)
+    assert "fault: speeds.csv" in done.stderr
+    names = {path.name for path in (tmp_path / "out/sweep").iterdir()}
+    assert names == {"impacts.csv", "strobe.csv", "run.json"}
