@@ -1,0 +1,113 @@
+"""Every shipped scene by every command, and every number of a scene varied and toleranced.
+
+Small sizes, the scene's own machine, ranges and options. A run ends in 0 or 3, never in an internal
+fault; its statuses are those that the program documents; its tables are whole.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+from conftest import cam_in, rows
+
+from camcli.errors import Status
+from camcli.scene import load_scene, resolved
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+SCENES = sorted([*CONFIGS.glob("*.yaml"), *(CONFIGS / "figures").glob("*.yaml")])
+MACHINES = [scene for scene in SCENES if scene.parent == CONFIGS]
+SHORT = "--set run.transient=60 --set run.record=40"
+SMALL = {  # options that make a command small; its scene decides the rest
+    "simulate": f"{SHORT} --points 200",
+    "sweep": "--points 21",
+    "detach": "--points 5",
+    "orbits": f"--prove --points 8 --set orbits.starts=3 --set orbits.simulated=0 {SHORT} "
+    "--set run.work_budget=20000",
+    "basins": f"{SHORT} --cells 12,12 --set basins.refine=0 --set basins.budget=300",
+    "classify": "--points 7",
+    "explore": f"--set sweep.rpm.num=5 {SHORT} --set run.work_budget=5000",
+}
+# What a column `status` may hold: the statuses of the program, and those of what a command solves.
+STATUSES = {status.text for status in Status} | {""}
+
+
+def _names(path: Path) -> str:
+    return str(path.relative_to(CONFIGS)).removesuffix(".yaml")
+
+
+def _line(command: str, scene: Path) -> str:
+    """The command's line; a scene of one speed or of another parameter keeps its own range."""
+    options = SMALL[command]
+    if scene not in MACHINES and SHORT not in options:
+        options += f" {SHORT}"  # the command of a figure runs whole in cam figures --check
+    section = yaml.safe_load(scene.read_text()).get(command) or {}
+    vary = section.get("vary")
+    if vary and "--points" in options:
+        head, _, tail = options.partition("--points ")
+        number, *rest = tail.split(" ", 1)
+        sizes = ",".join([str(min(int(number), 5))] * len(vary))
+        options = f"{head} --set {command}.rpm.num=3 " + " ".join(rest)
+        axes = [{**axis, "num": int(sizes.split(",")[0])} for axis in vary]
+        options += f" --set '{command}.vary={json.dumps(axes)}'"
+    if command != "explore":
+        options += " --no-plot"
+    return f"{command} -c {scene} {options} --quiet -o out"
+
+
+@pytest.mark.parametrize("command", SMALL)
+@pytest.mark.parametrize("scene", SCENES, ids=_names)
+def test_every_scene_by_every_command(tmp_path, scene, command):
+    done = cam_in(tmp_path, _line(command, scene))
+    assert done.returncode in (0, 3), done.stderr
+    assert "internal fault" not in done.stderr
+    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert record["command"] == command
+    for name in record["artefacts"]:
+        if not name.endswith(".csv"):
+            continue
+        for row in rows(tmp_path / "out" / name):
+            assert None not in row
+            assert None not in row.values(), name
+            assert row.get("status", "") in STATUSES, row
+            assert "nan" not in row.values(), row
+
+
+def _numbers(value: object, path: str) -> Iterator[tuple[str, float]]:
+    """Every number below a key of a scene, with its path."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _numbers(inner, f"{path}.{key}")
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield path, float(value)
+
+
+def _keys(name: str, *parts: str) -> list[tuple[Path, str, float]]:
+    """The numbers in parts of a shipped scene, defaults included."""
+    scene = CONFIGS / f"{name}.yaml"
+    whole = resolved(load_scene(scene))
+    return [(scene, *number) for part in parts for number in _numbers(whole.get(part), part)]
+
+
+KEYS = [
+    *_keys("chapter", "follower", "cam", "run"),
+    *_keys("bouncing-ball", "follower", "cam"),
+    *_keys("law-smooth", "cam"),
+    *_keys("lift-table", "follower", "cam", "spring", "contact"),
+]
+
+
+@pytest.mark.parametrize(("scene", "key", "value"), KEYS, ids=lambda x: getattr(x, "stem", str(x)))
+def test_every_number_varies_and_has_a_tolerance_or_says_why_not(tmp_path, scene, key, value):
+    """Where it cannot, the message names the key and the exit code is 2."""
+    low, high = sorted((value * 0.97, value * 1.03)) if value else (0.0, 0.01)
+    vary = f"sweep -c {scene} --vary {key}={low}:{high} --points 2 --no-plot {SHORT} -o a"
+    spread = f"detach -c {scene} --tolerance {key}=1% --points 2 --no-plot {SHORT} -o b"
+    for line in (vary, f"{spread} --set detach.machines=2"):
+        done = cam_in(tmp_path, line)
+        assert done.returncode in (0, 2, 3), done.stderr
+        if done.returncode == 2:
+            assert key.rpartition(".")[2] in done.stderr, done.stderr

@@ -1,0 +1,118 @@
+"""The pictures of the bench against precision.csv and stability.csv; the rows are made up."""
+
+import numpy as np
+import pytest
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+import camcli
+from camcli.analysis.bench import precision, stability
+from camcli.api.bench import bench
+from tests.truth.pictures import COLOURS, Panel, dashes, hexed, read_page
+
+CASES = {"periodic": "P(1;1) at 700 rpm", "chatter": "complete chatter at 190 rpm"}
+METHODS = {  # name, colour and mark
+    "core": ("camcli", "black", "o"),
+    "lsoda": ("LSODA", "measured", "^"),
+    "rk4": ("RK4, fixed steps", "period 4", "h"),
+    "dop853": ("DOP853", "period 1", "D"),
+}
+SIGNS = {  # status: mark and words
+    "missed": ("x", "missed or invented impacts"),
+    "invented": ("x", "missed or invented impacts"),
+    "given-up": ("|", "given up, error until then"),
+    "over-bound": ("*", "beyond the bound promised"),
+}
+STATUSES = ("ok", "missed", "invented", "given-up", "over-bound", "failed")
+
+
+def measured(piece, **_):
+    """A row with numbers of its own; of one method none can be drawn."""
+    name, point = piece
+    k = len(point.setting) + 3 * len(name) + 5 * len(point.method)
+    seconds, error = 1e-4 * 1.2**k, 1e-15 * 1.5**k
+    status = STATUSES[k % len(STATUSES)]
+    if point.setting.endswith("1e-15"):
+        error = 0.0
+    if point.method == "dop853":  # was not measured, or has no error
+        seconds, error = (np.nan, error) if "max_step" in point.setting else (seconds, np.nan)
+    return precision.Measured(name, point.method, point.setting, seconds, error, status=status)
+
+
+@pytest.fixture
+def errors(monkeypatch):
+    monkeypatch.setattr(precision, "measure", measured)
+    values = {"bench.cases": [*CASES], "bench.methods": [*METHODS], "bench.quick": True}
+    return bench(camcli.load_scene(None, values), part="precision")
+
+
+def test_a_panel_per_case_shows_the_rows_of_precision(errors):
+    table = errors.tables["precision"]
+    _, *axes = camcli.plot(errors).axes
+    assert len(axes) == len(CASES)
+    known = np.isfinite(table["seconds"]) & np.isfinite(table["error"])
+    limits = set()
+    for (case, title), one in zip(CASES.items(), axes, strict=True):
+        panel = Panel(case, one)
+        assert panel.title == title
+        assert panel.labels == ("time of a run (s)", "largest error (turns)")
+        assert (one.get_xscale(), one.get_yscale()) == ("log", "log")
+        own = known & (table["case"] == case)
+        signs = {}
+        for method, (name, colour, shape) in METHODS.items():
+            for limited in (False, True):
+                some = own & (table["method"] == method)
+                some &= np.array(["max_step" in text for text in table["setting"]]) == limited
+                if not some.any():
+                    continue
+                x, y = table["seconds"][some], np.maximum(table["error"][some], 1e-17)
+                label = f"{name}, steps of at most 1/16 turn" if limited else name
+                style, face = ("dashed", "white") if limited else ("solid", colour)
+                panel.dots(x, y, shape, face, colour, label=label, style=style)
+                for at in zip(x, y, table["status"][some], strict=True):
+                    if at[2] in SIGNS:
+                        signs.setdefault(SIGNS[at[2]], []).append(at[:2])
+        for (shape, words), places in signs.items():
+            marks = panel.pick(
+                Line2D, lambda a, m=shape, w=words: (a.get_marker(), a.get_label()) == (m, w)
+            )
+            drawn = [tuple(at) for a in marks for at in zip(*a.get_data(), strict=True)]
+            assert np.array(sorted(drawn)) == pytest.approx(np.array(sorted(places)))
+            assert {hexed(a.get_color()) for a in marks} == {COLOURS["trouble"]}
+            assert {dashes(a) for a in marks} == {"none"}
+        panel.done()
+        limits.add((one.get_xlim(), one.get_ylim()))
+    assert len(limits) == 1
+    ((x, y),) = limits
+    assert x[0] < table["seconds"][known].min() < table["seconds"][known].max() < x[1]
+    assert y[0] < 1e-17 < table["error"][known].max() < y[1]
+    page = read_page(errors)
+    assert page.texts == ["Work and precision: error against time, lower left is better"]
+
+
+def test_a_bar_per_extreme_case_is_as_long_as_it_took(monkeypatch):
+    rows = {k: stability.ROWS[k] for k in (1, 3, 8, 19)}
+    took = dict(zip([row.case for row in rows.values()], (2e-3, 0.7, 5e-4, 0.04), strict=True))
+    wrong = rows[8].case
+
+    def measure(row, machines):
+        status = "failed" if row.case == wrong else "ok"
+        return stability.Outcome(row.case, row.expected, "seen", status, took[row.case])
+
+    monkeypatch.setattr(stability, "ROWS", rows)
+    monkeypatch.setattr(stability, "measure", measure)
+    result = bench(camcli.load_scene(), part="stability")
+    _, axes = camcli.plot(result).axes
+    bars = [a for a in axes.patches if isinstance(a, Rectangle)]
+    names = [text.get_text() for text in axes.get_yticklabels()]
+    assert names == list(took)
+    assert list(axes.get_yticks()) == [0, 1, 2, 3]
+    for k, (bar, name) in enumerate(zip(bars, names, strict=True)):
+        assert bar.get_y() + 0.5 * bar.get_height() == pytest.approx(k)
+        assert bar.get_width() == pytest.approx(took[name])
+        colour = "trouble" if name == wrong else "period 1"
+        assert hexed(bar.get_facecolor()) == COLOURS[colour]
+    low, high = axes.get_ylim()
+    assert low > high  # the first case on top
+    assert (axes.get_xscale(), axes.get_xlabel()) == ("log", "time (s)")
+    assert read_page(result).texts == ["4 extreme cases, 1 not as expected"]

@@ -1,0 +1,239 @@
+"""The picture of detachment and the page of its report, against tables and the force itself."""
+
+import io
+from functools import cache
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import camcli
+from tests.truth.machines import CHAPTER, VALVE, off_corners
+from tests.truth.pictures import FORCES, Panel, check, dashes, hexed, read_page, usual
+
+CASES = {
+    "chapter": (
+        CHAPTER,
+        {"detach.rpm": {"start": 112, "stop": 210, "num": 30}, "detach.hold_to": 300.0,
+         "detach.impacts": 3},
+    ),
+    "valve": (
+        VALVE,
+        {"detach.rpm": {"start": 3400, "stop": 2600, "num": 15}, "detach.hold_to": 3600.0,
+         "detach.impacts": 3, "detach.margin_n": 0.0, "detach.force_rpm": [2500, 2682, 3000, 3300]},
+    ),
+    "held": (VALVE, {"detach.rpm": {"start": 1000, "stop": 1200, "num": 3}}),
+    "lost": (
+        VALVE, {"detach.rpm": {"start": 3000, "stop": 3100, "num": 3}, "follower.preload": -500.0},
+    ),
+}  # fmt: skip
+
+
+@cache
+def made(name):
+    machine, values = CASES[name]
+    return camcli.detach(machine.load(values))
+
+
+@cache
+def simulated(name):
+    """(rpm, phase) of the impacts of one turn, three turns after rest, by a sweep."""
+    machine, values = CASES[name]
+    more = {k: v for k, v in values.items() if k.startswith("follower")}
+    more |= {"sweep.rpm": values["detach.rpm"], "run.transient": 3, "run.record": 2}
+    table = camcli.sweep(machine.load(more)).tables["impacts"]
+    first = table["period"] == 0
+    return table["rpm"][first], table["theta_deg"][first]
+
+
+def check_forces(panel, machine, curves, where=""):
+    """Curves of the contact force over the turn: (rpm, stiffness, preload) of each, in order."""
+    shades = FORCES[1:2] if len(curves) == 1 else FORCES
+    names = [text.get_text() for text in panel.axes.get_legend().get_texts()]
+    lines = [a for a in panel.axes.lines if len(a.get_xdata()) > 10]
+    for k, (rpm, stiffness, preload) in enumerate(curves):
+        line = lines[k]
+        theta, force = line.get_data()
+        wanted = machine.force(rpm, theta, stiffness, preload)
+        smooth = off_corners(machine.cam, theta)
+        assert np.abs(force - wanted)[smooth].max() < 1e-9 * np.abs(wanted).max()
+        assert {*theta} >= {0.0, 360.0}
+        assert np.diff(theta).max() < 1.5
+        assert hexed(line.get_color()) == shades[k]
+        assert dashes(line) == "solid"
+        assert line.get_label() == names[k]
+        dense = machine.force(rpm, machine.turn, stiffness, preload).min()
+        least = names[k].rpartition("least ")[2].split(" N")[0].replace("−", "-")
+        assert float(least) == pytest.approx(dense, abs=2e-3 * max(1.0, abs(dense)))
+        panel.left.remove(line)
+    panel.guide("y", 0.0, "guide")
+    low, _ = panel.axes.get_ylim()
+    if low < 0.0 and min(a.get_ydata().min() for a in lines) < 0.0:
+        panel.band("y", low, 0.0, "pull")
+    panel.corners(machine.cam.corners, "x")
+    panel.reads("y", "contact force (N)")
+    assert panel.axes.get_xlim() == (0.0, 360.0)
+    assert panel.axes.get_xlabel() == r"cam angle $\theta$ (deg)"
+    assert panel.title == where
+    return names
+
+
+def checks(name, result):
+    machine, values = CASES[name]
+    tables = result.tables
+    critical = list(zip(*(tables["detach"][c] for c in ("quantity", "region", "theta_deg", "rpm")),
+                        strict=True))  # fmt: skip
+    first = [(rpm, theta) for what, _, theta, rpm in critical if what == "first_detachment"]
+
+    def phases(panel):
+        low, high = panel.axes.get_ylim()
+        slow, fast = panel.axes.get_xlim()
+        # the axis of phases begins where the region opens whose bursts have most to show
+        opens = {region: theta for what, region, theta, _ in critical if what == "opens"}
+        fold = 0.0
+        if np.isfinite(low) and first:
+            begins = [theta for theta in opens.values() if low < theta < low + 12.0]
+            fold = begins[0] - 1e-6
+        folded = lambda theta: fold + (np.asarray(theta, float) - fold) % 360.0  # noqa: E731
+        rpm, theta = simulated(name)
+        panel.dots(rpm, folded(theta), "o", "simulated", label="impacts, simulated", close=1e-12)
+        ends = panel.lines("chatter", "end of the chatter, computed")
+        points = []
+        for line in ends:
+            assert dashes(line) == "solid"
+            x, y = line.get_data()
+            gaps = np.isnan(y)
+            points += list(zip(x[~gaps], y[~gaps], strict=True))
+            jump = np.abs(np.diff(y)) > 20.0
+            assert not jump.any()
+            inner = np.flatnonzero(gaps)
+            assert (np.abs(y[inner + 1] - y[inner - 1]) > 20.0).all()
+        table = tables["accumulation"]
+        wanted = sorted(zip(table["rpm"], folded(table["theta_deg"]), strict=True))
+        assert np.array(sorted(points)).reshape(-1, 2) == pytest.approx(
+            np.array(wanted).reshape(-1, 2)
+        )
+        for rpm, theta in first:
+            panel.marks([rpm], folded([theta]), "detachment", "first detachment")
+        corner = [(r, folded(t)) for what, _, t, r in critical if what == "accumulation_at_corner"]
+        corner += [
+            (r, folded(t) + 360.0) for what, _, t, r in critical if what == "completion_loss"
+        ]
+        if corner:
+            panel.marks(*zip(*corner, strict=True), "chatter", "the chatter ends on a corner")
+        hits = tables["corner_hits"]
+        at = folded([machine.cam.corners[c] for c in hits["corner"]])
+        panel.marks(hits["rpm"], at, "corner-impact", "n-th impact on a corner", close=1e-6)
+        told = []
+        for note in [a for a in panel.left if hasattr(a, "xyann")]:
+            k = int(np.argmin(np.abs(hits["rpm"] - note.xy[0])))
+            assert note.xy == pytest.approx((hits["rpm"][k], at[k]))
+            assert note.get_text() == str(hits["impact"][k])
+            told.append(k)
+            panel.left.remove(note)
+        inside = (hits["rpm"] > slow) & (hits["rpm"] < fast) & (at > low) & (at < high)
+        assert bool(told) == inside.any()
+        lines = {f"{n} {turn}": float(folded(c)) + turn for n, c in machine.cam.corners.items()
+                 for turn in (0.0, 360.0)}  # fmt: skip
+        seen = {n: at for n, at in lines.items() if low <= at <= high}
+        for at in seen.values():
+            panel.guide("y", at, "guide")
+        for n in sorted(seen, key=seen.get):
+            panel.words(n.partition(" ")[0])
+        speeds = values["detach.rpm"]
+        margin = 0.03 * abs(speeds["stop"] - speeds["start"])
+        if panel.name == "phases":
+            ends = sorted((speeds["start"], speeds["stop"]))
+            assert (slow, fast) == pytest.approx((ends[0] - margin, ends[1] + margin))
+            assert high - low >= 360.0
+        further = ",\non into the next turn" if high > 360.0 else ""
+        assert panel.labels == ("cam speed (rpm)", rf"phase $\theta$ (deg){further}")
+        numbers = panel.axes.yaxis.get_major_formatter()
+        assert numbers(fold + 30.0) == f"{(fold + 30.0) % 360.0:g}"
+
+    def forces(panel):
+        table = tables["force"]
+        rpms = list(dict.fromkeys(table["rpm"]))
+        names = check_forces(panel, machine, [(rpm, None, preload) for rpm in rpms])
+        for rpm, text in zip(rpms, names, strict=True):
+            assert text.startswith(f"{rpm:.6g} rpm: least ")
+            at = float(text.rpartition(" at ")[2].removesuffix(" deg"))
+            force = machine.force(rpm, machine.turn, None, preload)
+            low = min(float(machine.force(rpm, at + d, None, preload)) for d in (-1e-2, 0.0, 1e-2))
+            assert low <= force.min() + 2e-3 * np.ptp(force)
+
+    def springs(panel):
+        rpm = values["detach.hold_to"]
+        holds = [h for h in result.summary["hold"] if h["stiffness"] is not None]
+        curves = [(rpm, None, None), *((rpm, h["stiffness"], h["preload"]) for h in holds)]
+        names = check_forces(panel, machine, curves, f"at {rpm:g} rpm")
+        assert names[0].startswith("present spring: least ")
+        for hold, text in zip(holds, names[1:], strict=True):
+            rate = f"{hold['stiffness'] / machine.per_m:.4g} {machine.spring_unit}"
+            assert text.startswith(f"{rate}, preload {hold['preload']:.4g} N: least ")
+
+    preload = values.get("follower.preload")
+    return {"enlarged": phases, "phases": phases, "forces": forces, "springs": springs}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_panel_of_detachment_shows_the_rows_of_its_tables(name):
+    result = made(name)
+    seen = check(result, checks(name, result))
+    assert seen == {"phases", "forces"} | (
+        {"springs"} if "detach.hold_to" in CASES[name][1] else set()
+    ) | ({"enlarged"} if name == "chapter" else set())
+
+
+def test_the_page_of_detachment_says_where_contact_is_lost():
+    assert usual(made("chapter")) == ["enlarged", "phases", "forces", "springs"]
+    page = read_page(made("chapter"))
+    page.says(
+        "112 to 210 rpm",
+        "contact is first lost at 114.979326744 rpm, 150.179371 deg; chatter stops being complete "
+        "at 198.5605 rpm",
+    )
+    page = read_page(made("valve"))
+    page.says("2600 to 3400 rpm", "contact is first lost at 2682.06256923 rpm, 196.816211 deg")
+    read_page(made("held")).says("1000 to 1200 rpm", "contact is first lost at 2682.06")
+    read_page(made("lost")).says("contact is lost at every speed")
+
+
+@pytest.mark.parametrize("name", ["chapter", "valve", "held"])
+def test_the_page_of_the_report_shows_the_cam_the_forces_and_the_loads(name, monkeypatch):
+    machine, values = CASES[name]
+    pages = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: pages.append(self))
+    result = camcli.detach(machine.load(values), report=True)
+    result.files["report.pdf"](io.BytesIO())
+    (figure,) = pages
+    _, outline, forces, loft, landing, springs = figure.axes
+    assert outline.get_title().startswith(r"$\theta$ = 0 deg")
+    panel = Panel("forces", forces)
+    rpms = list(dict.fromkeys(result.tables["force"]["rpm"]))
+    check_forces(panel, machine, [(rpm, None, None) for rpm in rpms])
+    panel.done()
+    table = result.tables["speeds"]
+    first = result.tables["detach"]["rpm"][0]
+    for axes, column, words, factor in (
+        (loft, "max_gap_m", f"loft off the cam ({machine.unit})", machine.per_m),
+        (landing, "max_impact_m_per_s", "landing speed (m/s)", 1.0),
+    ):
+        panel = Panel(column, axes)
+        if len(table["rpm"]):
+            y = factor * np.nan_to_num(table[column])
+            panel.dots([first, *table["rpm"]], [0.0, *y], "o", "impact", style="solid")
+            assert axes.get_ylim()[0] == 0.0
+            assert panel.labels == ("cam speed (rpm)", words)
+        else:
+            panel.words("contact holds over the whole range", 0.5, 0.5)
+            assert axes.get_ylabel() == words
+        panel.done()
+    panel = Panel("springs", springs)
+    rpm = values.get(
+        "detach.hold_to", max(values["detach.rpm"]["start"], values["detach.rpm"]["stop"])
+    )
+    holds = [h for h in result.summary["hold"] if h["stiffness"] is not None]
+    curves = [(rpm, None, None), *((rpm, h["stiffness"], h["preload"]) for h in holds)]
+    check_forces(panel, machine, curves, f"at {rpm:g} rpm")
+    panel.done()

@@ -1,0 +1,133 @@
+"""The picture of a map of two numbers against map.csv."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import camcli
+from tests.truth.machines import CHAPTER, VALVE
+from tests.truth.pictures import check, read_page, usual
+from tests.truth.test_pictures_sweep import kind_of
+
+CASES = {
+    "valve": (
+        VALVE,
+        [{"key": "rpm", "start": 3400, "stop": 2600, "num": 5},
+         {"key": "follower.damping", "start": 0, "stop": 40, "num": 3}],
+        {"sweep.lyapunov": True},
+    ),
+    "chapter": (
+        CHAPTER,
+        [{"key": "follower.restitution", "start": 0.7, "stop": 0.9, "num": 3},
+         {"key": "run.strobe_deg", "start": 200, "stop": 20, "num": 4}],
+        {"run.transient": 100, "run.record": 100, "run.rpm": 745, "sweep.direction": "up",
+         "sweep.lyapunov": True},
+    ),
+}  # fmt: skip
+NAMES = {
+    "rpm": "cam speed (rpm)", "follower.damping": "damping (N s/m)",
+    "follower.restitution": "coefficient of restitution (-)", "run.strobe_deg": "run.strobe_deg",
+}  # fmt: skip
+LOADS = {
+    "exponents": ("lyapunov_per_period", "largest exponent (1/turn)"),
+    "max_gap_m": ("max_gap_m", "largest gap"),
+    "airborne_fraction": ("airborne_fraction", "share of the time in the air"),
+    "max_impact_m_per_s": ("max_impact_m_per_s", "hardest impact (m/s)"),
+    "min_contact_force_n": ("min_contact_force_n", "least contact force (N)"),
+    "max_contact_force_n": ("max_contact_force_n", "largest contact force (N)"),
+    "contact_lost_deg": ("contact_lost_deg", "contact first lost (deg)"),
+    "contact_regained_deg": ("contact_regained_deg", "contact last regained (deg)"),
+    "landing_deg": ("landing_deg", "phase of the hardest impact (deg)"),
+    "landing_lift_m": ("landing_lift_m", "lift at the hardest impact"),
+    "shut_bounces_per_turn": ("shut_bounces_per_turn", "bounces on the shut cam (1/turn)"),
+}
+CURVES = {  # kind: along both numbers, made up
+    "period-doubling": ([2700.0, 3100.0, 3500.0], [5.0, 15.0, 30.0], "dashed"),
+    "corner-impact": ([2800.0, 2900.0], [35.0, 10.0], "solid"),
+    "fold": ([3000.0, 3050.0], [1.0, 39.0], "dotted"),
+}
+
+
+@cache
+def made(name, curves=None):
+    machine, axes, values = CASES[name]
+    more = {} if curves is None else {"sweep.curves": curves}
+    return camcli.sweep(machine.load({"sweep.vary": axes, **values, **more}))
+
+
+def checks(name, curves):
+    machine, axes, _ = CASES[name]
+    keys = [axis["key"] for axis in axes]
+    table = made(name).tables["map"]
+    x, y = (table[key] for key in keys)
+    kinds = [kind_of(label) for label in table["label"]]
+
+    def common(panel):
+        for kind, (along, across, style) in curves.items():
+            panel.line(along, across, "white", label=False, width=2.0)
+            panel.line(along, across, "black", style, kind, width=0.8)
+        for way, key, values in zip("xy", keys, (x, y), strict=True):
+            assert getattr(panel.axes, f"get_{way}label")() == NAMES[key]
+            limits = getattr(panel.axes, f"get_{way}lim")()
+            half = 0.5 * np.diff(np.unique(values))[0]
+            assert limits == pytest.approx((values.min() - half, values.max() + half))
+
+    def kind(panel):
+        (image,) = panel.images()
+        assert image.values.shape == (len(set(y)), len(set(x)))
+        for *place, (_, colour) in zip(x, y, kinds, strict=True):
+            assert image.colour(*place) == colour
+        panel.key(*sorted(set(kinds)))
+        common(panel)
+
+    def load(panel):
+        column, words = LOADS[panel.name]
+        metres = column.endswith("_m")
+        (image,) = panel.images()
+        shown = np.ma.filled(image.value(x, y).astype(float), np.nan)
+        wanted = table[column] * (machine.per_m if metres else 1.0)
+        wanted[~np.isfinite(wanted)] = np.nan  # blank: at rest, or it does not apply
+        assert shown == pytest.approx(wanted, nan_ok=True)
+        (bar,) = [axes for axes in panel.bars if axes.get_ylabel().startswith(words)]
+        assert bar.get_ylabel() == (f"{words} ({machine.unit})" if metres else words)
+        if np.isfinite(shown).any():
+            low, high = image.artist.norm.vmin, image.artist.norm.vmax
+            assert bar.get_ylim() == pytest.approx((low, high))
+            if column == "lyapunov_per_period":  # white is zero, red is chaos
+                assert low == -high
+                assert high >= np.nanmax(np.abs(shown[np.isfinite(shown)]))
+                red, _, blue = image.artist.cmap(1.0)[:3]
+                assert red > 2.0 * blue
+        common(panel)
+
+    return {"kind": kind, **dict.fromkeys(LOADS, load)}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_panel_of_a_map_shows_the_rows_of_its_table(name, tmp_path):
+    path, curves = None, {}
+    if name == "valve":
+        curves, path = CURVES, str(tmp_path / "curve.csv")
+        lines = ["curve,kind,rpm,damping_n_s_per_m"]
+        for number, (kind, (along, across, _)) in enumerate(CURVES.items(), 1):
+            lines += [f"{number},{kind},{a},{b}" for a, b in zip(along, across, strict=True)]
+        (tmp_path / "curve.csv").write_text("\n".join(lines) + "\n")
+    own = checks(name, curves)
+    assert check(made(name, path), own) == {*own}
+
+
+def test_the_page_of_a_map_says_what_was_done():
+    assert usual(made("chapter")) == ["kind", "exponents"]
+    assert usual(made("valve")) == ["kind"]  # at rest everywhere: no finite exponent
+    page = read_page(made("valve"))
+    assert page.texts[:2] == [
+        "Map of motions, 3400 to 2600 rpm, damping 0 to 40 N s/m",
+        "5 × 3 points",
+    ]
+    page = read_page(made("chapter"))
+    page.says(
+        "Map of motions, coefficient of restitution 0.7 to 0.9, run.strobe_deg 200 to 20",
+        "3 × 4 points at 745 rpm, the state carried up along follower.restitution",
+    )
+    assert {*page.legend} == {kind_of(k)[0] for k in made("chapter").tables["map"]["label"]}

@@ -1,0 +1,787 @@
+"""The pictures of periodic orbits against branch.csv, bifurcations.csv and curve.csv."""
+
+import re
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
+from matplotlib.text import Annotation, Text
+
+import camcli
+from camcli.plots.orbits import draw_orbits
+from tests.truth.machines import CHAPTER, VALVE, off_corners
+from tests.truth.pictures import (
+    COLOURS,
+    MARKS,
+    Panel,
+    check,
+    dashes,
+    hexed,
+    mixed,
+    motion_colour,
+    read_page,
+    usual,
+)
+from tests.truth.test_pictures_sweep import check_cloud
+
+SHADES = ((0.0, "white"), (0.45, "white"), (0.45, "black"), (0.7, "white"), (0.2, "black"))
+NEAR_DEG = 20.0  # phases further apart are not joined
+BRANCHES = {
+    "chapter": (
+        CHAPTER,
+        {"orbits.rpm": {"start": 672, "stop": 756, "num": 20}, "orbits.simulated": 12,
+         "run.transient": 200, "run.record": 20, "run.strobe_deg": 40.0,
+         "orbits.curve": "period-doubling", "orbits.curve_in": "restitution",
+         "orbits.curve_range": [0.78, 0.82], "orbits.starts": 4},
+    ),
+    "valve": (
+        VALVE,
+        {"orbits.rpm": {"start": 6500, "stop": 10500, "num": 20}, "orbits.at": 8000,
+         "orbits.starts": 4, "orbits.simulated": 9},
+    ),
+    "restitution": (
+        VALVE,
+        {"run.rpm": 7000, "orbits.starts": 4, "orbits.rpm.num": 8,
+         "orbits.parameter": "restitution", "orbits.range": [0.4, 0.6]},
+    ),
+    "resting": (
+        VALVE,
+        {"orbits.rpm": {"start": 2900, "stop": 3600, "num": 8}, "orbits.at": 3300,
+         "orbits.starts": 0},
+    ),
+}  # fmt: skip
+BRANCHES["contact"] = (
+    VALVE,
+    {"orbits.rpm": {"start": 1500, "stop": 1600, "num": 3}, "orbits.at": 1550, "orbits.starts": 0},
+)
+ORBITS = {
+    "chapter": (CHAPTER, {"orbits.rpm": {"start": 700, "stop": 700, "num": 1}}),
+    "three turns": (
+        CHAPTER,
+        {"orbits.rpm": {"start": 358.5, "stop": 358.5, "num": 1}, "run.strobe_deg": 120.0},
+    ),
+    "valve": (VALVE, {"orbits.rpm": {"start": 7000, "stop": 7000, "num": 1}, "orbits.starts": 4}),
+    "resting": (VALVE, {"orbits.rpm": {"start": 3300, "stop": 3300, "num": 1}, "orbits.starts": 0}),
+}  # fmt: skip
+NAMES = {"rpm": "cam speed (rpm)", "restitution": "coefficient of restitution (-)"}
+
+
+@cache
+def made(kind, name):
+    machine, values = {"branches": BRANCHES, "orbits": ORBITS}[kind][name]
+    return camcli.orbits(machine.load(values))
+
+
+def shades(periods):
+    """The colours of orbits: by period, those of one period in shades."""
+    wanted = [motion_colour(f"P({period};") for period in periods]
+    return [
+        mixed(colour, *SHADES[wanted[:k].count(colour)]) for k, colour in enumerate(wanted)
+    ]  # fmt: skip
+
+
+class Branch:
+    """The rows of one branch: parameter, phases, position, trace and determinant."""
+
+    def __init__(self, table, number, parameter, colour):
+        own = table["branch"] == number
+        self.number, self.colour = number, colour
+        self.x = np.asarray(table[parameter])[own]
+        self.stable = np.asarray(table["stable"])[own] == 1
+        theta = [c for c in table if c.startswith("theta_deg_")]
+        self.theta = np.column_stack([table[c][own] for c in theta])
+        self.q = np.asarray(table["q_m"])[own][:, None]
+        self.trace, self.det = table["trace"][own], table["det"][own]
+        self.label = table["label"][own][0]
+        pairs = [
+            table[f"multiplier_{k}_re"][own] + 1j * table[f"multiplier_{k}_im"][own] for k in (1, 2)
+        ]
+        self.pairs = np.column_stack(pairs)
+        self.radius = np.abs(self.pairs).max(axis=1)
+
+    def steady(self, k):
+        """Whether orbits between row k and the next are stable: as that further from |mu| = 1."""
+        further = k if abs(self.radius[k] - 1.0) >= abs(self.radius[k + 1] - 1.0) else k + 1
+        return bool(self.stable[further])
+
+    def segments(self, values, turn):
+        """From row to row: parameter and value at both ends, and whether it is stable."""
+        found = set()
+        for k in range(len(self.x) - 1):
+            for a, b in links(values[k], values[k + 1], NEAR_DEG if turn else np.inf):
+                found.add((*rounded(self.x[k], a, self.x[k + 1], b), self.steady(k)))
+        return found
+
+    def share(self, mu):
+        """Parameters at which a multiplier is mu, trace and determinant being linear in between."""
+        t, d, dt, dd = self.trace[:-1], self.det[:-1], np.diff(self.trace), np.diff(self.det)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            s = (mu * mu - t * mu + d) / (dt * mu - dd)
+        near = (np.abs(s.imag) < 1e-6) & (s.real > -1e-6) & (s.real < 1.0 + 1e-6)
+        found = (self.x[:-1] + s.real * np.diff(self.x))[near]
+        return [*found, *self.x[np.abs(self.pairs - mu).min(axis=1) < 1e-9]]
+
+
+def links(before, after, most):
+    """Which values of one row go on in the next: the nearest first, each once."""
+    a, b = (row[np.isfinite(row)] for row in (before, after))
+    pairs = sorted((abs(x - y), i, j) for i, x in enumerate(a) for j, y in enumerate(b))
+    taken, found = set(), []
+    for away, i, j in pairs:
+        if away <= most and not {("a", i), ("b", j)} & taken:
+            taken |= {("a", i), ("b", j)}
+            found.append((a[i], b[j]))
+    return found
+
+
+def period_of(label):
+    """Turns after which a motion repeats; one that stays on the cam does so in each."""
+    return int(label[2:].partition(";")[0]) if label.startswith("P(") else 1
+
+
+def rounded(*values):
+    return tuple(float(f"{value:.9g}") for value in values)
+
+
+def strokes(lines):
+    """From point to point of lines: both ends, and whether it is drawn solid."""
+    found = set()
+    for line in lines:
+        x, y = line.get_data()
+        assert dashes(line) in ("solid", "dashed")
+        for k in range(len(x) - 1):
+            found.add((*rounded(x[k], y[k], x[k + 1], y[k + 1]), dashes(line) == "solid"))
+    return found
+
+
+def checks(name):
+    machine, values = BRANCHES[name]
+    result = made("branches", name)
+    parameter = values.get("orbits.parameter", "rpm")
+    table, events = result.tables["branch"], result.tables["bifurcations"]
+    numbers = list(dict.fromkeys(table["branch"]))
+    period = {n: period_of(table["label"][table["branch"] == n][0]) for n in numbers}
+    colours = dict(zip(numbers, shades([period[n] for n in numbers]), strict=True))
+    branches = [Branch(table, n, parameter, colours[n]) for n in numbers]
+    span = result.scene.orbits.rpm
+    low, high = values.get("orbits.range", sorted((span.start, span.stop)))
+    found = {}  # events by what several branches share
+    for k in range(len(events["kind"])):
+        at = events[parameter][k]
+        found.setdefault((events["kind"][k], events["corner"][k], f"{at:.9g}"), k)
+    order = sorted(found.values(), key=lambda k: events[parameter][k])
+    corners = machine.cam.corners
+    simulated = "orbits.simulated" in values
+
+    def common(panel, named):
+        for number, k in enumerate(order, 1):
+            at = events[parameter][k]
+            panel.guide("x", at, "cam", "dotted")
+            if named:
+                assert panel.words(str(number)).xy == pytest.approx((at, 1.0))
+        room = 0.02 * (high - low)
+        assert panel.axes.get_xlim() == pytest.approx((low - room, high + room))
+        assert panel.axes.get_xlabel() == NAMES[parameter]
+
+    def grey(panel, section, column):
+        if simulated:
+            rows = result.tables[section]
+            points = [(x, y, "") for x, y in zip(rows[parameter], rows[column], strict=True)]
+            points += [(x, np.nan, "") for x in result.tables["strobe"][parameter]]
+            check_cloud(panel, points, {"": COLOURS["cam"]}, fills=False)
+            panel.key(("simulated", "cam"))
+
+    def lines_of(panel, of, turn):
+        for branch in branches:
+            lines = [a for a in panel.lines(branch.colour, None) if a.get_marker() in ("None", "")]
+            assert strokes(lines) == branch.segments(of(branch), turn), branch.number
+            assert {bool(line.get_path_effects()) for line in lines} <= {simulated}  # a white rim
+
+    def marked(panel, of, corner):
+        """The event's marks, at the corner or where its branch is."""
+        for k in order:
+            kind, at = events["kind"][k], events[parameter][k]
+            branch = branches[numbers.index(events["branch"][k])]
+            nearest = np.argsort(np.abs(branch.x - at), kind="stable")[:2]
+            wanted = of(branch)[nearest]
+            marker, face, edge = MARKS[kind]
+
+            def fits(a, at=at, marker=marker, face=face, edge=edge):
+                return (
+                    isinstance(a, Line2D) and a.get_marker() == marker
+                    and same_place(a.get_xdata(), at)
+                    and hexed(a.get_markerfacecolor()) == hexed(face)
+                    and hexed(a.get_markeredgecolor()) == hexed(edge)
+                )  # fmt: skip
+
+            (marks,) = panel.pick(Line2D, fits, 1)
+            y = np.array(marks.get_ydata())
+            if corner and events["corner"][k]:
+                assert y == pytest.approx([corners[events["corner"][k]]], abs=1e-6)
+                continue
+            size = np.nanmax(np.abs(wanted))
+            step = np.nanmax(np.abs(np.diff(wanted, axis=0)), initial=0.0) + 1e-6 * size
+            away = np.abs(y[:, None] - wanted.ravel()[None]).T
+            if not corner:  # the table has the state at the first strobe, of every turn it is drawn
+                assert len(y) == period[branch.number]
+                away = away[:, [int(np.argmin(np.nanmin(away, axis=0)))]]
+            assert np.nanmin(away, axis=0).max() <= step, (kind, y, wanted)
+
+    def branch_numbers(panel, of):
+        for branch in branches:
+
+            def is_its(a, b=branch):
+                return a.get_text() == str(b.number) and hexed(a.get_color()) == b.colour
+
+            texts = panel.pick(Text, is_its)
+            assert len(texts) <= 1
+            for text in texts:
+                x, y = text.get_position()
+                columns = [column_of(branch.x, column) for column in of(branch).T]
+                away = [abs(np.interp(x, *own) - y) for own in columns if len(own[0])]
+                assert min(away) < 5e-2 * np.ptp(panel.axes.get_ylim())
+
+    def phases(panel):
+        grey(panel, "impacts", "theta_deg")
+        lines_of(panel, lambda b: b.theta, 360.0)
+        marked(panel, lambda b: b.theta, corner=True)
+        branch_numbers(panel, lambda b: b.theta)
+        common(panel, named=True)
+        panel.corners(corners, "y")
+        if not any(np.isfinite(branch.theta).any() for branch in branches):
+            panel.words("the follower never leaves the cam", 0.5, 0.5)
+            return
+        what = "departure" if "inf" in branches[0].label else "impact"
+        panel.reads("y", rf"{what} phase $\theta$ (deg)")
+
+    def positions(panel):
+        grey(panel, "strobe", "q_m")
+        # a table has the first state of an orbit; of several turns the others are drawn beside it
+        for branch in branches:
+            lines = [a for a in panel.lines(branch.colour, None) if a.get_marker() in ("None", "")]
+            wanted = branch.segments(branch.q, 0.0)
+            if period[branch.number] == 1:
+                assert strokes(lines) == wanted
+            else:
+                assert strokes(lines) > wanted
+        marked(panel, lambda b: b.q, corner=False)
+        common(panel, named=False)
+        strobe = values.get("run.strobe_deg", machine.strobe_deg)
+        at = f", $\\theta$ = {strobe:g} deg" if strobe else ""
+        panel.reads("y", f"stroboscopic $q$ ({machine.unit}){at}", machine.per_m)
+
+    def plane(panel):
+        unit_circle(panel)
+        rings = [
+            a for a in panel.pick(Line2D, lambda a: dashes(a) == "dotted")
+            if hexed(a.get_color()) == COLOURS["guide"]
+        ]  # fmt: skip
+        sizes = [b.det[k] ** 0.5 for b in branches for k in range(len(b.x))
+                 if b.trace[k] ** 2 < 4.0 * b.det[k]]  # fmt: skip
+        told = []
+        for ring in rings:
+            size = np.hypot(*ring.get_data())
+            assert np.ptp(size) < 1e-9
+            assert min(abs(size[0] - s) for s in sizes) < 1e-9
+            told.append(size[0])
+        assert bool(rings) == bool(sizes)
+        if told:
+            panel.words(rf" $|\mu|$ = {', '.join(f'{size:.4g}' for size in sorted(told))}")
+        arrows = panel.pick(Annotation)
+        for branch in branches:
+            lines = panel.lines(branch.colour, None)
+            points = np.concatenate([a.get_xdata() + 1j * np.asarray(a.get_ydata()) for a in lines])
+            for mu in branch.pairs[:: max(1, len(branch.pairs) // 7)].ravel():
+                assert np.abs(points - mu).min() < 0.03, (branch.number, mu)
+            for line in lines:
+                own = line.get_xdata() + 1j * np.asarray(line.get_ydata())
+                assert all(branch.share(mu) for mu in own[:: max(1, len(own) // 9)])
+                stable = dashes(line) == "solid"
+                if dashes(line) == "none":  # a path too short to be seen
+                    stable = hexed(line.get_markerfacecolor()) == branch.colour
+                    if not stable:
+                        assert hexed(line.get_markerfacecolor()) == COLOURS["white"]
+                assert not stable or np.abs(own).max() < 1.0 + 1e-6
+                assert stable in {branch.steady(k) for k in range(len(branch.x) - 1)}
+        for arrow in arrows:
+            head, tail = complex(*arrow.xy), complex(*arrow.xyann)
+            rising = [
+                min(abs(a - b) for a in branch.share(head) for b in branch.share(tail)) > 0.0
+                and max(a - b for a in branch.share(head) for b in branch.share(tail)
+                        if abs(a - b) < 0.2 * np.ptp(branch.x)) > 0.0
+                for branch in branches
+                if branch.share(head) and branch.share(tail)
+                and hexed(arrow.arrow_patch.get_facecolor()) == branch.colour
+            ]  # fmt: skip
+            assert rising
+            assert all(rising)
+        said = {"rpm": "cam speed", "restitution": "coefficient of restitution"}[parameter]
+        assert panel.title == f"multipliers; arrows: rising {said}"
+        furthest = max(b.radius.max() for b in branches)
+        half = panel.axes.get_xlim()[1]
+        assert panel.axes.get_xlim() == panel.axes.get_ylim() == (-half, half)
+        assert half == pytest.approx(min(max(1.2, 1.06 * furthest), 6.0))
+        beyond = f" (beyond ±{half:g} not drawn)" if furthest > half else ""
+        assert panel.labels == (rf"Re $\mu${beyond}", r"Im $\mu$")
+
+    def real_parts(panel):
+        panel.guide("y", -1.0, "cam")
+        panel.guide("y", 1.0, "cam")
+        panel.band("y", -1.0, 1.0, "body")
+        turns = []
+        for branch in branches:
+            lines = panel.lines(branch.colour, None)
+            for line in lines:
+                x, y = map(np.asarray, line.get_data())
+                order = np.argsort(branch.x)
+                for at, real in list(zip(x, y, strict=True))[:: max(1, len(x) // 12)]:
+                    k = np.searchsorted(branch.x[order], at)
+                    near = order[max(0, k - 2) : k + 2]
+                    roots = [np.roots([1.0, -t, d]) for t, d in between(branch, near, at)]
+                    away = min(np.abs(r.real - real).min() for r in roots)
+                    assert away < 1e-6 * max(1.0, abs(real)), (branch.number, at, real)
+                assert dashes(line) == ("solid" if shown_stable(branch, x) else "dashed")
+            gap = branch.trace**2 - 4.0 * branch.det
+            signs = np.flatnonzero(gap[1:] * gap[:-1] < 0.0)
+            turns += [sorted(branch.x[[k, k + 1]]) for k in signs]
+        marks = panel.pick(
+            Line2D, lambda a: hexed(a.get_color()) == COLOURS["guide"] and dashes(a) == "dashed"
+        )
+        at = [a.get_xdata()[0] for a in marks]
+        assert len(at) == min(2, len(turns))
+        room = np.ptp([low, high]) * 1e-3
+        assert all(any(a - room <= x <= b + room for a, b in turns) for x in at)
+        assert panel.title.startswith("a complex pair turns real at " if at else "")
+        for x in at:
+            assert f"{x:.6g}" in panel.title
+        if name == "chapter":  # the number of the model
+            assert min(abs(x - 738.7743752) for x in at) < 0.01
+        common(panel, named=False)
+        largest = max(np.abs(b.pairs.real).max() for b in branches)
+        says = r"Re $\mu$ (asinh scale)" if largest > 4.0 else r"Re $\mu$"
+        assert panel.axes.get_ylabel() == says
+        assert panel.axes.get_yscale() == ("asinh" if largest > 4.0 else "linear")
+
+    def zoom(panel):
+        """A corner impact that hides beside another event: lines through the rows around it."""
+        k = order[int(panel.name.split()[1]) - 1]
+        at, corner = events[parameter][k], corners[events["corner"][k]]
+        begin, end = panel.axes.get_xlim()
+        assert 0.5 * (begin + end) == pytest.approx(at)
+        rows = result.tables["impacts"]
+        points = [(x, y, "") for x, y in zip(rows[parameter], rows["theta_deg"], strict=True)]
+        near = [p for p in points if begin <= p[0] <= end]
+        if near:
+            check_cloud(panel, near, {"": COLOURS["cam"]}, fills=False)
+            panel.key(("simulated", "cam"))
+        for branch in branches:
+            lines = [a for a in panel.lines(branch.colour, None) if a.get_marker() in ("None", "")]
+            drawn = np.concatenate([np.column_stack(a.get_data()) for a in lines])
+            for x, theta in zip(branch.x, branch.theta, strict=True):
+                for one in theta[np.isfinite(theta)] if begin <= x <= end else ():
+                    away = np.abs(drawn - [x, one]) / [end - begin, 10.0]
+                    assert away.max(axis=1).min() < 1e-6
+            for line in lines:
+                x, y = line.get_data()
+                for px, py in list(zip(x, y, strict=True))[:: max(1, len(x) // 20)]:
+                    columns = [column_of(branch.x, column) for column in branch.theta.T]
+                    away = [abs(np.interp(px, *own) - py) for own in columns if len(own[0])]
+                    assert min(away) < 1.0
+            if branch.label == "P(1;1)":  # also between the rows
+                assert max(away_from_closed_form(*line.get_data()).max() for line in lines) < 1e-6
+        seen = [i for i in order if begin <= events[parameter][i] <= end]
+        for i in seen:
+            panel.guide("x", events[parameter][i], "cam", "dotted")
+            assert panel.words(str(order.index(i) + 1)).xy == pytest.approx(
+                (events[parameter][i], 1.0)
+            )
+            panel.pick(Line2D, lambda a, i=i: same_place(a.get_xdata(), events[parameter][i]), 1)
+        branch_numbers(panel, lambda b: b.theta)
+        panel.corners(corners, "y")
+        bottom, top = panel.axes.get_ylim()
+        assert bottom < corner < top
+        assert panel.labels == (NAMES[parameter], r"phase $\theta$ (deg), enlarged")
+
+    def words(panel):
+        number = int(panel.name.split()[1])
+        k = order[number - 1]
+        label = events["label"][k].replace("inf", "∞")
+        assert panel.title == f"{number}: {label}, corner impact at {events['corner'][k]}"
+        (text,) = panel.pick(Text)
+        said = " ".join(text.get_text().split()).replace("−", "-")
+        for side, where in (
+            ("left", "before the corner (left)"),
+            ("right", "after the corner (right)"),
+        ):
+            trace, det = events[f"trace_{side}"][k], events[f"det_{side}"][k]
+            assert f"impact {where}: trace {trace:.6g}, determinant {det:.6g}, multipliers " in said
+            one, two = np.roots([1.0, -trace, det])
+            pair = sorted([one.real, two.real], key=abs, reverse=True)  # the larger one first
+            wanted = [one.real, abs(one.imag)] if one.imag else pair
+            tail = said.partition(where)[2].partition("multipliers ")[2]
+            found = [float(x) for x in re.findall(r"-?[\d.]+", tail)[:2]]
+            assert found == pytest.approx(wanted, rel=1e-3)
+            assert ("±" in tail[:20]) == bool(one.imag)
+        assert events["classification"][k] in said
+
+    return {
+        "phases": phases, "positions": positions, "plane": plane, "multipliers": real_parts,
+        "event": zoom, "event in words": words,
+    }  # fmt: skip
+
+
+def away_from_closed_form(rpm, theta_deg):
+    """How far orbits with one impact a turn are from c = (1+r)/(1-r) cot(pi w0/w) (w/w0) c_theta.
+
+    A share of c; for a follower without damping, gravity and preload.
+    """
+    c, c1, _ = CHAPTER.cam.lift(theta_deg)
+    ratio = np.sqrt(CHAPTER.stiffness / CHAPTER.mass) / (np.asarray(rpm) * np.pi / 30.0)
+    bounce = (1.0 + CHAPTER.restitution) / (1.0 - CHAPTER.restitution)
+    return np.abs(1.0 - bounce / np.tan(np.pi * ratio) / ratio * c1 / c)
+
+
+def unit_circle(panel):
+    (disk,) = panel.pick(Polygon)
+    assert np.hypot(*disk.get_xy().T) == pytest.approx(np.ones(len(disk.get_xy())))
+    assert hexed(disk.get_facecolor()) == COLOURS["body"]
+    assert hexed(disk.get_edgecolor()) == COLOURS["cam"]
+    panel.guide("x", 0.0, "guide")
+    panel.guide("y", 0.0, "guide")
+    assert panel.axes.get_aspect() == 1.0
+
+
+def same_place(x, at):
+    return len(x) > 0 and np.abs(np.asarray(x, dtype=float) - at).max() < 1e-9 * abs(at)
+
+
+def column_of(x, y):
+    """Known values of a column over a rising parameter."""
+    known = np.isfinite(y)
+    order = np.argsort(x[known], kind="stable")
+    return x[known][order], y[known][order]
+
+
+def between(branch, near, at):
+    """Trace and determinant at a parameter, on lines between rows that are near."""
+    for i in near:
+        for j in near:
+            a, b = branch.x[i], branch.x[j]
+            if abs(i - j) == 1 and min(a, b) - 1e-9 <= at <= max(a, b) + 1e-9 and a != b:
+                s = (at - a) / (b - a)
+                yield tuple(c[i] + s * (c[j] - c[i]) for c in (branch.trace, branch.det))
+        if abs(branch.x[i] - at) < 1e-6:
+            yield branch.trace[i], branch.det[i]
+
+
+def shown_stable(branch, x):
+    """Whether orbits are stable where a line over the parameter runs."""
+    middle = 0.5 * (x[0] + x[-1])
+    inside = [
+        branch.steady(k) for k in range(len(branch.x) - 1)
+        if min(branch.x[k : k + 2]) <= middle <= max(branch.x[k : k + 2])
+    ]  # fmt: skip
+    return inside[0]
+
+
+@pytest.mark.parametrize("name", BRANCHES)
+def test_every_panel_of_branches_shows_the_rows_of_the_tables(name):
+    seen = check(made("branches", name), checks(name), "orbits")
+    assert seen >= {"phases", "positions", "plane", "multipliers"}
+    assert ("event in words" in seen) == (name == "chapter")
+
+
+def test_the_page_of_branches_names_every_branch_and_every_event():
+    result = made("branches", "chapter")
+    page, table = read_page(result, "orbits"), result.tables["branch"]
+    page.says("Periodic orbits, 672 to 756 rpm", "found at 700 rpm")
+    numbers = list(dict.fromkeys(table["branch"]))
+    labels = {n: table["label"][table["branch"] == n][0] for n in numbers}
+    wanted = shades([period_of(labels[n]) for n in numbers])
+    for n, colour in zip(numbers, wanted, strict=True):
+        (row,) = [r for r in page.rows() if any(str(c).startswith(f"{n}   {labels[n]}") for c in r)]
+        assert hexed(row[0].get_color()) == colour
+    page.row("1", "corner impact at b", "673.234445", "1, 2", "nonsmooth fold")
+    page.row("2", "period doubling", "739.31978", "1", "3 leaves")
+    row = page.row("3", "corner impact at c", "739.37793", "3", "border period doubling")
+    (mark,) = [c for c in row if isinstance(c, Line2D) and c.get_marker() == "o"]
+    assert hexed(mark.get_markerfacecolor()) == COLOURS["white"]
+
+
+def test_a_curve_of_bifurcations_is_drawn_through_the_rows_of_its_table():
+    result = made("branches", "chapter")
+    table = result.tables["curve"]
+
+    def curves(panel):
+        for number, colour in zip(
+            dict.fromkeys(table["curve"]), shades([1] * len(set(table["curve"]))), strict=True
+        ):
+            own = table["curve"] == number
+            label, kind = table["label"][own][0], table["kind"][own][0].replace("-", " ")
+            lines = panel.lines(colour)
+            (line,) = [a for a in lines if len(a.get_xdata()) == own.sum()]
+            assert line.get_xdata() == pytest.approx(table["rpm"][own])
+            assert line.get_ydata() == pytest.approx(table["restitution"][own])
+            assert line.get_label().startswith(f"{kind} of {label}")
+            ends = result.summary["curves"][number - 1]["ends"]
+            open_ends = [k for k, end in zip((0, -1), ends, strict=True) if end != "end-of-range"]
+            marks = [(a.get_xdata()[0], a.get_ydata()[0]) for a in lines if a is not line]
+            assert marks == [
+                (table["rpm"][own][k], table["restitution"][own][k]) for k in open_ends
+            ]
+        assert panel.labels == ("cam speed (rpm)", "coefficient of restitution (-)")
+
+    assert check(result, {"curves": curves}, "curve") == {"curves"}
+
+
+# --- the orbits of one speed
+
+
+class Orbit:
+    """A row of branch.csv with one period of its motion, simulated from its state."""
+
+    def __init__(self, name, k, colour):
+        machine, values = ORBITS[name]
+        table = made("orbits", name).tables["branch"]
+        self.label, self.colour = table["label"][k], colour
+        self.turns = period_of(self.label)
+        self.stable = table["stable"][k] == 1
+        theta = np.array([table[c][k] for c in table if c.startswith("theta_deg_")], dtype=float)
+        self.theta = theta[np.isfinite(theta)]
+        self.mu = np.array(
+            [table[f"multiplier_{n}_re"][k] + 1j * table[f"multiplier_{n}_im"][k] for n in (1, 2)]
+        )
+        self.rpm = table["rpm"][k]
+        self.strobe = values.get("run.strobe_deg", machine.strobe_deg)
+        state = {"q": table["q_m"][k], "v": table["v_m_per_s"][k], "theta_deg": self.strobe}
+        changes = {"run.rpm": self.rpm, "run.start": state, "run.transient": 0,
+                   "run.record": self.turns, "run.strobe_deg": self.strobe}  # fmt: skip
+        run = camcli.simulate(machine.load(changes)).tables
+        rows, events = run["trajectory"], run["events"]
+        self.angle = self.strobe + 6.0 * self.rpm * rows["t_s"]
+        c, c1, _ = machine.cam.lift(self.angle)
+        self.q, self.gap = rows["q_m"], rows["q_m"] - c
+        self.u = rows["v_m_per_s"] - c1 * np.radians(6.0 * self.rpm)
+        self.rests = rows["contact"] == "sticking"
+        self.gap[self.rests] = self.u[self.rests] = 0.0
+        impact = events["event"] == "impact"
+        self.impacts = self.strobe + 6.0 * self.rpm * events["t_s"][impact], events["q_m"][impact]
+        turns = np.arange(self.turns) * 360.0 + self.strobe
+        first = np.searchsorted(self.angle, turns - 1e-6)
+        omega = self.rpm * np.pi / 30.0
+        self.states = rows["q_m"][first], rows["v_m_per_s"][first] / omega
+
+
+def single_checks(name):
+    machine, _ = ORBITS[name]
+    table = made("orbits", name).tables["branch"]
+    turns = [period_of(label) for label in table["label"]]
+    orbits = [Orbit(name, k, colour) for k, colour in enumerate(shades(turns))]
+    longest = max(orbits, key=lambda orbit: orbit.turns)
+
+    def dots(panel, x, y, orbit):
+        face = orbit.colour if orbit.stable else "white"
+        panel.dots(x, y, "o", face, orbit.colour, within=1e-6 * np.abs(np.append(x, y)).max())
+
+    def style(orbit):
+        return "solid" if orbit.stable else "dashed"
+
+    def motion(panel):
+        (cam,) = panel.lines("cam", "cam", count=1)
+        x, c = cam.get_data()
+        assert np.abs(c - machine.cam.lift(x)[0]).max() < 1e-11
+        assert (min(x), max(x)) == pytest.approx(
+            (longest.strobe, longest.strobe + 360.0 * longest.turns), abs=2.0
+        )
+        for orbit in orbits:
+            for line in [
+                a for a in panel.left if isinstance(a, Line2D) and len(a.get_xdata()) > 50
+            ]:
+                if hexed(line.get_color()) == orbit.colour and dashes(line) == style(orbit):
+                    x, y = line.get_data()
+                    away = np.abs(np.interp(orbit.angle, x, y) - orbit.q)
+                    if away[orbit.angle <= x[-1]].max() < 1e-6 * np.abs(orbit.q).max():
+                        panel.left.remove(line)
+                        break
+            else:
+                panel.fail("line of", orbit.label)
+            if orbit.rests.any():
+                (rest,) = panel.lines("sticking", "sticking", count=1)
+                x, y = map(np.asarray, rest.get_data())
+                seen = np.isfinite(y)
+                inner = orbit.rests & np.append(orbit.rests[1:], False)
+                assert (
+                    np.abs(np.interp(orbit.angle[inner], x[seen], y[seen]) - orbit.q[inner]).max()
+                    < 1e-6
+                )
+            if len(orbit.impacts[0]):
+                panel.marks(*orbit.impacts, "impact", "impact", within=1e-5)
+        for turn in np.arange(0.0, 360.0 * longest.turns + 361.0, 360.0):
+            begin, end = panel.axes.get_xlim()
+            if begin <= turn <= end:
+                panel.guide("x", turn, "guide")
+        panel.reads("y", f"position $q$ ({machine.unit})", machine.per_m)
+
+    def loop(panel):
+        panel.guide("x", 0.0, "guide")
+        panel.guide("y", 0.0, "guide")
+        for orbit in orbits:
+            size = np.ptp(orbit.gap) or 1.0, np.ptp(orbit.u) or 1.0
+            flying = ~orbit.rests
+            for line in panel.left:
+                if hexed(line.get_color()) != orbit.colour or dashes(line) != style(orbit):
+                    continue
+                x, y = (
+                    column[np.isfinite(line.get_ydata())]
+                    for column in map(np.asarray, line.get_data())
+                )
+                away = np.maximum(
+                    np.abs(x[None] - orbit.gap[flying][:, None]) / size[0],
+                    np.abs(y[None] - orbit.u[flying][:, None]) / size[1],
+                ).min(axis=1)
+                if np.sort(away)[: -2 * len(orbit.impacts[0]) - 2].max() < 1e-6:
+                    panel.left.remove(line)
+                    break
+            else:
+                panel.fail("loop of", orbit.label)
+        assert panel.axes.get_xlabel().startswith("relative position $q - c$ (")
+        panel.reads("y", r"relative velocity $u = v - \dot c$ (m/s)")
+
+    def plane(panel):
+        unit_circle(panel)
+        for orbit in orbits:
+            dots(panel, orbit.mu.real, orbit.mu.imag, orbit)
+        assert panel.labels == (r"Re $\mu$", r"Im $\mu$")
+
+    def on_the_cam(panel):
+        order = ("lift", "velocity", "acceleration").index(panel.name)
+        (line,) = [a for a in panel.lines("cam", None) if len(a.get_xdata()) > 50]
+        theta, values = line.get_data()
+        wanted = machine.cam.lift(theta)[order]
+        seen = np.isfinite(theta) & off_corners(machine.cam, theta)
+        assert np.abs(values - wanted)[seen].max() < 1e-9 * np.nanmax(np.abs(wanted))
+        for orbit in orbits:
+
+            def is_its(a, orbit=orbit):
+                return a.get_marker() == "o" and hexed(a.get_markeredgecolor()) == orbit.colour
+
+            (marks,) = panel.pick(Line2D, is_its, 1)
+            face = orbit.colour if orbit.stable else COLOURS["white"]
+            assert hexed(marks.get_markerfacecolor()) == face
+            at, heights = map(np.asarray, marks.get_data())
+            assert np.sort(at) == pytest.approx(np.sort(orbit.theta), abs=1e-6)
+            away = np.abs(heights - machine.cam.lift(at)[order])[off_corners(machine.cam, at)]
+            assert away.max(initial=0.0) < 1e-4 * np.ptp(values[seen])
+            for phase in orbit.theta:
+                panel.guide("x", phase, orbit.colour, style(orbit))
+        panel.corners(machine.cam.corners, "x", named=panel.name == "lift")
+        names = ["$c$", r"$c_\theta$", r"$c_{\theta\theta}$"]
+        per = ("", "/rad", "/rad²")[order]
+        panel.reads("y", f"{names[order]} ({machine.unit}{per})", machine.per_m)
+        assert panel.axes.get_xlabel() == r"cam angle $\theta$ (deg)"
+
+    def section(panel):
+        for orbit in orbits:
+            dots(panel, *orbit.states, orbit)
+        strobe = longest.strobe
+        at = f", $\\theta$ = {strobe:g} deg" if strobe else ""
+        panel.reads("x", f"stroboscopic $q$ ({machine.unit}){at}", machine.per_m)
+        panel.reads("y", rf"stroboscopic $q_\theta$ ({machine.unit}/rad)", machine.per_m)
+
+    return {
+        "motion": motion, "orbit": loop, "plane": plane, "section": section,
+        **dict.fromkeys(("lift", "velocity", "acceleration"), on_the_cam),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ORBITS)
+def test_every_panel_of_the_orbits_of_one_speed_shows_their_rows(name):
+    own = single_checks(name)
+    assert check(made("orbits", name), own) == {*own}
+
+
+def test_the_page_of_the_orbits_of_one_speed_lists_them():
+    page, table = read_page(made("orbits", "chapter")), made("orbits", "chapter").tables["branch"]
+    assert usual(made("orbits", "chapter")) == ["motion", "orbit", "plane"]
+    page.says("Periodic orbits at 700 rpm", f"{len(table['label'])} orbits found at 700 rpm")
+    turns = [period_of(label) for label in table["label"]]
+    for k, colour in enumerate(shades(turns)):
+        stable = table["stable"][k] == 1
+        row = page.row(
+            table["label"][k], "stable" if stable else "unstable", f"{table['theta_deg_1'][k]:.2f}"
+        )
+        assert hexed(row[0].get_markeredgecolor()) == colour
+        assert hexed(row[0].get_markerfacecolor()) == (colour if stable else COLOURS["white"])
+
+
+@pytest.mark.parametrize("end", [0, 1])
+def test_a_branch_that_is_lost_is_marked_and_named_at_that_end(end):
+    """No branch of the scenes here is lost, so an end is said to be."""
+    result = made("branches", "valve")
+    (branch,) = result.values.branches
+    ends = ["end-of-range", "end-of-range"]
+    ends[end] = "lost"
+    study = replace(result.values, branches=[replace(branch, ends=tuple(ends))])
+    heading, phases, positions = draw_orbits(study, result.system).figure().axes[:3]
+    table, row = result.tables["branch"], -end  # the first or the last one
+    rpm, thetas = table["rpm"][row], [table[f"theta_deg_{k}"][row] for k in (1, 2)]
+    for axes, values in ((phases, thetas), (positions, [table["q_m"][row]])):
+        panel = Panel("lost", axes)
+        (marks,) = panel.pick(Line2D, lambda a: a.get_marker() == "X", 1)
+        assert list(marks.get_xdata()) == pytest.approx([rpm] * len(values))
+        assert sorted(marks.get_ydata()) == pytest.approx(sorted(values))
+        assert hexed(marks.get_markerfacecolor()) == COLOURS["trouble"]
+    assert any(f"lost at {rpm:g} rpm" in text.get_text() for text in heading.texts)
+
+
+def landing(left, right, mu):
+    """Where x' = tau x + y + mu, y' = -delta x ends: a fixed point L or R, nothing, or elsewhere.
+
+    The normal form of a border collision (M. di Bernardo, C. J. Budd, A. R. Champneys and P.
+    Kowalczyk, Piecewise-smooth Dynamical Systems, 2008): left for x < 0, right for x > 0, each
+    (tau, delta); followed from points near the border.
+    """
+    ends = set()
+    for angle in np.linspace(0.1, 6.1, 13):
+        x, y = 0.3 * np.cos(angle), 0.3 * np.sin(angle)
+        for _ in range(4000):
+            before = x
+            tau, delta = left if x < 0.0 else right
+            x, y = tau * x + y + mu, -delta * x
+            if abs(x) > 1e6:
+                break
+        if abs(x) > 1e6:
+            continue
+        settled = abs(x - before) < 1e-9 * max(1.0, abs(x))
+        ends.add(f"the fixed point {'LR'[int(x > 0.0)]} attracts" if settled else "elsewhere")
+    return ends or {"nothing bounded attracts"}
+
+
+def test_the_words_of_a_corner_impact_are_what_its_normal_form_does():
+    result = made("branches", "chapter")
+    table, told = result.tables["bifurcations"], 0
+    for k, event in enumerate(result.summary["bifurcations"]):
+        if event["kind"] != "corner-impact":
+            continue
+        left, right = ((table[f"trace_{s}"][k], table[f"det_{s}"][k]) for s in ("left", "right"))
+        for where, mu in (("the normal form's parameter is below 0", -1.0), ("it is above 0", 1.0)):
+            found = [w for w in event["words"] if w.startswith(f"Where {where}, ")]
+            ends = landing(left, right, mu)
+            if ends == {"elsewhere"}:
+                assert "a chaotic attractor" in found[0]
+            else:
+                assert ends == {found[0].partition(", ")[2].removesuffix(".")}
+            told += 1
+            for words in found[1:]:  # of the cycle LR
+                product = np.array([[left[0], 1.0], [-left[1], 0.0]]) @ np.array(
+                    [[right[0], 1.0], [-right[1], 0.0]]
+                )
+                largest = max(np.linalg.eigvals(product), key=abs)
+                assert float(words.rpartition(" ")[2].removesuffix(".")) == pytest.approx(
+                    largest, rel=1e-5
+                )
+                assert ("is stable" in words) == (abs(largest) < 1.0)
+    assert told == 6

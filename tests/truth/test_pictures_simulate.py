@@ -1,0 +1,314 @@
+"""The picture of a simulation against trajectory.csv and events.csv."""
+
+import io
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.animation import PillowWriter
+from matplotlib.collections import PolyCollection
+
+import camcli
+from tests.truth.machines import CHAPTER, VALVE
+from tests.truth.pictures import COLOURS, Panel, check, dashes, hexed, read_page, usual
+
+TURNS = 2  # drawn, of three
+RUNS = {  # machine, speed, samples a turn
+    "chapter 190": (CHAPTER, 190.0, 120),
+    "valve 2900": (VALVE, 2900.0, 120),
+    "valve 3300": (VALVE, 3300.0, 120),
+}
+
+
+@cache
+def made(name, finer=1):
+    machine, rpm, samples = RUNS[name]
+    values = {
+        "run.rpm": rpm, "run.transient": 30, "run.record": 3, "simulate.plot_turns": TURNS,
+        "simulate.samples": samples * finer,
+    }  # fmt: skip
+    return camcli.simulate(machine.load(values))
+
+
+class Rows:
+    """The drawn turns of trajectory.csv, with the angle counted on from turn to turn."""
+
+    def __init__(self, name, finer=1):
+        self.machine, self.rpm, _ = RUNS[name]
+        result = made(name, finer)
+        table, events = result.tables["trajectory"], result.tables["events"]
+        self.per_s = 6.0 * self.rpm
+        self.angle = self.machine.strobe_deg + self.per_s * table["t_s"]
+        assert np.abs((self.angle - table["theta_deg"] + 180.0) % 360.0 - 180.0).max() < 1e-6
+        self.low = self.machine.strobe_deg + 360.0 * (3 - TURNS)
+        self.high = self.machine.strobe_deg + 360.0 * 3
+        kept = self.angle > self.low - 1e-6
+        self.every = {name: table[name] for name in table}
+        self.angle = self.angle[kept]
+        for own, column in (("q", "q_m"), ("v", "v_m_per_s"), ("state", "contact")):
+            setattr(self, own, table[column][kept])
+        c, c1, self.c2 = self.machine.cam.lift(self.angle)
+        self.gap, self.u = self.q - c, self.v - c1 * np.radians(self.per_s)
+        self.rests = self.state == "sticking"
+        self.gap[self.rests] = 0.0
+        self.events = {
+            kind: (at := (events["event"] == kind)
+                   & (events["t_s"] > (3 - TURNS - 1e-9) * 60.0 / self.rpm),
+                   self.machine.strobe_deg + self.per_s * events["t_s"][at],
+                   events["q_m"][at], events["u_minus_m_per_s"][at], events["u_plus_m_per_s"][at])
+            for kind in dict.fromkeys(events["event"])
+        }  # fmt: skip
+        # between the last impact and the end of a chatter that its map closes: hops without rows
+        turned = self.machine.strobe_deg + self.per_s * events["t_s"]
+        self.closed = np.zeros(len(self.angle), bool)
+        for k in np.flatnonzero(events["event"] == "chatter"):
+            self.closed |= (self.angle >= turned[k - 1]) & (self.angle <= turned[k])
+        # rows with a neighbour of another kind, or a corner, on one side belong to both
+        inside = self.rests[1:-1]
+        self.amid = np.zeros(len(self.rests), bool)
+        self.amid[1:-1] = (self.rests[:-2] == inside) & (self.rests[2:] == inside)
+
+
+def check_contact(panel, rows, fine, wanted, truth, named):
+    """Flight, sticking and sticking on a slowing cam: each where it holds, through all rows."""
+    slowing = rows.rests & (rows.c2 < -1e-6)
+    near = np.zeros(len(rows.angle), bool)  # to where the cam's acceleration jumps
+    for corner in rows.machine.cam.corners.values():
+        near |= np.abs((rows.angle - corner + 180.0) % 360.0 - 180.0) < 4.0
+    amid = rows.amid & ~near
+    states = {
+        "follower in flight": (~rows.rests, "flight", 1.0),
+        "sticking, the cam's acceleration ≥ 0": (rows.rests & ~slowing, "sticking", 3.0),
+        "sticking, the cam slows down": (slowing, "slowing", 3.0),
+    }
+    for name, (state, colour, width) in states.items():
+        if not (state & amid).any():
+            continue
+        (line,) = panel.lines(colour, name if named else None, count=1)
+        assert (line.get_linewidth(), dashes(line)) == (width, "solid")
+        x, y = line.get_data()
+        assert np.isnan(shown(x, y, rows.angle[~state & amid])).all(), name
+        at = state & amid
+        size = np.abs(wanted).max()
+        assert np.abs(shown(x, y, rows.angle[at]) - wanted[at]).max() < 1e-9 * size, name
+        between = shown(x, y, fine.angle)
+        seen = np.isfinite(between) & ~fine.closed
+        assert np.abs(between - truth)[seen].max() < 1e-3 * size, name
+
+
+def shown(x, y, at):
+    """What a line shows at places: nan in its gaps."""
+    k = np.clip(np.searchsorted(x, at - 1e-7), 1, len(x) - 1)
+    exact = np.abs(x[k] - at) < 1e-7
+    share = np.divide(at - x[k - 1], x[k] - x[k - 1], out=np.zeros(len(at)), where=~exact)
+    share[at > x[-1] + 1e-7] = np.nan
+    return np.where(exact, y[k], y[k - 1] + share * (y[k] - y[k - 1]))
+
+
+def check_angles(panel, rows):
+    """The axis of angles, its ticks, and a line at every turn."""
+    axes = panel.axes
+    assert axes.get_xlim() == pytest.approx((rows.low, rows.high))
+    assert axes.get_xlabel() == r"cam angle $\theta$ (deg)"
+    for tick, text in zip(axes.get_xticks(), axes.get_xticklabels(), strict=True):
+        assert float(text.get_text()) == tick % 360.0
+    for turn in np.arange(0.0, rows.high + 1.0, 360.0):
+        if turn >= rows.low:
+            panel.guide("x", turn, "guide")
+
+
+def check_events(panel, rows, heights, named):
+    said = {"chatter": "chatter accumulates"}
+    for kind, (_, angle, q, _, _) in rows.events.items():
+        label = said.get(kind, kind) if named else None
+        panel.marks(angle, q if heights else 0.0 * q, kind, label)
+
+
+def gap_axis(panel, way, gap):
+    """m, mm or µm: so that the largest number is not small."""
+    unit, factor = next(
+        (u, f) for u, f in (("m", 1.0), ("mm", 1e3), ("µm", 1e6)) if gap.max() * f >= 0.02
+    )
+    panel.reads(way, f"relative position $q - c$ ({unit})", factor)
+
+
+def checks(name):
+    machine, rpm, _ = RUNS[name]
+    rows, fine = Rows(name), Rows(name, 7)
+
+    def motion(panel):
+        (cam,) = [a for a in panel.axes.lines if a.get_label() == "cam"]
+        x, c = cam.get_xdata(), machine.cam.lift(cam.get_xdata())[0]
+        panel.line(x, c, "cam", label="cam")
+        assert x[0] == pytest.approx(rows.low)
+        assert x[-1] == pytest.approx(rows.angle[-1])
+        assert np.diff(x).max() < 1.0
+        (area,) = panel.pick(PolyCollection)
+        outline = area.get_paths()[0].vertices
+        bottom = panel.axes.get_ylim()[0]
+        assert hexed(area.get_facecolor()[0]) == COLOURS["body"]
+        assert {*outline[np.abs(outline[:, 1] - bottom) > 1e-12, 1]} <= {*cam.get_ydata()}
+        assert bottom < min(c)
+        check_contact(panel, rows, fine, rows.q, fine.q, named=True)
+        check_events(panel, rows, heights=True, named=True)
+        check_angles(panel, rows)
+        for corner in machine.cam.corners.values():
+            first = rows.low + (corner - rows.low) % 360.0
+            for at in np.arange(first, rows.high, 360.0):
+                panel.guide("x", at, "guide", "dotted")
+        panel.in_order(
+            {n: rows.low + (at - rows.low) % 360.0 for n, at in machine.cam.corners.items()}, "x"
+        )
+        panel.reads("y", f"position $q$ ({machine.unit})", machine.per_m)
+        panel.axes.figure.canvas.draw()
+        (time,) = panel.axes.child_axes
+        assert time.get_xlabel() == "time (s)"
+        assert time.get_xlim() == pytest.approx(((3 - TURNS) * 60.0 / rpm, 3 * 60.0 / rpm))
+
+    def gap(panel):
+        panel.guide("y", 0.0, "cam")
+        check_contact(panel, rows, fine, rows.gap, fine.gap, named=False)
+        check_events(panel, rows, heights=False, named=False)
+        check_angles(panel, rows)
+        gap_axis(panel, "y", rows.gap)
+
+    def phase(panel):
+        panel.guide("x", 0.0, "guide")
+        panel.guide("y", 0.0, "guide")
+        _, _, _, before, after = rows.events["impact"]
+        jumps = np.column_stack([before, after, np.full(len(after), np.nan)]).ravel()
+        panel.dots(0.0 * np.nan_to_num(jumps), jumps, "o", "impact", style="solid")
+        if rows.rests.any():
+            panel.dots([0.0], [0.0], "o", "sticking", style="solid")
+        (curve,) = panel.lines("flight", None, count=1)
+        size = np.array([np.ptp(rows.gap), np.ptp(rows.u)])
+        drawn = np.column_stack(curve.get_data()) / size
+        drawn = drawn[np.isfinite(drawn).all(axis=1)]
+        flying = ~rows.rests & rows.amid
+        states = np.column_stack([rows.gap, rows.u])[flying] / size
+        away = np.abs(states[:, None] - drawn[None]).max(axis=2).min(axis=1)
+        jumping = np.isin(rows.angle[flying].round(6), rows.events["impact"][1].round(6))
+        assert away[~jumping].max() < 1e-8
+        assert away[jumping].max() < 0.05  # ends of a flight, marked by themselves
+        finer = np.column_stack([fine.gap, fine.u]) / size
+        stray = np.abs(drawn[:, None] - finer[None]).max(axis=2).min(axis=1)
+        assert stray.max() < 0.05
+        gap_axis(panel, "x", rows.gap)
+        panel.reads("y", r"relative velocity $u = v - \dot c$ (m/s)")
+
+    def passage(panel):
+        last = rows.events["detachment"][1][-1] % 360.0
+        phase = (rows.angle - last + 180.0) % 360.0 - 180.0 + last
+        low, high = panel.axes.get_xlim()
+        assert (low, high) == pytest.approx((last - 8.0, last + 4.0))
+        for colour, state in (("flight", ~rows.rests), ("sticking", rows.rests)):
+            (line,) = panel.lines(colour, count=1)
+            x, y = (column[np.isfinite(line.get_ydata())] for column in line.get_data())
+            assert ((x >= low) & (x <= high)).all()
+            at = state & rows.amid & (phase > low + 1e-6) & (phase < high - 1e-6)
+            away = np.abs(x[None] - phase[at][:, None]) / 10.0
+            away = np.maximum(away, np.abs(y[None] - rows.gap[at][:, None]) / rows.gap.max())
+            assert away.min(axis=1, initial=1.0).max(initial=0.0) < 1e-9
+        panel.guide("y", 0.0, "cam")
+        panel.corners(machine.cam.corners, "x")
+        unit = panel.axes.get_ylabel().rpartition("(")[2][:-1]
+        factor = {"m": 1.0, "mm": 1e3, "µm": 1e6}[unit]
+        panel.reads("y", f"relative position $q - c$ ({unit})", factor)
+        assert panel.axes.get_xlabel() == r"cam angle $\theta$ (deg)"
+
+    def section(panel):
+        t = rows.every["t_s"] * rpm / 60.0
+        at = np.abs(t - np.round(t)) < 1e-9
+        panel.dots(rows.every["q_m"][at], rows.every["v_m_per_s"][at], "o", "impact")
+        assert at.sum() in (3, 4)
+        panel.reads("x", f"stroboscopic $q$ ({machine.unit})", machine.per_m)
+        panel.reads("y", "stroboscopic $v$ (m/s)")
+
+    return {
+        "motion": motion, "gap": gap, "phase": phase, "passage": passage, "section": section,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_every_panel_of_a_simulation_shows_the_rows_of_its_tables(name):
+    own = checks(name)
+    assert check(made(name), own) == {*own}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_the_page_of_a_simulation_says_speed_motion_and_why_it_stopped(name):
+    _, rpm, _ = RUNS[name]
+    page = read_page(made(name))
+    label = made(name).summary["label"].replace("inf", "∞")
+    assert usual(made(name)) == ["motion", "gap", "phase"]
+    assert page.texts == [f"Time response at {rpm:g} rpm, {label}"]
+    kinds = {
+        {"chatter": "chatter accumulates"}.get(kind, kind)
+        for kind in made(name).tables["events"]["event"]
+    }
+    states = {
+        "follower in flight",
+        "sticking, the cam's acceleration ≥ 0",
+        "sticking, the cam slows down",
+    }
+    assert {*page.legend} - states == {"cam"} | kinds
+
+
+def test_a_run_that_stops_says_so_and_draws_what_there_is():
+    values = {"run.rpm": 3000, "run.impact_budget": 3, "run.record": 3, "run.transient": 0}
+    result = camcli.simulate(VALVE.load(values))
+    assert result.summary["status"] == "impact-budget"
+    page = read_page(result)
+    page.says("stopped (impact-budget): ")
+    stopped = next(t for t in page.figure.axes[0].texts if t.get_text().startswith("stopped"))
+    assert hexed(stopped.get_color()) == COLOURS["trouble"]
+
+
+def test_the_frames_of_an_animation_are_the_machine_at_the_rows_of_the_trajectory(monkeypatch):
+    name, frames = "valve 3300", []
+    machine, rpm, _ = RUNS[name]
+
+    def keep(writer, **_):
+        turning, time = writer.fig.axes
+        body, follower = turning.patches[:2]
+        (dot,) = [a for a in time.lines if a.get_marker() == "o"]
+        (cursor,) = [a for a in time.lines if a.get_transform() != time.transData]
+        frames.append(
+            (body.get_xy().copy(), follower.get_xy().copy(), hexed(follower.get_facecolor()),
+             dot.get_xydata()[0].copy(), hexed(dot.get_color()), cursor.get_xdata()[0],
+             (Panel("time", time).title, time.get_xlim(), time.get_ylabel(), time.get_xlabel()))
+        )  # fmt: skip
+
+    def close(writer):
+        Path(writer.outfile).write_bytes(b"")
+
+    monkeypatch.setattr(PillowWriter, "grab_frame", keep)
+    monkeypatch.setattr(PillowWriter, "finish", close)
+    values = {
+        "run.rpm": rpm, "run.transient": 30, "run.record": 3, "simulate.plot_turns": TURNS,
+        "simulate.samples": 120,
+    }  # fmt: skip
+    result = camcli.simulate(machine.load(values), animate=True)
+    result.files["simulate.gif"](io.BytesIO())
+    rows, base = Rows(name), 0.015  # 1.5 lifts, as the scene has no base circle
+    assert len(frames) == 40  # one period
+    lowest = -0.002
+    for k, (body, follower, face, dot, colour, cursor, said) in enumerate(frames):
+        angle = machine.strobe_deg + 9.0 * k
+        assert cursor == pytest.approx(angle)
+        wanted = np.interp(angle + 360.0 * 2.0, rows.angle, rows.q)
+        assert dot == pytest.approx([angle, wanted], abs=1e-5)
+        c = float(machine.cam.lift(angle)[0])
+        flies = wanted - c > 1e-6
+        if abs(wanted - c) > 1e-6 or wanted == c:
+            assert colour == face == COLOURS["flight" if flies else "sticking"]
+        assert follower[0] == pytest.approx([0.0, base + wanted - lowest], abs=1e-5)
+        phase = np.degrees(np.arctan2(*body.T)) + angle
+        radius = base + machine.cam.lift(phase)[0] - lowest
+        assert np.hypot(*body.T) == pytest.approx(radius, rel=1e-4)
+        label = result.summary["label"].replace("inf", "∞")
+        title, limits, ylabel, xlabel = said
+        assert title == f"{rpm:g} rpm, {label}"
+        assert limits == pytest.approx((machine.strobe_deg, machine.strobe_deg + 360.0))
+        assert (xlabel, ylabel) == (r"cam angle $\theta$ (deg)", "position (mm)")

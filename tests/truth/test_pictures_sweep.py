@@ -1,0 +1,317 @@
+"""The pictures of sweeps and maps against impacts.csv, strobe.csv, speeds.csv and map.csv."""
+
+import csv
+from functools import cache
+
+import numpy as np
+import pytest
+from matplotlib.collections import PathCollection
+
+import camcli
+from tests.truth.machines import CHAPTER, VALVE
+from tests.truth.pictures import (
+    COLOURS,
+    check,
+    hexed,
+    mixed,
+    motion_colour,
+    panels_of,
+    read_page,
+    usual,
+)
+
+WIDEST = 6.0  # cells: half a column of one speed
+CASES = {
+    "chapter": (
+        CHAPTER,
+        {
+            "sweep.rpm": {"start": 660, "stop": 760, "num": 21}, "run.transient": 300,
+            "run.record": 40, "sweep.lyapunov": True,
+            "sweep.zoom": [{"start": 680, "stop": 700, "num": 6},
+                           {"start": 750, "stop": 735, "num": 4}],
+        },
+    ),
+    "valve": (
+        VALVE,
+        {"sweep.rpm": {"start": 2600, "stop": 3400, "num": 9}, "sweep.explain": True},
+    ),
+    "both ways": (
+        VALVE,
+        {"sweep.rpm": {"start": 5600, "stop": 5000, "num": 16}, "sweep.direction": "both",
+         "sweep.also": [{"q": 0.02, "v": 1.0}, {"q": 0.03}]},
+    ),
+    "restitution": (
+        VALVE,
+        {"sweep.vary": [{"key": "follower.restitution", "start": 0.2, "stop": 0.7, "num": 8}],
+         "run.impact_budget": 12, "run.rpm": 3000},
+    ),
+    "at rest": (VALVE, {"sweep.rpm": {"start": 500, "stop": 900, "num": 3}}),
+}  # fmt: skip
+AXES = {"rpm": "cam speed (rpm)", "follower.restitution": "coefficient of restitution (-)"}
+SOLVED = {  # made up, in every branch one point beyond the range
+    "chapter": [
+        [(660.0, 0, 150.0, 120.0, 0.15), (690.0, 0, 152.0, 110.0, 0.16),
+         (700.0, 1, 153.0, 100.0, 0.17), (770.0, 1, 154.0, 90.0, 0.18)],
+    ],
+    "both ways": [
+        [(5100.0, 1, 200.0, None, 0.004), (5300.0, 1, 210.0, None, 0.006)],
+        [(5200.0, 0, 100.0, 140.0, 0.003), (5400.0, 0, 110.0, 150.0, 0.002)],
+    ],
+}  # fmt: skip
+
+
+@cache
+def made(name, branches=None):
+    machine, values = CASES[name]
+    more = {} if branches is None else {"sweep.branches": branches}
+    return camcli.sweep(machine.load({**values, **more}))
+
+
+def written(name, folder):
+    """A branch.csv of the branches."""
+    path = folder / "branch.csv"
+    with open(path, "w", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(["branch", "label", "rpm", "stable", "theta_deg_1", "theta_deg_2", "q_m"])
+        for number, points in enumerate(SOLVED[name], 1):
+            for rpm, stable, one, two, q in points:
+                rows.writerow([number, "P(1;2)", rpm, stable, one, two, q])
+    return str(path)
+
+
+def kind_of(label):
+    """In which words, and with which colour, the motion is shown."""
+    if not label.startswith("P("):
+        return label, COLOURS[label]
+    if "inf" in label:
+        return "with rests", COLOURS["sticking"]
+    period = int(label[2:].partition(";")[0])
+    return (f"period {period}" if period <= 4 else "longer periods"), motion_colour(label)
+
+
+def check_cloud(panel, points, kinds, fills=True):
+    """An image a kind of motion: in each speed's columns the share of its points in each cell.
+
+    points: rows (value, y or nan, kind); kinds: colours by name, in the order they are drawn;
+    fills: the images are as wide as the panel.
+    """
+    images = {hexed(one.artist.cmap(1.0)): one for one in panel.images()}
+    assert {*images} == {*kinds.values()}
+    for kind, colour in kinds.items():
+        image = images[colour]
+        assert (image.left, image.right) == panel.axes.get_xlim() or not fills
+        assert (image.low, image.high) == panel.axes.get_ylim()
+        rows, wide = image.values.shape
+        own = [(x, y) for x, y, of in points if of == kind]
+        seen = np.zeros(wide, bool)
+        centres = image.left + (np.arange(wide) + 0.5) * (image.right - image.left) / wide
+        cell = (image.right - image.left) / wide
+        every = sorted({x for x, _, _ in points if image.left <= x <= image.right})
+        for value in sorted({x for x, _ in own if image.left <= x <= image.right}):
+            y = np.array([at for x, at in own if x == value and np.isfinite(at)])
+            inside = (y >= image.low) & (y <= image.high)
+            row = ((y[inside] - image.low) / (image.high - image.low) * rows).astype(int)
+            counts = np.bincount(np.minimum(row, rows - 1), minlength=rows) / max(1, len(y))
+            wanted = np.maximum(counts, np.append(counts[1:], 0.0))  # branches are two cells thick
+            nearest = np.array([min(every, key=lambda x: abs(x - at)) for at in centres])
+            columns = (nearest == value) & (np.abs(centres - value) <= WIDEST * cell)
+            assert columns.sum() >= 1
+            seen |= columns
+            for shown in np.unique(image.values[:, columns].filled(0.0), axis=1).T:
+                assert shown == pytest.approx(wanted)
+        assert image.values.mask[:, ~seen].all()
+        norm = image.artist.norm
+        assert hexed(image.artist.to_rgba(norm.vmax)) == colour
+        assert hexed(image.artist.to_rgba(norm.vmin)) == mixed(colour, 0.7)
+        assert norm.vmax == 0.1
+        assert norm.vmin < 0.1
+
+
+def checks(name, result, branches=()):
+    machine, values = CASES[name]
+    tables, key = result.tables, next(iter(result.tables["speeds"]))
+    speeds = {n: tables["speeds"][n] for n in tables["speeds"]}
+    ways = [n for n in speeds if n in ("direction", "start")]
+    labels = {
+        (value, *rest): kind_of(label)
+        for value, label, *rest in zip(speeds[key], speeds["label"], *(speeds[n] for n in ways),
+                                       strict=True)
+    }  # fmt: skip
+    kinds = dict(sorted({*labels.values()}))
+    clouds = {}
+    for section, column in (("impacts", "theta_deg"), ("strobe", "q_m")):
+        table = tables[section]
+        clouds[section] = [
+            (value, y, labels[(value, *rest)][0])
+            for value, y, *rest in zip(table[key], table[column], *(table[n] for n in ways),
+                                       strict=True)
+        ]  # fmt: skip
+    zooms = [sorted((z["start"], z["stop"])) for z in values.get("sweep.zoom", ())]
+    events = result.summary.get("events", ())
+    limits = {panel.name: panel.axes.get_ylim() for panel in panels_of(result)}
+    first = next(iter(limits))
+
+    def cloud(panel, section):
+        check_cloud(panel, clouds[section], kinds)
+        begin, end = panel.axes.get_xlim()
+        seen = [y for x, y, _ in clouds[section] if begin <= x <= end]
+        if "zoom" in panel.name and np.ptp(seen) < 100.0:  # no more than what is in the zoom
+            low, high = panel.axes.get_ylim()
+            assert low <= min(seen) <= max(seen) <= high
+            assert high - low <= 1.09 * np.ptp(seen) or np.ptp(seen) < 1e-3 * max(seen)
+        if panel.name == first:
+            panel.key(*kinds.items())
+            low, high = panel.axes.get_xlim()
+            for number, event in enumerate(events, 1):
+                if low <= event["rpm"] <= high:
+                    text = panel.words(str(number))
+                    assert text.xy == (event["rpm"], 1.0)
+        for event in events:
+            panel.guide("x", event["rpm"], "cam", "dotted")
+        solved(panel, section)
+        trouble(panel)
+        assert panel.axes.get_xlabel() == AXES[key]
+        if "zoom" not in panel.name:
+            for zoom in zooms:
+                panel.band("x", *zoom, "band")
+
+    def solved(panel, section):
+        low, high = panel.axes.get_xlim()
+        for branch in branches:
+            x, stable, one, two, q = (np.array(c, dtype=float) for c in zip(*branch, strict=True))
+            x = np.where((x >= low) & (x <= high), x, np.nan)
+            for y in [q] if section == "strobe" else [one, two]:
+                for own, style, what in (
+                    (stable, "solid", "stable"),
+                    (1 - stable, "dashed", "unstable"),
+                ):
+                    seen = np.where(own == 1, y, np.nan)
+                    panel.line(x, seen, "white", label=False, width=1.8)
+                    panel.line(x, seen, "trouble", style, f"solved, {what}", width=0.8)
+
+    def trouble(panel):
+        low, high = panel.axes.get_xlim()
+        bad = np.sort(speeds[key][speeds["status"] != "ok"])
+        bad = bad[(bad >= low) & (bad <= high)]
+        if len(bad):
+            (ticks,) = panel.pick(object, lambda a: getattr(a, "get_marker", str)() == "|")
+            assert ticks.get_xdata() == pytest.approx(bad)
+            assert hexed(ticks.get_color()) == COLOURS["trouble"]
+
+    def impacts(panel):
+        if not clouds["impacts"]:
+            panel.words("no impact at any of these speeds", 0.5, 0.5)
+            assert panel.axes.get_ylim() == (0.0, 360.0)
+        cloud(panel, "impacts")
+        panel.corners(machine.cam.corners, "y", named=True)
+        if clouds["impacts"]:
+            words = ", enlarged" if panel.name == "enlarged" else ""
+            panel.reads("y", r"impact phase $\theta$ (deg)" + words)
+        if panel.name == "impacts":
+            if "enlarged" in limits:
+                panel.band("y", *limits["enlarged"], "band")
+            at = [y for _, y, _ in clouds["impacts"]]
+            assert not at or (limits["impacts"][0] <= min(at) and max(at) <= limits["impacts"][1])
+        for k, axes in enumerate(panel.besides):
+            beside(axes, panel, k)
+
+    def beside(axes, panel, k):
+        line = max(axes.lines, key=lambda a: len(a.get_xdata()))
+        x, theta = line.get_data()
+        seen = np.isfinite(theta)
+        lift = machine.cam.lift(theta)[k] * machine.per_m
+        away = np.abs(x - lift)[seen] / np.abs(lift[seen]).max()
+        at_corner = np.min([np.abs(theta[seen] - c) for c in machine.cam.corners.values()], axis=0)
+        assert away[at_corner > 1e-6].max() < 1e-12
+        assert theta[seen].min() == pytest.approx(0.0, abs=1e-9)
+        assert theta[seen].max() == pytest.approx(360.0)
+        assert np.diff(np.unique(theta[seen])).max() < 1.0
+        assert hexed(line.get_color()) == COLOURS["cam"]
+        assert axes.get_ylim() == panel.axes.get_ylim()
+        lines = [
+            c for c in machine.cam.corners.values() if axes.get_ylim()[0] <= c <= axes.get_ylim()[1]
+        ]
+        others = sorted(a.get_ydata()[0] for a in axes.lines if a is not line)
+        assert others == pytest.approx(sorted(lines))
+        assert panel.axes.get_ylabel() == ""
+        if panel.name == "impacts":
+            names = ["$c$", r"$c_\theta$", r"$c_{\theta\theta}$"]
+            assert axes.get_title(loc="center") == names[k]
+            assert axes.get_xlabel() == machine.unit + ("", "/rad", "/rad²")[k]
+
+    def strobe(panel):
+        cloud(panel, "strobe")
+        at = f", $\\theta$ = {machine.strobe_deg:g} deg" if machine.strobe_deg else ""
+        words = ", enlarged" if panel.name == "strobe enlarged" else ""
+        panel.reads("y", f"stroboscopic $q$ ({machine.unit}){at}{words}", machine.per_m)
+        if panel.name == "strobe" and "strobe enlarged" in limits:
+            panel.band("y", *limits["strobe enlarged"], "band")
+
+    def exponents(panel):
+        panel.guide("y", 0.0, "guide")
+        (dots,) = panel.pick(PathCollection)
+        known = np.isfinite(speeds["lyapunov_per_period"])
+        x, y = np.asarray(dots.get_offsets()).T
+        assert x == pytest.approx(speeds[key][known])
+        assert y == pytest.approx(speeds["lyapunov_per_period"][known])
+        wanted = [kind_of(label)[1] for label in speeds["label"][known]]
+        assert [hexed(c) for c in dots.get_facecolors()] == wanted
+        trouble(panel)
+        panel.reads("y", "exponent (1/turn)")
+        assert panel.axes.get_xlabel() == AXES[key]
+
+    return {
+        "impacts": impacts, "enlarged": impacts, "impacts zoom": impacts, "strobe": strobe,
+        "strobe enlarged": strobe, "strobe zoom": strobe, "exponents": exponents,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_panel_of_a_sweep_shows_the_rows_of_its_tables(name, tmp_path):
+    branches = SOLVED.get(name, [])
+    result = made(name, written(name, tmp_path) if branches else None)
+    check(result, checks(name, result, branches))
+
+
+HEADINGS = {
+    "chapter": (
+        "Bifurcation diagram, 660 to 760 rpm",
+        "each speed started at rest on the cam, 300 turns of transient; 25 speeds; darker where "
+        "more points fall",
+    ),
+    "valve": (
+        "Bifurcation diagram, 2600 to 3400 rpm",
+        "each speed started at rest on the cam, 60 turns of transient; 9 speeds; darker",
+    ),
+    "both ways": (
+        "Bifurcation diagram, 5000 to 5600 rpm",
+        "carried up, then down, started at rest on the cam, and at q = 0.02 m, v = 1 m/s, "
+        "and at q = 0.03 m, the cam's v; 60 turns of transient at each speed; 16 speeds; darker",
+    ),
+    "restitution": (
+        "Bifurcation diagram, coefficient of restitution 0.2 to 0.7 at 3000 rpm",
+        "each value started at rest on the cam, 60 turns of transient; 8 values; 1 not ok, marked "
+        "at the bottom edge (impact-budget 1); darker",
+    ),
+    "at rest": ("Bifurcation diagram, 500 to 900 rpm", "3 speeds; darker"),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_page_of_a_sweep_says_what_was_done_and_what_changes_the_motion(name):
+    result = made(name)
+    page = read_page(result)
+    title, words = HEADINGS[name]
+    zooms = ["impacts zoom 1", "impacts zoom 2", "strobe zoom 1", "strobe zoom 2"]
+    more = {"chapter": ["enlarged", "strobe", "exponents", *zooms], "valve": ["enlarged", "strobe"]}
+    assert usual(result)[1:] == more.get(name, usual(result)[1:])
+    assert page.texts[0] == title
+    page.says(words)
+    labels = result.tables["speeds"]["label"]
+    assert {*page.legend} == {kind_of(label)[0] for label in labels}
+    for number, event in enumerate(result.summary.get("events", ()), 1):
+        what = event["kind"].replace("-", " ")
+        if event["corner"]:
+            what += f" {event['corner']}" if what.endswith("corner") else f" at {event['corner']}"
+        label = event["label"].replace("inf", "∞")
+        page.row(str(number), what, f"{event['rpm']:.5f}", label)

@@ -1,0 +1,220 @@
+"""Every threshold of a warning, a refusal or a name: a case just within it, and one just beyond.
+
+A row is a function that tells whether something is said of a number, and the two numbers. The
+thresholds are written here once more, where they follow from something by the formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, nextafter, pi, sqrt
+from typing import Any, NamedTuple
+
+import pytest
+
+import camcli
+from camcli.analysis.contact_loss.detachment import detachment
+from camcli.analysis.contact_loss.hold import hold_to
+from camcli.api.machine import machine_of
+from camcli.api.result import height_notes
+from camcli.output.detach import plainly
+from camcli.output.verdict import doubts
+from camcli.system import units_of
+from tests.conftest import cam_in
+
+RPM = 30.0 / pi  # per rad/s
+SLIGHTLY = 1e-9  # relative
+
+
+class Threshold(NamedTuple):
+    """says(x): whether it is said; it is not of `within`, it is of `beyond`."""
+
+    name: str
+    says: Callable[[Any], bool]
+    within: Any
+    beyond: Any
+
+
+def around(
+    name: str, says: Callable[[float], bool], value: float, upward: bool = True,
+    by: float = SLIGHTLY,
+):  # fmt: skip
+    """A threshold with a number a little below and one a little above it, relative."""
+    low, high = value * (1.0 - by), value * (1.0 + by)
+    return Threshold(name, says, *((low, high) if upward else (high, low)))
+
+
+def at(name: str, says: Callable[[float], bool], value: float, way: float):
+    """A threshold that itself is within; way: inf or -inf, on which side it is said."""
+    return Threshold(name, says, value, nextafter(value, way))
+
+
+# -- a machine that is doubted ------------------------------------------------------------------
+
+FOLLOWER = {"mass": 0.25, "stiffness": 40_000.0, "preload": 300.0, "restitution": 0.5}
+LOBE = {  # c = base + h/2 (1 - cos phi), phi = (theta - 110 deg) 180/70
+    "kind": "law", "base": 0.002, "lift": 0.010,
+    "rise": {"start_deg": 110, "length_deg": 70, "law": "harmonic"},
+    "fall": {"length_deg": 70, "law": "harmonic"},
+}  # fmt: skip
+RATE, ENDS = 180.0 / 70.0, 0.012  # d phi/d theta; highest c, m
+NOSE = 0.005 * RATE**2  # -c_thetatheta at the nose, m/rad2
+ROUND = {"kind": "eccentric", "base": 0.0, "lift": 0.02}
+SPEED = sqrt((40_000.0 * ENDS + 300.0) / (0.25 * NOSE)) * RPM  # contact is lost at the nose
+ARCS = camcli.load_scene().cam.model_dump()
+ARCS_TOP = ARCS["nose_center"] + ARCS["nose_radius"] - ARCS["offset"]
+
+
+def made(cam: dict[str, Any] = LOBE, changes: dict[str, Any] | None = None, **follower: float):
+    """A scene of a follower on a cam."""
+    return camcli.load_scene({"follower": {**FOLLOWER, **follower}, "cam": cam}, changes or {})
+
+
+def doubted(words: str, scene: Any) -> bool:
+    return any(words in text for text in doubts(scene))
+
+
+def solid(cam: dict[str, Any]) -> Callable[[float], bool]:
+    words = "the spring is solid at"
+    return lambda q: doubted(words, made(cam, {"spring.solid_at": q}))
+
+
+def resized(cam: dict[str, Any], **keys: float) -> dict[str, Any]:
+    return {**cam, **keys}
+
+
+def dissipates_nothing(tmp_path, **follower: float) -> bool:
+    words = " ".join(f"--set follower.{key}={value!r}" for key, value in follower.items())
+    short = "--no-plot --set run.transient=0 --set run.record=1"
+    return "nothing dissipates" in cam_in(tmp_path, f"simulate {short} {words}", code=0).stderr
+
+
+def thrown(rpm: float, **follower: float) -> bool:
+    system = machine_of(made(ROUND, preload=0.0, stiffness=0.0, **follower)).system
+    return bool(height_notes(system, rpm))
+
+
+def undercut(radius: float) -> bool:
+    notes = camcli.simulate(made(), profile_only=True, base_radius=radius).notes
+    return any("undercuts" in note for note in notes)
+
+
+MACHINES = [
+    at("lift of a light follower", lambda x: doubted("a lift of", made(resized(ROUND, lift=x))),
+       0.1, inf),
+    at("mass at a large lift",
+       lambda m: doubted("a lift of", made(resized(ROUND, lift=0.2), mass=m)), 1.0, -inf),
+    at("base radius", lambda r: doubted(
+        "a base radius", made({**ARCS, "base_radius": r, "flank_radius": r + 0.45,
+                               "nose_center": r + 0.1})), 1.0, inf),
+    at("preload", lambda f: doubted("pulls the follower off", made(preload=f)), 0.0, -inf),
+    around("solid below the top of a lobe", solid(LOBE), ENDS, upward=False),
+    around("solid below the top of an eccentric", solid(ROUND), 0.02, upward=False),
+    around("solid below the top of arcs", solid(ARCS), ARCS_TOP, upward=False),
+    # v^2/(2 g) = 1000 lift with v = omega lift/2, and m v/b where a damper alone stops it
+    around("height against weight", lambda rpm: thrown(rpm, gravity=9.81),
+           sqrt(2.0 * 9.81 * 1000.0 * 0.02) / 0.01 * RPM),
+    around("height against a damper", lambda rpm: thrown(rpm, gravity=1e-9, damping=0.1),
+           1000.0 * 0.02 * 0.1 / 0.25 / 0.01 * RPM),
+    # rho = r_b + c - base + c_thetatheta, least at the nose: r_b + h - NOSE
+    around("undercut", undercut, NOSE - 0.010, upward=False),
+    Threshold("lengths in m", lambda x: units_of(
+        machine_of(made(resized(ROUND, lift=x))).system).length == "m", 0.099, 0.101),
+    at("mass under arcs", lambda m: doubted("a lift of 153.9 mm", made(ARCS, mass=m)), 1.0, -inf),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("row", MACHINES, ids=[row.name for row in MACHINES])
+def test_doubts(row):
+    assert not row.says(row.within)
+    assert row.says(row.beyond)
+
+
+def test_nothing_dissipates(tmp_path):
+    assert dissipates_nothing(tmp_path, restitution=1.0, damping=0.0)
+    assert not dissipates_nothing(tmp_path, restitution=nextafter(1.0, 0.0), damping=0.0)
+    assert not dissipates_nothing(tmp_path, restitution=1.0, damping=1e-300)
+
+
+# -- springs, and what is said of contact --------------------------------------------------------
+
+SHORT = {"detach.settle": 0, "detach.impacts": 0, "detach.margin_n": 0.0}
+PRESENT = 40_000.0 * ENDS + 300.0  # N at the nose
+KINDS = ("hold_stiffness", "hold_preload", "hold_both")
+
+
+def speed_of(force: float) -> float:
+    """The rpm at which so many N are needed at the nose: m omega^2 NOSE."""
+    return sqrt(force / (0.25 * NOSE)) * RPM
+
+
+def springs(rpm: float, changes: dict[str, Any] | None = None, **follower: float) -> list[Any]:
+    """What holds up to a speed, in the order of KINDS."""
+    machine = machine_of(made(changes=changes, **follower))
+    f, solid = machine.system.follower, machine.scene.spring
+    reach = f.preload / f.stiffness
+    return hold_to(machine.system, rpm, 0.0, reach, solid=solid.solid_at if solid else inf)
+
+
+def answers(rpm: float, hold: float | None = None) -> str:
+    """All that `detach` says of a speed."""
+    asked = {"detach.rpm": {"start": rpm, "stop": rpm, "num": 1}, "detach.hold_to": hold}
+    found = camcli.detach(made(changes={**SHORT, **asked}))
+    return " ".join([*found.verdict, *plainly(found.values)])
+
+
+def lost_at_standstill(preload: float) -> bool:
+    return bool(detachment(machine_of(made(preload=preload)).system).always)
+
+
+def impossible(reach: float) -> bool:
+    """Of a spring without preload of its own, on a lobe whose base is 2 mm below zero."""
+    system = machine_of(made(resized(LOBE, base=-0.002))).system
+    return hold_to(system, 2000.0, 1.0, reach)[2].status == "impossible"
+
+
+SPRINGS = [
+    *(around(f"absurd {kind}", lambda rpm, k=k: springs(rpm)[k].status == "absurd",
+             speed_of(20.0 * PRESENT)) for k, kind in enumerate(KINDS)),
+    *(around(f"more than the present {kind}", lambda rpm, k=k: springs(rpm)[k].more, SPEED)
+      for k, kind in enumerate(KINDS[:2])),
+    around("a preload is needed", lambda rpm: springs(rpm)[1].status == "ok",
+           speed_of(40_000.0 * ENDS)),
+    around("a stiffness is needed", lambda rpm: springs(rpm)[0].status == "ok", speed_of(300.0)),
+    # more preload by F brings the nose F/k nearer to the height at which the spring is solid
+    around("solid", lambda q: springs(SPEED * 1.1, {"spring.solid_at": q})[1].status
+           == "impossible", ENDS + 0.21 * PRESENT / 40_000.0, upward=False),
+    around("precompression", impossible, 0.002, upward=False),
+    around("lost at standstill", lost_at_standstill, -80.0),  # k c + F0 = 0 on the base
+    around("the present spring does not hold", lambda rpm: "To hold up to" in
+           answers(2000.0, rpm), SPEED),
+    around("not held at the speed asked for", lambda rpm: "contact is held at every" not in
+           answers(rpm), SPEED, by=1e-4),
+    around("lost at the speed asked for", lambda rpm: "contact is lost at every speed asked for" in
+           answers(rpm), SPEED, by=1e-4),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("row", SPRINGS, ids=[row.name for row in SPRINGS])
+def test_springs(row):
+    assert not row.says(row.within)
+    assert row.says(row.beyond)
+
+
+def test_springs_have_room_for_the_error_of_a_measured_cam():
+    """c_thetatheta at the nose may be lower by the error of either part of the turn beside it."""
+    system = machine_of(made(gravity=9.81)).system
+    needed = 0.25 * (400.0**2 * (NOSE + 0.003) - 9.81)
+    wanted = ((needed - 300.0) / ENDS, needed - 40_000.0 * ENDS, needed / (ENDS + 0.02))
+    for errors in ((0.0, 0.001, 0.003, 0.0), (0.0, 0.003, 0.001, 0.0)):
+        found = hold_to(system, 400.0 * RPM, 0.0, 0.02, errors)
+        values = (found[0].stiffness, found[1].preload, found[2].stiffness)
+        assert values == pytest.approx(wanted, rel=1e-9)
+
+
+def test_another_spring_has_half_of_the_lift_for_its_preload_where_there_is_none():
+    asked = {**SHORT, "detach.hold_to": 4000.0}
+    for base in (0.002, -0.004):
+        scene = made(resized(LOBE, base=base), {**asked, "detach.rpm.num": 1}, preload=0.0)
+        spring = camcli.detach(scene).values.holds[2]
+        assert spring.preload / spring.stiffness == pytest.approx(0.005 + max(0.0, -base))

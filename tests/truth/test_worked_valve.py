@@ -1,0 +1,277 @@
+"""One valve worked out by hand, and every number that the screen prints of it.
+
+A harmonic lobe without dwell, c = base + h/2 (1 - cos phi) with phi = (theta - 110 deg) pi/70 deg,
+an undamped follower with preload and weight: force, critical speeds, springs, flights and pressure
+are elementary. What is printed is held to half a unit of its last digit.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from math import acos, atan2, cos, degrees, hypot, inf, pi, radians, sin, sqrt
+
+import pytest
+from conftest import cam_in, rows
+
+MASS, STIFFNESS, PRELOAD, GRAVITY, RESTITUTION = 0.25, 40_000.0, 300.0, 9.81, 0.5
+BASE, LIFT, START, LENGTH = 0.002, 0.010, 110.0, 70.0
+WIDTH, RADIUS, MODULUS = 0.012, 0.018, 1.154e11
+TOP_SPEED, FROM, TO = 4000.0, 3000.0, 3800.0
+SCENE = f"""
+follower: {{mass: {MASS}, stiffness: {STIFFNESS}, damping: 0, gravity: {GRAVITY},
+            preload: {PRELOAD}, restitution: {RESTITUTION}}}
+cam: {{kind: law, base: {BASE}, lift: {LIFT}, top_dwell_deg: 0,
+       rise: {{start_deg: {START}, length_deg: {LENGTH}, law: harmonic}},
+       fall: {{length_deg: {LENGTH}, law: harmonic}}}}
+contact: {{width: {WIDTH}, base_radius: {RADIUS}}}
+detach: {{rpm: {{start: {FROM}, stop: {TO}, num: 5}}}}
+"""
+RATE = 180.0 / LENGTH  # d phi/d theta
+NOSE = 0.5 * LIFT * RATE**2  # -c_thetatheta at the nose, m/rad2
+PRESS = PRELOAD + MASS * GRAVITY  # what presses at q = 0, N
+ENDS = BASE + LIFT  # highest c, m
+
+
+def omega(rpm: float) -> float:
+    return rpm * pi / 30.0
+
+
+def lobe(theta: float) -> tuple[float, float, float]:
+    """c, c_theta, c_thetatheta at a phase in rad."""
+    phi = (theta - radians(START)) * RATE
+    if not 0.0 <= phi <= 2.0 * pi:
+        return BASE, 0.0, 0.0
+    return BASE + 0.5 * LIFT * (1.0 - cos(phi)), 0.5 * LIFT * RATE * sin(phi), NOSE * cos(phi)
+
+
+def force(rpm: float, theta: float, stiffness: float = STIFFNESS, preload: float = PRELOAD):
+    c, _, bend = lobe(theta)
+    return stiffness * c + preload + MASS * GRAVITY + MASS * omega(rpm) ** 2 * bend
+
+
+def detaches(stiffness: float, preload: float) -> float:
+    """rpm: m omega^2 NOSE = k c + F0 + m g at the nose, the weakest phase."""
+    return sqrt((stiffness * ENDS + preload + MASS * GRAVITY) / (MASS * NOSE)) * 30.0 / pi
+
+
+def departure(rpm: float) -> float:
+    """Phase in rad where the contact force reaches zero on the rise."""
+    inertia = NOSE * MASS * omega(rpm) ** 2 - 0.5 * LIFT * STIFFNESS
+    return radians(START) + acos(-(PRESS + STIFFNESS * (BASE + 0.5 * LIFT)) / inertia) / RATE
+
+
+def flight(rpm: float) -> tuple[float, float, float]:
+    """(largest gap m, impact speed m/s, landing phase rad) of the flight from the departure."""
+    leave, w = departure(rpm), sqrt(STIFFNESS / MASS) / omega(rpm)  # w: free frequency, per rad
+    rest = -PRESS / STIFFNESS
+    c, slope, _ = lobe(leave)
+    size, phase = hypot(c - rest, slope / w), atan2(slope / w, c - rest)
+
+    def gap(theta: float) -> float:
+        return rest + size * cos(w * (theta - leave) - phase) - lobe(theta)[0]
+
+    steps = 20_000
+    angles = [leave + k * radians(170.0) / steps for k in range(1, steps)]
+    gaps = [gap(theta) for theta in angles]
+    landing = next(k for k in range(50, steps) if gaps[k] <= 0.0)
+    low, high = angles[landing - 1], angles[landing]
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if gap(middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    speed = -size * w * sin(w * (low - leave) - phase) - lobe(low)[1]
+    return max(gaps[:landing]), -speed * omega(rpm), low
+
+
+NEEDED = MASS * omega(TOP_SPEED) ** 2 * NOSE - MASS * GRAVITY  # of the spring at the nose, N
+MARGIN = 0.1 * NEEDED
+SPRINGS = {  # stiffness, preload: the force at the nose is what is needed and the margin
+    "a stiffer spring with the same preload": ((NEEDED + MARGIN - PRELOAD) / ENDS, PRELOAD),
+    "more preload on the same spring": (STIFFNESS, NEEDED + MARGIN - STIFFNESS * ENDS),
+    "another spring": (
+        (NEEDED + MARGIN) / (ENDS + PRELOAD / STIFFNESS),
+        (NEEDED + MARGIN) / (ENDS + PRELOAD / STIFFNESS) * PRELOAD / STIFFNESS,
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def detach(tmp_path_factory):
+    """Screen, folder and JSON result of `cam detach --hold-to`."""
+    folder = tmp_path_factory.mktemp("valve")
+    (folder / "valve.yaml").write_text(SCENE)
+    line = f"detach -c valve.yaml --hold-to {TOP_SPEED:g} --verbose --no-plot -o out"
+    done = cam_in(folder, line, code=0)
+    return done.stdout, folder / "out", json.loads((folder / "out/run.json").read_text())["result"]
+
+
+def near(text: str, value: float) -> bool:
+    """Whether a printed number is the value, rounded to the digits that are printed."""
+    digits = re.fullmatch(r"-?\d+(?:\.(\d+))?(?:e([+-]\d+))?", text.strip())
+    assert digits, text
+    unit = 10.0 ** (int(digits[2] or 0) - len(digits[1] or ""))
+    if digits[1] is None and digits[2] is None:  # trailing zeros may stand for the digits before
+        zeros = len(text) - len(text.rstrip("0"))
+        unit *= 10.0 ** min(zeros, max(0, len(text.strip("-")) - 3))
+    return abs(float(text) - value) <= 0.501 * unit
+
+
+def table(screen: str, title: str) -> list[list[str]]:
+    """The rows of a table on the screen, by the line above it."""
+    lines = screen.splitlines()
+    top = next(k for k, line in enumerate(lines) if line.startswith(title))
+    end = next(k for k in range(top, len(lines)) if lines[k].startswith("└"))
+    return [
+        [cell.strip() for cell in line.strip("│").split("│")]
+        for line in lines[top:end]
+        if line.startswith("│")
+    ]
+
+
+def test_the_verdict(detach):
+    screen, *_ = detach
+    verdict = screen.split("Past the loss of contact")[0].replace("\n", " ")
+    (holds,) = re.findall(r"Contact holds up to (\S+) rpm of the cam", verdict)
+    assert near(holds, detaches(STIFFNESS, PRELOAD))
+    low, high, speed, theta, lift, loft = re.search(
+        r"from (\S+) to (\S+) rpm, the follower lands at up to (\S+) m/s \((\S+) deg, (\S+) mm "
+        r"above its lowest\), flies up to (\S+) mm off the cam",
+        verdict,
+    ).groups()
+    assert (float(low), float(high)) == (FROM, TO)
+    gap, impact, landing = flight(TO)
+    assert near(speed, impact)
+    assert near(theta, degrees(landing))
+    assert near(lift, 1e3 * (lobe(landing)[0] - BASE))
+    assert near(loft, 1e3 * gap)
+    asked, margin = re.search(r"To hold up to (\S+) rpm of the cam with (\S+) N", verdict).groups()
+    assert float(asked) == TOP_SPEED
+    assert near(margin, MARGIN)
+    stiffer, harder = re.search(
+        r"same preload: (\S+) N/mm; or more preload on the same spring: (\S+) N;", verdict
+    ).groups()
+    assert near(stiffer, 1e-3 * SPRINGS["a stiffer spring with the same preload"][0])
+    assert near(harder, SPRINGS["more preload on the same spring"][1])
+    both = re.search(r"another spring: (\S+) N/mm with (\S+) N of preload", verdict).groups()
+    assert near(both[0], 1e-3 * SPRINGS["another spring"][0])
+    assert near(both[1], SPRINGS["another spring"][1])
+
+
+def test_the_table_past_the_loss_of_contact(detach):
+    """A row a speed: its flight from the closed form, the forces at the two ends of the lobe."""
+    screen, *_ = detach
+    found = table(screen, "Past the loss of contact")
+    assert len(found) >= 5
+    for rpm, loft, speed, theta, lift, _, forces in found:
+        value = FROM + round((float(rpm) - FROM) / ((TO - FROM) / (len(found) - 1))) * (
+            TO - FROM
+        ) / (len(found) - 1)
+        assert near(rpm, value)
+        gap, impact, landing = flight(value)
+        assert near(loft, 1e3 * gap), rpm
+        assert near(speed, impact), rpm
+        assert near(theta, degrees(landing)), rpm
+        assert near(lift, 1e3 * (lobe(landing)[0] - BASE)), rpm
+        least, most = forces.split(" to ")
+        assert float(least) == 0.0
+        assert near(most, force(value, radians(START))), rpm  # where the rise begins
+
+
+def test_the_springs_that_hold(detach):
+    screen, _, result = detach
+    found = table(screen, "Springs that hold contact")
+    assert [row[0] for row in found] == list(SPRINGS)
+    for (name, rate, preload, full, holds, status), row in zip(found, result["hold"], strict=True):
+        k, load = SPRINGS[name]
+        assert near(rate, 1e-3 * k)
+        assert near(preload, load)
+        assert near(full, k * ENDS + load), name
+        assert near(holds, detaches(k, load))
+        assert status == row["status"] == "ok"
+        assert row["stiffness"] == pytest.approx(k, rel=1e-12)
+        assert row["preload"] == pytest.approx(load, rel=1e-12)
+        assert row["nose_n"] == pytest.approx(k * ENDS + load, rel=1e-12)
+        assert row["detaches_rpm"] == pytest.approx(detaches(k, load), rel=1e-12)
+        assert row["least_n"] == pytest.approx(MARGIN, rel=1e-12)
+    assert result["hold_margin_n"] == pytest.approx(MARGIN, rel=1e-12)
+
+
+def test_the_forces_and_the_pressure_of_a_follower_kept_on_the_cam(detach):
+    """p = sqrt(F E*/(pi w rho)) on a flat face, rho = r_b + (c - base) + c_thetatheta."""
+    screen, folder, result = detach
+    for rpm, least, at, most, _ in table(screen, "Contact force if the follower is kept"):
+        value = next(row["rpm"] for row in result["least_force"] if near(rpm, row["rpm"]))
+        assert near(least, force(value, pi))
+        assert near(at, 180.0)
+        assert near(most, force(value, radians(START)))
+    checked = 0
+    for row in rows(folder / "force.csv"):
+        rpm, theta = float(row["rpm"]), radians(float(row["theta_deg"]))
+        c, _, bend = lobe(theta)
+        radius = RADIUS + (c - BASE) + bend
+        here = force(rpm, theta)
+        at_a_corner = min(abs(degrees(theta) - x) for x in (START, START + 2.0 * LENGTH)) < 1e-9
+        if at_a_corner:
+            continue
+        assert float(row["force_n"]) == pytest.approx(here, rel=1e-9, abs=1e-9)
+        pressure = float(row["pressure_pa"]) if row["pressure_pa"] else None
+        if here > 1.0 and radius > 1e-4:
+            assert pressure == pytest.approx(sqrt(here * MODULUS / (pi * WIDTH * radius)), rel=1e-9)
+            checked += 1
+    assert checked > 100
+
+
+def test_the_critical_speeds(detach):
+    screen, folder, _ = detach
+    first = table(screen, "Critical speeds")[0]
+    assert near(first[2], 180.0)
+    assert near(first[3], detaches(STIFFNESS, PRELOAD))
+    by_name = {(row["quantity"], row["region"]): row for row in rows(folder / "detach.csv")}
+    row = by_name["first_detachment", "A1"]
+    assert float(row["rpm"]) == pytest.approx(detaches(STIFFNESS, PRELOAD), rel=1e-12)
+    assert float(row["omega_rad_per_s"]) == pytest.approx(omega(float(row["rpm"])), rel=1e-15)
+    for name, (k, load) in zip(
+        ("hold_stiffness", "hold_preload", "hold_both"), SPRINGS.values(), strict=True
+    ):
+        assert float(by_name[name, "A1"]["rpm"]) == pytest.approx(detaches(k, load), rel=1e-12)
+    assert float(by_name["opens", "A2"]["rpm"]) == inf  # the dwell never lets go
+
+
+def test_a_profile_and_a_motion(tmp_path):
+    (tmp_path / "valve.yaml").write_text(SCENE)
+    done = cam_in(tmp_path, "simulate -c valve.yaml --profile-only --rpm 2000 --no-plot", code=0)
+    said = {row[0]: row[1:] for row in table(done.stdout, "Cam, corners")}
+    wanted = {
+        "least c (mm)": 1e3 * BASE,
+        "largest c (mm)": 1e3 * ENDS,
+        "least c_theta (mm/rad)": -1e3 * 0.5 * LIFT * RATE,
+        "largest c_theta (mm/rad)": 1e3 * 0.5 * LIFT * RATE,
+        "least c_thetatheta (mm/rad2)": -1e3 * NOSE,
+        "largest c_thetatheta (mm/rad2)": 1e3 * NOSE,
+        "least contact force at 2000 rpm (N)": force(2000.0, 0.0),
+        "first detachment (rpm)": detaches(STIFFNESS, PRELOAD),
+        "base radius a flat face needs (mm)": 1e3 * (NOSE - LIFT),
+    }
+    for name, value in wanted.items():
+        assert near(said[name][0], value), (name, said[name], value)
+    assert near(said["largest c (mm)"][1], 180.0)
+    assert near(said["largest c_theta (mm/rad)"][1], START + 0.5 * LENGTH)
+    done = cam_in(
+        tmp_path,
+        "simulate -c valve.yaml --rpm 3600 --no-plot --set run.transient=20 --set run.record=2",
+        code=0,
+    )
+    _, impact, landing = flight(3600.0)
+    (said,) = re.findall(r"lands at up to (\S+) m/s", done.stdout)
+    assert near(said, impact)
+    events = table(done.stdout, "3600 rpm")
+    left, first = events[0], events[1]
+    assert left[0] == "detachment"
+    assert near(left[2], degrees(departure(3600.0)))
+    assert first[0] == "impact"
+    assert near(first[2], degrees(landing))
+    assert near(first[3], -impact)
+    assert near(first[4], RESTITUTION * impact)
