@@ -601,8 +601,15 @@ def test_detach(scene, detach):
             at, speed = known.pop((quantity, region))
         wanted.append((quantity, region, at, speed, speed * np.pi / 30))
     assert not known
-    same = dict(columns_of(tables["detach"], wanted))
+    names = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s")
+    same = dict(zip(names, map(np.array, zip(*wanted, strict=True)), strict=True))
     same["theta_deg"] = Near(same["theta_deg"], 1e-5)  # of a minimum, which is flat
+    own, (low, high) = same["rpm"], (tables["detach"][x] for x in ("rpm_low", "rpm_high"))
+    finite = np.isfinite(own)  # a cam that is known exactly leaves brackets of rounding alone
+    assert (low <= tables["detach"]["rpm"]).all()
+    assert (tables["detach"]["rpm"] <= high).all()
+    assert (low < high)[finite].all()
+    same |= {"rpm_low": Near(own, 4e-12 * own), "rpm_high": Near(own, 4e-12 * own)}
     compare(tables["detach"], same, "detach")
 
     range_ = np.linspace(detach["rpm"]["start"], detach["rpm"]["stop"], detach["rpm"]["num"])
