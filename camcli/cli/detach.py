@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def detach(
     request: Request,
     hold_to: str | None = option("Find the spring that holds up to this speed.", "RPM"),
-    tolerance: str | None = option("By how much numbers may be off.", "KEY=5%,..."),
+    tolerance: list[str] | None = option("How far numbers may be off. Repeatable.", "KEY=5%,..."),
     report: bool = flag("Also write a page for print, report.pdf."),
 ) -> int:
     """Where contact is lost, and which spring would hold.
@@ -55,7 +55,7 @@ def detach(
     if request.rpm is not None and ":" not in request.rpm:
         values["detach.force_rpm"] = ([parse_rpm(request.rpm)], "--rpm")
     (top,) = numbers(hold_to, "--hold-to", "one speed in rpm", "--hold-to 3500") or (None,)
-    rows = None if tolerance is None else [_tolerance(word) for word in tolerance.split(",")]
+    rows = [_tolerance(word) for words in tolerance or () for word in words.split(",")] or None
     values |= given("detach", hold_to=top, tolerance=rows)
     options = {"report": True} if report else {}
     return run("detach", request, values, show, options=options)

@@ -4,6 +4,7 @@ import ast
 import inspect
 import os
 import re
+from collections import Counter
 from collections.abc import Callable, Collection
 from contextlib import ExitStack, redirect_stdout
 from dataclasses import dataclass, fields
@@ -172,7 +173,7 @@ def _tables(name: str) -> str:
 
 
 class _Command(TyperCommand):
-    """A command that fills its docstring to the width of the terminal, and takes one scene."""
+    """A command that fills its docstring to the width of the terminal; an option is given once."""
 
     def format_help_text(self, ctx: Any, formatter: Any) -> None:
         """A line goes on the one before it where it is indented, or that one was full."""
@@ -198,12 +199,21 @@ class _Command(TyperCommand):
             formatter.write("\n".join(filled) + "\n")
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Of two -c only the last would count."""
+        """Of an option that takes one value and is given twice only the last would count."""
         _, _, order = self.make_parser(ctx).parse_args(args=[*args])
-        if [option.name for option in order].count("config") > 1:
-            found, cure = "found it twice", "give one scene, and what differs with --set"
-            raise SceneError(Fault("-c", "", found, "expected one scene", cure))
+        times = Counter(o for o in order if o.param_type_name == "option" and not o.is_flag)
+        if twice := [(o, n) for o, n in times.items() if n > 1 and not o.multiple]:
+            raise SceneError(*(_repeated(o.opts[0], n) for o, n in twice))
         return super().parse_args(ctx, args)
+
+
+def _repeated(name: str, times: int) -> Fault:
+    """What is said of an option that takes one value and was given more often."""
+    found = "found it twice" if times == 2 else f"found it {times} times"
+    if name == "-c":
+        cure = "give one scene, and what differs with --set"
+        return Fault(name, "", found, "expected one scene", cure)
+    return Fault(name, "", found, "expected it once", "leave all but one of them out")
 
 
 def register(app: typer.Typer, run: Callable[..., int], without: Collection[str] = ()) -> None:

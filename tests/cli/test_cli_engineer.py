@@ -290,6 +290,17 @@ def test_tolerances_give_the_chance_and_the_worst_case(cam, tmp_path):
     assert rows == "".join(found.tables["tolerance"].csv())
 
 
+def test_tolerances_may_be_given_one_by_one(cam, tmp_path):
+    """Without damping and preload the speed goes with sqrt(k/m): all three columns are there."""
+    words = "--tolerance follower.mass=5% --tolerance follower.stiffness=3%,follower.restitution=1%"
+    cam("detach --no-plot --rpm 100:120 --points 2 --set detach.machines=1", words, code=0)
+    rows = np.genfromtxt(tmp_path / "out/detach/tolerance.csv", delimiter=",", names=True)
+    found = rows["first_detachment_rpm"] / 114.97932674399878183
+    expected = np.sqrt(rows["followerstiffness"] / 1430.8 / (rows["followermass"] / 1.221))
+    assert len(rows) == 2**3 + 1
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
 def test_a_table_elsewhere_is_found_when_numbers_vary(cam, begun):
     vary = "--vary cam.rocker_ratio=1:1.1 --points 2 --no-plot"
     (begun / "elsewhere").mkdir()

@@ -26,6 +26,13 @@ REFUSED = [
     ("sweep --points 0", "--points"),
     ("sweep --points -3", "found '-3', expected a whole number above 0, e.g."),
     ("simulate -c absent.yaml", "absent.yaml"),
+    ("simulate --rpm 700 --rpm 710", "--rpm: found it twice, expected it once, leave all but one"),
+    ("sweep --points 3 --width 80mm --points=5 --points 4", "--points: found it 3 times"),
+    ("detach -o here --out there", "-o: found it twice"),
+    ("orbits --curve fold --in damping --in mass=1:2", "--in: found it twice"),
+    ("explore --with map --with basins", "--with: found it twice"),
+    ("init lift.csv -o a -o b", "-o: found it twice"),
+    ("merge a b -o c -o d", "-o: found it twice"),
     ("simulate -c a.yaml -c b.yaml", "-c: found it twice, expected one scene"),
     ("simulate --set run.start.q=0.05", "0.05 m below the cam"),
     ("simulate --set follower.mass=5e-324", "1e-15"),
@@ -60,6 +67,8 @@ REFUSED = [
     ("detach --hold-to 100:200", "--hold-to"),
     ("detach --set detach.margin_n=-1", "margin_n"),
     ("detach --set detach.impact=3", "impacts"),
+    ("detach --tolerance follower.mass=5% --tolerance follower.mass=4%", "twice: 'follower.mass'"),
+    ("detach --tolerance follower.mass=5% --tolerance ''", "found '', expected KEY=PERCENT%"),
     ("detach --tolerance follower.mass=5", "expected KEY=PERCENT%"),
     ("detach --tolerance run.rpm=5%", "run.rpm"),
     ("detach --tolerance follower.mas=5%", "did you mean 'mass'?"),
@@ -125,6 +134,12 @@ def test_a_fault_is_named_with_exit_code_2_before_any_work(cam, tmp_path, line, 
     assert said in done.stderr
     assert "Traceback" not in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_every_option_given_twice_is_told_at_once(cam):
+    done = cam("sweep --rpm 1:2 --points 3 --points 4 --rpm 5:6 --no-plot --no-plot --set a.b=1 "
+               "--set a.c=2", code=2)  # fmt: skip
+    assert [line.split(":")[0] for line in done.stderr.splitlines()] == ["--rpm", "--points"]
 
 
 def test_every_fault_of_a_file_at_once_with_line_and_column(cam, tmp_path):
