@@ -78,7 +78,9 @@ def orbits(
         Prove what was found, in ball arithmetic, for the scene's numbers as they are: of each orbit
         that exactly one lies in a box, that it is a motion, that its multipliers lie inside or
         outside the unit circle; of each event its parameter in an enclosure, and its crossing
-        condition; of branches that they go on from event to event.
+        condition; of branches that they go on from event to event. The flank circle of a cam of
+        arcs is then the one that closes, of the radius base_radius + flank_center;
+        ``summary["proofs"]["flank_excess_m"]`` is how much larger it is than flank_radius.
 
     Returns
     -------
@@ -470,6 +472,12 @@ def _proved(result: OrbitsResult) -> Iterator[str]:
     if result.proofs is None:
         return
     name, proofs = result.question.parameter, result.proofs
+    if excess := proofs.flank_excess:
+        yield (
+            "all proofs are about the cam whose circles close: its flank circle has the radius "
+            f"base_radius + flank_center, {abs(excess):.3g} m {'more' if excess > 0 else 'less'} "
+            "than the flank_radius of the scene"
+        )
     named = [
         (f"{o.label}, rpm = {o.rpm!r}{WHOSE[p.holds_for]}" if p.proved else str(o.label), p)
         for o, p in zip(result.orbits, proofs.orbits, strict=True)
@@ -539,6 +547,7 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
             "orbits": [_proof(p) for p in proofs.orbits],
             "bifurcations": [_proof(p) for p in proofs.events],
             "ranges": [vars(one) for one in proofs.ranges],
+            "flank_excess_m": proofs.flank_excess,
         }}),
     }  # fmt: skip
 

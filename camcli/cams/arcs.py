@@ -4,12 +4,15 @@ Polar radius of a knife-edge follower minus the offset, x from a (end of the bas
 y from the nearer end of the top dwell:
     flank  c = -kappa1 cos x + sqrt(rho1^2 - kappa1^2 sin^2 x) - offset
     nose   c =  kappa2 cos y + sqrt(rho2^2 - kappa2^2 sin^2 y) - offset
-with kappa1, rho1 = flank_center, flank_radius and kappa2, rho2 = nose_center, nose_radius.
+with kappa1 = flank_center, rho1 = flank_radius and kappa2, rho2 = nose_center, nose_radius. The
+circles close only where rho1 = base_radius + kappa1, which three doubles seldom fulfil (0.4 + 0.45
+is 5.6e-17 more than 0.85): the cam has this sum for rho1, whatever the last digit of flank_radius.
 The lobe is symmetric about 180 deg.
 """
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Annotated, Any, Literal
 
 from flint import arb
@@ -66,6 +69,12 @@ class ArcsCam(BaseModel):
                 f"flanks, noses and top dwell take {lobe:.6g} deg, {lobe - 360:.6g} deg too much"
             )
         return self
+
+    @property
+    def flank_excess(self) -> float:
+        """m by which the flank circle that closes is larger than flank_radius."""
+        closed = Fraction(self.base_radius) + Fraction(self.flank_center)
+        return float(closed - Fraction(self.flank_radius))
 
     def _angles(self) -> tuple[arb, arb]:
         """(angle a-O-c, angle a-O-b) in rad, from the triangle O1 O O2.

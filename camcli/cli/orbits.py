@@ -45,7 +45,8 @@ def orbits(
     --curve KIND  continue the bifurcations of a kind in rpm and --in NAME over --range, or in
                   --parameter over --range and --in NAME=LO:HI
     --prove       prove orbits, events and ranges of branches in ball arithmetic, for the numbers
-                  of the scene as they are
+                  of the scene as they are; on a cam of arcs for the flank circle that closes, of
+                  the radius base_radius + flank_center
 
     \b
     Kinds: period-doubling (1 + trace + det = 0); fold (the parameter turns round); corner-impact

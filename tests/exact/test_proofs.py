@@ -3,6 +3,7 @@
 The judge is mpmath at 40 digits: closed flights from `tests.oracle`, cams from their definitions.
 """
 
+import json
 from bisect import bisect
 from dataclasses import replace
 from functools import cache, reduce
@@ -227,6 +228,24 @@ def test_columns_and_boxes_of_the_command(cam, tmp_path):
     assert sum(line.endswith(",yes") for line in lines) >= 0.9 * len(lines)
     cam("rerun out/run.json -o again", code=0)
     assert (tmp_path / "again" / "branch.csv").read_text().splitlines()[0] == head
+
+
+def test_a_proof_says_which_flank_circle_it_is_about(cam, tmp_path):
+    """The one that closes, whatever flank_radius says: the same box, and by how much it differs."""
+    boxes = []
+    for radius, said in ((0.85, "5.55e-17 m more than"), (0.8500000001, "1e-10 m less than")):
+        at = f"orbits --rpm 700 --prove --no-plot -o out --set cam.flank_radius={radius}"
+        done = cam(at, "--label P(1;1) --set orbits.starts=0", code=0)
+        about = f"flank circle has the radius base_radius + flank_center, {said} the flank_radius"
+        assert about in done.stdout
+        proofs = json.loads((tmp_path / "out/run.json").read_text())["result"]["proofs"]
+        assert proofs["flank_excess_m"] == float(mpf(0.4) + mpf(0.45) - mpf(radius))
+        boxes.append([orbit["box"] for orbit in proofs["orbits"] if orbit["proved"]])
+    assert boxes[0] == boxes[1] != []
+    done = cam("orbits --rpm 700 --prove --no-plot --set cam.flank_radius=0.875",
+               "--set cam.base_radius=0.375 --set cam.flank_center=0.5", code=0)  # fmt: skip
+    assert "proved: P(1;1)" in done.stdout
+    assert "flank circle" not in done.stdout
 
 
 def machine_of(rng):

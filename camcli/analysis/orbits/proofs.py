@@ -1,6 +1,7 @@
 """Which of the orbits and events found are proved, in ball arithmetic (`camcli.exact.shooting`).
 
-The data are those of the scene as doubles, exactly; of the orbits found it is also asked whether
+The data are those of the scene as doubles, exactly, but for the flank circle of a cam of arcs: its
+radius is the exact sum that closes it (`cams.arcs`). Of the orbits found it is also asked whether
 the same holds for every value of the parameter that rounds to theirs (`HoldsFor`). An orbit is
 proved where a box holds exactly one orbit of its impacts, agrees with the numbers found, is a
 motion, and has its multipliers inside or outside the unit circle; an event where its parameter is
@@ -95,12 +96,16 @@ class Range:
 
 @dataclass(frozen=True)
 class Proofs:
-    """Proofs of orbits, points (by branch) and events in the order of the result, and ranges."""
+    """Proofs of orbits, points (by branch) and events in the order of the result, and ranges.
+
+    flank_excess: m by which the flank circle that they are about is larger than the scene's.
+    """
 
     orbits: list[Proof]
     points: list[list[Proof]]
     events: list[Proof]
     ranges: list[Range]
+    flank_excess: float = 0.0
 
 
 def prove(system: System, found: OrbitsResult) -> Proofs:
@@ -141,6 +146,7 @@ def prove(system: System, found: OrbitsResult) -> Proofs:
             for branch in found.branches
             for one in piece(f"the proof of branch {branch.number}", partial(ranges, branch), [])
         ],
+        getattr(system.shape, "flank_excess", 0.0),  # only a cam of arcs has circles to close
     )
 
 
