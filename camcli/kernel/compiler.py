@@ -20,6 +20,7 @@ from numba.core.typed_passes import (
     NopythonTypeInference,
     PreLowerStripPhis,
 )
+from numba.core.typing import templates
 from numba.core.typing.templates import AbstractTemplate
 from numba.core.untyped_passes import IRProcessing, ReconstructSSA, TranslateByteCode
 
@@ -28,6 +29,10 @@ from camcli.kernel.marks import FUNCTIONS, OUTLINED
 # Not those for closures, literals, expressions of arrays, parallel loops and reference counts.
 PASSES: list[Any] = [TranslateByteCode, IRProcessing, ReconstructSSA, NopythonTypeInference]
 PASSES += [PreLowerStripPhis, NativeLowering, NoPythonBackend]
+
+
+def _is_compiled_by_numba(template: Any) -> bool:
+    return hasattr(template, "_overload_func") or hasattr(template, "_overload_attr")
 
 
 class _Types(typing.Context):
@@ -45,6 +50,33 @@ class _Types(typing.Context):
     def refresh(self) -> None:
         if not self._registries:
             super().refresh()
+
+    def install_registry(self, registry: Any) -> None:
+        """Take what is in a registry of numba, without the functions that numba compiles itself.
+
+        They are in it where numba has compiled something else in this process before; `_Target`
+        cannot lower them, and does without them where numba is fresh.
+        """
+        loader = templates.RegistryLoader(registry)
+        self._registries[registry] = loader
+        for template in loader.new_registrations("functions"):
+            if not _is_compiled_by_numba(template):
+                self.insert_function(template(self))
+        for template in loader.new_registrations("attributes"):
+            if not _is_compiled_by_numba(template):
+                self.insert_attributes(template(self))
+        for value, kind in loader.new_registrations("globals"):
+            known = self._lookup_global(value)
+            if isinstance(kind, types.Function):
+                own = [one for one in kind.templates if not _is_compiled_by_numba(one)]
+                if not own:
+                    continue
+                kind = types.Function((*own,))
+            if known is None:
+                self.insert_global(value, kind)
+            else:
+                self._remove_global(value)
+                self.insert_global(value, known.augment(kind))
 
     def resolve_function_type(self, function: Any, args: Any, keywords: Any) -> Any:
         key = function, args, *dict(keywords).items()

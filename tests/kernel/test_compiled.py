@@ -77,6 +77,19 @@ def test_our_own_way_is_taken_where_it_works_and_the_disk_next_time(source):
     assert source.news == []
 
 
+@own_way
+def test_our_own_way_works_where_numba_has_compiled_something_else_before(source, monkeypatch):
+    """As in a notebook: by then numba knows functions that our way cannot lower."""
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "camcli.kernel.compiler", None)
+        source.code()
+        assert News.PUBLIC in source.news
+    monkeypatch.delitem(sys.modules, "camcli.kernel.compiler", raising=False)
+    news = []
+    CodeSource(source.folder / "other", news.append).code("measure_loads", case_of("measure_loads"))
+    assert news == [News.COMPILING]
+
+
 def other_bits(content: bytes) -> bytes:
     """The same code with another last bit of 2 pi."""
     found = pack("<d", TURN)
