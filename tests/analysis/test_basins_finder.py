@@ -73,6 +73,27 @@ def test_regions_are_shrunk_until_apart():
     assert parted([one], region(0.0)) is None
 
 
+def test_half_widths_are_the_extents_of_the_ellipses():
+    """A x^2 + B x y + C y^2 = 1, sampled by rays."""
+    forms = np.array([[4.0, 1.5, 1.0], [2.0, -0.3, 50.0]])
+    region = Region(np.zeros((2, 2)), forms, (1, 1), 0.5, 1.0, 0.5, True)
+    angle = np.linspace(0.0, 2.0 * np.pi, 100_001)
+    x, y = np.cos(angle), np.sin(angle)
+    for (a, b, c), widths in zip(forms, region.half_widths(), strict=True):
+        size = 1.0 / np.sqrt(a * x * x + b * x * y + c * y * y)
+        assert widths == pytest.approx([(size * x).max(), (size * y).max()], rel=1e-6)
+
+
+def test_attractors_are_looked_for_from_rest_and_not_below_the_cam(chapter, monkeypatch):
+    finder, seen = AttractorFinder(CellBatches(chapter, 358.5, settings()), 4000), []
+    monkeypatch.setattr(finder, "_settle", lambda q, v, *_: seen.extend(zip(q, v, strict=True)))
+    finder.look_around(WINDOW)
+    c, c1 = finder.batches.lift
+    assert (c, c1 * finder.batches.omega) in seen
+    assert min(q for q, _ in seen) == c
+    assert len(seen) > 100
+
+
 def test_an_orbit_is_admitted_once_and_only_if_it_attracts(finder, chapter):
     before = list(finder.attractors)
     for known in before:

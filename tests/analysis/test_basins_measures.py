@@ -39,6 +39,8 @@ def test_fractions_are_of_the_cells_above_the_cam():
     assert fractions(uniform, [1])[1] == (1.0, 0.0)
     assert entropies(uniform)["basin_entropy"] == 0.0
     assert not boundary(uniform).any()
+    codes = np.array([[-1, -1, -1, -1, -1], [-1, -1, 1, 1, 1], [1, 1, 1, 1, 2]])
+    assert boundary(codes).astype(int).tolist() == [[0] * 5, [0, 0, 0, 1, 1], [0, 0, 0, 1, 1]]
 
 
 @pytest.mark.parametrize("n", [50, 200])
@@ -72,6 +74,13 @@ def test_uncertainty_exponents_of_a_line_and_of_a_cantor_set(monkeypatch):
     smooth = uncertainty(Painted(lambda q, v: np.where(v < 0.3 + 0.2 * q, 0, 1)), UNIT)
     assert smooth.exponent == pytest.approx(1.0, abs=4.0 * smooth.error)
     assert smooth.dimension == pytest.approx(2.0 - smooth.exponent)
+    x, y, weight = (np.array(column) for column in zip(*smooth.rows, strict=True))
+    x, y = np.log(x), np.log(y)  # the line of least squares, weighted by the starts in doubt
+    middle = np.average(x, weights=weight), np.average(y, weights=weight)
+    square = (weight * (x - middle[0]) ** 2).sum()
+    slope = (weight * (x - middle[0]) * (y - middle[1])).sum() / square
+    assert smooth.exponent == pytest.approx(slope, rel=1e-9)
+    assert smooth.error == pytest.approx(1.0 / sqrt(square), rel=1e-9)  # 1/sqrt(n) of log n
     for nothing in (0, -1):  # no boundary; nothing decided
         assert uncertainty(Painted(lambda q, v, n=nothing: np.full(len(q), n)), UNIT) is None
     monkeypatch.setattr(measures, "STARTS", 60_000)

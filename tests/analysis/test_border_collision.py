@@ -2,7 +2,9 @@
 
 import random
 from math import inf, isclose, log, prod, sqrt
+from statistics import fmean, stdev
 
+import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -10,6 +12,7 @@ from hypothesis import strategies as st
 from camcli.analysis.border_collision import (
     NormalForm,
     Side,
+    _exponent,
     attractor,
     classify,
     cycle,
@@ -146,6 +149,27 @@ def test_chaos_exponent_of_the_lozi_map():
         total, tangent = total + log(size), (tangent[0] / size, tangent[1] / size)
         point = step(form.left, form.right, 1.0, *point)
     assert abs(found.exponent - total / steps) < 5.0 * found.spread + 1e-3
+    starts = [(0.1 + 0.01 * k, 0.002 * k) for k in range(24)]
+    means, errors, _ = zip(*(_exponent(form, *start, 1e6) for start in starts), strict=True)
+    assert 0.5 < fmean(errors) / stdev(means) < 2.0  # over independent runs
+
+
+def test_the_exponent_of_a_cycle_is_per_step():
+    """log of the spectral radius of the product along its word, over the length of the word."""
+    seen = set()
+    for pair in (sides(0.1, 0.3, -1.5, 0.3), sides(0.4, 0.1, -0.5, 0.2)):
+        for mu in (-1, 1):
+            found = attractor(*pair, mu)
+            assert found.kind in ("fixed-point", "cycle")
+            product = np.eye(2)
+            for name in found.word:
+                side = pair["LR".index(name)]
+                product = np.array([[side.trace, 1.0], [-side.det, 0.0]]) @ product
+            radius = np.abs(np.linalg.eigvals(product)).max()
+            assert found.exponent == pytest.approx(log(radius) / len(found.word), rel=1e-9)
+            assert found.period == len(found.word)
+            seen.add(found.period)
+    assert {1, 2} <= seen
 
 
 def test_motion_on_an_invariant_curve_is_not_called_chaos():

@@ -8,10 +8,19 @@ import numpy as np
 import pytest
 
 from camcli.analysis.explain.attractor import Carried
-from camcli.analysis.explain.changes import Event, Events, _change, changes_between
+from camcli.analysis.explain.changes import (
+    Event,
+    Events,
+    _change,
+    _concerns,
+    _persists,
+    changes_between,
+)
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
 from camcli.analysis.explain.saddles import find_saddles, monodromy
+from camcli.analysis.explain.tangency import UNSAMPLED, width
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
+from camcli.analysis.orbits.study import Bifurcation
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.output.explanations import crisis_sentences
 from tests.conftest import chapter_system, settings
@@ -81,6 +90,76 @@ def test_chaos_that_is_half_as_wide_again_is_another_attractor():
     narrow, wide = motion(700.0, "aperiodic", 0.2), motion(710.0, "aperiodic", 0.3)
     assert changes_between(narrow, wide)
     assert not changes_between(narrow, motion(710.0, "aperiodic", 0.22))
+
+
+def named(rpm, label, **more):
+    return SimpleNamespace(**{**vars(motion(rpm, label)), **more})
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "changes"),
+    [
+        ({"chatter": "complete", "period": 1}, {"chatter": "complete", "period": 1}, False),
+        ({"chatter": "complete", "period": 1}, {"chatter": "complete", "period": 2}, True),
+        ({"chatter": "complete", "period": 2}, {"chatter": "incomplete", "period": 2}, True),
+        ({"chatter": "none", "period": 1}, {"chatter": "none", "period": 1}, True),
+    ],
+)
+def test_impacts_before_a_rest_are_no_change(before, after, changes):
+    """Motions of other labels: where both rest, only the period counts."""
+    one, other = named(700.0, "P(1;2)", **before), named(710.0, "P(1;3)", **after)
+    assert changes_between(one, other) == changes_between(other, one) == changes
+
+
+@pytest.mark.parametrize(
+    ("rows", "persists"),
+    [
+        ([(700.0, True), (705.0, True), (710.0, True)], True),
+        ([(690.0, True), (720.0, True)], True),
+        ([(700.0, True), (705.0, True), (710.0, False)], False),
+        ([(700.0, False), (705.0, True), (710.0, True)], False),
+        ([(701.0, True), (709.0, True)], False),
+        ([], False),
+    ],
+)
+def test_an_orbit_persists_where_it_attracts_on_both_sides(rows, persists):
+    a, b = named(700.0, "P(1;1)", orbit="one"), named(710.0, "aperiodic")
+    points = [SimpleNamespace(value=x, label="P(1;1)", stable=stable) for x, stable in rows]
+    points += [SimpleNamespace(value=x, label="P(2;1:1)", stable=True) for x in (600.0, 800.0)]
+    found = Events([], [], [SimpleNamespace(points=points)], Cost())
+    assert _persists(found, a, a, b) == persists
+
+
+@pytest.mark.parametrize(
+    ("turns", "of_motions", "concerns"), [(1, (2, 4), True), (2, (4, 3), True), (2, (1, 3), False),
+                                          (2, (1, 1), False), (3, (2, 6), True)],
+)  # fmt: skip
+def test_an_event_concerns_what_doubles_from_its_orbit(turns, of_motions, concerns):
+    """The turns of a motion are a multiple of those of the orbit, not the other way round."""
+    a, b = (
+        named(rpm, f"P({n};...)", orbit=SimpleNamespace(turns=n))
+        for rpm, n in zip((700.0, 710.0), of_motions, strict=True)
+    )
+    source = Bifurcation.__new__(Bifurcation)
+    object.__setattr__(source, "orbit", SimpleNamespace(turns=turns, stable=False))
+    assert _concerns(Event(705.0, 0.0, "fold", "another", source=source), a, b) == concerns
+
+
+@pytest.mark.parametrize(
+    ("stays", "leaves", "change", "solved", "error"),
+    [
+        (704.9, 705.2, 0.0, (), 0.6),  # three lifetimes of the farther of the two runs
+        (704.9, 705.2, 0.0, (704.95,), 0.05),  # the next fold is nearer
+        (704.9, 705.2, 0.3, (704.95,), 0.3),  # the last period moved it by more
+        (704.3, 704.6, 0.0, (704.999,), 0.4),  # a run has left that much before
+        (705.0, 705.0, 0.0, (), 705.0 * UNSAMPLED),
+    ],
+)
+def test_the_error_of_a_tangency_is_the_largest_of_what_is_known(
+    stays, leaves, change, solved, error
+):
+    carried = SimpleNamespace(stays=stays, leaves=leaves, way=lambda rpm: abs(rpm - 700.0))
+    assert width(carried, 705.0, change, [705.0, *solved]) == pytest.approx(error, rel=1e-9)
 
 
 def test_an_event_belongs_to_an_interval_that_its_error_reaches():

@@ -2,15 +2,19 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label
-from camcli.analysis.orbits.identify import identify, solve_from
+from camcli.analysis.orbits.identify import identify, largest_growth, solve_from
 from camcli.analysis.orbits.same_orbit import same_orbit, same_states, shortest_period
 from camcli.analysis.orbits.search import find
+from camcli.cams.eccentric import EccentricCam
+from camcli.kernel.orbit_loop import DETACHMENT, IMPACT
+from camcli.system import Follower, System, omega_of
 from tests.conftest import chapter_system, settings
 
 
@@ -98,3 +102,28 @@ def test_a_cycle_through_a_rest_closes_to_rounding_or_is_none():
     assert identify(system, 190.0, tape).label == "P(1;inf)"
     ends = tape.strobe_w + 1e-9 * (-1) ** np.arange(10)
     assert identify(system, 190.0, replace(tape, strobe_w=ends), longest=1) is None
+
+
+def test_a_phase_error_grows_from_hop_to_hop_as_by_hand():
+    """On a dwell without a spring, gap'' = -G: everything about an error is elementary.
+
+    Half a hop after lift-off a phase error d is a difference (u, u/s) d of gap and rate. It lands
+    -dq/u later, and leaves with -r dq, -r dw - (1 + r) G dq/u.
+    """
+    follower = Follower(mass=2.0, stiffness=0.0, gravity=9.81, preload=5.0, restitution=0.6)
+    cam = EccentricCam(kind="eccentric", base=0.1, lift=1e-300)
+    system, rpm = System.build(follower, cam), 300.0
+    theta, u = np.array([1.0, 1.05, 1.17, 1.40, 1.5]), np.array([0.0, -0.03, -0.02, -0.05, -0.01])
+    kind = np.array([DETACHMENT, *[IMPACT] * 4])
+    record = SimpleNamespace(kind=kind, period=np.zeros(5, int), theta=theta, u=u)
+    pull = (9.81 + 5.0 / 2.0) / omega_of(rpm) ** 2
+    (dq, dw), grown = (-u[1], -u[1] / (theta[1] - theta[0])), [1.0]
+    for k in (2, 3, 4):
+        dq, dw = -0.6 * dq, -0.6 * dw - 1.6 * pull * dq / u[k - 1]
+        dq += (theta[k] - theta[k - 1]) * dw
+        grown.append(abs(dq / u[k]))
+    for count in (2, 3, 4, 5):
+        cut = SimpleNamespace(**{name: values[:count] for name, values in vars(record).items()})
+        found = largest_growth(system, rpm, cut, range(1))
+        assert found == pytest.approx(max(grown[: count - 1]), rel=1e-9)
+    assert max(grown) > 4.0

@@ -13,8 +13,8 @@ from camcli.analysis.integrate import Orbit
 from camcli.analysis.orbits.identify import newton_from, solve_from
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.analysis.orbits.single_impact import single_impact_roots
-from camcli.kernel.cam_table import TURN
+from camcli.analysis.orbits.single_impact import _Equation, single_impact_roots
+from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.system import omega_of
 from tests import oracle, orbit_oracle
 from tests.conftest import chapter_system, settings
@@ -212,3 +212,17 @@ def repeats(system, rpm, orbit):
         size = max(abs(s[j]) for s in orbit.states)
         for k in range(2 * orbit.turns):
             assert abs(float(column[k]) - orbit.states[k % orbit.turns][j]) < 1e-10 * size
+
+
+@pytest.mark.parametrize("restitution", [0.2, 0.8])
+def test_the_rate_where_every_flight_is_back(restitution):
+    """At half a natural period a turn, w_out = -w_in: c' + v = -(c' - v/r), v = 2 r c'/(1 - r)."""
+    system = chapter_system(restitution=restitution)
+    f = system.follower
+    equation = _Equation(Shooter(system, 700.0), 2.0 * (f.stiffness / f.mass) ** 0.5 * 30 / pi, 1)
+    assert abs(equation.B) < 1e-12
+    for deg in (100.0, 130.0, 155.0):
+        i = stretch_at(system.cam, deg * pi / 180.0)
+        _, slope, _ = lift_at(system.cam, i, deg * pi / 180.0)
+        wanted = 2.0 * restitution * slope / (1.0 - restitution)
+        assert equation.rate(i, deg * pi / 180.0) == pytest.approx(wanted, rel=1e-9)

@@ -86,6 +86,27 @@ def test_a_file_that_is_no_table_is_refused(tmp_path, text, words):
     assert words in fault(tmp_path, text)
 
 
+def test_ends_of_a_table_may_be_off_by_its_last_digit(tmp_path):
+    """Of the lobe alone its ends may show one digit; of a whole turn the last row two more."""
+    rows = [row.split(",") for row in FINE.splitlines()[1:]]
+    lobe = [(int(deg), lift) for deg, lift in rows if float(lift) > 2e-4]
+    for digits, refused in ((1, False), (2, True)):
+        ends = (lobe[0][0] - 1, f"{digits / 1e4:.4f}"), (lobe[-1][0] + 1, "0.0000")
+        text = "deg,lift\n" + "".join(f"{a},{c}\n" for a, c in (ends[0], *lobe, ends[1]))
+        if refused:
+            assert "an open end" in fault(tmp_path, text)
+        else:
+            scene(tmp_path, text)
+    flank = "deg,lift\n" + "".join(f"{k},{rows[(k + 140) % 360][1]}\n" for k in range(360))
+    begin = [round(1e4 * float(row.split(",")[1])) for row in flank.splitlines()[1:3]]
+    slope = (begin[1] - begin[0]) // 4  # the angle may be off by a quarter of a row
+    assert slope > 20
+    for text, first, most in ((FINE, 0, 2), (flank, begin[0], 2 + slope)):
+        scene(tmp_path, text + f"360,{(first + most) / 1e4:.4f}\n")
+        found = fault(tmp_path, text + f"360,{(first + most + 1) / 1e4:.4f}\n")
+        assert "the last row is one turn after the first" in found
+
+
 def test_bad_rows_of_one_cause_are_one_fault(tmp_path):
     rows = [f"{line.split(',')[0]},x" for line in LINES[1:]]
     rows[7] = "35,nan"

@@ -17,6 +17,8 @@ from mpmath import mp
 from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.compile import Part
 from camcli.exact.first_root import sharpened
+from camcli.exact.machine import Machine, Stretch
+from camcli.exact.motion import Motion, Trail
 from camcli.exact.shooting import NotProvedError, Shooting, Step
 from camcli.system import Follower
 
@@ -202,3 +204,49 @@ def test_the_closed_form_of_the_orbit_is_a_motion():
     back = slope - rate / r
     assert back == pytest.approx(-out)
     assert phase == pi / 2.0
+
+
+def chatter(restitution: float, dip: float, rate: float = 0.01) -> tuple[Motion, float]:
+    """A motion after an impact, and where its chatter ends by summing the hops.
+
+    gap'' = -1 but for the fall of the first hop, where it is -dip; then hops shrink by r.
+    """
+    deepest = arb(dip).union(arb(1))
+    cam = Stretch(arb(0), arb(6), lambda theta: theta, arb(0),
+                  lambda theta: [arb(0, 1), arb(0, 1), deepest - 1, arb(0, 1)])  # fmt: skip
+    follower = Follower(mass=1.0, stiffness=0.0, gravity=1.0, restitution=restitution)
+    motion = Motion.__new__(Motion)
+    motion.machine, motion.trail, motion.chattered = Machine([cam], follower, 30.0 / pi), Trail(), 0
+    motion.phi, motion.rate, motion.fall = arb(1), arb(rate), arb(1)
+    motion.turn, motion.strobe, motion.i, motion.n = motion.machine.turn, arb(0), 0, 0
+    longer = 1.0 / sqrt(dip)  # of the fall, and the rate of its landing is smaller by as much
+    first, after = rate * (1.0 + longer), restitution * rate / longer
+    return motion, 1.0 + first + 2.0 * after / (1.0 - restitution)
+
+
+@pytest.mark.parametrize(
+    ("restitution", "dip"), [(0.5, 1.0), (0.5, 0.797), (0.45, 0.8), (0.0, 0.9)]
+)
+def test_the_ball_of_a_chatter_holds_its_end(restitution, dip):
+    """Where the pull varies by k^2 within a hop the end may come before 2 v/(1 - r)."""
+    motion, end = chatter(restitution, dip)
+    assert motion._accumulates()
+    (ball,) = motion.trail.chatters
+    assert ball.overlaps(arb(end, 1e-14))
+    assert ball.rad() < 0.02
+    if (restitution, dip) == (0.5, 0.797):
+        assert end < 1.0 + 0.01 * 2.0 / (1.0 - restitution)
+
+
+@pytest.mark.parametrize(("restitution", "dip"), [(0.8, 0.6), (1.0, 1.0), (0.3, 0.2), (0.5, -0.1)])
+def test_a_chatter_whose_hops_need_not_shrink_is_refused(restitution, dip):
+    """r k >= 1, no loss, a pull that varies by more than 4, one that may vanish."""
+    cam = abs(dip)
+    motion, _ = chatter(min(restitution, 0.9), cam)
+    stretch = motion.machine.stretches[0]
+    lowest = arb(dip).union(arb(1)) - 1
+    changed = replace(stretch, slopes=lambda theta: [arb(0, 1), arb(0, 1), lowest, arb(0, 1)])
+    motion.machine = Machine([changed], replace(FOLLOWER, stiffness=0.0, gravity=1.0,
+                                                restitution=restitution), 30.0 / pi)  # fmt: skip
+    assert not motion._accumulates()
+    assert motion.trail.chatters == []

@@ -125,3 +125,17 @@ def test_a_rest_is_known_by_gap_and_rate():
         rests = [Rest(after.gap[0], rate, FORGOTTEN)]
         targets = NOTHING._replace(rests=rests, watch_rests=1, near=1e-9)
         assert ends(team, 5, targets, STARTS[:1]).outcome[0] == outcome
+
+
+def test_a_stay_is_in_the_boxes_of_one_attractor():
+    """A motion to and fro between two boxes, at 740 rpm, one on either side of q = 1.3615."""
+    team = batches(740.0)
+    begin = engine.Orbit(system(), 740.0, settings(600, 1)).run()
+    start = [(float(begin.strobe_q[0]), float(begin.strobe_w[0]) * team.omega)]
+    lift = team.lift[0]
+    table = NOTHING._replace(
+        gap=1.3615 - lift - 0.5, per_gap=2.0, rate=-100.0, per_rate=0.005, columns=2, rows=1
+    )
+    for boxes, outcome in (([1, 2], UNDECIDED), ([1, 1], 0), ([2, 2], 1)):
+        targets = table._replace(boxes=boxes, stay=[3, 3])
+        assert ends(team, 12, targets, start).outcome[0] == outcome, boxes

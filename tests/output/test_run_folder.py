@@ -238,3 +238,18 @@ def test_of_runs_that_begin_at_once_in_a_new_folder_one_is_whole(tmp_path):
         assert set(found) <= {wanted, "found another run at work here"}
         if wanted == "whole":
             assert sorted(path.name for path in there.iterdir()) == ["a.csv", "run.json"]
+
+
+def test_a_picture_is_kept_only_with_the_same_numbers_of_the_same_scene(tmp_path):
+    with run_folder(tmp_path) as run:
+        run.write_text("a.csv", ["1"])
+        run.write_text("b.png", ["drawn"])
+        record = {"artefacts": run.hashes, "scene_sha256": "scene-of-1"}
+        run.write_text("run.json", [json.dumps(record)])
+        run.commit()
+    drawn = sha256(b"drawn").hexdigest()
+    for number, scene, kept in (("1", "scene-of-1", {"b.png": drawn}), ("2", "scene-of-1", {}),
+                                ("1", "scene-of-2", {})):  # fmt: skip
+        with run_folder(tmp_path) as run:
+            run.write_text("a.csv", [number])
+            assert run.keep_pictures(["b.png"], scene) == kept

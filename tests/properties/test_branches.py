@@ -1,8 +1,10 @@
 """Along a branch nothing changes without an event: what `stable` says is never left unexplained."""
 
+from fractions import Fraction
 from itertools import pairwise
 from math import pi
 from random import Random
+from types import SimpleNamespace
 
 import pytest
 from mpmath import cos, exp, findroot, mp, mpf, radians, sin, sqrt
@@ -10,7 +12,8 @@ from mpmath import cos, exp, findroot, mp, mpf, radians, sin, sqrt
 from camcli.analysis.integrate import budgeted
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.locate import beyond_both
+from camcli.analysis.orbits.kinds import Kind
+from camcli.analysis.orbits.locate import ERRORS, Bracket, _bracket, _root_of, beyond_both
 from camcli.analysis.orbits.study import Question, orbits
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
@@ -227,3 +230,29 @@ def test_no_machine_gains_or_loses_stability_without_an_event(seed):
     assert not unexplained(result)
     for branch in result.branches:
         assert all(low <= point.value <= high for point in branch.points)
+
+
+@pytest.mark.parametrize("relative", ERRORS)
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_bracket_of_an_event_holds_its_zero(relative, side):
+    """The test function is zero 0.9 widths off the root: the width that is told reaches it."""
+    zero = 700.0 * (1.0 + 0.9 * side * relative)
+    shooter = SimpleNamespace(moved=lambda root, value: SimpleNamespace(value=value))
+    width, status = _bracket(shooter, SimpleNamespace(value=700.0), lambda root: root.value - zero)
+    assert status == Bracket.OK
+    assert abs(zero - 700.0) <= width <= 2.0 * abs(zero - 700.0)
+
+
+@pytest.mark.parametrize("at", [Fraction(3, 10), Fraction(2, 3), Fraction(1, 7)])
+def test_the_error_of_a_fold_reaches_the_ends_of_its_bracket(at):
+    """A steep turn of the parameter between two lengths that doubles tell apart."""
+
+    def root(_, length):
+        off = Fraction(length) - at
+        slope = -1.0 if off > 0 else 1.0
+        return SimpleNamespace(value=float(700 - 10**7 * abs(off)), tangent=[slope], x=[length])
+
+    step = SimpleNamespace(at=root, length=1.0, before=root(0, 0.0), after=root(0, 1.0))
+    found = _root_of(None, step, Kind.FOLD, lambda one: one.tangent[-1], 1.0, -1.0)
+    assert found.status == Bracket.OK
+    assert abs(found.root.value - 700.0) <= found.error <= 1e7 * 1e-12

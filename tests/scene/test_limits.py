@@ -146,3 +146,15 @@ def test_the_limits_are_all_there():
     found = {(kind if path[0] == "cam" else "", path[0]) for kind, path, *_ in LIMITS}
     assert {kind for kind, _ in found} == {"", *CAMS}
     assert {section for _, section in found} == {"cam", "plot", "simulate", "bench", *WHOLE}
+
+
+def test_a_zoom_may_reach_the_ends_of_the_range_and_no_further():
+    for low, high, inside in ((660, 760, True), (700, 660, True), (659.999, 700, False),
+                              (700, 760.001, False), (700, 700, False)):  # fmt: skip
+        asked = {"sweep.rpm": {"start": 760.0, "stop": 660.0, "num": 3},
+                 "sweep.zoom": [{"start": float(low), "stop": float(high), "num": 3}]}  # fmt: skip
+        if inside:
+            load_scene(None, asked)
+        else:
+            with pytest.raises(SceneError, match="within 660 to 760"):
+                load_scene(None, asked)

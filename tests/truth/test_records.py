@@ -10,6 +10,7 @@ import hashlib
 import json
 import os
 import platform
+import re
 from dataclasses import replace
 from importlib.metadata import version
 from itertools import groupby, pairwise
@@ -458,6 +459,9 @@ def test_orbits():
     at = [row for row in branch if row["rpm"] == 2700.0]
     with mp.workdps(30):
         machine = Machine.of(scene_at(2700.0))
+        corners = [row for row in events if row["kind"] == "corner-impact"]
+        assert corners
+        assert all(signs_said(result.summary["words"], row) for row in corners)
         same(result.summary, {
             "status": "ok", "words": texts, "continua": [], "curves": [],
             "orbits": [orbit_record(row) for row in at],
@@ -473,6 +477,19 @@ def test_orbits():
                 "ranges": lambda found: ranges_cover(found, branch, events),
             },
         }, close=1e-9)  # fmt: skip
+
+
+def signs_said(words: list[str], row: dict[str, Any]) -> bool:
+    """The sentence of a proved corner impact has the signs that its two linear parts give."""
+    tl, dl, tr, dr = (row[x] for x in ("trace_left", "det_left", "trace_right", "det_right"))
+    (said,) = (
+        text for text in words if text.startswith(f"proved: corner-impact of {row['label']}")
+    )
+    products = {
+        "(1 - tau_L + delta_L)(1 - tau_R + delta_R)": (1 - tl + dl) * (1 - tr + dr),
+        "(1 + tau_L + delta_L)(1 + tau_R + delta_R)": (1 + tl + dl) * (1 + tr + dr),
+    }
+    return all(f"{text} {'>' if x > 0.0 else '<'} 0" in said for text, x in products.items())
 
 
 def ranges_cover(found: list[dict[str, Any]], branch: list[dict], events: list[dict]) -> bool:
@@ -559,6 +576,13 @@ def test_classify():
     columns = ["rpm", "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period",
                "status", "holds_for"]  # fmt: skip
     assert list(table) == columns
+    never = [m["turns"] for m in result.summary["motions"] if m["label"] == "aperiodic"]
+    (over, rarer) = re.search(
+        r"aperiodic was shown over (\d+) turns .* is rarer than once in (\d+) turns",
+        " ".join(result.summary["words"]),
+    ).groups()
+    assert int(over) == min(never)
+    assert np.exp(-int(over) / int(rarer)) == pytest.approx(0.05, rel=0.04)
     same(result.summary, {"words": texts, "motions": motions}, close=1e-9)
 
 

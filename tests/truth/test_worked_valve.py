@@ -10,13 +10,19 @@ from __future__ import annotations
 import json
 import re
 from math import acos, atan2, cos, degrees, hypot, inf, pi, radians, sin, sqrt
+from statistics import fmean
 
 import pytest
+import yaml
 from conftest import cam_in, rows
+
+import camcli
+from camcli.kernel.cam_table import lift_at, stretch_at
+from camcli.output.detach import machine
 
 MASS, STIFFNESS, PRELOAD, GRAVITY, RESTITUTION = 0.25, 40_000.0, 300.0, 9.81, 0.5
 BASE, LIFT, START, LENGTH = 0.002, 0.010, 110.0, 70.0
-WIDTH, RADIUS, MODULUS = 0.012, 0.018, 1.154e11
+WIDTH, RADIUS, MODULUS = 0.012, 0.030, 1.154e11
 TOP_SPEED, FROM, TO = 4000.0, 3000.0, 3800.0
 SCENE = f"""
 follower: {{mass: {MASS}, stiffness: {STIFFNESS}, damping: 0, gravity: {GRAVITY},
@@ -202,7 +208,14 @@ def test_the_springs_that_hold(detach):
 def test_the_forces_and_the_pressure_of_a_follower_kept_on_the_cam(detach):
     """p = sqrt(F E*/(pi w rho)) on a flat face, rho = r_b + (c - base) + c_thetatheta."""
     screen, folder, result = detach
-    for rpm, least, at, most, _ in table(screen, "Contact force if the follower is kept"):
+    pressures: dict[str, float] = {}
+    for row in rows(folder / "force.csv"):
+        pressed = float(row["pressure_pa"] or 0.0)
+        pressures[row["rpm"]] = max(pressed, pressures.get(row["rpm"], 0.0))
+    told = table(screen, "Contact force if the follower is kept")
+    assert len(told) == len(pressures)
+    for (rpm, least, at, most, pressed), highest in zip(told, pressures.values(), strict=True):
+        assert near(pressed, 1e-6 * highest)
         value = next(row["rpm"] for row in result["least_force"] if near(rpm, row["rpm"]))
         assert near(least, force(value, pi))
         assert near(at, 180.0)
@@ -275,3 +288,90 @@ def test_a_profile_and_a_motion(tmp_path):
     assert near(first[2], degrees(landing))
     assert near(first[3], -impact)
     assert near(first[4], RESTITUTION * impact)
+
+
+def test_the_rows_of_the_machine():
+    """As the page for print has them."""
+    result = camcli.detach(camcli.load_scene(yaml.safe_load(SCENE)))
+    said = dict(machine(result))
+    assert said == {
+        "machine": "", "mass": "0.25 kg", "spring": "40 N/mm", "damping": "0 N s/m",
+        "force at lowest lift": f"{PRELOAD + STIFFNESS * BASE:g} N",
+        "force at full lift": f"{PRELOAD + STIFFNESS * ENDS:g} N",
+        "restitution": "0.5", "lift": "10 mm", "cam": said["cam"],
+    }  # fmt: skip
+
+
+CRANK = """
+cam: {kind: table, file: lift.csv, header: true, angle_column: 1, lift_column: 2, angle: crank,
+      lift: mm, zero_deg: 0, direction: same, base: 0.002}
+"""
+
+
+def test_a_measured_cam_in_degrees_of_the_crank(tmp_path):
+    """The same lobe from a table of three decimals, at every degree of the crank."""
+    phases = [0.5 * k for k in range(720)]
+    lifts = [round(1e3 * (lobe(radians(theta))[0] - BASE), 3) for theta in phases]
+    lines = [f"{2 * theta:g},{lift:.3f}" for theta, lift in zip(phases, lifts, strict=True)]
+    (tmp_path / "lift.csv").write_text("crank_deg,mm\n" + "\n".join(lines) + "\n")
+    text = SCENE.split("cam:")[0] + CRANK + "detach: {" + SCENE.split("detach: {")[1]
+    (tmp_path / "valve.yaml").write_text(text)
+    line = f"detach -c valve.yaml --hold-to {TOP_SPEED:g} --no-plot -o out"
+    done = cam_in(tmp_path, line, code=0)
+    record = json.loads((tmp_path / "out/run.json").read_text())
+    found = record["error"]["lift_table"]
+    holds, error, crank = re.search(
+        r"Contact holds up to (\S+) \+- (\S+) rpm of the cam \((\S+) of the crank\)",
+        done.stdout.replace("\n", " "),
+    ).groups()
+    low, high = found["first_detachment_rpm"]
+    true = detaches(STIFFNESS, PRELOAD)
+    assert low < true < high
+    (rpm,) = [
+        float(row["rpm"])
+        for row in rows(tmp_path / "out/detach.csv")
+        if row["quantity"] == "first_detachment"
+    ]
+    assert near(holds, rpm)
+    assert near(crank, 2.0 * rpm)
+    widest, last = max(rpm - low, high - rpm), 10.0 ** -len(error.partition(".")[2])
+    assert widest <= float(error) < widest + last
+    past = table(done.stdout, "Past the loss of contact")
+    kept = table(done.stdout, "Contact force if the follower is kept")
+    for cam, turns_twice, *_ in [*past, *kept]:
+        last = 10.0 ** -len(cam.partition(".")[2])  # each is rounded by itself
+        assert abs(float(turns_twice) - 2.0 * float(cam)) <= 1.5 * last
+
+    system = result_system(tmp_path / "valve.yaml")
+    off = [
+        lift_at(system.cam, stretch_at(system.cam, radians(theta)), radians(theta))[0]
+        - BASE - 1e-3 * lift
+        for theta, lift in zip(phases, lifts, strict=True)
+    ]  # fmt: skip
+    fit = re.search(
+        r"(\d+) rows, lift (\S+) mm, last digit (\S+) um; the cam is within (\S+) um rms, "
+        r"(\S+) um at most \(line (\d+)\)",
+        done.stderr.replace("\n", " "),
+    ).groups()
+    assert (int(fit[0]), float(fit[1]), float(fit[2])) == (720, 10.0, 1.0)
+    moving = [x for x, lift in zip(off, lifts, strict=True) if lift > 0.0]
+    assert near(fit[3], 1e6 * sqrt(fmean(x * x for x in moving)))
+    largest = max(range(720), key=lambda k: abs(off[k]))
+    assert near(fit[4], 1e6 * abs(off[largest]))
+    assert abs(off[int(fit[5]) - 2]) == pytest.approx(abs(off[largest]), rel=1e-6)
+    bound, share, standard, bending, worst = re.search(
+        r"within (\S+) m/rad2, (\S+) % of its largest \((\S+) standard error of its noise, (\S+) "
+        r"by smoothing; every digit at its worst: (\S+)\)",
+        done.stdout.replace("\n", " "),
+    ).groups()
+    assert near(share, 100.0 * found["bound"] / found["accel"])
+    assert float(bound) == pytest.approx(3.0 * float(standard) + float(bending), rel=0.1)
+    for said, name in ((bound, "bound"), (standard, "standard"), (bending, "bending"),
+                       (worst, "worst")):  # fmt: skip
+        assert near(said, found[name])
+    assert found["accel"] == pytest.approx(NOSE, rel=0.1)
+
+
+def result_system(path):
+    scene = camcli.load_scene(path)
+    return camcli.simulate(scene, profile_only=True).system
