@@ -227,7 +227,7 @@ def test_units_angles_and_directions(tmp_path):
     written(lambda a: a, lambda b: f"{float(b) / 10:.5f}", rocker_ratio=10)
     written(lambda a: a, str, rocker_ratio=10, measured_at="valve")
     written(lambda a: a, lambda b: f"{float(b) * 1000:.1f}", lift="um")
-    written(lambda a: a, lambda b: f"{float(b) / 0.0254:.8f}", lift="thou")
+    written(lambda a: a, lambda b: f"{float(b) / 0.0254:.12f}", lift="thou")
     written(lambda a: a, lambda b: f"{float(b) + 18:.4f}", subtract=18)
     mirrored = build(scene(tmp_path, table(lobe, 1), direction="reversed", zero_deg=30).cam)
     for deg in (120.0, 150.25, 200.0, 233.0):

@@ -68,10 +68,3 @@ def test_what_is_too_fast_to_be_shown_is_refused_before_any_work(cam, tmp_path):
         "rows a turn, at rpm = 660 and follower.stiffness = 1e+12, expected at most 10937",
     )
     assert list(tmp_path.iterdir()) == []
-
-
-def test_no_motion_at_all_is_said_and_makes_no_page(cam, tmp_path):
-    """Nothing presses the follower to the cam, and it never returns."""
-    done = cam("explore --set follower.stiffness=0 --points 3", FEW, "--open", code=3)
-    assert "no whole turn of any motion was recorded: no page to show" in done.stderr
-    assert [path.name for path in (tmp_path / "out/explore").iterdir()] == ["run.json"]

@@ -69,8 +69,9 @@ def test_the_machine_is_that_of_the_scene(page):
     machine, values = CASES[name]
     assert {*data} == {
         "source", "kind", "follower", "strobe_deg", "corners", "speeds", "outline", "cam",
-        "motions", "rows", "events", "points", "branches", "bifurcations", "planes",
+        "motions", "rows", "events", "points", "branches", "bifurcations", "planes", "measured",
     }  # fmt: skip
+    assert data["measured"] == ""  # a law is known exactly
     for key, value in data["follower"].items():
         assert value == getattr(machine, key)
     assert data["source"] == "-c x.yaml"
