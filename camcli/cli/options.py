@@ -200,8 +200,8 @@ class _Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Of an option that takes one value and is given twice only the last would count."""
-        _, _, order = self.make_parser(ctx).parse_args(args=[*args])
-        times = Counter(o for o in order if o.param_type_name == "option" and not o.is_flag)
+        given: list[Any] = self.make_parser(ctx).parse_args(args=[*args])[2]
+        times = Counter(o for o in given if o.param_type_name == "option" and not o.is_flag)
         if twice := [(o, n) for o, n in times.items() if n > 1 and not o.multiple]:
             raise SceneError(*(_repeated(o.opts[0], n) for o, n in twice))
         return super().parse_args(ctx, args)
