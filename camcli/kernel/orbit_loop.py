@@ -46,9 +46,6 @@ OK, LOG_FULL, IMPACT_BUDGET, NO_RETURN, UNRESOLVED, PAUSED, *_ = map(int, Status
 RESTING = 3  # a mode beside FREE, BOUNCED, RELEASED
 # 2 pi in two parts, the first of 40 bits: its products with small integers are exact.
 TURN_HIGH, TURN_LOW = 6.283185307176609, 2.9774189921946493e-12
-# rad: of a lower hop the difference of two lifts, each known to some 1e-19 of its size, has fewer
-# digits than the hop itself has: of one of 1.8e-7 rad it leaves the phase off by 300 roundings.
-LOWEST = 3e-5
 SMALL = 1e-8  # rad, and in units of u/accel: a step for which Newton's is exact
 MOST_STEPS_BETWEEN = 100_000  # without an impact or a corner
 
@@ -211,11 +208,12 @@ def landing(cam, const, state, i, theta, rate, rest, code, work):
     level to slope_rest are the lift and slope there, with which the next flight begins: an orbit
     multiplies what a landing leaves out. Too close to a graze, where a step would say nothing, and
     beyond the stretch the phase reached is returned in one double. A short hop keeps that of `fly`,
-    in relative coordinates throughout; one onto a dwell across a corner from LOWEST down.
+    in relative coordinates throughout, across corners too: the difference of two lifts, each known
+    to some 1e-19 of its size, has fewer digits than a low hop has.
     """
     turns = TURN_HIGH * state.wraps
     hop = turns + (theta - state.from_theta)
-    if code == EXACTLY or hop <= LOWEST or (code == LANDED and is_near(const, hop)):
+    if code == EXACTLY or is_near(const, hop):
         state.rest = state.from_rest + rest
         return theta, rate
     if not state.from_known:
