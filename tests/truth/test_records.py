@@ -81,8 +81,13 @@ def test_what_was_run_with_what_and_at_which_cost(tmp_path):
     other = other.save(tmp_path / "other", plot=False)
     assert other["scene_sha256"] != record["scene_sha256"]
     seconds = record["cost"]["seconds"]
+    begin = TURN * record["scene"]["run"]["transient"]
+    hardest = max(-event.u_minus for event in own if event.at >= begin)
+    lands = (
+        f"At 1500 rpm of the cam contact is lost: the follower lands at up to {hardest:.2g} m/s."
+    )
     same(record, {
-        "command": "simulate",
+        "command": "simulate", "verdict": [lands],
         "scene": lambda found: found["cam"]["lift"] == 0.012,
         "scene_sha256": lambda text: len(bytes.fromhex(text)) == 32,
         "options": {"plot": False},
