@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from typing import Any
 
-from camcli.analysis.integrate import ROUNDING_M, Cost
+from camcli.analysis.integrate import Cost
 from camcli.output.program import program_hash
 from camcli.system import System
 
@@ -17,6 +17,8 @@ PACKAGES = (
     "camcli", "numpy", "numba", "scipy", "pydantic", "matplotlib", "typer", "rich", "pyyaml",
     "python-flint",
 )  # fmt: skip
+
+LAST_DIGITS = 2.0**-50  # of a length: four roundings of the largest c in the sum of its polynomial
 
 
 def cost_record(cost: Cost, seconds: float, from_disk: int = 0) -> dict[str, Any]:
@@ -38,7 +40,7 @@ def error_record(tolerance: float, system: System) -> dict[str, Any]:
     """Bounds on the error of one event; the orbit's own stretching multiplies them."""
     return {
         "accumulation_phase_turns": tolerance,
-        "contact_gap_m": ROUNDING_M * max(1.0, abs(system.cam.top)),
+        "contact_gap_m": LAST_DIGITS * max(abs(system.cam.top), system.lift),
         "meaning": "bound for each event; a chaotic orbit multiplies it by its own stretching",
     }
 

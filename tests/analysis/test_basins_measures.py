@@ -84,11 +84,11 @@ def test_uncertainty_exponents_of_a_line_and_of_a_cantor_set(monkeypatch):
     for nothing in (0, -1):  # no boundary; nothing decided
         assert uncertainty(Painted(lambda q, v, n=nothing: np.full(len(q), n)), UNIT) is None
     monkeypatch.setattr(measures, "STARTS", 60_000)
-    cantor = uncertainty(Painted(lambda q, v: _gap_level(q) % 2), UNIT)
+    cantor = uncertainty(Painted(lambda q, v: gap_level(q) % 2), UNIT)
     assert cantor.exponent == pytest.approx(1.0 - log(2.0) / log(3.0), abs=0.04)
 
 
-def _gap_level(q):
+def gap_level(q):
     """Which generation of removed thirds holds each number."""
     x, level = np.mod(q, 1.0), np.zeros(len(q), dtype=int)
     for n in range(1, 16):

@@ -45,12 +45,18 @@ def unexplained(result):
 
 
 def same(point, event):
-    """True where a point of a branch is an event, seen from either side."""
-    near = abs(point.value - event.value) <= 1e-12 * abs(event.value)
-    phases = zip(point.theta, event.theta, strict=True) if near else ()
-    return (
-        near and len(point.theta) == len(event.theta) and all(abs(a - b) < 1e-6 for a, b in phases)
-    )
+    """True where a point of a branch is an event, seen from either side.
+
+    The event of a doubled orbit is one of the single orbit, gone through twice; nearer to it than
+    1e-10 the multiplier of the doubled one, which is 1 there, is above or below that by rounding.
+    """
+    if abs(point.value - event.value) > 1e-10 * abs(event.value) or len(point.theta) % len(
+        event.theta or (0.0,)
+    ):
+        return False
+    times = len(point.theta) // max(1, len(event.theta))
+    away = (abs(a - b) for a, b in zip(point.theta, event.theta * times, strict=True))
+    return all(min(x, 2 * pi - x) < 1e-6 for x in away)
 
 
 def study(system, rpm, low, high, parameter="rpm", points=30, label=None, starts=3):
@@ -213,8 +219,8 @@ def machine_of(rng):
     return system, omega * 30 / pi
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_no_machine_gains_or_loses_stability_without_an_event(seed):
+def explained(seed):
+    """Follow the orbits of a machine: each change of stability is told."""
     rng = Random(seed)
     system, rpm = machine_of(rng)
     parameter = rng.choice(["rpm", "restitution", "damping", "stiffness", "preload"])
@@ -230,6 +236,11 @@ def test_no_machine_gains_or_loses_stability_without_an_event(seed):
     assert not unexplained(result)
     for branch in result.branches:
         assert all(low <= point.value <= high for point in branch.points)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_machine_gains_or_loses_stability_without_an_event(seed):
+    explained(seed)
 
 
 @pytest.mark.parametrize("relative", ERRORS)

@@ -303,13 +303,15 @@ class Machine:
 
     def highest_gap(self, flight: Flight) -> float:
         """The largest q - c of a flight; 30 digits are more than a hop lower than a rounding."""
-        best, around = -np.inf, (0.0, flight.span)
+        found = []
         for a, b in pairwise(self.lift.cuts(flight.theta, flight.theta + flight.span)):
             s = np.linspace(a - flight.theta, b - flight.theta, 200 + int(400 * (b - a)))
             values = self.gaps(flight, s)
             k = int(values.argmax())
-            if values[k] > best:
-                best, around = values[k], (s[max(k - 1, 0)], s[min(k + 1, len(s) - 1)])
+            # of a low hop the samples are as much rounding as gap: the highest is near k
+            found.append((values[k], s[max(k - 12, 0)], s[min(k + 12, len(s) - 1)]))
+        best = max(value for value, *_ in found)
+        near = [ends for value, *ends in found if value >= best * (1.0 - 1e-2)]
         with mp.workdps(30):
             theta, omega = mpf(flight.theta), mpf(self.rpm) * mp.pi / 30
             c, c1, _ = self.lift.exactly(theta)
@@ -318,15 +320,17 @@ class Machine:
             def gap(s):
                 return self._exact.flow(s / omega, q, v)[0] - self.lift.exactly(theta + s)[0]
 
-            low, high = map(mpf, around)
-            ratio = (mp.sqrt(5) - 1) / 2
-            for _ in range(60):
-                a, b = high - ratio * (high - low), low + ratio * (high - low)
-                if gap(a) > gap(b):
-                    high = b
-                else:
-                    low = a
-            return float(gap((low + high) / 2))
+            def highest(low, high):
+                ratio = (mp.sqrt(5) - 1) / 2
+                for _ in range(60):
+                    a, b = high - ratio * (high - low), low + ratio * (high - low)
+                    if gap(a) > gap(b):
+                        high = b
+                    else:
+                        low = a
+                return gap((low + high) / 2)
+
+            return float(max(highest(mpf(low), mpf(high)) for low, high in near))
 
     def loss(
         self, begin: float = 0.0, end: float = TURN, last: bool = False

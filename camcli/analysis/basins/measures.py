@@ -17,6 +17,8 @@ BOX = 5  # cells along a box of the entropies
 STARTS = 8192
 FINEST, COARSEST = 11, 4  # errors of a start are 2^-n of the window's sides
 LEAST = 10  # starts in doubt, for an error to count
+SATURATED = 0.25  # share in doubt, beyond which it grows with the error by no power any more
+FEWEST = 3  # errors for a line
 PLASTIC = 1.324717957244746  # real root of x^3 = x + 1: its powers fill the plane evenly
 
 
@@ -94,10 +96,13 @@ def entropies(codes: np.ndarray) -> dict[str, float | int]:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Exponent alpha of f ~ error^alpha, and the boundary dimension 2 - alpha."""
+    """Exponent alpha of f ~ error^alpha, and the boundary dimension 2 - alpha.
+
+    error: standard, of the counts, and larger where the shares lie further off the line than these.
+    """
 
     exponent: float
-    error: float  # standard
+    error: float
     rows: tuple[tuple[float, float, int], ...]  # error, share in doubt, starts in doubt
 
     @property
@@ -112,7 +117,8 @@ def uncertainty(finder: AttractorFinder, window: Window) -> Uncertainty | None:
 
     Starts are spread over the window, each with two others an error away in both coordinates. One
     is in doubt where one of the three ends elsewhere; those with an undecided or impossible one do
-    not count. None where fewer than three errors leave at least LEAST starts in doubt.
+    not count. None where fewer than FEWEST errors leave at least LEAST starts in doubt. Errors that
+    leave more than SATURATED of them in doubt are not fitted, but for the FEWEST finest.
     """
     n = np.arange(STARTS)
     x = (0.5 + n / PLASTIC) % 1.0
@@ -131,8 +137,13 @@ def uncertainty(finder: AttractorFinder, window: Window) -> Uncertainty | None:
         doubt = known & ((middle != high) | (middle != low))
         if doubt.sum() >= LEAST:
             rows.append((error, float(doubt.sum() / known.sum()), int(doubt.sum())))
-    if len(rows) < 3:
+    if len(rows) < FEWEST:
         return None
     error, share, count = np.array(rows).T  # a line of logarithms, weighted by the starts in doubt
-    (slope, _), cov = np.polyfit(np.log(error), np.log(share), 1, w=np.sqrt(count), cov="unscaled")
-    return Uncertainty(float(slope), sqrt(cov[0, 0]), tuple(rows))
+    fitted = share <= SATURATED
+    fitted[-FEWEST:] = True
+    x, y, weight = np.log(error[fitted]), np.log(share[fitted]), np.sqrt(count[fitted])
+    (slope, level), cov = np.polyfit(x, y, 1, w=weight, cov="unscaled")
+    off = weight * (y - slope * x - level)
+    misfit = fsum((off * off).tolist()) / max(1, len(x) - 2)
+    return Uncertainty(float(slope), sqrt(cov[0, 0] * max(1.0, misfit)), tuple(rows))
