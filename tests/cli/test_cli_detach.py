@@ -105,7 +105,8 @@ PULLS += " --set follower.preload=100 --set follower.stiffness=1900"
     ],
 )
 def test_what_no_number_says_is_said_in_words(cam, tmp_path, words, said):
-    done = cam("detach", SHORT, words)
+    short = SHORT.replace("--rpm 112:128", "") if "--rpm" in words else SHORT
+    done = cam("detach", short, words)
     lost = "follower.stiffness=0" in words  # nothing brings the follower back
     assert done.returncode == (3 if lost else 0), done.stderr
     assert said in done.stdout
