@@ -146,7 +146,11 @@ def _read(file: Path) -> Document:
             cure = "pipe one into it, or name a file"
             raise SceneError(Fault("stdin", "", "found it closed", "expected a scene", cure))
         if name == "-":
-            name, data = "stdin", sys.stdin.buffer.read(MAX_BYTES + 1)[:MAX_BYTES]
+            name, data = "stdin", sys.stdin.buffer.read(MAX_BYTES + 1)
+            if len(data) > MAX_BYTES:  # its beginning alone would be another scene
+                size, cure = f"{MAX_BYTES // 1000} kB", "is this the right file?"
+                found, expected = f"found more than {size}", f"expected at most {size}"
+                raise SceneError(Fault(name, "", found, expected, cure))
         else:
             data = read_bytes(file, name, MAX_BYTES, "expected a YAML file", cure)
         text = decoded(data, name)

@@ -7,21 +7,35 @@ thresholds are written here once more, where they follow from something by the f
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
+from io import BytesIO, TextIOWrapper
 from math import inf, nextafter, pi, sqrt
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 import camcli
+from camcli.analysis import border_collision
+from camcli.analysis.basins import measures
+from camcli.analysis.basins.measures import uncertainty
+from camcli.analysis.basins.window import Window
+from camcli.analysis.border_collision import Side
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.contact_loss.hold import hold_to
+from camcli.analysis.labels import Label, find_period, label
 from camcli.api.machine import machine_of
 from camcli.api.result import height_notes
+from camcli.api.sweep import read_branches
+from camcli.errors import SceneError
 from camcli.output.detach import plainly
 from camcli.output.verdict import doubts
 from camcli.system import units_of
 from tests.conftest import cam_in
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 RPM = 30.0 / pi  # per rad/s
 SLIGHTLY = 1e-9  # relative
 
@@ -218,3 +232,128 @@ def test_another_spring_has_half_of_the_lift_for_its_preload_where_there_is_none
         scene = made(resized(LOBE, base=base), {**asked, "detach.rpm.num": 1}, preload=0.0)
         spring = camcli.detach(scene).values.holds[2]
         assert spring.preload / spring.stiffness == pytest.approx(0.005 + max(0.0, -base))
+
+
+# -- files, forms and names ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("piped", [False, True], ids=["file", "stdin"])
+def test_a_scene_has_so_many_bytes(tmp_path, monkeypatch, piped):
+    """One that is longer is refused, and not read up to there."""
+    name = "-" if piped else "scene.yaml"
+    scene = (CONFIGS / "chapter.yaml").read_bytes().replace(b"rpm: 700", b"rpm: 650")
+    for more, code in ((0, 0), (1, 2)):
+        text = b"#" * (256_000 - 1 - len(scene) + more) + b"\n" + scene
+        (tmp_path / "scene.yaml").write_bytes(text)
+        if piped:
+            monkeypatch.setattr("sys.stdin", TextIOWrapper(BytesIO(text)))
+        done = cam_in(tmp_path, f"simulate --profile-only --no-plot -c {name}", code=code)
+        assert ("found more than 256 kB, expected at most 256 kB" in done.stderr) == bool(more)
+        assert ("650 rpm" in done.stdout) != bool(more)
+
+
+def refused(cam: dict[str, Any], words: str) -> bool:
+    """Whether a cam is refused with such words."""
+    try:
+        made(cam)
+    except SceneError as error:
+        return words in str(error)
+    return False
+
+
+def motions(lobe: float, width: float = 0.25) -> dict[str, Any]:
+    """A cam of two motions and a dwell between that take so many degrees."""
+    law = {"scca": {"b": width, "c": 0.5, "d": 0.25}}
+    return {**LOBE, "rise": {**LOBE["rise"], "length_deg": lobe - 200.0, "law": law},
+            "top_dwell_deg": 100.0, "fall": {**LOBE["fall"], "length_deg": 100.0}}  # fmt: skip
+
+
+FORMS = [
+    *(around(f"a flank circle {way:+}", lambda by, w=way: refused(
+        {**ARCS, "flank_radius": 0.85 * (1.0 + w * by)}, "misses the base circle"), 1e-9, by=1e-3)
+      for way in (-1, 1)),
+    around("a turn", lambda lobe: refused(motions(lobe), "too much"), 360.0 + 1e-9, by=1e-12),
+    *(around(f"a law {way:+}", lambda by, w=way: refused(
+        motions(300.0, 0.25 + w * by), "the sum must be 1"), 1e-9, by=1e-3) for way in (-1, 1)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("row", FORMS, ids=[row.name for row in FORMS])
+def test_forms(row):
+    assert not row.says(row.within)
+    assert row.says(row.beyond)
+
+
+def test_so_many_lines_are_drawn_over_a_picture(tmp_path):
+    for count, taken in ((5000, True), (5001, False)):
+        rows = [f"{k},{650 + k / 100},1,0.1" for k in range(count)]
+        path = tmp_path / "branch.csv"
+        path.write_text("branch,rpm,stable,q_m\n" + "\n".join(rows) + "\n")
+        if taken:
+            assert len(read_branches(path, "rpm")) == count
+        else:
+            with pytest.raises(SceneError, match="more than 5000 lines"):
+                read_branches(path, "rpm")
+
+
+@pytest.mark.parametrize(("turns", "known"), [(64, True), (65, False), (130, False)])
+def test_a_label_has_at_most_64_turns(turns, known):
+    """States that come back after so many turns, each with a number of impacts of its own."""
+    states = np.array([(0.2 + 0.1 * (k % turns) / turns, 1.0) for k in range(4 * turns)])
+    symbols = [float(k % turns % 7) for k in range(4 * turns)]
+    assert find_period(states, symbols) == (turns if known else 0)
+    with nullcontext() if known else pytest.raises(ValueError, match="found"):
+        assert len(Label.parse(f"P({turns};{':'.join(['1'] * turns)})").symbols) == turns
+
+
+@pytest.mark.parametrize(("impacts", "name"), [(15, "undecided"), (16, "aperiodic")])
+def test_so_few_impacts_do_not_make_a_motion_aperiodic(impacts, name):
+    counts = np.array([1] * impacts + [0] * 24)
+    record = SimpleNamespace(
+        periods=len(counts), status=0, touches=True, impacts=counts,
+        strobe_q=np.linspace(0.2, 0.9, len(counts)), strobe_w=np.zeros(len(counts)),
+        chatter=np.zeros(len(counts), int),
+    )  # fmt: skip
+    assert label(record) == name
+
+
+def test_an_uncertainty_exponent_takes_ten_starts_at_three_errors(monkeypatch):
+    """Starts in doubt by a rule: within a share of the window from its middle line, or nowhere."""
+    unit, wanted = Window((0.0, 1.0), (0.0, 1.0), 16, 16), {}
+
+    class Counted:
+        """So many starts in doubt at each error: asked in the order middle, then high and low."""
+
+        def __init__(self, counts):
+            self.counts, self.asked = counts, 0
+
+        def settle(self, q, v):
+            codes, pair = np.zeros(len(q), dtype=np.int16), (self.asked - 1) // 2
+            if self.asked and self.asked % 2:
+                codes[: self.counts[pair]] = 1
+            self.asked += 1
+            return codes, None
+
+    for counts, known in (
+        ([0, 0, 0, 0, 0, 10, 10, 10], True),
+        ([0, 0, 0, 0, 0, 10, 10, 9], False),
+        ([0, 0, 0, 0, 0, 0, 10, 10], False),
+    ):
+        assert (uncertainty(Counted(counts), unit) is not None) == known
+    monkeypatch.setattr(measures, "STARTS", 1000)
+    for first, fitted in ((250, True), (251, False)):  # of 1000: a quarter
+        counts = [first, 128, 64, 32, 16, 0, 0, 0]
+        wanted[fitted] = uncertainty(Counted(counts), unit).exponent
+    assert wanted[False] == pytest.approx(1.0)  # 128 to 16 are halves of one another
+    assert 0.9 < wanted[True] < 0.999
+
+
+def test_chaos_of_a_normal_form_is_sure_by_three_errors_and_a_thousandth(monkeypatch):
+    left, right = Side(1.7, 0.5), Side(-1.7, 0.5)
+    for exponent, spread, kind in (
+        (0.3 * (1 + 1e-9), 0.1, "chaos"), (0.3 * (1 - 1e-9), 0.1, "undecided"),
+        (1e-3 * (1 + 1e-9), 1e-9, "chaos"), (1e-3 * (1 - 1e-9), 1e-9, "undecided"),
+    ):  # fmt: skip
+        measured = exponent, spread, (0.1, 0.1)
+        monkeypatch.setattr(border_collision, "_exponent", lambda *_, found=measured: found)
+        assert border_collision.attractor(left, right, 1).kind == kind
