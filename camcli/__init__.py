@@ -11,36 +11,39 @@
 Nothing is imported before it is used.
 """
 
+from camcli.api import ANALYSES
+
 TYPE_CHECKING = False  # for who checks types; `typing` takes milliseconds to import
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # one line each: names of the library, as it is imported
     from typing import Any
 
-    from camcli.api.basins import basins
-    from camcli.api.classify import classify
-    from camcli.api.detach import detach
-    from camcli.api.explore import explore
-    from camcli.api.orbits import orbits
-    from camcli.api.result import Result, plot
-    from camcli.api.simulate import simulate
-    from camcli.api.sweep import sweep
-    from camcli.errors import Fault, SceneError
-    from camcli.parallel import Work
-    from camcli.scene import Scene, load_scene
-    from camcli.system import Follower, System
+    from camcli.api.basins import basins as basins
+    from camcli.api.classify import classify as classify
+    from camcli.api.detach import detach as detach
+    from camcli.api.explore import explore as explore
+    from camcli.api.orbits import orbits as orbits
+    from camcli.api.result import Result as Result
+    from camcli.api.result import plot as plot
+    from camcli.api.simulate import simulate as simulate
+    from camcli.api.sweep import sweep as sweep
+    from camcli.errors import Fault as Fault
+    from camcli.errors import SceneError as SceneError
+    from camcli.parallel import Work as Work
+    from camcli.scene import Scene as Scene
+    from camcli.scene import load_scene as load_scene
+    from camcli.system import Follower as Follower
+    from camcli.system import System as System
 
-_ANALYSES = ("basins", "classify", "detach", "explore", "orbits", "simulate", "sweep")
+
 _PLACES = {
-    **{name: f"camcli.api.{name}" for name in _ANALYSES},
+    **{name: f"camcli.api.{name}" for name in ANALYSES},
     **dict.fromkeys(("Result", "plot"), "camcli.api.result"),
     **dict.fromkeys(("Fault", "SceneError"), "camcli.errors"),
     **dict.fromkeys(("Scene", "load_scene"), "camcli.scene"),
     **dict.fromkeys(("Follower", "System"), "camcli.system"),
     "Work": "camcli.parallel",
 }
-__all__ = [
-    "Fault", "Follower", "Result", "Scene", "SceneError", "System", "Work", "__version__", "basins",
-    "classify", "detach", "explore", "load_scene", "orbits", "plot", "simulate", "sweep",
-]  # fmt: skip
+__all__ = ["__version__", *_PLACES]
 
 
 def __getattr__(name: str) -> "Any":

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import camcli
-from camcli.cli.run import ARTEFACTS
+from camcli.api.command import command_of
 
 TURNS = {"run.transient": 30, "run.record": 20}
 SMALL = {
@@ -40,7 +40,7 @@ def test_a_result_saves_what_the_command_writes(cam, tmp_path, command):
     cam(command, *words, "-o command -q", "" if drawn else "--no-plot", code=0)
     assert files(tmp_path / "library") == files(tmp_path / "command")
     assert record["result"] == result.summary
-    assert set(record["artefacts"]) <= set(ARTEFACTS[command].split())  # looked for before a run
+    assert set(record["artefacts"]) <= set(command_of(command).artefacts)  # looked for before a run
     for name, table in result.tables.items():
         assert f"{name}.csv" in record["artefacts"]
         assert all(len(table[column]) == table.rows for column in table.columns)

@@ -12,7 +12,8 @@ from camcli.analysis.basins.study import Basins, Question, Study, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
-from camcli.api.machine import machine_of, span_of
+from camcli.api.command import Command, Drawing, Options, Size, fewer, sample
+from camcli.api.machine import machine_of, span_of, with_values
 from camcli.api.orbits import MULTIPLIERS, multiplier_columns
 from camcli.api.result import Progress, Result, decided_words, drawn_by, height_notes, trouble
 from camcli.kernel.backend import stopwatch
@@ -299,3 +300,56 @@ def _attractor(speed: Basins, k: int) -> dict[str, Any]:
             [dq, dw * omega_of(speed.rpm)] for dq, dw in region.half_widths().tolist()
         ],
     }
+
+
+# --- the command
+
+
+SHOWN_SPEEDS = 3  # whose cells become a table
+
+
+def _size(scene: Scene, options: Options) -> Size:
+    section = scene.basins
+    (nq, nv), levels = section.cells, section.refine
+    orbits = nq * nv * section.count
+    memory = 70.0 * nq * nv
+    if levels:
+        memory += 14.0 * nq * nv * 4**levels + 20e6
+    shown = orbits if section.count <= SHOWN_SPEEDS else 0
+    what = f"{nq} x {nv} cells, refined {levels} times"
+    return Size(what, orbits, orbits, 0.0, shown, memory, 18.0 * shown, 27.0 * orbits)
+
+
+def _sample(scene: Scene, n: int) -> Scene:
+    cells = tuple(min(8 * n, side) for side in scene.basins.cells)
+    return sample(scene, "basins", refine=0, cells=cells, **fewer(scene.basins, 1))
+
+
+def _repeated(scene: Scene) -> tuple[Scene, int]:
+    """Each speed, or value, has attractors to be found, and cells; the middle stands for all."""
+    count = scene.basins.count
+    middle = with_values(scene, "basins", **fewer(scene.basins, 1))
+    return (middle, count) if count > 1 else (scene, 1)
+
+
+def _not_foreseen(scene: Scene, options: Options) -> list[str]:
+    said = []
+    if scene.basins.refine:
+        said.append("what --refine adds at boundaries is not known before")
+    if scene.basins.count > 1:
+        said.append(
+            "a speed in the middle stands for all, though those with chaos take many times as long"
+        )
+    return said
+
+
+COMMAND = Command(
+    run=basins,
+    artefacts=("attractors.csv", "basins.csv", "saddles.csv", "basins.png"),
+    size=_size,
+    drawing=lambda scene, options: Drawing(110e3, 270e6, 75.0),
+    sample=_sample,
+    repeated=_repeated,
+    not_foreseen=_not_foreseen,
+    keeps_pieces=lambda scene: True,
+)

@@ -16,6 +16,7 @@ from camcli.analysis.bench import precision, stability
 from camcli.analysis.bench.machine import Machines
 from camcli.analysis.integrate import Cost
 from camcli.api.basins import basins
+from camcli.api.command import Command
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.sweep import sweep
 from camcli.errors import Status
@@ -247,3 +248,15 @@ RESULTS: dict[str, Callable] = {
     "stability": _stability_result,
     "scale": _scale_result,
 }
+
+
+# --- the command
+
+
+COMMAND = Command(
+    run=bench,
+    artefacts=(
+        "precision.csv", "stability.csv", "scale.csv", "precision.png", "stability.png",
+    ),
+    keeps_pieces=lambda scene: True,
+)  # fmt: skip

@@ -13,6 +13,7 @@ from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import APERIODIC, UNDECIDED
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.sweep import status_name
+from camcli.api.command import EXPLAINING, Command, Drawing, Options, Size, fewer, sample
 from camcli.api.machine import Machine, machine_of, refuse_to_explain, span_of
 from camcli.api.orbits import BIFURCATIONS, bifurcation_row
 from camcli.api.result import (
@@ -246,3 +247,33 @@ def _motion(m: Motion) -> dict[str, Any]:
             "sum_rule": e.rule, "defect": e.defect,
         },
     }  # fmt: skip
+
+
+# --- the command
+
+
+SAMPLED_STARTS = 5  # at each speed of a sample: more find hardly more attractors
+
+
+def _size(scene: Scene, options: Options) -> Size:
+    run, speeds, starts = scene.run, scene.classify.count, scene.classify.starts + 1
+    orbits, turns = speeds * starts, run.transient + run.record
+    memory = 45.0 * speeds * run.record
+    what = f"{speeds} speeds x {starts} starts x {run.record} recorded turns"
+    return Size(what, orbits, orbits, orbits * turns, speeds, memory, 160.0 * speeds, 0.0)
+
+
+def _sample(scene: Scene, n: int) -> Scene:
+    section = scene.classify
+    few = {"starts": min(SAMPLED_STARTS, section.starts), "explain": False}
+    return sample(scene, "classify", **few, **fewer(section, n))
+
+
+COMMAND = Command(
+    run=classify,
+    artefacts=("classify.csv", "corners.csv", "classify.png"),
+    size=_size,
+    drawing=lambda scene, options: Drawing(130e3, 230e6, 24.0),
+    sample=_sample,
+    not_foreseen=lambda scene, options: [EXPLAINING] if scene.classify.explain else [],
+)

@@ -11,6 +11,7 @@ from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.sweep import rpm_grid
+from camcli.api.command import Command, Drawing, Options, Size, fewer, sample
 from camcli.api.lift_table import accel_errors, with_ranges
 from camcli.api.machine import Machine, machine_of, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, status_notes, ticks, trouble
@@ -211,3 +212,43 @@ def _hertz(machine: Machine) -> Hertz | None:
     ratio = machine.system.rocker_ratio
     base -= lift_range(cam)[0] / ratio
     return Hertz(contact.width, contact.modulus, base, contact.follower_radius, ratio)
+
+
+# --- the command
+
+
+def _size(scene: Scene, options: Options) -> Size:
+    n = scene.detach.rpm.num
+    return Size(f"{n} runs", n, n, 0.0, n, 300.0 * n, 100.0 * n, 0.0)
+
+
+def _sample(scene: Scene, n: int) -> Scene:
+    rpm = fewer(scene.detach, 25 * n)["rpm"]
+    return sample(scene, "detach", rpm=rpm, tolerance=())
+
+
+def _check(scene: Scene) -> None:
+    if scene.detach.tolerance:
+        tolerated(machine_of(scene))
+
+
+def _not_foreseen(scene: Scene, options: Options) -> list[str]:
+    if scene.detach.tolerance:
+        return [f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each"]
+    return []
+
+
+COMMAND = Command(
+    run=detach,
+    artefacts=(
+        "detach.csv", "accumulation.csv", "corner_hits.csv", "force.csv", "speeds.csv",
+        "tolerance.csv", "detach.png", "report.pdf",
+    ),
+    size=_size,
+    drawing=lambda scene, options: Drawing(400e3, 90e6, 5.0),
+    sample=_sample,
+    check=_check,
+    not_foreseen=_not_foreseen,
+    keeps_pieces=lambda scene: bool(scene.detach.tolerance),
+    has_budget=True,
+)  # fmt: skip

@@ -19,6 +19,7 @@ from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED, Label, period_
 from camcli.analysis.orbits.same_orbit import CLOSE, distance_to
 from camcli.analysis.simulate import STICKING, Simulation, simulate
 from camcli.api.basins import basins
+from camcli.api.command import Command, Drawing, Options, Page, Size
 from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine, Varied, machine_of, with_values
 from camcli.api.orbits import orbits
@@ -150,7 +151,8 @@ def explore(
     """
     machine = machine_of(scene)
     scene = machine.scene
-    span, asked = scene.sweep.rpm, parts_of(scene, with_basins, with_map)
+    span = scene.sweep.rpm
+    asked = parts_of(scene, {"with_basins": with_basins, "with_map": with_map})
     samples = _samples_of(machine)
     _refuse_too_many(span, samples)
     of_map = _samples_of_map(machine, asked["map"][1].sweep.vary) if with_map else samples
@@ -225,8 +227,11 @@ def _write_page(source: str, machine: Machine, explored: Explored, file: BinaryI
     file.write(page(data).encode())
 
 
-def parts_of(scene: Scene, with_basins: bool, with_map: bool) -> dict[str, tuple[str, Scene]]:
-    """The analyses that a page is made of: the command and the scene of each, by name."""
+def parts_of(scene: Scene, options: Options) -> dict[str, tuple[str, Scene]]:
+    """The analyses that a page is made of: the command and the scene of each, by name.
+
+    options: with_basins and with_map, as of `explore`.
+    """
     whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
     whole |= {"explain": False}
     parts = {
@@ -234,17 +239,15 @@ def parts_of(scene: Scene, with_basins: bool, with_map: bool) -> dict[str, tuple
         for way in DIRECTIONS
     }
     parts["orbits"] = "orbits", _orbits_scene(scene)
-    if with_basins:  # at one speed, with cells of one size
+    if options.get("with_basins"):  # at one speed, with cells of one size
         speed = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
         parts["basins"] = "basins", with_values(scene, "basins", rpm=speed, refine=0)
-    if with_map:
+    if options.get("with_map"):
         parts["map"] = "sweep", with_values(scene, "sweep", vary=_axes_of_map(scene))
     return parts
 
 
-def page_bytes(
-    machine: Machine, sampled: Mapping[str, Result], with_basins: bool, with_map: bool
-) -> float:
+def page_bytes(machine: Machine, sampled: Mapping[str, Result], options: Options) -> float:
     """About how long the page of a scene will be, from sweeps of a few of its speeds.
 
     sampled: results by the names of `parts_of`. Orbits that no sweep finds are taken to add
@@ -261,10 +264,10 @@ def page_bytes(
     per_turn = PER_ROW * samples + PER_EVENT * 3.0
     found = PER_MOTION * len(motions) + PER_POINT * points + per_turn * turns
     beside = cells = 0.0
-    if with_basins:
+    if options.get("with_basins"):
         cells = 4.0 / 3.0 * scene.basins.cells[0] * scene.basins.cells[1]
         beside = MOST_TURNS * float(SIDE * SIDE)
-    if with_map:
+    if options.get("with_map"):
         periods = [period_of(speed.label) for speed in sampled["map"].values[0].speeds]
         each = sum(p if 0 < p <= MOST_TURNS else MOST_TURNS for p in periods) / len(periods)
         one, two = (min(SIDE, axis.num) for axis in _axes_of_map(scene))
@@ -700,3 +703,42 @@ def _packed(array: np.ndarray) -> dict[str, str]:
     """An array as base64 of float32 or uint8."""
     kind = "f4" if array.dtype.kind == "f" else "u1"
     return {kind: b64encode(array.astype(f"<{kind}").tobytes()).decode()}
+
+
+# --- the command
+
+
+SHOWN_MOTIONS = 256  # of a window of starts, or of a map
+LEAST_ROWS = 48  # of a turn
+
+
+def _size(scene: Scene, options: Options) -> Size:
+    """Three sweeps whose records are all in memory, the motions of the page, and what is beside."""
+    run, n = scene.run, scene.sweep.rpm.num
+    turns, count, what = run.transient + run.record, 3 * n, f"{n} speeds of 3 sweeps"
+    shown, memory = 2.0 * n, 3.0 * n * (64.0 * run.record + 1e3)
+    all_turns = float(count * turns)
+    if options.get("with_basins"):
+        cells = scene.basins.cells[0] * scene.basins.cells[1]
+        count, shown, memory = count + cells, shown + 8.0 * SHOWN_MOTIONS, memory + 70.0 * cells
+        what += f", {cells} cells"
+    if options.get("with_map"):
+        axes = scene.sweep.vary
+        points = axes[0].num * (axes[1].num if len(axes) == 2 else n) if axes else 0
+        count, shown, memory = count + points, shown + 8.0 * SHOWN_MOTIONS, memory + 1e3 * points
+        all_turns += points * turns
+        what += f", {points} points of a map"
+    rows = LEAST_ROWS * shown  # each takes 280 bytes until the page is written, 17 in it
+    return Size(what, n, count, all_turns, n, memory + 280.0 * rows, 90e3 + 17.0 * rows, 0.0)
+
+
+COMMAND = Command(
+    run=explore,
+    artefacts=("explore.html",),
+    size=_size,
+    drawing=lambda scene, options: Drawing(0.0, 60e6, 0.0),
+    not_foreseen=lambda scene, options: [
+        "the orbits come on top: how many are solved is not known before"
+    ],
+    page=Page(parts=parts_of, size=page_bytes),
+)

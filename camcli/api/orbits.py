@@ -21,6 +21,7 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
+from camcli.api.command import Command, Drawing, Options, Size
 from camcli.api.machine import Machine, machine_of, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks, trouble
 from camcli.api.sweep import IMPACTS, STROBE, blocks
@@ -579,3 +580,27 @@ def _event(b: Bifurcation) -> dict[str, Any]:
         "continues_as_branch": b.continues, "prediction_agrees": b.agrees, "words": event_words(b),
         "inequalities": [{**vars(i), "holds": i.holds} for i in rests_on],
     }  # fmt: skip
+
+
+# --- the command
+
+
+def _size(scene: Scene, options: Options) -> Size:
+    n = scene.orbits.starts + 1
+    return Size(f"{n} runs", n, n, 0.0, n, 300.0 * n, 100.0 * n, 0.0)
+
+
+COMMAND = Command(
+    run=orbits,
+    artefacts=(
+        "branch.csv", "bifurcations.csv", "curve.csv", "impacts.csv", "strobe.csv", "orbits.png",
+        "curve.png",
+    ),
+    size=_size,
+    drawing=lambda scene, options: Drawing(400e3, 120e6, 5.0),
+    sample=None,
+    not_foreseen=lambda scene, options: [
+        "how many branches there are, and so the time, is not known before"
+    ],
+    has_budget=True,
+)  # fmt: skip

@@ -9,6 +9,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Cost
+from camcli.api.command import Command, Drawing, Options, Size, sample
 from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine, machine_of
 from camcli.api.result import Progress, Result, drawn_by, height_notes, trouble
@@ -255,3 +256,53 @@ def _profile_summary(result: Profile, ratio: float) -> dict[str, Any]:
         "assumed": "what runs on the cam moves along a line through the axis, "
         "at base_radius + (c - least c)/rocker_ratio",
     }
+
+
+# --- the command
+
+
+SAMPLED_ROWS = 9000  # of a trajectory in a sample, for each of its pieces
+PER_POINT = 1000.0  # bytes of memory of a point on a drawn curve,
+FINER, MOST_POINTS = 8, 400_000  # which has so many a row, but no more in all (plots/simulate.py)
+
+
+def _size(scene: Scene, options: Options) -> Size:
+    samples, run = scene.simulate.samples, scene.run
+    if options.get("profile_only"):
+        n = samples * (1 + len(scene.simulate.beside))
+        return Size(f"{n} samples", 1, 0, 0.0, n, 350.0 * n, 80.0 * n, 0.0)
+    rows, turns = samples * run.record, run.transient + run.record
+    what = f"{run.record} recorded turns x {samples} samples"
+    return Size(what, run.record, 1, turns, 0, 240.0 * rows, 100.0 * rows, 0.0)
+
+
+def _drawing(scene: Scene, options: Options) -> Drawing:
+    points = 0
+    if not options.get("profile_only"):
+        rows = scene.simulate.samples * min(scene.simulate.plot_turns, scene.run.record)
+        points = min(FINER * rows, max(2 * rows, MOST_POINTS))
+    return Drawing(290e3, 70e6 + PER_POINT * points, 5.0)
+
+
+def _sample(scene: Scene, n: int) -> Scene:
+    turns = max(1, SAMPLED_ROWS * n // scene.simulate.samples)
+    return sample(scene, None, record=turns)
+
+
+def _not_foreseen(scene: Scene, options: Options) -> list[str]:
+    if options.get("animate"):
+        return ["drawing the animation comes on top, some 10 to 20 s"]
+    return []
+
+
+COMMAND = Command(
+    run=simulate,
+    artefacts=(
+        "trajectory.csv", "events.csv", "profile.csv", "profile_2.csv", "profile_3.csv",
+        "simulate.png", "profile.png", "simulate.gif", "simulate.mp4",
+    ),
+    size=_size,
+    drawing=_drawing,
+    sample=_sample,
+    not_foreseen=_not_foreseen,
+)  # fmt: skip

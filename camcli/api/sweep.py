@@ -21,6 +21,7 @@ from camcli.analysis.labels import period_of
 from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
+from camcli.api.command import EXPLAINING, Command, Drawing, Options, Size, fewer, sample
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of
 from camcli.api.result import (
     Progress,
@@ -37,6 +38,7 @@ from camcli.errors import Fault, SceneError, Status, shown
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
+from camcli.parallel.work import IN_MEMORY
 from camcli.piece_faults import gather, gathering, piece
 from camcli.scene import Scene
 from camcli.system import units_of
@@ -438,3 +440,58 @@ def ranges(found: Sweep) -> list[tuple[str, str, tuple[str | int, ...], Speed, S
         same = [speed for speed, _ in members]
         groups.append((label, status, way, same[0], same[-1], len(same)))
     return groups
+
+
+# --- the command
+
+
+def _size(scene: Scene, options: Options) -> Size:
+    section, run = scene.sweep, scene.run
+    turns = run.transient + run.record
+    n = section.count + sum(part.num for part in section.zoom)
+    n *= (1 + len(section.also)) * (1 + (section.direction == BOTH))
+    recorded = n * run.record * len(section.sections)
+    if len(section.vary) == 2:
+        n, recorded = section.vary[0].num * section.vary[1].num, 0
+    kept = 43.0 * recorded + 400.0 * n
+    memory = 32.0 * recorded / max(1, n) + 1e3 * n + min(IN_MEMORY, kept)
+    tables = 140.0 * n
+    if section.tables != "none":
+        tables += 43.0 * recorded
+    what = f"{n} speeds of {turns} turns, {run.record} recorded"
+    return Size(what, n, n, n * turns, n, memory, tables, kept)
+
+
+def _drawing(scene: Scene, options: Options) -> Drawing:
+    if len(scene.sweep.vary) == 2:  # map.png
+        return Drawing(80e3, 130e6, 30.0)
+    return Drawing(360e3, 230e6, 15.0)
+
+
+def _sample(scene: Scene, n: int) -> Scene:
+    few = fewer(scene.sweep, n)
+    return sample(scene, "sweep", zoom=(), also=(), explain=False, adaptive=False, **few)
+
+
+def _not_foreseen(scene: Scene, options: Options) -> list[str]:
+    said = []
+    if scene.sweep.explain:
+        said.append(EXPLAINING)
+    if scene.sweep.adaptive:
+        said.append("how many speeds --adaptive adds is not known before")
+    return said
+
+
+COMMAND = Command(
+    run=sweep,
+    artefacts=(
+        "impacts.csv", "strobe.csv", "impacts.npz", "strobe.npz", "speeds.csv", "corners.csv",
+        "sweep.png", "map.csv", "map.png",
+    ),
+    size=_size,
+    drawing=_drawing,
+    sample=_sample,
+    not_foreseen=_not_foreseen,
+    keeps_pieces=lambda scene: True,
+    less="--set sweep.tables=npz writes less",
+)  # fmt: skip

@@ -9,15 +9,11 @@ from typing import Annotated, Any
 
 import typer
 
+from camcli.api import ANALYSES
+
 COMMANDS = {  # each is a function of its name in a module of its name
-    "simulate": "Time response of one orbit: events and a sampled trajectory.",
-    "sweep": "Brute-force bifurcation diagram over speeds, or another number.",
-    "detach": "Where contact is lost, and which spring would hold.",
-    "orbits": "Periodic orbits, followed, and every bifurcation on the way.",
-    "basins": "Which attractor a start lands on, over a window of starts.",
-    "classify": "The motion at each speed, its exponents, why it changes.",
+    **ANALYSES,
     "bench": "How exact, how robust and how fast.",
-    "explore": "A page for a browser on which the machine moves.",
     "figures": "The figures of the cam-follower example, brought up to date.",
     "merge": "Join the parts of a run that was computed in shards.",
     "init": "Write a scene to begin with.",

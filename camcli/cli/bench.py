@@ -47,7 +47,7 @@ def bench(
     The machine of the scene is not used; section bench chooses cases, methods and repeats. Exit
     code 3 if a row of stability fails, or if an error of ours is beyond its bound.
     """
-    from camcli.api.bench import PARTS, plan
+    from camcli.api.bench import COMMAND, PARTS, plan
     from camcli.cli.run import execute
     from camcli.scene import load_scene
 
@@ -57,7 +57,7 @@ def bench(
     values = given("bench", quick=quick) | request.form()
     scene = load_scene(request.config, request.sets or (), values)
     if not request.dry_run:
-        return execute("bench", scene, request, show, options={"part": part} if part else {})
+        return execute(COMMAND, scene, request, show, options={"part": part} if part else {})
     planned = plan(scene, part)
     if request.json:
         print(json.dumps({"command": "bench", "plan": planned}, indent=2))

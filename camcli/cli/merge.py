@@ -8,6 +8,7 @@ from importlib import import_module
 from itertools import islice
 from pathlib import Path
 
+from camcli.api.command import command_of
 from camcli.cli.options import DRAWING, Request, argument
 from camcli.cli.rerun import HOME, REPEATED, Record, record_of
 from camcli.cli.run import MOST_SHARDS, check_before, execute
@@ -36,9 +37,10 @@ def merge(
     no_plot = request.no_plot or not record.options.plot
     scene = record.load(folder, Path(), str(told_by))
     request = replace(request, out=request.out or paths[0].parent, no_plot=no_plot)
-    check_before(record.command, scene, request.folder(record.command), {}, not no_plot)
+    command = command_of(record.command)
+    check_before(command, scene, request.folder(command.name), {}, not no_plot)
     show = import_module(f"camcli.cli.{record.command}").show
-    return execute(record.command, scene, request, show, parts=tuple(paths))
+    return execute(command, scene, request, show, parts=tuple(paths))
 
 
 def _paths(given: Sequence[Path]) -> list[Path]:

@@ -16,11 +16,13 @@ from pydantic import (
     model_validator,
 )
 
+from camcli.api import ANALYSES
+from camcli.api.command import command_of
 from camcli.cams.files import read_bytes
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import DRAWING, SCENE, Request, argument, option
 from camcli.cli.report import table
-from camcli.cli.run import ARTEFACTS, check_before, compute, options_of, tell_faults
+from camcli.cli.run import check_before, compute, tell_faults
 from camcli.errors import Fault, SceneError, shown
 from camcli.output.program import program_hash
 from camcli.output.run_folder import RECORD, run_folder, unchanged
@@ -49,7 +51,7 @@ def rerun(
     """
     record = record / "run.json" if record.is_dir() else record
     found = read_record(record)
-    scene = found.load(folder, record.parent, str(record))
+    scene, command = found.load(folder, record.parent, str(record)), command_of(found.command)
     there = {name for name in found.artefacts if (record.parent / name).is_file()}
     changed = there - set(unchanged(record.parent, found.artefacts))
     with ExitStack() as stack:
@@ -57,10 +59,11 @@ def rerun(
         if out is None:
             out = Path(stack.enter_context(TemporaryDirectory(prefix="cam-rerun-")))
         options = found.options.arguments()
-        check_before(found.command, scene, out, options, found.options.plot)
-        names = ARTEFACTS[found.command].split()
-        place = stack.enter_context(run_folder(out, threads=request.threads, names=names))
-        result, made = compute(found.command, scene, request, place, options, found.options.plot)
+        check_before(command, scene, out, options, found.options.plot)
+        place = stack.enter_context(
+            run_folder(out, threads=request.threads, names=[*command.artefacts])
+        )
+        result, made = compute(command, scene, request, place, options, found.options.plot)
     now = made["artefacts"]
     verdicts = {
         name: MISSING if name not in now
@@ -113,9 +116,8 @@ class Options(BaseModel):
 
 def _can_be_rerun(command: str) -> str:
     """The name of a command whose run.json says enough; that of bench does not."""
-    known = [name for name in ARTEFACTS if name != "bench"]
-    if command not in known:
-        raise ValueError(f"expected {', '.join(known)}")
+    if command not in ANALYSES:
+        raise ValueError(f"expected {', '.join(ANALYSES)}")
     return command
 
 
@@ -131,7 +133,7 @@ class Record(BaseModel):
     @model_validator(mode="after")
     def _own_options(self) -> "Record":
         """Only options that the command has, and together only what it takes together."""
-        given, own = self.options.model_fields_set - {"plot"}, options_of(self.command)
+        given, own = self.options.model_fields_set - {"plot"}, command_of(self.command).options
         if others := sorted(given - own):
             expected = f"expected {', '.join(sorted(own | {'plot'}))}"
             raise ValueError(f"options: found {others[0]} of another command, {expected}")

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
-from importlib import import_module
 from importlib.metadata import version
-from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +21,7 @@ from camcli.piece_faults import MOST_TEXT, PieceFault, attempt, fault_records
 from camcli.scene import Scene, load_scene, parse_rpm, resolved
 
 if TYPE_CHECKING:
+    from camcli.api.command import Command
     from camcli.api.result import Result
     from camcli.parallel import Shard, Work
 
@@ -30,28 +29,10 @@ Show = Callable[["Result", bool], None]  # bool: whether to print the theory too
 MOST_SHARDS = 100_000
 MOST_PIECES = 5  # named in the line on a fault
 MOST_DIGITS = 30  # of --points; a longer number is nonsense, and slow to read
-IN_PIECES = ("sweep", "basins", "bench")  # commands whose finished pieces are kept on disk
 LEFT_BY_INIT = {  # words in the comments of a scene that cam init wrote
     "FILL IN": "numbers that cam init made up; put yours there",
     "CHECK": "guesses of cam init; correct what is wrong, and remove the word",
 }
-ARTEFACTS = {  # files of other people with these names are looked for before any work is done
-    "simulate": "trajectory.csv events.csv profile.csv profile_2.csv profile_3.csv simulate.png "
-    "profile.png simulate.gif simulate.mp4",
-    "sweep": (
-        "impacts.csv strobe.csv impacts.npz strobe.npz speeds.csv corners.csv sweep.png "
-        "map.csv map.png"
-    ),
-    "detach": "detach.csv accumulation.csv corner_hits.csv force.csv speeds.csv "
-    "tolerance.csv detach.png report.pdf",
-    "orbits": "branch.csv bifurcations.csv curve.csv impacts.csv strobe.csv orbits.png curve.png",
-    "basins": "attractors.csv basins.csv saddles.csv basins.png",
-    "classify": "classify.csv corners.csv classify.png",
-    "explore": "explore.html",
-    "bench": "precision.csv stability.csv scale.csv precision.png stability.png",
-}
-
-
 NEWS = {
     News.COMPILING: "compiling the kernel for this machine: some 5 to 10 s, once ...",
     News.DAMAGED: "the cache of the kernel was damaged and is removed",
@@ -137,7 +118,7 @@ def span_of(text: str, option: str, form: str, example: str) -> dict[str, Any]:
 
 
 def run(
-    command: str,
+    name: str,
     request: Request,
     values: Values,
     show: Show,
@@ -146,25 +127,28 @@ def run(
     cluster: str | None = None,
     options: Mapping[str, Any] | None = None,
 ) -> int:
-    """Run an analysis as the user asked for it; returns the exit code.
+    """Run the command of this name as the user asked for it; returns the exit code.
 
     values: what the options set in the scene; options: further arguments of the API function.
     """
-    from camcli.api.machine import is_open, machine_of
     from camcli.cli.panels import check_panels
 
-    values = values | request.form()
-    scene = load_scene(request.config, request.sets or (), values, command=command)
-    check_panels(command, scene, request, options or {})
+    values, more = values | request.form(), options or {}
+    scene = load_scene(request.config, request.sets or (), values, command=name)
+    check_panels(name, scene, request, more)
     if not request.quiet:
         _tell(scene, request.config)
-    if is_open(scene, command):
+
+    from camcli.api.command import command_of
+    from camcli.api.machine import is_open, machine_of
+
+    if is_open(scene, name):
         machine = machine_of(scene)
         scene = machine.scene
-        if command in machine.said and not request.quiet:
-            note(f"note: {machine.said[command]}")
-    part, more = shard_of(shard), options or {}
-    check_before(command, scene, request.folder(command), more, not request.no_plot, part)
+        if name in machine.said and not request.quiet:
+            note(f"note: {machine.said[name]}")
+    command, part = command_of(name), shard_of(shard)
+    check_before(command, scene, request.folder(name), more, not request.no_plot, part)
     if request.dry_run:
         from camcli.cli.forecast import forecast
 
@@ -177,7 +161,7 @@ def run(
 
 
 def check_before(
-    command: str,
+    command: Command,
     scene: Scene,
     folder: Path,
     options: Mapping[str, Any],
@@ -194,20 +178,20 @@ def check_before(
     refuse_too_large(command, scene, folder, options, drawn=drawn, shard=shard)
 
 
-def _tell_of_size(command: str, scene: Scene, options: Mapping[str, Any]) -> None:
+def _tell_of_size(command: Command, scene: Scene, options: Mapping[str, Any]) -> None:
     """Note that much will be written."""
-    from camcli.cli.sizes import MUCH, in_words, size_of
+    from camcli.cli.sizes import MUCH, in_words
 
-    size = size_of(command, scene, options)
+    size = command.size(scene, options)
     if max(size.tables, size.kept) > MUCH:
         files = f"note: this writes at least {in_words(size.tables)} of files"
         files += f", and {in_words(size.kept)} of pieces until then" if size.kept else ""
-        less = "--set sweep.tables=npz writes less; " if command == "sweep" else ""
-        note(f"{files}; {less}see cam {command} --dry-run")
+        less = f"{command.less}; " if command.less else ""
+        note(f"{files}; {less}see cam {command.name} --dry-run")
 
 
 def execute(
-    command: str, scene: Scene, request: Request, show: Show, *,
+    command: Command, scene: Scene, request: Request, show: Show, *,
     options: Mapping[str, Any] | None = None, **pieces: Any,
 ) -> int:  # fmt: skip
     """Run an analysis of a scene, and say what came out; pieces: see `open_folder`."""
@@ -228,7 +212,7 @@ def execute(
 
 
 def compute(
-    command: str,
+    command: Command,
     scene: Scene,
     request: Request,
     folder: RunFolder,
@@ -243,7 +227,7 @@ def compute(
 
 @contextmanager
 def open_folder(
-    command: str,
+    command: Command,
     scene: Scene,
     request: Request,
     *,
@@ -256,11 +240,10 @@ def open_folder(
     The block ends early where only a shard was asked for. Where it is interrupted the finished
     pieces stay, and the same command goes on from them. `parts`: files of shards to read.
     """
-    values, place = resolved(scene), request.folder(command)
-    read = {key: values[key] for key in ("follower", "cam", "run", command) if key in values}
-    kept = command in IN_PIECES or (command == "detach" and scene.detach.tolerance)
-    key = {"command": command, "scene": read} if kept else None
-    names = ARTEFACTS[command].split()
+    values, place = resolved(scene), request.folder(command.name)
+    read = {key: values[key] for key in ("follower", "cam", "run", command.name) if key in values}
+    key = {"command": command.name, "scene": read} if command.keeps_pieces(scene) else None
+    names = [*command.artefacts]
     drawn = [name.removesuffix(".png") for name in names if name.endswith(".png")]
     names += [f"{name}.{kind}" for name in drawn for kind in scene.plot.formats]
     with run_folder(
@@ -283,7 +266,7 @@ def open_folder(
         records = fault_records(folder.work.faults)
         tell_faults(records, checkpoint.path)
         if request.json:
-            said = {"command": command, "shard": shard, "pieces": str(checkpoint.path)}
+            said = {"command": command.name, "shard": shard, "pieces": str(checkpoint.path)}
             print(to_text(said | ({"piece_faults": records} if records else {})))
         elif not request.quiet:
             again = " (it tries again what failed)" if records else ""
@@ -337,16 +320,9 @@ def compiling(request: Request) -> AbstractContextManager[Stopwatch]:
     return stopwatch(None if request.quiet else tell)
 
 
-def analysis(command: str, work: Work) -> Callable[..., Result]:
+def analysis(command: Command, work: Work) -> Callable[..., Result]:
     """The API function of a command, which works so where it works in pieces."""
-    call = getattr(import_module(f"camcli.api.{command}"), command)
-    return partial(call, work=work) if "work" in signature(call).parameters else call
-
-
-def options_of(command: str) -> set[str]:
-    """Arguments of the API function of a command, beside the scene and how it is run."""
-    call = getattr(import_module(f"camcli.api.{command}"), command)
-    return set(signature(call).parameters) - {"scene", "progress", "work"}
+    return partial(command.run, work=work) if command.works_in_pieces else command.run
 
 
 def shard_of(text: str | None) -> Shard | None:

@@ -83,6 +83,16 @@ def cam(words: tuple[str, ...], cwd: Path, arm: Callable[[], None] = lambda: Non
     return Fork(words, cwd, arm).ended()
 
 
+def with_options(words: tuple[str, ...], options: tuple[str, ...]) -> tuple[str, ...]:
+    """The words of a command with other values of some options, each followed by its value."""
+    given = dict(zip(options[::2], options[1::2], strict=True))
+    kept = []
+    for before, word in zip(("", *words), words, strict=False):
+        if word not in given and before not in given:
+            kept.append(word)
+    return (*kept, *options)
+
+
 def command(*words: str) -> list[str]:
     """`cam` in a process of its own."""
     return [sys.executable, "-m", "camcli", *words]
@@ -204,7 +214,8 @@ class Case:
             assert cam(words, self.cwd)[0] == 0
         (self.cwd / "old").mkdir()
         if self.earlier is not None:
-            assert cam((*self.words, *self.earlier, "-o", "old"), self.cwd)[0] == 0
+            words = with_options(self.words, self.earlier)
+            assert cam((*words, "-o", "old"), self.cwd)[0] == 0
         assert cam((*self.words, "-o", "new"), self.cwd)[0] == 0
         self.old, self.new = files(self.cwd / "old"), files(self.cwd / "new")
         assert but_record(self.old) != but_record(self.new)

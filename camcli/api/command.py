@@ -1,0 +1,180 @@
+"""What a command is beside what it computes: its files, how much a scene asks of it, its samples.
+
+Each module of an analysis, `camcli.api.NAME`, has one `COMMAND`; the command line, `--dry-run` and
+`cam rerun` know of a command what stands there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from inspect import signature
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from camcli.scene import Axis, Scene
+
+if TYPE_CHECKING:
+    from camcli.api.machine import Machine
+    from camcli.api.result import Result
+
+MOST_SAMPLED_TURNS = 1000  # of transient and of record in a sample; the rest is taken to be alike
+
+EXPLAINING = "what --explain takes is not known before: 5 to 15 s for many a change"
+
+Options = Mapping[str, Any]  # further arguments of an API function, beside the scene
+
+
+class Size(NamedTuple):
+    """How much a scene asks for, and the least bytes that takes."""
+
+    what: str  # in words
+    pieces: int  # of equal work
+    orbits: int
+    turns: float  # of all orbits; 0 where it is not known before
+    rows: int  # of the tables that do not grow with the recorded turns
+    memory: float  # beside the program and its pictures
+    tables: float  # of the files that are left
+    kept: float  # of the pieces on disk until those are written
+
+
+class Drawing(NamedTuple):
+    """What a picture of usual size takes: bytes of its PNG, of memory, and per further pixel."""
+
+    file: float
+    memory: float
+    per_pixel: float
+
+
+class Page(NamedTuple):
+    """A page made of other analyses: the command and scene of each by name, and its bytes.
+
+    size: (machine, samples of the parts by name, options) -> bytes.
+    """
+
+    parts: Callable[[Scene, Options], Mapping[str, tuple[str, Scene]]]
+    size: Callable[[Machine, Mapping[str, Result], Options], float]
+
+
+def one_run(scene: Scene, options: Options) -> Size:
+    """The size of a command whose work is little and always the same."""
+    return Size("one run", 1, 1, 0.0, 1, 0.0, 0.0, 0.0)
+
+
+def whole(scene: Scene, n: int) -> Scene:
+    """A sample of a command whose work does not grow with anything: short, and else the scene."""
+    return sample(scene, None)
+
+
+def sample(scene: Scene, section: str | None, record: int | None = None, **values: Any) -> Scene:
+    """The scene with few turns, and with some values of a section replaced.
+
+    record: the recorded turns, where they shall be fewer still.
+    """
+    from camcli.api.machine import with_values
+
+    run = scene.run
+    most = MOST_SAMPLED_TURNS if record is None else record
+    turns = {"transient": min(MOST_SAMPLED_TURNS, run.transient), "record": min(most, run.record)}
+    scene = with_values(scene, "run", **turns)
+    return scene if section is None else with_values(scene, section, **values)
+
+
+def fewer(section: Any, n: int) -> dict[str, Any]:
+    """At most n values of each number that a section varies, none of them at an end.
+
+    What happens at the ends of a range is often special.
+    """
+
+    def inside(axis: Axis) -> Axis:
+        if n >= axis.num:
+            return axis
+        aside = 0.5 * (axis.stop - axis.start) / n
+        values = {"start": axis.start + aside, "stop": axis.stop - aside, "num": n}
+        return axis.model_copy(update=values)
+
+    return {"rpm": inside(section.rpm), "vary": tuple(map(inside, getattr(section, "vary", ())))}
+
+
+def nothing(scene: Scene, options: Options) -> list[str]:
+    """A command of which a sample shows all that it costs."""
+    return []
+
+
+def no_pieces(scene: Scene) -> bool:
+    """A command that keeps no pieces on disk."""
+    return False
+
+
+def all_at_once(scene: Scene) -> tuple[Scene, int]:
+    """A command of which a sample is a part of all its work."""
+    return scene, 1
+
+
+def check_nothing(scene: Scene) -> None:
+    """A command that refuses nothing more than the scene does."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command, which has the name of its API function.
+
+    run
+        The API function.
+    artefacts
+        The names of all files that it may write. Files of other people with these names are looked
+        for before any work is done.
+    size, drawing
+        How much a scene asks for.
+    sample
+        The scene with about n of its pieces, of few turns each; None where no sample tells what the
+        run costs.
+    repeated
+        One of several works that are alike, of which samples are taken, and how many they are.
+    check
+        Raises SceneError for what the run would refuse only after some work.
+    not_foreseen
+        Sentences on what no sample shows.
+    keeps_pieces
+        Whether finished pieces are kept on disk, so that an interrupted run goes on from them.
+    has_budget
+        Whether run.work_budget ends it.
+    less
+        How to ask for smaller files, in words.
+    page
+        Of a command that is made of others.
+    """
+
+    run: Callable[..., Result]
+    artefacts: tuple[str, ...]
+    size: Callable[[Scene, Options], Size] = one_run
+    drawing: Callable[[Scene, Options], Drawing] = lambda scene, options: Drawing(200e3, 100e6, 5.0)
+    sample: Callable[[Scene, int], Scene] | None = whole
+    repeated: Callable[[Scene], tuple[Scene, int]] = all_at_once
+    check: Callable[[Scene], None] = check_nothing
+    not_foreseen: Callable[[Scene, Options], list[str]] = nothing
+    keeps_pieces: Callable[[Scene], bool] = no_pieces
+    has_budget: bool = False
+    less: str = ""
+    page: Page | None = None
+
+    @property
+    def name(self) -> str:
+        """The name of the command, and of its section in a scene."""
+        return self.run.__name__
+
+    @property
+    def options(self) -> set[str]:
+        """Arguments of the API function beside the scene and how it is run."""
+        return set(signature(self.run).parameters) - {"scene", "progress", "work"}
+
+    @property
+    def works_in_pieces(self) -> bool:
+        """Whether the API function takes a `Work`."""
+        return "work" in signature(self.run).parameters
+
+
+def command_of(name: str) -> Command:
+    """The command of this name; its module is imported."""
+    command: Command = import_module(f"camcli.api.{name}").COMMAND
+    return command
