@@ -8,7 +8,7 @@ import json
 
 import pytest
 
-from tests.parallel.long_runs import SOAK, Case, but_record, cam
+from tests.parallel.long_runs import SOAK, Case, but_record, cam, with_options
 
 pytestmark = pytest.mark.slow
 
@@ -70,7 +70,7 @@ def test_killed_before_the_pieces_are_forgotten(case):
 
 def test_unfinished_work_of_another_scene_is_told_and_kept(case):
     case.die("put", 5, "SIGKILL")
-    code, said = cam((*SHORT, "--points", "15", "-o", "out"), case.cwd)
+    code, said = cam((*with_options(SHORT, ("--points", "15")), "-o", "out"), case.cwd)
     assert code == 0
     assert "keeps unfinished work of other scenes" in said
     assert len(list(case.folder.glob(".*.pieces"))) == 1

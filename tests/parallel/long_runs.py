@@ -85,7 +85,7 @@ def cam(words: tuple[str, ...], cwd: Path, arm: Callable[[], None] = lambda: Non
 
 def with_options(words: tuple[str, ...], options: tuple[str, ...]) -> tuple[str, ...]:
     """The words of a command with other values of some options, each followed by its value."""
-    given = dict(zip(options[::2], options[1::2], strict=True))
+    given = set(options[::2]) - {"--set"}  # which may be given many times
     kept = []
     for before, word in zip(("", *words), words, strict=False):
         if word not in given and before not in given:
