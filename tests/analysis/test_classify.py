@@ -1,9 +1,13 @@
 """Naming a motion: the model's labels, slow multipliers, chaos, and honest doubt."""
 
+from types import SimpleNamespace
+
+import pytest
 from conftest import settings
 
-from camcli.analysis.classify import attractors, classify, classify_at, with_transient
+from camcli.analysis.classify import _chatter, attractors, classify, classify_at, with_transient
 from camcli.analysis.integrate import Orbit
+from camcli.kernel.orbit_loop import DETACHMENT, IMPACT
 
 RUN = settings(600, 400)
 
@@ -37,3 +41,24 @@ def test_the_transient_ends_where_the_orbit_is_reached(chapter):
     # |multiplier| 0.8 per turn: from the order of a metre to 1e-7 takes some 72 turns
     assert 50 < motion.transient < 120
     assert with_transient(chapter, RUN, classify_at(chapter, 100.0, RUN)).transient == 0
+    short = settings(20, 400)  # less than the transient: it is followed for longer than asked
+    assert with_transient(chapter, short, motion).transient == motion.transient
+
+
+@pytest.mark.parametrize(
+    ("rates", "chatters", "found"),
+    [
+        ([1.0] * 30, [0, 0], "none"),  # equal ones are no burst
+        ([*[0.9**k for k in range(9)], 1.0], [0, 0], "incomplete"),
+        ([*[0.9**k for k in range(7)], 1.0] * 4, [0, 0], "none"),  # eight that fall, not nine
+        ([*[0.9**-k for k in range(30)]], [0, 0], "none"),  # they grow
+        ([1.0], [0, 1], "complete"),
+        ([1.0], [0, 0, 1], "none"),  # in a turn that was cut
+    ],
+)
+def test_a_burst_of_weaker_and_weaker_impacts_is_an_incomplete_chatter(rates, chatters, found):
+    events = [(IMPACT, 0, 0.0, 0.0, -rate) for rate in rates]
+    between = [event for one in events for event in (one, (DETACHMENT, 0, 0.0, 0.0, 0.0))]
+    for rows in (events, between):
+        record = SimpleNamespace(periods=2, chatter=chatters, events=lambda rows=rows: rows)
+        assert _chatter(record) == found

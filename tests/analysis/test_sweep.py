@@ -1,13 +1,17 @@
 """Sweeps: directions, sections, independence of threads and order."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from conftest import settings
 
+import camcli
 from camcli.analysis.classify import classify_at
 from camcli.analysis.orbits.same_orbit import distance_to
-from camcli.analysis.sweep import rpm_grid, sweep
+from camcli.analysis.sweep import forgets_too_much, rpm_grid, sweep
+from camcli.errors import Status
 from camcli.system import omega_of
 
 
@@ -57,3 +61,23 @@ def test_an_adaptive_sweep_adds_speeds_where_the_motion_changes(chapter):
     steps = [(b.rpm - a.rpm, a.label == b.label) for a, b in pairwise(found.speeds)]
     assert max(step for step, same in steps if not same) <= 50.0 / 1200
     assert max(step for step, same in steps if same) >= 5.0
+
+
+@pytest.mark.parametrize(
+    ("chatter", "periods", "forgets"),
+    [([0, 0, 0], 3, False), ([1, 1, 1], 3, False), ([1, 0, 1], 3, True), ([0, 0, 1], 2, False),
+     ([1, 1, 0], 2, False)],
+)  # fmt: skip
+def test_a_rest_forgets_where_other_turns_have_none(chatter, periods, forgets):
+    record = SimpleNamespace(chatter=np.array(chatter), periods=periods, status=Status.OK)
+    assert forgets_too_much(record) == forgets
+    record.status = Status.IMPACT_BUDGET
+    assert not forgets_too_much(record)
+
+
+@pytest.mark.parametrize("rpm", [660.0, 700.0])
+def test_impacts_of_a_record_that_was_cut_are_those_of_its_whole_turns(rpm):
+    changes = {"run.impact_budget": 3, "run.transient": 5, "run.record": 60}
+    scene = camcli.load_scene(None, {**changes, "sweep.rpm": {"start": rpm, "stop": rpm, "num": 1}})
+    tables = camcli.sweep(scene).tables
+    assert tables["speeds"]["impacts"].tolist() == [tables["strobe"]["impacts"].sum()]

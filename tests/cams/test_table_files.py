@@ -305,3 +305,16 @@ def test_a_table_of_the_lobe_is_not_taken_for_the_valve_s_without_a_word(tmp_pat
     right = first(detach)
     assert right == pytest.approx(truth(Lobe(smooth, 60, 0, 1.6 * 0.3 * 0.0254)), rel=0.02)
     assert wrong > 1.1 * right
+
+
+@pytest.mark.parametrize(("content", "code"), [(None, 0), (b"deg,lift\n", 2), (b"", 2)])
+def test_a_copy_of_the_table_is_written_over_no_other_file(tmp_path, cam, content, code):
+    data = ("\n".join(["deg,lift", *rows(TURN)]) + "\n").encode()
+    (tmp_path / "cam.csv").write_bytes(data)
+    there = tmp_path / "new" / "cam.csv"
+    there.parent.mkdir()
+    there.write_bytes(data if content is None else content)
+    done = cam("init cam.csv --no-plot -o new --force")
+    assert done.returncode == code, done.stderr
+    assert ("that is no copy of the table" in done.stderr) == (code == 2)
+    assert there.read_bytes() == (data if content is None else content)

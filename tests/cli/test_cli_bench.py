@@ -1,9 +1,14 @@
 """cam bench as a user runs it: artefacts, columns, exit codes, plans and refusals."""
 
 import json
+from dataclasses import fields
+from types import SimpleNamespace
 
-from camcli.analysis.bench import stability
-from camcli.api.bench import STUDIES
+import pytest
+
+import camcli.api.bench as bench_module
+from camcli.analysis.bench import precision, stability
+from camcli.api.bench import RESULTS, STUDIES, Throughput
 from camcli.scene import load_scene
 from tests.conftest import rows
 
@@ -63,3 +68,35 @@ def test_the_plan_of_a_quick_run_keeps_to_a_minute(cam, tmp_path):
     assert plan["stability"]["runs"] == 24
     assert sum(part["seconds"] for part in plan.values()) < 120.0
     assert not list(tmp_path.iterdir())
+
+
+def test_the_records_of_a_bench_hold_every_row():
+    """What run.json says of each part, from rows written here."""
+    rows = [Throughput(*(float(k + n) for n, _ in enumerate(fields(Throughput)))) for k in range(3)]
+    result, trouble = RESULTS["scale"](rows)
+    assert result == {"studies": [vars_of(row) for row in rows]}
+    assert trouble == []
+    outcomes = [
+        SimpleNamespace(case=k, expected=f"e{k}", observed=f"o{k}", status=status)
+        for k, status in enumerate(["ok", "failed", "ok"])
+    ]
+    result, trouble = RESULTS["stability"](outcomes)
+    assert result == {"rows": 3, "failed": [1]}
+    assert trouble == ["row 1: expected e1: o1"]
+
+
+def vars_of(row):
+    return {field.name: getattr(row, field.name) for field in fields(row)}
+
+
+@pytest.mark.parametrize("statuses", [("ok", "absent"), ("ok", "ok")])
+def test_a_method_that_is_not_installed_is_told(statuses, monkeypatch):
+    measured = [
+        SimpleNamespace(ours=False, status=precision.ABSENT if status == "absent" else precision.OK)
+        for status in statuses
+    ]
+    monkeypatch.setattr(bench_module, "_measured", lambda *_: measured)
+    monkeypatch.setattr(bench_module, "_table", lambda *_: None)
+    monkeypatch.setattr(bench_module, "RESULTS", {"precision": lambda rows: ({}, [])})
+    notes = bench_module.bench(None, part="precision").notes
+    assert (bench_module.NO_HEYOKA in notes) == ("absent" in statuses)

@@ -18,7 +18,7 @@ from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.compile import Part
 from camcli.exact.first_root import sharpened
 from camcli.exact.machine import Machine, Stretch
-from camcli.exact.motion import Motion, Trail
+from camcli.exact.motion import BLOW, Motion, Trail
 from camcli.exact.shooting import NotProvedError, Shooting, Step
 from camcli.system import Follower
 
@@ -217,6 +217,7 @@ def chatter(restitution: float, dip: float, rate: float = 0.01) -> tuple[Motion,
     follower = Follower(mass=1.0, stiffness=0.0, gravity=1.0, restitution=restitution)
     motion = Motion.__new__(Motion)
     motion.machine, motion.trail, motion.chattered = Machine([cam], follower, 30.0 / pi), Trail(), 0
+    motion.follower = follower
     motion.phi, motion.rate, motion.fall = arb(1), arb(rate), arb(1)
     motion.turn, motion.strobe, motion.i, motion.n = motion.machine.turn, arb(0), 0, 0
     longer = 1.0 / sqrt(dip)  # of the fall, and the rate of its landing is smaller by as much
@@ -250,3 +251,21 @@ def test_a_chatter_whose_hops_need_not_shrink_is_refused(restitution, dip):
                                                 restitution=restitution), 30.0 / pi)  # fmt: skip
     assert not motion._accumulates()
     assert motion.trail.chatters == []
+
+
+@pytest.mark.parametrize(("bump", "cut"), [(0.0, True), (0.4, True), (2.0, False)])
+def test_a_hop_over_a_bump_is_not_taken_for_concave(bump, cut):
+    """Pulled by 1, over a cam whose c_thetatheta falls to -bump in the middle of the hop alone."""
+    motion, _ = chatter(0.5, 1.0)
+
+    def slopes(theta):
+        middle = arb(1.01, 0.003).overlaps(theta)
+        return [arb(0), arb(0), arb(0).union(-bump) if middle else arb(0), arb(0)]
+
+    (stretch,) = motion.machine.stretches
+    motion.machine = Machine([replace(stretch, slopes=slopes)], motion.follower, 30.0 / pi)
+    motion.q, motion.w, motion.order = arb(0), motion.rate, BLOW
+    low, hop = motion._opening()
+    assert (low == 0 and hop is not None) == cut
+    if cut:
+        assert hop > 2.0 * motion.rate  # the hop is over by then

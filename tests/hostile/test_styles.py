@@ -47,6 +47,7 @@ def test_tex_without_latex_is_the_fault_of_the_style(cam, tmp_path, monkeypatch)
 @pytest.mark.parametrize(
     "line",
     ["agg.path.chunksize: 20000", "lines.linewidth: 2", "font.family: serif",
+     "font.family: nosuchfont, DejaVu Sans",
      "axes.prop_cycle: cycler('color', ['r', 'ff00ff']) * cycler('linestyle', ['-', '--'])"],
 )  # fmt: skip
 def test_styles_that_can_be_drawn_are_taken(cam, tmp_path, line):

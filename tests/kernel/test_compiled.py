@@ -13,7 +13,7 @@ from struct import pack
 import numba
 import pytest
 
-from camcli.kernel import code_cache, compiled
+from camcli.kernel import backend, code_cache, compiled
 from camcli.kernel.backend import News
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.compiled import CodeSource
@@ -169,3 +169,27 @@ def test_commands_write_the_same_by_the_public_way(tmp_path):
     for path in (tmp_path / "ours").glob("*/*.csv"):
         other = tmp_path / "public" / path.parent.name / path.name
         assert path.read_bytes() == other.read_bytes(), path
+
+
+def test_a_run_is_not_charged_with_waiting_for_the_kernel(monkeypatch):
+    """Ten seconds, three of them waited, by two threads at once in part, and one inside another."""
+    now = [100.0]
+    monkeypatch.setattr(backend, "perf_counter", lambda: now[0])
+
+    def after(seconds):
+        now[0] += seconds
+
+    with backend.stopwatch() as outer:
+        after(2.0)
+        with backend.stopwatch() as watch:
+            after(1.0)
+            with watch.waiting():
+                after(1.0)
+                assert watch.passed() == 1.0
+                with watch.waiting():
+                    after(2.0)
+            after(3.0)
+            assert watch.passed() == 4.0
+        after(1.0)
+    assert (watch.seconds, watch.compile_seconds) == (4.0, 3.0)
+    assert (outer.seconds, outer.compile_seconds) == (7.0, 3.0)

@@ -1,11 +1,13 @@
 """The picture of detachment: every edge case, and the marks that matter."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from camcli.analysis.contact_loss.study import detach
 from camcli.plots import style
-from camcli.plots.detach import draw_detach
+from camcli.plots.detach import _views, draw_detach
 from tests.analysis.test_detach import dwell, eccentric
 from tests.conftest import chapter_system, settings
 from tests.output.pictures import count, pixels, tall
@@ -51,3 +53,21 @@ def test_hold_to_adds_a_panel_and_no_force_leaves_one_out(chapter):
         ({"force_rpm": ()}, "phases"),
     ):
         assert list(drawn(chapter, [112.0, 116.0], **question).panels)[-1] == last
+
+
+def test_the_enlarged_part_reaches_the_first_time_a_burst_ends_at_a_corner():
+    """Later bursts may end there again: those of c at 190 rpm and of f are not shown."""
+    speeds = [SimpleNamespace(rpm=float(rpm), bursts=()) for rpm in range(100, 301, 10)]
+    opens = SimpleNamespace(theta_deg=150.0, rpm=106.0)
+    lead = SimpleNamespace(region=SimpleNamespace(name="A2"), opens=opens)
+    marks = [("c", 190.0, 160.0), ("d", 137.0, 200.0), ("c", 112.0, 160.0), ("f", 240.0, 270.0)]
+    study = SimpleNamespace(
+        speeds=speeds, hits=[SimpleNamespace(corner="c", rpm=118.0)],
+        detachment=SimpleNamespace(first=SimpleNamespace(region="A2"), losses=[lead]),
+        accumulation=[SimpleNamespace(region=region, rpm=rpm, theta_deg=theta, burst="A2")
+                      for region, rpm, theta in marks],
+    )  # fmt: skip
+    enlarged, whole = _views(study)
+    assert enlarged.rpm == pytest.approx((106.0 - 0.12 * 31.0, 137.0 + 0.12 * 31.0))
+    assert whole.rpm[0] < 100.0 < 300.0 < whole.rpm[1]
+    assert enlarged.low < 150.0 < 200.0 < enlarged.high < 215.0

@@ -182,3 +182,14 @@ def test_a_list_wider_than_the_page_has_its_last_words_below():
         boxes = [text.get_window_extent() for text in heading]
         assert max(box.x1 for box in boxes) <= figure.bbox.x1
         assert len({round(text.get_position()[1], 3) for text in heading}) == lines - 1
+
+
+@pytest.mark.parametrize(
+    ("text", "millimetres"),
+    [("8.5 cm", 85.0), ("3in", 76.2)],
+)
+def test_a_width_in_any_unit_is_that_of_the_picture(cam, tmp_path, text, millimetres):
+    cam("simulate --set run.transient=0 --set run.record=1 --format svg --width", f"'{text}'",
+        "-o .", code=0)  # fmt: skip
+    (points,) = re.findall(r'<svg [^>]*width="([\d.]+)pt"', (tmp_path / "simulate.svg").read_text())
+    assert float(points) * 25.4 / 72.0 == pytest.approx(millimetres, rel=1e-6)

@@ -1,6 +1,7 @@
 """The page of figures: valid, whole, offline, and usable by keyboard; without a browser."""
 
 import json
+import re
 from html.parser import HTMLParser
 from itertools import pairwise
 from urllib.parse import unquote, urlsplit
@@ -173,3 +174,12 @@ def test_a_damaged_record_leaves_a_page(out, text):
     (out / "3.6 a#1" / "run.json").write_text(text)
     shown = Page(page([picture(out, "3.6 a#1", files=["run.json"])]))
     assert "Cost: 0.0 s" in shown.all("article")[0]["text"]
+
+
+def test_a_file_too_large_to_be_kept_is_named(out):
+    (out / "motion").mkdir()
+    record = {**RECORD, "artefacts": {"sweep.png": "", "impacts.csv": "", "run.json": ""}}
+    (out / "motion" / "run.json").write_text(json.dumps(record))
+    text = page([picture(out, "motion", files=["sweep.png", "run.json", "extra.txt"])])
+    (said,) = re.findall("the command also writes ([^<]*), too large to be kept", text)
+    assert said == "impacts.csv"

@@ -253,3 +253,17 @@ def test_a_picture_is_kept_only_with_the_same_numbers_of_the_same_scene(tmp_path
         with run_folder(tmp_path) as run:
             run.write_text("a.csv", [number])
             assert run.keep_pictures(["b.png"], scene) == kept
+
+
+def test_what_a_run_left_that_was_killed_in_its_commit_is_told(tmp_path):
+    """Its record was written beside: what it lists and the one before does not is mixed in."""
+    finished_run(tmp_path, a_csv="1", b_csv="1")
+    (tmp_path / "b.csv").write_text("2")
+    (tmp_path / "c.csv").write_text("2")
+    made = {"a.csv": b"1", "b.csv": b"2", "c.csv": b"2", "d.csv": b"2"}
+    hashes = {name: sha256(text).hexdigest() for name, text in made.items()}
+    part = ".run.json.cam-part"
+    (tmp_path / part).write_text(json.dumps({"artefacts": hashes}))
+    with run_folder(tmp_path, names=["a.csv", "b.csv", "c.csv"]) as run:
+        assert run.mixed == ["b.csv", "c.csv"]
+        assert set(run.before) == {"a.csv"}

@@ -41,6 +41,10 @@ def test_collected_results_are_a_sequence(checkpoint, kept, room, monkeypatch):
     found = work.collect(Counted(), range(5), PLAIN, seen.append)
     assert list(found) == seen == [0, 10, 20, 30, 40]
     assert isinstance(found, list) == (not kept or room > checkpoint.size)
+    if kept:  # of the pieces; the first line of the file says whose they are
+        lines = checkpoint.path.read_bytes().splitlines(keepends=True)
+        assert checkpoint.size == sum(map(len, lines[1:]))
+        assert len(lines) == 6
     assert pickle.loads(pickle.dumps(found)) == list(found)
     assert (len(found), found[-1], found[1:3], found[::-2]) == (5, 40, [10, 20], [40, 20, 0])
     for wrong in (5, -6):
@@ -50,6 +54,10 @@ def test_collected_results_are_a_sequence(checkpoint, kept, room, monkeypatch):
         misfit = Codec(list, lambda stored: stored["x"])
         with pytest.raises(SceneError, match="0/0 holds no result"):
             Work(1, checkpoint).collect(Counted(), range(5), misfit)
+        others = Codec(lambda x: x, lambda x: x, lambda result, piece: result == 10 * piece)
+        assert list(Work(1, checkpoint).collect(Counted(), range(5), others)) == list(found)
+        with pytest.raises(SceneError, match="it is that of another piece"):
+            list(Work(1, checkpoint).collect(Counted(), range(1, 6), others))
 
 
 def test_a_chain_goes_on_where_it_stopped(checkpoint):

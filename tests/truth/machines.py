@@ -88,8 +88,8 @@ class MeasuredCam:
     C_k = -prod j/(j - k) over the other exponents; the file rounds it to 0.0001 inch.
     """
 
-    def __init__(self):
-        self.corners = {}
+    def __init__(self, base=0.0):
+        self.corners, self.base = {}, base
         self.exponents = (2, 6, 8, 10, 12)
 
     def lift(self, theta_deg):
@@ -102,7 +102,8 @@ class MeasuredCam:
             orders[0] = orders[0] + factor * x**k
             orders[1] = orders[1] + factor * k * x ** (k - 1) * step
             orders[2] = orders[2] + factor * k * (k - 1) * x ** (k - 2) * step**2
-        return tuple(np.where(inside, 0.4 * 0.0254 * values, 0.0) for values in orders)
+        c, c1, c2 = (np.where(inside, 0.4 * 0.0254 * values, 0.0) for values in orders)
+        return self.base + c, c1, c2
 
 
 class EccentricCam:

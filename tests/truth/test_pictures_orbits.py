@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from matplotlib.patches import Polygon
 from matplotlib.text import Annotation, Text
 
 import camcli
+from camcli.plots.branch_lines import curved
 from camcli.plots.orbits import draw_orbits
 from tests.truth.machines import CHAPTER, VALVE, off_corners
 from tests.truth.pictures import (
@@ -785,3 +787,25 @@ def test_the_words_of_a_corner_impact_are_what_its_normal_form_does():
                 )
                 assert ("is stable" in words) == (abs(largest) < 1.0)
     assert told == 6
+
+
+def test_lines_between_rows_are_curved_wherever_an_enlarged_part_shows_them():
+    """Coarse rows of P(1;1): between those that it shows the closed form is met, and no others."""
+    branches = made("branches", "chapter").values.branches
+    own = max(
+        (branch for branch in branches if set(branch.labels) == {"P(1;1)"}),
+        key=lambda branch: len(branch.points),
+    )
+    points = own.points[::4]
+    values = [point.value for point in points]
+    low, high = sorted(0.7 * values[k] + 0.3 * values[k + 1] for k in (1, len(values) - 4))
+    found = curved(points, low, high)
+    between = [point for point in found if point.value not in values]
+    gaps = [(min(a, b), max(a, b)) for a, b in pairwise(values)]
+    shown = [(a, b) for a, b in gaps if a <= high and b >= low]
+    assert 3 <= len(shown) < len(gaps)
+    for a, b in gaps:
+        inside = [point for point in between if a < point.value < b]
+        assert (len(inside) > 5) == ((a, b) in shown)
+    rpm, theta = zip(*((p.value, np.degrees(p.theta[0])) for p in between), strict=True)
+    assert away_from_closed_form(np.array(rpm), np.array(theta)).max() < 3e-3

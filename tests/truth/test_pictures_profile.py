@@ -1,5 +1,6 @@
 """The picture of a cam alone against its closed form: curves, outline, circles, words."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,7 +9,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle, Polygon
 
 import camcli
-from tests.truth.machines import CHAPTER, ECCENTRIC, TABLE, VALVE, off_corners
+from tests.truth.machines import CHAPTER, ECCENTRIC, TABLE, VALVE, MeasuredCam, off_corners
 from tests.truth.pictures import COLOURS, FORCES, check, hexed, on_page, read_page, usual
 
 CASES = {  # machine, speed, radius of the base circle, lift of the follower per lift of the cam
@@ -16,10 +17,17 @@ CASES = {  # machine, speed, radius of the base circle, lift of the follower per
     "valve": (VALVE, 3000.0, 0.015, 1.0, {}),
     "valve without a base": (VALVE, 2000.0, None, 1.0, {}),
     "table": (TABLE, 3000.0, 0.036, 1.0, {}),
+    "table above": (
+        replace(TABLE, cam=MeasuredCam(0.004)),
+        3000.0,
+        0.036,
+        1.0,
+        {"cam.base": 0.004},
+    ),
     "rocker": (TABLE, 3400.0, 0.02, 1.5, {"cam.rocker_ratio": 1.5, "cam.measured_at": "valve"}),
     "eccentric": (ECCENTRIC, 300.0, 0.02, 1.0, {}),
 }
-CLOSE = {"table": (2e-6, 2e-5, 1e-3), "rocker": (2e-6, 2e-5, 1e-3)}  # m, m/rad, m/rad2
+CLOSE = dict.fromkeys(("table", "table above", "rocker"), (2e-6, 2e-5, 1e-3))  # m, m/rad, m/rad2
 ARCS = {  # centre: distance from the axis, where it lies when the cam has not turned, radius
     "O": [(0.0, 0.0, 0.4), (0.0, 0.0, 0.55393320723821)],
     "O₁": [(0.45, 270.0, 0.85)],

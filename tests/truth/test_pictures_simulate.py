@@ -10,6 +10,7 @@ from matplotlib.animation import PillowWriter
 from matplotlib.collections import PolyCollection
 
 import camcli
+from camcli.plots.simulate import _cubic, _fine
 from tests.truth.machines import CHAPTER, VALVE
 from tests.truth.pictures import COLOURS, Panel, check, dashes, hexed, read_page, usual
 
@@ -312,3 +313,22 @@ def test_the_frames_of_an_animation_are_the_machine_at_the_rows_of_the_trajector
         assert title == f"{rpm:g} rpm, {label}"
         assert limits == pytest.approx((machine.strobe_deg, machine.strobe_deg + 360.0))
         assert (xlabel, ylabel) == (r"cam angle $\theta$ (deg)", "position (mm)")
+
+
+def test_what_is_drawn_between_rows_comes_after_the_right_one():
+    """Times with a jump twice, and corners between rows and upon them."""
+    t = np.array([0.0, 0.1, 0.25, 0.25, 0.4, 1.0])
+    corners = np.array([-0.1, 0.05, 0.1, 0.25, 0.33, 0.7, 1.2])
+    fine, row = _fine(t, corners)
+    assert (np.diff(fine) >= 0.0).all()
+    assert (t[row] <= fine).all()
+    assert (fine <= t[np.minimum(row + 1, len(t) - 1)]).all()
+    assert set(range(len(t))) == set(row.tolist())
+    for corner in corners[1:-1]:
+        beside = np.abs(fine - corner)
+        assert (beside[fine < corner].min(), beside[fine > corner].min()) < (1e-6, 1e-6)
+    y, slope = t**3, 3.0 * t**2  # a cubic is met exactly
+    values, slopes = _cubic(t, y, slope, fine, row)
+    moves = t[row] < t[np.minimum(row + 1, len(t) - 1)]
+    assert values == pytest.approx(fine**3, abs=1e-12)
+    assert slopes[moves] == pytest.approx(3.0 * fine[moves] ** 2, abs=1e-12)

@@ -246,6 +246,7 @@ def holds(machine: Machine, asked: dict[str, Any]) -> list[dict[str, Any]]:
         "theta_deg": lambda x: machine.lift.at(x * RAD)[0, 0] <= 0.0,
         "detaches_rpm": None, "least_n": None, "obstacle": "pull", "missing_n": 0.0,
         "nose_n": None, "more": True, "words": lambda text: "the spring would pull" in text,
+        "low_rpm": None, "high_rpm": None,
     }  # fmt: skip
     found = [impossible]
     for (quantity, region), (theta, rpm) in known.items():
@@ -258,6 +259,8 @@ def holds(machine: Machine, asked: dict[str, Any]) -> list[dict[str, Any]]:
                 "region": region, "theta_deg": theta, "detaches_rpm": rpm,
                 "least_n": asked["margin_n"], "obstacle": None, "missing_n": None,
                 "nose_n": preload + stiffness * top, "more": True,
+                "low_rpm": lambda x, rpm=rpm: 0.0 <= rpm * (1.0 + 1e-9) - x < 3e-9 * rpm,
+                "high_rpm": lambda x, rpm=rpm: 0.0 <= x - rpm * (1.0 - 1e-9) < 3e-9 * rpm,
                 "words": lambda text, preload=preload: f"preload {preload:.7g}"[:14] in text,
             })  # fmt: skip
     assert low < 0.0

@@ -11,6 +11,7 @@ import json
 import re
 from math import acos, atan2, cos, degrees, hypot, inf, pi, radians, sin, sqrt
 from statistics import fmean
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -300,6 +301,12 @@ def test_the_rows_of_the_machine():
         "force at full lift": f"{PRELOAD + STIFFNESS * ENDS:g} N",
         "restitution": "0.5", "lift": "10 mm", "cam": said["cam"],
     }  # fmt: skip
+    for ratio in (0.75, 1.0, 1.5):
+        system = SimpleNamespace(follower=result.system.follower, cam=result.system.cam,
+                                 shape=result.system.shape, rocker_ratio=ratio,
+                                 lift=result.system.lift)  # fmt: skip
+        rows = dict(machine(SimpleNamespace(system=system, scene=result.scene)))
+        assert rows.get("rocker ratio") == (None if ratio == 1.0 else f"{ratio:g}")
 
 
 CRANK = """

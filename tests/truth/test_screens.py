@@ -1,0 +1,162 @@
+"""What sweep, classify, orbits and basins print, against the tables of the same run.
+
+The columns of these tables are judged in `test_columns`; a printed number is held to half a unit of
+its last digit.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from itertools import groupby
+
+import pytest
+from conftest import cam_in, rows
+
+from tests.truth.test_worked_valve import near, table
+
+pytestmark = pytest.mark.slow
+RUN = "--set run.transient=100 --set run.record=60 --no-plot -o out --rpm 700:745"
+
+
+def screen(folder, line):
+    """(screen, folder of the artefacts, record) of a command; the line of cost is judged here."""
+    said = cam_in(folder, line, code=0).stdout
+    record = json.loads((folder / "out/run.json").read_text())
+    cost = record["cost"]
+    last = re.fullmatch(r"(\d+) impacts in (\S+) s \((\S+)/s, (\S+) gap evaluations each\); error "
+                        r"per event: contact within (\S+) m, accumulation within (\S+) turn",
+                        said.splitlines()[-1])  # fmt: skip
+    assert int(last[1]) == cost["impacts"]
+    assert near(last[2], cost["seconds"])
+    assert float(last[3]) == pytest.approx(cost["impacts"] / cost["seconds"], rel=0.01)
+    assert near(last[4], cost["gap_evaluations"] / cost["impacts"])
+    assert float(last[6]) == record["error"]["accumulation_phase_turns"]
+    return said, folder / "out", record["result"]
+
+
+def ranges(found, *keys):
+    """Neighbouring rows that are alike in some columns."""
+    return [list(group) for _, group in groupby(found, lambda row: [row[key] for key in keys])]
+
+
+def test_sweep(tmp_path):
+    said, out, _ = screen(tmp_path, f"sweep {RUN} --points 4")
+    speeds = rows(out / "speeds.csv")
+    groups = ranges(speeds, "label", "status")
+    shown = table(said, f"{len(speeds)} speeds, {len(groups)} ranges of one label")
+    assert len(shown) == len(groups) > 1
+    for (label, _, low, high, count, status), group in zip(shown, groups, strict=True):
+        assert (label, status) == (group[0]["label"], group[0]["status"])
+        assert (float(low), float(high)) == (float(group[0]["rpm"]), float(group[-1]["rpm"]))
+        assert int(count) == len(group)
+    impact, theta, lift, gap = re.search(
+        r"from 700 to 745 rpm, the follower lands at up to (\S+) m/s \((\S+) deg, (\S+) m above "
+        r"its lowest\), flies up to (\S+) m off the cam",
+        said.replace("\n", " "),
+    ).groups()
+    hardest = max(speeds, key=lambda row: float(row["max_impact_m_per_s"]))
+    assert near(impact, float(hardest["max_impact_m_per_s"]))
+    assert near(theta, float(hardest["landing_deg"]))
+    assert near(lift, float(hardest["landing_lift_m"]))
+    assert near(gap, max(float(row["max_gap_m"]) for row in speeds))
+
+
+def test_classify(tmp_path):
+    said, out, result = screen(tmp_path, f"classify {RUN} --points 3 --verbose")
+    found = rows(out / "classify.csv")
+    groups = ranges([{**row, "of": k} for k, row in enumerate(found)], "label", "chatter")
+    shown = table(said, f"{len(found)} motions, {len(groups)} ranges of one label")
+    assert len(shown) == len(groups) > 1
+    for (label, _, low, high, impacts, chatter, exponent, transient), group in zip(
+        shown, groups, strict=True
+    ):
+        motions = [result["motions"][row["of"]] for row in group]
+        assert (label, chatter) == (group[0]["label"], group[0]["chatter"])
+        assert (float(low), float(high)) == (float(group[0]["rpm"]), float(group[-1]["rpm"]))
+        assert near(impacts, float(group[0]["impacts"]))
+        value, _, error = exponent.partition(" +- ")
+        assert len(group) > 1 or near(value, float(group[0]["lyapunov_per_period"]))
+        assert near(value, max(float(row["lyapunov_per_period"]) for row in group))
+        errors = [motion["exponents"]["standard_error"] for motion in motions]
+        assert near(error, max(errors)) if error else max(errors) == 0.0
+        turns = [motion["transient_turns"] for motion in motions]
+        known = [n for n in turns if n is not None]
+        wanted = f"{min(known)} to {max(known)}" if known and min(known) < max(known) else known
+        assert transient == (wanted if isinstance(wanted, str) else "".join(map(str, wanted[:1])))
+
+
+def test_orbits(tmp_path):
+    said, out, result = screen(tmp_path, f"orbits {RUN} --points 5")
+    branch, events = rows(out / "branch.csv"), rows(out / "bifurcations.csv")
+    shown = table(said, "Periodic orbits at 700 rpm")
+    assert len(shown) == len(result["orbits"])
+    for (label, stable, theta), orbit in zip(shown, result["orbits"], strict=True):
+        assert label == orbit["label"]
+        assert stable == ("yes" if orbit["stable"] else "no")
+        assert all(near(x, y) for x, y in zip(theta.split(), orbit["theta_deg"], strict=True))
+    shown = table(said, "Branches in rpm")
+    groups = ranges(branch, "branch")
+    assert len(shown) == len(groups)
+    for (number, labels, low, high, count, _), group in zip(shown, groups, strict=True):
+        assert number == group[0]["branch"]
+        assert labels.split(", ") == sorted({row["label"] for row in group})
+        assert near(low, float(group[0]["rpm"]))
+        assert near(high, float(group[-1]["rpm"]))
+        assert int(count) == len(group)
+    shown = table(said, "Bifurcations")
+    assert len(shown) == len(events) > 1
+    for (number, label, kind, rpm), event in zip(shown, events, strict=True):
+        at = f" at {event['corner']}" * bool(event["corner"])
+        wanted = event["branch"], event["label"], event["kind"] + at
+        assert (number, label, kind) == wanted
+        assert near(rpm, float(event["rpm"]))
+    largest = max(float(row["det"]) for row in branch)
+    (det,) = re.findall(r"is at most (\S+) on these branches", said.replace("\n", " "))
+    assert near(det, largest)
+
+
+def test_basins(tmp_path):
+    line = "basins --cells 20,12 --refine 1 --no-plot --verbose -o out"
+    said, out, result = screen(tmp_path, line)
+    (speed,), found = result["speeds"], rows(out / "attractors.csv")
+    shown = table(said, "358.5 rpm, orbit mapping")
+    assert len(shown) == len(found) > 1
+    for (label, number, q, v, share), row in zip(shown, found, strict=True):
+        assert (label, number) == (row["label"], row["attractor"])
+        assert near(q, float(row["q_m"]))
+        assert near(v, float(row["v_m_per_s"]))
+        part, error = share.rstrip(" %").split(" +- ")
+        assert near(part, 100.0 * float(row["fraction"]))
+        assert near(error, 100.0 * float(row["standard_error"]))
+    cells, computed, share, median, most99, most = re.search(
+        r"cells (\d+), computed (\d+) \((\S+) %\); turns per cell: median (\d+), 99 % (\d+), "
+        r"most (\d+)",
+        said,
+    ).groups()
+    assert (int(cells), int(computed)) == (speed["cells"], speed["computed"])
+    assert cells == "960"
+    assert near(share, 100.0 * int(computed) / int(cells))
+    assert [int(median), int(most99), int(most)] == list(speed["turns_per_cell"].values())
+    basin, boundary, some, boxes = re.search(
+        r"basin entropy (\S+), boundary entropy (\S+) \((\d+) of (\d+) boxes of 5 x 5 cells\)", said
+    ).groups()
+    assert near(basin, speed["basin_entropy"])
+    assert near(boundary, speed["boundary_entropy"])
+    assert (int(some), int(boxes)) == (speed["boundary_boxes"], speed["boxes"])
+    assert float(basin) == pytest.approx(float(boundary) * int(some) / int(boxes), rel=1e-3)
+
+
+def test_basins_over_a_range(tmp_path):
+    line = "basins --rpm 358:359 --points 2 --cells 16 --no-plot -o out"
+    said, out, result = screen(tmp_path, line)
+    found = ranges(rows(out / "attractors.csv"), "rpm")
+    shown = table(said, "2 speeds")
+    for (rpm, words, undecided), group, speed in zip(shown, found, result["speeds"], strict=True):
+        assert float(rpm) == float(group[0]["rpm"])
+        assert int(undecided) == speed["undecided"]
+        parts = re.findall(r"(\d+): (\S+) (\S+) %", words)
+        assert len(parts) == len(group)
+        for (number, label, share), row in zip(parts, group, strict=True):
+            assert (number, label) == (row["attractor"], row["label"])
+            assert near(share, 100.0 * float(row["fraction"]))
