@@ -40,10 +40,11 @@ REMEMBERED = 4096  # motions
 
 
 class HoldsFor(StrEnum):
-    """Which machines an answer found in ball arithmetic is about."""
+    """Which machines an answer about the motion after a rest is about."""
 
     LAST_DIGIT = "last-digit"  # every machine whose speed rounds to this one: proved for all
     EXACT_DATA = "exact-data"  # the machine of these doubles, exactly; others may differ
+    ROUNDING = "rounding"  # none for certain: an attractor of the machine, that doubles ended on
 
 
 State = tuple[float, float]  # q (m), dq/dtheta (m/rad) at a strobe

@@ -23,10 +23,11 @@ from camcli.analysis.integrate import (
     with_turns,
 )
 from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, UNDECIDED, passages
-from camcli.analysis.orbits.identify import identify
+from camcli.analysis.orbits.identify import TOO_LARGE, identify, largest_growth
 from camcli.analysis.orbits.orbit import PeriodicOrbit, resting_orbit
 from camcli.analysis.orbits.same_orbit import SAME, distance_to, same_orbit
 from camcli.analysis.orbits.search import RECORD, cloud
+from camcli.analysis.patience import watch
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import IMPACT
@@ -47,7 +48,8 @@ class Motion:
     or undecided; orbit: solved, where periodic; exponents: None where the record shows too little;
     transient: turns until the orbit is reached (None without one); impacts: in one period of the
     orbit, or the mean per turn; record: of the recorded turns; holds_for: the machines that a label
-    is about which doubles alone could not tell (`after_rest`); fault: what nobody foresaw and cost
+    is about which doubles alone could not tell (`after_rest`); watched: turns for which a motion
+    that looked aperiodic was followed in all, None for others; fault: what nobody foresaw and cost
     this value: its status is FAULT then, and nothing of the motion is known.
     """
 
@@ -64,6 +66,7 @@ class Motion:
     cost: Cost
     record: Record
     holds_for: HoldsFor | None = None
+    watched: int | None = None
     fault: PieceFault | None = None
 
     @property
@@ -109,7 +112,7 @@ def classify(
     def motions_at(value: float) -> list[Motion]:
         own, rpm, runs = setup(value)
         found = attractors(own, rpm, runs, starts, seed)
-        return [replace(with_transient(own, runs, motion), value=value) for motion in found]
+        return [replace(motion, value=value) for motion in found]
 
     def motions_or_fault(value: float) -> list[Motion]:
         found = attempt(f"{key} = {value!r}", lambda: motions_at(value))
@@ -144,28 +147,45 @@ def classify_at(
 
     Periodic means: Newton's iteration from the end of the record converges to an admissible,
     attracting orbit that the record approaches, of a period up to LONGEST_PERIOD. Aperiodic means:
-    no such orbit, and a largest Lyapunov exponent above zero by three standard errors. Where
-    neither can be shown in LONGER times the record, or a record without a period holds complete
-    chatters, the motion after the rest is followed with many digits (`analysis.after_rest`) and
-    named instead; if even that is not certain, it is undecided.
+    no such orbit, a largest Lyapunov exponent above zero by three standard errors, and neither an
+    orbit nor a rest in settings.patience further turns (`analysis.patience`). Where neither can be
+    shown in LONGER times the record, or a record without a period holds complete chatters, the
+    motion after the rest is followed with many digits (`analysis.after_rest`) and named instead; if
+    even that is not certain, it is undecided.
     """
     start = settings.start if start is None else start
     turns = max(settings.record, RECORD)
     run = Orbit(system, rpm, with_turns(settings, settings.transient, turns), start)
     record = run.run()
-    cost = record.cost
+    followed, cost = settings.transient + turns, record.cost
     orbit, exponents = _solved(system, rpm, record)
     if record.status == Status.OK and not _certain(orbit, exponents):
-        more = Orbit(system, rpm, with_turns(settings, 0, LONGER * turns), run.as_start()).run()
+        on = run.go_on(0, LONGER * turns)
+        more = on.run()
         cost = cost + more.cost
         orbit, exponents = _solved(system, rpm, more)
-        record = more if more.status == Status.OK else record
-    holds_for = None
+        if more.status == Status.OK:
+            run, record, followed = on, more, followed + LONGER * turns
+    holds_for, watched, rests = None, None, False
     if record.status == Status.OK and orbit is None and any(record.chatter[: record.periods]):
-        orbit, exponents, after, holds_for = _after_rest(system, rpm, settings, record)
-        if after is not record:
-            record, cost = after, cost + after.cost
-    certain = record.status == Status.OK and _certain(orbit, exponents)
+        after = _after_rest(system, rpm, settings, record)
+        orbit, exponents, holds_for = after.orbit, after.exponents, after.holds_for
+        if after.run is not None:
+            run, record, cost = after.run, after.record, cost + after.record.cost
+            followed += settings.transient + turns
+    if record.status == Status.OK and orbit is None and _certain(orbit, exponents):
+        seen = watch(run, rpm, settings.patience, turns)
+        watched, cost = followed + seen.turns, cost + seen.cost
+        if not seen.stays:
+            record, orbit = seen.record, seen.orbit
+            exponents = of_orbit(system, orbit) if orbit else _exponents(system, rpm, record)
+        rests = orbit is None and any(record.chatter[: record.periods])
+        if rests and record.chatter[: record.periods].sum() > 1:  # often enough to be followed
+            after = _after_rest(system, rpm, settings, record)
+            if after.orbit is not None:
+                orbit, exponents, holds_for = after.orbit, after.exponents, after.holds_for
+                record, cost = after.record, cost + after.record.cost
+    certain = record.status == Status.OK and not rests and _certain(orbit, exponents)
     return Motion(
         value=rpm,
         rpm=rpm,
@@ -180,6 +200,7 @@ def classify_at(
         cost=cost,
         record=record,
         holds_for=holds_for if orbit else None,
+        watched=watched,
     )
 
 
@@ -190,42 +211,101 @@ def _solved(
     orbit = identify(system, rpm, record)
     if orbit is not None:
         return orbit, of_orbit(system, orbit)
-    return None, of_record(system, rpm, record) if record.status == Status.OK else None
+    return None, _exponents(system, rpm, record)
+
+
+def _exponents(system: System, rpm: float, record: Record) -> Exponents | None:
+    """Those of a record that ended well."""
+    return of_record(system, rpm, record) if record.status == Status.OK else None
 
 
 def _certain(orbit: PeriodicOrbit | None, exponents: Exponents | None) -> bool:
     return orbit is not None or (exponents is not None and exponents.chaotic)
 
 
-def _after_rest(
-    system: System, rpm: float, settings: Settings, record: Record
-) -> tuple[PeriodicOrbit | None, Exponents | None, Record, HoldsFor | None]:
-    """(orbit, exponents, record) of the true motion after a rest, if known, and for whom it is."""
+@dataclass(frozen=True)
+class _AfterRest:
+    """The true motion after a rest, if known: its orbit, its record, and for whom it is.
+
+    run: where doubles went on from what ball arithmetic found, None where they did not.
+    """
+
+    orbit: PeriodicOrbit | None
+    exponents: Exponents | None
+    record: Record
+    holds_for: HoldsFor | None
+    run: Orbit | None = None
+
+
+def _after_rest(system: System, rpm: float, settings: Settings, record: Record) -> _AfterRest:
+    """The true motion after the first rest of a record."""
     found = after_first_rest(system, rpm, record)
     if found.kind == CYCLE:
         orbit = resting_orbit(system, rpm, found.states, found.symbols, found.leaves)
-        return orbit, of_orbit(system, orbit), record, found.holds_for
-    start = found.start(system, rpm)
+        return _AfterRest(orbit, of_orbit(system, orbit), record, found.holds_for)
+    start, run = found.start(system, rpm), None
     if start is not None:
-        run = with_turns(settings, settings.transient, max(settings.record, RECORD))
-        record = Orbit(system, rpm, run, start).run()
-    return *_solved(system, rpm, record), record, found.holds_for
+        turns = with_turns(settings, settings.transient, max(settings.record, RECORD))
+        run = Orbit(system, rpm, turns, start)
+        record = run.run()
+    holds_for = found.holds_for or HoldsFor.ROUNDING  # it wandered, and doubles went on
+    return _AfterRest(*_solved(system, rpm, record), record, holds_for, run)
+
+
+def own_end(system: System, settings: Settings, motion: Motion) -> Motion:
+    """The motion with the orbit that its start ends on, where that can be told, and its transient.
+
+    On the way from a rest to an orbit without rests an error of rounding may grow beyond all
+    digits. Doubles then end on an attractor of the machine, but another one may be the end of this
+    start: the motion after the rest is followed with many digits. Where that finds no end, the
+    label stays and holds for ROUNDING.
+    """
+    orbit = motion.orbit
+    if orbit is None or orbit.resting or motion.holds_for is not None:
+        return with_transient(system, settings, motion)
+    record = _from_start(system, settings, motion, True)
+    motion = _reached(motion, record)
+    turns = record.periods if motion.transient is None else motion.transient
+    if largest_growth(system, motion.rpm, record, range(-1, turns)) <= TOO_LARGE:
+        return motion
+    after = _after_rest(system, motion.rpm, settings, record)
+    if after.holds_for in (None, HoldsFor.ROUNDING) or after.orbit is None:
+        return replace(motion, holds_for=HoldsFor.ROUNDING)
+    motion = replace(motion, holds_for=after.holds_for)
+    if same_orbit(after.orbit, orbit):
+        return motion
+    return replace(
+        motion,
+        label=after.orbit.label,
+        orbit=after.orbit,
+        exponents=after.exponents,
+        impacts=_impacts(after.orbit, after.record),
+        chatter=COMPLETE if after.orbit.resting else _chatter(after.record),
+        transient=None,
+        record=after.record,
+    )
 
 
 def attractors(
     system: System, rpm: float, settings: Settings, starts: int, seed: int
 ) -> list[Motion]:
-    """The different motions reached from the scene's start and a cloud, in a fixed order."""
+    """The different motions reached from the scene's start and a cloud, in a fixed order.
+
+    Each with its transient; that of the scene's start is where this start ends (`own_end`).
+    """
     skip = seed * starts
     found: list[Motion] = []
     for start in (settings.start, *islice(cloud(system, rpm), skip, skip + starts)):
         motion = classify_at(system, rpm, settings, start)
+        if not found:
+            motion = own_end(system, settings, motion)
         known = next((k for k, other in enumerate(found) if same_motion(motion, other)), None)
         if known is None:
             found.append(motion)
         else:  # what it took was done all the same
             found[known] = replace(found[known], cost=found[known].cost + motion.cost)
-    return sorted(found, key=_order)
+    others = [with_transient(system, settings, motion) for motion in found[1:]]
+    return sorted([*found[:1], *others], key=_order)
 
 
 def same_motion(a: Motion, b: Motion) -> bool:
@@ -270,10 +350,21 @@ def with_transient(system: System, settings: Settings, motion: Motion) -> Motion
     """
     if motion.orbit is None:
         return motion
+    return _reached(motion, _from_start(system, settings, motion, False))
+
+
+def _from_start(system: System, settings: Settings, motion: Motion, events: bool) -> Record:
+    """The transient of a motion, and some turns more."""
     run = with_turns(settings, 0, settings.transient + 2 * LONGEST_PERIOD)
-    record = Orbit(system, motion.rpm, run, motion.start).run(events=False)
-    away = [distance_to(state, motion.orbit.states) > SAME for state in passages(record)[0]]
+    return Orbit(system, motion.rpm, run, motion.start).run(events=events)
+
+
+def _reached(motion: Motion, record: Record) -> Motion:
+    """The motion with its transient, where it reaches its orbit in a record from the start."""
+    orbit, motion = motion.orbit, replace(motion, cost=motion.cost + record.cost)
+    assert orbit is not None
+    away = [distance_to(state, orbit.states) > SAME for state in passages(record)[0]]
     if not away or away[-1]:
         return motion
     last = max((k for k, far in enumerate(away) if far), default=-1)
-    return replace(motion, transient=last + 1, cost=motion.cost + record.cost)
+    return replace(motion, transient=last + 1)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from copy import copy
 from dataclasses import dataclass, field, replace
 from math import pi
 
@@ -29,6 +30,7 @@ PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half 
 SLICE = 200_000  # steps of a call of the compiled kernel: some 40 ms, at worst half a second
 FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
 ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
+PATIENCE = 20_000  # turns that a motion is followed on before it is called aperiodic
 LOGGED = int, int, float, float, float  # kinds of numbers in the columns of a log
 ROW = 20  # evaluations that take as long as looking at a row of a log
 
@@ -48,13 +50,17 @@ class Start:
 
 @dataclass(frozen=True)
 class Settings:
-    """What every run shares: turns, tolerance (fraction of a turn) and the impact budget."""
+    """What every run shares: turns, tolerance (fraction of a turn) and the impact budget.
+
+    patience: turns that a motion which looks aperiodic is followed on, see `analysis.patience`.
+    """
 
     transient: int
     record: int
     chatter_tolerance: float
     impact_budget: int
     start: Start = field(default_factory=Start)
+    patience: int = PATIENCE
 
 
 Setup = tuple[System, float, Settings]  # a machine, its speed (rpm) and its runs
@@ -214,6 +220,17 @@ class Orbit:
                 look()
             else:
                 return self._record(logs, strobe, status)
+
+    def go_on(self, skipped: int, record: int) -> Orbit:
+        """The same orbit from where it is, to the last bit: turns to skip, and then to record.
+
+        This one must have come to the end of its record, and stays there.
+        """
+        on = copy(self)
+        on.settings = with_turns(self.settings, skipped, record)
+        on.state = replace(self.state, period=-skipped, logged=0, total_impacts=0, detachments=0)
+        on.work = Tally()
+        return on
 
     def position(self) -> tuple[float, float]:
         """(q, dq/dtheta) now; m, m/rad."""

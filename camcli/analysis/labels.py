@@ -21,6 +21,7 @@ LONGEST_PERIOD = 64
 WINDOW = 16  # periods compared at least
 MOST_SYMBOLS = 1_000_000  # of a label in a file
 FEWEST_IMPACTS = 16  # in the record, to call it aperiodic
+FEWEST_TURNS = 2 * LONGEST_PERIOD + 2  # in it, so that the longest period would show twice
 
 
 class Label(str):
@@ -112,7 +113,8 @@ def passages(record: Record) -> tuple[list[tuple[float, float]], list[float]]:
 def label(record: Record) -> str:
     """The label of the orbit that a record repeats at its end (see `orbits.identify.named`).
 
-    `aperiodic` where no period fits, `undecided` where the record is too short to say even that.
+    `aperiodic` where no period fits, `undecided` where the record is too short to say even that: a
+    period longer than half of it would not show.
     """
     if record.periods and record.status == Status.OK and not record.touches:
         return CONTACT
@@ -120,7 +122,8 @@ def label(record: Record) -> str:
     m = find_period(states, symbols)
     if m == 0:
         impacts = record.impacts[: record.periods].sum()
-        return APERIODIC if len(states) > 1 and impacts >= FEWEST_IMPACTS else UNDECIDED
+        long_enough = len(states) >= FEWEST_TURNS and impacts >= FEWEST_IMPACTS
+        return APERIODIC if long_enough else UNDECIDED
     return Label(symbols[-m:])
 
 

@@ -4,9 +4,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import pi
 
+from camcli.analysis.classify import Motion, classify_at
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, with_turns
-from camcli.analysis.labels import period_of
+from camcli.analysis.labels import APERIODIC, period_of
 from camcli.analysis.orbits.identify import TOO_LARGE, named
+from camcli.analysis.patience import forgets_too_much, named_on
 from camcli.errors import Status
 from camcli.interrupts import look
 from camcli.kernel import backend
@@ -38,6 +40,12 @@ class Simulation:
     corners_deg: list[float]
     cost: Cost
     one_of_many: int | None  # turn of the record, see `one_of_many_from`
+    ends: Motion | None = None  # where the record alone looks aperiodic: what it leads to
+
+    @property
+    def repeats(self) -> int:
+        """Turns after which the record repeats; 0 where it does not, or not yet."""
+        return period_of(self.label) if self.ends is None else 0
 
 
 @dataclass(frozen=True)
@@ -51,14 +59,22 @@ class _Node:
     chatter: tuple[float, float] | None = None  # (u rad, length rad) of hops that follow unlogged
 
 
-def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Simulation:
-    """Run one orbit; `samples` per turn in the trajectory, besides the events (0: none)."""
+def simulate(
+    system: System, rpm: float, settings: Settings, samples: int, follow: bool = True
+) -> Simulation:
+    """Run one orbit; `samples` per turn in the trajectory, besides the events (0: none).
+
+    follow: find out what a record that looks aperiodic leads to, and what a short one shows.
+    """
     orbit = Orbit(system, rpm, settings)
     backend.for_work(0)
     first = orbit.position(), orbit.state.theta
     record = orbit.run()
     sampler = _Sampler(system, orbit, record, samples)
-    name, _ = named(system, rpm, record)
+    if follow:
+        name, ends = _named(system, rpm, settings, orbit, record)
+    else:
+        (name, _), ends = named(system, rpm, record), None
     return Simulation(
         rpm=rpm,
         trajectory=list(sampler.rows(first)) if samples else [],
@@ -68,8 +84,22 @@ def simulate(system: System, rpm: float, settings: Settings, samples: int) -> Si
         periods=record.periods,
         corners_deg=system.corners_deg,
         cost=record.cost,
-        one_of_many=one_of_many_from(system, rpm, settings, record, name),
+        one_of_many=one_of_many_from(
+            system, rpm, settings, record, name if ends is None else APERIODIC
+        ),
+        ends=ends,
     )
+
+
+def _named(
+    system: System, rpm: float, settings: Settings, orbit: Orbit, record: Record
+) -> tuple[str, Motion | None]:
+    """The label, and what `classify` finds where the record alone looks aperiodic."""
+    name, _, told = named_on(orbit, rpm, record)
+    if name != APERIODIC or forgets_too_much(told):
+        return name, None
+    ends = classify_at(system, rpm, settings)
+    return ends.label, ends
 
 
 def one_of_many_from(

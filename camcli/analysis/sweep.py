@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 from math import nan, pi
 from typing import Any
 
@@ -25,8 +25,8 @@ from camcli.analysis.integrate import (
 )
 from camcli.analysis.labels import APERIODIC, UNDECIDED, from_plain, passages, to_plain
 from camcli.analysis.loads import Loads, loads_of
-from camcli.analysis.orbits.identify import named
 from camcli.analysis.orbits.same_orbit import SAME, distance, size_of
+from camcli.analysis.patience import forgets_too_much, named_on
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.cam_table import lift_at
@@ -39,6 +39,7 @@ FIXED, UP, DOWN, BOTH = "fixed", "up", "down", "both"
 FINEST = 1200  # of the range: an adaptive sweep goes down to steps of one of so many parts
 CHANGED = 0.1  # of the range of a load: more is a change of a chaotic motion
 BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
+SURE = 2  # neighbours that stay aperiodic: a transient is not looked for beyond them
 ON_CAM = 1e-12  # relative distance of a state from the cam's that is rounding
 
 NOTHING = Loads()
@@ -53,8 +54,9 @@ class Speed:
     chatter). Either is None where it was not asked for. `impact_count` is of the recorded turns;
     exponent: the largest one per turn, None where it was not asked for or is not known; end: where
     the next speed starts, of a sweep that carries its state; loads: of the record; known: False
-    where the record is one of many motions and the true one is not known; holds_for: as `classify`;
-    fault: what nobody foresaw and cost this speed: its status is FAULT then, and nothing of the
+    where the record is one of many motions and the true one is not known; holds_for, watched: as
+    `classify`, but inside a range of aperiodic motions one is seen for its record only; fault: what
+    nobody foresaw and cost this speed: its status is FAULT then, and nothing of the
     motion is known (no impact_count; rpm is nan where even the machine could not be made).
     """
 
@@ -71,6 +73,7 @@ class Speed:
     loads: Loads = NOTHING
     known: bool = True
     holds_for: str | None = None
+    watched: int | None = None
     fault: PieceFault | None = None
 
 
@@ -160,7 +163,10 @@ def sweep(
 
     All is done again from each start of `also`. `adaptive` adds values between two whose labels
     differ, or the sizes of whose chaos do, down to FINEST of the range; only where each starts
-    alike (`fixed`). The values are speeds (rpm), or what `setup` makes machines of. Where `work`
+    alike (`fixed`). Where motions look aperiodic, those at the ends of each range of them are
+    followed on with patience as `classify` does, inwards until two neighbours stay aperiodic; what
+    one settles on takes its place. The values are speeds (rpm), or what `setup` makes machines of.
+    Where `work`
     has a checkpoint, the speeds are kept in it and read from it. `on_speed` is called with each
     finished speed, in order. A speed that raises what nobody foresaw has the status FAULT. Raises
     StartError before any work if a start lies below the cam.
@@ -177,25 +183,92 @@ def sweep(
         on_speed(speed)
 
     parts: list[Sequence[Speed]] = []
+    order: list[int] = []  # of `rows`, those that count
     ways: list[tuple[str | int, ...]] = []
+    added = False
     for number, one in enumerate(tasks):
         start = (number,) * bool(also)
         if direction == FIXED:
-            begin = len(rows)
-            parts.append(work.collect(one, values, CODEC, count))
-            while adaptive and (more := _between(rows[begin:])):
-                parts.append(work.collect(one, more, CODEC, count))
+            own = _Row.listed(work.collect(one, values, CODEC, count), parts, rows, one.start)
+            while True:
+                _watch_ends(work, one, own, parts, rows)
+                more = _between([rows[row.at] for row in own]) if adaptive else []
+                if not more:
+                    break
+                own += _Row.listed(work.collect(one, more, CODEC, count), parts, rows, one.start)
+                added = True
+            order += [row.at for row in own]
+            ways += [start] * len(own)
         for way in (UP, DOWN) if direction == BOTH else {direction} - {FIXED}:
             ordered = sorted(values, reverse=way == DOWN)
-            parts.append(work.collect_chain(one.after, None, ordered, CODEC, count))
-            ways += [(way,) * (direction == BOTH) + start] * len(ordered)
-        ways += [start] * (len(rows) - len(ways))
-    order = list(range(len(rows)))
-    if adaptive and len(parts) > 1:
-        order.sort(key=lambda k: rows[k].value)
+            chain = work.collect_chain(one.after, None, ordered, CODEC, count)
+            own = _Row.listed(chain, parts, rows, one.start)
+            for before, row in pairwise(own):
+                row.start = rows[before.at].end
+            _watch_ends(work, one, own, parts, rows)
+            order += [row.at for row in own]
+            ways += [(way,) * (direction == BOTH) + start] * len(own)
+    if added:
+        ranked = sorted(range(len(order)), key=lambda k: rows[order[k]].value)
+        order, ways = [order[k] for k in ranked], [ways[k] for k in ranked]
     cost = sum((speed.cost for speed in rows), Cost())
-    rows, ways = [rows[k] for k in order], [ways[k] for k in order]
-    return Sweep(_Joined(parts, order), direction, cost, key, also, rows, ways)
+    return Sweep(_Joined(parts, order), direction, cost, key, also, [rows[k] for k in order], ways)
+
+
+@dataclass
+class _Row:
+    """A row of a sweep while it is made: where it is among all, and from where it starts."""
+
+    at: int
+    start: Start | None
+    watched: bool = False
+
+    @staticmethod
+    def listed(
+        speeds: Sequence[Speed],
+        parts: list[Sequence[Speed]],
+        rows: Sequence[Speed],
+        start: Start | None,
+    ) -> list[_Row]:
+        """The rows of speeds that are the last of `rows`; the speeds become another part."""
+        parts.append(speeds)
+        return [_Row(k, start) for k in range(len(rows) - len(speeds), len(rows))]
+
+
+def _watch_ends(
+    work: Work, task: _Task, own: list[_Row], parts: list[Sequence[Speed]], rows: list[Speed]
+) -> None:
+    """Follow what looks aperiodic on at the ends of each range, inwards until two in a row stay.
+
+    A row that was watched takes the place of the one before.
+    """
+    ends = _Ends(replace(task, patient=True))
+    ranked = sorted(own, key=lambda row: rows[row.at].value)
+    while todo := _unwatched(ranked, rows):
+        pieces, first = [(rows[row.at].value, row.start) for row in todo], len(rows)
+        parts.append(work.collect(ends, pieces, OF_ENDS, lambda speed: rows.append(bare(speed))))
+        for k, row in enumerate(todo):
+            row.at, row.watched = first + k, True
+
+
+def _unwatched(ranked: Sequence[_Row], rows: Sequence[Speed]) -> list[_Row]:
+    """The rows to be watched next, in the order of their values, see `_watch_ends`."""
+
+    def aperiodic(row: _Row) -> bool:
+        return rows[row.at].label == APERIODIC
+
+    found: dict[int, _Row] = {}
+    for of_range, members in groupby(ranked, lambda row: row.watched or aperiodic(row)):
+        inwards = list(members) if of_range else []
+        for way in (inwards, inwards[::-1]):
+            stay = 0  # in a row, or still to be seen
+            for row in way:
+                if stay == SURE:
+                    break
+                if not row.watched:
+                    found[row.at] = row
+                stay = stay + 1 if aperiodic(row) else 0
+    return sorted(found.values(), key=lambda row: rows[row.at].value)
 
 
 class _Joined(Sequence[Speed]):
@@ -298,6 +371,16 @@ class _Line:
 
 
 @dataclass(frozen=True)
+class _Ends:
+    """One speed at the end of a chaotic range; a piece is its value and its start."""
+
+    task: _Task
+
+    def __call__(self, piece: tuple[float, Start | None]) -> Speed:
+        return self.task._at(*piece)
+
+
+@dataclass(frozen=True)
 class _Task:
     """One speed, wherever it is computed; key: of what is varied."""
 
@@ -309,6 +392,7 @@ class _Task:
     turns: float  # of all speeds
     follow: bool = True  # beyond doubles, where a rest makes the record one of many
     start: Start | None = None  # another than the scene's
+    patient: bool = False  # follow what looks aperiodic on, as `classify` does
 
     def __call__(self, value: float) -> Speed:
         """The speed, from its start."""
@@ -346,42 +430,37 @@ class _Task:
         orbit = Orbit(system, rpm, settings, start)
         record = orbit.run()
         end, cost, n, to_mps = orbit.as_start(), record.cost, record.periods, orbit.omega
-        exponents, known, holds_for = None, True, None
-        forgets = forgets_too_much(record)
+        status, known, holds_for, watched = record.status, True, None, None
+        name, exponents, forgets = UNDECIDED, None, forgets_too_much(record)
+        if not forgets:
+            name, exponents, told = named_on(orbit, rpm, record, self.lyapunov)
+            forgets = forgets_too_much(told)
         if forgets and not self.follow:
-            name, known = UNDECIDED, False
-        elif forgets:
+            name, exponents, known = UNDECIDED, None, False
+        elif forgets or (self.patient and name == APERIODIC):
             motion, record, end = true_motion(system, rpm, settings, start, record, end)
             name, cost, known = motion.label, cost + motion.cost, motion.label != UNDECIDED
-            holds_for, exponents = motion.holds_for, motion.exponents
-        else:
-            name, exponents = named(system, rpm, record, self.lyapunov)
+            holds_for, exponents, watched = motion.holds_for, motion.exponents, motion.watched
+            status = Status(motion.status) if status == Status.OK else status
+        elif name == APERIODIC:
+            watched = settings.transient + n
         strobe = (range(n), record.strobe_q[:n], record.strobe_w[:n] * to_mps)
         return Speed(
             value=value,
             rpm=rpm,
             label=name,
             impact_count=int(record.impacts[:n].sum()),
-            status=record.status,
+            status=status,
             impacts=_impact_rows(record, to_mps) if self.impacts else None,
             strobe=(*strobe, record.impacts[:n], record.chatter[:n]) if self.strobe else None,
             cost=cost,
             exponent=exponents.largest if self.lyapunov and exponents else None,
-            end=end if record.status == Status.OK else None,
+            end=end if status == Status.OK else None,
             loads=loads_of(system, rpm, record) if known else NOTHING,
             known=known,
             holds_for=holds_for,
+            watched=watched,
         )
-
-
-def forgets_too_much(record: Record) -> bool:
-    """True where a complete chatter in some turns is followed by turns without.
-
-    A rest erases all memory, and the turns up to the next one may grow an error of rounding beyond
-    all digits: the record is then one of many. Where every turn rests they have no time to.
-    """
-    chatter = record.chatter[: record.periods]
-    return record.status == Status.OK and bool(chatter.any()) and not chatter.all()
 
 
 def true_motion(
@@ -465,6 +544,7 @@ CHECKS: dict[str, Callable[[Any], Any]] = {  # of what `_store` makes of a speed
     "loads": lambda value: Loads(*stored.items(LOAD, len(Loads._fields))(value)),
     "known": stored.flag,
     "holds_for": stored.optional(stored.one_of(*map(str, HoldsFor))),
+    "watched": stored.optional(stored.whole),
 }
 
 
@@ -484,6 +564,8 @@ def _faults(speeds: Sequence[Speed]) -> list[PieceFault]:
 CODEC = Codec(
     _store, _load, lambda speed, value: speed.value == value, lambda speed: _faults([speed])
 )
+
+OF_ENDS = CODEC._replace(fits=lambda speed, piece: speed.value == piece[0])
 
 
 def _lines_over(first: Sequence[float]) -> Codec:

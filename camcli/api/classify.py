@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 # columns after the one of what is varied
 CLASSIFY = (
     "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status", "holds_for",
+    "watched_turns",
 )  # fmt: skip
 
 
@@ -51,8 +52,8 @@ def classify(
     """Name the motion at every speed of ``scene.classify.rpm`` and measure its exponents.
 
     A motion is called periodic when Newton's method solves its orbit and the motion approaches it,
-    aperiodic when its largest Lyapunov exponent is positive by three standard errors, and undecided
-    otherwise.
+    aperiodic when its largest Lyapunov exponent is positive by three standard errors and it neither
+    settles nor rests in ``run.patience`` further turns, and undecided otherwise.
 
     Parameters
     ----------
@@ -74,14 +75,17 @@ def classify(
                       does not repeat), impacts (in one period, inf with a complete chatter; of an
                       aperiodic motion the mean per turn), chatter (complete; incomplete: 8 impacts
                       in a row, each weaker, that do not accumulate; none), stable (1, 0, empty
-                      where no orbit is solved), lyapunov_per_period, status, holds_for: a row per
+                      where no orbit is solved), lyapunov_per_period, status, holds_for,
+                      watched_turns (for which a motion that looked aperiodic was followed in all,
+                      until it settled, rested or was called aperiodic; else empty): a row per
                       attractor found
         corners.csv   corner impacts of the solved branches (explain), columns as bifurcations.csv
 
-        holds_for: after a rest whose motion doubles forget, the label is decided in ball
-        arithmetic, and this says for which machines. last-digit: proved for every speed that rounds
-        to this one; exact-data: for these data as they are, others within the last digit may do
-        otherwise. Else empty.
+        holds_for: after a rest whose motion doubles forget before it settles, the label is where
+        the scene's own start ends, decided in ball arithmetic, and this says for which machines.
+        last-digit: proved for every speed that rounds to this one; exact-data: for these data as
+        they are, others within the last digit may do otherwise; rounding: where this start ends
+        could not be followed so far, and rounding chose the attractor of the label. Else empty.
 
     Raises
     ------
@@ -182,7 +186,7 @@ def _row(m: Motion) -> tuple:
     exponent = None if m.exponents is None else m.exponents.largest
     impacts = None if m.fault is not None else m.impacts
     named = m.value, m.label, m.period, impacts, m.chatter, stable, exponent
-    return *named, status_name(m.status), m.holds_for
+    return *named, status_name(m.status), m.holds_for, m.watched
 
 
 def remarks(motions: list[Motion], key: str = "rpm") -> list[str]:
@@ -217,14 +221,21 @@ def _shown(unsolved: list[Motion], key: str) -> Iterator[str]:
     A rest forgets all, so a chaotic motion that comes to one repeats itself from there on, however
     long it takes. None in n turns bounds their rate by 3/n with a probability of 95 % (exp(-3)).
     """
-    never = [m.record.periods for m in unsolved if not m.chatters and m.label == APERIODIC]
+    never = [m.watched for m in unsolved if m.label == APERIODIC and m.watched is not None]
     if never:
         yield (
-            f"aperiodic was shown over {min(never)} turns or more without a complete chatter: one, "
-            f"which would end in a cycle, is rarer than once in {min(never) // 3} turns (95 %)"
+            f"aperiodic was shown over {min(never)} turns or more, in which the motion neither "
+            "settled nor rested: what would end it is rarer than once in "
+            f"{max(1, min(never) // 3)} turns (95 %)"
         )
     for m in unsolved:
-        if m.chatters:
+        if m.chatters and m.watched is not None:
+            yield (
+                f"{key} = {m.value:.10g}: the first complete chatter comes after {m.watched} "
+                "turns; after a rest the motion is always the same one, which could not be "
+                "followed to the next rest"
+            )
+        elif m.chatters:
             turns = m.record.periods
             yield (
                 f"{key} = {m.value:.10g}: complete chatter in {m.chatters} of {turns} turns, one "
@@ -240,7 +251,8 @@ def _motion(m: Motion) -> dict[str, Any]:
         "impacts": m.impacts,
         "chatter": m.chatter, "stable": m.stable, "transient_turns": m.transient,
         "status": status_name(m.status), "start": vars(m.start),
-        "holds_for": m.holds_for, "turns": m.record.periods, "complete_chatters": m.chatters,
+        "holds_for": m.holds_for, "watched_turns": m.watched,
+        "turns": m.record.periods, "complete_chatters": m.chatters,
         "multipliers": None if m.orbit is None else m.orbit.multipliers,
         "exponents": None if e is None else {
             "largest": e.largest, "second": e.second, "standard_error": e.spread,

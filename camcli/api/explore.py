@@ -218,7 +218,7 @@ def _simulated(machine: Machine, motion: Motion, samples: int) -> Simulation:
     start = Start(motion.q, motion.v, machine.scene.run.strobe_deg)
     settings = replace(with_turns(machine.settings, 0, motion.turns + 1), start=start)
     rows = max(samples, _samples(motion.system.follower, motion.rpm))
-    return simulate(motion.system, motion.rpm, settings, rows)
+    return simulate(motion.system, motion.rpm, settings, rows, follow=False)
 
 
 def _write_page(source: str, machine: Machine, explored: Explored, file: BinaryIO) -> None:

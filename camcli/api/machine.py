@@ -52,6 +52,7 @@ def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Mach
         chatter_tolerance=run.chatter_tolerance,
         impact_budget=run.impact_budget,
         start=Start(run.start.q, run.start.v, run.start.theta_deg),
+        patience=run.patience,
     )
     return Machine(scene, system, settings, said)
 

@@ -383,7 +383,13 @@ def decided_words(found: Iterable[str | None], what: str) -> list[str]:
     }
     counts = Counter(filter(None, found))
     words = [f"{counts[name]} {text}" for name, text in texts.items() if counts[name]]
-    return [f"{what} decided in ball arithmetic after a rest: {', '.join(words)}"] if words else []
+    said = [f"{what} decided in ball arithmetic after a rest: {', '.join(words)}"] if words else []
+    if counts[HoldsFor.ROUNDING]:
+        said.append(
+            f"{what} on an attractor that rounding chose: {counts[HoldsFor.ROUNDING]}; where their "
+            "own start ends could not be followed so far"
+        )
+    return said
 
 
 def status_notes(troubled: Iterable[tuple[float, int]], key: str = "rpm") -> list[str]:

@@ -118,6 +118,7 @@ def simulate(
         notes=(
             *height_notes(system, found.rpm),
             *_many_notes(found.one_of_many),
+            *_end_notes(found),
             *trouble(found.status),
         ),
         complete=found.status == Status.OK,
@@ -153,6 +154,20 @@ def _many_notes(turn: int | None) -> list[str]:
         f"from {place} on this is one of many motions that rounding allows: an error of the last "
         "digit has grown beyond five digits of a turn (cam classify names the true motion)"
     ]
+
+
+def _end_notes(found: Simulation) -> list[str]:
+    """What becomes of a motion whose record looks aperiodic."""
+    if found.ends is None or found.ends.watched is None:
+        return []
+    turns = found.ends.watched
+    if found.ends.orbit is not None:
+        said = f"a transient: followed for {turns} turns, the motion has settled on {found.label}"
+    elif found.ends.chatters:
+        said = f"no period, and after {turns} turns a rest: what follows is not known"
+    else:
+        said = f"no period; it was followed for {turns} turns"
+    return [f"the record shows {said}"]
 
 
 def _profile(machine: Machine, base_radius: float | None) -> Result:

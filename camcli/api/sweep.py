@@ -55,7 +55,15 @@ STROBE = ("period", "q_m", "v_m_per_s", "impacts", "chatter")
 # of a file that is no table of ours
 BAD_FILE = (csv.Error, ValueError, LookupError, StopIteration)
 MAP = ("label", "period", "impacts_per_turn", "lyapunov_per_period", *Loads._fields)
-SPEEDS = ("label", "impacts", "lyapunov_per_period", "status", *Loads._fields, "holds_for")
+SPEEDS = (
+    "label",
+    "impacts",
+    "lyapunov_per_period",
+    "status",
+    *Loads._fields,
+    "holds_for",
+    "watched_turns",
+)
 
 
 class Branch(NamedTuple):
@@ -102,11 +110,13 @@ def sweep(
                      at which contact is lost and the last where it is regained, phase and lift of
                      the hardest impact, and impacts, a tenth as hard or harder, within a hundredth
                      of the lift; empty (NaN) where they do not apply, all of them where the status
-                     is fault; holds_for: last-digit or exact-data as in classify, mostly empty
+                     is fault; holds_for: last-digit or exact-data as in classify, mostly empty;
+                     watched_turns: turns for which what is, or first looked, aperiodic was followed
+                     in all: run.patience more than the record at the ends of each chaotic range
         corners.csv  corner impacts of the solved branches (explain), columns as bifurcations.csv
         map.csv      of two numbers: both keys, label, period (turns), impacts_per_turn,
                      lyapunov_per_period, the columns of speeds.csv from max_gap_m on, status,
-                     holds_for: a row per point
+                     holds_for, watched_turns: a row per point
 
         The first column bears the key of what is varied, rpm for the speed; where the state is
         carried both ways a last one, direction, says up or down; with ``also`` a last one, start,
@@ -208,7 +218,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
                 count = speed.impact_count
                 impacts = None if count is None else count / turns
                 named = speed.label, period, impacts, speed.exponent
-                ends = status_name(speed.status), speed.holds_for
+                ends = status_name(speed.status), speed.holds_for, speed.watched
                 yield speed.value, second, *named, *speed.loads, *ends
 
     return Result(
@@ -216,7 +226,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         scene=machine.scene,
         system=machine.system,
         values=(found, None),
-        tables={"map": Table.of_rows((*keys, *MAP, "status", "holds_for"), rows)},
+        tables={"map": Table.of_rows((*keys, *MAP, "status", "holds_for", "watched_turns"), rows)},
         summary={
             "direction": found.direction,
             "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],
@@ -415,7 +425,7 @@ def blocks(found: Sweep, section: str) -> Iterator[Block]:
 def speed_row(speed: Speed) -> tuple:
     """A row of speeds.csv."""
     named = speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
-    return speed.value, *named, *speed.loads, speed.holds_for
+    return speed.value, *named, *speed.loads, speed.holds_for, speed.watched
 
 
 def _summary(found: Sweep) -> dict[str, Any]:

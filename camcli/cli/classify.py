@@ -38,8 +38,10 @@ def classify(
     \b
     Labels: P(m;s1:...:sm) where Newton's iteration from the end of the record converges to an
     admissible, attracting orbit of up to 64 turns that the record approaches; contact; aperiodic
-    where none does and the largest exponent is positive by three standard errors; undecided where
-    neither can be shown, or where a cycle through a rest is an accident of rounding.
+    where none does, the largest exponent is positive by three standard errors, and the motion
+    neither settles nor rests in run.patience further turns; undecided where neither can be shown,
+    or where a cycle through a rest is an accident of rounding. watched_turns: for how many turns in
+    all what is, or first looked, aperiodic was followed.
     Status: as of cam sweep; fault: a fault of camcli cost this row alone, exit code 1, run.json has
     the traceback (piece_faults).
     --vary KEY=LO:HI varies any number of follower, cam or run, at the speed --rpm.
@@ -49,7 +51,8 @@ def classify(
     --explain goes through the range, follows every attracting orbit found, and gives each change
     its cause, solved: period-doubling, fold, corner-impact (with its border-collision class),
     grazing, accumulation-at-corner, corner-hit, chatter-completion, first-detachment,
-    interior-crisis, boundary-crisis, basin (both attractors live on, the start changes basins),
+    interior-crisis, boundary-crisis, basin (both attractors are seen to live on, the start changes
+    basins),
     itinerary (impacts of a resting orbit change), or unexplained with what was tried.
     --trace L,R --det L,R needs no machine: it names the border collision of two linear maps,
     and writes border_collision.json into the DIR of -o.

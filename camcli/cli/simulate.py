@@ -37,9 +37,10 @@ def simulate(
     \b
     Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a
     complete chatter); contact: the follower never leaves the cam; aperiodic: no period up to 64
-    turns fits, and no orbit is being approached; undecided: too few turns or impacts to tell. A
-    label is what the record shows; near 358 rpm a long cycle through inf may be an accident of
-    rounding: cam classify tells.
+    turns fits, none is being approached, and in run.patience further turns the motion neither
+    settles nor rests; undecided: too few impacts, or a rest after the record. The label of a record
+    that is a transient is that of what it settles on, as a note says; near 358 rpm a long cycle
+    through inf may be an accident of rounding: cam classify tells.
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3.
 
     \b

@@ -53,9 +53,12 @@ def sweep(
     \b
     Labels: P(m;s1:...:sm), an orbit of m turns with s_i impacts in its i-th turn (inf: a
     complete chatter); contact: the follower never leaves the cam; aperiodic: no period up to 64
-    turns fits, and no orbit is being approached; undecided: too few turns or impacts to tell. A
-    motion that rests in some turns only is decided as cam classify does, beyond rounding (in a map
-    with --decide, some seconds a point); where that fails it is undecided and grey.
+    turns fits, and no orbit is being approached; undecided: too few impacts to tell. At the ends of
+    each chaotic range motions are followed for run.patience further turns, inwards until two in a
+    row stay chaotic, and drawn and named as what they settle on (watched_turns: for how many turns
+    in all; one that comes to a rest is undecided; not in a map). A motion that rests in some turns
+    only is decided as cam classify does, beyond rounding (in a map with --decide, some seconds a
+    point); where that fails it is undecided and grey.
     Status: ok; impact-budget, no-return, unresolved: the record ends early, exit code 3; fault: a
     fault of camcli cost this row alone, exit code 1, run.json has the traceback (piece_faults).
     """

@@ -87,10 +87,12 @@ def change_sentence(change: Change, events: Sequence[Event]) -> str:
     if change.status != Status.OK:
         return f"{change.status.text}: {change.status.cause}"
     if change.cause == UNEXPLAINED:
-        said = (
-            "tried: bifurcations of solved branches, none lies in it; branches through it, none is "
-            "stable"
-        )
+        said = "tried: bifurcations of solved branches, none lies in it; branches through it, "
+        said += "none is stable"
+        if change.persists:
+            beside = ", ".join(change.persists)
+            said = f"{beside} attracts on both sides; whether the chaos beside it lives on at both "
+            said += "is not known"
         if tried:
             said = " ".join([f"{said}.", *tried])
         if not change.may_search:

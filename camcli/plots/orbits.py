@@ -456,7 +456,7 @@ def _trace(orbit: PeriodicOrbit, system: System) -> Trace:
     q, rate = orbit.states[0]
     start = Start(q, rate * omega_of(orbit.rpm), system.strobe_deg)
     run = Settings(0, orbit.turns, CHATTER_TOLERANCE, IMPACT_BUDGET, start)
-    return Trace.of(simulate(system, orbit.rpm, run, SAMPLES), system, orbit.turns)
+    return Trace.of(simulate(system, orbit.rpm, run, SAMPLES, follow=False), system, orbit.turns)
 
 
 def _draw_motion(

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from camcli.analysis.labels import period_of
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
 from camcli.errors import Status
 from camcli.plots import style
@@ -299,7 +298,7 @@ def draw_frames(
 
     Of a motion with a shorter period one period, so that the end joins the beginning.
     """
-    trace = Trace.of(simulation, system, min(turns, period_of(simulation.label) or turns))
+    trace = Trace.of(simulation, system, min(turns, simulation.repeats or turns))
     turn = trace.low // TURN_DEG * TURN_DEG  # the first one shown is counted from 0
     angles, low, high = trace.angle - turn, trace.low - turn, trace.high - turn
     with style.look():

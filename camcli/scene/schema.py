@@ -226,6 +226,12 @@ class Run(Section):
     start: Start = entry("state at the first instant", default_factory=Start)
     transient: Whole = entry("turns before recording", 600, ge=0, le=MOST_TURNS)
     record: Whole = entry("turns recorded", 400, ge=1, le=MOST_TURNS)
+    patience: Whole = entry(
+        "turns that a motion which looks aperiodic is followed on before it is called so",
+        20_000,
+        ge=0,
+        le=MOST_TURNS,
+    )
     strobe_deg: Number = entry("phase of the strobe, deg", 0.0, ge=0, lt=360)
     chatter_tolerance: Number = entry(
         "largest error of the accumulation phase, fraction of a turn", 1e-9, ge=1e-15, le=1e-3

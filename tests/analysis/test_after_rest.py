@@ -5,6 +5,7 @@ from math import inf
 from pathlib import Path
 
 import pytest
+from mpmath import mp, mpf
 
 from camcli.analysis import after_rest as module
 from camcli.analysis.after_rest import (
@@ -17,7 +18,7 @@ from camcli.analysis.after_rest import (
     after_first_rest,
     after_rest,
 )
-from camcli.analysis.classify import classify_at
+from camcli.analysis.classify import classify, classify_at, own_end
 from camcli.analysis.integrate import Orbit
 from camcli.cams.arcs import ArcsCam
 from camcli.scene import load_scene
@@ -25,6 +26,8 @@ from camcli.system import Follower, System
 from tests.conftest import settings
 from tests.exact.make_flights import CHAPTER
 from tests.kernel.helpers import GEOMETRY
+from tests.oracle import ArcsCam as OracleCam
+from tests.oracle import Oracle
 
 RUN = settings(600, 400)
 FLIGHTS = json.loads((Path(__file__).parents[1] / "exact/flights.json").read_text())
@@ -71,6 +74,42 @@ def test_a_long_cycle_is_the_oracles():
     assert list(found.symbols[:27]) == counts
     assert found.symbols[27] == inf
     assert found.leaves == ((27, pytest.approx(2.621124501166232, abs=1e-15)),)
+
+
+def test_the_end_of_the_own_start_is_the_oracles():
+    """At 358.12 rpm doubles end on P(3;3:3:2), the machine on 22 turns through a chatter."""
+    system = System.build(Follower(**CHAPTER), ArcsCam(kind="arcs", **GEOMETRY))
+    oracle = Oracle(OracleCam(), **CHAPTER, rpm=358.12, digits=100)
+    with mp.workdps(150):
+        whole = 2 * mp.pi * 23
+        found = oracle._run(mpf(0), whole, mpf("1e-22"), 0, oracle.rpm, oracle.r, None, None)
+        events = [(event.kind, int(event.psi / (2 * mp.pi))) for event in found]
+    counts = [sum(event == ("impact", k) for event in events) for k in range(1, 22)]
+    assert [event for event in events if event[0] != "impact"] == [
+        ("detachment", 0), ("chatter", 22), ("detachment", 22)
+    ]  # fmt: skip
+    own = own_end(system, RUN, classify_at(system, 358.12, RUN))
+    assert own.label.symbols == (inf, *counts)
+    assert (own.holds_for, own.chatter, own.transient) == ("exact-data", "complete", None)
+    doubles = Orbit(system, 358.12, settings(600, 400)).run()
+    assert not any(doubles.chatter)
+    assert [m.label for m in classify(system, RUN, [358.12])] == [own.label]
+
+
+@pytest.mark.parametrize(
+    ("rpm", "label", "holds_for"),
+    [
+        (358.41, "P(3;3:3:2)", None),  # doubles remember the rest until the orbit is reached
+        (358.236, "P(3;3:3:2)", "exact-data"),
+        (359.57, "P(3;3:3:2)", "rounding"),  # not settled after LONGEST turns
+    ],
+)
+def test_a_row_says_whether_rounding_chose_its_attractor(rpm, label, holds_for):
+    system = System.build(Follower(**CHAPTER), ArcsCam(kind="arcs", **GEOMETRY))
+    (found,) = classify(system, RUN, [rpm])
+    assert (found.label, found.holds_for) == (label, holds_for)
+    ball = ends(system, rpm)
+    assert ball.kind == (WANDERS if holds_for == "rounding" else SETTLED)
 
 
 def test_cycles_are_orbits(chapter):

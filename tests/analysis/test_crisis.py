@@ -82,7 +82,7 @@ def motion(rpm, label, widest=0.0):
     theta = np.linspace(1.0, 1.0 + widest, 20)
     record = SimpleNamespace(kind=np.full(20, IMPACT), theta=theta, u=-theta, period=np.arange(20))
     return SimpleNamespace(
-        rpm=rpm, label=label, chatter="none", record=record, orbit=None, period=0
+        rpm=rpm, label=label, chatter="none", record=record, orbit=None, period=0, status=0
     )
 
 

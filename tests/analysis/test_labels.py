@@ -8,8 +8,8 @@ import pytest
 from conftest import settings
 
 from camcli.analysis import labels
+from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label
-from camcli.analysis.sweep import sweep
 
 
 @pytest.mark.parametrize(
@@ -51,11 +51,16 @@ def test_quasiperiodic_and_chaotic_records_have_no_period():
     assert find_period(chaos, chaos, [1] * 400) == 0
 
 
-@pytest.mark.parametrize(("record", "label"), [(10, "undecided"), (40, "aperiodic")])
-def test_a_record_of_few_impacts_is_undecided(chapter, record, label):
-    assert sweep(chapter, [745.0], settings(100, record)).speeds[0].label == label
-
-
-def test_one_turn_does_not_tell_whether_it_repeats(chapter):
-    """However many impacts it has: here some twenty."""
-    assert sweep(chapter, [199.0], settings(2, 1)).speeds[0].label == "undecided"
+@pytest.mark.parametrize(
+    ("rpm", "turns", "name"),
+    [
+        (199.0, 1, "undecided"),  # some twenty impacts
+        (199.0, 2, "undecided"),  # two turns that differ
+        (745.0, 10, "undecided"),
+        (745.0, 129, "undecided"),
+        (745.0, 130, "aperiodic"),
+    ],
+)
+def test_a_record_too_short_for_the_longest_period_is_undecided(chapter, rpm, turns, name):
+    """However many impacts it has: an orbit of 64 turns shows in no less than twice as many."""
+    assert labels.label(Orbit(chapter, rpm, settings(100, turns)).run()) == name

@@ -24,7 +24,7 @@ def test_the_exponent_of_an_impact_per_turn_is_ln_r(cam, tmp_path, words):
     assert (tmp_path / "out/sweep/impacts.csv").exists() == ("--lyapunov" not in words)
 
 
-def test_rest_is_minus_infinity_chaos_positive_and_the_unknown_empty(cam, tmp_path):
+def test_rest_is_minus_infinity_and_chaos_positive(cam, tmp_path):
     path = tmp_path / "out/sweep/speeds.csv"
     words = f"sweep --lyapunov --no-plot {SMALL} --points 2"
     cam(f"{words} --rpm 100:190")
@@ -32,7 +32,7 @@ def test_rest_is_minus_infinity_chaos_positive_and_the_unknown_empty(cam, tmp_pa
     cam(f"{words} --rpm 745:750")
     assert min(float(x) for x in exponents(path)) > 0.2
     cam(f"{words} --rpm 745:750 --set run.record=3")
-    assert exponents(path) == ["", ""]
+    assert min(float(x) for x in exponents(path)) > 0.2  # of the turns after such a short record
 
 
 @pytest.mark.slow

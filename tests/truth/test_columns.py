@@ -371,19 +371,20 @@ def of_sweep(
         ]
         exponent = exponent_of(record.motion, record.begin, record.label) if lyapunov else np.nan
         named = record.label, len(own), exponent, "ok"
-        speeds.append((record.rpm, *named, *record.loads().values(), "", *way.values()))
+        speeds.append((record.rpm, *named, *record.loads().values(), "", "", *way.values()))
     ways = list(records[0][1])
     heads = {
         "impacts": ["rpm", "period", "theta_deg", "q_m", "u_minus_m_per_s", *ways],
         "strobe": ["rpm", "period", "q_m", "v_m_per_s", "impacts", "chatter", *ways],
         "speeds": ["rpm", "label", "impacts", "lyapunov_per_period", "status", *LOADS,
-                   "holds_for", *ways],
+                   "holds_for", "watched_turns", *ways],
     }  # fmt: skip
     found = {
         name: dict(zip(heads[name], map(np.array, zip(*rows, strict=True)), strict=True))
         for name, rows in {"impacts": impacts, "strobe": strobe, "speeds": speeds}.items()
     }
-    found["speeds"]["holds_for"] = np.full(len(speeds), np.nan)  # none of them is decided in balls
+    for name in ("holds_for", "watched_turns"):  # none is decided in balls, none looks aperiodic
+        found["speeds"][name] = np.full(len(speeds), np.nan)
     exponents = found["speeds"]["lyapunov_per_period"]
     found["speeds"]["lyapunov_per_period"] = Near(exponents, 1e-6)
     return found
@@ -445,9 +446,9 @@ def test_map():
             hits = [e for e in own.motion.events if own.period(e) >= 0 and e.kind == "impact"]
             exponent = exponent_of(own.motion, own.begin + own.turns - 1, own.label)
             named = own.label, int(own.label[2]), len(hits) / own.turns, exponent
-            rows.append((rpm, damping, *named, *own.loads().values(), "ok", np.nan))
+            rows.append((rpm, damping, *named, *own.loads().values(), "ok", np.nan, np.nan))
     names = ["rpm", "follower.damping", "label", "period", "impacts_per_turn",
-             "lyapunov_per_period", *LOADS, "status", "holds_for"]  # fmt: skip
+             "lyapunov_per_period", *LOADS, "status", "holds_for", "watched_turns"]  # fmt: skip
     columns = dict(zip(names, map(np.array, zip(*rows, strict=True)), strict=True))
     columns["lyapunov_per_period"] = Near(columns["lyapunov_per_period"], 1e-4)
     compare_all(result, {"map": columns})
@@ -646,8 +647,8 @@ def test_detach_measures_the_motion_past_the_loss():
     rows = []
     for rpm in rpms[[0, 7, 15]]:
         own = Record(scene_at(900.0, run={"transient": 3, "record": 2}), rpm)
-        rows.append((own.label, np.nan, "ok", *own.loads().values(), np.nan))
-    names = ["label", "lyapunov_per_period", "status", *LOADS, "holds_for"]
+        rows.append((own.label, np.nan, "ok", *own.loads().values(), np.nan, np.nan))
+    names = ["label", "lyapunov_per_period", "status", *LOADS, "holds_for", "watched_turns"]
     wanted: dict[str, Any] = dict(zip(names, map(np.array, zip(*rows, strict=True)), strict=True))
     compare({"rpm": table["rpm"]}, {"rpm": rpms})
     assert not (table["impacts"] % 20).any()  # each turn is as the one before

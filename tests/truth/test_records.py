@@ -563,7 +563,8 @@ def test_classify():
             lambda found, motion=motion: settles(motion, found),
             "status": "ok",
             "start": {"q": None, "v": None, "theta_deg": 0.0, "place": "run.start"},
-            "holds_for": None, "turns": turns, "complete_chatters": turns if rests else 0,
+            "holds_for": None, "watched_turns": turns + 20_000 + 30 if chaos else None,
+            "turns": turns, "complete_chatters": turns if rests else 0,
             "multipliers": None if chaos else [near_complex(z) for z in pair],
             "exponents": {
                 "largest": "-inf" if rests else near(exponent),
@@ -581,11 +582,12 @@ def test_classify():
         assert row["stable"] == 1.0 or (chaos and np.isnan(row["stable"]))
         assert row["lyapunov_per_period"] == pytest.approx(exponent, abs=wide)
         assert np.isnan(row["holds_for"])
+        assert np.isnan(row["watched_turns"]) != chaos
     assert [row["rpm"] for row in rows] == rpms
     columns = ["rpm", "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period",
-               "status", "holds_for"]  # fmt: skip
+               "status", "holds_for", "watched_turns"]  # fmt: skip
     assert list(table) == columns
-    never = [m["turns"] for m in result.summary["motions"] if m["label"] == "aperiodic"]
+    never = [m["watched_turns"] for m in result.summary["motions"] if m["label"] == "aperiodic"]
     (over, rarer) = re.search(
         r"aperiodic was shown over (\d+) turns .* is rarer than once in (\d+) turns",
         " ".join(result.summary["words"]),

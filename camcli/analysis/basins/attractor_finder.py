@@ -19,7 +19,9 @@ from camcli.analysis.basins.region import Region, parted, region_of, targets_of
 from camcli.analysis.basins.rest_outcomes import RestOutcomes
 from camcli.analysis.basins.window import Window
 from camcli.analysis.integrate import Orbit, with_turns
-from camcli.analysis.orbits.identify import solve_from
+from camcli.analysis.labels import FEWEST_TURNS
+from camcli.analysis.orbits.identify import identify, solve_from
+from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.errors import Status
 from camcli.kernel.cells import FORGOTTEN, NEW_REST, UNDECIDED, Targets
 from camcli.parallel import ShardDone
@@ -158,9 +160,12 @@ class AttractorFinder:
         one = solve_from(batches.system, batches.rpm, settings, start)
         if one is None:
             return self._recognise(gap, rate, int(mode))
-        return self.admit(
-            Attractor.periodic_of(one.label, one.states, one.symbols, one.multipliers)
-        )
+        return self._admit_orbit(one)
+
+    def _admit_orbit(self, orbit: PeriodicOrbit) -> bool:
+        """`admit` a solved orbit."""
+        found = Attractor.periodic_of(orbit.label, orbit.states, orbit.symbols, orbit.multipliers)
+        return self.admit(found)
 
     def admit(self, attractor: Attractor) -> bool:
         """Take up a periodic attractor unless it is known or starts about it do not come back."""
@@ -178,18 +183,24 @@ class AttractorFinder:
     def _recognise(self, gap: float, rate: float, mode: int) -> bool:
         """Take up an aperiodic attractor, or add to a known one, from a long record.
 
-        None whose motion rests: what comes to a rest repeats itself from there on.
+        None whose motion rests: what comes to a rest repeats itself from there on. One that has
+        settled meanwhile is taken up as the orbit that it is on.
         """
         batches = self.batches
-        ends = batches.run([gap], [rate], self.targets, RECORD, [mode])
+        patience = max(RECORD, batches.settings.patience)
+        ends = batches.run([gap], [rate], self.targets, patience, [mode])
         if ends.outcome[0] != UNDECIDED:
             return False
         settings = with_turns(batches.settings, 0, RECORD)
         start = batches.start(float(ends.gap[0]), float(ends.rate[0]), int(ends.mode[0]))
-        record = Orbit(batches.system, batches.rpm, settings, start).run(events=False)
+        run = Orbit(batches.system, batches.rpm, settings, start)
+        record = run.run(events=False)
         points = batches.passages(record)[: record.periods]
         if record.status != Status.OK or any(record.chatter[: record.periods]):
             return False
+        orbit = identify(batches.system, batches.rpm, run.go_on(0, FEWEST_TURNS).run())
+        if orbit is not None:
+            return self._admit_orbit(orbit)
         return recurrence.is_recurrent(points) and self.take_up(points)
 
     def take_up(self, points: np.ndarray) -> bool:

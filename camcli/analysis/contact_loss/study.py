@@ -33,7 +33,7 @@ from camcli.analysis.contact_loss.hold import (
 from camcli.analysis.integrate import BudgetSpentError, Cost, Orbit, Settings, with_turns
 from camcli.analysis.labels import UNDECIDED
 from camcli.analysis.loads import loads_of
-from camcli.analysis.orbits.identify import named
+from camcli.analysis.patience import named_on
 from camcli.analysis.sweep import Speed, rpm_grid
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -220,9 +220,10 @@ def _past(system: System, rpm: float, settings: Settings) -> Speed:
     turns = with_turns(settings, PAST_TURNS, PAST_TURNS)
 
     def measured() -> Speed:
-        record = Orbit(system, rpm, turns).run()
+        orbit = Orbit(system, rpm, turns)
+        record = orbit.run()
         count, loads = int(sum(record.impacts[: record.periods])), loads_of(system, rpm, record)
-        name, _ = named(system, rpm, record)
+        name, _, _ = named_on(orbit, rpm, record)
         return Speed(rpm, rpm, name, count, record.status, None, None, record.cost, loads=loads)
 
     failed = Speed(rpm, rpm, UNDECIDED, None, Status.FAULT, None, None, Cost())

@@ -19,7 +19,7 @@ from camcli.analysis.contact_loss.study import detach
 from camcli.analysis.explain.attractor import impacts_of
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, find_crisis
 from camcli.analysis.integrate import BudgetSpentError, Cost, Settings, spend
-from camcli.analysis.labels import APERIODIC, CONTACT
+from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import both_ways
 from camcli.analysis.orbits.kinds import Kind
@@ -202,13 +202,20 @@ def explain(
     """Every critical speed of the attractors among `motions`, and every change with its cause.
 
     At most MOST_CRISES changes are searched for a crisis; on_change is called after each change.
-    Within an `integrate.Budget` that is spent, causes are those found up to there.
+    An undecided motion may be that of a neighbour: where it has two, these are compared. Within an
+    `integrate.Budget` that is spent, causes are those found up to there.
     """
     motions = sorted(motions, key=lambda m: m.rpm)
+    outer = motions[:1] + motions[-1:]
+    known = [
+        m
+        for m in motions
+        if m.label != UNDECIDED or m.status != Status.OK or any(m is o for o in outer)
+    ]
     found = find_events(system, settings, motions)
     changes: list[Change] = []
     events, cost, searches = list(found.events), found.cost, 0
-    for a, b in pairwise(motions):
+    for a, b in pairwise(known):
         if not changes_between(a, b):
             continue
         ends, may_search = (a.rpm, b.rpm, a.label, b.label), searches < MOST_CRISES
@@ -219,7 +226,8 @@ def explain(
         except BudgetSpentError:
             change = Change(*ends, UNEXPLAINED, status=Status.WORK_BUDGET)
         if change.crisis is not None:
-            cost, searches = cost + change.crisis.cost, searches + 1
+            cost = cost + change.crisis.cost
+            searches += change.crisis.kind not in (CrisisKind.STAYS, CrisisKind.NOT_CHAOTIC)
         events += [e for e in change.events if e not in found.events]
         changes.append(change)
         on_change()
@@ -268,8 +276,9 @@ def _change(
             label = f"chaos, {orbit.label}"
             event = Event(crisis.rpm, crisis.error, crisis.kind, label, corner, source=crisis)
             return Change(*ends, crisis.kind, (event,), persists, crisis)
-    stays = crisis is not None and crisis.kind is CrisisKind.STAYS
-    cause = BASIN if persists or stays else UNEXPLAINED
+    # Chaos that ends beside a stable orbit is no change of basins, unless it is seen to live on.
+    lives = crisis is not None and crisis.kind is CrisisKind.STAYS if chaotic else bool(persists)
+    cause = BASIN if lives and UNDECIDED not in (a.label, b.label) else UNEXPLAINED
     return Change(*ends, cause, (), persists, crisis, may_search)
 
 

@@ -8,7 +8,7 @@ from itertools import islice
 from math import inf
 
 from camcli.analysis.integrate import BudgetSpentError, Cost, Record, Settings, Start
-from camcli.analysis.labels import LONGEST_PERIOD, Label, passages
+from camcli.analysis.labels import FEWEST_TURNS, Label, passages
 from camcli.analysis.orbits.identify import Impact, identify, impacts_of, newton_from
 from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit, from_root
 from camcli.analysis.orbits.same_orbit import distance, same_orbit, size_of
@@ -23,7 +23,7 @@ WINDOW = 6.0  # heights and velocities (per rad) of the cloud of starts, in lift
 MOST_STARTS = 64  # motions tried for one label
 MOST_RETURNS = 200  # close returns tried for one label
 RETURN = 0.3  # relative distance of the ends of a close return
-RECORD = 2 * LONGEST_PERIOD + 2  # turns
+RECORD = FEWEST_TURNS
 
 
 @dataclass

@@ -1,0 +1,99 @@
+"""How long a motion is followed before it is called aperiodic: the one rule of all commands.
+
+Chaos beside a stable orbit may be a transient of many thousand turns, and a chaotic motion may come
+to a rest once in as many: from there on it repeats itself. So a motion whose record looks aperiodic
+is followed on, the same orbit to the last bit, for `Settings.patience` turns. It is aperiodic where
+it has neither settled nor rested then. A longer one may still end: how long it was seen is said.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from camcli.analysis.exponents import Exponents, of_record
+from camcli.analysis.integrate import Cost, Orbit, Record
+from camcli.analysis.labels import FEWEST_TURNS, UNDECIDED, find_period, sections
+from camcli.analysis.orbits.identify import identify, named
+from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.errors import Status
+
+LOOK = 2_000  # turns after which it is looked whether the motion has settled
+
+
+@dataclass(frozen=True)
+class Watched:
+    """A motion that was followed on.
+
+    turns: so many; record: the last ones, or those from the first rest on; orbit: what they are of,
+    where it is solved; stays: True where it neither settled nor rested nor met numerical trouble.
+    """
+
+    turns: int
+    record: Record
+    orbit: PeriodicOrbit | None
+    stays: bool
+    cost: Cost
+
+
+def watch(orbit: Orbit, rpm: float, patience: int, recorded: int) -> Watched:
+    """Follow an orbit on for `patience` turns, or until it settles or rests.
+
+    orbit: at the end of its record; recorded: turns of the record that shows what became of it.
+    """
+    turns, cost = 0, Cost()
+    while turns < patience:
+        part = orbit.go_on(0, min(LOOK, patience - turns))
+        record = part.run(events=False)
+        cost = cost + record.cost
+        rests = np.flatnonzero(record.chatter[: record.periods])
+        if len(rests):
+            first = int(rests[0])
+            shown = orbit.go_on(max(0, first - 1), recorded).run()
+            settled = identify(orbit.system, rpm, shown)
+            return Watched(turns + first + 1, shown, settled, False, cost + shown.cost)
+        turns += record.periods
+        if record.status != Status.OK:
+            return Watched(turns, record, None, False, cost)
+        orbit = part
+        if turns == patience or find_period(*sections(record)):
+            end = orbit.go_on(0, recorded).run()
+            cost = cost + end.cost
+            settled = identify(orbit.system, rpm, end)
+            if settled is not None or turns == patience:
+                stays = settled is None and end.status == Status.OK and not _calms(orbit, rpm, end)
+                return Watched(turns, end, settled, stays, cost)
+    return Watched(0, orbit.go_on(0, 1).run(), None, True, cost)  # no patience at all
+
+
+def _calms(orbit: Orbit, rpm: float, record: Record) -> bool:
+    """True where differences shrink in a record, or it rests: it is leaving the chaos."""
+    exponents = of_record(orbit.system, rpm, record)
+    return exponents is not None and exponents.largest + 3.0 * exponents.spread < 0.0
+
+
+def forgets_too_much(record: Record) -> bool:
+    """True where a complete chatter in some turns is followed by turns without.
+
+    A rest erases all memory, and the turns up to the next one may grow an error of rounding beyond
+    all digits: the record is then one of many. Where every turn rests they have no time to.
+    """
+    chatter = record.chatter[: record.periods]
+    return record.status == Status.OK and bool(chatter.any()) and not chatter.all()
+
+
+def named_on(
+    orbit: Orbit, rpm: float, record: Record, measured: bool = False
+) -> tuple[str, Exponents | None, Record]:
+    """`identify.named` of a record, made longer where it is too short to name anything.
+
+    The last value is the record that was named: that one, or the turns after it.
+    """
+    name, exponents = named(orbit.system, rpm, record, measured)
+    short = record.periods < FEWEST_TURNS and record.status == Status.OK
+    if name != UNDECIDED or not short:
+        return name, exponents, record
+    longer = orbit.go_on(0, FEWEST_TURNS).run()
+    name, exponents = named(orbit.system, rpm, longer, measured)
+    return name, exponents, longer
