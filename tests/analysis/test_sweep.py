@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from conftest import settings
 
-import camcli
 from camcli.analysis.classify import classify_at
 from camcli.analysis.orbits.same_orbit import distance_to
 from camcli.analysis.sweep import forgets_too_much, rpm_grid, sweep
@@ -73,11 +72,3 @@ def test_a_rest_forgets_where_other_turns_have_none(chatter, periods, forgets):
     assert forgets_too_much(record) == forgets
     record.status = Status.IMPACT_BUDGET
     assert not forgets_too_much(record)
-
-
-@pytest.mark.parametrize("rpm", [660.0, 700.0])
-def test_impacts_of_a_record_that_was_cut_are_those_of_its_whole_turns(rpm):
-    changes = {"run.impact_budget": 3, "run.transient": 5, "run.record": 60}
-    scene = camcli.load_scene(None, {**changes, "sweep.rpm": {"start": rpm, "stop": rpm, "num": 1}})
-    tables = camcli.sweep(scene).tables
-    assert tables["speeds"]["impacts"].tolist() == [tables["strobe"]["impacts"].sum()]

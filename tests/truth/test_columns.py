@@ -1001,6 +1001,34 @@ def test_an_attractor_keeps_its_number_over_the_speeds():
     assert 5 < len(table["rpm"]) < 10
 
 
+@pytest.mark.parametrize("key", ["rpm", "follower.restitution"])
+def test_cells_of_several_values_are_those_of_each(key):
+    """The table of a range, part by part against those of its values alone."""
+    window = {"q": [0.0, 0.03], "v": [-9.0, 9.0], "cells": [6, 4]}
+    ends = {"rpm": (2395.0, 2405.0), "follower.restitution": (0.595, 0.6)}[key]
+
+    def cells(values: Sequence[float]) -> Any:
+        axis = {"start": values[0], "stop": values[-1], "num": len(values)}
+        rpm = axis if key == "rpm" else {"start": BISTABLE, "stop": BISTABLE, "num": 1}
+        vary = [] if key == "rpm" else [{"key": key, **axis}]
+        scene = scene_at(BISTABLE, run={"transient": 100, "record": 40},
+                         basins={**window, "rpm": rpm, "vary": vary})  # fmt: skip
+        return camcli.basins(camcli.load_scene(scene)).tables["basins"]
+
+    both, parts = cells(ends), [cells([value]) for value in ends]
+    names = ["q_m", "v_m_per_s", "attractor"]
+    assert list(both) == ([*names, key] if key == "rpm" else [key, *names])
+    assert both[key].tolist() == [ends[0]] * 24 + [ends[1]] * 24
+    for name in names:
+        wanted = np.concatenate([part[name] for part in parts])
+        if name != "attractor":  # their numbers go on from value to value
+            assert both[name].tolist() == wanted.tolist()
+    for k, part in enumerate(parts):
+        own = both["attractor"][24 * k : 24 * k + 24].tolist()
+        pairs = set(zip(own, part["attractor"].tolist(), strict=True))
+        assert len(pairs) == len(set(own)) == len(set(part["attractor"].tolist()))
+
+
 def radius_of(result: Any, attractor: int) -> float:
     """Of the ellipses of an attractor, as said in the record."""
     return result.summary["speeds"][0]["attractors"][attractor - 1]["ellipse_radius_over_size"]
