@@ -18,6 +18,8 @@ from camcli.analysis.basins import measures
 from camcli.analysis.basins.measures import fractions, uncertainty
 from camcli.analysis.basins.window import Window
 from camcli.analysis.border_collision import NormalForm, Side, attractor
+from camcli.analysis.explain import tangency
+from camcli.analysis.explain.crisis import find_crisis
 from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Orbit
 from camcli.api.machine import machine_of
@@ -190,3 +192,25 @@ def test_standard_errors_of_uncertainty_exponents(name, starts, monkeypatch):
     off, claimed = np.array(found).T
     assert 0.1 < sqrt(np.mean(off**2) / np.mean(claimed**2)) < 2.0
     assert (np.abs(off) < 3.0 * claimed).mean() >= 0.95
+
+
+# -- crises --------------------------------------------------------------------------------------
+
+CRISES = {740.1065: (740.0, 740.3), 361.1673: (361.0, 361.3), 682.2047: (681.5, 683.0)}
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("known", CRISES)
+def test_a_crisis_lies_within_its_error(known, monkeypatch):
+    """Of half as many starts beside twice as many, and what runs of millions of turns showed."""
+    monkeypatch.setattr(tangency, "STARTS", 2000)
+    coarse = find_crisis(chapter_system(), settings(300, 1), *CRISES[known])
+    monkeypatch.setattr(tangency, "STARTS", 9001)
+    monkeypatch.setattr(tangency, "FOLDS", 12)
+    fine = find_crisis(chapter_system(), settings(300, 1), *CRISES[known])
+    for found in (coarse, fine):
+        assert found.met
+        assert abs(found.rpm - fine.rpm) <= found.error <= 1e-5 * found.rpm
+        assert abs(found.rpm - known) <= found.error + 1e-4  # which is rounded to four digits
+        beyond = (found.bracket[1] - found.rpm) * np.sign(CRISES[known][1] - CRISES[known][0])
+        assert beyond >= -found.error  # no run leaves before
