@@ -306,9 +306,13 @@ def test_a_label_has_at_most_64_turns(turns, known):
         assert len(Label.parse(f"P({turns};{':'.join(['1'] * turns)})").symbols) == turns
 
 
-@pytest.mark.parametrize(("impacts", "name"), [(15, "undecided"), (16, "aperiodic")])
-def test_so_few_impacts_do_not_make_a_motion_aperiodic(impacts, name):
-    counts = np.array([1] * impacts + [0] * 24)
+@pytest.mark.parametrize(
+    ("impacts", "turns", "name"),
+    [(15, 130, "undecided"), (16, 130, "aperiodic"), (16, 129, "undecided")],
+)
+def test_so_few_impacts_or_turns_do_not_make_a_motion_aperiodic(impacts, turns, name):
+    """Twice the longest period that is looked for, and two turns."""
+    counts = np.array([1] * impacts + [0] * (turns - impacts))
     record = SimpleNamespace(
         periods=len(counts), status=0, touches=True, impacts=counts,
         strobe_q=np.linspace(0.2, 0.9, len(counts)), strobe_w=np.zeros(len(counts)),
