@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 from camcli.cams.compile import Shape, build, column, corners, lift_range
 from camcli.errors import Fault, SceneError
-from camcli.kernel.backend import Kernel
 from camcli.kernel.cam_table import Cam
 from camcli.kernel.flow import RAD_PER_S, Constants, constants_of
+from camcli.kernel.forms import Kernel
 
 
 @dataclass(frozen=True)

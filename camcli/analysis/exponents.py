@@ -12,6 +12,7 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import natural_log
 from camcli.kernel.cam_table import TURN
+from camcli.kernel.forms import row_of
 from camcli.kernel.variational import Growth, Pair, log_factor
 from camcli.system import System
 
@@ -82,7 +83,7 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     columns = [kernel.numbers(x, int) for x in (record.kind, record.period)]
     columns += [kernel.numbers(x) for x in (record.theta, record.u)]
     kernel.stretch_events(cam, const, *columns, pairs, growths)
-    for growth in (backend.row_of(Growth, row) for row in growths):
+    for growth in (row_of(Growth, row) for row in growths):
         chatters += growth.chatters
         if not growth.length > 0.0 or growth.first == 0.0 or growth.area == 0.0:
             continue

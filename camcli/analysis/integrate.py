@@ -18,10 +18,10 @@ import numpy as np
 from camcli.errors import CamError, Fault, SceneError, Status
 from camcli.interrupts import look
 from camcli.kernel import backend
-from camcli.kernel.backend import Kernel, row_of
 from camcli.kernel.cam_table import Cam, lift_at, stretch_at
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import BOUNCED, FREE
+from camcli.kernel.forms import Kernel, row_of
 from camcli.kernel.orbit_loop import RESTING, Log, Plan, State, Strobe
 from camcli.piece_faults import attempt
 from camcli.system import System, omega_of

@@ -7,6 +7,7 @@ from camcli.analysis.integrate import Record
 from camcli.interrupts import look
 from camcli.kernel import backend, loads
 from camcli.kernel.cam_table import TURN
+from camcli.kernel.forms import row_of
 from camcli.kernel.orbit_loop import DETACHMENT, IMPACT
 from camcli.system import System, omega_of
 
@@ -69,7 +70,7 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
             kernel.numbers(record.theta[part]), kernel.numbers(record.u[part]),
             turns, int(_ends_at_rest(record)) if last else loads.GOES_ON, table,
         )  # fmt: skip
-    found, omega = backend.row_of(loads.Loads, table[0]), omega_of(rpm)
+    found, omega = row_of(loads.Loads, table[0]), omega_of(rpm)
     force = system.follower.mass * omega * omega
     rested, landed = found.min_force <= found.max_force, found.landing >= 0.0
 

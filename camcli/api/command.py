@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,6 +18,7 @@ from camcli.scene import Axis, Scene
 if TYPE_CHECKING:
     from camcli.api.machine import Machine
     from camcli.api.result import Result
+    from camcli.parallel import Work
 
 MOST_SAMPLED_TURNS = 1000  # of transient and of record in a sample; the rest is taken to be alike
 
@@ -168,10 +170,11 @@ class Command:
         """Arguments of the API function beside the scene and how it is run."""
         return set(signature(self.run).parameters) - {"scene", "progress", "work"}
 
-    @property
-    def works_in_pieces(self) -> bool:
-        """Whether the API function takes a `Work`."""
-        return "work" in signature(self.run).parameters
+    def in_pieces(self, work: Work) -> Callable[..., Result]:
+        """The API function, with this `Work` where it works in pieces."""
+        if "work" in signature(self.run).parameters:
+            return partial(self.run, work=work)
+        return self.run
 
 
 def command_of(name: str) -> Command:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from camcli.api.command import Command, Options, Page, command_of
 from camcli.cli.options import Request
 from camcli.cli.report import table
-from camcli.cli.run import analysis
 from camcli.cli.sizes import PROGRAM, drawing_of, in_words
 from camcli.interrupts import CutOffError, until
 from camcli.kernel.backend import LITTLE_WORK, Stopwatch, for_work, stopwatch
@@ -160,7 +159,7 @@ def _extrapolated(
         while n <= LARGEST and (len(samples) < enough or own.passed() < ENOUGH):
             small, weighed = command.sample(scene, n), _Weighed()
             pieces = command.size(small, {}).pieces
-            result = analysis(command, Work(request.threads, weighed))(small, tick)
+            result = command.in_pieces(Work(request.threads, weighed))(small, tick)
             samples.append((small, _cost_of(result, weighed.bytes)))
             if pieces == size.pieces:
                 break

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,8 +12,8 @@ from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request, Values, given, numbers
 from camcli.cli.report import cost_line, progress_bar
 from camcli.errors import Fault, SceneError, shown
-from camcli.kernel.backend import News, Stopwatch, stopwatch
-from camcli.kernel.code_cache import cache_dir
+from camcli.kernel.backend import Stopwatch, stopwatch
+from camcli.kernel.code_cache import News, cache_dir
 from camcli.output.run_folder import RECORD, RunFolder, run_folder
 from camcli.output.run_record import to_text
 from camcli.piece_faults import MOST_TEXT, PieceFault, attempt, fault_records
@@ -23,7 +22,7 @@ from camcli.scene import Scene, load_scene, parse_rpm, resolved
 if TYPE_CHECKING:
     from camcli.api.command import Command
     from camcli.api.result import Result
-    from camcli.parallel import Shard, Work
+    from camcli.parallel import Shard
 
 Show = Callable[["Result", bool], None]  # bool: whether to print the theory too
 MOST_SHARDS = 100_000
@@ -221,7 +220,7 @@ def compute(
 ) -> tuple[Result, Mapping[str, Any]]:
     """The result of an analysis and its run.json, after its artefacts are written."""
     with compiling(request), progress_bar(request.quiet) as progress:
-        result = analysis(command, folder.work)(scene, progress, **options)
+        result = command.in_pieces(folder.work)(scene, progress, **options)
         return result, result.write(folder, plot=plot, from_disk=folder.resumed)
 
 
@@ -318,11 +317,6 @@ def compiling(request: Request) -> AbstractContextManager[Stopwatch]:
             note(NEWS[news].format(folder=cache_dir(), numba=version("numba")))
 
     return stopwatch(None if request.quiet else tell)
-
-
-def analysis(command: Command, work: Work) -> Callable[..., Result]:
-    """The API function of a command, which works so where it works in pieces."""
-    return partial(command.run, work=work) if command.works_in_pieces else command.run
 
 
 def shard_of(text: str | None) -> Shard | None:

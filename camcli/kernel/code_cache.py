@@ -20,6 +20,7 @@ import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from enum import Enum
 from functools import cache
 from pathlib import Path
 from shutil import rmtree
@@ -49,6 +50,16 @@ CODE_SETTINGS = (
 CAREFULLY = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 # What the system says of a link (two ways) and of a socket that are opened so.
 NO_FILE = (errno.ELOOP, errno.EMLINK, errno.ENXIO)
+
+
+class News(Enum):
+    """What a user may want to know of the kernel's machine code."""
+
+    COMPILING = "compiling"  # it is not on disk, and takes some seconds
+    DAMAGED = "damaged"  # what was on disk is removed
+    KILLED = "killed"  # what was on disk ended a process that tried it, and is removed
+    NOT_OURS = "not-ours"  # others may write the folder on disk, so it is not used
+    PUBLIC = "public"  # numba's public functions compile it, which makes each start slower
 
 
 class DamagedCodeError(Exception):

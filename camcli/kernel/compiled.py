@@ -25,7 +25,7 @@ from typing import Any
 from camcli.errors import Fault, SceneError
 from camcli.interrupts import compiling
 from camcli.kernel import code_cache
-from camcli.kernel.backend import News
+from camcli.kernel.code_cache import News
 from camcli.kernel.machine_code import MachineCode, flatten, form_of
 from camcli.kernel.marks import ENTRIES
 from camcli.kernel.self_check import case_of, is_right

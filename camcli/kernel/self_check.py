@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from camcli.kernel.backend import PLAIN, Kernel
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
 from camcli.kernel.cam_table import ORDERS, TERMS, TURN, Cam, Stretch
 from camcli.kernel.cells import Cells, Point, Progress, Rest, Room, Targets
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import FREE
 from camcli.kernel.flow import RPM, Constants, Flow, constants_of
+from camcli.kernel.forms import PLAIN, Kernel
 from camcli.kernel.loads import AIRBORNE, Loads
 from camcli.kernel.marks import ENTRIES
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, Plan, State

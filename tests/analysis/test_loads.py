@@ -12,6 +12,7 @@ from scipy.optimize import minimize_scalar
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.loads import loads_of
 from camcli.kernel import backend
+from camcli.kernel.forms import PLAIN
 from tests.oracle import ArcsCam, Follower, Oracle
 
 EXAMPLE = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
@@ -129,7 +130,7 @@ def test_plain_and_compiled_have_the_same_bits(chapter, rpm, monkeypatch):
     record = Orbit(chapter, rpm, settings(20, 5)).run()
     compiled = backend.compiled()
     found = []
-    for kernel in (backend.PLAIN, compiled):
+    for kernel in (PLAIN, compiled):
         monkeypatch.setattr(backend, "current", lambda kernel=kernel: kernel)
         found.append(loads_of(chapter, rpm, record))
     assert found[0] == found[1]

@@ -10,7 +10,7 @@ import pytest
 
 from camcli.cli.run import NEWS
 from camcli.kernel import code_cache
-from camcli.kernel.backend import News
+from camcli.kernel.code_cache import News
 from tests.conftest import own_way, refused
 
 WORDS = ("simulate", "--rpm", "190", "--no-plot", "-q", "--set", "run.transient=3")

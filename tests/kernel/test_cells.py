@@ -7,6 +7,7 @@ from camcli.analysis import integrate as engine
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
 from camcli.kernel import backend
 from camcli.kernel.cells import CHATTERED_TURN, FORGOTTEN, GOES_ON, NEW_REST, UNDECIDED, Point, Rest
+from camcli.kernel.forms import PLAIN
 from camcli.kernel.orbit_loop import RESTING
 from tests.conftest import settings
 from tests.kernel.helpers import system
@@ -89,7 +90,7 @@ def test_plain_python_and_compiled_give_the_same_bits(rpm, monkeypatch):
     targets = known_orbit() if rpm == 358.5 else NOTHING
     assert backend.compiled().compiled
     compiled = ends(batches(rpm), 30, targets)
-    monkeypatch.setattr(backend, "for_work", lambda *_: backend.PLAIN)
+    monkeypatch.setattr(backend, "for_work", lambda *_: PLAIN)
     plain = ends(batches(rpm), 30, targets)
     for name in ("gap", "rate", "mode", "outcome", "turns", "stay", "symbol"):
         assert getattr(plain, name).tolist() == getattr(compiled, name).tolist(), name

@@ -8,11 +8,11 @@ import pytest
 from mpmath import mp, mpf
 
 from camcli.kernel import flight
-from camcli.kernel.backend import PLAIN
 from camcli.kernel.cam_table import higher
 from camcli.kernel.contact_search import ACCUMULATED, Tally, flight_at
 from camcli.kernel.flight import BOUNCED, REFUSED, chatter_map
 from camcli.kernel.flow import Constants
+from camcli.kernel.forms import PLAIN
 from camcli.kernel.sticking import contact_accel
 from tests.random_flights import CAMS, machine_on
 

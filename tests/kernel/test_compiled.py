@@ -14,8 +14,8 @@ import numba
 import pytest
 
 from camcli.kernel import backend, code_cache, compiled
-from camcli.kernel.backend import News
 from camcli.kernel.cam_table import TURN
+from camcli.kernel.code_cache import News
 from camcli.kernel.compiled import CodeSource
 from camcli.kernel.self_check import case_of, is_right
 from tests.conftest import own_way

@@ -9,7 +9,6 @@ from flint import arb
 
 from camcli.cams.compile import Part, column
 from camcli.errors import Status
-from camcli.kernel.backend import PLAIN
 from camcli.kernel.cam_table import higher, lift_at
 from camcli.kernel.contact_search import (
     CLEAR,
@@ -24,6 +23,7 @@ from camcli.kernel.contact_search import (
 )
 from camcli.kernel.flight import leap
 from camcli.kernel.flow import move
+from camcli.kernel.forms import PLAIN
 from camcli.system import Follower, System, omega_of
 from tests.kernel.helpers import cam, events, run
 from tests.random_flights import CAMS, cam_of, machine_on

@@ -6,9 +6,9 @@ Products with impacts: exponents, orbits and crises are held against multipliers
 import pytest
 from mpmath import mp
 
-from camcli.kernel import backend
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.flow import constants_of
+from camcli.kernel.forms import PLAIN
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.kernel.variational import Growth, Pair, flight_tangent
 from tests.conftest import chapter_system
@@ -41,7 +41,7 @@ def test_the_flight_matrix_is_the_exponential_of_its_equation(name, rpm):
 def test_the_length_of_the_flights_of_a_log():
     """Phases count from the strobe, on which an impact may lie exactly."""
     system = chapter_system()
-    entry, tables = backend.PLAIN.stretch_events, ([Pair()], [Growth()])
+    entry, tables = PLAIN.stretch_events, ([Pair()], [Growth()])
     const = system.constants(700.0, 1e-9, 1000)
     theta = [1.0, 0.0, 3.0]
     entry(system.cam, const, [IMPACT] * 3, [0, 1, 1], theta, [-1.0] * 3, *tables)

@@ -12,6 +12,7 @@ import pytest
 from camcli.analysis import integrate as engine
 from camcli.analysis.sweep import sweep
 from camcli.kernel import backend
+from camcli.kernel.forms import PLAIN
 from camcli.parallel import Work
 from tests.conftest import settings
 from tests.kernel.helpers import run, system
@@ -92,8 +93,8 @@ def parts_of(tape):
 def always_plain(monkeypatch, steps):
     """Slices of `steps` steps each, in whichever kernel runs, without ever compiling."""
     monkeypatch.setattr(engine, "PLAIN_STEPS", steps)
-    monkeypatch.setattr(backend, "current", lambda: backend.PLAIN)
-    monkeypatch.setattr(backend, "compiled", lambda: backend.PLAIN)
+    monkeypatch.setattr(backend, "current", lambda: PLAIN)
+    monkeypatch.setattr(backend, "compiled", lambda: PLAIN)
     monkeypatch.setattr(backend, "may_compile", lambda: True)
 
 

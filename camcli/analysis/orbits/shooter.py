@@ -9,7 +9,6 @@ from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, spen
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import exp_decay
-from camcli.kernel.backend import plain
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS
@@ -25,6 +24,7 @@ from camcli.kernel.flow import (
     Flow,
     constants_of,
 )
+from camcli.kernel.forms import PLAIN, plain
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
 from camcli.system import System, omega_of
 
@@ -122,7 +122,7 @@ class Shooter:
         lift = top - min(stretch.c_min for stretch in system.cam.stretches)
         self.rate = SMALL * (lift or abs(top) or 1.0)
         self.simulated = Cost()
-        self.kernel = backend.compiled() if backend.must_compile() else backend.PLAIN
+        self.kernel = backend.compiled() if backend.must_compile() else PLAIN
         self.cam = system.cam_for(self.kernel)
         self._flows = self.kernel.room(Flow, len(system.cam.stretches) ** 2)
         self._works = self.kernel.room(Tally, 1)

@@ -1,0 +1,124 @@
+"""The kernel's entries, in plain Python or compiled, and tables in the form that they take."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import dataclass
+from functools import cache
+from operator import attrgetter
+from typing import Any, TypeVar
+
+from camcli.kernel.cam_table import Cam, Stretch
+from camcli.kernel.cells import settle_cells
+from camcli.kernel.certify import certify_orbit
+from camcli.kernel.flow import Constants, Flow, fill_flows
+from camcli.kernel.loads import measure_loads
+from camcli.kernel.orbit_loop import Log, Strobe, advance
+from camcli.kernel.shooting import correct_orbit
+from camcli.kernel.variational import stretch_events
+
+Row = TypeVar("Row")
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """The kernel's entries in one of their two forms, and tables in the form they take.
+
+    In plain Python a column is a list of numbers (numpy's scalars are slow there) and a table a
+    list of rows; compiled, both are arrays.
+    """
+
+    compiled: bool
+    fill_flows: Callable
+    advance: Callable
+    correct_orbit: Callable
+    certify_orbit: Callable
+    settle_cells: Callable
+    stretch_events: Callable
+    measure_loads: Callable
+
+    def numbers(self, values: Any, kind: type = float) -> Any:
+        """A column of floats or ints; it may be `values` itself."""
+        if not self.compiled:
+            return values if isinstance(values, list) else [kind(value) for value in values]
+        import numpy as np
+
+        column = np.ascontiguousarray(values, np.float64 if kind is float else np.int64)
+        return column if column.flags.writeable else column.copy()
+
+    def zeros(self, count: int, kind: type = float) -> Any:
+        """A column of zeros."""
+        if not self.compiled:
+            return [kind(0)] * count
+        import numpy as np
+
+        return np.zeros(count, np.float64 if kind is float else np.int64)
+
+    def table(self, kind: type, rows: Sequence) -> Any:
+        """A table of rows of `kind`, a class of float and int fields; it may be `rows` itself.
+
+        What the kernel writes into a row is read as an attribute of table[n] in both forms.
+        """
+        if not self.compiled:
+            return rows if isinstance(rows, list) else list(rows)
+        import numpy as np
+
+        values = list(map(attrgetter(*kind.__annotations__), rows))
+        return np.array(values, _row_type(kind))
+
+    def room(self, kind: type, count: int) -> Any:
+        """A table of rows of zeros, for a kind whose defaults are zeros."""
+        if not self.compiled:
+            return [kind() for _ in range(count)]
+        import numpy as np
+
+        return np.zeros(count, _row_type(kind))
+
+    def log(self, rows: int) -> Log:
+        """Room for so many events."""
+        kind, period = self.zeros(rows, int), self.zeros(rows, int)
+        return Log(kind, period, self.zeros(rows), self.zeros(rows), self.zeros(rows), rows)
+
+    def strobe(self, rows: int) -> Strobe:
+        """Room for so many periods."""
+        q, w = self.zeros(rows), self.zeros(rows)
+        return Strobe(q, w, self.zeros(rows, int), self.zeros(rows, int), rows)
+
+    def cam(self, cam: Cam) -> Cam:
+        """The tables of a cam."""
+        stretches = self.table(Stretch, cam.stretches)
+        return cam._replace(stretches=stretches, pieces=self.numbers(cam.pieces))
+
+    def stretch_flows(self, cam: Cam, constants: Constants) -> Any:
+        """The table of `flow.fill_flows`, for a cam in this kernel's form."""
+        flows = self.room(Flow, len(cam.stretches) ** 2)
+        self.fill_flows(cam, constants, flows)
+        return flows
+
+
+def plain(values: Any) -> list:
+    """A column as a list of Python's own numbers: reading numpy's one by one is slow."""
+    return values.tolist() if hasattr(values, "tolist") else list(values)
+
+
+def row_of(kind: type[Row], row: Any) -> Row:
+    """A row of a `Kernel.table` as an object of plain numbers."""
+    if isinstance(row, kind):
+        return copy(row)
+    return kind(*row.item())
+
+
+@cache
+def _row_type(kind: type) -> Any:
+    """The type of an array of such rows; one object, which numba recognises quickly."""
+    import numpy as np
+
+    fields = [(name, np.dtype(of)) for name, of in kind.__annotations__.items()]
+    return np.dtype((np.record, fields))
+
+
+PLAIN = Kernel(
+    False, fill_flows, advance, correct_orbit, certify_orbit, settle_cells, stretch_events,
+    measure_loads,
+)  # fmt: skip
