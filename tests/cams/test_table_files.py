@@ -318,3 +318,17 @@ def test_a_copy_of_the_table_is_written_over_no_other_file(tmp_path, cam, conten
     assert done.returncode == code, done.stderr
     assert ("that is no copy of the table" in done.stderr) == (code == 2)
     assert there.read_bytes() == (data if content is None else content)
+
+
+@pytest.mark.parametrize(("off", "alike"), [(0.008, True), (0.012, False), (0.05, False)])
+def test_a_column_that_differs_by_a_hundredth_of_the_lift_is_another_lobe(
+    tmp_path, cam, off, alike
+):
+    lift = [1e3 * LOBE.at(k)[0] for k in TURN]
+    top = max(lift)
+    other = [x + off * 4.0 * x * (top - x) / top for x in lift]  # off at half the lift, of all
+    lines = [f"{k},{a:.4f},{3 * b:.4f}" for k, a, b in zip(TURN, lift, other, strict=True)]
+    (tmp_path / "cam.csv").write_text("\n".join(["deg,Intake,Exhaust", *lines]) + "\n")
+    said = cam("init cam.csv --no-plot", code=0).stdout
+    assert ("column 3 'Exhaust' is 3 times this one" in said) == alike
+    assert ("column 3 'Exhaust' rises and falls too, another lobe" in said) != alike

@@ -110,6 +110,8 @@ def test_what_no_number_says_is_said_in_words(cam, tmp_path, words, said):
     lost = "follower.stiffness=0" in words  # nothing brings the follower back
     assert done.returncode == (3 if lost else 0), done.stderr
     assert said in done.stdout
+    # elsewhere contact is lost within the range
+    assert ("asked for" in done.stdout) == ("--rpm" in words or words == PULLS)
     text = (tmp_path / "out/detach/detach.csv").read_text()
     assert ("first_detachment" in text) == ("even at standstill" not in done.stdout)
     if "detach.force_rpm=[90]" in words:

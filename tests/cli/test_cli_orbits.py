@@ -175,3 +175,13 @@ def test_simulated_motions_are_drawn_behind_the_branches(cam, tmp_path):
     assert set(seen) == {738.0, 738.5, 739.0}
     for rpm in set(seen) & set(solved):  # the simulation has settled on the branch
         assert seen[rpm] == pytest.approx(solved[rpm], abs=1e-6)
+
+
+@pytest.mark.parametrize("at", ["700", "701"])
+def test_orbits_may_be_looked_for_at_the_ends_of_the_range(cam, tmp_path, at):
+    line = f"orbits --rpm 700:701 --at {at} --points 2 --no-plot -o . --set orbits.starts=0"
+    cam(line, "--set run.transient=10 --set run.record=10", code=0)
+    (shown,) = {
+        row["rpm"] for row in json.loads((tmp_path / "run.json").read_text())["result"]["orbits"]
+    }
+    assert shown == float(at)

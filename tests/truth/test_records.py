@@ -166,6 +166,9 @@ def test_the_cam_alone():
         },
         "least_force_n": {"value": force, "theta_deg": at / RAD},
         "first_detachment_rpm": machine.loss()[0],
+        "first_detachment_between_rpm": lambda ends: (
+            ends[0] < result.summary["first_detachment_rpm"] < ends[1] < ends[0] * (1.0 + 4e-12)
+        ),
         "base_radius_m": base,
         "flat_faced": {
             "least_radius_m": {"value": flat.min(), "theta_deg": x[flat.argmin()] / RAD},
@@ -477,6 +480,7 @@ def test_orbits():
             "virtual": lambda found: len(found) > 0 and all(is_virtual(machine, x) for x in found),
             "branches": branches, "bifurcations": [event(row) for row in events],
             "proofs": {
+                "flank_excess_m": 0.0,  # a cam of circles alone has any
                 "orbits": [proof(0.0, 0.0, holds_phase(orbit_record(x)["theta_deg"])) for x in at],
                 "bifurcations": [
                     proof(row["rpm"] - row["rpm_error"], row["rpm"] + row["rpm_error"],
