@@ -179,8 +179,9 @@ def classify_at(
         if not seen.stays:
             record, orbit = seen.record, seen.orbit
             exponents = of_orbit(system, orbit) if orbit else _exponents(system, rpm, record)
-        rests = orbit is None and any(record.chatter[: record.periods])
-        if rests and record.chatter[: record.periods].sum() > 1:  # often enough to be followed
+        times = int(record.chatter[: record.periods].sum())
+        rests = orbit is None and times > 0
+        if rests and times > 1:  # often enough to be followed
             after = _after_rest(system, rpm, settings, record)
             if after.orbit is not None:
                 orbit, exponents, holds_for = after.orbit, after.exponents, after.holds_for

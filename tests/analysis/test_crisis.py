@@ -18,7 +18,7 @@ from camcli.analysis.explain.changes import (
 )
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
 from camcli.analysis.explain.saddles import find_saddles, monodromy
-from camcli.analysis.explain.tangency import UNSAMPLED, width
+from camcli.analysis.explain.tangency import RANK, width
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.kernel.orbit_loop import IMPACT
@@ -149,17 +149,44 @@ def test_an_event_concerns_what_doubles_from_its_orbit(turns, of_motions, concer
     ("stays", "leaves", "change", "solved", "error"),
     [
         (704.9, 705.2, 0.0, (), 0.6),  # three lifetimes of the farther of the two runs
-        (704.9, 705.2, 0.0, (704.95,), 0.05),  # the next fold is nearer
-        (704.9, 705.2, 0.3, (704.95,), 0.3),  # the last period moved it by more
-        (704.3, 704.6, 0.0, (704.999,), 0.4),  # a run has left that much before
-        (705.0, 705.0, 0.0, (), 705.0 * UNSAMPLED),
+        (704.9, 705.2, 0.0, (705.01,), 0.15),  # the chance (1 + x)^-1 is one in sixteen: x = 15
+        (704.9, 705.2, 0.0, (705.01, 705.03), 0.09),  # (1 + x)^-2: x = 3
+        (704.9, 705.2, 0.0, (705.01, 705.02, 705.03, 705.06), 0.06),  # (1 + x)^-4: x = 1
+        (704.9, 705.2, 0.0, (705.09, 705.06, 705.03, 705.02, 705.01), 0.06),  # the earliest five
+        (704.9, 705.2, 0.0, (705.0000001, 705.01), 0.15),  # one fold, solved twice
+        (704.9, 705.2, 0.3, (705.01,), 0.3),  # the last period moved it by more
+        (704.3, 704.6, 0.0, (705.001,), 0.4),  # a run has left that much before
     ],
 )
 def test_the_error_of_a_tangency_is_the_largest_of_what_is_known(
     stays, leaves, change, solved, error
 ):
-    carried = SimpleNamespace(stays=stays, leaves=leaves, way=lambda rpm: abs(rpm - 700.0))
+    way = lambda rpm: abs(rpm - 700.0)  # noqa: E731
+    carried = SimpleNamespace(stays=stays, leaves=leaves, way=way, crowding=1.0)
     assert width(carried, 705.0, change, [705.0, *solved]) == pytest.approx(error, rel=1e-9)
+
+
+@pytest.mark.parametrize("alpha", [1.0, 0.5, 0.3])
+def test_the_error_of_a_tangency_holds_as_often_as_is_said(alpha):
+    """Tangencies at random beyond 700 rpm, d^alpha of them nearer than d: 15 of 16 errors hold."""
+    rng, way = np.random.default_rng(1), lambda rpm: abs(rpm - 650.0)
+    carried = SimpleNamespace(stays=-1e9, leaves=1e9, way=way, crowding=alpha)
+    for count in (2, 3, RANK, 8):
+        off = np.sort(rng.random((4000, 40)), axis=1)[:, :count] ** (1.0 / alpha)
+        speeds = 700.0 + 1e4 * off
+        errors = np.array([width(carried, own[0], 0.0, own.tolist()) for own in speeds])
+        held = np.mean(speeds[:, 0] - 700.0 <= errors)
+        assert held == pytest.approx(15 / 16, abs=0.015)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("starts", [2000, 1000, 500, 250])
+def test_coarser_samples_of_folds_find_the_crisis_within_their_error(chapter, monkeypatch, starts):
+    """682.2046 rpm, by runs of millions of turns; and the error is no more than ten of 1e-4."""
+    monkeypatch.setattr("camcli.analysis.explain.tangency.STARTS", starts)
+    found = find_crisis(chapter, RUN, 682.0, 694.0)
+    assert found.kind is CrisisKind.BOUNDARY
+    assert abs(found.rpm - 682.2046) < found.error < 1e-3
 
 
 def test_an_event_belongs_to_an_interval_that_its_error_reaches():

@@ -4,10 +4,11 @@ States are (q m, dq/dtheta m/rad) at the strobe. The box holds the states of the
 margin; a speed lies beyond the change where a run from the carried state has states outside.
 """
 
-from math import degrees
+from math import degrees, inf
 
 import numpy as np
 
+from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.system import System, omega_of
@@ -34,13 +35,14 @@ class Carried:
     """The attractor that the scene's start settles on at `near`, carried towards `far` (rpm).
 
     stays, leaves: the last speed known at which a run stays in the box, and the first at which one
-    leaves; size: widths of the states at both ends. Raises StartError for a start below the cam.
+    leaves; size: widths of the states at both ends; crowding: dimension of the attractor across its
+    leaves, in (0, 1], 1 where it is not known. Raises StartError for a start below the cam.
     """
 
     def __init__(self, system: System, settings: Settings, near: float, far: float, turns: int):
         self.system, self.settings, self.turns = system, settings, turns
         self.near, self.far = self.stays, self.leaves = near, far
-        self.cost = Cost()
+        self.cost, self.crowding = Cost(), 1.0
         orbit = Orbit(system, near, with_turns(settings, max(settings.transient, SETTLE), 1))
         orbit.run()
         self.start = orbit.as_start()
@@ -64,6 +66,16 @@ class Carried:
         record = Orbit(self.system, rpm, settings, start).run(events=events)
         self.cost = self.cost + record.cost
         return record
+
+    def measure(self, rpm: float, record: Record) -> None:
+        """Set the crowding to -lambda_1/lambda_2, of the exponents of a record with events.
+
+        J. L. Kaplan and J. A. Yorke, Lecture Notes in Mathematics 730 (1979) 204: an attractor with
+        the exponents lambda_1 > 0 > lambda_2 has the dimension 1 - lambda_1/lambda_2, 1 along it.
+        """
+        found = of_record(self.system, rpm, record)
+        if found is not None and found.second < 0.0 < found.largest < inf:
+            self.crowding = min(1.0, -found.largest / found.second)
 
     def states(self, rpm: float, x, turns: int) -> np.ndarray:
         """The states of `motion` after 0, 1, ..., turns turns; fewer where it ends early."""

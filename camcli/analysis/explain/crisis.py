@@ -6,7 +6,7 @@ leads out (`tangency`).
 
 The cam-follower example (Osorio, di Bernardo & Santini, arXiv:0711.1008):
 740.1065 rpm, P(7;1:1:1:1:1:1:1) of multiplier 12.6, corner c; 361.1673, P(3;3:3:2), 35.9, smooth;
-682.2047, P(1;1) on A1, 1.176, corner b, chaos is lost; runs of 3 or 4 million turns agree.
+682.2046, P(1;1) on A1, 1.176, corner b, chaos is lost; runs of 3 or 4 million turns agree.
 """
 
 from dataclasses import dataclass
@@ -95,7 +95,9 @@ def find_crisis(
         return Crisis(kind, far, inf, (near, far), near, turns, carried.cost)
     carried.narrow()
     calm = near + CALM * (carried.stays - near)
-    inside = find_saddles(system, calm, carried.run(calm, True), carried.size)
+    quiet = carried.run(calm, True)
+    carried.measure(calm, quiet)
+    inside = find_saddles(system, calm, quiet, carried.size)
     beyond = find_saddles(system, calm, carried.run(carried.leaves, True), carried.size)
     # W^u of an orbit whose multiplier is below -1 goes both ways
     bases = [orbit for orbit in inside if orbit.multipliers[0].real < -1.0] or inside

@@ -8,6 +8,7 @@ until W^s is straight there. Where the speed no longer moves, it is solved.
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import copysign, inf, log
 
 import numpy as np
@@ -33,7 +34,8 @@ STRAIGHT = 1e-5  # relative: xi within which W^s is straight
 CLOSE = 1e-9  # of the speed: first step of the secants, and a step that ends them
 MOST = 5.0  # times the last step: the longest next one
 LEAST_GROWTH = 1.5  # by which the window shrinks at least when n grows by a period
-UNSAMPLED = 4e-7  # of the speed: 9001 starts and 12 folds have found tangencies so much earlier
+RANK = 5  # tangencies that tell the error, counted from the earliest
+DOUBT = 1.0 / 16.0  # of the errors do not hold
 LIFETIMES = 3.0  # runs leave within so many mean lifetimes but for one in twenty (e^-3)
 AT_CORNER = 1e-6  # rad: an impact so near a corner is at it
 
@@ -129,6 +131,10 @@ def first_touch(folds: Folds, rpm: float) -> tuple[Fold, float] | None:
     Raises LostError where B or p cannot be followed.
     """
     best, change, solved = None, inf, []
+
+    def earlier(one: Fold, other: Fold) -> bool:
+        return folds.carried.way(one.rpm) < folds.carried.way(other.rpm)
+
     for k in range(SEARCHES):
         seen = folds.sample(rpm, k / SEARCHES)
         if best is not None:
@@ -137,9 +143,10 @@ def first_touch(folds: Folds, rpm: float) -> tuple[Fold, float] | None:
         found = [pair for pair in tried if pair is not None]
         solved += [fold.rpm for fold, _ in found]
         new = min(found, key=lambda pair: folds.carried.way(pair[0].rpm), default=None)
-        if new is None or (best and folds.carried.way(new[0].rpm) >= folds.carried.way(best.rpm)):
+        if best is None and new is None:
             break
-        (best, change), rpm = new, new[0].rpm
+        if new is not None and (best is None or earlier(new[0], best)):
+            (best, change), rpm = new, new[0].rpm
     return None if best is None else (best, width(folds.carried, best.rpm, change, solved))
 
 
@@ -184,13 +191,26 @@ def _secants(folds: Folds, fold: Fold) -> Fold | None:
 def width(carried: Carried, rpm: float, change: float, solved: list[float]) -> float:
     """Error of the earliest tangency (rpm): how much earlier a fold not sampled may touch.
 
-    The distance to the next fold solved, or LIFETIMES times that to the runs where it is less: when
-    they first leave is known to a factor. Never less than UNSAMPLED (a fold that is late lies close
-    to runs that leave), the change by the last period of p, and the delay behind a run that has
-    left before. An estimate, not a bound: folds that let almost nothing through may touch earlier.
+    A tangency that is solved is one, so the crisis is there or earlier. How much earlier, the
+    others tell: the speeds at which folds touch end at the crisis, and those solved are the
+    earliest of a sample of them. Folds are images of folds: across its leaves the attractor is a
+    Cantor set of the dimension alpha = `carried.crowding`, so the share of folds nearer to the
+    outermost one than d grows as d^alpha. Then of the distances d_1 < ... < d_n of a sample
+    (d_1/d_n)^alpha is the least of n - 1 numbers spread evenly over 0 to 1, and
+        d_1 > x (d_n - d_1)  with the probability  (1 - (x/(1 + x))^alpha)^(n - 1).
+    x is such that this is one in sixteen, n at most RANK. (The end of a distribution from its
+    extremes, there with alpha = 1: D. S. Robson and J. H. Whitlock, Biometrika 51 (1964) 33.)
+
+    At most LIFETIMES times the distance to the runs: when they first leave is known to a factor.
+    Never less than the change by the last period of p, and the delay behind a run that has left
+    before. An error with a probability, not a bound.
     """
-    off = [abs(other - rpm) for other in solved]
-    scatter = min((x for x in off if x > CLOSE * rpm), default=inf)
+    off = sorted(carried.way(other) for other in solved)
+    apart = [b for a, b in pairwise(off) if b - a > CLOSE * rpm][: RANK - 1]
     runs = max(abs(rpm - carried.stays), abs(rpm - carried.leaves))
+    error = LIFETIMES * runs
+    if apart:
+        share = (1.0 - DOUBT ** (1.0 / len(apart))) ** (1.0 / carried.crowding)  # x/(1 + x)
+        error = min(error, share / (1.0 - share) * (apart[-1] - off[0]))
     late = carried.way(rpm) - carried.way(carried.leaves)
-    return max(min(scatter, LIFETIMES * runs), UNSAMPLED * rpm, change, late)
+    return max(error, change, late)
