@@ -332,3 +332,13 @@ def test_a_column_that_differs_by_a_hundredth_of_the_lift_is_another_lobe(
     said = cam("init cam.csv --no-plot", code=0).stdout
     assert ("column 3 'Exhaust' is 3 times this one" in said) == alike
     assert ("column 3 'Exhaust' rises and falls too, another lobe" in said) != alike
+
+
+def test_every_doubt_about_a_key_is_told(tmp_path, cam):
+    """Three columns of lift: two others that this scene leaves out."""
+    lines = [f"{k},{1e3 * LOBE.at(k)[0]:.4f},{1e3 * LOBE.at(k - 40)[0]:.4f},"
+             f"{1e3 * LOBE.at(k + 40)[0]:.4f}" for k in TURN]  # fmt: skip
+    (tmp_path / "cam.csv").write_text("\n".join(["deg,one,two,three", *lines]) + "\n")
+    said = cam("init cam.csv --no-plot", code=0).stdout
+    for name in ("column 3 'two'", "column 4 'three'"):
+        assert f"{name} rises and falls too, another lobe" in said

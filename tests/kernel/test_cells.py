@@ -26,16 +26,18 @@ def ends(team, turns, targets=NOTHING, starts=STARTS):
 
 @pytest.mark.parametrize("rpm", [358.5, 190.0, 745.0])
 def test_a_cell_is_the_orbit_of_its_start(rpm):
-    team = batches(rpm)
+    team, impacts = batches(rpm), 0
     found = ends(team, 12)
     for k, (q, v) in enumerate(STARTS):
         orbit = engine.Orbit(system(), rpm, settings(record=12, q=q, v=v))
         tape = orbit.run(events=False)
+        impacts += tape.cost.impacts
         assert (orbit.state.gap, orbit.state.gap_rate) == (found.gap[k], found.rate[k])
         chattered = tape.chatter[11]
         assert found.symbol[k] == (CHATTERED_TURN if chattered else tape.impacts[11])
         assert found.turns[k] == 12
         assert found.outcome[k] == UNDECIDED
+    assert team.cost.impacts == impacts > 12
 
 
 def known_orbit():

@@ -13,7 +13,14 @@ from camcli.analysis.integrate import budgeted
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.kinds import Kind
-from camcli.analysis.orbits.locate import ERRORS, Bracket, _bracket, _root_of, beyond_both
+from camcli.analysis.orbits.locate import (
+    ERRORS,
+    Bracket,
+    _bracket,
+    _root_of,
+    beyond_both,
+    smooth_events,
+)
 from camcli.analysis.orbits.study import Question, orbits
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
@@ -268,3 +275,24 @@ def test_the_error_of_a_fold_reaches_the_ends_of_its_bracket(at):
     found = _root_of(None, step, Kind.FOLD, lambda one: one.tangent[-1], 1.0, -1.0)
     assert found.status == Bracket.OK
     assert abs(found.root.value - 700.0) <= found.error <= 1e7 * 1e-12
+
+
+@pytest.mark.parametrize(("flip", "fold"), [(0.3, 0.6), (0.8, 0.6), (0.2, 0.9)])
+def test_events_of_a_step_are_in_the_order_in_which_it_meets_them(flip, fold):
+    """A step on which the parameter turns at one place and 1 + trace + det is zero at another."""
+
+    def root(length):
+        value, slope = 700.0 - (length - fold) ** 2, -2.0 * (length - fold)
+        trace = length - flip - 1.5
+        return SimpleNamespace(value=value, trace=trace, det=0.5, tangent=[slope], length=length)
+
+    def moved(one, value):
+        side = 1.0 if one.length > fold else -1.0
+        return root(fold + side * max(0.0, 700.0 - value) ** 0.5)
+
+    step = SimpleNamespace(at=lambda _, length: root(length), length=1.0, before=root(0.0),
+                           after=root(1.0), unit=[1.0])  # fmt: skip
+    found = smooth_events(SimpleNamespace(moved=moved), step, True)
+    wanted = sorted([(flip, Kind.PERIOD_DOUBLING), (fold, Kind.FOLD)])
+    assert [event.kind for event in found] == [kind for _, kind in wanted]
+    assert [event.reach for event in found] == pytest.approx([x for x, _ in wanted], abs=1e-6)

@@ -845,6 +845,9 @@ def test_orbits_and_a_curve_in_another_number():
     wanted["theta_deg"] = curve["theta_deg"]
     assert curve.rows >= 3
     compare(curve, wanted, "curve")
+    dampings = curve["follower.damping"].tolist()
+    assert (min(dampings), max(dampings)) == (5.0, 7.0)  # up to both ends
+    assert np.diff(dampings).max() <= 1.0 + 1e-9
 
 
 # -- basins -----------------------------------------------------------------------------------

@@ -403,8 +403,18 @@ def checks(name):
             panel.pick(Line2D, lambda a, i=i: same_place(a.get_xdata(), events[parameter][i]), 1)
         branch_numbers(panel, lambda b: b.theta)
         panel.corners(corners, "y")
-        bottom, top = panel.axes.get_ylim()
-        assert bottom < corner < top
+        others = [i for i in order if events[parameter][i] != at]
+        beside = min(others, key=lambda i: abs(events[parameter][i] - at))
+        phases = np.degrees(result.values.bifurcations[beside].orbit.theta)
+        reach = 2.2 * max(np.abs(phases - corner).min(), 0.05)
+        ends = [corner]
+        for line in panel.axes.lines:
+            x, y = (np.asarray(values, dtype=float) for values in line.get_data())
+            if line.get_marker() in ("None", "") and len(x) > 2:
+                ends += y[(x >= begin) & (x <= end) & (np.abs(y - corner) <= reach)].tolist()
+        room = 0.1 * np.ptp(ends) or 0.1
+        wanted = min(ends) - room, max(ends) + room
+        assert panel.axes.get_ylim() == pytest.approx(wanted)
         assert panel.labels == (NAMES[parameter], r"phase $\theta$ (deg), enlarged")
 
     def words(panel):

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import json
 import re
-from math import acos, atan2, cos, degrees, hypot, inf, pi, radians, sin, sqrt
+from dataclasses import replace
+from math import acos, atan2, cos, degrees, hypot, inf, isnan, pi, radians, sin, sqrt
 from statistics import fmean
 from types import SimpleNamespace
 
@@ -18,6 +19,8 @@ import yaml
 from conftest import cam_in, rows
 
 import camcli
+from camcli.analysis.contact_loss.detachment import detachment
+from camcli.api.lift_table import with_ranges
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.output.detach import machine
 
@@ -349,7 +352,15 @@ def test_a_measured_cam_in_degrees_of_the_crank(tmp_path):
         last = 10.0 ** -len(cam.partition(".")[2])  # each is rounded by itself
         assert abs(float(turns_twice) - 2.0 * float(cam)) <= 1.5 * last
 
-    system = result_system(tmp_path / "valve.yaml")
+    small = {"detach.rpm": {"start": FROM, "stop": FROM, "num": 1}}
+    result = camcli.detach(camcli.load_scene(tmp_path / "valve.yaml", small))
+    system, exact = result.system, detachment(result.system).first
+    ended = with_ranges(replace(result.values, ends=(exact,), completion=(exact,)), system)
+    first = ended.detachment.first
+    assert (first.low, first.high) == pytest.approx((low, high), rel=1e-12)
+    for speed in (*ended.ends, *ended.completion):  # how far a chatter is off is not known
+        assert isnan(speed.low)
+        assert isnan(speed.high)
     off = [
         lift_at(system.cam, stretch_at(system.cam, radians(theta)), radians(theta))[0]
         - BASE - 1e-3 * lift
@@ -377,8 +388,3 @@ def test_a_measured_cam_in_degrees_of_the_crank(tmp_path):
                        (worst, "worst")):  # fmt: skip
         assert near(said, found[name])
     assert found["accel"] == pytest.approx(NOSE, rel=0.1)
-
-
-def result_system(path):
-    scene = camcli.load_scene(path)
-    return camcli.simulate(scene, profile_only=True).system
