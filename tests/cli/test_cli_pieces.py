@@ -6,6 +6,7 @@ traceback stands in run.json.
 
 import json
 import os
+import re
 import subprocess
 import sys
 from functools import partial
@@ -296,6 +297,9 @@ def test_a_block_of_cells(cam, tmp_path, breaking):
     found, whole = rows(tmp_path / "out/basins.csv"), rows(tmp_path / "whole/basins.csv")
     (fault,) = faults_of(tmp_path / "out")
     lost = int(fault["pieces"][0].split()[0])
+    assert re.fullmatch(
+        r"\d+ cells at 700 rpm, from [\d.e-]+ m above the cam on", fault["pieces"][0]
+    )
     differ = [a["attractor"] for a, b in zip(found, whole, strict=True) if a != b]
     assert 0 < len(differ) == lost < 1024
     assert set(differ) == {"-7"}

@@ -139,7 +139,7 @@ class _Task:
     def __call__(self, block) -> BlockEnds:
         """A block, or that it failed: its cells are then where they began."""
         gap, rate, mode = (np.asarray(column) for column in block)
-        name = f"{len(gap)} cells at {self.rpm:.10g} rpm, from {gap[0]!r} m above the cam on"
+        name = f"{len(gap)} cells at {self.rpm:.10g} rpm, from {gap[0]:.10g} m above the cam on"
         found = attempt(name, lambda: self._followed(gap, rate, mode))
         if not isinstance(found, PieceFault):
             return (*found, None)
