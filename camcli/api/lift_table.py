@@ -130,8 +130,13 @@ def cautions(accuracy: Accuracy) -> list[str]:
             f"cam, {accuracy.largest / accuracy.noise:.3g} times the noise of the rows"
         )
     if accuracy.jump_deg is not None:
+        from camcli.cams.lift_jump import LEAST
+
+        unit = "m/rad" if accuracy.jump_of == "c_theta" else "m/rad2"
         words.append(
-            f"warning: c_thetatheta seems to jump near {accuracy.jump_deg:.4g} deg; the smooth "
+            f"warning: {accuracy.jump_of} seems to jump near {accuracy.jump_deg:.4g} deg, by "
+            f"{accuracy.jump:.2g} +- {accuracy.jump_error:.1g} {unit}; a change over {LEAST:g} deg "
+            f"or more fits the rows worse, by {accuracy.jump_sure:.2g} standard errors; the smooth "
             "cam only approaches a jump"
         )
     return words

@@ -41,6 +41,7 @@ from flint import arb
 
 from camcli.cams.balls import precision
 from camcli.cams.compile import DIGITS, Piece
+from camcli.cams.lift_jump import find_jump
 from camcli.cams.lift_reading import DEG, Turn
 from camcli.kernel.cam_table import TERMS
 
@@ -65,7 +66,9 @@ ERRORS = 3.0  # standard errors in the bound
 LEAST_RATIO, SMOOTH = 1.28, 4.0  # growth of the bending with twice the length, that is counted on
 WRONG = 6.0  # standard deviations: so far off is a row that is wrong, no noise
 SURE = 2.0  # standard errors by which residuals are more than rounding
-JUMP = 1.5  # a smaller ratio speaks of a jump
+APART, PLACES = 6, 6  # knots between, and the most places where bending asks whether it is a jump
+JUMPS = {1: "c_theta", 2: "c_thetatheta"}  # by the order of the derivative
+BESIDE = 2.0  # deg: so close to a dwell's end it is that end
 NEAR = 2.0  # smoothing lengths around a phase in which bending counts there
 
 Rows = list[list[float]]
@@ -404,7 +407,11 @@ class Accuracy:
     standard: float  # largest standard error of c_thetatheta
     worst: float  # its error were every row half a digit off, in the worst direction
     bending: float  # the rest of the bound: what smoothing may have changed
-    jump_deg: float | None  # where c_thetatheta seems to jump
+    jump_deg: float | None  # where c_thetatheta seems to jump, or c_theta; None where neither does
+    jump_of: str | None  # which of them
+    jump: float | None  # by how much, m/rad2 or m/rad
+    jump_error: float | None  # standard error of that
+    jump_sure: float | None  # standard errors by which no change over 4 deg or more fits as well
 
     @property
     def bound(self) -> float:
@@ -495,8 +502,7 @@ class Errors:
         middle = s.moving[[np.argmax(accels) // 2]]
         answer = s.response(self.shares, middle, basis(np.array([0.5]), 2))
         answer = (s.shares * at(answer, s.interval, s.weights).T).T[turn.line > 0]
-        most = int(np.argmax(self.excess))
-        jump = self.excess[most] > 0.0 and self.ratio[most] < JUMP
+        jump = find_jump(turn, s.shares, self.noise, self.places_of_jumps())
         return Accuracy(
             rows=int((turn.line > 0).sum()),
             knots=s.count,
@@ -511,5 +517,18 @@ class Errors:
             standard=float(max(self.standard)),
             worst=float(0.5 * turn.quantum * s.per_square * np.abs(answer).sum()),
             bending=float(max(self.bounds)) - ERRORS * float(max(self.standard)),
-            jump_deg=most * 360.0 / s.count if jump else None,
+            jump_deg=jump.at if jump else None,
+            jump_of=JUMPS[jump.order] if jump else None,
+            jump=jump.size if jump else None,
+            jump_error=jump.error if jump else None,
+            jump_sure=jump.errors if jump else None,
         )
+
+    def places_of_jumps(self) -> list[float]:
+        """Phases (deg) at which to look for a jump: ends of dwells, and where the cam is bent."""
+        ends = [end % 360.0 for d in self.smoother.turn.dwells for end in (d.start, d.end)]
+        peaks = (self.excess > 0.0) & (self.excess == widest(self.excess, APART))
+        knots = sorted(np.flatnonzero(peaks), key=lambda k: -self.excess[k])[:PLACES]
+        bent = [float(k) * 360.0 / self.smoother.count for k in knots]
+        near = [min((abs((x - e + 180) % 360 - 180) for e in ends), default=360.0) for x in bent]
+        return ends + [x for x, off in zip(bent, near, strict=True) if off > BESIDE]
