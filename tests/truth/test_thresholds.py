@@ -23,17 +23,23 @@ from camcli.analysis.basins import measures
 from camcli.analysis.basins.measures import uncertainty
 from camcli.analysis.basins.window import Window
 from camcli.analysis.border_collision import Side
+from camcli.analysis.classify import _chatter
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.contact_loss.hold import hold_to
+from camcli.analysis.explain.attractor import Carried
+from camcli.analysis.explain.changes import changes_between
+from camcli.analysis.exponents import of_record
+from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label, find_period, label
 from camcli.api.machine import machine_of
 from camcli.api.result import height_notes
 from camcli.api.sweep import read_branches
 from camcli.errors import SceneError
+from camcli.kernel.orbit_loop import IMPACT
 from camcli.output.detach import plainly
 from camcli.output.verdict import doubts
 from camcli.system import units_of
-from tests.conftest import cam_in
+from tests.conftest import cam_in, settings
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 RPM = 30.0 / pi  # per rad/s
@@ -361,3 +367,59 @@ def test_chaos_of_a_normal_form_is_sure_by_three_errors_and_a_thousandth(monkeyp
         measured = exponent, spread, (0.1, 0.1)
         monkeypatch.setattr(border_collision, "_exponent", lambda *_, found=measured: found)
         assert border_collision.attractor(left, right, 1).kind == kind
+
+
+# -- what analyses take as rounding, or as another motion ----------------------------------------
+
+
+def test_a_kink_below_a_nanometre_per_radian_is_rounding():
+    """Up and down a ramp of 60 deg: at its top the slope drops by twice its own."""
+    for slope, lost in ((1e-9 * (1 - 1e-6), False), (1e-9 * (1 + 1e-6), True)):
+        lift = 0.5 * slope * pi / 3.0
+        way = {"length_deg": 60, "law": "constant-velocity"}
+        cam = {"kind": "law", "base": 0.0, "lift": lift, "rise": {**way, "start_deg": 90},
+               "fall": way}  # fmt: skip
+        always = detachment(machine_of(made(cam)).system).always
+        assert bool(always) == lost
+
+
+@pytest.mark.parametrize(("turns", "known"), [(79, False), (80, True)])
+def test_an_exponent_takes_four_impacts_in_each_of_twenty_batches(turns, known):
+    system = machine_of(camcli.load_scene()).system  # P(1;1): an impact a turn
+    record = Orbit(system, 700.0, settings(300, turns)).run()
+    assert len(record.kind) == turns
+    assert (of_record(system, 700.0, record) is not None) == known
+
+
+def test_sixteen_states_outside_the_box_have_left_it():
+    carried = SimpleNamespace(box=(np.array([0.0, 0.0]), np.array([1.0, 1.0])))
+    carried.outside = lambda states: Carried.outside(carried, states)
+    for count, left in ((15, False), (16, True)):
+        q = np.array([0.5] * 100 + [1.5] * count)
+        record = SimpleNamespace(strobe_q=q, strobe_w=np.full(len(q), 0.5))
+        assert Carried.has_left(carried, record) == left
+
+
+def spread(width: float) -> SimpleNamespace:
+    """A chaotic motion whose impacts are so many rad apart."""
+    theta = np.linspace(1.0, 1.0 + width, 20)
+    record = SimpleNamespace(kind=np.full(20, IMPACT), theta=theta, u=-theta, period=np.arange(20))
+    return SimpleNamespace(label="aperiodic", chatter="none", record=record, period=0)
+
+
+@pytest.mark.parametrize("narrow", [0.02, 0.4], ids=["by two degrees", "by a quarter"])
+def test_chaos_of_another_size(narrow):
+    """Wider by a quarter of it, and by two degrees."""
+    least = max(1.25 * narrow, narrow + 2.0 * pi / 180.0)
+    for wide, changed in ((least * (1 - 1e-9), False), (least * (1 + 1e-9), True)):
+        assert changes_between(spread(narrow), spread(wide)) == changed
+
+
+def test_eight_impacts_in_a_row_are_an_incomplete_chatter():
+    """Each weaker than the one before it, after one that is not."""
+    for number, kind in ((7, "none"), (8, "incomplete")):
+        rates = [-1.0, -2.0, *(-2.0 * 0.9**k for k in range(1, number + 1)), -9.0]
+        record = SimpleNamespace(
+            chatter=np.zeros(1), periods=1, events=lambda u=rates: ((IMPACT, 0, 0.0, x) for x in u)
+        )
+        assert _chatter(record) == kind
