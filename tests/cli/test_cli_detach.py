@@ -1,6 +1,7 @@
 """cam detach as a shell sees it: columns, published numbers, words, exit codes."""
 
 import json
+import re
 from math import inf, pi
 
 import pytest
@@ -116,3 +117,18 @@ def test_what_no_number_says_is_said_in_words(cam, tmp_path, words, said):
     assert ("first_detachment" in text) == ("even at standstill" not in done.stdout)
     if "detach.force_rpm=[90]" in words:
         assert {row["rpm"] for row in rows(tmp_path / "out/detach/force.csv")} == {"90.0"}
+
+
+def test_a_kink_is_told_with_its_drop(cam, tmp_path):
+    """Constant velocity: 10 mm over 60 deg up, where the rise ends the slope falls to zero."""
+    (tmp_path / "cam.yaml").write_text(
+        "follower: {mass: 0.1, stiffness: 20000, damping: 0, gravity: 0, preload: 100,"
+        " restitution: 0.5}\n"
+        "cam: {kind: law, base: 0.0, lift: 0.01, top_dwell_deg: 20,"
+        " rise: {start_deg: 100, length_deg: 60, law: constant-velocity},"
+        " fall: {length_deg: 80, law: cycloidal}}\n"
+    )
+    done = cam("detach -c cam.yaml --rpm 1000 --no-plot --set detach.settle=1", code=0)
+    drop, at = re.search(r"slope drops by (\S+) m/rad at (\S+) deg", done.stdout).groups()
+    assert float(drop) == pytest.approx(0.01 / (pi / 3.0), rel=1e-5)
+    assert float(at) == pytest.approx(160.0)

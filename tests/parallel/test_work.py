@@ -2,6 +2,7 @@
 
 import pickle
 import threading
+from contextlib import closing
 
 import pytest
 
@@ -96,3 +97,15 @@ def test_a_shard_does_all_of_what_is_not_shared(checkpoint):
     assert [("1", k) in checkpoint for k in range(4)] == [False, True, False, False]
     with pytest.raises(SceneError, match="--shard"):
         work.collect_chain(lambda before, piece: piece, None, [7], PLAIN)
+
+
+@pytest.mark.parametrize("total", [1, 2, 3, 7])
+def test_shards_together_do_every_piece_once(tmp_path, total):
+    done = []
+    for number in range(1, total + 1):
+        task = Counted()
+        own = Checkpoint(tmp_path / f"{number}", "work")
+        with closing(own), pytest.raises(ShardDone):
+            Work(1, own, shard=Shard(number, total)).collect(task, range(5), PLAIN)
+        done += task.pieces
+    assert sorted(done) == [0, 1, 2, 3, 4]

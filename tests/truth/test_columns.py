@@ -215,6 +215,25 @@ def test_simulate_inside_a_chatter_that_its_map_closes():
     assert seen > 40
 
 
+def test_a_motion_that_is_cut_ends_with_its_last_event():
+    """Too many impacts in a turn: its rows are those of the whole motion, and no more."""
+    run = {"transient": 5, "record": 60}
+    scene = {"run.rpm": 660.0, "simulate.samples": 24}
+    whole, cut = (
+        camcli.simulate(camcli.load_scene(None, {**scene, **values}))
+        for values in ({f"run.{key}": value for key, value in {**run, **more}.items()}
+                       for more in ({}, {"impact_budget": 3}))
+    )  # fmt: skip
+    assert cut.summary["status"] != "ok"
+    assert cut.summary["periods"] == 6
+    for name in ("events", "trajectory"):
+        found, all_rows = cut.tables[name], whole.tables[name]
+        assert 0 < found.rows < all_rows.rows
+        for column in found:
+            assert found[column].tolist() == all_rows[column][: found.rows].tolist()
+    assert cut.tables["trajectory"]["t_s"][-1] == cut.tables["events"]["t_s"][-1]
+
+
 # -- the cam ----------------------------------------------------------------------------------
 
 
