@@ -18,7 +18,7 @@ from camcli.analysis.explain.changes import (
 )
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
 from camcli.analysis.explain.saddles import find_saddles, monodromy
-from camcli.analysis.explain.tangency import RANK, width
+from camcli.analysis.explain.tangency import FEW, RANK, UNSAMPLED, width
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.kernel.orbit_loop import IMPACT
@@ -149,13 +149,14 @@ def test_an_event_concerns_what_doubles_from_its_orbit(turns, of_motions, concer
     ("stays", "leaves", "change", "solved", "error"),
     [
         (704.9, 705.2, 0.0, (), 0.6),  # three lifetimes of the farther of the two runs
-        (704.9, 705.2, 0.0, (705.01,), 0.15),  # the chance (1 + x)^-1 is one in sixteen: x = 15
-        (704.9, 705.2, 0.0, (705.01, 705.03), 0.09),  # (1 + x)^-2: x = 3
-        (704.9, 705.2, 0.0, (705.01, 705.02, 705.03, 705.06), 0.06),  # (1 + x)^-4: x = 1
+        (705.0, 705.0, 0.0, (), 705.0 * UNSAMPLED),
+        (704.9, 705.2, 0.0, (705.01, 705.02), 0.6),  # too few tangencies to tell
+        (704.9, 705.2, 0.0, (705.01, 705.02, 705.05), 0.05 * (16 ** (1 / 3) - 1)),
+        (704.9, 705.2, 0.0, (705.01, 705.02, 705.03, 705.06), 0.06),  # x of (1 + x)^-4 is 1
         (704.9, 705.2, 0.0, (705.09, 705.06, 705.03, 705.02, 705.01), 0.06),  # the earliest five
-        (704.9, 705.2, 0.0, (705.0000001, 705.01), 0.15),  # one fold, solved twice
-        (704.9, 705.2, 0.3, (705.01,), 0.3),  # the last period moved it by more
-        (704.3, 704.6, 0.0, (705.001,), 0.4),  # a run has left that much before
+        (704.9, 705.2, 0.0, (705.0000001, 705.01, 705.02), 0.6),  # one fold, solved twice
+        (704.9, 705.2, 0.3, (705.01, 705.02, 705.03, 705.06), 0.3),  # the last period moved it
+        (704.3, 704.6, 0.0, (705.01, 705.02, 705.03, 705.06), 0.4),  # a run has left so early
     ],
 )
 def test_the_error_of_a_tangency_is_the_largest_of_what_is_known(
@@ -171,7 +172,7 @@ def test_the_error_of_a_tangency_holds_as_often_as_is_said(alpha):
     """Tangencies at random beyond 700 rpm, d^alpha of them nearer than d: 15 of 16 errors hold."""
     rng, way = np.random.default_rng(1), lambda rpm: abs(rpm - 650.0)
     carried = SimpleNamespace(stays=-1e9, leaves=1e9, way=way, crowding=alpha)
-    for count in (2, 3, RANK, 8):
+    for count in (FEW, RANK, 8):
         off = np.sort(rng.random((4000, 40)), axis=1)[:, :count] ** (1.0 / alpha)
         speeds = 700.0 + 1e4 * off
         errors = np.array([width(carried, own[0], 0.0, own.tolist()) for own in speeds])

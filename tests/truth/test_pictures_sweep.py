@@ -127,15 +127,25 @@ def check_cloud(panel, points, kinds, fills=True):
         assert norm.vmin < 0.1
 
 
+def kinds_of(speeds):
+    """Name and colour of each row; what came to a rest while it was watched has its own name."""
+    return [
+        ("undecided after rests", kind_of(label)[1])
+        if label == "undecided" and np.isfinite(watched)
+        else kind_of(label)
+        for label, watched in zip(speeds["label"], speeds["watched_turns"], strict=True)
+    ]
+
+
 def checks(name, result, branches=()):
     machine, values = CASES[name]
     tables, key = result.tables, next(iter(result.tables["speeds"]))
     speeds = {n: tables["speeds"][n] for n in tables["speeds"]}
     ways = [n for n in speeds if n in ("direction", "start")]
     labels = {
-        (value, *rest): kind_of(label)
-        for value, label, *rest in zip(speeds[key], speeds["label"], *(speeds[n] for n in ways),
-                                       strict=True)
+        (value, *rest): kind
+        for value, kind, *rest in zip(speeds[key], kinds_of(speeds), *(speeds[n] for n in ways),
+                                      strict=True)
     }  # fmt: skip
     kinds = dict(sorted({*labels.values()}))
     clouds = {}
@@ -276,8 +286,8 @@ def test_every_panel_of_a_sweep_shows_the_rows_of_its_tables(name, tmp_path):
 HEADINGS = {
     "chapter": (
         "Bifurcation diagram, 660 to 760 rpm",
-        "each speed started at rest on the cam, 300 turns of transient; 25 speeds; darker where "
-        "more points fall",
+        "each speed started at rest on the cam, 300 turns of transient; 25 speeds; 1 undecided "
+        "after rests, grey; darker where more points fall",
     ),
     "valve": (
         "Bifurcation diagram, 2600 to 3400 rpm",
@@ -307,8 +317,7 @@ def test_the_page_of_a_sweep_says_what_was_done_and_what_changes_the_motion(name
     assert usual(result)[1:] == more.get(name, usual(result)[1:])
     assert page.texts[0] == title
     page.says(words)
-    labels = result.tables["speeds"]["label"]
-    assert {*page.legend} == {kind_of(label)[0] for label in labels}
+    assert {*page.legend} == {name for name, _ in kinds_of(result.tables["speeds"])}
     for number, event in enumerate(result.summary.get("events", ()), 1):
         what = event["kind"].replace("-", " ")
         if event["corner"]:

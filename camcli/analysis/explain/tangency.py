@@ -35,6 +35,8 @@ CLOSE = 1e-9  # of the speed: first step of the secants, and a step that ends th
 MOST = 5.0  # times the last step: the longest next one
 LEAST_GROWTH = 1.5  # by which the window shrinks at least when n grows by a period
 RANK = 5  # tangencies that tell the error, counted from the earliest
+UNSAMPLED = 4e-7  # of the speed: 9001 starts and 12 folds have found tangencies so much earlier
+FEW = 4  # tangencies: fewer may be of neighbouring folds
 DOUBT = 1.0 / 16.0  # of the errors do not hold
 LIFETIMES = 3.0  # runs leave within so many mean lifetimes but for one in twenty (e^-3)
 AT_CORNER = 1e-6  # rad: an impact so near a corner is at it
@@ -198,18 +200,20 @@ def width(carried: Carried, rpm: float, change: float, solved: list[float]) -> f
     outermost one than d grows as d^alpha. Then of the distances d_1 < ... < d_n of a sample
     (d_1/d_n)^alpha is the least of n - 1 numbers spread evenly over 0 to 1, and
         d_1 > x (d_n - d_1)  with the probability  (1 - (x/(1 + x))^alpha)^(n - 1).
-    x is such that this is one in sixteen, n at most RANK. (The end of a distribution from its
-    extremes, there with alpha = 1: D. S. Robson and J. H. Whitlock, Biometrika 51 (1964) 33.)
+    x is such that this is one in sixteen, n at most RANK. Less than FEW may be of one bundle of
+    folds, which tells nothing of the others. (The end of a distribution from its extremes, there
+    with alpha = 1: D. S. Robson and J. H. Whitlock, Biometrika 51 (1964) 33.)
 
     At most LIFETIMES times the distance to the runs: when they first leave is known to a factor.
+    That alone is the error where there are less than FEW, but at least UNSAMPLED: a measured value.
     Never less than the change by the last period of p, and the delay behind a run that has left
     before. An error with a probability, not a bound.
     """
     off = sorted(carried.way(other) for other in solved)
     apart = [b for a, b in pairwise(off) if b - a > CLOSE * rpm][: RANK - 1]
     runs = max(abs(rpm - carried.stays), abs(rpm - carried.leaves))
-    error = LIFETIMES * runs
-    if apart:
+    error = max(LIFETIMES * runs, UNSAMPLED * rpm)
+    if len(apart) + 1 >= FEW:
         share = (1.0 - DOUBT ** (1.0 / len(apart))) ** (1.0 / carried.crowding)  # x/(1 + x)
         error = min(error, share / (1.0 - share) * (apart[-1] - off[0]))
     late = carried.way(rpm) - carried.way(carried.leaves)
