@@ -101,3 +101,8 @@ class SceneError(CamError, ValueError):
     def __init__(self, *faults: Fault):
         self.faults = faults
         super().__init__("\n".join(str(fault) for fault in faults))
+
+
+def plural(count: int, singular: str) -> str:
+    """1 speed, 2 speeds."""
+    return f"{count} {singular}" if count == 1 else f"{count} {singular}s"

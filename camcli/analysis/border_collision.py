@@ -345,7 +345,8 @@ def classify(left: Side, right: Side) -> Collision:
     ]
     one_each_side, born_two = parity[0].holds, parity[1].holds
     for name, side in (("R", right), ("L", left)):
-        equal = [f"on {name}, {side.degenerate}"] * bool(side.degenerate) + equal
+        if side.degenerate:
+            equal.insert(0, f"on {name}, {side.degenerate}")
     for name, side in (("L", left), ("R", right)):
         parity += [
             Inequality(f"1 - tau_{name} + delta_{name} > 0", side.at_one),
@@ -382,7 +383,8 @@ def _robust_chaos(left: Side, right: Side) -> tuple[list[Inequality], list[str]]
     if left.at_minus_one * right.at_minus_one < 0.0:
         trace = left.trace * right.trace - left.det - right.det
         text = Side(trace, left.det * right.det).degenerate
-        open_ends += [f"along LR, {text}"] * bool(text)
+        if text:
+            open_ends.append(f"along LR, {text}")
     swapped = right.at_one < 0.0 < left.at_one  # the side of the regular saddle comes first
     (s, saddle), (o, other) = sorted((("L", left), ("R", right)), reverse=swapped)
     found = [

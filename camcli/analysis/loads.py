@@ -75,8 +75,10 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
     rested, landed = found.min_force <= found.max_force, found.landing >= 0.0
 
     def phase(since: float) -> float | None:
+        if since < 0.0:
+            return None
         theta = system.strobe + since
-        return None if since < 0.0 else (theta - TURN * (theta >= TURN)) * DEG
+        return (theta - TURN if theta >= TURN else theta) * DEG
 
     return Loads(
         max_gap_m=found.max_gap,

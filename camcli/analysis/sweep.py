@@ -92,7 +92,10 @@ class Sweep:
     @property
     def way_names(self) -> tuple[str, ...]:
         """What tells the speeds apart: direction where carried both ways, start of several."""
-        return ("direction",) * (self.direction == BOTH) + ("start",) * bool(self.also)
+        names = ["direction"] if self.direction == BOTH else []
+        if self.also:
+            names.append("start")
+        return tuple(names)
 
     @property
     def troubled(self) -> list[Speed]:
@@ -187,7 +190,7 @@ def sweep(
     ways: list[tuple[str | int, ...]] = []
     added = False
     for number, one in enumerate(tasks):
-        start = (number,) * bool(also)
+        start = (number,) if also else ()
         if direction == FIXED:
             own = _Row.listed(work.collect(one, values, CODEC, count), parts, rows, one.start)
             while True:
@@ -207,7 +210,7 @@ def sweep(
                 row.start = rows[before.at].end
             _watch_ends(work, one, own, parts, rows)
             order += [row.at for row in own]
-            ways += [(way,) * (direction == BOTH) + start] * len(own)
+            ways += [(way, *start) if direction == BOTH else start] * len(own)
     if added:
         ranked = sorted(range(len(order)), key=lambda k: rows[order[k]].value)
         order, ways = [order[k] for k in ranked], [ways[k] for k in ranked]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Budget, Cost, budgeted
 from camcli.cams.compile import lift_range
-from camcli.errors import Fault, SceneError, Status, shown
+from camcli.errors import Fault, SceneError, Status, plural, shown
 from camcli.interrupts import came
 from camcli.output.run_folder import RunFolder, UnwritableError, run_folder
 from camcli.output.run_record import (
@@ -367,10 +367,9 @@ def counted(values: Sequence[float], key: str) -> str:
     """So many values of what is varied, the first of them named: `2 speeds (358, 359 rpm)`."""
     shown = ", ".join(f"{value:.10g}" for value in values[:SHOWN])
     shown += ", ..." if len(values) > SHOWN else ""
-    s = "s" * (len(values) != 1)
     if key == "rpm":
-        return f"{len(values)} speed{s} ({shown} rpm)"
-    return f"{len(values)} value{s} of {key} ({shown})"
+        return f"{plural(len(values), 'speed')} ({shown} rpm)"
+    return f"{plural(len(values), 'value')} of {key} ({shown})"
 
 
 def decided_words(found: Iterable[str | None], what: str) -> list[str]:

@@ -13,7 +13,7 @@ from camcli.api.command import Command, Drawing, Options, Size, sample
 from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine, machine_of
 from camcli.api.result import Progress, Result, drawn_by, height_notes, trouble
-from camcli.errors import Fault, SceneError, Status
+from camcli.errors import Fault, SceneError, Status, plural
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.scene import Scene
@@ -148,8 +148,9 @@ def _write_film(machine: Machine, found: Simulation, kind: str, file: BinaryIO) 
 def _many_notes(turn: int | None) -> list[str]:
     if turn is None:
         return []
-    before = f"{-turn} turn{'s' * (turn < -1)} before the record"
-    place = before if turn < 0 else f"turn {turn} of the record"
+    place = f"turn {turn} of the record"
+    if turn < 0:
+        place = f"{plural(-turn, 'turn')} before the record"
     return [
         f"from {place} on this is one of many motions that rounding allows: an error of the last "
         "digit has grown beyond five digits of a turn (cam classify names the true motion)"
@@ -214,7 +215,7 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
         system=machine.system,
         values=result,
         tables={
-            "profile" + f"_{k}" * (k > 1): Table.of_rows(PROFILE, partial(rows, one))
+            "profile" if k == 1 else f"profile_{k}": Table.of_rows(PROFILE, partial(rows, one))
             for k, one in enumerate(results, 1)
         },
         summary=_profile_summary(result, machine.system.rocker_ratio),

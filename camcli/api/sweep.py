@@ -459,7 +459,9 @@ def _size(scene: Scene, options: Options) -> Size:
     section, run = scene.sweep, scene.run
     turns = run.transient + run.record
     n = section.count + sum(part.num for part in section.zoom)
-    n *= (1 + len(section.also)) * (1 + (section.direction == BOTH))
+    n *= 1 + len(section.also)
+    if section.direction == BOTH:
+        n *= 2
     recorded = n * run.record * len(section.sections)
     if len(section.vary) == 2:
         n, recorded = section.vary[0].num * section.vary[1].num, 0

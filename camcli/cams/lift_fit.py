@@ -476,7 +476,7 @@ class Errors:
     def excess(self) -> np.ndarray:
         """How much more a length AHEAD changes c_thetatheta than QUIET standard errors, m/rad2."""
         change = self._blended(lambda x: self.smoother.change(AHEAD * x))
-        return np.maximum(change - QUIET * self.standard, 0.0) * (self.standard > 0.0)
+        return np.where(self.standard > 0.0, np.maximum(change - QUIET * self.standard, 0.0), 0.0)
 
     @cached_property
     def ratio(self) -> np.ndarray:

@@ -6,8 +6,8 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import VARY, Request, flag, given, numbers, option, refuse_idle
-from camcli.cli.report import THEORY, at_speed, pair, plural, table
-from camcli.errors import Fault, SceneError, shown
+from camcli.cli.report import THEORY, at_speed, pair, table
+from camcli.errors import Fault, SceneError, plural, shown
 
 if TYPE_CHECKING:
     from camcli.analysis.border_collision import Collision, Side

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from camcli.cli.exit_codes import note
 from camcli.cli.options import DRAWING, VARY, Request, Values, flag, option, refuse_idle
-from camcli.cli.report import plural
-from camcli.errors import Fault, SceneError, printable
+from camcli.errors import Fault, SceneError, plural, printable
 
 if TYPE_CHECKING:
     from camcli.api.result import Result

@@ -18,9 +18,9 @@ from pydantic import BaseModel, ValidationError
 
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import DRAWING, Request, argument, flag, option, refuse_idle
-from camcli.cli.report import plural, progress_bar, table
+from camcli.cli.report import progress_bar, table
 from camcli.cli.run import tell_faults
-from camcli.errors import Fault, SceneError
+from camcli.errors import Fault, SceneError, plural
 from camcli.interrupts import PARENT
 from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, caption, digest, drifts
 from camcli.output.gallery import Shown, page

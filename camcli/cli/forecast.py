@@ -75,7 +75,9 @@ def forecast(
         notes.append(f"run.work_budget = {most} ends it after some {PER_WORK * most:.0f} s")
     drawn = not request.no_plot and shard is None
     drawing, pictures = drawing_of(command, scene, options) if drawn else (0.0, 0.0)
-    more = REPORT * bool(options.get("report")) + FILM * bool(options.get("animate"))
+    more = REPORT if options.get("report") else 0.0
+    if options.get("animate"):
+        more += FILM
     files = kept = None
     if cost is not None:
         files = 0 if shard else ceil(cost.recorded + cost.rows + RECORD + pictures + more)

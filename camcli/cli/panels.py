@@ -81,5 +81,6 @@ def _drawn(command: str, scene: Scene, options: Mapping[str, Any]) -> list[str]:
         section = scene.orbits
         over_speeds = not section.vary and section.parameter == "rpm"
         one = over_speeds and section.rpm.start == section.rpm.stop
-        return ["orbits" if one else "branches"] + ["curve"] * (section.curve is not None)
+        drawn = ["orbits" if one else "branches"]
+        return drawn if section.curve is None else [*drawn, "curve"]
     return list(PANELS[command])

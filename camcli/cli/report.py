@@ -46,11 +46,6 @@ def pair(values: Sequence[complex], digits: int) -> str:
     return f"{first.real:.{digits}g}, {second.real:.{digits}g}"
 
 
-def plural(count: int, singular: str) -> str:
-    """1 speed, 2 speeds."""
-    return f"{count} {singular}" if count == 1 else f"{count} {singular}s"
-
-
 def at_speed(keys: Sequence[str], rpm: float) -> str:
     """The speed of a run in which something else is varied."""
     return "" if {"rpm", "run.rpm"} & set(keys) else f" at {rpm:.10g} rpm"

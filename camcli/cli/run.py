@@ -343,8 +343,8 @@ def _tell(scene: Scene, config: Path | None) -> None:
         for word, said in LEFT_BY_INIT.items():
             left = [str(n) for n, line in enumerate(lines, 1) if word in line.partition("#")[2]]
             if left:
-                where = f"{config}: line{'s' * (len(left) > 1)} {', '.join(left)}"
-                note(f"note: {where}: {word}: {said}")
+                lines_named = f"line {left[0]}" if len(left) == 1 else f"lines {', '.join(left)}"
+                note(f"note: {config}: {lines_named}: {word}: {said}")
     for text in doubts(scene):
         note(text)
     if scene.cam.kind == "table":

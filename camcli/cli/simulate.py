@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, option, refuse_idle
-from camcli.cli.report import plural, table
+from camcli.cli.report import table
+from camcli.errors import plural
 
 if TYPE_CHECKING:
     from camcli.api.result import Result

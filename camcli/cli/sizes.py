@@ -48,13 +48,14 @@ def refuse_too_large(
     """Raise SceneError for a run whose least need is more than this machine has."""
     need, share = command.size(scene, options), 1 if shard is None else shard.total
     drawing = drawing_of(command, scene, options)[0] if drawn and shard is None else 0.0
+    files = need.kept if shard is not None else need.kept + need.tables
     faults = []
     for have, needed, of, where, cure in (
         (SHARE_OF_MEMORY * memory(), need.memory, "memory", "80% of this machine's",
          "ask for fewer"),
         (SHARE_OF_MEMORY * memory(), drawing, "memory to draw", "80% of this machine's",
          "draw smaller: plot.width, plot.height, or the dpi of plot.style"),
-        (free_disk(folder), (need.kept + need.tables * (shard is None)) / share, "files",
+        (free_disk(folder), files / share, "files",
          f"free on the disk of {folder}", "ask for fewer, or choose another -o"),
     ):  # fmt: skip
         if needed > have:

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, option
-from camcli.cli.report import at_speed, plural, table
-from camcli.errors import shown
+from camcli.cli.report import at_speed, table
+from camcli.errors import plural, shown
 
 if TYPE_CHECKING:
     from camcli.api.result import Result

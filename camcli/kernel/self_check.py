@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
-from camcli.kernel.cam_table import ORDERS, TERMS, TURN, Cam, Stretch
+from camcli.kernel.cam_table import ORDERS, PIECE, TERMS, TURN, Cam, Stretch
 from camcli.kernel.cells import Cells, Point, Progress, Rest, Room, Targets
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import FREE
@@ -90,7 +90,7 @@ def _cam(kernel: Kernel) -> Cam:
         (quarter, 2.0 * quarter, 2, -BEND),
         (3.0 * quarter, quarter, 1, BEND),
     ):
-        first, half = len(stretches) + (len(stretches) > 1), 0.5 * width / count
+        first, half = len(pieces) // PIECE, 0.5 * width / count
         at, end, end1 = start + half, c, c1
         for _ in range(count):
             middle, slope = end + half * (end1 + 0.5 * c2 * half), end1 + c2 * half

@@ -138,7 +138,10 @@ def bursts_text(speed: Settled) -> str:
     """A2 complete, A4 complete; none where the follower stays on the cam; or a status."""
     if speed.status != Status.OK:
         return Status(speed.status).text
-    said = [f"{b.region} {'in' * (b.end_deg is None)}complete".strip() for b in speed.bursts]
+    said = [
+        f"{b.region} {'complete' if b.end_deg is not None else 'incomplete'}".strip()
+        for b in speed.bursts
+    ]
     return ", ".join(dict.fromkeys(said)) or "none"
 
 
@@ -211,7 +214,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     """Tables (title, heads, rows): past the loss of contact; contact force; springs that hold."""
     found, units = result.values, units_of(result.system)
     crank = crank_of(result.scene)
-    names = ["cam (rpm)", *["crank (rpm)"] * bool(crank)]
+    names = ["cam (rpm)", "crank (rpm)"] if crank else ["cam (rpm)"]
     exact, seen = digits_of(result.scene), decimals(spacing([s.rpm for s in found.past]))
 
     def speed(rpm: float, form: str) -> list[str]:

@@ -115,7 +115,9 @@ class Table(Columns):
         yield ",".join(self.columns) + "\n"
         for block in self.blocks():
             alike = next((k for k, entry in enumerate(block) if _is_column(entry)), 0)
-            begin = to_json(_cells(block[:alike]))[1:-1] + b"," * (alike > 0)  # of each row
+            begin = to_json(_cells(block[:alike]))[1:-1]  # of each row
+            if alike > 0:
+                begin += b","
             width = len(block) - alike + 1
             cells = ["\n"] * (width * _length(block))
             for k, entry in enumerate(block[alike:]):

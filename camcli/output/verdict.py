@@ -7,6 +7,7 @@ from typing import Any
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
 from camcli.analysis.labels import APERIODIC, CONTACT, Label
+from camcli.errors import plural
 from camcli.output.detach import crank_of, spacing, way
 from camcli.system import Units, decimals, units_of
 
@@ -143,7 +144,7 @@ def motion(label: str) -> str:
     if resting:
         some = "" if resting == turns else f" in {resting} of them"
         return f"{repeats}, bounces to rest{some}"
-    return f"{repeats}, {sum(symbols):g} impact{'s' * (sum(symbols) != 1)}"
+    return f"{repeats}, {plural(int(sum(symbols)), 'impact')}"
 
 
 def doubts(scene: Any) -> Iterator[str]:

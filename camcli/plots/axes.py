@@ -147,9 +147,9 @@ def strobe_axis(axis: Axis, system: System, words: str = "") -> None:
     """The axis of stroboscopic positions."""
     phase = style.number(round(system.strobe_deg, 9))
     unit_axis(axis, "stroboscopic $q$", units_of(system))
-    axis.label.set_text(
-        axis.label.get_text() + rf", $\theta$ = {phase} deg" * (phase != "0") + words
-    )
+    if phase != "0":
+        words = rf", $\theta$ = {phase} deg{words}"
+    axis.label.set_text(axis.label.get_text() + words)
 
 
 def say(axes: Axes, text: str) -> None:

@@ -10,6 +10,7 @@ from matplotlib.colors import to_rgb
 
 from camcli.analysis.basins.study import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question, Study
 from camcli.analysis.sweep import status_name
+from camcli.errors import plural
 from camcli.plots import style
 from camcli.plots.axes import axis_name, one_of, unit_axis, valued
 from camcli.plots.picture import Panel, Picture
@@ -61,9 +62,8 @@ def _windows(study: Study, _: Question, system: System, key: str) -> Picture:
     for speed in grids:
         own = valued(key, style.number(speed.value))
         draw = partial(_draw_window, basins=speed, colours=colours, named=own, system=system)
-        named = f" {own}" * (len(grids) > 1)
-        height = 120.0 if len(grids) == 1 else 66.0
-        panels[f"basins{named}"] = Panel(draw, height, across=len(grids), y=shared)
+        name, height = ("basins", 120.0) if len(grids) == 1 else (f"basins {own}", 66.0)
+        panels[name] = Panel(draw, height, across=len(grids), y=shared)
     ends = dict.fromkeys(style.number(grids[k].value) for k in (0, -1))
     title = f"Basins of attraction, {valued(key, ' to '.join(ends), grids[0].rpm)}"
     lists = [_attractor_rows(grids, labels, colours, key), *_saddle_rows(grids)]
@@ -250,7 +250,7 @@ def _branch_labels(labels: Sequence[str]) -> str:
     kinds = list(dict.fromkeys(labels))
     shown = ", ".join(style.motion(kind, RANGE_CHARS) for kind in kinds[:LABELS])
     more = len(kinds) - LABELS
-    return shown if more <= 0 else f"{shown} and {more} more label{'s' * (more > 1)}"
+    return shown if more <= 0 else f"{shown} and {plural(more, 'more label')}"
 
 
 def branch_colours(study: Study) -> dict[int, str]:

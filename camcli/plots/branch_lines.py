@@ -234,8 +234,11 @@ def draw_plane(axes: Axes, largest: float, sizes: Collection[float] = ()) -> Non
     for size in sizes:
         ring: dict[str, Any] = {"color": style.GUIDE, "linewidth": 0.6, "linestyle": DOTTED}
         axes.plot(size * np.cos(around), size * np.sin(around), zorder=1, **ring)
-    if sizes:  # outside the disk where there is room
-        at = max(*sizes, 1.03 * (half > ROOMY)) * 0.5**0.5
+    if sizes:
+        radius = max(sizes)
+        if half > ROOMY:  # there is room outside the disk
+            radius = max(radius, 1.03)
+        at = radius * 0.5**0.5
         words = rf" $|\mu|$ = {', '.join(f'{size:.4g}' for size in sorted(sizes))}"
         axes.text(at, -at, words, va="top", size=style.NOTE, color=style.CAM)
     axes.set(xlim=(-half, half), ylim=(-half, half), aspect="equal")

@@ -48,7 +48,7 @@ def draw_profiles(cams: Sequence[Drawn]) -> Picture:
     many = len(cams) > 1
     each = [_panels(cam, cams if many else ()) for cam in cams]
     panels = {
-        name + f" {k}" * (k > 1): own[name]
+        name if k == 1 else f"{name} {k}": own[name]
         for name in each[0]
         for k, own in enumerate(each, 1)
         if k == 1 or name in COMPARED

@@ -176,7 +176,7 @@ def _ends(study: ContactLoss) -> Iterator[tuple[str, float, float]]:
 
 def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:
     axes.set(xlim=view.rpm, ylim=(view.low, view.high))
-    further = ",\non into the next turn" * (view.high > TURN_DEG)
+    further = ",\non into the next turn" if view.high > TURN_DEG else ""
     axes.set(xlabel="cam speed (rpm)", ylabel=rf"phase $\theta$ (deg){further}")
     axes.yaxis.set_major_locator(MultipleLocator(60 if view.high - view.low > 180.0 else 10))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % TURN_DEG:g}"))

@@ -186,7 +186,9 @@ def _draw_outline(axes: Axes, outline: Outline, turned: float, among: str) -> No
         f"{name} {outline.units.lengths(radius, 4)}" for name, _, _, radius in outline.circles
     )
     radii = "base radius not given: 1.5 lifts" if outline.guessed else f"radii: {', '.join(each)}"
-    said = rf"$\theta$ = {turned:g} deg" + f"\n{radii}" * (turned == 0.0)
+    said = rf"$\theta$ = {turned:g} deg"
+    if turned == 0.0:
+        said += f"\n{radii}"
     axes.set_title(among or said, loc="center")
     room = 1.4 * size
     _bare(axes)

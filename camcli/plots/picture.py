@@ -254,7 +254,8 @@ class _Heading:
                     x = [left + SAMPLE / 2.0] if alone else [left, left + SAMPLE]
                     self.last += self.axes.plot(x, [middle] * len(x), **cell)
                     ends.append(left + SAMPLE)
-            left = max(ends) + SPACE * (max(ends) > left)
+            if max(ends) > left:
+                left = max(ends) + SPACE
         return left + SPACE
 
     def finish(self, handles: dict[str, Any]) -> float:

@@ -302,7 +302,7 @@ def cloud_panels(
 
     panels = {}
     for name, view in views.items():
-        words = ", enlarged" * (name == "enlarged")
+        words = ", enlarged" if name == "enlarged" else ""
         whole = view.across == 1 and view.section == "impacts"
         beside = cam_beside(system, *view.limits, words) if whole else ()
         x, across = sweep.key if view.across == 1 else "", view.across

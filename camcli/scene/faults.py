@@ -108,9 +108,9 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
         kind, expected = "map", _map(keys)
     elif kind in ("literal_error", "union_tag_invalid"):
         kind = "word"
-        expected = " or ".join(
-            [f"one of {', '.join(words)}"] + [_map(keys)] * bool(keys and "kind" not in keys)
-        )
+        expected = f"one of {', '.join(words)}"
+        if keys and "kind" not in keys:
+            expected += f" or {_map(keys)}"
     else:
         said = re.split("should (?:be |have )", detail["msg"], maxsplit=1)[-1]
         said = said.replace("a valid ", "a ").partition(" after validation")[0]

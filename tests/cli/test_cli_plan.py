@@ -191,7 +191,7 @@ ENDLESS = "--set follower.stiffness=1e16 --set basins.budget=60"
 def test_a_sample_that_takes_long_is_cut_off(cam, monkeypatch, words):
     """Without that each of them takes more than a minute."""
     backend.compiled()
-    monkeypatch.setattr(forecast, "MOST", 0.3)
+    monkeypatch.setattr(forecast, "MOST", 0.02)
     with limited(10.0):
         plan = foreseen(cam, words)
     assert (plan["seconds"], plan["impacts"], plan["bytes"]) == (None, None, None)

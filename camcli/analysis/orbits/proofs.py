@@ -620,7 +620,7 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
         if whole:
             if not box.holds(stop.orbit):
                 raise NotProvedError(Step.SINGULAR)
-            return boxes + (start.box is not None) + (stop.box is not None)
+            return boxes + sum(1 for end in (start, stop) if end.box is not None)
     raise NotProvedError(Step.BOXES)
 
 
