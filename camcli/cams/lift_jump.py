@@ -1,17 +1,18 @@
-"""Does c_thetatheta of a measured lift jump? Three descriptions of the rows, side by side.
+"""Does c_thetatheta of a measured lift jump? Four descriptions of the rows, side by side.
 
 The rows within WINDOWS deg of a place are described by a polynomial of degree DEGREE plus, x being
 the angle past a phase p, and x+ the same or 0 before it,
 
     a jump    A x+^2 + B x+^3 + D x+^4,         p wherever it fits best,
     a kink    E x+ + A x+^2 + B x+^3,           the same, where c_theta itself jumps,
-    a change  B x+^3 + C (x - R)+^3 + D x+^4,   p, and R >= LEAST deg, wherever they fit best.
+    a change  B x+^3 + C (x - R)+^3 + D x+^4,   p, and R >= LEAST deg, wherever they fit best,
+    a corner  B x+^3 + D x+^4 + F x+^5,         the same, of c_thetatheta.
 
-In the last one c_thetatheta is continuous: it turns at p and again at p + R, so it may change as
-much as it likes, but not faster than within LEAST deg. A corner of c_thetatheta, as at the ends of
-a cycloidal law, is one of these. All have three coefficients: none fits by its freedom alone. With
-the sums of squares S1 of the jump, or of the kink where that fits better, and S0 of the change, and
-n degrees of freedom,
+In the last two c_thetatheta is continuous. In a change it turns at p and again at p + R, so it may
+change as much as it likes, but not faster than within LEAST deg; a cycloidal law begins and ends
+with a corner.
+All have three coefficients: none fits by its freedom alone. With S1 the sum of squares of the jump
+or the kink, whichever fits better, S0 that of the change or the corner, and n degrees of freedom,
 
     evidence = n ln(1 + (S0 - S1)/(n variance)),   variance = S1/n, or that of rounding if larger,
 
@@ -85,7 +86,8 @@ def _jump_near(turn: Turn, shares: np.ndarray, noise: float, place: float) -> Ju
         size, error = window.size_of_jump(order, p, sqrt(variance))
         if left > NOISE * window.freedom * noise * noise or abs(size) < PLAIN * error:
             continue
-        more = window.best_change(max(coarse, STEPS[1])) - left
+        corner, *_ = window.best_jump(3, 0.7 * half, max(coarse, STEPS[1]))
+        more = min(corner, window.best_change(max(coarse, STEPS[1]))) - left
         if more > 0.0:
             evidence = window.freedom * log1p(more / (window.freedom * variance))
             if evidence >= ENOUGH:

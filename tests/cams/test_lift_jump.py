@@ -51,6 +51,7 @@ def jump_of(folder, lobe: Lobe, step: float, decimals: int):
         ("cycloidal", 60, 40, 2, 3),
         ("cycloidal", 100, 20, 1, 3),
         ("3-4-5", 60, 40, 0.5, 4),
+        ("3-4-5", 76.5, 35.3, 0.5, 4),
         ("4-5-6-7", 60, 40, 1, 4),
         ("4-5-6-7", 50, 0, 1, 3),
         ("modified-sine", 60, 40, 1, 3),
