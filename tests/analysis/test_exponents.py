@@ -38,6 +38,9 @@ def test_a_solved_orbit_has_the_exponents_of_its_multipliers(chapter):
     rough = measured(chapter, 700.0)
     assert abs(rough.largest - found.largest) < 5.0 * rough.spread
     three = of_orbit(chapter, solve_from(chapter, 358.5, settings(600)))
+    assert three.impacts == pytest.approx(8.0 / 3.0, rel=1e-15)  # P(3;3:3:2)
+    assert three.rule == pytest.approx(2.0 * math.log(0.8) * 8.0 / 3.0, rel=1e-14)
+    assert abs(three.defect) < 1e-8
     assert three.largest == pytest.approx(8.0 * math.log(0.8) / 3.0, rel=1e-12)
 
 
