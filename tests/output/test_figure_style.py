@@ -14,6 +14,7 @@ from matplotlib.text import Text
 
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.labels import Label
+from camcli.cli.options import _millimetres
 from camcli.errors import SceneError
 from camcli.plots import style
 from camcli.plots.axes import draw_forces, newtons
@@ -184,12 +185,9 @@ def test_a_list_wider_than_the_page_has_its_last_words_below():
         assert len({round(text.get_position()[1], 3) for text in heading}) == lines - 1
 
 
-@pytest.mark.parametrize(
-    ("text", "millimetres"),
-    [("8.5 cm", 85.0), ("3in", 76.2)],
-)
-def test_a_width_in_any_unit_is_that_of_the_picture(cam, tmp_path, text, millimetres):
-    cam("simulate --set run.transient=0 --set run.record=1 --format svg --width", f"'{text}'",
-        "-o .", code=0)  # fmt: skip
+def test_a_width_in_any_unit_is_that_of_the_picture(cam, tmp_path):
+    widths = {"85": 85.0, "85mm": 85.0, " 8.5 cm": 85.0, "3in": 76.2, "144 pt": 50.8}
+    assert {text: _millimetres(text, "width") for text in widths} == pytest.approx(widths)
+    cam("simulate --set run.transient=0 --set run.record=1 --format svg --width 3in -o .", code=0)
     (points,) = re.findall(r'<svg [^>]*width="([\d.]+)pt"', (tmp_path / "simulate.svg").read_text())
-    assert float(points) * 25.4 / 72.0 == pytest.approx(millimetres, rel=1e-6)
+    assert float(points) == pytest.approx(3.0 * 72.0, rel=1e-6)

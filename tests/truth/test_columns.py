@@ -837,7 +837,7 @@ def test_orbits_at_one_speed(rpm):
 
 def test_orbits_and_a_curve_in_another_number():
     """branch.csv along the damping, and the doubling in speed and damping."""
-    vary = [{"key": "follower.damping", "start": 5.0, "stop": 7.0, "num": 3}]
+    vary = [{"key": "follower.damping", "start": 5.0, "stop": 7.0, "num": 5}]
     asked: dict[str, Any] = {"vary": vary, "at": 2940.0}
     run = {"transient": 60, "record": 8}
     scene = scene_at(2940.0, run=run, orbits=asked)

@@ -24,6 +24,12 @@ CASES = {
         {"run.transient": 100, "run.record": 100, "run.rpm": 745, "sweep.direction": "up",
          "sweep.lyapunov": True},
     ),
+    "many kinds": (
+        CHAPTER,
+        [{"key": "rpm", "start": 100, "stop": 760, "num": 12},
+         {"key": "follower.restitution", "start": 0.6, "stop": 0.8, "num": 2}],
+        {"run.transient": 200, "run.record": 100},
+    ),
 }  # fmt: skip
 NAMES = {
     "rpm": "cam speed (rpm)", "follower.damping": "damping (N s/m)",
@@ -62,6 +68,9 @@ def checks(name, curves):
     table = made(name).tables["map"]
     x, y = (table[key] for key in keys)
     kinds = [kind_of(label) for label in table["label"]]
+    if name == "many kinds":  # all of them rest in some turns
+        after = {"undecided": "undecided after rests"}
+        kinds = [(after.get(kind, kind), colour) for kind, colour in kinds]
 
     def common(panel):
         for kind, (along, across, style) in curves.items():

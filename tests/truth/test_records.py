@@ -21,6 +21,7 @@ import pytest
 from mpmath import mp, mpf
 
 import camcli
+from camcli.analysis.integrate import Cost
 from tests.truth.mechanics import RAD, TURN, Machine
 from tests.truth.motion import Motion
 from tests.truth.orbits import Exact, multipliers
@@ -599,6 +600,10 @@ def test_classify():
     assert int(over) == min(never)
     assert np.exp(-int(over) / int(rarer)) == pytest.approx(0.05, rel=0.04)
     same(result.summary, {"words": texts, "motions": motions}, close=1e-9)
+
+
+def test_costs_are_summed_each_by_itself():
+    assert Cost(1, 20, 300) + Cost(4000, 50000, 600000) == Cost(4001, 50020, 600300)
 
 
 def test_costs_count_every_run():
