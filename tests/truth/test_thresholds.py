@@ -423,3 +423,12 @@ def test_eight_impacts_in_a_row_are_an_incomplete_chatter():
             chatter=np.zeros(1), periods=1, events=lambda u=rates: ((IMPACT, 0, 0.0, x) for x in u)
         )
         assert _chatter(record) == kind
+
+
+@pytest.mark.parametrize(("stop", "warned"), [(700.0, False), (3000.0, True)])
+def test_a_flight_that_is_absurdly_high_at_the_fastest_speed_of_a_range_is_told(stop, warned):
+    """By its weight alone the follower rises v^2/(2 g), 1000 lifts with some 54 m/s."""
+    values = {"follower.stiffness": 0.0, "follower.gravity": 9.81, "run.transient": 1,
+              "run.record": 2, "sweep.rpm": {"start": 600.0, "stop": stop, "num": 2}}  # fmt: skip
+    notes = camcli.sweep(camcli.load_scene(None, values)).notes
+    assert any(f"at {stop:g} rpm the cam throws" in note for note in notes) == warned
