@@ -14,8 +14,8 @@ from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
 from camcli.api.command import Command, Drawing, Options, Size, fewer, sample
 from camcli.api.machine import machine_of, span_of, with_values
-from camcli.api.orbits import MULTIPLIERS, multiplier_columns
 from camcli.api.result import Progress, Result, decided_words, drawn_by, height_notes, trouble
+from camcli.api.rows import MULTIPLIERS, multiplier_columns
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work

@@ -15,7 +15,6 @@ from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.sweep import status_name
 from camcli.api.command import EXPLAINING, Command, Drawing, Options, Size, fewer, sample
 from camcli.api.machine import Machine, machine_of, refuse_to_explain, span_of
-from camcli.api.orbits import BIFURCATIONS, bifurcation_row
 from camcli.api.result import (
     Progress,
     Result,
@@ -28,6 +27,7 @@ from camcli.api.result import (
     ticks,
     trouble,
 )
+from camcli.api.rows import BIFURCATIONS, bifurcation_row
 from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.explanations import explained

@@ -15,7 +15,7 @@ from camcli.api.command import Command, Drawing, Options, Size, fewer, sample
 from camcli.api.lift_table import accel_errors, with_ranges
 from camcli.api.machine import Machine, machine_of, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, status_notes, ticks, trouble
-from camcli.api.sweep import SPEEDS, speed_row
+from camcli.api.rows import SPEEDS, speed_row
 from camcli.api.tolerances import tolerances, tolerated
 from camcli.cams.compile import lift_range
 from camcli.errors import Fault, SceneError

@@ -24,7 +24,15 @@ from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
 from camcli.api.command import Command, Drawing, Options, Size
 from camcli.api.machine import Machine, machine_of, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks, trouble
-from camcli.api.sweep import IMPACTS, STROBE, blocks
+from camcli.api.rows import (
+    BIFURCATIONS,
+    IMPACTS,
+    MULTIPLIERS,
+    STROBE,
+    bifurcation_row,
+    blocks,
+    multiplier_columns,
+)
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
@@ -39,7 +47,6 @@ if TYPE_CHECKING:
 DEG = 180.0 / pi
 AROUND = 0.1  # relative range of a parameter where none is given
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
-MULTIPLIERS = ("multiplier_1_re", "multiplier_1_im", "multiplier_2_re", "multiplier_2_im")
 UNITS = {
     "mass": "mass_kg",
     "stiffness": "stiffness_n_per_m",
@@ -49,10 +56,6 @@ UNITS = {
     "restitution": "restitution",
 }
 Keys = Mapping[str, str]  # of what is varied by a key of the scene, the key by parameter
-BIFURCATIONS = (
-    "branch", "label", "kind", "rpm", "rpm_error", "corner", "trace_left", "det_left",
-    "trace_right", "det_right", "classification",
-)  # fmt: skip
 CURVE = ("theta_deg", "trace_left", "det_left", "trace_right", "det_right")
 
 
@@ -367,11 +370,6 @@ def _yes(proof: Proof) -> str:
     return "yes" if proof.proved else "no"
 
 
-def multiplier_columns(pair: tuple[complex, complex]) -> list[float]:
-    """The entries of the columns MULTIPLIERS."""
-    return [part for z in pair for part in (z.real + 0.0, z.imag + 0.0)]
-
-
 def _bifurcations_table(found: OrbitsResult, keys: Keys) -> Table:
     """Another parameter than rpm has its value and, at the end, its error, proofs an enclosure."""
     first, last = _columns(found.question.parameter, keys)
@@ -387,22 +385,6 @@ def _bifurcations_table(found: OrbitsResult, keys: Keys) -> Table:
                 row[at] = min(max(row[at], p.low), p.high)  # doubles may be an ulp beside it
             row += [_yes(p), p.low, p.high]
     return Table.of_rows(columns, lambda: rows)
-
-
-def bifurcation_row(b: Bifurcation, parameter: str) -> list:
-    """A row of bifurcations.csv, with value and error of another parameter at the end.
-
-    One-sided traces and determinants; of a smooth event both sides are the same.
-    """
-    error, more = (b.error, []) if parameter == "rpm" else (0.0, [b.value, b.error])
-    own = [b.orbit.trace, b.orbit.det]
-    sides: list[float | None] = [*own, *own]
-    if b.left is not None and b.right is not None:
-        sides = [b.left.trace, b.left.det, b.right.trace, b.right.det]
-    elif b.kind in (Kind.GRAZING, Kind.CORNER_IMPACT) or b.orbit.resting:
-        sides = [*own, None, None]
-    row = [b.branch, b.label, b.kind, b.orbit.rpm, error, b.corner, *sides, b.classification]
-    return row + more
 
 
 def _curve_table(curves: list[Curve], section: Orbits, keys: Keys) -> Table:

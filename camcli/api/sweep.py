@@ -33,10 +33,11 @@ from camcli.api.result import (
     ticks,
     trouble,
 )
+from camcli.api.rows import IMPACTS, SPEEDS, STROBE, blocks, speed_row
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError, Status, shown
 from camcli.kernel.backend import stopwatch
-from camcli.output.tables import Block, Table
+from camcli.output.tables import Table
 from camcli.parallel import Work
 from camcli.parallel.work import IN_MEMORY
 from camcli.piece_faults import gather, gathering, piece
@@ -49,21 +50,9 @@ if TYPE_CHECKING:
 
 MOST_BYTES = 200_000_000  # of a table that is drawn over the points
 MOST_NUMBERS, MOST_LINES = 20_000_000, 5000  # of it
-# columns after the one of what is varied
-IMPACTS = ("period", "theta_deg", "q_m", "u_minus_m_per_s")
-STROBE = ("period", "q_m", "v_m_per_s", "impacts", "chatter")
 # of a file that is no table of ours
 BAD_FILE = (csv.Error, ValueError, LookupError, StopIteration)
 MAP = ("label", "period", "impacts_per_turn", "lyapunov_per_period", *Loads._fields)
-SPEEDS = (
-    "label",
-    "impacts",
-    "lyapunov_per_period",
-    "status",
-    *Loads._fields,
-    "holds_for",
-    "watched_turns",
-)
 
 
 class Branch(NamedTuple):
@@ -412,20 +401,6 @@ def _unknown(found: Sweep) -> list[str]:
         f"{count} of {len(found.speeds)} undecided: after a rest rounding decides, and the true "
         "motion could not be told; grey in the picture",
     ]
-
-
-def blocks(found: Sweep, section: str) -> Iterator[Block]:
-    """The rows of the table of a section."""
-    for speed, way in zip(found.speeds, found.ways, strict=True):
-        columns = getattr(speed, section)
-        if len(columns[0]):
-            yield speed.value, *columns, *way
-
-
-def speed_row(speed: Speed) -> tuple:
-    """A row of speeds.csv."""
-    named = speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
-    return speed.value, *named, *speed.loads, speed.holds_for, speed.watched
 
 
 def _summary(found: Sweep) -> dict[str, Any]:
