@@ -19,7 +19,7 @@ from camcli.analysis.contact_loss.study import detach
 from camcli.analysis.explain.attractor import impacts_of
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, find_crisis
 from camcli.analysis.integrate import BudgetSpentError, Cost, Settings, spend
-from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED
+from camcli.analysis.labels import APERIODIC, CONTACT, LONGEST_PERIOD, UNDECIDED
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import both_ways
 from camcli.analysis.orbits.kinds import Kind
@@ -136,9 +136,10 @@ def _follow(diagram: Diagram, motions: Sequence[Motion], span: Span) -> None:
     while done < len(diagram.branch_points) and left > 0:
         index, event = diagram.branch_points[done]
         done += 1
-        if not isinstance(event, Crossing) and of_attractor(diagram.bifurcations[index]):
+        source = diagram.bifurcations[index]
+        named = 2 * source.orbit.turns <= LONGEST_PERIOD  # what doubles has a label
+        if named and not isinstance(event, Crossing) and of_attractor(source):
             left -= 1
-            source = diagram.bifurcations[index]
             name = f"the branch from the {source.kind} at {source.value:.10g} rpm"
             piece(name, partial(diagram.switch, index, event, span))
 

@@ -205,14 +205,19 @@ def width(carried: Carried, rpm: float, change: float, solved: list[float]) -> f
     with alpha = 1: D. S. Robson and J. H. Whitlock, Biometrika 51 (1964) 33.)
 
     At most LIFETIMES times the distance to the runs: when they first leave is known to a factor.
-    That alone is the error where there are less than FEW, but at least UNSAMPLED: a measured value.
+    Where there are less than FEW, the error is that or the distance to the next one where it is
+    less, but at least UNSAMPLED: a measured value, not a derived one.
     Never less than the change by the last period of p, and the delay behind a run that has left
     before. An error with a probability, not a bound.
     """
     off = sorted(carried.way(other) for other in solved)
     apart = [b for a, b in pairwise(off) if b - a > CLOSE * rpm][: RANK - 1]
     runs = max(abs(rpm - carried.stays), abs(rpm - carried.leaves))
-    error = max(LIFETIMES * runs, UNSAMPLED * rpm)
+    error = LIFETIMES * runs
+    if 0 < len(apart) < FEW - 1:
+        error = min(error, apart[0] - off[0])
+    if len(apart) < FEW - 1:
+        error = max(error, UNSAMPLED * rpm)
     if len(apart) + 1 >= FEW:
         share = (1.0 - DOUBT ** (1.0 / len(apart))) ** (1.0 / carried.crowding)  # x/(1 + x)
         error = min(error, share / (1.0 - share) * (apart[-1] - off[0]))
