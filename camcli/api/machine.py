@@ -112,9 +112,9 @@ def _natural(system: System) -> tuple[float, bool, str]:
 
 
 def _lift(system: System) -> tuple[float, float]:
-    """(lowest c, highest minus lowest), m."""
-    low = min(stretch.c_min for stretch in system.cam.stretches)
-    return low, (system.cam.top - low) or 1.0
+    """(lowest c, highest minus lowest), m; the bounds of stretches may lie a little beyond."""
+    low, high = system.lift_range
+    return low, (high - low) or 1.0
 
 
 def _round(value: float) -> float:

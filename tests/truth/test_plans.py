@@ -1,0 +1,184 @@
+"""What a command foresees of a scene, beside figures worked out by hand and files that are left.
+
+The counts of a plan are counted here from the scene's own words; bytes of tables are compared with
+those of a run. Ways, further starts, zooms, sections and a second number are each off the default.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+import camcli
+from camcli.api.command import command_of, fewer
+from camcli.api.machine import machine_of, ranged
+
+TURNS = {"run.transient": 30, "run.record": 70}
+
+
+def scene_of(**values):
+    """The chapter's machine; `__` in a name is the dot of a key."""
+    own = {name.replace("__", "."): value for name, value in values.items()}
+    return camcli.load_scene(None, {**TURNS, **own})
+
+
+def axis(key, start, stop, num):
+    return {"key": key, "start": start, "stop": stop, "num": num}
+
+
+RANGE = {"start": 690.0, "stop": 745.0, "num": 21}
+MASS, LOSS = axis("follower.mass", 1.0, 2.0, 6), axis("follower.restitution", 0.7, 0.8, 5)
+ALSO = [{"q": 0.2, "v": 0.0, "theta_deg": 0.0}, {"q": 0.3, "v": 0.1, "theta_deg": 0.0}]
+PARTS = [{"start": 700.0, "stop": 710.0, "num": 4}, {"start": 730.0, "stop": 735.0, "num": 3}]
+PLANS = [  # command, values, options: words, pieces, orbits, turns of all orbits, rows
+    ("sweep", {"sweep__rpm": RANGE}, {}, "21 speeds of 100 turns, 70 recorded", 21, 21, 2100, 21),
+    ("sweep", {"sweep__rpm": RANGE, "sweep__zoom": PARTS, "sweep__direction": "both"}, {},
+     "56 speeds of 100 turns, 70 recorded", 56, 56, 5600, 56),
+    ("sweep", {"sweep__rpm": RANGE, "sweep__also": ALSO, "sweep__direction": "up"}, {},
+     "63 speeds of 100 turns, 70 recorded", 63, 63, 6300, 63),
+    ("sweep", {"sweep__rpm": RANGE, "sweep__vary": [LOSS]}, {},
+     "5 speeds of 100 turns, 70 recorded", 5, 5, 500, 5),
+    ("sweep", {"sweep__vary": [LOSS, MASS]}, {},
+     "30 speeds of 100 turns, 70 recorded", 30, 30, 3000, 30),
+    ("classify", {"classify__rpm": RANGE, "classify__starts": 3}, {},
+     "21 speeds x 4 starts x 70 recorded turns", 84, 84, 8400, 21),
+    ("basins", {"basins__cells": [30, 20], "basins__refine": 0}, {},
+     "30 x 20 cells, refined 0 times", 600, 600, 0, 600),
+    ("basins", {"basins__cells": [30, 20], "basins__refine": 2,
+                "basins__rpm": {"start": 690.0, "stop": 700.0, "num": 3}}, {},
+     "30 x 20 cells, refined 2 times", 1800, 1800, 0, 1800),
+    ("basins", {"basins__cells": [30, 20], "basins__vary": [axis("follower.mass", 1.0, 2.0, 4)]},
+     {}, "30 x 20 cells, refined 0 times", 2400, 2400, 0, 0),
+    ("simulate", {"simulate__samples": 90}, {}, "70 recorded turns x 90 samples", 70, 1, 100, 0),
+    ("simulate", {"simulate__samples": 90,
+                  "simulate__beside": [{"kind": "eccentric", "base": 0.1, "lift": 0.02}] * 2},
+     {"profile_only": True}, "270 samples", 1, 0, 0, 270),
+    ("detach", {"detach__rpm": {"start": 100.0, "stop": 200.0, "num": 17}}, {},
+     "17 runs", 17, 17, 0, 17),
+    ("orbits", {"orbits__starts": 7}, {}, "8 runs", 8, 8, 0, 8),
+    ("explore", {"sweep__rpm": RANGE, "basins__cells": [30, 20]}, {"with_basins": True},
+     "21 speeds of 3 sweeps, 600 cells", 21, 663, 6300, 21),
+    ("explore", {"sweep__rpm": RANGE, "sweep__vary": [LOSS, MASS]}, {"with_map": True},
+     "21 speeds of 3 sweeps, 30 points of a map", 21, 93, 9300, 21),
+    ("explore", {"sweep__rpm": RANGE, "sweep__vary": [LOSS]}, {"with_map": True},
+     "21 speeds of 3 sweeps, 105 points of a map", 21, 168, 16800, 21),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("plan", PLANS, ids=lambda plan: f"{plan[0]}: {plan[3]}")
+def test_counts_of_a_plan(plan):
+    name, values, options, *wanted = plan
+    size = command_of(name).size(scene_of(**values), options)
+    assert [size.what, size.pieces, size.orbits, size.turns, size.rows] == wanted
+    assert min(size.memory, size.tables, size.kept) >= 0.0
+
+
+STEPS = {"start": 690.0, "stop": 745.0, "num": 13}
+FILES = [
+    ("sweep", {"sweep__rpm": STEPS}, {}),
+    ("sweep", {"sweep__rpm": STEPS, "sweep__sections": ["impacts"]}, {}),
+    ("sweep", {"sweep__rpm": STEPS, "sweep__sections": ["strobe"], "sweep__also": ALSO}, {}),
+    ("sweep", {"sweep__rpm": STEPS, "sweep__tables": "none", "sweep__direction": "both"}, {}),
+    ("sweep", {"sweep__vary": [LOSS, MASS]}, {}),
+    ("simulate", {"simulate__samples": 360}, {}),
+    ("simulate", {"simulate__samples": 3600}, {"profile_only": True}),
+    ("classify", {"classify__rpm": {"start": 690.0, "stop": 700.0, "num": 11}}, {}),
+    ("basins", {"basins__rpm": {"start": 700.0, "stop": 700.0, "num": 1},
+                "basins__cells": [25, 25]}, {}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("run", FILES, ids=lambda run: f"{run[0]} {sorted(run[1])}")
+def test_the_tables_of_a_plan_are_left(tmp_path, run):
+    """Within a factor of two, and some lines for headings."""
+    name, values, options = run
+    scene = scene_of(**values)
+    size = command_of(name).size(scene, options)
+    getattr(camcli, name)(scene, **options).save(tmp_path, plot=False)
+    files = [path for path in tmp_path.iterdir() if path.suffix == ".csv"]
+    left = sum(path.stat().st_size for path in files)
+    assert left / 2.0 - 500 <= size.tables <= 2.0 * left + 500
+    if name == "sweep":
+        (table,) = (path for path in files if path.stem in ("speeds", "map"))
+        assert len(table.read_text().splitlines()) == size.rows + 1
+
+
+@pytest.mark.parametrize("n", [1, 2, 5, 21, 40])
+@pytest.mark.parametrize("ends", [(690.0, 745.0), (745.0, 690.0)], ids=["up", "down"])
+def test_a_sample_lies_in_the_middles_of_equal_parts(n, ends):
+    start, stop = ends
+    scene = scene_of(sweep__rpm={"start": start, "stop": stop, "num": 21}, sweep__vary=[MASS])
+    found = fewer(scene.sweep, n)
+    (mass,) = found["vary"]
+    for one, low, high, num in ((found["rpm"], start, stop, 21), (mass, 1.0, 2.0, 6)):
+        part = (high - low) / n
+        middles = [low + part * (k + 0.5) for k in (0, n - 1)]
+        assert one.num == min(n, num)
+        assert (one.start, one.stop) == pytest.approx([low, high] if n >= num else middles)
+
+
+def test_a_sample_has_few_turns_and_no_extras():
+    scene = scene_of(
+        run__transient=40, run__record=5000, sweep__zoom=PARTS, sweep__also=ALSO,
+        sweep__explain=True, sweep__adaptive=True, classify__starts=40, classify__explain=True,
+        detach__rpm={"start": 100.0, "stop": 200.0, "num": 400}, basins__refine=3,
+        basins__cells=[40, 6], basins__rpm={"start": 690.0, "stop": 700.0, "num": 4},
+        simulate__samples=720,
+    )  # fmt: skip
+    samples = {
+        name: command_of(name).sample(scene, 2) for name in ("sweep", "classify", "detach", "basins")
+    }  # fmt: skip
+    assert {(one.run.transient, one.run.record) for one in samples.values()} == {(40, 1000)}
+    sweep, several = samples["sweep"].sweep, samples["classify"].classify
+    assert (sweep.zoom, sweep.also, sweep.explain, sweep.adaptive) == ((), (), False, False)
+    assert (sweep.rpm.num, several.rpm.num, several.starts, several.explain) == (2, 2, 5, False)
+    assert (samples["detach"].detach.rpm.num, samples["detach"].detach.tolerance) == (50, ())
+    window = samples["basins"].basins
+    assert (window.cells, window.refine) == ((16, 6), 0)
+    assert (window.rpm.start, window.rpm.stop, window.rpm.num) == (695.0, 695.0, 1)
+    one, times = command_of("basins").repeated(scene)
+    assert (one.basins.rpm.start, one.basins.cells, times) == (695.0, (40, 6), 4)
+    assert command_of("basins").repeated(scene_of()) == (scene_of(), 1)
+
+
+def figures(value: float) -> float:
+    """To three digits."""
+    return float(f"{value:.3g}")
+
+
+def test_speeds_that_a_scene_leaves_open():
+    """Shares of the first loss of contact, or of the natural frequency where there is none."""
+    cam = {"kind": "eccentric", "base": 0.01, "lift": 0.02}
+    follower = {"mass": 0.5, "stiffness": 2000.0, "damping": 0.0, "gravity": 0.0, "preload": 0.0}
+    scene = camcli.load_scene({"cam": cam, "follower": {**follower, "restitution": 0.5}})
+    # contact is lost where omega^2 c_thetatheta = -omega0^2 c: at the top, omega^2 = 4000 * 3
+    # and c = 0.03, c_thetatheta = -0.01
+    lost = (4000.0 * 0.03 / 0.01) ** 0.5 * 30.0 / 3.141592653589793
+    filled = machine_of(scene).scene
+    for name, (low, high) in {"sweep": (0.9, 1.5), "detach": (0.9, 1.3), "orbits": (1.0, 1.4),
+                              "classify": (1.0, 1.4)}.items():  # fmt: skip
+        rpm = getattr(filled, name).rpm
+        assert (rpm.start, rpm.stop) == (figures(low * lost), figures(high * lost)), name
+    window = filled.basins
+    rpm = figures(1.05 * lost)
+    assert (window.rpm.start, window.rpm.stop) == (rpm, rpm)
+    fast = figures(4.0 * 0.02 * rpm * 3.141592653589793 / 30.0)
+    assert (window.q, window.v) == ((0.01, figures(0.01 + 3.0 * 0.02)), (-fast, fast))
+    _, said = ranged(scene, machine_of(scene).system)
+    assert said["sweep"] == (
+        f"sweep.rpm is not given: {figures(0.9 * lost):g} to {figures(1.5 * lost):g} rpm of the "
+        f"cam, from the first loss of contact at {lost:.5g} rpm"
+    )
+    # heavy damping holds the follower back: contact is lost at standstill, and the speeds are
+    # those of the natural frequency
+    below = camcli.load_scene(
+        {"cam": {**cam, "base": -0.01}, "follower": {**follower, "restitution": 0.5}}
+    )
+    own = 2000.0**0.5 / 0.5**0.5 * 30.0 / 3.141592653589793
+    rpm = machine_of(below).scene.sweep.rpm
+    assert (rpm.start, rpm.stop) == (figures(0.5 * own), figures(2.0 * own))
+    ball = camcli.load_scene(
+        {"cam": cam, "follower": {**follower, "stiffness": 0.0, "restitution": 0.5,
+                                  "preload": 3.0, "gravity": 9.81}}
+    )  # fmt: skip
+    lost = ((9.81 + 3.0 / 0.5) / 0.01) ** 0.5 * 30.0 / 3.141592653589793
+    assert machine_of(ball).scene.orbits.rpm.stop == figures(1.4 * lost)
