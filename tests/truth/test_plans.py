@@ -124,9 +124,8 @@ def test_a_sample_has_few_turns_and_no_extras():
         basins__cells=[40, 6], basins__rpm={"start": 690.0, "stop": 700.0, "num": 4},
         simulate__samples=720,
     )  # fmt: skip
-    samples = {
-        name: command_of(name).sample(scene, 2) for name in ("sweep", "classify", "detach", "basins")
-    }  # fmt: skip
+    names = "sweep", "classify", "detach", "basins"
+    samples = {name: command_of(name).sample(scene, 2) for name in names}
     assert {(one.run.transient, one.run.record) for one in samples.values()} == {(40, 1000)}
     sweep, several = samples["sweep"].sweep, samples["classify"].classify
     assert (sweep.zoom, sweep.also, sweep.explain, sweep.adaptive) == ((), (), False, False)
@@ -168,8 +167,8 @@ def test_speeds_that_a_scene_leaves_open():
         f"sweep.rpm is not given: {figures(0.9 * lost):g} to {figures(1.5 * lost):g} rpm of the "
         f"cam, from the first loss of contact at {lost:.5g} rpm"
     )
-    # heavy damping holds the follower back: contact is lost at standstill, and the speeds are
-    # those of the natural frequency
+    # the spring does not press at the lowest lift: contact is never held, and the speeds are those
+    # of the natural frequency
     below = camcli.load_scene(
         {"cam": {**cam, "base": -0.01}, "follower": {**follower, "restitution": 0.5}}
     )
