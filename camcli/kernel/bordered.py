@@ -6,13 +6,24 @@ Sci. Stat. Comput. 13 (1992) 742), which is stable however unstable the orbit is
 keeps the border row, so folds are regular. The work is proportional to n.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from camcli.kernel.marks import outlined
+from camcli.kernel.marks import inlined, outlined
 
-BLOCK = 10  # numbers an impact takes in `Tables.blocks`: L (4), R (4), E (2)
-WIDE = 8  # columns of a row in hand: d_1 (2), d_k (2), d_k+1 (2), parameter, right side
-ROWS = 5  # rows in hand: two carried, two of the next flight, the border
+# A block, the numbers of an impact in `Tables.blocks`: two matrices, row by row, and a residual.
+BLOCK = 10
+LEFT, RIGHT, RESIDUAL = 0, 4, 8  # where L_k, R_k and E_k begin
+
+# A row in hand: where the factors of d_1, d_k, d_k+1 (two each) and of the parameter stand, and the
+# right side.
+FIRST, HERE, NEXT, PARAMETER, GIVEN = 0, 2, 4, 6, 7
+WIDE = 8
+
+# The rows in hand: two carried along, two of the next flight, the border.
+CARRIED, FLIGHT, BORDER = 0, 2, 4
+ROWS = 5
+LAST = 5 * 7  # the closing system: d_1, d_n and the parameter, with two right sides
 
 
 class Tables(NamedTuple):
@@ -22,13 +33,40 @@ class Tables(NamedTuple):
     columns: Any  # (2 n,), derivatives by the parameter
     step: Any  # (2 n + 1,)
     tangent: Any  # (2 n + 1,)
-    hand: Any  # (ROWS * WIDE,)
-    store: Any  # (2 n * WIDE,)
-    last: Any  # (5 * 7,)
+    hand: Any  # (ROWS * WIDE,), the rows in hand
+    store: Any  # (2 n * WIDE,), two rows an impact: what elimination has left of its equations
+    last: Any  # (LAST,)
+
+
+def tables_for(n: int, zeros: Callable[[int], Any]) -> Tables:
+    """The tables of an orbit of n impacts; zeros(count) allocates numbers."""
+    return Tables(
+        blocks=zeros(n * BLOCK),
+        columns=zeros(2 * n),
+        step=zeros(2 * n + 1),
+        tangent=zeros(2 * n + 1),
+        hand=zeros(ROWS * WIDE),
+        store=zeros(2 * n * WIDE),
+        last=zeros(LAST),
+    )
+
+
+@inlined
+def put_pair(table, at, one, other):
+    """Put two numbers at `at` and behind it."""
+    table[at] = one
+    table[at + 1] = other
+
+
+@inlined
+def _product(row, at, d, k):
+    """Two factors that begin at `at`, times the two entries of d that begin at k."""
+    return row[at] * d[k] + row[at + 1] * d[k + 1]
 
 
 @outlined
 def _swap(a, i, j, wide):
+    """Exchange the rows i and j."""
     for column in range(wide):
         a[i * wide + column], a[j * wide + column] = a[j * wide + column], a[i * wide + column]
 
@@ -53,115 +91,125 @@ def _eliminate(a, wide, column, pivot, rows, candidates):
 
 
 @outlined
-def _forward(n, blocks, columns, row, right, a, store):
-    """Eliminate impacts 2 .. n - 1; rows in hand: [pivot, pivot, carried, carried, border].
+def _forward(n, blocks, columns, row, right, hand, store):
+    """Eliminate impacts 2 .. n - 1; False where the system is singular.
 
-    On return `a` holds the two carried rows and the border in d_1, d_n, parameter, right side.
+    On return the carried rows and the border in `hand` have factors of d_1, d_n (where n > 1: in
+    the place of d_k) and the parameter only. The eliminated rows stand in `store`.
     """
-    for c in range(WIDE):
-        for i in range(ROWS):
-            a[i * WIDE + c] = 0.0
-    _put(a, 0, blocks, 0, columns, 0, 2)
-    a[4 * WIDE], a[4 * WIDE + 1] = row[0], row[1]
-    a[4 * WIDE + 6], a[4 * WIDE + 7] = row[2 * n], right
+    for i in range(ROWS * WIDE):
+        hand[i] = 0.0
+    _put_flight(hand, CARRIED, blocks, columns, 0, FIRST, HERE)
+    border = BORDER * WIDE
+    put_pair(hand, border + FIRST, row[0], row[1])
+    hand[border + PARAMETER] = row[2 * n]
+    hand[border + GIVEN] = right
     if n > 1:
-        a[4 * WIDE + 2], a[4 * WIDE + 3] = row[2], row[3]
+        put_pair(hand, border + HERE, row[2], row[3])
     for k in range(1, n - 1):
-        _put(a, 2, blocks, k, columns, 2, 4)
-        a[4 * WIDE + 4], a[4 * WIDE + 5] = row[2 * k + 2], row[2 * k + 3]
+        _put_flight(hand, FLIGHT, blocks, columns, k, HERE, NEXT)
+        put_pair(hand, border + NEXT, row[2 * k + 2], row[2 * k + 3])
         for column in range(2):
-            if not _eliminate(a, WIDE, 2 + column, column, ROWS, 4):
+            if not _eliminate(hand, WIDE, HERE + column, CARRIED + column, ROWS, BORDER):
                 return False
-        for c in range(2 * WIDE):
-            store[2 * WIDE * k + c] = a[c]
-        for i in range(3):
-            source = (2 + i) * WIDE
-            target = (i if i < 2 else 4) * WIDE
-            for c in range(WIDE):
-                a[target + c] = a[source + c]
-            a[target + 2], a[target + 3] = a[target + 4], a[target + 5]
-            a[target + 4], a[target + 5] = 0.0, 0.0
+        for c in range(2 * WIDE):  # the two pivots: the equations of d_k
+            store[2 * WIDE * k + c] = hand[c]
+        for c in range(2 * WIDE):  # the other two, free of d_k, are carried to the next impact
+            hand[CARRIED * WIDE + c] = hand[FLIGHT * WIDE + c]
+        _next_becomes_here(hand, CARRIED)
+        _next_becomes_here(hand, CARRIED + 1)
+        _next_becomes_here(hand, BORDER)
     return True
 
 
-@outlined
-def _put(a, first, blocks, k, columns, left, right):
-    """Rows first, first + 1 of `a`: flight k with L in columns `left`, R in columns `right`."""
-    o = BLOCK * k
+@inlined
+def _put_flight(hand, first, blocks, columns, k, left, right):
+    """Flight k in the rows first, first + 1: the factors L from column `left`, R from `right`."""
+    block = BLOCK * k
     for i in range(2):
         at = (first + i) * WIDE
         for c in range(WIDE):
-            a[at + c] = 0.0
+            hand[at + c] = 0.0
         for c in range(2):
-            a[at + left + c] += blocks[o + 2 * i + c]
-            a[at + right + c] += blocks[o + 4 + 2 * i + c]
-        a[at + 6] = columns[2 * k + i]
-        a[at + 7] = -blocks[o + 8 + i]
+            hand[at + left + c] += blocks[block + LEFT + 2 * i + c]
+            hand[at + right + c] += blocks[block + RIGHT + 2 * i + c]
+        hand[at + PARAMETER] = columns[2 * k + i]
+        hand[at + GIVEN] = -blocks[block + RESIDUAL + i]
+
+
+@inlined
+def _next_becomes_here(hand, row):
+    """Go on to the next impact: the factors of d_k+1 in a row become those of d_k."""
+    at = row * WIDE
+    put_pair(hand, at + HERE, hand[at + NEXT], hand[at + NEXT + 1])
+    put_pair(hand, at + NEXT, 0.0, 0.0)
 
 
 @outlined
 def solve_bordered(n, t, row, right):
     """Newton step and tangent of the bordered system; False where it is singular.
 
-    t.step solves J d = -E, row d = right; t.tangent J d = 0, row d = 1.
+    t.step solves J d = -E, row d = right; t.tangent J d = 0, row d = 1. Both come from the closing
+    system: d_1, d_n and the parameter (of one impact d_1 and the parameter), where the right side
+    of the tangent stands behind that of the step.
     """
-    a, last, blocks, columns = t.hand, t.last, t.blocks, t.columns
-    if not _forward(n, blocks, columns, row, right, a, t.store):
+    hand, last = t.hand, t.last
+    if not _forward(n, t.blocks, t.columns, row, right, hand, t.store):
         return False
-    size = 3 if n == 1 else 5
-    wide = size + 2
-    for i in range(size - 1):
-        for c in range(wide):
-            last[i * wide + c] = 0.0
-    if n == 1:  # the flight closes on itself: L + R in one pair of columns
+    if n == 1:  # the only flight closes on itself: L and R are both factors of d_1
+        size = 3
         for i in range(2):
-            last[i * wide] = a[i * WIDE] + a[i * WIDE + 2]
-            last[i * wide + 1] = a[i * WIDE + 1] + a[i * WIDE + 3]
-            last[i * wide + 2], last[i * wide + 3] = a[i * WIDE + 6], a[i * WIDE + 7]
+            for c in range(2):
+                hand[i * WIDE + FIRST + c] += hand[i * WIDE + HERE + c]
     else:
-        for i in range(2):
-            for c in range(4):
-                last[i * wide + c] = a[i * WIDE + c]
-            last[i * wide + 4], last[i * wide + 5] = a[i * WIDE + 6], a[i * WIDE + 7]
-        _put(a, 2, blocks, n - 1, columns, 2, 0)
-        for i in range(2):
-            for c in range(4):
-                last[(2 + i) * wide + c] = a[(2 + i) * WIDE + c]
-            last[(2 + i) * wide + 4] = a[(2 + i) * WIDE + 6]
-            last[(2 + i) * wide + 5] = a[(2 + i) * WIDE + 7]
-    border = (size - 1) * wide
-    for c in range(size - 1):
-        last[border + c] = a[4 * WIDE + c]
-    last[border + size - 1], last[border + size] = a[4 * WIDE + 6], a[4 * WIDE + 7]
-    for i in range(size):
-        last[i * wide + size + 1] = 1.0 if i == size - 1 else 0.0
+        size = 5
+        _put_flight(hand, FLIGHT, t.blocks, t.columns, n - 1, HERE, FIRST)
+    for i in range(size - 1):
+        _close(hand, i, last, i, size, 0.0)
+    _close(hand, BORDER, last, size - 1, size, 1.0)
     for column in range(size):
-        if not _eliminate(last, wide, column, column, size, size):
+        if not _eliminate(last, size + 2, column, column, size, size):
             return False
     _back(n, last, size, size, t.store, t.step, 1.0)
     _back(n, last, size, size + 1, t.store, t.tangent, 0.0)
     return True
 
 
+@inlined
+def _close(hand, source, last, target, size, tangent):
+    """A row in hand as row `target` of the closing system; tangent: its second right side."""
+    at = target * (size + 2)
+    for c in range(size - 1):
+        last[at + c] = hand[source * WIDE + c]
+    last[at + size - 1] = hand[source * WIDE + PARAMETER]
+    last[at + size] = hand[source * WIDE + GIVEN]
+    last[at + size + 1] = tangent
+
+
 @outlined
 def _back(n, last, size, side, store, d, share):
-    """Back substitution; `side`: the column of the right side, `share` of the stored ones."""
+    """Back substitution into d.
+
+    side: the column of the right side in the closing system; share: how much of the right sides in
+    `store` counts, 1 for the step and 0 for the tangent.
+    """
     wide = size + 2
     for i in range(size - 1, -1, -1):
         value = last[i * wide + side]
         for c in range(i + 1, size):
             value -= last[i * wide + c] * d[c]
         d[i] = value / last[i * wide + i]
-    d[2 * n] = d[size - 1]
-    if n > 1:
-        d[2 * n - 2], d[2 * n - 1] = d[2], d[3]
+    parameter = d[size - 1]
+    d[2 * n] = parameter
+    if n > 1:  # d_n to its place
+        put_pair(d, 2 * n - 2, d[2], d[3])
     for k in range(n - 2, 0, -1):
-        o = 2 * WIDE * k
+        here = 2 * k
         for i in range(1, -1, -1):
-            at = o + i * WIDE
-            value = share * store[at + 7] - store[at + 6] * d[2 * n]
-            value -= store[at] * d[0] + store[at + 1] * d[1]
-            value -= store[at + 4] * d[2 * k + 2] + store[at + 5] * d[2 * k + 3]
-            if i == 0:
-                value -= store[at + 3] * d[2 * k + 1]
-            d[2 * k + i] = value / store[at + 2 + i]
+            at = (2 * k + i) * WIDE
+            value = share * store[at + GIVEN] - store[at + PARAMETER] * parameter
+            value -= _product(store, at + FIRST, d, 0)
+            value -= _product(store, at + NEXT, d, here + 2)
+            if i == 0:  # the second row is free of the first entry of d_k, the first is not
+                value -= store[at + HERE + 1] * d[here + 1]
+            d[here + i] = value / store[at + HERE + i]

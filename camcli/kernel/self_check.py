@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
+from camcli.kernel.bordered import tables_for
 from camcli.kernel.cam_table import ORDERS, PIECE, TERMS, TURN, Cam, Stretch
 from camcli.kernel.cells import Cells, Point, Progress, Rest, Room, Targets
 from camcli.kernel.contact_search import Tally
@@ -171,18 +171,13 @@ def _events(kernel: Kernel) -> Iterator[Any]:
 def _correct_orbit(kernel: Kernel) -> tuple:
     """From the guess ORBIT."""
     n, turns = 1, 1
-    zeros = kernel.zeros
-    tables = Tables(
-        blocks=zeros(n * BLOCK), columns=zeros(2 * n), step=zeros(2 * n + 1),
-        tangent=zeros(2 * n + 1), hand=zeros(ROWS * WIDE), store=zeros(2 * n * WIDE),
-        last=zeros(35),
-    )  # fmt: skip
+    tables = tables_for(n, kernel.zeros)
     guess = [*ORBIT, FAST[RPM]]
     row, origin = kernel.numbers([0.0, 0.0, 1.0]), kernel.numbers(guess.copy())
     border = Border(row, origin, right=0.0, scale=1e-3, rate=1e-3)
     machine, x = kernel.numbers(list(FAST)), kernel.numbers(guess)
     whole = kernel.numbers([ORBIT_STRETCH, 0], int)
-    rates, out = zeros(n), zeros(3)
+    rates, out = kernel.zeros(n), kernel.zeros(3)
     return _cam(kernel), machine, RPM, n, turns, whole, x, border, rates, tables, out
 
 

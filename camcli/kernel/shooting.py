@@ -14,7 +14,7 @@ central difference: it only steers.
 from typing import Any, NamedTuple
 
 from camcli.errors import Status
-from camcli.kernel.bordered import BLOCK, solve_bordered
+from camcli.kernel.bordered import BLOCK, LEFT, RESIDUAL, RIGHT, put_pair, solve_bordered
 from camcli.kernel.cam_table import TURN, lift
 from camcli.kernel.contact_search import LONGEST_PHASE, NEAR, flight_at, gap_near
 from camcli.kernel.flow import DAMPING, MASS, RPM, STIFFNESS, constants_of, flow
@@ -80,17 +80,12 @@ def fill_block(cam, const, x, whole, turns, k, n, blocks):
     stop = gap_accel(const, c, c1 + u, c2)
     b, b1, p = flow(const, _length(x, whole, turns, k, n))
     r = const.r
-    o = BLOCK * k
-    blocks[o] = -(v * (1.0 - const.W2 * p) + b * start)
-    blocks[o + 1] = b
-    blocks[o + 2] = r * (const.W2 * b * v - b1 * start)
-    blocks[o + 3] = r * b1
-    blocks[o + 4] = u
-    blocks[o + 5] = 0.0
-    blocks[o + 6] = r * stop
-    blocks[o + 7] = 1.0
-    blocks[o + 8] = gap
-    blocks[o + 9] = r * u + x[2 * j + 1]
+    block = BLOCK * k
+    put_pair(blocks, block + LEFT, -(v * (1.0 - const.W2 * p) + b * start), b)
+    put_pair(blocks, block + LEFT + 2, r * (const.W2 * b * v - b1 * start), r * b1)
+    put_pair(blocks, block + RIGHT, u, 0.0)
+    put_pair(blocks, block + RIGHT + 2, r * stop, 1.0)
+    put_pair(blocks, block + RESIDUAL, gap, r * u + x[2 * j + 1])
 
 
 @inlined
@@ -152,7 +147,8 @@ def correct_orbit(cam, machine, parameter, n, turns, whole, x, border, rates, t,
         if not solve_bordered(n, t, border.row, right):
             return UNRESOLVED
         size = _take(n, x, t, border)
-        out[STEP], out[STEPS_TAKEN] = size, count + 1.0
+        out[STEP] = size
+        out[STEPS_TAKEN] = count + 1.0
         if not size < LONGEST_STEP:
             return UNRESOLVED
         if size <= CONVERGED or (size <= STALLED and size > 0.5 * before):
@@ -177,11 +173,13 @@ def _within_reach(cam, n, whole, x):
 
 @inlined
 def _take(n, x, t, border):
-    """Add the step to x; its size relative to 1 rad, the largest rate and the parameter."""
-    step, rate, scale = t.step, border.rate, border.scale
+    """Add the step to x, and return its size: relative to 1 rad, largest rate and parameter."""
+    step = t.step
+    rate = border.rate
     for k in range(n):
-        rate = max(rate, abs(x[2 * k + 1]), abs(t.blocks[BLOCK * k + 4]))
-    size = abs(step[2 * n]) / max(abs(x[2 * n]), abs(x[2 * n] + step[2 * n]), scale)
+        incoming = t.blocks[BLOCK * k + RIGHT]  # dE1 / dtheta' is the incoming rate
+        rate = max(rate, abs(x[2 * k + 1]), abs(incoming))
+    size = abs(step[2 * n]) / max(abs(x[2 * n]), abs(x[2 * n] + step[2 * n]), border.scale)
     for k in range(n):
         size = max(size, abs(step[2 * k]), abs(step[2 * k + 1]) / rate)
     for j in range(2 * n + 1):

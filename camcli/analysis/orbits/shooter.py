@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, spen
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import exp_decay
-from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables
+from camcli.kernel.bordered import Tables, tables_for
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS
 from camcli.kernel.contact_search import Tally
@@ -106,6 +107,15 @@ def with_machine(system: System, machine: Sequence[float]) -> tuple[System, floa
     return replace(system, follower=follower), rpm
 
 
+class Room(NamedTuple):
+    """What the kernel writes to, for orbits of so many impacts."""
+
+    tables: Tables
+    rates: Any  # incoming rate of each impact
+    out: Any  # trace, last step, number of steps: see `kernel.shooting`
+    place: Any  # impact and phase at which an orbit fails: see `kernel.certify`
+
+
 class Shooter:
     """Room and machine for solving many orbits; one per thread.
 
@@ -126,7 +136,7 @@ class Shooter:
         self.cam = system.cam_for(self.kernel)
         self._flows = self.kernel.room(Flow, len(system.cam.stretches) ** 2)
         self._works = self.kernel.room(Tally, 1)
-        self._rooms: dict[int, tuple] = {}
+        self._rooms: dict[int, Room] = {}
 
     def at(self, value: float) -> tuple[float, ...]:
         """The machine with the parameter replaced."""
@@ -151,15 +161,11 @@ class Shooter:
         self.simulated = self.simulated + record.cost
         return record
 
-    def _room(self, n: int):
+    def _room(self, n: int) -> Room:
+        """The tables for orbits of n impacts, allocated when they are first asked for."""
         if n not in self._rooms:
-            z = self.kernel.zeros
-            tables = Tables(
-                z(n * BLOCK), z(2 * n), z(2 * n + 1), z(2 * n + 1), z(ROWS * WIDE),
-                z(2 * n * WIDE), z(35),
-            )  # fmt: skip
-            scratch = z(n), z(3), self._flows, z(2), self._works
-            self._rooms[n] = tables, scratch
+            zeros = self.kernel.zeros
+            self._rooms[n] = Room(tables_for(n, zeros), zeros(n), zeros(3), zeros(2))
         return self._rooms[n]
 
     def _table(self, values, kind=float):
@@ -179,20 +185,31 @@ class Shooter:
         The machine's constants are those of the shooter, the parameter is the last entry of x.
         """
         n = len(whole) // 2
-        tables, (rates, out, *_) = self._room(n)
+        room = self._room(n)
+        out = room.out
         x = self._table(guess)
         ends = Border(self._table(row), self._table(origin), right, self.scale, self.rate)
         machine, places = self._table(self.machine), self._table(whole, int)
         out[STEPS_TAKEN] = 0.0
         status = self.kernel.correct_orbit(
-            self.cam, machine, self.parameter, n, turns, places, x, ends, rates, tables, out
+            self.cam,
+            machine,
+            self.parameter,
+            n,
+            turns,
+            places,
+            x,
+            ends,
+            room.rates,
+            room.tables,
+            out,
         )
         spend(SOLVED * n * int(out[STEPS_TAKEN]))
         if status != Status.OK:
             return None
         return Root(
             x=plain(x), whole=tuple(whole), turns=turns, machine=tuple(plain(machine)),
-            parameter=self.parameter, rates=plain(rates), tangent=plain(tables.tangent),
+            parameter=self.parameter, rates=plain(room.rates), tangent=plain(room.tables.tangent),
             trace=float(out[TRACE]), step=float(out[STEP]), steps=int(out[STEPS_TAKEN]),
         )  # fmt: skip
 
@@ -229,15 +246,16 @@ class Shooter:
 
     def verdict(self, root: Root) -> tuple[int, int, float]:
         """(verdict, impact, phase): `certify`'s code, and where the root fails (0-based, rad)."""
-        _, (_, _, flows, found, works) = self._room(root.count)
+        place = self._room(root.count).place
         machine, places = self._table(root.machine), self._table(root.whole, int)
         x, rates = self._table(root.x), self._table(root.rates)
-        before = works[0].evaluations
+        before = self._works[0].evaluations
         code = self.kernel.certify_orbit(
-            self.cam, machine, root.count, root.turns, places, x, rates, flows, found, works
-        )
-        spend(FLOWN * int(works[0].evaluations - before))
-        return int(code), int(found[0]), float(found[1])
+            self.cam, machine, root.count, root.turns, places, x, rates, self._flows, place,
+            self._works,
+        )  # fmt: skip
+        spend(FLOWN * int(self._works[0].evaluations - before))
+        return int(code), int(place[0]), float(place[1])
 
 
 def _natural(parameter: int, mass: float, omega: float) -> float:
