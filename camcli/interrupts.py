@@ -48,6 +48,7 @@ def install() -> None:
 
 
 def _handle(number: int, frame: object) -> None:
+    """Note the signal; raise an interrupt, or end the process where the compiler is at work."""
     global _came
     _came = True
     if _compiling and not _holding:
@@ -75,8 +76,8 @@ def until(over: Callable[[], bool]) -> Iterator[None]:
 def look() -> None:
     """Raise KeyboardInterrupt where a signal has come that may not have been seen.
 
-    Not once the first has reached the end of the command: another one is no other news. Raises
-    CutOffError where the time of an `until` is over.
+    Once the interrupt has reached the end of the command (see `arrived`) it is not raised again: a
+    further signal says nothing new. Raises CutOffError where the time of an `until` is over.
     """
     if _came and not _holding and not _ending:
         raise KeyboardInterrupt
@@ -86,7 +87,7 @@ def look() -> None:
 
 
 def came() -> bool:
-    """Whether a signal has come: an error after it comes of it, whatever it says."""
+    """Whether a signal has come: the cause of any error that follows, whatever the error says."""
     return _came
 
 
@@ -97,7 +98,7 @@ def arrived() -> None:
 
 
 def _unraisable(args: Any) -> None:
-    """Of an interrupt that a callback has swallowed nothing is printed."""
+    """Print what Python could not raise, except an interrupt that a callback has swallowed."""
     if args.exc_type is not KeyboardInterrupt:
         sys.__unraisablehook__(args)
 
@@ -181,6 +182,7 @@ def _remove(path: str) -> None:
 
 
 def _end_with(parent: int) -> None:
+    """End the process when its parent has gone: it then has another parent."""
     while os.getppid() == parent:
         sleep(INTERVAL)
     _leave()

@@ -22,7 +22,7 @@ from camcli.analysis.orbits.orbit import section_states
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import SMALL, Root, Shooter
 from camcli.cams.regions import corner_list
-from camcli.kernel.bordered import BLOCK
+from camcli.kernel.bordered import BLOCK, LEFT, RESIDUAL, RIGHT
 from camcli.kernel.flow import constants_of
 from camcli.kernel.shooting import fill_block
 
@@ -415,22 +415,30 @@ def doubled(shooter: Shooter, found: Located) -> tuple[Root, list[float]] | None
 
 def _flip_vector(shooter: Shooter, root: Root) -> list[float] | None:
     """(dtheta_k, dv_k) of all impacts in the direction of the multiplier -1, largest phase 1."""
-    n, const = root.count, constants_of(root.machine, 0.0, 0)
+    n = root.count
+    const = constants_of(root.machine, 0.0, 0)
     blocks = [0.0] * (BLOCK * n)
     for k in range(n):
         fill_block(shooter.system.cam, const, root.x, root.whole, root.turns, k, n, blocks)
 
-    def carried(d: Pair) -> list[Pair]:
+    def carried(start: Pair) -> list[Pair]:
         """A difference at every impact, and at the first one a period later: L d + R d' = 0."""
-        found = [d]
-        for o in range(0, BLOCK * n, BLOCK):
-            (x, y), (a, b, c, e, u, _, stop, _) = found[-1], blocks[o : o + 8]
-            theta = -(a * x + b * y) / u
-            found.append((theta, -(c * x + e * y) - stop * theta))
-        return found
+        differences = [start]
+        for block in range(0, BLOCK * n, BLOCK):
+            left = blocks[block + LEFT : block + RIGHT]
+            right = blocks[block + RIGHT : block + RESIDUAL]  # its entries [1] and [3] are 0 and 1
+            theta, v = differences[-1]
+            next_theta = -(left[0] * theta + left[1] * v) / right[0]
+            next_v = -(left[2] * theta + left[3] * v) - right[2] * next_theta
+            differences.append((next_theta, next_v))
+        return differences
 
-    (a, c), (b, d) = carried((1.0, 0.0))[-1], carried((0.0, 1.0))[-1]
-    a, b = max((a + 1.0, b), (c, d + 1.0), key=lambda row: abs(row[0]) + abs(row[1]))
+    # The monodromy matrix plus 1 maps the wanted difference to zero: it is at right angles to both
+    # rows, of which the larger one is taken.
+    by_theta = carried((1.0, 0.0))[-1]
+    by_v = carried((0.0, 1.0))[-1]
+    rows = ((by_theta[0] + 1.0, by_v[0]), (by_theta[1], by_v[1] + 1.0))
+    a, b = max(rows, key=lambda row: abs(row[0]) + abs(row[1]))
     vector = [x for pair in carried((-b, a))[:-1] for x in pair]
     largest = max(abs(x) for x in vector[::2])
     return [x / largest for x in vector] if largest > 0.0 else None
