@@ -1,0 +1,298 @@
+"""Sentences from values made by hand: each number in them is another, and each branch has a case.
+
+What is compared is the whole text, so a number in a wrong place, a unit, a plural or a left-out
+half of a sentence is seen.
+"""
+
+from __future__ import annotations
+
+from math import inf, nan
+from types import SimpleNamespace as Made
+
+import pytest
+
+from camcli.analysis.explain.changes import BASIN, UNEXPLAINED, Change, Event
+from camcli.analysis.explain.crisis import Crisis, CrisisKind, Meeting
+from camcli.analysis.integrate import Cost
+from camcli.analysis.orbits.proofs import Proof, Proofs, Step
+from camcli.analysis.sweep import Speed, Sweep
+from camcli.api.classify import remarks as of_motions
+from camcli.api.orbits import _proved
+from camcli.api.orbits import remarks as of_orbits
+from camcli.api.result import counted, decided_words, status_notes
+from camcli.api.sweep import ranges
+from camcli.errors import Status
+from camcli.output.explanations import change_sentence, crisis_sentences, event_sentence, speed_text
+
+
+@pytest.mark.parametrize(
+    ("rpm", "error", "text"),
+    [
+        (740.106543, 0.004, "740.107"),
+        (740.106543, 0.01, "740.11"),
+        (740.106543, 0.00999, "740.107"),
+        (740.106543, 1.0, "740"),
+        (740.106543, 30.0, "740"),
+        (740.106543, 2e-12, "740.106543000"),
+        (740.106543, 0.0, "740.106543"),
+        (740.106543, inf, "740.106543"),
+        (740.106543, nan, "740.106543"),
+    ],
+)
+def test_a_speed_has_the_decimals_of_its_error(rpm, error, text):
+    assert speed_text(rpm, error) == text
+
+
+def test_what_was_counted():
+    assert counted([358.25], "rpm") == "1 speed (358.25 rpm)"
+    assert counted([1.0, 2.5], "follower.mass") == "2 values of follower.mass (1, 2.5)"
+    five = [1.0, 2.0, 3.0, 4.0, 5.0]
+    assert counted(five, "rpm") == "5 speeds (1, 2, 3, 4, 5 rpm)"
+    assert counted([*five, 6.0], "rpm") == "6 speeds (1, 2, 3, 4, 5, ... rpm)"
+
+
+def test_what_was_decided_after_a_rest():
+    found = ["last-digit"] * 2 + ["exact-data"] * 3 + ["rounding"] * 4 + [None, ""]
+    assert decided_words(found, "speeds") == [
+        "speeds decided in ball arithmetic after a rest: 2 for every speed that rounds to the "
+        "given one (proved), 3 for the data exactly as they are, not for every speed that rounds "
+        "so",
+        "speeds on an attractor that rounding chose: 4; where their own start ends could not be "
+        "followed so far",
+    ]
+    assert decided_words(["rounding"], "points") == [
+        "points on an attractor that rounding chose: 1; where their own start ends could not be "
+        "followed so far"
+    ]
+    assert decided_words([None], "points") == []
+
+
+def test_troubles_are_told_kind_by_kind():
+    met = [(3.0, Status.UNRESOLVED), (1.0, Status.IMPACT_BUDGET), (2.0, Status.IMPACT_BUDGET)]
+    assert status_notes([*met, (4.0, Status.OK)]) == [
+        f"impact-budget at 2 speeds (1, 2 rpm): {Status.IMPACT_BUDGET.cause}; "
+        f"{Status.IMPACT_BUDGET.cure}",
+        f"unresolved at 1 speed (3 rpm): {Status.UNRESOLVED.cause}; {Status.UNRESOLVED.cure}",
+    ]
+
+
+def speed(value: float, label: str, status: int = Status.OK) -> Speed:
+    return Speed(value, value, label, 0, status, None, None, Cost())
+
+
+def test_ranges_are_of_neighbours_alike_in_label_status_and_way():
+    rows = [
+        speed(1.0, "a"), speed(2.0, "a"), speed(3.0, "b"), speed(4.0, "b", Status.UNRESOLVED),
+        speed(5.0, "a"), speed(6.0, "a"),
+    ]  # fmt: skip
+    ways = [("up",)] * 5 + [("down",)]
+    found = Sweep(rows, "both", Cost(), bare=rows, ways=ways)
+    told = [(a, s, w, first.value, last.value, n) for a, s, w, first, last, n in ranges(found)]
+    assert told == [
+        ("a", "ok", ("up",), 1.0, 2.0, 2), ("b", "ok", ("up",), 3.0, 3.0, 1),
+        ("b", "unresolved", ("up",), 4.0, 4.0, 1), ("a", "ok", ("up",), 5.0, 5.0, 1),
+        ("a", "ok", ("down",), 6.0, 6.0, 1),
+    ]  # fmt: skip
+
+
+def motion(value, label="P(1;1)", **more):
+    own = {
+        "value": value, "label": label, "exponents": None, "holds_for": None, "orbit": object(),
+        "status": Status.OK, "watched": None, "chatters": 0, "fault": None,
+        "record": Made(periods=0),
+    }  # fmt: skip
+    return Made(**{**own, **more})
+
+
+def test_remarks_on_motions():
+    def grown(largest, second, defect):
+        return Made(largest=largest, second=second, defect=defect)
+
+    motions = [
+        motion(1.0, exponents=grown(-0.5, -0.75, -3e-7)),
+        motion(2.0, exponents=grown(0.25, -0.5, 2e-8)),
+        motion(3.0, exponents=grown(-inf, -inf, nan), holds_for="last-digit"),
+        motion(4.0, "aperiodic", orbit=None, watched=9000),
+        motion(5.0, "aperiodic", orbit=None, watched=6001),
+        motion(6.0, "undecided", orbit=None, watched=700, chatters=1),
+        motion(7.5, "undecided", orbit=None, chatters=4, record=Made(periods=90)),
+        motion(8.0, "undecided", orbit=None, fault=object(), status=Status.FAULT),
+    ]
+    assert of_motions(motions, "rpm") == [
+        "sum of the exponents minus (2 ln r) impacts per turn + b T/m: at most 3e-07 over 2 "
+        "motions",
+        "where the follower rests on the cam both exponents are -inf: every difference between two "
+        "motions is forgotten",
+        "motions decided in ball arithmetic after a rest: 1 for every speed that rounds to the "
+        "given one (proved)",
+        "aperiodic was shown over 6001 turns or more, in which the motion neither settled nor "
+        "rested: what would end it is rarer than once in 2000 turns (95 %)",
+        "rpm = 6: the first complete chatter comes after 700 turns; after a rest the motion is "
+        "always the same one, which could not be followed to the next rest",
+        "rpm = 7.5: complete chatter in 4 of 90 turns, one in some 22.5; after a rest the motion "
+        "is always the same one, which could not be followed to the next rest",
+        "undecided at 2 speeds (6, 7.5 rpm): no orbit up to 64 turns could be solved and no "
+        "positive exponent shown, or a rest is forgotten before the next one",
+    ]
+    assert of_motions([motion(1.0)]) == []
+    assert of_motions([motion(5.0, "aperiodic", orbit=None, watched=2)])[0].endswith(
+        "once in 1 turns (95 %)"
+    )
+
+
+def orbits(**more):
+    own = {
+        "question": Made(label="P(2;1:1)", rpm=701.25, parameter="rpm"), "absent": None,
+        "orbits": [], "continua": [], "virtual": [], "bifurcations": [], "branches": [],
+        "curves": [], "proofs": None,
+    }  # fmt: skip
+    return of_orbits(Made(**{**own, **more}))
+
+
+def test_remarks_on_orbits():
+    dwell = Made(label="P(1;1)", start=0.5, end=0.75)
+    absent = Made(rpm=702.5, low=640.0, high=760.0, nearest=None)
+    assert orbits() == ["no periodic orbit found at 701.25 rpm"]
+    assert orbits(absent=absent) == [
+        "P(2;1:1) was not found at 702.5 rpm, nor at 24 speeds from 640 to 760 rpm"
+    ]
+    absent.nearest = (739.125, "period-doubling")
+    assert orbits(absent=absent) == [
+        "P(2;1:1) was not found at 702.5 rpm; the nearest speed at which it was found is 739.125 "
+        "rpm (period doubling)"
+    ]
+    assert orbits(continua=[dwell]) == [  # orbits there are, though none by itself
+        "P(1;1) exists with the impact anywhere from 28.64789 to 42.971835 deg, a dwell: a "
+        "continuum of orbits, none isolated, none attracting (both multipliers 1)"
+    ]
+    solved = Made(label="P(1;1)", rpm=701.25)
+    assert orbits(orbits=[solved], virtual=[1, 2, 3]) == [
+        "3 further roots at 701.25 rpm are virtual: they penetrate the cam or would pull (run.json)"
+    ]
+    branches = [Made(number=n, points=[Made(det=0.25 * n), Made(det=0.125)]) for n in (1, 2, 3)]
+    assert orbits(orbits=[solved], branches=branches) == [
+        "Neimark-Sacker bifurcations are impossible: det = r^(2 impacts) exp(-b T/m) is at most "
+        "0.75 on these branches, below 1"
+    ]
+    branches[1].points[1].det = 1.0
+    assert orbits(orbits=[solved], branches=branches) == [
+        "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
+    ]
+    curves = [
+        Made(ends=("end-of-range", "corner"), limits=("", "b")),
+        Made(ends=("lost", "end-of-range"), limits=("", "")),
+    ]
+    assert orbits(orbits=[solved], curves=curves) == [
+        "curve 1 ends: end-of-range; corner of b", "curve 2 ends: lost; end-of-range",
+    ]  # fmt: skip
+
+
+def test_remarks_on_proofs():
+    step = next(iter(Step))
+    solved = [Made(label="P(1;1)", rpm=701.25), Made(label="P(1;2)", rpm=701.25)]
+    range_ = Made(branch=4, label="P(1;1)", stable=True, low="[1]", high="[2]", boxes=7,
+                  failed_step=None)  # fmt: skip
+    lost = Made(**{**vars(range_), "failed_step": step, "branch": 5})
+    proofs = Proofs(
+        orbits=[Proof(), Proof(step, refuted=True)],
+        points=[[Proof(), Proof(step), Proof()]],
+        events=[
+            Proof(value="[700 +/- 1]", signs=(("x", 1), ("y", -1))), Proof(step)
+        ],
+        ranges=[range_, lost],
+        flank_excess=-2.5e-16,
+    )  # fmt: skip
+    events = [
+        Made(kind=kind, label="P(1;1)", value=3.0, corner_impact=None, located=None)
+        for kind in ("one", "two")
+    ]
+    found = Made(question=Made(parameter="rpm"), orbits=solved, proofs=proofs, bifurcations=events,
+                 branches=[Made(number=9)])  # fmt: skip
+    said = list(_proved(found))
+    assert said == [
+        "all proofs are about the cam whose circles close: its flank circle has the radius "
+        "base_radius + flank_center, 2.5e-16 m less than the flank_radius of the scene",
+        "proved: P(1;1), rpm = 701.25, exactly these data",
+        f"refuted: P(1;2): {step}",
+        "proved: one of P(1;1), rpm = [700 +/- 1], x > 0, y < 0",
+        f"not proved: two of P(1;1): {step}",
+        "proved: 2 of the 3 points of branch 9",
+        "proved: P(1;1) exists and is stable for all rpm from [1] to [2] (branch 4, 7 boxes)",
+        f"not proved: P(1;1) for all rpm from [1] to [2] (branch 5): {step}",
+    ]
+
+
+def crisis(kind, **more):
+    own = {
+        "rpm": 740.25, "error": 0.004, "bracket": (740.125, 740.375), "near": 730.5,
+        "turns": 4000, "cost": Cost(), "inside": 3, "beyond": 2,
+    }  # fmt: skip
+    return Crisis(kind, **{**own, **more})
+
+
+def test_crises():
+    said = crisis_sentences
+    assert said(crisis(CrisisKind.NOT_CHAOTIC)) == [
+        "The motion carried from 730.5 rpm is not chaotic."
+    ]
+    assert said(crisis(CrisisKind.STAYS)) == [
+        "Nothing leaves the attractor carried from 730.5 rpm: a run of 4000 turns stays in its "
+        "range at 740.25 rpm."
+    ]
+    runs = [
+        "Runs of 4000 turns carried from 730.5 rpm first leave the attractor's range at 740.4 rpm.",
+        "Saddles seen: 3 in the attractor, 2 beyond it.",
+    ]
+    assert said(crisis(CrisisKind.UNEXPLAINED)) == runs
+    first, later, never = (
+        Made(label=f"P({n};1)", multipliers=(complex(n + 0.5), 0j)) for n in (1, 2, 3)
+    )
+    meetings = Meeting(first, 740.25, 0.004), Meeting(later, 740.3125, 0.02)
+    met = crisis(CrisisKind.INTERIOR, met=meetings, unmet=(never,), lost=1)
+    tail = [
+        "1 of them could not be followed and are left out.",
+        "The attractor meets the stable manifold of P(1;1) (larger multiplier 1.5) at 740.250 rpm.",
+        "P(2;1) would be met later, at 740.31 rpm.",
+        "P(3;1) leads out, but no fold was seen to touch its stable manifold.",
+    ]
+    assert said(met) == [*runs, *tail, "The fold that touches is smooth."]
+    corner = crisis(CrisisKind.INTERIOR, met=meetings[:1], corner=Made(name="c"))
+    assert said(corner)[-1] == "The fold that touches is the image of an impact at corner c."
+    assert event_sentence(Event(1.0, 0.1, "interior-crisis", "x", source=met)) == " ".join(
+        said(met)
+    )
+
+
+def test_changes():
+    ends = (700.0, 702.0, "P(1;1)", "aperiodic")
+    events = [Event(700.5, 0.1, "fold", "P(1;1)"), Event(701.5, 0.1, "grazing", "P(2;2)")]
+    stays = crisis(CrisisKind.STAYS)
+    stayed = crisis_sentences(stays)[0]
+
+    def told(cause, **more):
+        return change_sentence(Change(*ends, cause, **more), events)
+
+    assert told(BASIN, persists=("P(1;1)", "P(3;1)")) == (
+        "P(1;1) exists and attracts on both sides, the start changes basins; P(1;1) changes at: "
+        "fold at 700.5 rpm; P(3;1) exists and attracts on both sides, the start changes basins; "
+        "P(3;1) changes at: nowhere in the range"
+    )
+    lives = "the chaotic attractor lives on at both speeds, the start changes basins."
+    assert told(BASIN) == lives
+    assert told(BASIN, crisis=stays) == f"{lives} {stayed}"
+    assert told(UNEXPLAINED, status=Status.WORK_BUDGET) == (
+        f"work-budget: {Status.WORK_BUDGET.cause}"
+    )
+    tried = (
+        "tried: bifurcations of solved branches, none lies in it; branches through it, none is "
+        "stable"
+    )
+    first = "; crises are looked for in the first 3 changes only"
+    assert told(UNEXPLAINED) == tried
+    assert told(UNEXPLAINED, may_search=False) == tried + first
+    assert told(UNEXPLAINED, crisis=stays) == f"{tried}. {stayed}"
+    assert told(UNEXPLAINED, persists=("P(1;1)", "P(3;1)")) == (
+        "P(1;1), P(3;1) attracts on both sides; whether the chaos beside it lives on at both is "
+        "not known"
+    )
+    assert told("fold+grazing", events=tuple(events)) == "fold; grazing"
