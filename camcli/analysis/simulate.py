@@ -94,9 +94,12 @@ def simulate(
 def _named(
     system: System, rpm: float, settings: Settings, orbit: Orbit, record: Record
 ) -> tuple[str, Motion | None]:
-    """The label, and what `classify` finds where the record alone looks aperiodic."""
+    """The label, and what `classify` finds where the record alone cannot tell.
+
+    It cannot where it looks aperiodic, nor where rounding decides what follows a rest.
+    """
     name, _, told = named_on(orbit, rpm, record)
-    if name != APERIODIC or forgets_too_much(told):
+    if name != APERIODIC and not forgets_too_much(told):
         return name, None
     ends = classify_at(system, rpm, settings)
     return ends.label, ends

@@ -153,7 +153,8 @@ def _many_notes(turn: int | None) -> list[str]:
         place = f"{plural(-turn, 'turn')} before the record"
     return [
         f"from {place} on this is one of many motions that rounding allows: an error of the last "
-        "digit has grown beyond five digits of a turn (cam classify names the true motion)"
+        "digit has grown beyond five digits of a turn (the label is that of the true motion, where "
+        "that could be told)"
     ]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import camcli
@@ -58,7 +58,6 @@ def started(seed: int) -> dict[str, Any]:
 def labels(scene: dict[str, Any]) -> dict[str, str]:
     """What each command calls the motion from the start of a scene.
 
-    `simulate` names its record, which may be one of many that rounding allows: it says so then.
     `basins` is asked for a window of one cell about the start, and only where another command knows
     a period: an aperiodic attractor takes it long, and contradicts nobody.
     """
@@ -73,9 +72,7 @@ def labels(scene: dict[str, Any]) -> dict[str, str]:
         "sweep": asked("sweep", rpm=one).tables["speeds"]["label"][0],
         "classify": asked("classify", rpm=one).tables["classify"]["label"][0],
     }
-    simulated = asked("simulate", samples=1)
-    if not rounded(simulated):
-        named["simulate"] = simulated.summary["label"]
+    named["simulate"] = asked("simulate", samples=1).summary["label"]
     if set(named.values()) <= set(NO_PERIOD):
         return named
     sides = {name: [x - 1e-9 * abs(x), x + 1e-9 * abs(x)] for name, x in start.items()}
@@ -98,6 +95,7 @@ def one_motion(seed: int) -> None:
 
 @examples(6)
 @given(SEEDS)
+@example(1560650)  # rounding closes a cycle of 23 turns
 def test_commands_do_not_contradict_each_other(seed):
     one_motion(seed)
 
