@@ -14,7 +14,11 @@ TURN = 6.283185307179586  # rad, 2 pi as a double
 TERMS = 14  # coefficients of a piece
 ORDERS = 7  # c and its derivatives up to the sixth
 
-PIECE = 3 + ORDERS * TERMS  # its centre, the coefficients of each derivative, two rests
+# A piece in the table: its centre; the coefficients of the lift and of its derivatives, TERMS each;
+# what the constants of lift and slope leave out.
+PIECE = 3 + ORDERS * TERMS
+LIFT, SLOPE, CURVATURE, THIRD, FOURTH, FIFTH, SIXTH = (1 + order * TERMS for order in range(ORDERS))
+LIFT_REST, SLOPE_REST = PIECE - 2, PIECE - 1
 
 
 class Stretch(NamedTuple):
@@ -100,27 +104,31 @@ def lift(cam, i, theta):
     """(c, c_theta, c_thetatheta) at theta within stretch i."""
     if cam.stretches[i].dwell:  # the same values, without their polynomials
         return cam.stretches[i].start_c, 0.0, 0.0
-    o = piece_at(cam, i, theta)
-    x = theta - cam.pieces[o]
+    piece = piece_at(cam, i, theta)
+    x = theta - cam.pieces[piece]
     return (
-        polynomial(cam.pieces, o + 1, x),
-        polynomial(cam.pieces, o + 1 + TERMS, x),
-        polynomial(cam.pieces, o + 1 + 2 * TERMS, x),
+        polynomial(cam.pieces, piece + LIFT, x),
+        polynomial(cam.pieces, piece + SLOPE, x),
+        polynomial(cam.pieces, piece + CURVATURE, x),
     )
 
 
 @inlined
 def lift_parts(cam, i, theta):
-    """c and c_theta in two parts each, whose sums are exact to about 1e-17, and c_thetatheta."""
+    """(level, gain, slope, bend, c_thetatheta): c = level + gain and c_theta = slope + bend.
+
+    Both sums are exact to about 1e-17.
+    """
     if cam.stretches[i].dwell:
-        o = PIECE * cam.stretches[i].first_piece
-        return cam.pieces[o + 1], cam.pieces[o + PIECE - 2], 0.0, cam.pieces[o + PIECE - 1], 0.0
-    o = piece_at(cam, i, theta)
-    x = theta - cam.pieces[o]
-    level, slope = cam.pieces[o + 1], cam.pieces[o + 1 + TERMS]
-    gain = polynomial_gain(cam.pieces, o + 1, x) + cam.pieces[o + PIECE - 2]
-    bend = polynomial_gain(cam.pieces, o + 1 + TERMS, x) + cam.pieces[o + PIECE - 1]
-    return level, gain, slope, bend, polynomial(cam.pieces, o + 1 + 2 * TERMS, x)
+        piece = PIECE * cam.stretches[i].first_piece
+        level, gain = cam.pieces[piece + LIFT], cam.pieces[piece + LIFT_REST]
+        return level, gain, 0.0, cam.pieces[piece + SLOPE_REST], 0.0
+    piece = piece_at(cam, i, theta)
+    x = theta - cam.pieces[piece]
+    level, slope = cam.pieces[piece + LIFT], cam.pieces[piece + SLOPE]
+    gain = polynomial_gain(cam.pieces, piece + LIFT, x) + cam.pieces[piece + LIFT_REST]
+    bend = polynomial_gain(cam.pieces, piece + SLOPE, x) + cam.pieces[piece + SLOPE_REST]
+    return level, gain, slope, bend, polynomial(cam.pieces, piece + CURVATURE, x)
 
 
 @inlined
@@ -138,20 +146,20 @@ def derivative(cam, order, i, theta):
     """Derivative of c of an order >= 1 at theta within stretch i."""
     if cam.stretches[i].dwell:
         return 0.0
-    o = piece_at(cam, i, theta)
-    return polynomial(cam.pieces, o + 1 + order * TERMS, theta - cam.pieces[o])
+    piece = piece_at(cam, i, theta)
+    return polynomial(cam.pieces, piece + LIFT + order * TERMS, theta - cam.pieces[piece])
 
 
 @inlined
 def higher(cam, i, theta):
     """Third to sixth derivative of c at theta within stretch i."""
-    o = piece_at(cam, i, theta)
-    x = theta - cam.pieces[o]
+    piece = piece_at(cam, i, theta)
+    x = theta - cam.pieces[piece]
     return (
-        polynomial(cam.pieces, o + 1 + 3 * TERMS, x),
-        polynomial(cam.pieces, o + 1 + 4 * TERMS, x),
-        polynomial(cam.pieces, o + 1 + 5 * TERMS, x),
-        polynomial(cam.pieces, o + 1 + 6 * TERMS, x),
+        polynomial(cam.pieces, piece + THIRD, x),
+        polynomial(cam.pieces, piece + FOURTH, x),
+        polynomial(cam.pieces, piece + FIFTH, x),
+        polynomial(cam.pieces, piece + SIXTH, x),
     )
 
 

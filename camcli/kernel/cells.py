@@ -136,11 +136,23 @@ def settle_cells(cam, const, flows, targets, cells, begin, budget, steps, room):
 def begin_cell(cam, targets, cells, n, state, cell):
     """Put the state of cell n where the motion begins."""
     state.theta = cam.stretches[cam.strobe].start
-    state.gap, state.gap_rate = cells.gap[n], cells.rate[n]
-    state.mode, state.stretch = cells.mode[n], cam.strobe
-    state.impacts, state.chattered, state.idle, state.total_impacts = 0, 0, 0, 0
-    state.flown, state.period, state.known, state.rest = 0, 0, 0, 0.0
-    cell.begun, cell.used, cell.stay, cell.longest, cell.symbol = 1, 0, 0, 0, 0
+    state.gap = cells.gap[n]
+    state.gap_rate = cells.rate[n]
+    state.mode = cells.mode[n]
+    state.stretch = cam.strobe
+    state.impacts = 0
+    state.chattered = 0
+    state.idle = 0
+    state.total_impacts = 0
+    state.flown = 0
+    state.period = 0
+    state.known = 0
+    state.rest = 0.0
+    cell.begun = 1
+    cell.used = 0
+    cell.stay = 0
+    cell.longest = 0
+    cell.symbol = 0
     cell.box = visited_box(targets, state.gap, state.gap_rate)
     meet(targets, state.gap, state.gap_rate, cell)
 
@@ -148,7 +160,8 @@ def begin_cell(cam, targets, cells, n, state, cell):
 @inlined
 def meet(targets, gap, rate, cell):
     """Look for a ring that the state is at."""
-    cell.at, cell.passed = containing_point(targets, gap, rate), 0
+    cell.at = containing_point(targets, gap, rate)
+    cell.passed = 0
     cell.first = form(targets, cell.at, gap, rate) if cell.at >= 0 else 0.0
 
 
@@ -161,7 +174,10 @@ def trouble(status):
 @inlined
 def settle_cell(cam, const, flows, targets, budget, stop, room):
     """Outcome of the cell at work; `trouble(PAUSED)` where all work together is `stop` steps."""
-    state, cell, strobe, work = room.states[0], room.cell[0], room.strobe, room.works[0]
+    state = room.states[0]
+    cell = room.cell[0]
+    strobe = room.strobe
+    work = room.works[0]
     while cell.used < budget:
         plan = Plan(0, 1, stop - work.steps)
         status = run(cam, const, flows, state, plan, room.log, strobe, work)
@@ -186,7 +202,8 @@ def settle_cell(cam, const, flows, targets, budget, stop, room):
                 if cell.passed == targets.points[to].turns:
                     if size <= targets.points[to].shrink * cell.first or size <= SETTLED_FORM:
                         return targets.points[to].attractor
-                    cell.first, cell.passed = size, 0
+                    cell.first = size
+                    cell.passed = 0
             else:
                 cell.at = -1
         if cell.at < 0:

@@ -41,7 +41,9 @@ def next_contact(cam, const, flows, i, theta, v, most, work):
 
     `turn` counts strobe-independent flows (passages of theta = 0); at most `most` of them.
     """
-    gap, rate, mode, turn = 0.0, v, BOUNCED, 0
+    gap, rate = 0.0, v
+    mode = BOUNCED
+    turn = 0
     for _ in range(MOST_STEPS):
         f = flight_at(cam, const, i, theta, gap, rate)
         code, theta, gap, rate = fly(cam, const, flows, i, f, mode, work)
@@ -50,9 +52,11 @@ def next_contact(cam, const, flows, i, theta, v, most, work):
             return code, theta, turn
         if code == NEARLY:
             gap, rate, _ = gap_at(cam, const, i, f, theta - f.theta, work)
-            code, theta = LANDED, min(theta - gap / rate, cam.stretches[i].end)
+            theta = min(theta - gap / rate, cam.stretches[i].end)
+            code = LANDED
         if code in (LANDED, EXACTLY):
-            code, gap = LANDED, 0.0
+            code = LANDED
+            gap = 0.0
         if theta < cam.stretches[i].end:
             if code == LANDED:
                 return code, theta, turn
@@ -71,10 +75,12 @@ def next_contact(cam, const, flows, i, theta, v, most, work):
 @entry
 def certify_orbit(cam, machine, n, turns, whole, x, rates, flows, found, works):
     """The `Verdict` on a root x of the shooting equations; found: impact and phase it rests on."""
-    const, work = constants_of(machine, NO_CHATTER_MAP, 0), works[0]
+    const = constants_of(machine, NO_CHATTER_MAP, 0)
+    work = works[0]
     fill_crossings(cam, const, flows)
     for k in range(n):
-        found[IMPACT_AT], found[PHASE] = k, x[2 * k]
+        found[IMPACT_AT] = k
+        found[PHASE] = x[2 * k]
         if rates[k] >= 0.0:
             return PULLS
     for k in range(n):
@@ -83,7 +89,8 @@ def certify_orbit(cam, machine, n, turns, whole, x, rates, flows, found, works):
         code, theta, turn = next_contact(
             cam, const, flows, whole[2 * k], x[2 * k], x[2 * k + 1], later + 1, work
         )
-        found[IMPACT_AT], found[PHASE] = k, theta
+        found[IMPACT_AT] = k
+        found[PHASE] = theta
         if code == STUCK:
             return EARLY
         if code == LOST:

@@ -20,7 +20,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from camcli.kernel.arithmetic import INVERSE
-from camcli.kernel.cam_table import PIECE, TERMS, derivative, lift_at, piece_at
+from camcli.kernel.cam_table import LIFT, PIECE, SLOPE, TERMS, derivative, lift_at, piece_at
 from camcli.kernel.flow import flow
 from camcli.kernel.marks import inlined, outlined
 
@@ -118,9 +118,11 @@ def accel_bounds(cam, const, i, f, s, y1):
     slack = (2.0 * const.Z + const.W) * f.energy * 0.125 * s * s
     reach = abs(f.q2) + const.W * abs(f.w)
     drift = stretch.jerk_max * s
-    lowest, highest = max(min(f.q2, y1) - slack, -reach), min(max(f.q2, y1) + slack, reach)
+    lowest = max(min(f.q2, y1) - slack, -reach)
+    highest = min(max(f.q2, y1) + slack, reach)
     low = lowest - min(stretch.accel_max, f.c2 + drift)
-    return low, highest - max(stretch.accel_min, f.c2 - drift)
+    high = highest - max(stretch.accel_min, f.c2 - drift)
+    return low, high
 
 
 @inlined
@@ -266,7 +268,8 @@ def dip(cam, const, i, f, end, stop, g_end, u_end, work):
     positive slope means that the minimum was passed without contact.
     """
     s = 0.0
-    g, u = f.gap, f.rate
+    g = f.gap
+    u = f.rate
     for _ in range(MOST_REFINEMENTS):
         if u >= 0.0:
             return CLEAR, stop, g_end, u_end
@@ -317,35 +320,35 @@ def cam_fall(cam, i, theta, s):
     """(c(theta + s) - c(theta) - c_theta(theta) s, c_theta(theta + s) - c_theta(theta))."""
     if cam.stretches[i].dwell:
         return 0.0, 0.0
-    o = piece_at(cam, i, theta)
+    piece = piece_at(cam, i, theta)
     last = piece_at(cam, i, theta + s)
     width = 1.0 / cam.stretches[i].per_angle
-    x = theta - cam.pieces[o]
+    x = theta - cam.pieces[piece]
     left = s
     fall, slope = 0.0, 0.0
     while True:
-        step = left if o == last else min(left, max(0.5 * width - x, 0.0))
-        second, first = divided_differences(cam, o, x, step)
+        step = left if piece == last else min(left, max(0.5 * width - x, 0.0))
+        second, first = divided_differences(cam, piece, x, step)
         fall += step * (slope + step * second)
         slope += step * first
         left -= step
-        if o == last:
+        if piece == last:
             return fall, slope
-        x = x + step + cam.pieces[o] - cam.pieces[o + PIECE]
-        o += PIECE
+        x = x + step + cam.pieces[piece] - cam.pieces[piece + PIECE]
+        piece += PIECE
 
 
 @outlined
-def divided_differences(cam, o, x, step):
-    """(second of c, first of c_theta) between x and x + step from the centre of the piece at o."""
+def divided_differences(cam, piece, x, step):
+    """(second of c, first of c_theta) between x and x + step from the centre of a piece."""
     y = x + step
     once, twice, second = 0.0, 0.0, 0.0
     for j in range(TERMS - 1, 1, -1):
-        once = cam.pieces[o + 1 + j] + x * once
+        once = cam.pieces[piece + LIFT + j] + x * once
         twice = once + x * twice
         second = twice + y * second
     once, first = 0.0, 0.0
     for j in range(TERMS - 1, 0, -1):
-        once = cam.pieces[o + 1 + TERMS + j] + x * once
+        once = cam.pieces[piece + SLOPE + j] + x * once
         first = once + y * first
     return second, first

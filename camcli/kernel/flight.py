@@ -88,8 +88,8 @@ def _leave(cam, const, i, f, work):
     rest with jerk > 0, gap = accel s^2/2 + jerk s^3/6 + ... stays positive for s <= 2 jerk/K.
     """
     accel = max(f.q2 - f.c2, 0.0)
-    _t2, t3, t4, t5, t6 = taylor(cam, const, i, f.theta, f.q2, f.q3, f.c2)
-    t = (0.5 * accel, t3, t4, t5, t6)
+    _, t3, t4, t5, t6 = taylor(cam, const, i, f.theta, f.q2, f.q3, f.c2)
+    t = (0.5 * accel, t3, t4, t5, t6)  # the first one may be a rounding below zero
     jerk = 6.0 * t3
     snap = (2.0 * const.Z + const.W) * f.energy + cam.stretches[i].snap_max
     if jerk < 0.0 and (accel > 0.0 or f.rate > 0.0):
@@ -230,20 +230,20 @@ def leap(cam, const, flows, i, gap, rate, work):
     if -force - 2.0 * const.Z * w >= 0.0:
         return 0, gap, rate
     n = len(cam.stretches)
-    o = n * i
+    row = n * i  # of the table of flows: over one stretch, the next row over two, and so on
     most = (cam.strobe - i - 1) % n + 1
     skipped = 0
     x = q
     while skipped < most:
-        after = q + (w * flows[o].b - force * flows[o].p)
+        after = q + (w * flows[row].b - force * flows[row].p)
         if not after > cam.top:
             break
         x = after
-        o += 1
+        row += 1
         skipped += 1
     if skipped < 2:
         return 0, gap, rate
-    v = w * flows[o - 1].b1 - force * flows[o - 1].b
+    v = w * flows[row - 1].b1 - force * flows[row - 1].b
     j = i + skipped
     length = cam.stretches[j - 1].end if j <= n else TURN + cam.stretches[j - n - 1].end
     length -= cam.stretches[i].start
@@ -281,10 +281,13 @@ def chatter_map(const, hop, slope, curve, drift):
     r = const.r
     length = hop / (1.0 - r)
     z = const.Z * length
-    a1, a2 = slope * length, 0.5 * curve * length * length
-    f1, f2 = a1 + z, a2 + z * a1 + 0.5 * z * z
+    a1 = slope * length
+    a2 = 0.5 * curve * length * length
+    f1 = a1 + z  # f_n L^n, as the docstring names them
+    f2 = a2 + z * a1 + 0.5 * z * z
     d = const.D * hop * hop
-    e1, e2 = abs(f1), abs(f2)
+    e1 = abs(f1)
+    e2 = abs(f2)
     # exp(z) <= 4/3 in the range, over the terms of third order in exp(Z s) A(s)
     e3 = drift * length * length * length / 6.0 + z * (abs(a2) + z * (0.5 * abs(a1) + z / 6.0))
     e3 *= 4.0 / 3.0

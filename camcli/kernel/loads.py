@@ -105,7 +105,8 @@ def _rest_since_impact(load):
     """The follower rests; since the last event where that was an impact."""
     if load.struck == 1:
         regain(load, load.place)
-    load.still, load.struck = 1, 0
+    load.still = 1
+    load.struck = 0
 
 
 @inlined
@@ -128,7 +129,8 @@ def regain(load, place):
 @outlined
 def _rest(cam, const, theta, span, load):
     """The force over a rest of `span` rad from theta; one turn of it is all."""
-    left, i = min(span, TURN), stretch_at(cam, theta)
+    left = min(span, TURN)
+    i = stretch_at(cam, theta)
     while left > SLIVER:
         end = cam.stretches[i].end
         if end - theta > left:
@@ -152,8 +154,10 @@ def _press(cam, const, i, theta, end, load):
         step = min(step, end - theta)
         after = end if step == end - theta else theta + step
         force1, slope1, curve1 = _force(cam, const, i, after, load)
-        low, high = 0.5 * (curve + curve1 - third * step), 0.5 * (curve + curve1 + third * step)
-        down, up = min(low, 0.0), max(high, 0.0)
+        low = 0.5 * (curve + curve1 - third * step)
+        high = 0.5 * (curve + curve1 + third * step)
+        down = min(low, 0.0)
+        up = max(high, 0.0)
         bulge = 0.125 * step * step
         within = max(force, force1) - down * bulge <= load.max_force
         within = within and min(force, force1) - up * bulge >= load.min_force
@@ -202,7 +206,8 @@ def _force(cam, const, i, theta, load):
 def _fly(cam, const, theta, gap, rate, span, load):
     """The gap over a flight of `span` rad from (gap, rate) at theta."""
     load.airborne += span
-    i, left = stretch_at(cam, theta), span
+    i = stretch_at(cam, theta)
+    left = span
     flat = FLAT * min(span, 1.0)
     step = span
     while left > 0.0:
@@ -210,12 +215,14 @@ def _fly(cam, const, theta, gap, rate, span, load):
         step, gap, rate = _climb(cam, const, i, f, min(step, f.end, left), flat, load)
         left -= step
         if step < f.end:
-            theta, step = theta + step, 2.0 * step
+            theta += step
+            step *= 2.0
         else:
             i += 1
             if i == len(cam.stretches):
                 i = 0
-            theta, step = cam.stretches[i].start, left
+            theta = cam.stretches[i].start
+            step = left
             rate -= cam.stretches[i].slope_jump
 
 
@@ -233,7 +240,8 @@ def _climb(cam, const, i, f, step, flat, load):
         load.max_gap = max(load.max_gap, gap)
         low = 0.5 * (accel + accel1 - third * step)
         high = 0.5 * (accel + accel1 + third * step)
-        down, up = min(low, 0.0), max(high, 0.0)
+        down = min(low, 0.0)
+        up = max(high, 0.0)
         if max(f.gap, gap) - 0.125 * down * step * step <= load.max_gap:
             break
         if f.rate + down * step >= 0.0 or rate - up * step >= 0.0:

@@ -135,7 +135,8 @@ def run(cam, const, flows, state, plan, log, strobe, work):
             break
         steps += 1
         state.idle += 1
-        skipped, rested = 0, False
+        skipped = 0
+        rested = False  # True where the follower rests up to the end of the stretch
         if mode != FREE or gap == 0.0 or state.flown == 0:
             begin_flight(state, i, theta, gap, rate)
         state.flown += 1
@@ -182,8 +183,11 @@ def run(cam, const, flows, state, plan, log, strobe, work):
         if i == cam.strobe and mode == FREE and never_returns(cam, const, i, gap, rate):
             status = NO_RETURN
             break
-    state.theta, state.gap, state.gap_rate = theta, gap, rate
-    state.mode, state.stretch = mode, i
+    state.theta = theta
+    state.gap = gap
+    state.gap_rate = rate
+    state.mode = mode
+    state.stretch = i
     work.steps += steps
     return status
 
@@ -191,10 +195,16 @@ def run(cam, const, flows, state, plan, log, strobe, work):
 @inlined
 def begin_flight(state, i, theta, gap, rate):
     """Keep where a flight begins, for `landing`."""
-    state.flown, state.wraps = 0, 0
-    state.from_stretch, state.from_theta = i, theta
-    state.from_gap, state.from_rate, state.from_rest = gap, rate, state.rest
-    state.from_known, state.known, state.rest = state.known, 0, 0.0
+    state.flown = 0
+    state.wraps = 0
+    state.from_stretch = i
+    state.from_theta = theta
+    state.from_gap = gap
+    state.from_rate = rate
+    state.from_rest = state.rest
+    state.from_known = state.known
+    state.known = 0
+    state.rest = 0.0
 
 
 @inlined
@@ -218,7 +228,8 @@ def landing(cam, const, state, i, theta, rate, rest, code, work):
         return theta, rate
     if not state.from_known:
         level, gain, slope, bend, c2 = lift_parts(cam, state.from_stretch, state.from_theta)
-        state.level, state.gain = level, gain + (slope + bend) * state.from_rest
+        state.level = level
+        state.gain = gain + (slope + bend) * state.from_rest
         state.slope = slope + bend
         state.slope_rest = sum_rest(slope, bend, state.slope) + c2 * state.from_rest
     gain0 = state.gain + state.from_gap
@@ -256,13 +267,15 @@ def landing(cam, const, state, i, theta, rate, rest, code, work):
         if abs(step) <= CONVERGED:
             break
         theta = after
-    state.level, state.gain = level, gain + step * (c1 + 0.5 * step * c2)
+    state.level = level
+    state.gain = gain + step * (c1 + 0.5 * step * c2)
     part = step * (c2 + 0.5 * step * c3)
     state.slope = c1 + part
     state.slope_rest = sum_rest(c1, part, state.slope) + c1_rest
     u_rest -= rate - u  # and what the reset leaves out
     state.slope_rest -= product_rest(const.r, rate, const.r * rate) + const.r * u_rest
-    state.known, state.rest = 1, step - (after - theta)
+    state.known = 1
+    state.rest = step - (after - theta)
     return after, rate
 
 
@@ -274,7 +287,7 @@ def reset_map(const, u):
 
 @inlined
 def after_contact(cam, const, state, plan, log, i, theta, rate, mode, code):
-    """What follows the end of `fly`: (mode, theta, rate) .
+    """What follows the end of `fly`: (mode, theta, rate).
 
     A landing at the very end of a stretch is left to the next one, whose right-sided values rule.
     """
@@ -323,7 +336,8 @@ def detach(cam, state, plan, log, i, theta):
 @inlined
 def enter_stretch(cam, state, i, rate, mode):
     """Enter the next stretch: (i, theta, rate, mode); a jump of c_theta is a blow or a launch."""
-    state.idle, state.known = 0, 0
+    state.idle = 0
+    state.known = 0
     i += 1
     if i == len(cam.stretches):
         i = 0

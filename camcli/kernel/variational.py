@@ -98,7 +98,8 @@ def stretch_events(cam, const, kind, period, theta, u, pairs, growths):
 
     growths[k] is of the k-th of as many equal parts; what is left over belongs to the last.
     """
-    pair, size = pairs[0], len(kind) // len(growths)
+    pair = pairs[0]
+    size = len(kind) // len(growths)
     for n in range(len(kind)):
         growth = growths[min(n // size, len(growths) - 1) if size > 0 else 0]
         if kind[n] == CHATTER:
@@ -109,7 +110,9 @@ def stretch_events(cam, const, kind, period, theta, u, pairs, growths):
                 pair.qq, pair.qw, pair.wq, pair.ww = 1.0, 0.0, 0.0, 1.0
             else:
                 _carry(cam, const, theta[n], period[n], u[n], pair, growth)
-            pair.seen, pair.theta, pair.period = 1, theta[n], period[n]
+            pair.seen = 1
+            pair.theta = theta[n]
+            pair.period = period[n]
 
 
 @inlined
