@@ -99,3 +99,17 @@ def test_another_form_of_the_tables_replaces_the_one_before(cam, tmp_path):
             found = dict(np.load(tmp_path / "out/impacts.npz", allow_pickle=False))
     assert list(found) == list(text.dtype.names)
     assert all(found[column].tolist() == text[column].tolist() for column in found)
+
+
+def test_a_block_of_single_values_is_one_row():
+    """Beside blocks with as many rows as their columns, and with none."""
+    blocks = [(1.5, 2, "x"), (2.5, range(2), "y"), (3.5, [], "z"), (4.5, 5, np.array(["v", "w"]))]
+    table = Table(("a", "b", "c"), lambda: iter(blocks))
+    rows = [(1.5, 2, "x"), (2.5, 0, "y"), (2.5, 1, "y"), (4.5, 5, "v"), (4.5, 5, "w")]
+    assert table.rows == len(rows)
+    assert "".join(table.csv()).splitlines() == ["a,b,c", *(f"{a},{b},{c}" for a, b, c in rows)]
+    file = io.BytesIO()
+    table.npz(file)
+    found = np.load(io.BytesIO(file.getvalue()), allow_pickle=False)
+    for k, column in enumerate(table.columns):
+        assert [row[k] for row in rows] == table[column].tolist() == found[column].tolist()

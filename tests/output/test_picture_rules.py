@@ -1,0 +1,196 @@
+"""The rules by which a picture chooses its ranges, units, ticks, shades and names.
+
+Each has its cases just inside and just outside, with the answer worked out by hand.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace as Made
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from camcli.analysis.labels import Label
+from camcli.plots import style
+from camcli.plots.axes import (
+    axis_name,
+    draw_forces,
+    length_axis,
+    newtons,
+    one_of,
+    padded,
+    phase_range,
+    spread,
+    valued,
+)
+from camcli.plots.branch_lines import Strand, draw_real, pair
+from camcli.plots.orbits import _over_parameter
+from camcli.plots.sweep import enlarged_range
+
+
+@pytest.fixture
+def axes():
+    return Figure().add_subplot()
+
+
+@pytest.mark.parametrize(
+    ("values", "more", "wanted"),
+    [
+        ([], {}, (0.0, 1.0)),
+        ([2.0, 12.0], {}, (1.6, 12.4)),
+        ([-3.0, 7.0, 1.0], {}, (-3.4, 7.4)),
+        ([50.0, 50.0], {}, (45.0, 55.0)),
+        ([-50.0], {}, (-55.0, -45.0)),
+        ([50.0, 50.00004], {}, (45.0, 55.00004)),  # less than a millionth is no width
+        ([50.0, 50.0], {"constant": 2.0}, (48.0, 52.0)),
+        ([0.0], {}, (-1.0, 1.0)),
+        ([0.0], {"zero": 0.25}, (-0.25, 0.25)),
+    ],
+)
+def test_ranges_have_a_margin(values, more, wanted):
+    assert padded(values, **more) == pytest.approx(wanted, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "wanted"),
+    [
+        ([], (0.0, 360.0)),
+        ([100.0, 200.0], (96.0, 204.0)),
+        ([100.0, 211.0], (95.56, 215.44)),  # 119.88 wide with its margin
+        ([100.0, 211.2], (0.0, 360.0)),
+        ([1.0, 41.0], (0.0, 42.6)),
+        ([320.0, 359.0], (318.44, 360.0)),
+        ([30.0], (25.0, 35.0)),
+    ],
+)
+def test_phases_close_together_fill_a_panel(values, wanted):
+    assert phase_range(values) == pytest.approx(wanted)
+
+
+def cloud(low, high):
+    low, high = np.array(low, float), np.array(high, float)
+    return Made(extremes=lambda: np.array([*low, *high]), ends=lambda: (low, high))
+
+
+def test_phases_at_many_speeds_and_nowhere_else_are_enlarged():
+    """At two fifths of the speeds, within half of 120 deg."""
+    for many, wanted in ((16, (148.4, 191.6)), (15, None)):
+        low = [150.0] * many + [10.0] * (40 - many)
+        high = [190.0] * many + [350.0] * (40 - many)
+        found = enlarged_range(cloud(low, high))
+        assert found == (None if wanted is None else pytest.approx(wanted))
+    assert enlarged_range(cloud([], [])) is None
+    assert enlarged_range(cloud([150.0] * 9, [190.0] * 9)) is None  # the panel shows no more
+    apart = cloud([10.0] * 20 + [200.0] * 20, [60.0] * 20 + [250.0] * 20)
+    assert enlarged_range(apart) is None  # from 10 to 250 deg
+    wide = cloud([100.0] * 20 + [0.0] * 20, [160.5] * 20 + [350.0] * 20)
+    assert enlarged_range(wide) is None
+
+
+@pytest.mark.parametrize(
+    ("largest", "ticks"),
+    [
+        (4.0, None),
+        (40.0, [-10, -1, 0, 1, 10]),
+        (5e3, [-1e3, -1e2, -10, -1, 0, 1, 10, 1e2, 1e3]),
+        (2e7, [-1e6, -1e4, -1e2, -1, 0, 1, 1e2, 1e4, 1e6]),
+    ],
+)
+def test_large_multipliers_have_powers_of_ten_beside_the_axis(axes, largest, ticks):
+    draw_real(axes, [[Strand(True, [1.0, 2.0], [0.5 + 9e9j, -largest + 0j])]], ["#000000"])
+    if ticks is None:
+        assert axes.get_yscale() == "linear"
+        return
+    assert axes.get_yscale() == "asinh"
+    assert axes.get_yticks().tolist() == ticks
+    texts = [text.get_text() for text in axes.get_yticklabels()]
+    assert [float(text.replace("−", "-")) for text in texts] == ticks
+    assert axes.get_ylabel().endswith("(asinh scale)")
+
+
+def test_a_range_of_one_value_has_room(axes):
+    def limits(low, high):
+        scene = Made(study=Made(question=Made(span=None)), every=lambda of: np.array([low, high]),
+                     parameter="rpm", events=[])  # fmt: skip
+        _over_parameter(axes, scene, False)
+        return axes.get_xlim()
+
+    low, high = limits(700.0, 720.0)
+    assert 700.0 - low == pytest.approx(high - 720.0)
+    assert 0.0 < 700.0 - low < 2.0
+    assert limits(700.0, 700.0) == pytest.approx((693.0, 707.0))
+    assert limits(0.0, 0.0) == pytest.approx((-1.0, 1.0))
+
+
+def test_what_pulls_is_shaded_only_where_something_does(axes):
+    angle = np.linspace(0.0, 360.0, 5)
+
+    def drawn(*forces):
+        axes.clear()
+        draw_forces(axes, [Made(theta_deg=angle, force_n=force) for force in forces])
+        return [patch.get_height() for patch in axes.patches], axes.get_ylim()[0]
+
+    pressing, pulling = [0.0, 5.0, 9.0, 5.0, 0.0], [3.0, 5.0, -2.0, 5.0, 3.0]
+    shades, low = drawn(pressing)
+    assert shades == []
+    assert low < 0.0  # matplotlib's margin
+    for some in ((pulling,), (pressing, pulling)):
+        (shade,), low = drawn(*some)
+        assert shade == pytest.approx(-low)
+        assert low < -2.0
+
+
+def test_lengths_have_a_unit_that_suits_them(axes):
+    def unit(largest):
+        length_axis(axes.xaxis, "gap", largest)
+        axes.set_xlim(0.0, largest)
+        return axes.get_xlabel()
+
+    assert "(m)" in unit(0.02)
+    assert "(mm)" in unit(0.0199)
+    assert "(mm)" in unit(2e-5)
+    assert "(µm)" in unit(1.99e-5)
+
+
+def test_names_beside_an_axis_stand_apart():
+    assert spread([1.0, 5.0, 9.0], 2.0, 0.0, 10.0) == [1.0, 5.0, 9.0]
+    assert spread([4.0, 5.0, 6.0], 2.0, 0.0, 10.0) == [3.0, 5.0, 7.0]
+    assert spread([1.0, 5.0, 5.0], 2.0, 0.0, 10.0) == [1.0, 4.0, 6.0]
+    assert spread([0.0, 0.5, 9.9, 10.0], 2.0, 0.0, 10.0) == pytest.approx([0.0, 2.0, 8.0, 10.0])
+    assert spread([5.0] * 3, 99.0, 0.0, 10.0) == [0.0, 5.0, 10.0]  # no room for so much
+    assert spread([], 2.0, 0.0, 10.0) == []
+
+
+def test_names_and_numbers():
+    assert axis_name("rpm") == axis_name("run.rpm") == "cam speed (rpm)"
+    assert axis_name("follower.restitution") == "coefficient of restitution (-)"
+    assert axis_name("follower.mass") == "mass (kg)"
+    assert axis_name("cam.lift") == "cam.lift"
+    assert axis_name("cam.mass") == "cam.mass"
+    assert valued("rpm", "700") == "700 rpm"
+    assert valued("follower.restitution", "0.8") == "coefficient of restitution 0.8"
+    assert valued("follower.mass", "2", 700.5) == "mass 2 kg at 700.5 rpm"
+    assert [one_of(key) for key in ("run.rpm", "follower.mass")] == ["speed", "value"]
+    assert [newtons(x, 4) for x in (12.3456, -0.5, -1e-9)] == ["12.35 N", "−0.5 N", "0 N"]
+    assert pair(1.0, 0.25) == "0.5"
+    assert pair(-2.5, 1.0) == "−2, −0.5"
+    assert pair(0.6, 0.25) == "0.3 ± 0.4i"
+    assert style.number(-198.56) == "−198.56"
+    assert style.motion("P(1;inf)") == "P(1;∞)"
+    assert style.motion("P(3;3:3:2)", 10) == "P(3;3:3:2)"
+    assert style.motion("P(3;3:3:2)", 9) == "P(3;3:3…)"
+    assert style.corner_names([90.0, 10.0, 50.0]) == {"a": 10.0, "b": 50.0, "c": 90.0}
+
+
+def test_shades():
+    assert style.mixed("#000000", 0.25) == "#404040"
+    assert style.mixed("#FF0000", 0.5, "black") == "#800000"
+    red, blue = "#FF0000", "#0000FF"
+    found = style.apart([red, blue, red, red, blue])
+    assert found[:2] == [red, blue]
+    assert len(set(found)) == 5
+    assert found[2] == style.mixed(red, 0.45)
+    assert found[4] == style.mixed(blue, 0.45)
+    assert style.label_colour(Label((1.0,) * 4)) == style.PERIODS[3]
+    assert style.label_colour(Label((1.0,) * 5)) == style.LONGER
