@@ -16,6 +16,8 @@ from camcli.analysis.contact_loss.hold import Need, Obstacle, hold_to, replaced
 from camcli.analysis.integrate import Orbit
 from camcli.cams.compile import Part
 from camcli.kernel.cam_table import lift_at, stretch_at
+from camcli.output.verdict import verdict
+from camcli.scene import load_scene
 from camcli.system import Follower, System, omega_of
 from tests.conftest import chapter_system, settings
 
@@ -287,3 +289,16 @@ def test_the_lowest_value_lies_inside_where_it_is_lower_by_more_than_rounding():
     )
     assert place == pytest.approx(0.37, abs=1e-6)
     assert value == 1 - 1e-10
+
+
+@pytest.mark.parametrize(
+    ("system", "why"),
+    [
+        (roof(), "the cam's slope drops at 180 deg"),
+        (roof(preload=-200.0), "the cam's slope drops at 180 deg"),  # nor does the spring press
+        (dwell(-0.1), "the spring does not press even at standstill at 0 deg"),
+    ],
+)
+def test_a_verdict_names_the_first_reason_for_which_contact_is_always_lost(system, why):
+    result = SimpleNamespace(command="detach", scene=load_scene(None), system=system)
+    assert verdict(result, None) == [f"Contact is lost at every speed: {why}."]

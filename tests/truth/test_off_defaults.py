@@ -259,3 +259,28 @@ def test_many_points(points, tmp_path):
                 np.testing.assert_array_equal(whole.tables[name][column][mine], own[column])
     whole.save(tmp_path)
     assert (tmp_path / "sweep.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(("asked", "leave"), [(0, 0), (1, 1), (9, 1)])
+def test_so_many_branches_leave_beside_those_that_were_found(asked, leave):
+    """Two orbits are found, and one of them doubles its period at 739.32 rpm."""
+    values = {
+        "orbits.rpm": {"start": 730.0, "stop": 760.0, "num": 16}, "orbits.at": 735.0,
+        "orbits.branches": asked, "orbits.starts": 4,
+    }  # fmt: skip
+    branches = camcli.orbits(camcli.load_scene(None, values)).summary["branches"]
+    assert [one["origin"] for one in branches] == ["found"] * 2 + ["period-doubling"] * leave
+
+
+def test_undecided_cells_are_those_of_all_speeds():
+    rpm = {"start": 358.0, "stop": 359.0, "num": 2}
+    values = {"basins.rpm": rpm, "basins.cells": [8, 6], "basins.budget": 6}
+    result = camcli.basins(camcli.load_scene(None, values))
+    open_ = [
+        round(sum(result.tables["basins"]["attractor"][result.tables["basins"]["rpm"] == x] == 0))
+        for x in (358.0, 359.0)
+    ]
+    assert min(open_) > 0
+    assert result.notes[-1].startswith(
+        f"undecided: {sum(open_)} of 96 cells met no attractor within 6 turns; "
+    )
