@@ -255,14 +255,22 @@ def _watch_ends(
 
 
 def _unwatched(ranked: Sequence[_Row], rows: Sequence[Speed]) -> list[_Row]:
-    """The rows to be watched next, in the order of their values, see `_watch_ends`."""
+    """The rows to be watched next, in the order of their values, see `_watch_ends`.
+
+    Chaos that may come to a rest does so at some speeds within the record and at others later, by
+    chance: a row that rested is no end of the range that it stands in.
+    """
 
     def aperiodic(row: _Row) -> bool:
         return rows[row.at].label == APERIODIC
 
+    def in_chaos(row: _Row) -> bool:
+        rested = rows[row.at].label == UNDECIDED or bool(rows[row.at].holds_for)
+        return row.watched or rested or aperiodic(row)
+
     found: dict[int, _Row] = {}
-    for of_range, members in groupby(ranked, lambda row: row.watched or aperiodic(row)):
-        inwards = list(members) if of_range else []
+    for of_range, members in groupby(ranked, in_chaos):
+        inwards = [row for row in members if row.watched or aperiodic(row)] if of_range else []
         for way in (inwards, inwards[::-1]):
             stay = 0  # in a row, or still to be seen
             for row in way:

@@ -144,3 +144,13 @@ def test_basins_take_up_what_a_chaotic_transient_ends_on(chapter):
     finder = AttractorFinder(CellBatches(chapter, 682.25, RUN), 4000)
     assert finder._recognise(0.0, 0.0, 2)
     assert [one.label for one in finder.attractors] == ["P(1;1)"]
+
+
+def test_a_rest_by_chance_is_no_end_of_a_chaotic_range():
+    """At 665.25 and 667.25 rpm the record happens to hold a rest; the chaos goes on beyond both."""
+    values = {"sweep.rpm.start": 660.0, "sweep.rpm.stop": 682.0, "sweep.rpm.num": 89}
+    speeds = camcli.sweep(load_scene(None, values)).tables["speeds"]
+    recorded = RUN.transient + RUN.record
+    followed = speeds["rpm"][speeds["watched_turns"] > recorded]
+    assert followed.tolist() == [660.0, 660.25, 665.25, 667.25, 681.75, 682.0]
+    assert set(speeds["label"]) <= {APERIODIC, UNDECIDED}
