@@ -120,9 +120,11 @@ def orbits(
     (2008).
     """
     machine = machine_of(scene)
-    scene, system, simulated = machine.scene, machine.system, None
+    scene, system = machine.scene, machine.system
+    simulated = None
     asked = _spelt_out(scene)
-    section, question = asked.orbits, _question(asked)
+    section = asked.orbits
+    question = _question(asked)
     keys = {_constant(axis): axis.key for axis in section.vary}
     with stopwatch() as watch, gathering() as faults:
         tick = ticks(progress, "branches", question.branches + 2)
@@ -198,19 +200,23 @@ def _notes(found: OrbitsResult) -> list[str]:
 
 
 def _spelt_out(scene: Scene) -> Scene:
-    """`orbits.vary` as rpm, parameter and range, and of a curve curve_in and curve_range.
+    """The scene with `orbits.vary` written out as the keys that `_question` reads.
 
-    The first number varies along a branch, the second one is that of a curve; one alone beside a
-    curve is its second one. Raises SceneError for a number that a branch cannot vary.
+    The first axis is what varies along a branch: parameter, range and rpm. The second axis is the
+    second parameter of a curve: curve_in and curve_range. Where a curve is asked for with a single
+    axis, and that axis is not the speed, it is the second parameter: the branches vary the speed.
+    Raises SceneError for a number that a branch cannot vary.
     """
-    section, axes = scene.orbits, list(scene.orbits.vary)
+    section = scene.orbits
+    axes = list(section.vary)
     for axis in axes:
         if _constant(axis) not in ("rpm", *UNITS):
             expected = f"rpm or a constant of the follower: {', '.join(UNITS)}"
             cure = "cam sweep and cam classify vary any number"
             raise _refusal("vary", f"found {axis.key}", expected, cure)
     if section.curve is None and len(axes) > 1:
-        found, cure = f"found {axes[0].key} and {axes[1].key}", "leave one out, or add --curve KIND"
+        found = f"found {axes[0].key} and {axes[1].key}"
+        cure = "leave one out, or add --curve KIND"
         raise _refusal("vary", found, "one number along a branch", cure)
     changed: dict[str, Any] = {}
     if section.curve is not None and axes and (len(axes) > 1 or _constant(axes[0]) != "rpm"):
@@ -220,7 +226,10 @@ def _spelt_out(scene: Scene) -> Scene:
     for axis in axes:
         changed["parameter"] = _constant(axis)
         changed["range"] = tuple(sorted((axis.start, axis.stop)))
-        low, high = changed["range"] if axis.path == "run.rpm" else (scene.run.rpm,) * 2
+        if axis.path == "run.rpm":
+            low, high = changed["range"]
+        else:  # the orbits are looked for at the scene's speed
+            low = high = scene.run.rpm
         ends = {"start": low, "stop": high, "num": axis.num}
         changed["rpm"] = section.rpm.model_copy(update=ends)
     return with_values(scene, "orbits", **changed)
@@ -232,7 +241,10 @@ def _constant(axis: Axis) -> str:
 
 
 def _question(scene: Scene) -> Question:
-    section, parameter, curve = scene.orbits, scene.orbits.parameter, scene.orbits.curve
+    """What the section `orbits` asks; raises SceneError where it contradicts itself."""
+    section = scene.orbits
+    parameter = section.parameter
+    curve = section.curve
     low, high = sorted((section.rpm.start, section.rpm.stop))
     at = section.at
     if at is None:
@@ -254,12 +266,14 @@ def _question(scene: Scene) -> Question:
     if curve is not None:
         second = section.curve_in
         if second in (parameter, "rpm"):
-            found, cure = f"found {second} as the second parameter", f"another one than {parameter}"
+            found = f"found {second} as the second parameter"
+            cure = f"another one than {parameter}"
             raise _refusal("curve_in", found, "a constant of the follower", cure)
         if low == high:
             raise _refusal("rpm", "found one speed", "a range for a curve", "give --rpm LO:HI")
-        own = section.curve_range is not None or parameter != "rpm"
-        ranges = (low, high), _range(scene, second, "curve_range" if own else "range")
+        # `range` is that of the second parameter where the first one is the speed
+        key = "range" if section.curve_range is None and parameter == "rpm" else "curve_range"
+        ranges = (low, high), _range(scene, second, key)
         num = section.vary[1].num if len(section.vary) > 1 else section.rpm.num
         plane = Plane((parameter, second), ranges, max(2, num // 4))
     return Question(
@@ -277,15 +291,18 @@ def _question(scene: Scene) -> Question:
 
 def _simulated(machine: Machine, question: Question, count: int) -> Sweep:
     """Motions from the scene's start over the range of the parameter."""
-    span, system, key = question.span, machine.system, question.parameter
+    span = question.span
     assert span is not None
+    system = machine.system
+    key = question.parameter
 
     def setup(value: float) -> Setup:
         return system.with_follower(**{key: value}), question.rpm, machine.settings
 
     values = rpm_grid(span.low, span.high, count)
-    own = None if key == "rpm" else setup
-    return sweep(system, values, machine.settings, key=key, setup=own)
+    if key == "rpm":
+        return sweep(system, values, machine.settings, key=key)
+    return sweep(system, values, machine.settings, key=key, setup=setup)
 
 
 def _refusal(key: str, found: str, expected: str, cure: str) -> SceneError:
@@ -297,11 +314,12 @@ def _range(scene: Scene, name: str, key: str) -> tuple[float, float]:
 
     Raises SceneError for a range without this value, and for constants that no follower has.
     """
-    value, given = getattr(scene.follower, name), getattr(scene.orbits, key)
+    value = getattr(scene.follower, name)
+    given = getattr(scene.orbits, key)
     if given is None:
         if value == 0.0:
-            found, cure = f"found no range for {name}, which is 0", "give one, e.g. --range 0:2"
-            raise _refusal(key, found, "LO:HI", cure)
+            found = f"found no range for {name}, which is 0"
+            raise _refusal(key, found, "LO:HI", "give one, e.g. --range 0:2")
         low, high = sorted((value * (1.0 - AROUND), value * (1.0 + AROUND)))
         return low, min(high, 1.0) if name == "restitution" else high
     low, high = given
@@ -321,10 +339,15 @@ def _range(scene: Scene, name: str, key: str) -> tuple[float, float]:
 
 
 def _columns(parameter: str, keys: Keys) -> tuple[list[str], list[str]]:
-    """The columns of another parameter than rpm, before and after the others: its key, its unit."""
+    """(first, last): the column of a parameter that is not rpm, which has a column of its own.
+
+    It is the first one, under its key, where `vary` names the parameter, else the last one.
+    """
     if parameter == "rpm":
         return [], []
-    return ([keys[parameter]], []) if parameter in keys else ([], [UNITS[parameter]])
+    if parameter in keys:
+        return [keys[parameter]], []
+    return [], [UNITS[parameter]]
 
 
 def _branch_table(found: OrbitsResult, keys: Keys) -> Table:
@@ -346,7 +369,8 @@ def _branch_table(found: OrbitsResult, keys: Keys) -> Table:
 
     def row(number: int, orbit: PeriodicOrbit, more: list) -> list:
         q, w = orbit.states[0]
-        thetas, omega = [theta * DEG for theta in orbit.theta], omega_of(orbit.rpm)
+        thetas = [theta * DEG for theta in orbit.theta]
+        omega = omega_of(orbit.rpm)
         us = [u * omega for u in orbit.rates]
         return [
             *(orbit.value for _ in first), number, orbit.label, orbit.rpm, int(orbit.stable),
@@ -371,51 +395,62 @@ def _yes(proof: Proof) -> str:
 
 
 def _bifurcations_table(found: OrbitsResult, keys: Keys) -> Table:
-    """Another parameter than rpm has its value and, at the end, its error, proofs an enclosure."""
+    """The events, a row each.
+
+    A parameter that is not rpm has its own column of values and, at the end, of errors. Where there
+    are proofs, each row ends with the proof and its enclosure of the parameter.
+    """
     first, last = _columns(found.question.parameter, keys)
     columns = [*first, *BIFURCATIONS, *last, *(f"{name}_error" for name in (*first, *last))]
     rows = [bifurcation_row(b, found.question.parameter) for b in found.bifurcations]
-    if first:
-        rows = [[row[-2], *row[:-2], row[-1]] for row in rows]
+    if first:  # `vary` names the parameter: its value goes to the front
+        rows = [[value, *row, error] for *row, value, error in rows]
     if found.proofs is not None:
         columns += ["proved", "enclosure_low", "enclosure_high"]
-        at = columns.index([*first, *last, "rpm"][0])
-        for row, p in zip(rows, found.proofs.events, strict=True):
-            if p.proved and p.low is not None and p.high is not None:
-                row[at] = min(max(row[at], p.low), p.high)  # doubles may be an ulp beside it
-            row += [_yes(p), p.low, p.high]
+        parameter = columns.index([*first, *last, "rpm"][0])
+        for row, proof in zip(rows, found.proofs.events, strict=True):
+            if proof.proved and proof.low is not None and proof.high is not None:
+                # the double may lie an ulp beside the enclosure
+                row[parameter] = min(max(row[parameter], proof.low), proof.high)
+            row += [_yes(proof), proof.low, proof.high]
     return Table.of_rows(columns, lambda: rows)
 
 
 def _curve_table(curves: list[Curve], section: Orbits, keys: Keys) -> Table:
-    """A bifurcation in two parameters, a row per point."""
+    """Bifurcations in two parameters, a row per point of each curve.
+
+    A point of a smooth kind has no sides: the orbit's own trace and determinant stand for both.
+    """
     names = {"rpm": "rpm", **UNITS, **keys}
 
     def rows() -> Iterator[tuple]:
-        for number, one in enumerate(curves, 1):
-            for point in one.points:
-                own = (point.orbit.trace, point.orbit.det)
-                theta = ":".join(repr(x * DEG) for x in point.orbit.theta)
-                at = (number, one.kind, one.label, one.corner, point.first, point.second)
-                yield (*at, theta, *(point.left or own), *(point.right or own))
+        for number, curve in enumerate(curves, 1):
+            named = (number, curve.kind, curve.label, curve.corner)
+            for point in curve.points:
+                orbit = (point.orbit.trace, point.orbit.det)
+                thetas = ":".join(repr(theta * DEG) for theta in point.orbit.theta)
+                left = point.left or orbit
+                right = point.right or orbit
+                yield (*named, point.first, point.second, thetas, *left, *right)
 
-    both = names[section.parameter], names[section.curve_in]
-    columns = ("curve", "kind", "label", "corner", *both, *CURVE)
+    first, second = names[section.parameter], names[section.curve_in]
+    columns = ("curve", "kind", "label", "corner", first, second, *CURVE)
     return Table.of_rows(columns, rows)
 
 
 def remarks(result: OrbitsResult) -> list[str]:
     """Sentences: absent labels, virtual orbits, corner impacts, what is impossible."""
-    said, absent = [], result.absent
+    said = []
+    absent = result.absent
     if absent is not None:
         text = f"{result.question.label} was not found at {absent.rpm:.10g} rpm"
         if absent.nearest is None:
             between = f"{absent.low:.10g} to {absent.high:.10g} rpm"
             said.append(f"{text}, nor at 24 speeds from {between}")
         else:
-            speed, cause = absent.nearest[0], absent.nearest[1].replace("-", " ")
+            speed, cause = absent.nearest
             nearest = f"the nearest speed at which it was found is {speed:.13g} rpm"
-            said.append(f"{text}; {nearest} ({cause})")
+            said.append(f"{text}; {nearest} ({cause.replace('-', ' ')})")
     elif not result.orbits and not result.continua:
         said.append(f"no periodic orbit found at {result.question.rpm:.10g} rpm")
     said += [
@@ -479,7 +514,8 @@ def _proved(result: OrbitsResult) -> Iterator[str]:
         done = sum(p.proved for p in points)
         yield f"proved: {done} of the {len(points)} points of branch {branch.number}"
     for one in proofs.ranges:
-        state, of = "stable" if one.stable else "unstable", f"branch {one.branch}"
+        state = "stable" if one.stable else "unstable"
+        of = f"branch {one.branch}"
         if one.failed_step is not None:
             yield (
                 f"not proved: {one.label} for all {name} from {one.low} to {one.high} ({of}): "
