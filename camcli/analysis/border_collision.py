@@ -263,17 +263,20 @@ def _word(form: NormalForm, x: float, y: float, limit: float) -> tuple[str, Pred
 
 def _exponent(form: NormalForm, x: float, y: float, limit: float) -> tuple[float, float, Point]:
     """Mean growth of the log of a tangent per step, its standard error, and the last point."""
-    rates, u, v = [], 1.0, 0.0
+    rates = []
+    u, v = 1.0, 0.0  # the tangent, of length 1 at each renormalization
     for _ in range(BLOCKS):
         total = 0.0
         for k, after in enumerate(form.run(x, y, BLOCK, limit), 1):
             side = form.left if x <= 0.0 else form.right
-            u, v, (x, y) = side.trace * u + v, -side.det * u, after
+            u, v = side.trace * u + v, -side.det * u
+            x, y = after
             if k % RENORM == 0:
                 size = size_of(u, v)
                 if size == 0.0:
                     return -inf, 0.0, (x, y)
-                total, u, v = total + log(size), u / size, v / size
+                total += log(size)
+                u, v = u / size, v / size
         rates.append(total / BLOCK)
         if not abs(x) < limit:
             break

@@ -86,9 +86,10 @@ def forgets_too_much(record: Record) -> bool:
 def named_on(
     orbit: Orbit, rpm: float, record: Record, measured: bool = False
 ) -> tuple[str, Exponents | None, Record]:
-    """`identify.named` of a record, made longer where it is too short to name anything.
+    """(label, exponents, record): what a motion is called, and the record that this was told by.
 
-    The last value is the record that was named: that one, or the turns after it.
+    orbit: at the end of the record. A record that is too short to name anything is put aside: the
+    turns after it are named in its place. measured: see `identify.named`.
     """
     name, exponents = named(orbit.system, rpm, record, measured)
     short = record.periods < FEWEST_TURNS and record.status == Status.OK

@@ -296,7 +296,10 @@ def _at_an_edge(cuts: Sequence[Cut], strobe: float) -> float:
 
 
 def _around(part: Part, strobe: float) -> list[float]:
-    """The strobe, between the ends of the piece that holds it where a part brings its pieces."""
+    """The strobe as a cut within the part, and with it the ends of the piece that it divides.
+
+    A part that brings no pieces of its own, or whose piece ends at the strobe, needs the cut alone.
+    """
     edges = part.edges()
     if not part.pieces or strobe in edges:
         return [strobe]

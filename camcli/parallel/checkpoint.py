@@ -149,7 +149,10 @@ class Checkpoint:
         self._waiting_bytes = 0
 
     def close(self) -> None:
-        """Write what waits, and end: a thread at work puts nothing more. An empty file goes."""
+        """Write what waits, and close the file; it is removed where it holds nothing.
+
+        A thread that is still at work puts nothing more.
+        """
         with held(), self._lock:
             try:
                 if not self._file.closed:

@@ -83,9 +83,9 @@ class Work:
     failed: bool = False
 
     def within(self, name: str) -> Work:
-        """The same, with a count of calls of its own: what is asked there is called `name`.
+        """The same work with a count of calls of its own, whose pieces are stored under `name`.
 
-        What is asked in one such place depends on no other one.
+        So the pieces asked for in one place keep their numbers whatever is asked in another one.
         """
         return replace(self, place=f"{self.place}{name}/", calls=0)
 

@@ -128,7 +128,11 @@ def steps(
 def _corrected(
     shooter: Shooter, root: Root, unit: np.ndarray, metric: Metric, length: float, span: Span
 ) -> Step | None:
-    """Predictor and corrector; at the end of the range with a fixed parameter."""
+    """One step of predictor and corrector, `length` along the unit tangent; None where it fails.
+
+    The corrector keeps the distance from the root along the tangent. Where the predictor leaves the
+    range, the step is cut at the range's bound, and the corrector keeps the parameter there.
+    """
     guess = root.x + length * unit
     end = float(guess[-1])
     if span.holds(end):
