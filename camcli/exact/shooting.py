@@ -150,37 +150,42 @@ class Shooting:
         found = []
         for k in range(self.n):
             j = (k + 1) % self.n
-            v, r = x[2 * k + 1], machine.r
+            v = x[2 * k + 1]
+            r = machine.r
             c, c1, c2 = self.lift(self.places[k], x[2 * k])
-            d, d1, d2 = self.lift(self.places[j], x[2 * j])
+            end_c, end_c1, end_c2 = self.lift(self.places[j], x[2 * j])
             b, b1, p = machine.flow(self.span(x, k))
-            w, pull = c1 + v, machine.G + machine.W2 * c
-            q, after = c + w * b - pull * p, w * b1 - pull * b
-            begins = -(pull + 2 * machine.Z * w) - c2
-            ends = -(machine.G + machine.W2 * q + 2 * machine.Z * after) - d2
+            w = c1 + v
+            pull = machine.G + machine.W2 * c
+            end_q = c + w * b - pull * p
+            end_w = w * b1 - pull * b
+            accel = -(pull + 2 * machine.Z * w) - c2
+            end_accel = -(machine.G + machine.W2 * end_q + 2 * machine.Z * end_w) - end_c2
             start = (
-                -(v * (1 - machine.W2 * p) + b * begins), b,
-                r * (machine.W2 * b * v - b1 * begins), r * b1,
+                -(v * (1 - machine.W2 * p) + b * accel), b,
+                r * (machine.W2 * b * v - b1 * accel), r * b1,
             )  # fmt: skip
-            found.append(Flight(q - d, after - d1, start, ends))
+            found.append(Flight(end_q - end_c, end_w - end_c1, start, end_accel))
         return found
 
     def equations(self, z: Sequence[arb]) -> tuple[arb_mat, arb_mat]:
         """(E, E') at the unknowns z = x, p: (2 n, 1) and (2 n, 2 n + 1)."""
-        n, p = self.n, arb_series([z[-1], 1], 2)
-        machine = self.machine(p)
+        n = self.n
+        machine = self.machine(arb_series([z[-1], 1], 2))
         r = head(machine.r)
         values = [[arb(0)] for _ in range(2 * n)]
         rows = [[arb(0)] * (2 * n + 1) for _ in range(2 * n)]
         for k, flight in enumerate(self.flights(machine, z[:-1])):
             j = (k + 1) % n
             bounce = machine.r * flight.rate + z[2 * j + 1]
-            values[2 * k][0], values[2 * k + 1][0] = head(flight.gap), head(bounce)
-            rows[2 * k][-1], rows[2 * k + 1][-1] = slope(flight.gap), slope(bounce)
             end = flight.rate, arb(0), r * head(flight.accel), arb(1)
-            for column, block in ((2 * k, flight.start), (2 * j, end)):
-                for i in range(4):
-                    rows[2 * k + i // 2][column + i % 2] += head(block[i])
+            for i, equation in enumerate((flight.gap, bounce)):
+                row = rows[2 * k + i]
+                values[2 * k + i][0] = head(equation)
+                row[-1] = slope(equation)
+                for column, block in ((2 * k, flight.start), (2 * j, end)):
+                    row[column] += head(block[2 * i])
+                    row[column + 1] += head(block[2 * i + 1])
         return arb_mat(values), arb_mat(rows)
 
     def box(self, guess: Sequence[arb], fixed: int, half: arb | int = 0) -> Box:
@@ -194,7 +199,13 @@ class Shooting:
             raise NotProvedError(Step.SINGULAR) from None
 
     def _krawczyk(self, z: list[arb], fixed: int, half: arb) -> Box:
-        free, small = [k for k in range(len(z)) if k != fixed], arb(2) ** (16 - ctx.prec)
+        """`box` from a guess that is exact numbers: Newton's method, then Krawczyk's operator.
+
+        The operator maps a box about the root into itself where it holds exactly one; the box is
+        widened until it does.
+        """
+        free = [k for k in range(len(z)) if k != fixed]
+        small = arb(2) ** (16 - ctx.prec)
         for _ in range(NEWTON):
             value, slopes = self.equations(z)
             inverse = _columns(slopes, free).mid().inv().mid()
@@ -205,7 +216,8 @@ class Shooting:
             if all(s.contains(0) or abs(s) < (1 + abs(z[k])) * small for k, s in pairs):
                 break
         value, slopes = self.equations(z)
-        off, eta = inverse * value, arb(0, half)
+        off = inverse * value
+        eta = arb(0, half)
         one = arb_mat(len(free), len(free), [int(i == j) for i in free for j in free])
         tangent = (inverse * _columns(slopes, [fixed])).mid().entries()
         leaning = [arb(0)] * len(z)
@@ -249,7 +261,7 @@ class Shooting:
         The test is taken along the branch, over its given unknown; its slope keeps its sign on all
         of the reach, so that the zero is simple: the interval Newton method shows both.
         """
-        box, step = self.box(guess, fixed), arb(1)
+        box = self.box(guess, fixed)
         for _ in range(NEWTON):
             value = test(self.along(box.hull(), fixed))
             step = (head(value) / slope(value)).mid()
@@ -272,16 +284,16 @@ class Shooting:
     def trace_det(self, z: Sequence[Number]) -> tuple[Number, Number]:
         """Trace and determinant of the stroboscopic map over one period."""
         machine = self.machine(z[-1])
-        a, b, c, d = arb(1), arb(0), arb(0), arb(1)
+        a, b, c, d = arb(1), arb(0), arb(0), arb(1)  # the product [[a, b], [c, d]] so far
         det = (-2 * machine.Z * machine.turn * self.turns).exp()
         for flight in self.flights(machine, z[:-1]):
-            f = [-x / flight.rate for x in flight.start[:2]]
-            g = [
-                -x - machine.r * flight.accel * y for x, y in zip(flight.start[2:], f, strict=True)
-            ]
-            a, b, c, d = (
-                f[0] * a + f[1] * c, f[0] * b + f[1] * d, g[0] * a + g[1] * c, g[0] * b + g[1] * d,
-            )  # fmt: skip
+            by_theta1, by_v1, by_theta2, by_v2 = flight.start
+            theta_theta = -by_theta1 / flight.rate
+            theta_v = -by_v1 / flight.rate
+            v_theta = -by_theta2 - machine.r * flight.accel * theta_theta
+            v_v = -by_v2 - machine.r * flight.accel * theta_v
+            a, c = theta_theta * a + theta_v * c, v_theta * a + v_v * c
+            b, d = theta_theta * b + theta_v * d, v_theta * b + v_v * d
             det = det * machine.r * machine.r
         return a + d, det
 
@@ -300,7 +312,8 @@ class Shooting:
         """
         machine = self.machine(hull[-1])
         for k in range(self.n):
-            theta, stretch = hull[2 * k], self.stretches[self.places[k][0]]
+            theta = hull[2 * k]
+            stretch = self.stretches[self.places[k][0]]
             inside = stretch.start < theta and theta < stretch.end
             if not inside and k not in ends:
                 outside = theta < stretch.start or theta > stretch.end
@@ -316,7 +329,8 @@ class Shooting:
     def gap(self, machine: Machine, z: Sequence[Number], k: int, place: Place) -> Gap:
         """s -> gap to a stretch after s rad of flight k, and its derivatives up to the second."""
         c, c1, _ = self.lift(self.places[k], z[2 * k])
-        w, turns = c1 + z[2 * k + 1], self.places[k][1] - place[1]
+        w = c1 + z[2 * k + 1]
+        turns = self.places[k][1] - place[1]
 
         def gap(s: Number) -> list[Number]:
             cam = self.lift(place, z[2 * k] + s + machine.turn * turns)
@@ -328,23 +342,31 @@ class Shooting:
         self, machine: Machine, x: Sequence[arb], k: int, touch: arb | None, fading: int | None
     ) -> None:
         """Show that the gap is above zero during flight k, or raise; a touch is passed over."""
-        convex = k == fading, (k + 1) % self.n == fading  # at its ends, instead of rising, falling
-        whole, (i, turn) = self.span(x, k), self.places[(k + 1) % self.n]
-        last = i, turn + (self.turns if k == self.n - 1 else 0)
-        place, low = self.places[k], arb(0)
+        following = (k + 1) % self.n
+        whole = self.span(x, k)
+        last_stretch, turn = self.places[following]
+        last = last_stretch, turn + (self.turns if k == self.n - 1 else 0)
+        place = self.places[k]
+        low = arb(0)  # up to here the gap is above zero
 
         def rises(at: Place) -> Callable[[arb], bool]:
-            return lambda s: self.gap(machine, x, k, at)(arb(0).union(s))[1 + convex[0]] > 0
+            """Whether the gap rises over the first s rad; of no rate at the start: is convex."""
+            order = 2 if k == fading else 1
+            return lambda s: self.gap(machine, x, k, at)(arb(0).union(s))[order] > 0
 
         def falls(at: Place, end: arb) -> Callable[[arb], bool]:
-            slope, sign = (2, 1) if convex[1] else (1, -1)
-            return lambda s: sign * self.gap(machine, x, k, at)((end - s).union(end))[slope] > 0
+            """Whether the gap falls over s rad up to `end`; of no rate there: is convex."""
+            if following == fading:
+                return lambda s: self.gap(machine, x, k, at)((end - s).union(end))[2] > 0
+            return lambda s: self.gap(machine, x, k, at)((end - s).union(end))[1] < 0
 
         for _ in range(MOST_STRETCHES):
-            end, begun = self._end(place, k) - x[2 * k], [place]
+            end = self._end(place, k) - x[2 * k]
+            begun = [place]
             if low == 0 and not end > 0:  # from the end of a stretch: off both its sides
                 place = self._next(place)
-                end, begun = self._end(place, k) - x[2 * k], [*begun, place]
+                end = self._end(place, k) - x[2 * k]
+                begun.append(place)
             if low == 0:
                 low = min(end.lower(), (whole / 2).lower()).mid()
                 for at in begun:
@@ -362,13 +384,15 @@ class Shooting:
                     raise UndecidedError
                 return _positive(gap, low, end - back)
             _positive(gap, low, end)
-            low, place = end, self._next(place)
+            low = end
+            place = self._next(place)
         raise UndecidedError
 
     def touch(self, hull: Sequence[arb], k: int, s: arb) -> tuple[Place, arb]:
         """Where flight k comes nearest to the cam, near s rad: its place, and s in a ball."""
         place = self.place(hull[2 * k] + s, self.places[k][1])
-        gap, s = self.gap(self.machine(hull[-1]), hull, k, place), s.mid()
+        gap = self.gap(self.machine(hull[-1]), hull, k, place)
+        s = s.mid()
         for _ in range(NEWTON):
             s = (s - gap(s)[1] / gap(s)[2]).mid()
         wide = 2 * abs(gap(s)[1] / gap(s)[2]).upper() + arb(2) ** (24 - ctx.prec)
