@@ -110,7 +110,8 @@ class Proofs:
 
 def prove(system: System, found: OrbitsResult) -> Proofs:
     """Prove what `study.orbits` found: orbits are found at a speed, whatever is varied then."""
-    parameter, failed = found.question.parameter, Proof(Step.FAULT)
+    parameter = found.question.parameter
+    failed = Proof(Step.FAULT)
 
     def proved(what: str, proof: Callable[[], Proof]) -> Proof:
         return piece(f"the proof of {what}", proof, failed)
@@ -304,7 +305,8 @@ def _clears(machine: Machine, follower: Follower) -> bool:
 
 def _change(system: System, event: Bifurcation, parameter: str) -> Proof:
     """Halve the bracket of a change: the orbit is there at one end, and not at the other."""
-    orbit, width = event.orbit, 4 * max(event.error, ulp(event.value))
+    orbit = event.orbit
+    width = 4 * max(event.error, ulp(event.value))
 
     def keeps(p: arb) -> bool | None:
         try:
@@ -381,8 +383,10 @@ def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
 
 
 def _located(system: System, event: Bifurcation, located: Located) -> Proof:
-    root, fixed = located.root, _given(located, located.root)
-    shooting, guess = shooting_of(system, root), [arb(x) for x in root.x]
+    root = located.root
+    fixed = _given(located, root)
+    shooting = shooting_of(system, root)
+    guess = [arb(x) for x in root.x]
     if located.fading is None:
         hull = shooting.zero(guess, fixed, _test(shooting, located))[0].hull()
         _admit(shooting, hull, located)
@@ -421,10 +425,13 @@ def _enclosed(value: arb, box: tuple[str, ...]) -> Proof:
 
 def _admit(shooting: Shooting, hull: Sequence[arb], located: Located) -> None:
     """Show that orbits at an event, or near it, are motions but for what happens there."""
-    k, touch = located.impact, None
+    k = located.impact
+    touch = None
     if located.kind == Kind.GRAZING:
-        touch = k, shooting.touch(hull, k, arb(located.phase - located.root.theta[k]))[1]
-    shooting.admissible(hull, (k,) if located.kind == Kind.CORNER_IMPACT else (), touch)
+        _, s = shooting.touch(hull, k, arb(located.phase - located.root.theta[k]))
+        touch = k, s
+    at_the_corner = (k,) if located.kind == Kind.CORNER_IMPACT else ()
+    shooting.admissible(hull, at_the_corner, touch)
 
 
 def _test(shooting: Shooting, located: Located) -> Test:
@@ -451,10 +458,11 @@ def _corner_signs(
     shooting: Shooting, hull: Sequence[arb], located: Located
 ) -> tuple[tuple[str, int], ...]:
     """Signs of what decides between the classes, from the linear parts on both sides."""
-    k, places = located.impact, list(shooting.places)
-    i, turn = places[k]
-    turns, places_i = divmod(i + located.side, len(shooting.stretches))
-    places[k] = places_i, turn + turns
+    k = located.impact
+    places = list(shooting.places)
+    stretch, turn = places[k]
+    turns, beside = divmod(stretch + located.side, len(shooting.stretches))
+    places[k] = beside, turn + turns  # the same impact on the stretch behind the corner
     here = shooting.trace_det(hull)
     there = replace(shooting, places=tuple(places)).trace_det(hull)
     (tau_l, delta_l), (tau_r, delta_r) = (here, there) if located.side > 0 else (there, here)
@@ -468,13 +476,14 @@ def _corner_signs(
 def prove_ranges(system: System, branch: Branch, events: Sequence[Bifurcation]) -> Iterator[Range]:
     """The branch from event to event, where every point between them lies in the same regions."""
     for points in _sections(branch, events):
-        middle, low, high = points[len(points) // 2], points[0].value, points[-1].value
+        middle = points[len(points) // 2]
         of = partial(Range, branch.number, middle.label, middle.stable)
         try:
             with precision(DIGITS[0]):
                 yield from _ranges(of, system, points, events)
         except NotProvedError as failed:
-            yield of(repr(low), repr(high), failed_step=failed.step)
+            low, high = repr(points[0].value), repr(points[-1].value)
+            yield of(low, high, failed_step=failed.step)
 
 
 def _sections(branch: Branch, events: Sequence[Bifurcation]) -> Iterator[list[PeriodicOrbit]]:
@@ -520,17 +529,14 @@ def _ranges(
     the parameter; where the branch is steep, along the unknown that changes most: it is continuous,
     so that the parameter takes all values between those of the ends.
     """
-    middle, roots = points[len(points) // 2], [p.root for p in points if p.root is not None]
+    middle = points[len(points) // 2]
+    roots = [p.root for p in points if p.root is not None]
     if len(roots) < len(points):
         raise NotProvedError(Step.MODEL)
-    shooting, ends, gaps = shooting_of(system, roots[len(roots) // 2]), list[End](), list[Range]()
-    changes = [abs(a - b) for a, b in zip(roots[0].x, roots[-1].x, strict=True)]
-    fixed, span = max(range(len(changes) - 1), key=changes.__getitem__), changes[-1]
-    if not any(
-        abs(r.tangent[fixed]) * span > STEEP * changes[fixed] * abs(r.tangent[-1])
-        for r in (roots[0], roots[-1])
-    ):
-        fixed = 2 * shooting.n
+    shooting = shooting_of(system, roots[len(roots) // 2])
+    fixed = _leaning(roots[0], roots[-1])
+    ends: list[End] = []
+    gaps: list[Range] = []
     for at, inner in ((points[0], points[1]), (points[-1], points[-2])):
         event = _event_at(at, events)
         if at.root is None or inner.root is None:
@@ -550,8 +556,24 @@ def _ranges(
     yield from gaps
 
 
+def _leaning(first: Root, last: Root) -> int:
+    """The unknown along which the boxes between two roots lean: the parameter's index, or another.
+
+    Another one only where the branch is steep at an end: the unknown that changes most changes
+    STEEP times as fast there, by the parameter, as on the mean.
+    """
+    *changes, span = [abs(a - b) for a, b in zip(first.x, last.x, strict=True)]
+    most = max(range(len(changes)), key=changes.__getitem__)
+    for root in (first, last):
+        if abs(root.tangent[most]) * span > STEEP * changes[most] * abs(root.tangent[-1]):
+            return most
+    return 2 * first.count
+
+
 def _plain(shooting: Shooting, root: Root) -> End:
-    return End(repr(root.value), shooting.box([arb(x) for x in root.x], 2 * root.count).hull())
+    """An end at a root beside which there is no event."""
+    box = shooting.box([arb(x) for x in root.x], 2 * root.count)
+    return End(repr(root.value), box.hull())
 
 
 def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable: bool) -> End:
@@ -560,10 +582,12 @@ def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable
     Within the box the test function changes its sign at the event only, so that all of one side has
     the stability of the piece.
     """
-    fixed, own = _given(located, root), replace(located, root=root)
+    fixed = _given(located, root)
+    own = replace(located, root=root)
     if root.whole != located.root.whole:  # the side behind a corner
         own = replace(own, side=-located.side)
-    guess, failure = [arb(x) for x in root.x], NotProvedError(Step.SINGULAR)
+    guess = [arb(x) for x in root.x]
+    failure = NotProvedError(Step.SINGULAR)
     for reach in REACHES:
         try:
             width = arb(reach * abs(inner.x[fixed] - root.x[fixed]))
@@ -584,17 +608,24 @@ def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable
 
 
 def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) -> int:
-    """Boxes from one orbit to another, each with the same orbit as the next where they meet.
+    """The number of boxes from one orbit to another, those about the ends included.
 
-    The number of all, those about the ends included.
+    Each box holds the same orbit as the next one where the two meet. Where a box fails, one of half
+    the width is tried; a next one may be wider again.
     """
-    at, end = (one.orbit[fixed].mid() for one in (start, stop))
-    width, guess, before = (end - at) / 16, [x.mid() for x in start.orbit], start.box
-    least, begun, orbit = abs(width) * 16 * NARROWEST, at, start.orbit
-    count = boxes = 0
-    done, first = 0.0, least  # of the way, in steps that grow like the distance from its beginning
-    while count < MOST_BOXES // shooting.n * max(SLOWEST, done):
-        count += 1
+    begun = start.orbit[fixed].mid()
+    end = stop.orbit[fixed].mid()
+    at = begun  # so far the way is covered
+    width = (end - at) / 16
+    least = abs(width) * 16 * NARROWEST
+    guess = [x.mid() for x in start.orbit]
+    orbit = start.orbit  # the one that the last box and the next one share
+    before = start.box
+    tried = boxes = 0
+    first = least  # width of the first box
+    done = 0.0  # share of the way, in steps that grow like the distance from its beginning
+    while tried < MOST_BOXES // shooting.n * max(SLOWEST, done):
+        tried += 1
         whole = not abs(width) < abs(end - at)  # the last box, which overlaps the end
         half = ((end - at if whole else width) / 2).mid()
         if boxes and before is not None:
@@ -614,13 +645,17 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
             if not abs(width) > least:
                 raise
             continue
-        before, width, at = box, width * 1.5, (at + 2 * half).mid()
-        first, boxes = first if boxes else 2 * abs(half), boxes + 1
+        if boxes == 0:
+            first = 2 * abs(half)
+        boxes += 1
+        before = box
+        width = width * 1.5
+        at = (at + 2 * half).mid()
         done = float((1 + abs(at - begun) / first).log() / (1 + abs(end - begun) / first).log())
         if whole:
             if not box.holds(stop.orbit):
                 raise NotProvedError(Step.SINGULAR)
-            return boxes + sum(1 for end in (start, stop) if end.box is not None)
+            return boxes + sum(1 for one in (start, stop) if one.box is not None)
     raise NotProvedError(Step.BOXES)
 
 
