@@ -17,12 +17,14 @@ from camcli.analysis.explain.changes import (
     changes_between,
 )
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
-from camcli.analysis.explain.saddles import find_saddles, monodromy
+from camcli.analysis.explain.saddles import Saddle, find_saddles, monodromy
 from camcli.analysis.explain.tangency import FEW, RANK, UNSAMPLED, width
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.output.explanations import crisis_sentences
+from camcli.scene import load_scene
+from camcli.system import Follower, System
 from tests.conftest import chapter_system, settings
 
 RUN = settings(300, 1)
@@ -52,6 +54,47 @@ def test_trace_and_determinant_of_the_map_are_those_of_the_orbit(damping, strobe
         matrix = monodromy(carried, 750.0, np.array(orbit.states[0]), orbit.turns)
         assert np.trace(matrix) == pytest.approx(orbit.trace, rel=1e-9)
         assert np.linalg.det(matrix) == pytest.approx(orbit.det, rel=1e-7)
+
+
+def small_system(times):
+    """The chapter's machine with all lengths times a power of two."""
+    lengths = (
+        "base_radius",
+        "flank_center",
+        "flank_radius",
+        "nose_center",
+        "nose_radius",
+        "offset",
+    )
+    cam = load_scene(None).cam.model_dump()
+    changes = {f"cam.{name}": cam[name] * times for name in lengths}
+    scene = load_scene(None, changes)
+    return System.build(Follower(**scene.follower.model_dump()), scene.cam, 0.0)
+
+
+def test_a_saddle_has_its_directions_in_any_unit_of_length():
+    found = []
+    for times in (1.0, 2.0**-7):
+        carried = Carried(small_system(times), RUN, 750.0, 750.3, 500)
+        saddles = find_saddles(carried.system, 750.0, carried.run(750.0, True), carried.size)
+        own = [Saddle(carried, 750.01, orbit) for orbit in saddles[:12]]
+        found.append([(x.orbit.label, x.mu, *(x.x / times), *x.leaf(0.5) / times) for x in own])
+    large, small = found
+    assert len(large) == len(small) == 12
+    for one, other in zip(large, small, strict=True):
+        assert one[0] == other[0]
+        assert one[1:] == pytest.approx(other[1:], rel=1e-9)
+
+
+@pytest.mark.soak
+def test_a_crisis_is_at_the_same_speed_in_any_unit_of_length():
+    large, small = (find_crisis(small_system(x), RUN, 361.0, 361.4, 4000) for x in (1.0, 2.0**-7))
+    assert large.kind is small.kind is CrisisKind.INTERIOR
+    assert (large.rpm, large.error, *large.bracket) == pytest.approx(
+        (small.rpm, small.error, *small.bracket)
+    )
+    assert (large.inside, large.beyond, large.lost) == (small.inside, small.beyond, small.lost)
+    assert [x.orbit.label for x in large.met] == [x.orbit.label for x in small.met]
 
 
 @pytest.mark.soak

@@ -205,9 +205,9 @@ TURNED = Units(turned=163.0)  # the strobe is then at 240 deg, the rise begins a
 ASKED = {
     "simulate": [
         {"run": {"rpm": rpm}, "simulate": {"samples": 24}} for rpm in (650.0, 900.0, 2700.0)
-    ] + [{"run": {"rpm": 900.0, "impact_budget": 1}, "simulate": {"samples": 24}}],
+    ] + [{"run": {"rpm": 900.0, "impact_budget": 3, "transient": 0}, "simulate": {"samples": 24}}],
     "sweep": [
-        {"run": {"impact_budget": 1, "rpm": 2700.0},
+        {"run": {"impact_budget": 3, "rpm": 2700.0, "transient": 0},
          "sweep": {"rpm": {"start": 900.0, "stop": 2700.0, "num": 3}}},
         {"sweep": {"rpm": {"start": 2620.0, "stop": 3000.0, "num": 4}, "direction": "both",
                    "also": [{"q": 0.03, "v": 0.2, "theta_deg": 100.0}], "lyapunov": True,
