@@ -108,15 +108,19 @@ class _Tracer:
                 return _graze(shooter, beside)
 
     def trace(self, start: Root, sign: float) -> tuple[list[Root], Kind, str]:
-        """Roots from the start on, towards smaller (-1) or larger second parameters first.
+        """(roots behind the start, why they end, the parameter whose range ends there or "").
 
-        With the reason for the end, and the parameter whose range it is.
+        The first step goes towards smaller (sign -1) or larger second parameters. Every step gives
+        the parameter that changed more in the last one, and solves for the other one.
         """
         step = 1.0 / self.plane.steps
-        roots, slope, share = [start], [0.0, sign], 1.0
+        roots = [start]
+        slope = [0.0, sign]  # direction of the last step, in shares of the two ranges
+        share = 1.0  # of a whole step
         while len(roots) < LONGEST * self.plane.steps:
             given = 1 if abs(slope[1]) >= abs(slope[0]) else 0
-            here, (low, high) = self.values(roots[-1]), self.plane.ranges[given]
+            here = self.values(roots[-1])
+            low, high = self.plane.ranges[given]
             way = share * step if slope[given] >= 0.0 else -share * step
             value = here[given] + way * self.spans[given]
             last = not low < value < high
@@ -169,7 +173,8 @@ class _Tracer:
 
     def point(self, root: Root) -> CurvePoint:
         """The root as a point of the curve, with both sides of a corner."""
-        values, orbit = self.values(root), from_root(self.system, root)
+        values = self.values(root)
+        orbit = from_root(self.system, root)
         if self.located.kind == Kind.CORNER_IMPACT:
             free = 0 if PARAMETERS[self.plane.names[0]] == root.parameter else 1
             shooter = self.shooter(root, free, values[1 - free])
@@ -210,16 +215,17 @@ def _graze(shooter: Shooter, beside: Root) -> Root | None:
         best[value] = root
         return -1.0
 
-    value, width = beside.value, 1e-6 * (abs(beside.value) + shooter.scale)
+    value = beside.value
+    width = 1e-6 * (abs(beside.value) + shooter.scale)
     for _ in range(MOST_SECANTS):
-        low, high = bad(value - width), bad(value + width)
-        if low != high:
+        below, above = bad(value - width), bad(value + width)
+        if below != above:
             break
         width *= 2.0
     else:
         return None
-    sign = 1.0 if low < 0.0 else -1.0
-    low, _, _, _ = bracket(
+    sign = 1.0 if below < 0.0 else -1.0  # the motion is there below, else above: mirrored
+    last, *_ = bracket(
         lambda x: bad(sign * x), sign * value - width, sign * value + width, -1.0, 1.0
     )
-    return best.get(sign * low)
+    return best.get(sign * last)
