@@ -74,7 +74,8 @@ def _follow(
     segment: StickingSegment, shooter: Shooter, settings: Settings, orbit: PeriodicOrbit,
     span: Span, up: bool,
 ) -> None:  # fmt: skip
-    start, end = orbit.value, span.high if up else span.low
+    start = orbit.value
+    end = span.high if up else span.low
     count = max(1, round(abs(end - start) / span.spacing)) if end != start else 0
     for k in range(1, count + 1):
         value = end if k == count else start + (end - start) * (k / count)
@@ -110,7 +111,8 @@ def _settled_on(
 ) -> PeriodicOrbit | None:
     """What a run from the orbit's own state settles on at another value of the parameter."""
     system, rpm = with_machine(shooter.system, shooter.at(value))
-    (q, w), cam = orbit.states[0], system.cam
+    q, w = orbit.states[0]
+    cam = system.cam
     start = Start(q, w * omega_of(rpm), system.strobe_deg)
     if q <= cam.stretches[cam.strobe].start_c:
         start = Start(theta_deg=system.strobe_deg)
@@ -134,7 +136,8 @@ def _change(
     shooter: Shooter, settings: Settings, last: PeriodicOrbit, beyond: float, same: Same
 ) -> Change:
     """Bracket the value at which the motion is no longer the `same`, and name the change."""
-    up, size = beyond > last.value, abs(beyond - last.value) + shooter.scale
+    up = beyond > last.value
+    size = abs(beyond - last.value) + shooter.scale
     kept: dict[float, PeriodicOrbit | None] = {last.value: last}
 
     def at(x: float) -> float:  # x - size is the way towards `beyond`: no bracket ends at zero
@@ -145,8 +148,9 @@ def _change(
         kept[at(x)] = _orbit_at(shooter, settings, last, at(x))
         return -1.0 if same(last, kept[at(x)]) else 1.0
 
-    low, high, _, _ = bracket(lost, size, size + abs(beyond - last.value), -1.0, 1.0)
-    before, after = kept[at(low)] or last, kept.get(at(high))
+    low, high, *_ = bracket(lost, size, size + abs(beyond - last.value), -1.0, 1.0)
+    before = kept[at(low)] or last
+    after = kept.get(at(high))
     if after is None:
         after = _settled_on(shooter, settings, last, at(high))
     error = max(abs(high - low), 4.0 * ulp(abs(at(low)) + size))
