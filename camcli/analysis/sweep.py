@@ -428,9 +428,9 @@ class _Task:
     def _failed(self, value: float, rpm: float, fault: PieceFault) -> Speed:
         """A speed of which nothing is known."""
         nothing = np.empty(0)
-        impacts = (np.empty(0, int), *[nothing] * 3) if self.impacts else None
-        counts = [np.empty(0, int)] * 2
-        strobe = (range(0), nothing, nothing, *counts) if self.strobe else None
+        none = np.empty(0, int)
+        impacts = (none, nothing, nothing, nothing) if self.impacts else None
+        strobe = (range(0), nothing, nothing, none, none) if self.strobe else None
         status = Status.FAULT
         return Speed(value, rpm, UNDECIDED, None, status, impacts, strobe, Cost(), fault=fault)
 
@@ -440,9 +440,15 @@ class _Task:
         backend.for_work(self.turns)
         orbit = Orbit(system, rpm, settings, start)
         record = orbit.run()
-        end, cost, n, to_mps = orbit.as_start(), record.cost, record.periods, orbit.omega
-        status, known, holds_for, watched = record.status, True, None, None
-        name, exponents, forgets = UNDECIDED, None, forgets_too_much(record)
+        end = orbit.as_start()
+        cost = record.cost
+        n = record.periods
+        to_mps = orbit.omega
+        status = record.status
+        known = True
+        holds_for = watched = None
+        name, exponents = UNDECIDED, None
+        forgets = forgets_too_much(record)
         if not forgets:
             name, exponents, told = named_on(orbit, rpm, record, self.lyapunov)
             forgets = forgets_too_much(told)
@@ -450,9 +456,13 @@ class _Task:
             name, exponents, known = UNDECIDED, None, False
         elif forgets or (self.patient and name == APERIODIC):
             motion, record, end = true_motion(system, rpm, settings, start, record, end)
-            name, cost, known = motion.label, cost + motion.cost, motion.label != UNDECIDED
-            holds_for, exponents, watched = motion.holds_for, motion.exponents, motion.watched
-            status = Status(motion.status) if status == Status.OK else status
+            name, exponents = motion.label, motion.exponents
+            known = name != UNDECIDED
+            cost = cost + motion.cost
+            holds_for = motion.holds_for
+            watched = motion.watched
+            if status == Status.OK:
+                status = Status(motion.status)
         elif name == APERIODIC:
             watched = settings.transient + n
         strobe = (range(n), record.strobe_q[:n], record.strobe_w[:n] * to_mps)
