@@ -103,7 +103,8 @@ def find_crisis(
     bases = [orbit for orbit in inside if orbit.multipliers[0].real < -1.0] or inside
     new = [orbit for orbit in beyond if not any(same_orbit(orbit, other) for other in inside)]
     touched: list[tuple[Folds, Fold, float]] = []
-    unmet, lost = [], 0
+    unmet = []
+    lost = 0
     for orbit in [*inside, *new] if bases else []:
         try:
             side = inner_side(carried, calm, orbit)
@@ -118,25 +119,42 @@ def find_crisis(
             unmet.append(orbit)
         else:
             touched.append((folds, *found))
-    kind, rpm, error = CrisisKind.UNEXPLAINED, carried.leaves, abs(carried.leaves - carried.stays)
+    kind = CrisisKind.UNEXPLAINED
+    rpm = carried.leaves
+    error = abs(carried.leaves - carried.stays)
     corner = None
     if touched:
         touched.sort(key=lambda row: carried.way(row[1].rpm))
-        folds, at, error = touched[0]
-        kind, rpm, corner = _kind(folds, at.rpm), at.rpm, folds.corner(at)
-    met = tuple(Meeting(folds.at(at.rpm)[1].orbit, at.rpm, off) for folds, at, off in touched)
-    bracket, seen = (carried.stays, carried.leaves), (len(inside), len(beyond))
+        folds, fold, error = touched[0]
+        rpm = fold.rpm
+        kind = _kind(folds, rpm)
+        corner = folds.corner(fold)
+    met = tuple(Meeting(folds.at(fold.rpm)[1].orbit, fold.rpm, off) for folds, fold, off in touched)
     return Crisis(
-        kind, rpm, error, bracket, near, turns, carried.cost, corner, *seen, met, tuple(unmet), lost
+        kind=kind,
+        rpm=rpm,
+        error=error,
+        bracket=(carried.stays, carried.leaves),
+        near=near,
+        turns=turns,
+        cost=carried.cost,
+        corner=corner,
+        inside=len(inside),
+        beyond=len(beyond),
+        met=met,
+        unmet=tuple(unmet),
+        lost=lost,
     )
 
 
 def _kind(folds: Folds, rpm: float) -> CrisisKind:
     """Interior where what leaves along the saddle comes back to the box, boundary where it is lost.
 
-    Starts below the cam are passed over; where all are, a run that leaves decides.
+    Starts beside the saddle that lie below the cam are passed over. Where all of them do, the run
+    that left the attractor is asked instead.
     """
-    carried, (_, saddle) = folds.carried, folds.at(rpm)
+    carried = folds.carried
+    _, saddle = folds.at(rpm)
     for beside in BESIDE:
         try:
             states = carried.states(rpm, saddle.leaf(0.0, -beside * folds.side), carried.turns)
