@@ -215,11 +215,14 @@ def explain(
     ]
     found = find_events(system, settings, motions)
     changes: list[Change] = []
-    events, cost, searches = list(found.events), found.cost, 0
+    events = list(found.events)
+    cost = found.cost
+    searches = 0
     for a, b in pairwise(known):
         if not changes_between(a, b):
             continue
-        ends, may_search = (a.rpm, b.rpm, a.label, b.label), searches < MOST_CRISES
+        ends = (a.rpm, b.rpm, a.label, b.label)
+        may_search = searches < MOST_CRISES
         cause = partial(_change, system, settings, found, a, b, may_search)
         unknown = Change(*ends, UNEXPLAINED, status=Status.FAULT)
         try:
@@ -228,7 +231,8 @@ def explain(
             change = Change(*ends, UNEXPLAINED, status=Status.WORK_BUDGET)
         if change.crisis is not None:
             cost = cost + change.crisis.cost
-            searches += change.crisis.kind not in (CrisisKind.STAYS, CrisisKind.NOT_CHAOTIC)
+            if change.crisis.kind not in (CrisisKind.STAYS, CrisisKind.NOT_CHAOTIC):
+                searches += 1
         events += [e for e in change.events if e not in found.events]
         changes.append(change)
         on_change()
@@ -268,17 +272,21 @@ def _change(
         return Change(*ends, resting.kind, (resting,))
     spend(0)  # raises where branches may have been cut short
     persists = tuple(m.label for m in (a, b) if m.orbit is not None and _persists(found, m, a, b))
-    chaotic, crisis = [m for m in (a, b) if m.label == APERIODIC], None
+    chaotic = [m for m in (a, b) if m.label == APERIODIC]
+    crisis = None
     if chaotic and may_search:
         near = min(chaotic, key=_width)
         crisis = find_crisis(system, settings, near.rpm, (b if near is a else a).rpm)
         if crisis.met:
-            orbit, corner = crisis.met[0].orbit, crisis.corner.name if crisis.corner else ""
-            label = f"chaos, {orbit.label}"
+            corner = crisis.corner.name if crisis.corner else ""
+            label = f"chaos, {crisis.met[0].orbit.label}"
             event = Event(crisis.rpm, crisis.error, crisis.kind, label, corner, source=crisis)
             return Change(*ends, crisis.kind, (event,), persists, crisis)
     # Chaos that ends beside a stable orbit is no change of basins, unless it is seen to live on.
-    lives = crisis is not None and crisis.kind is CrisisKind.STAYS if chaotic else bool(persists)
+    if chaotic:
+        lives = crisis is not None and crisis.kind is CrisisKind.STAYS
+    else:
+        lives = bool(persists)
     cause = BASIN if lives and UNDECIDED not in (a.label, b.label) else UNEXPLAINED
     return Change(*ends, cause, (), persists, crisis, may_search)
 
