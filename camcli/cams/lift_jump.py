@@ -101,7 +101,9 @@ class Window:
     def __init__(self, turn: Turn, shares: np.ndarray, place: float, half: float):
         off = (turn.theta - place + 180.0) % 360.0 - 180.0
         rows = np.flatnonzero(abs(off) <= half)
-        self.half, self.x, self.root = half, off[rows] / half, np.sqrt(shares[rows])
+        self.half = half
+        self.x = off[rows] / half
+        self.root = np.sqrt(shares[rows])
         self.freedom = float(shares[rows].sum()) - (DEGREE + 1) - JUMP_TERMS
         self.polynomials: list[np.ndarray] = []  # orthonormal on the rows
         if len(rows) > DEGREE + JUMP_TERMS:
@@ -146,25 +148,30 @@ class Window:
         for _ in range(ROUNDS):
             left = self._left(*(self._power(phases, n) for n in powers))
             best = int(np.argmin(left))
-            least, phase, step = float(left[best]), float(phases[best]), step / FINER
+            least, phase = float(left[best]), float(phases[best])
+            step /= FINER
             phases = phase + step * np.arange(-5, 6)
         return least, phase * self.half, order
 
     def best_change(self, step: float) -> float:
         """Sum of squares left by the change over LEAST deg or more that fits best."""
-        step, stretch = step / self.half, 0.13
+        step /= self.half
+        stretch = 0.13
         starts = np.arange(-0.9, 0.7, step)
-        phases, lengths = np.repeat(starts, len(LENGTHS)), np.tile(LENGTHS, len(starts)) / self.half
-        around = np.repeat(np.arange(-3, 4), 7), np.tile(np.arange(-3, 4), 7)
+        phases = np.repeat(starts, len(LENGTHS))
+        lengths = np.tile(LENGTHS, len(starts)) / self.half
+        # steps of phase and of length to the choices of the next round, about the best one
+        phase_steps = np.repeat(np.arange(-3, 4), 7)
+        length_steps = np.tile(np.arange(-3, 4), 7)
         for _ in range(ROUNDS):
             ends = self._power(phases + lengths, 3)
             left = self._left(self._power(phases, 4), self._power(phases, 3), ends)
             best = int(np.argmin(left))
-            step, stretch = step / FINER, stretch / FINER
-            phases, lengths = (
-                phases[best] + step * around[0],
-                np.maximum(lengths[best] * (1.0 + stretch * around[1]), LEAST / self.half),
-            )
+            step /= FINER
+            stretch /= FINER
+            phases = phases[best] + step * phase_steps
+            longer = lengths[best] * (1.0 + stretch * length_steps)
+            lengths = np.maximum(longer, LEAST / self.half)
         return float(left[best])
 
     def size_of_jump(self, order: int, phase: float, deviation: float) -> tuple[float, float]:
