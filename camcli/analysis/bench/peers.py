@@ -63,7 +63,8 @@ class Lift:
             half = 0.5 * section["lift"]
             self.regions = [Region(-half, section["base"] + half, 0.0, 0.0, 0.0, 2.0 * TWO_PI)]
         self.breaks = [region.end for region in self.regions[:-1]]
-        self.top, self.sky = self.at(math.pi)[0], len(self.regions)
+        self.top = self.at(math.pi)[0]
+        self.sky = len(self.regions)  # index of the region above the cam
         self.regions.append(Region(0.0, self.top + CLEAR, 0.0, 0.0, 0.0, math.inf))
 
     def law(self, index: int, theta: float) -> tuple[float, float, float]:
@@ -264,14 +265,17 @@ def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
     while at.theta < machine.end(at.turn):
         machine.check()
         turn, theta, y, u = at
-        fall, c = machine.fall_time(at), lift.at(theta)
-        above = c[0] + y > lift.top + 2.0 * CLEAR
+        fall = machine.fall_time(at)
+        c, slope, _ = lift.at(theta)
+        above = c + y > lift.top + 2.0 * CLEAR
         region = lift.sky if above else lift.region(theta)
         stop = min(lift.regions[region].end, theta + TWO_PI, machine.end(turn))
         if above:
-            y, u = y + c[0] - lift.top - CLEAR, u + omega * c[1]
-        flight, span = Flight(machine, region, theta, fall), (stop - theta) / omega
-        t, hit = 0.0, False
+            y, u = y + c - lift.top - CLEAR, u + omega * slope
+        flight = Flight(machine, region, theta, fall)
+        span = (stop - theta) / omega
+        t = 0.0
+        hit = False
         if y <= 0.0:
             part = SHORT * machine.period if fall == math.inf else PART * fall
             t, y, u, _ = method(flight, (t, y, u), min(part, span), False)
@@ -280,8 +284,8 @@ def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
         theta = theta + omega * t if hit else stop
         y = 0.0 if hit else max(y, 0.0)
         if above:
-            c = lift.at(theta)
-            y, u = y + lift.top + CLEAR - c[0], u - omega * c[1]
+            c, slope, _ = lift.at(theta)
+            y, u = y + lift.top + CLEAR - c, u - omega * slope
         at = State(*wrapped(turn, theta), y, u)
         if hit and not above:
             return True, at
@@ -416,6 +420,7 @@ def _taylor_integrator(tolerance: float, contacts: bool) -> tuple[Any, ...]:
     pushed = -k * c - damping * omega * slope - omega * omega * hy.diff(slope, x) - load
     accel = hy.subs(pushed, {x: omega * hy.time + angle}) - k * y - damping * u
     event = hy.t_event(y, direction=hy.event_direction.negative)
-    system, events = [(y, u), (u, accel)], [event] * contacts
+    system = [(y, u), (u, accel)]
+    events = [event] if contacts else []
     taylor = hy.taylor_adaptive(system, [0.0, 0.0], tol=tolerance, t_events=events)
     return taylor, taylor.state, taylor.pars
