@@ -378,7 +378,8 @@ def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> It
     for speed in speeds:
         turn, theta, _, u = speed.impacts
         _, q, v, *_ = speed.strobe
-        recorded, label = len(q), speed.label
+        recorded = len(q)
+        label = speed.label
         if not recorded:
             continue
         period = period_of(label)
@@ -428,10 +429,15 @@ def _solved(machine: Machine, result: Result, known: list[Motion]) -> list[Motio
             if orbit.stable and any(known[n].is_near(orbit.label, state) for n in near):
                 continue
             last = orbit
-            at = *_start(machine, orbit.rpm, *state), period_of(orbit.label), True, orbit.stable
+            start = _start(machine, orbit.rpm, *state)
+            turns = period_of(orbit.label)
             strobes = np.array(state[:1]), np.array(state[1:])
-            own = machine.system, NONE, strobes
-            found.append(Motion(orbit.rpm, orbit.label, "solved", *at, None, *own))
+            found.append(
+                Motion(
+                    orbit.rpm, orbit.label, "solved", *start, turns, True, orbit.stable, None,
+                    machine.system, NONE, strobes,
+                )
+            )  # fmt: skip
     return found
 
 
@@ -443,9 +449,11 @@ def _some(count: int) -> list[int]:
 
 def _starts(machine: Machine, result: Result, turns: int) -> Iterator[Motion]:
     """Motions from a grid of starts in the window of the basins, by the attractor they reach."""
-    section, cells = machine.scene.basins, dict(result.tables["basins"])
+    section = machine.scene.basins
+    cells = dict(result.tables["basins"])
     names = _labels_of_codes(result)
-    (wide, high), codes = section.cells, cells["attractor"].tolist()
+    wide, high = section.cells
+    codes = cells["attractor"].tolist()
     for k in (row * wide + column for row in _some(high) for column in _some(wide)):
         if codes[k] == -1:
             continue  # below the cam
@@ -551,10 +559,11 @@ def _motion_data(found: Explored) -> dict[str, Any]:
     """The motions one after the other, each with its number of rows, events and points."""
     rows, events, motions = [], [], []
     for motion, simulation in zip(found.motions, found.simulations, strict=True):
-        per_second, last = motion.rpm / 60.0, motion.turns * (1.0 + 1e-12)
-        t, _, q, v, _, _, contact = map(np.array, zip(*simulation.trajectory, strict=True))
-        t, rest = t * per_second, contact == STICKING
-        rest = rest[t <= last]
+        per_second = motion.rpm / 60.0
+        last = motion.turns * (1.0 + 1e-12)
+        seconds, _, q, v, _, _, contact = map(np.array, zip(*simulation.trajectory, strict=True))
+        t = seconds * per_second  # turns
+        rest = (contact == STICKING)[t <= last]
         inner = np.zeros(len(rest), bool)
         inner[1:-1] = rest[:-2] & rest[1:-1] & rest[2:]  # there the follower is where the cam is
         kept = np.flatnonzero(~inner)
