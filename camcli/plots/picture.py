@@ -119,7 +119,8 @@ class Picture:
                     draw(figure.add_subplot(grid[k, aside]))
                     axes.tick_params(left=False, labelleft=False)
                     axes.set_ylabel("")
-                drawn += [axes] * (wide == COLUMNS or (panel.y != "" and column == 0))
+                if wide == COLUMNS or (panel.y != "" and column == 0):
+                    drawn.append(axes)
                 if column and panel.y == row[0].y != "":
                     axes.set_ylabel("")
                     axes.tick_params(labelleft=False)
