@@ -81,8 +81,8 @@ class Trace:
         kept = t >= begin
         sticks = np.array([row[6] == STICKING for row in rows])[kept]
         t, q, v, section = t[kept], q[kept], v[kept], np.column_stack([q, v])[strobes]
-        corners = (np.array(simulation.corners_deg) - origin) / degrees
-        turns_of = [corners + k / per_second for k in range(first - 1, last)]
+        corners = (np.array(simulation.corners_deg) - origin) / degrees  # some below zero
+        turns_of = [corners + k / per_second for k in range(first, last + 1)]
         fine, segment = _fine(t, np.concatenate(turns_of))
         angle = degrees * fine + origin
         cam, slope, bend = lift(system.cam, np.radians(angle))

@@ -10,7 +10,7 @@ from matplotlib.animation import PillowWriter
 from matplotlib.collections import PolyCollection
 
 import camcli
-from camcli.plots.simulate import _cubic, _fine
+from camcli.plots.simulate import Trace, _cubic, _fine
 from tests.truth.machines import CHAPTER, VALVE
 from tests.truth.pictures import COLOURS, Panel, check, dashes, hexed, read_page, usual
 
@@ -332,3 +332,21 @@ def test_what_is_drawn_between_rows_comes_after_the_right_one():
     moves = t[row] < t[np.minimum(row + 1, len(t) - 1)]
     assert values == pytest.approx(fine**3, abs=1e-12)
     assert slopes[moves] == pytest.approx(3.0 * fine[moves] ** 2, abs=1e-12)
+
+
+@pytest.mark.parametrize("strobe_deg", [0.0, 100.0, 200.0, 300.0])
+def test_every_corner_of_every_turn_shown_is_among_the_points(strobe_deg):
+    """From both sides, wherever the strobe is."""
+    values = {"run.rpm": 700, "run.transient": 5, "run.record": 4, "run.strobe_deg": strobe_deg,
+              "simulate.samples": 24, "simulate.plot_turns": 3}  # fmt: skip
+    result = camcli.simulate(camcli.load_scene(None, values))
+    found = result.values[0] if isinstance(result.values, tuple) else result.values
+    trace = Trace.of(found, result.system, 3)
+    assert (trace.low, trace.high) == (strobe_deg + 360.0, strobe_deg + 4 * 360.0)
+    assert trace.angle.min() == pytest.approx(trace.low)
+    corners = [90.0, 150.1793714951576, 160.0, 200.0, 209.8206285048424, 270.0]
+    for corner in [x + 360.0 * turn for x in corners for turn in range(6)]:
+        if trace.low + 1.0 < corner < trace.angle.max() - 1.0:  # the last row is before the end
+            off = trace.angle - corner
+            assert off[off < 0.0].max() > -1e-3, corner
+            assert off[off > 0.0].min() < 1e-3, corner
