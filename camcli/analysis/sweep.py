@@ -169,10 +169,10 @@ def sweep(
     alike (`fixed`). Where motions look aperiodic, those at the ends of each range of them are
     followed on with patience as `classify` does, inwards until two neighbours stay aperiodic; what
     one settles on takes its place. The values are speeds (rpm), or what `setup` makes machines of.
-    Where `work`
-    has a checkpoint, the speeds are kept in it and read from it. `on_speed` is called with each
-    finished speed, in order. A speed that raises what nobody foresaw has the status FAULT. Raises
-    StartError before any work if a start lies below the cam.
+
+    Where `work` has a checkpoint, the speeds are kept in it and read from it. `on_speed` is called
+    with each finished speed, in order. A speed that raises what nobody foresaw has the status
+    FAULT. Raises StartError before any work if a start lies below the cam.
     """
     turns = len(values) * (settings.transient + settings.record)
     task = _Task(key, setup or AtSpeeds(system, settings), impacts, strobe, lyapunov, turns)
@@ -194,7 +194,8 @@ def sweep(
         if direction == FIXED:
             own = _Row.listed(work.collect(one, values, CODEC, count), parts, rows, one.start)
             while True:
-                _watch_ends(work, one, own, parts, rows)
+                if settings.patience > 0:
+                    _watch_ends(work, one, own, parts, rows)
                 more = _between([rows[row.at] for row in own]) if adaptive else []
                 if not more:
                     break
@@ -208,7 +209,8 @@ def sweep(
             own = _Row.listed(chain, parts, rows, one.start)
             for before, row in pairwise(own):
                 row.start = rows[before.at].end
-            _watch_ends(work, one, own, parts, rows)
+            if settings.patience > 0:
+                _watch_ends(work, one, own, parts, rows)
             order += [row.at for row in own]
             ways += [(way, *start) if direction == BOTH else start] * len(own)
     if added:

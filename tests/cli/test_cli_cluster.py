@@ -16,7 +16,7 @@ if importlib.util.find_spec("distributed") is None:
     pytest.skip("needs the package distributed", allow_module_level=True)
 
 TURNS = ("--set", "run.transient=20", "--set", "run.record=20", "--no-plot")
-SWEEP = ("sweep", "--rpm", "660:760", "--points", "31", *TURNS)
+SWEEP = ("sweep", "--rpm", "660:760", "--points", "31", *TURNS, "--set", "run.patience=0")
 BASINS = ("basins", "--cells", "12", "--no-plot")
 IMPATIENT = (
     "import camcli.parallel.dask_cluster as c; c.PATIENCE = 2.0; from camcli.cli.app import main"

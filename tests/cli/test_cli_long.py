@@ -12,7 +12,9 @@ from tests.parallel.long_runs import SOAK, Case, but_record, cam, with_options
 
 pytestmark = pytest.mark.slow
 
-FEW = ("--set", "run.transient=5", "--set", "run.record=5")
+FEW = (
+    "--set", "run.transient=5", "--set", "run.record=5", "--set", "run.patience=0",
+)  # fmt: skip
 SHORT = ("sweep", "--rpm", "660:760", "--points", "21", "--no-plot", "--threads", "1", *FEW)
 EARLIER = ("--points", "9", "--set", "sweep.tables=npz")
 

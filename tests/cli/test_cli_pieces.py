@@ -442,7 +442,7 @@ def test_a_machine_within_the_tolerances(cam, tmp_path, breaking):
 
 def test_a_motion_of_the_page(cam, tmp_path, breaking):
     line = f"explore --rpm 690:710 --points 3 {FEW.replace('--no-plot', '')}"
-    breaking("camcli.api.explore.simulate", lambda _, rpm, *__: rpm == 700.0)
+    breaking("camcli.api.explore.simulate", lambda _, rpm, *__, **___: rpm == 700.0)
     done = cam(line, "-o out --set orbits.starts=1", code=1)
     pieces = [piece for fault in faults_of(tmp_path / "out") for piece in fault["pieces"]]
     assert pieces

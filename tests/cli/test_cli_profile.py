@@ -102,16 +102,16 @@ def test_the_example_table_is_that_of_its_program():
 @pytest.mark.parametrize(
     "words",
     [
-        ("simulate",),
+        ("simulate", "--rpm", "3500"),
         ("detach", "--points", "3", "--rpm", "3400:3600"),
-        ("orbits", "--set", "orbits.starts=2"),
-        ("basins", "--set", "basins.cells=[4,4]"),
+        ("orbits", "--rpm", "3500", "--set", "orbits.starts=2"),
+        ("basins", "--rpm", "3500", "--set", "basins.cells=[4,4]"),
     ],
     ids=lambda words: words[0],
 )
 def test_every_command_runs_on_a_table_and_says_what_it_is_worth(cam, tmp_path, words):
     short = "--set run.transient=20 --set run.record=8 --no-plot -o here"
-    done = cam(words[0], "-c", TABLE, f"--rpm 3500 {short}", *words[1:], code=0)
+    done = cam(words[0], "-c", TABLE, short, *words[1:], code=0)
     assert "valve-lift.csv: 145 rows, lift 10.16 mm, last digit 2.54 um" in done.stderr
     assert "first detachment at 33" in done.stdout
     table = json.loads((tmp_path / "here/run.json").read_text())["error"]["lift_table"]

@@ -146,7 +146,8 @@ def test_what_a_fit_is_warned_of(tmp_path):
     accuracy = scene(tmp_path, FINE).cam.accuracy
     calm = replace(accuracy, noise=accuracy.quantum / 12**0.5, largest=0.0, jump_deg=None)
     assert not cautions(calm)
-    assert cautions(replace(calm, jump_deg=12.0))
+    jump = {"jump_of": "c_theta", "jump": 0.1, "jump_error": 0.01, "jump_sure": 5.0}
+    assert cautions(replace(calm, jump_deg=12.0, **jump))
     for key, unit, times in (
         ("noise", accuracy.quantum / 12**0.5, 1.5), ("largest", calm.noise, 6.0)
     ):  # fmt: skip
