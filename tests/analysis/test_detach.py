@@ -146,6 +146,8 @@ def test_flight_at_b_is_told_from_the_release_at_e(chapter):
         lift_off(Bursts(chapter, name, losses[name].opens.theta, 10**6), losses[name])
         for name in ("A2", "A4")
     )
+    for seen in (two, four):  # just above the loss
+        assert 0.0 < seen.rpm / losses[seen.region].opens.rpm - 1.0 < 1e-3
     assert (two.kind, two.corner) == (LiftOffKind.FLIES_OFF, "b")
     assert two.release_deg == pytest.approx(B, abs=1e-12)
     assert B < two.landing_deg < two.rest_deg < B + 0.01

@@ -8,7 +8,7 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from camcli.output.gallery import MOST_ROWS, Shown, page
+from camcli.output.gallery import MOST_ROWS, Shown, _table, page
 
 VOID = {"meta", "img"}
 BLOCKS = {"p", "pre", "ul", "dl", "div", "table", "h2"}  # what ends a paragraph by itself
@@ -183,3 +183,20 @@ def test_a_file_too_large_to_be_kept_is_named(out):
     text = page([picture(out, "motion", files=["sweep.png", "run.json", "extra.txt"])])
     (said,) = re.findall("the command also writes ([^<]*), too large to be kept", text)
     assert said == "impacts.csv"
+
+
+def test_a_table_has_its_first_rows_and_columns_and_only_what_fits_a_cell():
+    rows = [
+        {"a_b": 1 / 3, "long": [1] * 7, "six": [1.5] * 6, "map": {"x": 1}, "none": None, "<": "&",
+         **{f"c{k}": k for k in range(9)}, "row": n}
+        for n in range(MOST_ROWS + 1)
+    ]  # fmt: skip
+    html = _table(rows, "it's")
+    assert re.findall('<th scope="col">(.*?)</th>', html) == [
+        "a b", "six", "none", "&lt;", "c0", "c1", "c2", "c3", "c4", "c5",
+    ]  # fmt: skip
+    cells = re.findall("<td>(.*?)</td>", html)
+    assert cells[:5] == ["0.333333333333", ", ".join(["1.5"] * 6), "", "&amp;", "0"]
+    assert len(cells) == 10 * MOST_ROWS
+    assert f"The first {MOST_ROWS} of {MOST_ROWS + 1}, all of them in run.json." in html
+    assert "The first" not in _table(rows[:-1], "")

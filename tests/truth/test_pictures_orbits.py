@@ -537,8 +537,11 @@ def test_a_curve_of_bifurcations_is_drawn_through_the_rows_of_its_table():
             (line,) = [a for a in lines if len(a.get_xdata()) == own.sum()]
             assert line.get_xdata() == pytest.approx(table["rpm"][own])
             assert line.get_ydata() == pytest.approx(table["restitution"][own])
-            assert line.get_label().startswith(f"{kind} of {label}")
             ends = result.summary["curves"][number - 1]["ends"]
+            corner = f" at {table['corner'][own][0]}" if table["corner"][own][0] else ""
+            why = "; ".join(sorted(set(ends) - {"end-of-range"}))
+            said = f"{kind}{corner} of {label}" + f" (ends: {why})" * bool(why)
+            assert line.get_label() == said
             open_ends = [k for k, end in zip((0, -1), ends, strict=True) if end != "end-of-range"]
             marks = [(a.get_xdata()[0], a.get_ydata()[0]) for a in lines if a is not line]
             assert marks == [
