@@ -104,13 +104,18 @@ class Motion:
 
     def __init__(self, machine: Machine, strobe: float, theta: float):
         """Up to the departure near theta, seen through the strobe phase; both in rad, [0, 2 pi)."""
-        self.machine, self.turn, self.trail = machine, machine.turn, Trail()
+        self.machine = machine
+        self.turn = machine.turn
+        self.trail = Trail()
         self.bits = ctx.prec
         self.section = arb(strobe)
         self.strobe = self.section - (0 if strobe <= theta else self.turn)  # the last one
-        self.phi, self.n = arb(theta) - BEFORE, 0
+        self.phi = arb(theta) - BEFORE
+        self.n = 0
         self.i = next(k for k, at in enumerate(machine.stretches) if at.end > self.phi)
-        self.impacts, self.chattered, self.resting = 0, False, True
+        self.impacts = 0
+        self.chattered = False
+        self.resting = True
         self._leave()
 
     def step(self) -> None:
@@ -195,16 +200,20 @@ class Motion:
 
     def _contact(self) -> tuple[arb, int, int]:
         """(angle of flight to the next contact, stretch, turn)."""
-        i, n, (low, cut) = self.i, self.n, self._opening()
+        i, n = self.i, self.n
+        low, cut = self._opening()
         for k in range(MOST_STRETCHES):
-            gap, high = self._gap(i, n), self._end(i, n) - self.phi
+            gap = self._gap(i, n)
+            high = self._end(i, n) - self.phi
             if cut is not None or not self._clear(low.union(high), i, n):
                 if k and not gap(low)[0] > 0:
                     raise UndecidedError
                 s = first_root(gap, low, high.upper(), cut) if low < high else None
                 if s is not None and below(s, high):
                     return s, i, n
-            (i, n), low, cut = self._next(i, n), high, None
+            i, n = self._next(i, n)
+            low = high
+            cut = None
         raise EndlessError
 
     def _clear(self, s: arb, i: int, n: int) -> bool:
@@ -219,7 +228,8 @@ class Motion:
         Its derivative of order self.order is above zero so far; or all along it is concave.
         """
         high = self._end(self.i, self.n) - self.phi
-        gap, s = self._gap(self.i, self.n, order=LIFT_OFF), high.upper()
+        gap = self._gap(self.i, self.n, order=LIFT_OFF)
+        s = high.upper()
         if self.order == BLOW and self.rate > 0 and self.fall > 0:
             hop = (HOP * self.rate / self.fall).mid()
             if hop < high and gap(arb(0).union(hop))[2] < 0:
@@ -239,7 +249,8 @@ class Motion:
         A start (dphi, drate) beside is at equal phi a difference (dq, dw) = (-rate dphi,
         drate - gap'' dphi). It lands at dphi = -dq/u later, its u different by dw + gap'' dphi.
         """
-        machine, (s, i, n) = self.machine, self._contact()
+        machine = self.machine
+        s, i, n = self._contact()
         s = arb(s.mid(), 4 * s.rad() + SLACK * abs(s).upper())  # room to sharpen it in
         _, u, accel, jerk = self._gap(i, n, order=3)(s)
         b, b1, _ = machine.flow(s)
@@ -249,7 +260,8 @@ class Motion:
         flight = arb_mat([[b1 + 2 * machine.Z * b, b], [-machine.W2 * b, b1]])
         later = arb_mat([[-1 / u, 0], [machine.r * accel / u, -machine.r]])
         slopes = [u, accel, jerk]
-        drift, unit = machine.drift(self.q, self.w, s), arb_mat([[1, 0], [accel, u]]).mid()
+        drift = machine.drift(self.q, self.w, s)
+        unit = arb_mat([[1, 0], [accel, u]]).mid()
         return i, n, s, slopes, later * flight * equal, later * drift, unit
 
     def _accumulates(self) -> bool:
@@ -260,7 +272,9 @@ class Motion:
         shrink, and the infinitely many take between (2 v/A)/(1 - r/k) and (2 v/a)/(1 - r k).
         The bounds are taken over all gaps, rates and angles that this allows with k <= 2.
         """
-        machine, v, r = self.machine, self.rate.upper(), self.machine.r
+        machine = self.machine
+        v = self.rate.upper()
+        r = machine.r
         if not r < 1:
             return False
         reach = (3 * v / (self.fall * (1 - r))).upper()
@@ -268,8 +282,9 @@ class Motion:
         if not (last < self._end(self.i, self.n) and last < self._next_strobe()):
             return False
         c = self._cam(self.phi + arb(0).union(reach), self.i, self.n)
-        height, rates = v * reach, (-2 * v).union(2 * v)
-        q, w = c[0] + arb(0).union(height), c[1] + rates
+        height = v * reach
+        q = c[0] + arb(0).union(height)
+        w = c[1] + (-2 * v).union(2 * v)
         falls = machine.G + machine.W2 * q + 2 * machine.Z * w + c[2]
         least, most = falls.lower(), falls.upper()
         if not least > 0:
@@ -288,7 +303,9 @@ class Motion:
 
     def _leave(self) -> None:
         """From a rest on to where the follower leaves the cam."""
-        machine, begun, ctx.prec = self.machine, self.phi, self.bits
+        machine = self.machine
+        begun = self.phi
+        ctx.prec = self.bits
         while self.phi < begun + self.turn + 1:
             i, n = self.i, self.n
 
@@ -301,7 +318,8 @@ class Motion:
             root = first_root(force, self.phi, end.upper())
             if root is not None and below(root, end):
                 return self._depart(root, arb(0), LIFT_OFF)
-            self.phi, (self.i, self.n) = end, self._next(i, n)
+            self.phi = end
+            self.i, self.n = self._next(i, n)
             kick = self._cam(end, self.i, self.n)[1] - self._cam(end, i, n)[1]
             if below(abs(kick), arb(SMALLEST_KICK)):
                 continue
@@ -333,4 +351,5 @@ class Motion:
                 state = self.machine.move(self.q, self.w, strobe - self.phi)
             self.trail.states.append((state[0], state[1]))
             self.trail.symbols.append(inf if self.chattered else float(self.impacts))
-            self.impacts, self.chattered = 0, False
+            self.impacts = 0
+            self.chattered = False
