@@ -53,10 +53,13 @@ def named(
     in a short record not at all: where `label` finds no period, or that of fewer turns repeated,
     the orbit is solved. None is looked for where the record's exponent says chaos.
     """
-    name, ok, exponents = label(record), record.status == Status.OK, None
+    name = label(record)
+    ok = record.status == Status.OK
+    exponents = None
     doubtful = isinstance(name, Label) and name.repeats
     if name in (APERIODIC, UNDECIDED) and ok and any(_returns(record, LONGEST_PERIOD)):
-        doubtful, exponents = True, of_record(system, rpm, record)
+        doubtful = True
+        exponents = of_record(system, rpm, record)
     if (measured or doubtful) and not (exponents and exponents.chaotic):
         orbit = identify(system, rpm, record)
         if orbit is not None:
@@ -156,14 +159,17 @@ def largest_growth(system: System, rpm: float, record: Record, window: range) ->
     and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7), and at an impact it is a phase
     error again, |dq/u|.
     """
-    cam, const, strobe = system.cam, system.constants(rpm, 1.0, 1), system.strobe
+    cam = system.cam
+    const = system.constants(rpm, 1.0, 1)
+    strobe = system.strobe
     largest = 0.0
     last: float | None = None  # rad since period 0, of the last event of a motion from rest
     pair: tuple[float, float] | None = None  # its difference; none before the first impact
     for kind, period, theta, u in _events(record, window):
         place = theta - strobe + (TURN if theta < strobe else 0.0) + TURN * period
         if kind != IMPACT or last is None:
-            last, pair = place if kind == DETACHMENT else None, None
+            last = place if kind == DETACHMENT else None
+            pair = None
             continue
         s = place - last
         if pair is None:
