@@ -73,7 +73,8 @@ def _find(
     label: Label | None, most: int,
 ) -> None:  # fmt: skip
     """`find` into `found`, where other orbits than the label's may stand too."""
-    system, turns = shooter.system, list(range(1, MOST_SINGLE + 1))
+    system = shooter.system
+    turns = list(range(1, MOST_SINGLE + 1))
     if label is not None:
         turns = [len(label.symbols)] if sum(label.symbols) == 1.0 else []
     free = piece("the orbit without impacts", partial(free_orbit, system, rpm))
@@ -83,10 +84,8 @@ def _find(
         name = f"the orbits of one impact in {m} turns at {rpm:.10g} rpm"
         piece(name, partial(_add_single_impacts, found, shooter, rpm, m))
     if label is None or (sum(label.symbols) > 0.0 and not found.orbits and not found.continua):
-        run, count = (
-            replace(settings, record=RECORD),
-            starts if label is None else max(starts, most),
-        )
+        run = replace(settings, record=RECORD)
+        count = starts if label is None else max(starts, most)
         for k, start in enumerate((settings.start, *islice(cloud(system, rpm), count))):
             ends_on = partial(_orbit_from, shooter, rpm, run, start)
             orbit = piece(f"the motion from start {k} at {rpm:.10g} rpm", ends_on)
@@ -140,7 +139,8 @@ def _try_returns(
     shooter: Shooter, rpm: float, settings: Settings, starts: int, label: Label, found: OrbitsFound
 ) -> None:
     """Newton's method from the closest returns with the label's symbols."""
-    system, run = shooter.system, replace(settings, transient=0, record=settings.transient + RECORD)
+    system = shooter.system
+    run = replace(settings, transient=0, record=settings.transient + RECORD)
     tries: list[tuple[float, list[Impact]]] = []
     for start in (settings.start, *islice(cloud(system, rpm), starts)):
         record = shooter.simulate(system, rpm, run, start)
