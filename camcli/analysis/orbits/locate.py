@@ -337,7 +337,8 @@ def _fade(shooter: Shooter, step: Step, k: int, low: float, last: Root) -> Locat
     while rate(beyond) < 0.0 and high < FARTHEST * step.length:
         high *= 1.5
         beyond = step.at(shooter, high) or beyond
-    root, sure = last, (abs(beyond.value - last.value), Bracket.UNRESOLVED)
+    root = last
+    sure = (abs(beyond.value - last.value), Bracket.UNRESOLVED)  # error and status
     if rate(last) < 0.0 <= rate(beyond):
         ends = bracket(lambda x: rate(step.at(shooter, x)), low, high, rate(last), rate(beyond))
         low = ends[0]  # where u < 0 still: the trace, which goes with 1/u, has its sign
