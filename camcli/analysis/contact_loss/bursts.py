@@ -53,12 +53,13 @@ class Burst:
 
 
 def _bursts(system: System, orbit: Orbit, record: Record) -> tuple[list[Burst], list[float]]:
-    """The bursts of a record, phases counted on from its first strobe; impacts of its first turn.
+    """(the bursts of a record, the impacts of its first turn in deg).
 
-    With restitution 0 the follower rests where it lands, if it is pressed on.
+    Phases of bursts are counted on from the record's first strobe. With restitution 0 the follower
+    rests where it lands, if it is pressed on: such an impact ends a burst as a chatter does.
     """
     found: list[Burst] = []
-    impacts = []
+    impacts: list[float] = []
     for kind, period, theta, _, u in record.events():
         phase = TURN * period + (theta - system.strobe) % TURN
         if kind == DETACHMENT:
@@ -66,14 +67,15 @@ def _bursts(system: System, orbit: Orbit, record: Record) -> tuple[list[Burst], 
                 found[-1].end = (found[-1].impacts or [found[-1].begin])[-1]
             found.append(Burst(theta, phase))
         elif kind == IMPACT:
-            impacts += [theta * DEG] if phase < TURN else []
-            found = found or [Burst(inf, phase)]
+            if phase < TURN:
+                impacts.append(theta * DEG)
+            if not found:
+                found.append(Burst(inf, phase))
             found[-1].impacts.append(phase)
             if orbit.const.r * u == 0.0:
                 i = stretch_at(system.cam, theta)
-                kind = (
-                    CHATTER if contact_accel(system.cam, orbit.const, i, theta)[0] < 0.0 else kind
-                )
+                if contact_accel(system.cam, orbit.const, i, theta)[0] < 0.0:
+                    kind = CHATTER
         if kind == CHATTER and found and found[-1].end == inf:
             found[-1].end = phase
     return found, impacts
@@ -86,7 +88,10 @@ class Bursts:
     """
 
     def __init__(self, system: System, name: str, theta: float, impact_budget: int):
-        self.system, self.force, self.name, self.theta = system, Force(system), name, theta
+        self.system = system
+        self.force = Force(system)
+        self.name = name
+        self.theta = theta
         self.impact_budget = impact_budget
         self.cost = Cost()
         self._known: dict[tuple[float, int], Burst] = {}
