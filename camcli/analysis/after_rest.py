@@ -109,7 +109,10 @@ def of_machine(system: System, rpm: float, theta: float, every: bool = False) ->
 def of_shape(
     shape: Shape, follower: Follower, strobe: float, rpm: float, theta: float, every: bool = False
 ) -> After:
-    """The same; other starts at a speed, or a sweep the other way, come to the same rest."""
+    """`of_machine` by the parts of the machine, remembered.
+
+    Other starts at a speed, and a sweep the other way, come to the same rest: it is followed once.
+    """
     from camcli.exact.machine import Machine
     from camcli.exact.motion import EndlessError, Motion
 
@@ -124,7 +127,10 @@ def of_shape(
 
 
 def _followed(motion: Motion) -> After:
-    trail, states, largest = motion.trail, list[State](), (0.0, 0.0)
+    """Follow a motion until its states repeat, or for LONGEST turns."""
+    trail = motion.trail
+    states: list[State] = []
+    largest = (0.0, 0.0)
     while len(states) < LONGEST and len(trail.impacts) < MOST_IMPACTS:
         for q, w in trail.states[len(states) :]:
             if max(q.rad(), w.rad()) > CLOSE * max(abs(q), abs(w)):  # too wide to be compared
@@ -145,7 +151,8 @@ def _followed(motion: Motion) -> After:
 
 def cycle(motion: Motion) -> After | None:
     """The motion since an earlier departure at the phase of the last one, if there was one."""
-    trail, last = motion.trail, motion.trail.leaves[-1]
+    trail = motion.trail
+    last = trail.leaves[-1]
     turns = [(last - other) / motion.turn for other in trail.leaves[:-1]]
     since = next((k for k, n in enumerate(turns) if n.contains_integer()), None)
     if since is None:
