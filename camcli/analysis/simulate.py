@@ -230,7 +230,7 @@ class _Sampler:
             while j < len(self.grid) and self.grid[j] < s:
                 yield self._sample(p, node, j)
                 j += 1
-            _, _c, c1 = self._lift(s)
+            _, _, c1 = self._lift(s)
             at = (TURN * p + s) / self.omega, theta * (180.0 / pi), q
             cam_now = q, c1 * self.omega
             if kind == IMPACT:
@@ -251,6 +251,7 @@ class _Sampler:
         return node.sticking
 
     def _sample(self, p: int, node: _Node, j: int) -> tuple:
+        """The row of point j of the grid in period p, of the motion that begins at the node."""
         theta, c, c1 = self.lifts[j]
         q, w = c, c1
         if node.chatter is not None:
