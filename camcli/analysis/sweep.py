@@ -439,6 +439,11 @@ class _Task:
     def _measured(
         self, value: float, system: System, rpm: float, settings: Settings, start: Start | None
     ) -> Speed:
+        """Simulate one speed and name what it ends on.
+
+        Where rounding decides the record after a rest, the true motion is followed if `follow` asks
+        for it, else the speed counts as not known. An aperiodic record is followed on if `patient`.
+        """
         backend.for_work(self.turns)
         orbit = Orbit(system, rpm, settings, start)
         record = orbit.run()
