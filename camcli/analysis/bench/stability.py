@@ -423,7 +423,9 @@ def _completion(machines: Machines) -> str:
 
 @row(17, "exact graze +- 1 ulp", "at most one contact of near-zero speed")
 def _graze(machines: Machines) -> str:
-    machine, flights, found = machines.example(), reference("stability")["grazes"], []
+    machine = machines.example()
+    flights = reference("stability")["grazes"]
+    found: list[float] = []
     for flight in flights:
         start = {key: flight[key] for key in ("theta_deg", "q", "v")}
         record = run(machine, flight["rpm"], record=1, tolerance=1e-16, budget=4, **start)
