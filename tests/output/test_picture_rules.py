@@ -26,6 +26,7 @@ from camcli.plots.axes import (
 )
 from camcli.plots.branch_lines import Strand, draw_real, pair
 from camcli.plots.orbits import _over_parameter
+from camcli.plots.picture import _rows
 from camcli.plots.sweep import enlarged_range
 
 
@@ -194,3 +195,23 @@ def test_shades():
     assert found[4] == style.mixed(blue, 0.45)
     assert style.label_colour(Label((1.0,) * 4)) == style.PERIODS[3]
     assert style.label_colour(Label((1.0,) * 5)) == style.LONGER
+
+
+@pytest.mark.parametrize(
+    ("across", "named", "width", "rows"),
+    [
+        ((2, 2, 2), False, 110.0, [2, 1]),  # 55 mm each
+        ((2, 2, 2), False, 109.0, [1, 1, 1]),
+        ((2, 2, 2), True, 54.0, [2, 1]),  # numbers of its own are left out: 27 mm
+        ((2, 2, 2), True, 53.0, [1, 1, 1]),
+        ((1, 3, 3, 3, 3, 1), False, 165.0, [1, 3, 1, 1]),
+        ((3, 3, 3), False, 164.0, [2, 1]),
+        ((2, 3, 3), False, 300.0, [1, 2]),
+        ((2, 2), False, 20.0, [1, 1]),
+    ],
+)
+def test_narrow_panels_stand_side_by_side(across, named, width, rows):
+    panels = {k: Made(across=n, y="q" if named else "", number=k) for k, n in enumerate(across)}
+    found = _rows(panels, width)
+    assert [len(row) for row in found] == rows
+    assert [panel.number for row in found for panel in row] == list(range(len(across)))
