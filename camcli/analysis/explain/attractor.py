@@ -40,9 +40,13 @@ class Carried:
     """
 
     def __init__(self, system: System, settings: Settings, near: float, far: float, turns: int):
-        self.system, self.settings, self.turns = system, settings, turns
-        self.near, self.far = self.stays, self.leaves = near, far
-        self.cost, self.crowding = Cost(), 1.0
+        self.system = system
+        self.settings = settings
+        self.turns = turns
+        self.near = self.stays = near
+        self.far = self.leaves = far
+        self.cost = Cost()
+        self.crowding = 1.0
         orbit = Orbit(system, near, with_turns(settings, max(settings.transient, SETTLE), 1))
         orbit.run()
         self.start = orbit.as_start()
