@@ -44,8 +44,13 @@ def corner_list(cam: Cam) -> list[Corner]:
 
 
 def regions(cam: Cam) -> list[Region]:
-    """A1 from the first corner on, the last one through theta = 0 to it; one without corners."""
-    found, count = corner_list(cam), len(cam.stretches)
+    """The smooth regions between corners: A1 begins at the first corner, A2 at the second, ...
+
+    The last region goes on through theta = 0 to the first corner. A cam without corners is one
+    region.
+    """
+    found = corner_list(cam)
+    count = len(cam.stretches)
     if not found:
         return [Region("A1", 0.0, TURN, "", "", tuple(range(count)))]
     result = []
