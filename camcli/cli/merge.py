@@ -56,7 +56,9 @@ def _paths(given: Sequence[Path]) -> list[Path]:
 
 
 def _record(paths: Sequence[Path]) -> tuple[Record, Path]:
-    """What the parts belong to, and the part that tells of what its results do not hang on.
+    """The record of the run that the parts belong to, and the last part.
+
+    The values of a scene that decide no number (how pictures look) are those of the last part.
 
     Raises SceneError unless they are all parts of one run, complete.
 
