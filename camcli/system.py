@@ -75,7 +75,7 @@ class System:
 
     @property
     def strobe_deg(self) -> float:
-        """The same, deg."""
+        """The strobe phase in deg."""
         return self.strobe * (180.0 / pi)
 
     @cached_property
@@ -135,7 +135,7 @@ class Units(NamedTuple):
 
 
 def decimals(width: float) -> int:
-    """Of a number that is known to within `width`: two digits of that are shown."""
+    """How many decimals to show of a number known to within `width`: two digits of the width."""
     return max(0, 1 - floor(log10(width))) if width > 0.0 else 6
 
 

@@ -199,7 +199,7 @@ class _Command(TyperCommand):
             formatter.write("\n".join(filled) + "\n")
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Of an option that takes one value and is given twice only the last would count."""
+        """Refuse an option that takes one value and is given twice: only the last would count."""
         given: list[Any] = self.make_parser(ctx).parse_args(args=[*args])[2]
         times = Counter(o for o in given if o.param_type_name == "option" and not o.is_flag)
         if twice := [(o, n) for o, n in times.items() if n > 1 and not o.multiple]:

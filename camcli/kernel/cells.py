@@ -19,7 +19,10 @@ from camcli.kernel.orbit_loop import OK, PAUSED, Plan, run
 
 
 class Outcome(IntEnum):
-    """Of a cell that ended at no attractor; an attractor is its index, see also `trouble`."""
+    """The outcome of a cell that ended at no attractor; all others are indices of attractors.
+
+    Numerical trouble has outcomes of its own, see `trouble`.
+    """
 
     UNDECIDED = -1  # the budget of turns was used up
     FORGOTTEN = -2  # of a state after a rest: nothing is known of what it leads to

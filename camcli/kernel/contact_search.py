@@ -73,7 +73,7 @@ def flight_at(cam, const, i, theta, gap, rate):
 
 @inlined
 def flight_over(cam, const, i, theta, gap, rate, c, c1, c2):
-    """The same where c and its derivatives at theta are known."""
+    """`flight_at` where c and its derivatives at theta are known."""
     q = c + gap
     w = c1 + rate
     force = const.G + const.W2 * q

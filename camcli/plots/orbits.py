@@ -356,7 +356,7 @@ class Zoom:
 
 
 def hidden(scene: _Scene) -> list[Zoom]:
-    """Of the corner impacts those hardest to see, in ascending order."""
+    """Zooms on the corner impacts that are hardest to see, in ascending order of the parameter."""
     values = scene.every(lambda orbit: [orbit.value])
     found = []
     for event in scene.events:
