@@ -125,8 +125,11 @@ def study(
     what nobody foresaw has no attractors, and cells of the status FAULT. Raises ShardDone where
     this is one shard of many.
     """
-    branches, speeds = Branches(), list[Basins]()
-    work, shared, setup = work or Work(), False, setup or AtSpeeds(system, settings)
+    branches = Branches()
+    speeds: list[Basins] = []
+    work = work or Work()
+    setup = setup or AtSpeeds(system, settings)
+    shared = False
 
     def at(value: float, here: Work) -> Basins:
         own, rpm, runs = setup(value)
