@@ -362,7 +362,8 @@ def _from_start(system: System, settings: Settings, motion: Motion, events: bool
 
 def _reached(motion: Motion, record: Record) -> Motion:
     """The motion with its transient, where it reaches its orbit in a record from the start."""
-    orbit, motion = motion.orbit, replace(motion, cost=motion.cost + record.cost)
+    orbit = motion.orbit
+    motion = replace(motion, cost=motion.cost + record.cost)
     assert orbit is not None
     away = [distance_to(state, orbit.states) > SAME for state in passages(record)[0]]
     if not away or away[-1]:
