@@ -182,7 +182,8 @@ def orbits(
         with suppress(BudgetSpentError):
             absent = piece("the search at other speeds", look)
         if ends is not None and absent is not None and absent.orbit is not None:
-            found.orbits, question = [absent.orbit], replace(question, rpm=absent.orbit.rpm)
+            found.orbits = [absent.orbit]
+            question = replace(question, rpm=absent.orbit.rpm)
     shooter = Shooter(system, question.rpm, question.parameter)
     diagram = Diagram(shooter, settings)
     if span is not None:
@@ -262,7 +263,8 @@ class Diagram:
 
     def holds(self, root: Root) -> bool:
         """True where some branch passes through the root."""
-        system, orbit = self.shooter.system, from_root(self.shooter.system, root)
+        system = self.shooter.system
+        orbit = from_root(system, root)
         for branch in self.branches:
             for a, b in pairwise(branch.points):
                 if not min(a.value, b.value) <= root.value <= max(a.value, b.value):
@@ -387,6 +389,7 @@ def _reach(
         tangent = orbit.root.tangent
         ahead = tangent if (tangent[-1] > 0.0) == up else [-x for x in tangent]
         segment = follow(shooter, orbit.root, ahead, span)
-        points, end = [from_root(system, root) for root in segment.points], segment.end
+        points = [from_root(system, root) for root in segment.points]
+        end = segment.end
     same = (point.value for point in points if point.label == orbit.label)
     return min(same, key=lambda value: abs(value - rpm)), end
