@@ -48,8 +48,11 @@ def height_notes(system: System, rpm: float) -> list[str]:
     From the top with v = omega max |c_theta| to the height where v^2/2 is spent on spring, preload
     and weight; damping alone stops it after m v/b.
     """
-    f, (low, top), slope = system.follower, lift_range(system.cam), lift_range(system.cam, 1)
-    v, pull = omega_of(rpm) * max(map(abs, slope)), f.gravity + f.preload / f.mass
+    f = system.follower
+    low, top = lift_range(system.cam)
+    slope = lift_range(system.cam, 1)
+    v = omega_of(rpm) * max(map(abs, slope))
+    pull = f.gravity + f.preload / f.mass
     stiff = f.stiffness / f.mass
     pull += stiff * top
     slowed = pull + sqrt(max(0.0, pull * pull + stiff * v * v))
