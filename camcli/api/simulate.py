@@ -192,7 +192,9 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
             _with_range(profile(one.system, rpm, samples, base), one.system)
             for one, base in zip(machines, bases, strict=True)
         ]
-    result, f, omega = results[0], machine.system.follower, omega_of(rpm)
+    result = results[0]
+    f = machine.system.follower
+    omega = omega_of(rpm)
     units = units_of(machine.system)
 
     def rows(one: Profile) -> Iterator[tuple]:
