@@ -193,7 +193,8 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
     troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]
     decided = decided_words((speed.holds_for for speed in found.speeds), "points")
-    unknown, total = sum(not speed.known for speed in found.speeds), one.num * two.num
+    unknown = sum(not speed.known for speed in found.speeds)
+    total = one.num * two.num
     notes = [*decided, *status_notes(troubled, one.key)]
     if unknown:
         text = f"{unknown} of {total} points undecided, grey: rounding decides after a rest"
