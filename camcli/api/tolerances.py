@@ -67,8 +67,10 @@ def tolerances(
     always the same. A measured cam is off by a share of the bound on its error, from -1 to 1. The
     speeds of a machine that failed are empty.
     """
-    section, axes = machines.machine.scene.detach, machines.axes
-    draw, springs = Random(0), [hold for hold in found.holds if hold.stiffness is not None]
+    section = machines.machine.scene.detach
+    axes = machines.axes
+    draw = Random(0)
+    springs = [hold for hold in found.holds if hold.stiffness is not None]
     ranges = [(axis.start, axis.stop) for axis in axes]
     keys = [axis.key for axis in axes]
     measured = machines.machine.scene.cam.kind == "table"
