@@ -233,7 +233,7 @@ def parts_of(scene: Scene, options: Options) -> dict[str, tuple[str, Scene]]:
     options: with_basins and with_map, as of `explore`.
     """
     whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
-    whole |= {"explain": False}
+    whole |= {"zoom": (), "adaptive": False, "explain": False}  # the speeds of the page alone
     parts = {
         f"sweep {way}": ("sweep", with_values(scene, "sweep", **whole, direction=way))
         for way in DIRECTIONS

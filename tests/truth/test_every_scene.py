@@ -20,7 +20,7 @@ from camcli.scene import load_scene, resolved
 CONFIGS = Path(__file__).parents[2] / "configs"
 SCENES = sorted([*CONFIGS.glob("*.yaml"), *(CONFIGS / "figures").glob("*.yaml")])
 MACHINES = [scene for scene in SCENES if scene.parent == CONFIGS]
-SHORT = "--set run.transient=60 --set run.record=40"
+SHORT = "--set run.transient=200 --set run.record=140 --set run.patience=300"
 SMALL = {  # options that make a command small; its scene decides the rest
     "simulate": f"{SHORT} --points 200",
     "sweep": "--points 21",
