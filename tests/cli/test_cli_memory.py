@@ -21,6 +21,6 @@ def peak(folder, points: int) -> int:
     return usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_twice_the_speeds_take_the_same_memory(tmp_path):
     assert peak(tmp_path, 1400) - peak(tmp_path, 700) < ROOM

@@ -44,6 +44,8 @@ def _line(command: str, scene: Path) -> str:
     options = SMALL[command]
     if scene not in MACHINES and SHORT not in options:
         options += f" {SHORT}"  # the command of a figure runs whole in cam figures --check
+    if scene not in MACHINES and command == "sweep":
+        options += " --set sweep.zoom=[]"
     section = yaml.safe_load(scene.read_text()).get(command) or {}
     vary = section.get("vary")
     if vary and "--points" in options:
