@@ -189,7 +189,7 @@ def test_a_last_bit_of_a_chaotic_motion_is_a_broken_portability(home):
     name = "impacts.csv theta_deg median"
 
     def nudge(reference):
-        assert reference["chaotic"]["impacts.csv rows"] > 10
+        assert reference["chaotic"]["impacts.csv rows"] > 0
         reference["chaotic"][name] *= 1.0 + 2e-16
 
     found = drifted(home, "1.2a", nudge)

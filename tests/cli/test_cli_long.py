@@ -138,7 +138,7 @@ def figures(tmp_path):
     return Case(tmp_path, words, None, (), True)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_figures_killed_at_any_moment_end_the_same_and_leave_no_children(tmp_path):
     case = figures(tmp_path)
     case.soak(1, 1)

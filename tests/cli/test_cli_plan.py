@@ -15,6 +15,17 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 FACTOR = 2.0  # between what is foreseen and what is measured
 SMALL = 10e3  # bytes that nobody minds
 TURNS = "--set run.transient=50 --set run.record=100"
+LONG = (
+    "sweep as npz", "sweep of speeds alone", "report", "explore with basins", "explore with map",
+    "simulate finely", "profile", "map", "classify",
+)  # fmt: skip
+
+
+def some_as_soak(names):
+    """Names of cases as parameters; those that take long and are like another one are soaks."""
+    return [pytest.param(n, marks=pytest.mark.soak) if n in LONG else n for n in names]
+
+
 SEEN = {
     "sweep": "sweep --points 41",
     "sweep of chatter": "sweep --rpm 110:200 --points 40",
@@ -54,7 +65,7 @@ def foreseen(cam, *words: str) -> dict:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SEEN)
+@pytest.mark.parametrize("name", some_as_soak(SEEN))
 def test_a_plan_is_right_within_a_factor_of_two_and_writes_nothing(
     cam, tmp_path, monkeypatch, name
 ):
@@ -95,7 +106,7 @@ print(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1])
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
-@pytest.mark.parametrize("name", MEASURED)
+@pytest.mark.parametrize("name", some_as_soak(MEASURED))
 def test_the_memory_of_a_plan_is_that_of_the_run_within_a_factor_of_two(
     cam, tmp_path, monkeypatch, name
 ):

@@ -83,7 +83,13 @@ def is_held(proof, orbit):
     return all(x in interval(text) for x, text in zip(numbers, proof.box, strict=True))
 
 
-@pytest.mark.parametrize("key", RANGES)
+@pytest.mark.parametrize(
+    "key",
+    [
+        key if key in ("stiffness", "restitution") else pytest.param(key, marks=pytest.mark.soak)
+        for key in RANGES
+    ],
+)
 def test_every_twentieth_point_that_is_proved_is_the_oracles(key):
     result = proved(key)
     for branch, proofs in zip(result.values.branches, result.values.proofs.points, strict=True):
