@@ -87,10 +87,17 @@ class Folds:
         return result
 
     def sample(self, rpm: float, shift: float) -> list[Fold]:
-        """Folds among STARTS starts, refined, lowest first; `shift` moves them by part of a gap."""
+        """The REFINED lowest folds at this speed, the lowest first.
+
+        STARTS motions begin on the unstable manifold of the base, evenly spaced in t over one
+        period of it (mu times as far from the base), or over two where mu is negative.
+        A fold is where the height eta about the saddle has a minimum over t. `shift` moves all
+        starts by a share of their spacing, so that another search sees other folds.
+        """
         pair = self.at(rpm)
         mu = pair[0].mu
-        gap = log(abs(mu)) * (1 if mu > 0.0 else 2) / STARTS
+        periods = 1 if mu > 0.0 else 2
+        gap = log(abs(mu)) * periods / STARTS
         n = AFTER + int(self.base.turns * log(1.0 / ON_MANIFOLD) / log(abs(mu)))
         t = gap * (np.arange(STARTS) + shift)
         places = np.array([self.places(rpm, pair, x, n) for x in t])
