@@ -10,7 +10,7 @@ from pathlib import Path
 import grimp
 import pytest
 
-from tests.mutants import mutants
+from tests.support.mutants import mutants
 
 ROOT = Path(__file__).parents[1]
 BIN = Path(sys.executable).parent

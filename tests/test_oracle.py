@@ -3,7 +3,7 @@
 import pytest
 from mpmath import mp, mpf
 
-from tests.oracle import ArcsCam, Oracle, first_detachment_rpm, region_filling_rpm
+from tests.support.oracle import ArcsCam, Oracle, first_detachment_rpm, region_filling_rpm
 
 MASS, STIFFNESS, R = 1.221, 146 * 9.8, 0.8
 CAM = ArcsCam()

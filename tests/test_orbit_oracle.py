@@ -3,7 +3,7 @@
 import pytest
 from mpmath import mp, mpf
 
-from tests.orbit_oracle import (
+from tests.support.orbit_oracle import (
     CAM,
     CHAPTER,
     DIGITS,

@@ -24,13 +24,13 @@ from camcli.cams.arcs import ArcsCam
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 from tests.conftest import settings
-from tests.exact.make_flights import CHAPTER
-from tests.kernel.helpers import GEOMETRY
-from tests.oracle import ArcsCam as OracleCam
-from tests.oracle import Oracle
+from tests.support.kernel_runs import GEOMETRY
+from tests.support.make_flights import CHAPTER
+from tests.support.oracle import ArcsCam as OracleCam
+from tests.support.oracle import Oracle
 
 RUN = settings(600, 400)
-FLIGHTS = json.loads((Path(__file__).parents[1] / "exact/flights.json").read_text())
+FLIGHTS = json.loads((Path(__file__).parents[1] / "support/flights.json").read_text())
 
 
 def ends(system, rpm):

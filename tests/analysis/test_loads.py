@@ -13,7 +13,7 @@ from camcli.analysis.integrate import Orbit
 from camcli.analysis.loads import loads_of
 from camcli.kernel import backend
 from camcli.kernel.forms import PLAIN
-from tests.oracle import ArcsCam, Follower, Oracle
+from tests.support.oracle import ArcsCam, Follower, Oracle
 
 EXAMPLE = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
 TURNS = 2

@@ -13,9 +13,9 @@ from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.analysis.orbits.study import Question, orbits
-from tests import oracle
 from tests.conftest import chapter_system, settings
-from tests.orbit_oracle import (
+from tests.support import oracle
+from tests.support.orbit_oracle import (
     DOUBLED,
     GRAZE,
     STABLE,

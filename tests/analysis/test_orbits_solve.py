@@ -16,9 +16,9 @@ from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import _Equation, single_impact_roots
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.system import omega_of
-from tests import oracle, orbit_oracle
 from tests.conftest import chapter_system, settings
-from tests.orbit_oracle import DOUBLED, STABLE, THRICE, TWICE, UNSTABLE, Machine, solve
+from tests.support import oracle, orbit_oracle
+from tests.support.orbit_oracle import DOUBLED, STABLE, THRICE, TWICE, UNSTABLE, Machine, solve
 
 CAM = oracle.ArcsCam()
 CHAPTER = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}

@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from camcli.analysis.bench.machine import reference
 from camcli.analysis.bench.peers import TWO_PI, BudgetError, Lift, Machine, State, fly, solve_ivp
-from tests.random_flights import (
+from tests.support.random_flights import (
     INVENTED,
     MISSED,
     RIGHT,

@@ -27,8 +27,8 @@ from mpmath import mp, mpf
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from tests import oracle  # noqa: E402
-from tests.oracle import ArcsCam, Flight, Oracle  # noqa: E402
+from tests.support import oracle  # noqa: E402
+from tests.support.oracle import ArcsCam, Flight, Oracle  # noqa: E402
 
 FOLDER = ROOT / "camcli" / "analysis" / "bench" / "reference"
 DIGITS = 25

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from camcli.cams.arcs import ArcsCam
 from camcli.cams.compile import column
 from camcli.kernel.cam_table import derivative, lift, stretch_at
-from tests.kernel.helpers import GEOMETRY, ORACLE_CAM, cam
+from tests.support.kernel_runs import GEOMETRY, ORACLE_CAM, cam
 
 CAM = cam()
 CORNERS = [float(x) for x in ORACLE_CAM.breakpoints]

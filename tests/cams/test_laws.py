@@ -14,7 +14,7 @@ from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
 from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import higher, lift, lift_at, stretch_at
-from tests.cams.law_oracle import LAWS, OWN, OWN_LAW
+from tests.support.law_oracle import LAWS, OWN, OWN_LAW
 
 BASE, LIFT = -0.013, 0.05  # m
 RISE, DWELL, FALL = 100.0, 40.0, 120.0  # deg

@@ -12,8 +12,8 @@ import pytest
 from mpmath import mpf
 
 from camcli.api.lift_table import cautions
-from tests.cams.law_oracle import LAWS
-from tests.cams.lift_tables import Lobe, scene, table
+from tests.support.law_oracle import LAWS
+from tests.support.lift_tables import Lobe, scene, table
 
 CONTINUOUS = ["cycloidal", "3-4-5", "4-5-6-7", "modified-sine", "modified-trapezoid"]
 GRID = 800  # intervals of the tabulated laws: 1e-9 of the lift off

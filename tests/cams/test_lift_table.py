@@ -13,7 +13,7 @@ from camcli.api.lift_table import table_record
 from camcli.cams.compile import build, column, corners
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.system import Follower, System
-from tests.cams.lift_tables import (
+from tests.support.lift_tables import (
     Eccentric,
     Lobe,
     cycloidal,

@@ -7,7 +7,7 @@ import pytest
 from camcli.api.lift_table import cautions
 from camcli.errors import SceneError
 from camcli.scene import load_scene, resolved, scene_hash
-from tests.cams.lift_tables import SCENE, Lobe, cycloidal, polynomial, scene, table
+from tests.support.lift_tables import SCENE, Lobe, cycloidal, polynomial, scene, table
 
 TEXT = table(Lobe(cycloidal), 5, decimals=3)
 LINES = TEXT.splitlines()

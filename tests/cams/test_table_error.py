@@ -1,6 +1,6 @@
 """What the error of a lift table leaves open stands wherever its critical speeds are read.
 
-The law of the shipped table is known: contact is first lost at 3345.4 rpm (tests/cams/valve_lift).
+The law of the shipped table is known: contact is first lost at 3345.4 rpm (tests/support/valve_lift.py).
 """
 
 import csv

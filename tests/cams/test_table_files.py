@@ -12,8 +12,8 @@ from camcli.analysis.contact_loss.detachment import detachment
 from camcli.api.lift_table import table_record
 from camcli.scene import load_scene
 from camcli.system import Follower, System
-from tests.cams.lift_tables import Eccentric, Lobe, cycloidal, polynomial, smooth, table
-from tests.cams.lift_tables import scene as table_scene
+from tests.support.lift_tables import Eccentric, Lobe, cycloidal, polynomial, smooth, table
+from tests.support.lift_tables import scene as table_scene
 
 LOBE, ROUND = Lobe(smooth), Eccentric()
 THOU = 0.0254e-3

@@ -23,10 +23,10 @@ from camcli.kernel.orbit_loop import EventKind
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 from tests.conftest import settings
-from tests.exact.make_flights import CHAPTER
-from tests.kernel.helpers import GEOMETRY
+from tests.support.kernel_runs import GEOMETRY
+from tests.support.make_flights import CHAPTER
 
-FLIGHTS = json.loads(Path(__file__).with_name("flights.json").read_text())
+FLIGHTS = json.loads((Path(__file__).parents[1] / "support/flights.json").read_text())
 CORNER_B = 2.621124501166232  # rad
 ARCS = ArcsCam(kind="arcs", **GEOMETRY)
 

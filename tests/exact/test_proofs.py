@@ -1,6 +1,6 @@
 """What is proved of orbits and events, what is refused, and that no proof is wrong.
 
-The judge is mpmath at 40 digits: closed flights from `tests.oracle`, cams from their definitions.
+The judge is mpmath at 40 digits: closed flights from `tests.support.oracle`, cams from their definitions.
 """
 
 import json
@@ -27,9 +27,9 @@ from camcli.exact.shooting import Step
 from camcli.kernel.certify import ADMISSIBLE
 from camcli.scene import load_scene
 from camcli.system import Follower, System
-from tests import oracle, orbit_oracle
-from tests.cams.law_oracle import LAWS
-from tests.orbit_oracle import CAM, CHAPTER, STABLE
+from tests.support import oracle, orbit_oracle
+from tests.support.law_oracle import LAWS
+from tests.support.orbit_oracle import CAM, CHAPTER, STABLE
 
 pytestmark = pytest.mark.slow
 

@@ -1,6 +1,6 @@
 """Proofs along every constant of the follower, and that what is proved is true.
 
-The judge is `tests.orbit_oracle` at 60 digits, on the cam whose flank circle has exactly the radius
+The judge is `tests.support.orbit_oracle` at 60 digits, on the cam whose flank circle has exactly the radius
 that the program gives it: base_radius + flank_center.
 """
 
@@ -14,8 +14,8 @@ from mpmath import iv, mp, mpf
 import camcli
 from camcli.analysis.orbits.orbit import region_names
 from camcli.scene import load_scene
-from tests.oracle import ArcsCam
-from tests.orbit_oracle import DIGITS, Machine, admissible, solve
+from tests.support.oracle import ArcsCam
+from tests.support.orbit_oracle import DIGITS, Machine, admissible, solve
 
 pytestmark = pytest.mark.slow
 

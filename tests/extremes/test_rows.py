@@ -6,7 +6,7 @@ import camcli
 from camcli.analysis.bench.stability import OK, ROWS, measure
 from camcli.api.bench import machines
 from camcli.errors import Status
-from tests.kernel.helpers import run, system
+from tests.support.kernel_runs import run, system
 
 
 @pytest.mark.parametrize("number", ROWS)

@@ -15,7 +15,7 @@ import pytest
 from camcli.cams.lift_guess import guess
 from camcli.errors import SceneError
 from camcli.scene.load import MAX_BYTES
-from tests.hostile.bounds import limited
+from tests.support.bounds import limited
 
 ROOT = Path(__file__).parents[2]
 TABLE = (ROOT / "configs" / "valve-lift.csv").read_text()

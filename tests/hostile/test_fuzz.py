@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 from camcli.cams.compile import build
 from camcli.cams.lift_guess import guess
 from camcli.scene import document, load_scene
-from tests.cams.lift_tables import Lobe, cycloidal, polynomial, scene, table
-from tests.hostile.bounds import (
+from tests.support.bounds import (
     NUMBERS,
     ODD,
     VALUES,
@@ -28,6 +27,7 @@ from tests.hostile.bounds import (
     plain_kernel,
     run_one_turn,
 )
+from tests.support.lift_tables import Lobe, cycloidal, polynomial, scene, table
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SCENES = {path.name: yaml.safe_load(path.read_text()) for path in sorted(CONFIGS.glob("*.yaml"))}

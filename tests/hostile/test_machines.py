@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.conftest import cam_in
-from tests.hostile.bounds import fuzz, limited
+from tests.support.bounds import fuzz, limited
 
 pytestmark = pytest.mark.slow
 

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.conftest import cam_in
-from tests.hostile.bounds import fuzz, limited
+from tests.support.bounds import fuzz, limited
 
 TURNS = "--set run.transient=5 --set run.record=10 --no-plot"
 RUNS = {

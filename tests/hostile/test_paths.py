@@ -14,7 +14,7 @@ import pytest
 
 from camcli.errors import SceneError
 from camcli.scene import load_scene
-from tests.hostile.bounds import command_line
+from tests.support.bounds import command_line
 
 ROOT = Path(__file__).parents[2]
 CONFIGS = ROOT / "configs"

@@ -6,7 +6,7 @@ import tracemalloc
 
 import pytest
 
-from tests.hostile.bounds import command_line
+from tests.support.bounds import command_line
 
 REFUSED = [
     ("basins --cells 1000000000000", "--cells: basins.cells.0: found 1000000000000, expected a"),

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.conftest import refused
-from tests.hostile.bounds import limited
+from tests.support.bounds import limited
 
 SIMULATE = "simulate --set run.transient=1 --set run.record=2 --style it.mplstyle"
 WRONG = {  # a line of a style, and what is said of it

@@ -10,7 +10,7 @@ from camcli.kernel.cells import CHATTERED_TURN, FORGOTTEN, GOES_ON, NEW_REST, UN
 from camcli.kernel.forms import PLAIN
 from camcli.kernel.orbit_loop import RESTING
 from tests.conftest import settings
-from tests.kernel.helpers import system
+from tests.support.kernel_runs import system
 
 STARTS = [(0.3, -1.0), (0.55, 32.0), (0.1, 5.0), (0.2, -40.0), (1.1, 12.0), (0.1, 0.0), (0.1, -3.0)]
 

@@ -5,7 +5,7 @@ from math import pi
 
 import pytest
 
-from tests.kernel.helpers import events, reference, run, system
+from tests.support.kernel_runs import events, reference, run, system
 
 ROUNDING = 2e-14  # turns per unit of the event's own stretching, beside the tolerance
 TOLERANCES = [10.0**-n for n in (3, 5, 7, 9, 11, 13)]

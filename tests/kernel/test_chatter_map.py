@@ -14,7 +14,7 @@ from camcli.kernel.flight import BOUNCED, REFUSED, chatter_map
 from camcli.kernel.flow import Constants
 from camcli.kernel.forms import PLAIN
 from camcli.kernel.sticking import contact_accel
-from tests.random_flights import CAMS, machine_on
+from tests.support.random_flights import CAMS, machine_on
 
 DIGITS = 32
 ORDERS = 24  # terms of the gap's Taylor series in a hop

@@ -25,8 +25,8 @@ from camcli.kernel.flight import leap
 from camcli.kernel.flow import move
 from camcli.kernel.forms import PLAIN
 from camcli.system import Follower, System, omega_of
-from tests.kernel.helpers import cam, events, run
-from tests.random_flights import CAMS, cam_of, machine_on
+from tests.support.kernel_runs import cam, events, run
+from tests.support.random_flights import CAMS, cam_of, machine_on
 
 
 def bang_bang(rng):

@@ -7,7 +7,7 @@ import pytest
 
 from camcli.cams.law import LawCam
 from camcli.system import Follower, System
-from tests.kernel.helpers import ORACLE_CAM, events, reference, run, system, worst_phase_error
+from tests.support.kernel_runs import ORACLE_CAM, events, reference, run, system, worst_phase_error
 
 CRITICAL = 2 * sqrt(1430.8 * 1.221)
 TINY = 1e-16  # chatter tolerance, so that the hops of a chatter are flown one by one

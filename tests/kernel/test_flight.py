@@ -19,8 +19,8 @@ from camcli.kernel.contact_search import (
 )
 from camcli.kernel.flight import BOUNCED, FREE, TAYLOR_PHASE, fly, series_gap, taylor
 from camcli.kernel.flow import RAD_PER_S, Constants, constants_of, displacement, flow
-from tests import oracle
-from tests.kernel.helpers import cam
+from tests.support import oracle
+from tests.support.kernel_runs import cam
 
 
 def lane(W, Z, D=None):

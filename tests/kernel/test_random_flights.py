@@ -16,10 +16,10 @@ from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.compile import column
 from camcli.kernel.flight import BOUNCED
 from camcli.kernel.sticking import contact_accel
-from tests import oracle
 from tests.conftest import settings
-from tests.kernel.helpers import CHAPTER, ORACLE_CAM, events, reference, run, system
-from tests.random_flights import (
+from tests.support import oracle
+from tests.support.kernel_runs import CHAPTER, ORACLE_CAM, events, reference, run, system
+from tests.support.random_flights import (
     CAMS,
     TURNS,
     Flight,

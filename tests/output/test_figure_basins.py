@@ -12,7 +12,7 @@ from camcli.analysis.basins.window import Window
 from camcli.plots import style
 from camcli.plots.basins import area_colours, draw_basins, percent
 from tests.conftest import settings
-from tests.output.pictures import count, label_of, pixels, words
+from tests.support.picture_sizes import count, label_of, pixels, words
 
 QUESTION = Question(Window((0.1, 0.9), (-50.0, 50.0), 30, 30))
 

@@ -14,7 +14,7 @@ from camcli.plots.classify import FORGETS, draw_classify
 from camcli.plots.critical_speeds import MOST, SINGLE, event_lists, numbered
 from camcli.plots.picture import Panel, Picture
 from tests.conftest import settings
-from tests.output.pictures import count, overlaps, panel, pixels, tall, words
+from tests.support.picture_sizes import count, overlaps, panel, pixels, tall, words
 
 RPMS = [100.0, 190.0, 358.5, 700.0, 750.0]  # contact, a rest, three turns, one turn, chaos
 

@@ -10,7 +10,7 @@ from camcli.plots import style
 from camcli.plots.detach import _views, draw_detach
 from tests.analysis.test_detach import dwell, eccentric
 from tests.conftest import chapter_system, settings
-from tests.output.pictures import count, pixels, tall
+from tests.support.picture_sizes import count, pixels, tall
 
 
 def drawn(system, rpms, **question):

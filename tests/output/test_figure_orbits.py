@@ -15,7 +15,7 @@ from camcli.analysis.orbits.study import Absence, OrbitsResult, Question, orbits
 from camcli.plots.branch_lines import phases, strands
 from camcli.plots.orbits import LONGEST, PARAMETERS, axis_name, draw_curves, draw_orbits
 from tests.conftest import settings
-from tests.output.pictures import tall, words
+from tests.support.picture_sizes import tall, words
 
 pytestmark = pytest.mark.slow
 

@@ -12,7 +12,7 @@ from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.simulate import Trace, draw_simulation
 from tests.conftest import settings
-from tests.output.pictures import EVEN, bounce, count, pixels, tall
+from tests.support.picture_sizes import EVEN, bounce, count, pixels, tall
 
 
 @pytest.mark.parametrize(("turns", "shown"), [(1, 1), (40, 40)])

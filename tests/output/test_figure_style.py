@@ -23,7 +23,7 @@ from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import draw_sweep
 from camcli.scene.schema import Plot
 from tests.conftest import settings
-from tests.output.pictures import panel, png, speed, sweep_of
+from tests.support.picture_sizes import panel, png, speed, sweep_of
 
 FOLDER = Path(style.__file__).parent
 ROLES = (

@@ -16,7 +16,7 @@ from camcli.plots import density, style
 from camcli.plots.sweep import colour_of, draw_sweep
 from camcli.scene.schema import Plot
 from tests.conftest import settings
-from tests.output.pictures import label_of, pixels, speed, sweep_of, tall, words
+from tests.support.picture_sizes import label_of, pixels, speed, sweep_of, tall, words
 
 
 @pytest.fixture

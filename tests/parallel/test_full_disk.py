@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from camcli.parallel.checkpoint import records
-from tests.parallel.long_runs import but_record, cam, files
+from tests.support.long_runs import but_record, cam, files
 
 SWEEP = (
     "sweep", "--rpm", "660:760", "--points", "41", "--no-plot", "--threads", "2",

@@ -26,8 +26,8 @@ from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
 from camcli.system import Follower, System
 from tests.conftest import chapter_system, settings
-from tests.oracle import ArcsCam
-from tests.orbit_oracle import Machine, solve
+from tests.support.oracle import ArcsCam
+from tests.support.orbit_oracle import Machine, solve
 
 pytestmark = pytest.mark.slow
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from camcli.analysis.simulate import simulate
 from camcli.errors import Status
 from tests import conftest
-from tests.kernel.helpers import ORACLE_CAM, events, run, system
+from tests.support.kernel_runs import ORACLE_CAM, events, run, system
 
 SPEED = st.floats(30.0, 3000.0)
 CONSTANTS = st.fixed_dictionaries(

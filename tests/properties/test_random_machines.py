@@ -13,9 +13,9 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import camcli
-from tests.parallel.long_runs import but_record, cam, dying, files
 from tests.properties.test_branches import explained
-from tests.truth.mechanics import Machine
+from tests.support.long_runs import but_record, cam, dying, files
+from tests.support.mechanics import Machine
 from tests.truth.test_load_columns import RECORD, TRANSIENT, agree, random_scene
 
 SOAK = int(os.environ.get("CAMCLI_SOAK", "0"))

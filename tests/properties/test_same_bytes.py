@@ -15,9 +15,9 @@ from camcli.kernel import backend
 from camcli.kernel.forms import PLAIN
 from camcli.parallel import Work
 from tests.conftest import settings
-from tests.kernel.helpers import run, system
-from tests.parallel.long_runs import but_record, files
-from tests.properties import digest
+from tests.support import digest
+from tests.support.kernel_runs import run, system
+from tests.support.long_runs import but_record, files
 
 ROOT = Path(__file__).resolve().parents[2]
 VARIANTS = {
@@ -58,7 +58,7 @@ def test_every_way_to_run_gives_the_same_bytes(plain, tmp_path, name):
     if "NUMBA_CPU_NAME" in changes:
         environment["XDG_CACHE_HOME"] = str(tmp_path)
     done = subprocess.run(
-        [sys.executable, "-m", "tests.properties.digest"],
+        [sys.executable, "-m", "tests.support.digest"],
         cwd=ROOT, env=environment, capture_output=True, text=True, timeout=300,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

@@ -17,7 +17,7 @@ from camcli.cams.balls import UndecidedError, below, precision
 from camcli.exact.machine import Machine
 from camcli.exact.motion import Motion
 from camcli.scene import load_scene
-from tests.kernel.helpers import ORACLE_CAM
+from tests.support.kernel_runs import ORACLE_CAM
 
 pytestmark = pytest.mark.slow
 

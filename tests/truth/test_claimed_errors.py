@@ -26,8 +26,8 @@ from camcli.api.machine import machine_of
 from camcli.kernel.orbit_loop import CHATTER
 from tests.analysis.test_basins_measures import Painted, gap_level
 from tests.conftest import chapter_system, settings
-from tests.truth.machines import CHAPTER, VALVE
-from tests.truth.mechanics import lift_of
+from tests.support.machines import CHAPTER, VALVE
+from tests.support.mechanics import lift_of
 from tests.truth.test_load_columns import random_scene
 
 TURN = 2.0 * np.pi

@@ -17,11 +17,11 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import camcli
-from tests.truth.loads import loads
-from tests.truth.mechanics import RAD, TURN, Machine
-from tests.truth.motion import Event, Motion
-from tests.truth.orbits import event as exact_event
-from tests.truth.orbits import multipliers
+from tests.support.loads import loads
+from tests.support.mechanics import RAD, TURN, Machine
+from tests.support.motion import Event, Motion
+from tests.support.orbits import event as exact_event
+from tests.support.orbits import multipliers
 
 pytestmark = pytest.mark.slow
 SCENE = {

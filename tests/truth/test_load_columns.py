@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import camcli
-from tests.truth.loads import loads
-from tests.truth.mechanics import Machine, lift_of
+from tests.support.loads import loads
+from tests.support.mechanics import Machine, lift_of
 
 TRANSIENT, RECORD = 30, 12
 MACHINES = 30

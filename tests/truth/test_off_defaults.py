@@ -16,8 +16,8 @@ import pytest
 from mpmath import mp, mpf
 
 import camcli
-from tests import oracle
-from tests.truth.mechanics import TURN, Machine
+from tests.support import oracle
+from tests.support.mechanics import TURN, Machine
 from tests.truth.test_columns import least_preload, scene_at
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -9,8 +9,8 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.patches import Rectangle
 
 import camcli
-from tests.truth.machines import CHAPTER, VALVE
-from tests.truth.pictures import COLOURS, check, hexed, mixed, motion_colour, read_page
+from tests.support.machines import CHAPTER, VALVE
+from tests.support.picture_reader import COLOURS, check, hexed, mixed, motion_colour, read_page
 
 SHAPES = ("o", "s", "^", "D", "v", "P", "X")
 STIFF = 1430.8 * (361.0 / 358.5) ** 2  # the motions at 361 rpm are those at 358.5 rpm

@@ -8,7 +8,7 @@ from matplotlib.patches import Rectangle
 import camcli
 from camcli.analysis.bench import precision, stability
 from camcli.api.bench import bench
-from tests.truth.pictures import COLOURS, Panel, dashes, hexed, read_page
+from tests.support.picture_reader import COLOURS, Panel, dashes, hexed, read_page
 
 CASES = {"periodic": "P(1;1) at 700 rpm", "chatter": "complete chatter at 190 rpm"}
 METHODS = {  # name, colour and mark

@@ -11,8 +11,16 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 import camcli
-from tests.truth.machines import CHAPTER, VALVE
-from tests.truth.pictures import COLOURS, check, dashes, hexed, label_of, motion_colour, read_page
+from tests.support.machines import CHAPTER, VALVE
+from tests.support.picture_reader import (
+    COLOURS,
+    check,
+    dashes,
+    hexed,
+    label_of,
+    motion_colour,
+    read_page,
+)
 from tests.truth.test_pictures_sweep import check_cloud
 
 RECORD = 130  # turns, as many as are recorded at least

@@ -8,8 +8,8 @@ import pytest
 from matplotlib.figure import Figure
 
 import camcli
-from tests.truth.machines import CHAPTER, VALVE, off_corners
-from tests.truth.pictures import FORCES, Panel, check, dashes, hexed, read_page, usual
+from tests.support.machines import CHAPTER, VALVE, off_corners
+from tests.support.picture_reader import FORCES, Panel, check, dashes, hexed, read_page, usual
 
 CASES = {
     "chapter": (

@@ -8,8 +8,8 @@ import pytest
 
 import camcli
 from tests.output.test_explore import data_of, rows_of, shown
-from tests.truth.machines import CHAPTER, TABLE, VALVE
-from tests.truth.pictures import COLOURS, FORCES
+from tests.support.machines import CHAPTER, TABLE, VALVE
+from tests.support.picture_reader import COLOURS, FORCES
 
 CASES = {
     "valve": (

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import camcli
-from tests.truth.machines import CHAPTER, VALVE
-from tests.truth.pictures import check, read_page, usual
+from tests.support.machines import CHAPTER, VALVE
+from tests.support.picture_reader import check, read_page, usual
 from tests.truth.test_pictures_sweep import kind_of
 
 CASES = {

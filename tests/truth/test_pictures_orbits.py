@@ -14,8 +14,8 @@ from matplotlib.text import Annotation, Text
 import camcli
 from camcli.plots.branch_lines import curved
 from camcli.plots.orbits import draw_orbits
-from tests.truth.machines import CHAPTER, VALVE, off_corners
-from tests.truth.pictures import (
+from tests.support.machines import CHAPTER, VALVE, off_corners
+from tests.support.picture_reader import (
     COLOURS,
     MARKS,
     Panel,

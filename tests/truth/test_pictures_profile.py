@@ -9,8 +9,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle, Polygon
 
 import camcli
-from tests.truth.machines import CHAPTER, ECCENTRIC, TABLE, VALVE, MeasuredCam, off_corners
-from tests.truth.pictures import COLOURS, FORCES, check, hexed, on_page, read_page, usual
+from tests.support.machines import CHAPTER, ECCENTRIC, TABLE, VALVE, MeasuredCam, off_corners
+from tests.support.picture_reader import COLOURS, FORCES, check, hexed, on_page, read_page, usual
 
 CASES = {  # machine, speed, radius of the base circle, lift of the follower per lift of the cam
     "chapter": (CHAPTER, 120.0, 0.4, 1.0, {}),

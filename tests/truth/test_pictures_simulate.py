@@ -11,8 +11,8 @@ from matplotlib.collections import PolyCollection
 
 import camcli
 from camcli.plots.simulate import Trace, _cubic, _fine
-from tests.truth.machines import CHAPTER, VALVE
-from tests.truth.pictures import COLOURS, Panel, check, dashes, hexed, read_page, usual
+from tests.support.machines import CHAPTER, VALVE
+from tests.support.picture_reader import COLOURS, Panel, check, dashes, hexed, read_page, usual
 
 TURNS = 2  # drawn, of three
 RUNS = {  # machine, speed, samples a turn

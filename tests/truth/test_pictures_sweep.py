@@ -8,8 +8,8 @@ import pytest
 from matplotlib.collections import PathCollection
 
 import camcli
-from tests.truth.machines import CHAPTER, VALVE
-from tests.truth.pictures import (
+from tests.support.machines import CHAPTER, VALVE
+from tests.support.picture_reader import (
     COLOURS,
     check,
     hexed,

@@ -22,9 +22,9 @@ from mpmath import mp, mpf
 
 import camcli
 from camcli.analysis.integrate import Cost
-from tests.truth.mechanics import RAD, TURN, Machine
-from tests.truth.motion import Motion
-from tests.truth.orbits import Exact, multipliers
+from tests.support.mechanics import RAD, TURN, Machine
+from tests.support.motion import Motion
+from tests.support.orbits import Exact, multipliers
 from tests.truth.test_columns import (
     CAUGHT,
     SCENE,

@@ -18,7 +18,7 @@ from camcli.cams.lift_guess import guess
 from camcli.cams.lift_reading import refuse_too_many_rows, text_lines
 from camcli.errors import SceneError
 from camcli.output.verdict import doubts
-from tests.cams.lift_tables import Lobe, cycloidal, scene, smooth, table
+from tests.support.lift_tables import Lobe, cycloidal, scene, smooth, table
 
 FINE = table(Lobe(cycloidal), 1, decimals=4)
 ROWS = [(float(a), float(b)) for a, b in (row.split(",") for row in FINE.split()[1:])]

@@ -9,7 +9,7 @@ import pytest
 
 from camcli.cli import forecast, sizes
 from camcli.kernel import backend, code_cache
-from tests.hostile.bounds import limited
+from tests.support.bounds import limited
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 FACTOR = 2.0  # between what is foreseen and what is measured

@@ -6,8 +6,8 @@ from math import pi
 from camcli.analysis.integrate import Orbit
 from camcli.cams.arcs import ArcsCam
 from camcli.system import Follower, System
-from tests import oracle
 from tests.conftest import settings
+from tests.support import oracle
 
 CLOSED = 0.85 - 0.45  # exact in doubles: package and oracle then have the same circles
 GEOMETRY = {

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.parallel.long_runs import at_work, begin, but_record, cam, command, ended, files, gone
+from tests.support.long_runs import at_work, begin, but_record, cam, command, ended, files, gone
 
 if importlib.util.find_spec("distributed") is None:
     pytest.skip("needs the package distributed", allow_module_level=True)

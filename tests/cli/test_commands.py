@@ -9,7 +9,7 @@ import pytest
 import camcli
 from camcli.cli.app import COMMANDS
 from tests.conftest import rows
-from tests.orbit_oracle import CAM, CHAPTER, STABLE, B, corner_rpm
+from tests.support.orbit_oracle import CAM, CHAPTER, STABLE, B, corner_rpm
 
 SMALL = "--set run.transient=20 --set run.record=10 --no-plot"
 TRAJECTORY = "t_s theta_deg q_m v_m_per_s c_m c_dot_m_per_s contact"

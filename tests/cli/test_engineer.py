@@ -13,8 +13,8 @@ from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.labels import Label
 from camcli.output.verdict import motion
 from camcli.system import Follower, System
-from tests.cams.lift_tables import Lobe, scene, smooth, table
 from tests.conftest import cam_in
+from tests.support.lift_tables import Lobe, scene, smooth, table
 
 pytestmark = pytest.mark.usefixtures("short_samples")
 

@@ -10,7 +10,7 @@ import pytest
 
 from camcli.parallel.checkpoint import Checkpoint, key_of, pack
 from tests.conftest import refused
-from tests.parallel.long_runs import but_record, files
+from tests.support.long_runs import but_record, files
 
 ROOT = Path(__file__).parents[2]
 TURNS = "--set run.transient=10 --set run.record=10 --no-plot"

@@ -6,7 +6,7 @@ import struct
 from camcli.analysis.labels import label
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel.cam_table import stretch_at
-from tests.kernel.helpers import run, system
+from tests.support.kernel_runs import run, system
 
 ORBITS = [
     (745.0, {}, {}, 100),

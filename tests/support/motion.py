@@ -15,7 +15,7 @@ import numpy as np
 from mpmath import mp, mpf
 from scipy.optimize import brentq
 
-from tests.truth.mechanics import EDGE, TURN, Flight, Machine
+from tests.support.mechanics import EDGE, TURN, Flight, Machine
 
 DIGITS = 30
 SHORT, CLOSED = 2e-3, 1e-12  # rad: hops whose parabola is a guess; shorter ones are a chatter's end

@@ -94,7 +94,7 @@ def test_only_the_panels_asked_for_are_drawn_and_an_old_picture_is_removed(cam, 
 
 
 def test_the_example_table_is_that_of_its_program():
-    program = CONFIGS.parent / "tests" / "cams" / "valve_lift.py"
+    program = CONFIGS.parent / "tests" / "support" / "valve_lift.py"
     done = subprocess.run([sys.executable, program], capture_output=True, check=True)
     assert done.stdout == (CONFIGS / "valve-lift.csv").read_bytes()
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tests.truth.mechanics import RAD, TURN, Flight, Machine
+from tests.support.mechanics import RAD, TURN, Flight, Machine
 
 SHUT, BOUNCE = 0.01, 0.1  # of the lift, of the hardest impact: what the columns count
 EVENT = ("event", "period", "theta_deg", "u_minus_m_per_s", "u_plus_m_per_s")

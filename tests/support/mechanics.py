@@ -1,7 +1,7 @@
 """A machine of its own to judge tables with: cam, flow and contact force in closed form, in NumPy.
 
 Nothing comes from the package: lifts are the formulas of circles and laws of motion, the flow is
-that of `tests.oracle`, extremes are sampled densely and then refined.
+that of `tests.support.oracle`, extremes are sampled densely and then refined.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from mpmath import mp, mpf
 from scipy.optimize import minimize_scalar
 
-from tests import oracle
+from tests.support import oracle
 
 TURN = 2 * pi
 RAD = pi / 180

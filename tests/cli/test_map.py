@@ -7,7 +7,7 @@ import pytest
 
 from camcli import load_scene, sweep
 from tests.conftest import rows
-from tests.orbit_oracle import CAM, CHAPTER, STABLE, B, corner_rpm, period_doubling_rpm
+from tests.support.orbit_oracle import CAM, CHAPTER, STABLE, B, corner_rpm, period_doubling_rpm
 
 SMALL = "--set run.transient=100 --set run.record=30"
 PLANE = "--rpm 690:700 --vary follower.restitution=0.7:0.8 --points 3,2"

@@ -1,6 +1,6 @@
 """High-precision reference for periodic orbits of a follower bouncing on a cam of circular arcs.
 
-Only the standard library, mpmath and `tests.oracle` are used, nothing of the package under test.
+Only the standard library, mpmath and `tests.support.oracle` are used, nothing of the package under test.
 Lengths in m, SI units, angles in rad, speeds in rpm.  The unknowns of an orbit of n impacts are the
 phases theta_k and the outgoing relative velocities p_k; flight k lasts (theta_k+1 - theta_k)/omega,
 the flight after the last impact ends at theta_0 + 2 pi turns, and at its end
@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 from mpmath import mp, mpf
 
-from tests.oracle import Arc, ArcsCam, Flight, Follower, Oracle, _num
+from tests.support.oracle import Arc, ArcsCam, Flight, Follower, Oracle, _num
 
 DIGITS = 60
 SAME = mpf(10) ** -30  # angles and flight times closer than this are equal

@@ -12,8 +12,8 @@ from itertools import pairwise
 import numpy as np
 from mpmath import matrix, mp, mpf
 
-from tests.truth.mechanics import TURN, Machine
-from tests.truth.motion import DIGITS, Motion
+from tests.support.mechanics import TURN, Machine
+from tests.support.motion import DIGITS, Motion
 
 
 class Exact:

@@ -59,7 +59,7 @@ def told(done, folder, *pieces):
     records = faults_of(folder)
     for record in records:
         assert record["error"] == "ZeroDivisionError: nobody foresaw this"
-        assert "test_cli_pieces.py" in record["traceback"]
+        assert "test_pieces.py" in record["traceback"]
         assert record["place"].startswith("camcli/")
     found = [piece for record in records for piece in record["pieces"]]
     assert found == list(pieces)

@@ -1,6 +1,6 @@
 """Writes configs/valve-lift.csv, a valve lift as one is handed on: 0.0001 inch, every 2 deg crank.
 
-    python tests/cams/valve_lift.py > configs/valve-lift.csv
+    python tests/support/valve_lift.py > configs/valve-lift.csv
 
 The law is a polynomial in x = angle from the nose over the flank's length, symmetric about it,
     lift = h (1 + sum C_k x^k), k = 2, 6, 8, 10, 12,

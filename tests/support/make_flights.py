@@ -1,6 +1,6 @@
 """Write flights.json: what the multiple-precision oracle says happens after a rest.
 
-    python -m tests.exact.make_flights
+    python -m tests.support.make_flights
 
 It takes a minute. The cam is the oracle's own, made of three circles. Rows are kind, angle (rad,
 counted on from turn to turn) and incoming rate (m/rad), with 30 digits; the last hops of a chatter,
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from mpmath import mp, mpf
 
-from tests.oracle import ArcsCam, Oracle
+from tests.support.oracle import ArcsCam, Oracle
 
 CHAPTER = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
 CASES = {

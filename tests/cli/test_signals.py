@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.parallel.long_runs import begin, command, ended, files
+from tests.support.long_runs import begin, command, ended, files
 
 SOME = {
     "one long piece": "sweep --rpm 745 --set run.transient=100000000",

@@ -8,7 +8,7 @@ import json
 
 import pytest
 
-from tests.parallel.long_runs import SOAK, Case, but_record, cam, with_options
+from tests.support.long_runs import SOAK, Case, but_record, cam, with_options
 
 pytestmark = pytest.mark.slow
 

@@ -1,6 +1,6 @@
 """Change one line of the program's meaning at a time and see whether a test notices.
 
-    python tests/mutants.py [--only kernel] [--first 3] [--list]
+    python tests/support/mutants.py [--only kernel] [--first 3] [--list]
 
 Each mutant is made in a copy of the package; the tests named for its file run against the copy
 until one fails. What no test notices is printed, and is the exit code's reason. A line here that no
@@ -19,14 +19,15 @@ import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
 
 
 def survives(mutant: dict, folder: Path) -> bool:
     """True where the tests pass on a copy of the project in `folder` with the mutant's line."""
     shutil.rmtree(folder, ignore_errors=True)
     for part in ("camcli", "tests", "configs"):
-        shutil.copytree(HERE.parent / part, folder / part, ignore=lambda *_: ["__pycache__"])
-    shutil.copy(HERE.parent / "pyproject.toml", folder)
+        shutil.copytree(ROOT / part, folder / part, ignore=lambda *_: ["__pycache__"])
+    shutil.copy(ROOT / "pyproject.toml", folder)
     target = folder / "camcli" / mutant["file"]
     text = target.read_text(encoding="utf-8")
     target.write_text(text.replace(mutant["line"], mutant["to"]), encoding="utf-8")
@@ -47,7 +48,7 @@ def mutants(only: str) -> list[dict]:
     wrong = [
         f"{m['file']}: {m['line']}"
         for m in listed
-        if (HERE.parent / "camcli" / m["file"]).read_text(encoding="utf-8").count(m["line"]) != 1
+        if (ROOT / "camcli" / m["file"]).read_text(encoding="utf-8").count(m["line"]) != 1
     ]
     if wrong:
         raise SystemExit("not exactly once in the program:\n" + "\n".join(wrong))
