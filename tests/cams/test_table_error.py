@@ -1,6 +1,7 @@
 """What the error of a lift table leaves open stands wherever its critical speeds are read.
 
-The law of the shipped table is known: contact is first lost at 3345.4 rpm (tests/support/valve_lift.py).
+The law of the shipped table is known: contact is first lost at 3345.4 rpm
+(tests/support/valve_lift.py).
 """
 
 import csv

@@ -1,6 +1,7 @@
 """What is proved of orbits and events, what is refused, and that no proof is wrong.
 
-The judge is mpmath at 40 digits: closed flights from `tests.support.oracle`, cams from their definitions.
+The judge is mpmath at 40 digits: closed flights from `tests.support.oracle`, cams from their
+definitions.
 """
 
 import json

@@ -1,7 +1,7 @@
 """Proofs along every constant of the follower, and that what is proved is true.
 
-The judge is `tests.support.orbit_oracle` at 60 digits, on the cam whose flank circle has exactly the radius
-that the program gives it: base_radius + flank_center.
+The judge is `tests.support.orbit_oracle` at 60 digits, on the cam whose flank circle
+has exactly the radius that the program gives it: base_radius + flank_center.
 """
 
 from functools import cache

@@ -1,6 +1,7 @@
 """High-precision reference for periodic orbits of a follower bouncing on a cam of circular arcs.
 
-Only the standard library, mpmath and `tests.support.oracle` are used, nothing of the package under test.
+Only the standard library, mpmath and `tests.support.oracle` are used, nothing of the package
+under test.
 Lengths in m, SI units, angles in rad, speeds in rpm.  The unknowns of an orbit of n impacts are the
 phases theta_k and the outgoing relative velocities p_k; flight k lasts (theta_k+1 - theta_k)/omega,
 the flight after the last impact ends at theta_0 + 2 pi turns, and at its end
