@@ -1,0 +1,1 @@
+"""Words of the program: quantities with their symbols and units, and sentences made from values."""
