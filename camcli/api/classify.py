@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -11,14 +10,13 @@ from camcli.analysis.classify import Motion
 from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import APERIODIC, UNDECIDED
-from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.sweep import status_name
 from camcli.api.command import EXPLAINING, Command, Drawing, Options, Size, fewer, sample
-from camcli.api.machine import Machine, machine_of, refuse_to_explain, span_of
+from camcli.api.explanation import corners_table, explained, explanation_of
+from camcli.api.machine import machine_of, refuse_to_explain, span_of
 from camcli.api.result import (
     Progress,
     Result,
-    budget_of,
     counted,
     decided_words,
     drawn_by,
@@ -27,10 +25,8 @@ from camcli.api.result import (
     ticks,
     trouble,
 )
-from camcli.api.rows import BIFURCATIONS, bifurcation_row
 from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
-from camcli.output.explanations import explained
 from camcli.output.tables import Table
 from camcli.parallel import Work
 from camcli.piece_faults import gather, gathering, piece
@@ -143,42 +139,12 @@ def classify(
     )
 
 
-def explanation_of(
-    machine: Machine, motions: list[Motion], progress: Progress | None
-) -> Explanation:
-    """The changes of the motion from the scene's own start, as far as run.work_budget goes.
-
-    Between neighbours of which something is known: a speed that failed is left out.
-    """
-    from camcli.analysis.explain.changes import Explanation, explain
-
-    own = [m for m in motions if m.start == machine.settings.start and m.fault is None]
-    if len(own) < 2:
-        return Explanation([], [], [], Cost())
-    tick = ticks(progress, "changes", len(own) - 1)
-    nothing = Explanation([], [], [], Cost(), Status.FAULT)
-    with budget_of(machine.scene, progress) as budget:
-        found = piece(
-            "the explanation",
-            lambda: explain(machine.system, machine.settings, own, tick),
-            nothing,
-        )
-    return found if found is nothing else replace(found, status=budget.status)
-
-
 def _summary(motions: list[Motion], explanation: Explanation | None, key: str) -> dict[str, Any]:
     return {
         "words": remarks(motions, key),
         "motions": [_motion(m) for m in motions],
         **(explained(explanation) if explanation else {}),
     }
-
-
-def corners_table(explanation: Explanation | None) -> Table:
-    """corners.csv: corner impacts of the followed branches."""
-    found = [] if explanation is None else explanation.bifurcations
-    corners = [b for b in found if b.kind == Kind.CORNER_IMPACT]
-    return Table.of_rows(BIFURCATIONS, lambda: (bifurcation_row(b, "rpm") for b in corners))
 
 
 def _row(m: Motion) -> tuple:

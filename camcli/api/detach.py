@@ -4,9 +4,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from math import inf, isnan
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
-from camcli.analysis.contact_loss.detachment import SpeedStatus
+from camcli.analysis.contact_loss.accumulation import CornerHit
+from camcli.analysis.contact_loss.detachment import CriticalSpeed, SpeedStatus
 from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
@@ -20,12 +21,12 @@ from camcli.api.tolerances import tolerances, tolerated
 from camcli.cams.compile import lift_range
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
-from camcli.output.detach import summary
 from camcli.output.tables import Table
 from camcli.parallel import Work
 from camcli.piece_faults import gathering, piece
 from camcli.scene import Scene
 from camcli.system import System, omega_of
+from camcli.words.detach import burst_ranges, sentences, spring
 
 DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s", "rpm_low", "rpm_high")
 ACCUMULATION = ("rpm", "theta_deg")
@@ -115,10 +116,10 @@ def detach(
     tables: dict[str, Table] = {}
     with gathering() as more:
         found = piece("the ranges of a measured cam", partial(with_ranges, found, system), found)
-        words = piece("the summary", lambda: summary(found), {})
+        values = piece("the summary", lambda: _summary(found), {})
         if section.tolerance:
             done = tolerances(machines, found, work or Work(), progress)
-            tables["tolerance"], words["tolerance"] = done
+            tables["tolerance"], values["tolerance"] = done
 
     # two rows at a corner, one for each side
     forces = [(f.rpm, f.theta_deg, f.force_n, f.pressure_pa or None) for f in found.forces]
@@ -147,7 +148,7 @@ def detach(
             "speeds": Table.of_rows(("rpm", *SPEEDS), lambda: map(speed_row, found.past)),
             **tables,
         },
-        summary={"status": budget.status.text, **words},
+        summary={"status": budget.status.text, **values},
         pictures={"detach": drawn_by("detach.draw_detach", found, system)},
         cost=found.cost,
         seconds=watch.seconds,
@@ -164,11 +165,12 @@ def detach(
 def _write_report(result: Result, system: System, file: BinaryIO) -> None:
     """The page of --report."""
     from camcli.cams import cam_name
-    from camcli.output.detach import answers, machine
     from camcli.output.pictures import write_picture
-    from camcli.output.verdict import verdict
     from camcli.plots.detach import draw_report
     from camcli.plots.mechanism import Outline
+    from camcli.words.detach_tables import answers
+    from camcli.words.machine import machine
+    from camcli.words.verdict import verdict
 
     scene, cam = result.scene, result.scene.cam
     base = getattr(scene.contact, "base_radius", None) or getattr(cam, "base_radius", None)
@@ -182,6 +184,45 @@ def _write_report(result: Result, system: System, file: BinaryIO) -> None:
     picture = draw_report(result.values, system, *drawn)
     page = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
     write_picture(picture, file, "pdf", scene.plot.model_copy(update=page), margin=15.0)
+
+
+def _summary(result: ContactLoss) -> dict[str, Any]:
+    """The result of run.json; a speed that does not exist is infinite.
+
+    low_rpm and high_rpm are the speeds between which a critical speed lies, null where that is not
+    known; of a measured cam they are what the error of its table leaves.
+    """
+    return {
+        "words": sentences(result),
+        "critical_speeds": [_critical(c) for c in result.critical_speeds],
+        "just_above_opening": [vars(f) for f in result.lift_offs],
+        "corner_hits": [_hit(hit) for hit in result.hits],
+        "corner_hits_ended": [_hit(hit) for hit in result.ended],
+        "accumulation_jumps": [_critical(c) for c in result.jumps],
+        "bursts": [
+            {"bursts": text, "from_rpm": a, "to_rpm": b, "speeds": n}
+            for text, a, b, n in burst_ranges(result)
+        ],
+        "least_force": [
+            {"rpm": f.rpm, "force_n": f.lowest_n, "theta_deg": f.lowest_deg} for f in result.forces
+        ],
+        "hold": [{**vars(h), "words": spring(h)} for h in result.holds],
+        "hold_margin_n": result.margin if result.holds else None,
+    }
+
+
+def _critical(c: CriticalSpeed) -> dict[str, Any]:
+    values = {"theta_deg": c.theta_deg if c.finite else None, "rpm": c.rpm}
+    ends = {"low_rpm": c.low, "high_rpm": c.high, "status": c.status}
+    burst = {"burst": c.burst} if c.burst else {}
+    return {"quantity": c.quantity, "region": c.region, **values, **ends, **burst}
+
+
+def _hit(hit: CornerHit) -> dict[str, Any]:
+    row = {"impact": hit.impact, "corner": hit.corner, "rpm": hit.rpm, "burst": hit.burst}
+    ends = {"low_rpm": hit.low, "high_rpm": hit.high, "status": hit.status}
+    phases = dict(zip(("before_deg", "after_deg"), hit.ends_deg or (), strict=False))
+    return {**row, **ends, **phases}
 
 
 def _critical_rows(found: ContactLoss) -> Iterator[tuple]:

@@ -33,12 +33,12 @@ from camcli.parallel import Work
 from camcli.piece_faults import gather, gathering, piece
 from camcli.plots import style
 from camcli.plots.axes import axis_name
-from camcli.plots.event_words import event_words
 from camcli.plots.mechanism import Outline
 from camcli.plots.sweep_map import cell_edges
 from camcli.scene import Axis, Scene
 from camcli.scene.schema import RpmRange
 from camcli.system import Follower, System, omega_of, range_words, units_of
+from camcli.words.events import event_words
 
 STEP = 0.4  # of the follower's fastest motion, rad, between rows: a cubic errs by STEP^4/384 of it
 LAYER = 2000  # rows per turn at most for what damping ends at once: less than 1e-3 of the lift

@@ -37,9 +37,9 @@ from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.piece_faults import gather, gathering, piece
-from camcli.plots.event_words import event_words
 from camcli.scene import Axis, Orbits, Scene
 from camcli.system import omega_of
+from camcli.words.events import event_words
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.proofs import Proof

@@ -153,7 +153,7 @@ class Result:
     @cached_property
     def verdict(self) -> list[str]:
         """The answer in sentences; see above."""
-        from camcli.output.verdict import verdict
+        from camcli.words.verdict import verdict
 
         return [] if self.system is None else verdict(self, self.error.get("lift_table"))
 

@@ -328,7 +328,7 @@ def _explained(
 ) -> tuple[list[Motion], Explanation]:
     """The motions from the scene's own start, and the causes of their changes."""
     from camcli.analysis.classify import classify
-    from camcli.api.classify import explanation_of
+    from camcli.api.explanation import explanation_of
 
     rpms = list(dict.fromkeys(speed.rpm for speed in found.bare if speed.fault is None))
     motions = classify(
@@ -363,8 +363,7 @@ def _result(
         lambda: ((*speed_row(a), *b) for a, b in zip(found.bare, found.ways, strict=True)),
     )
     if explanation is not None:
-        from camcli.api.classify import corners_table
-        from camcli.output.explanations import explained
+        from camcli.api.explanation import corners_table, explained
 
         cost = sum((motion.cost for motion in motions), cost + explanation.cost)
         summary |= piece("the summary of changes", lambda: explained(explanation), {})

@@ -93,7 +93,7 @@ def show(result: Result, verbose: bool) -> None:
 
 
 def _range_row(group: list[Motion]) -> list[str]:
-    from camcli.output.verdict import motion
+    from camcli.words.labels import motion
 
     a, b = group[0], group[-1]
     transients = [m.transient for m in group if m.transient is not None]
@@ -119,7 +119,7 @@ def _exponent(group: list[Motion]) -> str:
 
 def show_explanation(explanation: Explanation, verbose: bool) -> None:
     """Print the events, the changes and a sentence for each."""
-    from camcli.output.explanations import change_sentence, speed_text
+    from camcli.words.explanations import change_sentence, speed_text
 
     rows = [
         [speed_text(e.rpm, e.error), f"{e.kind} {e.corner}".strip(), shown(e.label),
@@ -166,7 +166,7 @@ def _border_collision(request: Request, trace: str | None, det: str | None) -> i
 
 
 def _show_collision(left: Side, right: Side, result: Collision) -> None:
-    from camcli.plots.event_words import collision_words
+    from camcli.words.events import collision_words
 
     rows = [
         [name, f"{s.trace:.10g}", f"{s.det:.10g}", pair(s.multipliers, 9), s.kind]
@@ -189,7 +189,7 @@ def _show_collision(left: Side, right: Side, result: Collision) -> None:
 
 
 def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:
-    from camcli.plots.event_words import collision_words
+    from camcli.words.events import collision_words
 
     return {
         "kind": result.kind,

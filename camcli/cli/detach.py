@@ -75,7 +75,8 @@ def _tolerance(text: str) -> dict[str, Any]:
 
 def show(result: Result, verbose: bool) -> None:
     """Print what an engineer asks; the theory behind it only where it is asked for."""
-    from camcli.output.detach import answers, plainly, theory
+    from camcli.words.detach import plainly, theory
+    from camcli.words.detach_tables import answers
 
     for title, heads, rows in answers(result):
         table(title, heads, rows)
@@ -89,7 +90,7 @@ def show(result: Result, verbose: bool) -> None:
 
 def _show_theory(result: Result) -> None:
     """Critical speeds, corner hits and bursts."""
-    from camcli.output.detach import burst_ranges
+    from camcli.words.detach import burst_ranges
 
     found: ContactLoss = result.values
     digits = _digits_of_a_table if result.scene.cam.kind == "table" else _digits_of_a_law

@@ -336,7 +336,7 @@ def shard_of(text: str | None) -> Shard | None:
 
 def _tell(scene: Scene, config: Path | None) -> None:
     """What a user should know before anything is computed."""
-    from camcli.output.verdict import doubts
+    from camcli.words.machine import doubts
 
     if config is not None and config.is_file():
         lines = config.read_text(errors="replace").splitlines()

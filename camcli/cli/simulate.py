@@ -81,8 +81,8 @@ def _show(result: Result, _: bool) -> None:
 
 def _show_profile(result: Any, _: bool) -> None:
     from camcli.api.simulate import UNITS
-    from camcli.output.detach import digits_of
     from camcli.system import is_measured, range_words, units_of
+    from camcli.words.machine import digits_of
 
     found, units, digits = result.values, units_of(result.system), digits_of(result.scene)
     rows = []

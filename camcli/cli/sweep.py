@@ -80,7 +80,7 @@ def show(result: Result, verbose: bool) -> None:
     """Print the ranges of one label, and the explanation if there is one."""
     from camcli.api.sweep import ranges
     from camcli.cli.classify import show_explanation
-    from camcli.output.verdict import motion
+    from camcli.words.labels import motion
 
     found, explanation = result.values
     if "labels" in result.summary:

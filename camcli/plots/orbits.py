@@ -60,10 +60,10 @@ from camcli.plots.branch_lines import (
     turning_real,
 )
 from camcli.plots.density import Columns, Image
-from camcli.plots.event_words import event_words
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.plots.simulate import GAP, Trace, angle_axis
 from camcli.system import System, omega_of, units_of
+from camcli.words.events import event_words
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it

@@ -18,7 +18,7 @@ from camcli.analysis.border_collision import (
     cycle,
     growth_at_zero,
 )
-from camcli.plots.event_words import KINDS, collision_words
+from camcli.words.events import KINDS, collision_words
 
 SWAP = str.maketrans("LR", "RL")
 

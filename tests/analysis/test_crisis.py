@@ -22,9 +22,9 @@ from camcli.analysis.explain.tangency import FEW, RANK, UNSAMPLED, width
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.kernel.orbit_loop import IMPACT
-from camcli.output.explanations import crisis_sentences
 from camcli.scene import load_scene
 from camcli.system import Follower, System
+from camcli.words.explanations import crisis_sentences
 from tests.conftest import chapter_system, settings
 
 RUN = settings(300, 1)

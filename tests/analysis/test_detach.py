@@ -16,9 +16,9 @@ from camcli.analysis.contact_loss.hold import Need, Obstacle, hold_to, replaced
 from camcli.analysis.integrate import Orbit
 from camcli.cams.compile import Part
 from camcli.kernel.cam_table import lift_at, stretch_at
-from camcli.output.verdict import verdict
 from camcli.scene import load_scene
 from camcli.system import Follower, System, omega_of
+from camcli.words.verdict import verdict
 from tests.conftest import chapter_system, settings
 
 OMEGA0 = 34.2319495767677805

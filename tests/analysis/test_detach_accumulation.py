@@ -9,7 +9,7 @@ from camcli.analysis.contact_loss.study import detach
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.sweep import rpm_grid
 from camcli.kernel.orbit_loop import EventKind
-from camcli.output.detach import bursts_text
+from camcli.words.detach import bursts_text
 from tests.conftest import chapter_system, settings
 
 HITS = (124.998297, 122.699318, 121.685872, 121.106981, 120.735577, 120.481041, 120.299126,

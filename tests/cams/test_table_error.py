@@ -15,10 +15,10 @@ import pytest
 import camcli
 from camcli.analysis.contact_loss.detachment import Quantity
 from camcli.api.detach import _critical_rows
+from camcli.api.detach import _summary as summary
 from camcli.api.explore import _machine_data
 from camcli.api.lift_table import with_ranges
 from camcli.api.machine import machine_of
-from camcli.output.detach import summary
 from camcli.output.run_record import plain
 from camcli.system import omega_of, range_words
 from tests.conftest import rows

@@ -11,8 +11,8 @@ import pytest
 import camcli
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.labels import Label
-from camcli.output.verdict import motion
 from camcli.system import Follower, System
+from camcli.words.labels import motion
 from tests.conftest import cam_in
 from tests.support.lift_tables import Lobe, scene, smooth, table
 

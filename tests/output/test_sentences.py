@@ -22,7 +22,7 @@ from camcli.api.orbits import remarks as of_orbits
 from camcli.api.result import counted, decided_words, status_notes
 from camcli.api.sweep import ranges
 from camcli.errors import Status
-from camcli.output.explanations import change_sentence, crisis_sentences, event_sentence, speed_text
+from camcli.words.explanations import change_sentence, crisis_sentences, event_sentence, speed_text
 
 
 @pytest.mark.parametrize(

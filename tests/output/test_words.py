@@ -7,8 +7,8 @@ from math import inf
 import pytest
 
 from camcli.analysis.labels import Label, from_plain, period_of, to_plain
-from camcli.output.verdict import motion
 from camcli.plots import style
+from camcli.words.labels import motion
 from tests.conftest import rows
 
 LONG = Label((inf, *[1.0] * 121))  # as of a search after a rest, of more turns than a user may ask
@@ -87,12 +87,13 @@ def record_of(folder):
 
 
 @pytest.mark.parametrize(
-    ("words", "name"), [("motion", "the words on the screen"), ("verdict", "verdict")]
+    ("words", "name"),
+    [("labels.motion", "the words on the screen"), ("verdict.verdict", "verdict")],
 )
 def test_words_that_fail_cost_the_exit_code_alone(cam, tmp_path, monkeypatch, words, name):
     line = f"sweep --rpm 150:745 --points 3 {SHORT}"
     cam(line, "-o whole", code=0)
-    monkeypatch.setattr(f"camcli.output.verdict.{words}", broken)
+    monkeypatch.setattr(f"camcli.words.{words}", broken)
     done = cam(line, "-o out", code=1)
     first, second = done.stderr.splitlines()[-2:]
     assert first.startswith(f"fault: {name}: ZeroDivisionError: nobody foresaw this (camcli/")
@@ -107,7 +108,7 @@ def test_words_that_fail_cost_the_exit_code_alone(cam, tmp_path, monkeypatch, wo
     assert fault["pieces"] == [name]
     assert "Traceback" in fault["traceback"]
     assert record_of(tmp_path / "whole")["piece_faults"] == []
-    cam(line, "--json -o json", code=int(words == "verdict"))  # a record takes no other words
+    cam(line, "--json -o json", code=int(name == "verdict"))  # a record takes no other words
 
 
 def test_a_picture_that_fails_costs_itself_alone(cam, tmp_path, monkeypatch):

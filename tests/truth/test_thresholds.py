@@ -36,9 +36,9 @@ from camcli.api.result import height_notes
 from camcli.api.sweep import read_branches
 from camcli.errors import SceneError
 from camcli.kernel.orbit_loop import IMPACT
-from camcli.output.detach import plainly
-from camcli.output.verdict import doubts
 from camcli.system import units_of
+from camcli.words.detach import plainly
+from camcli.words.machine import doubts
 from tests.conftest import cam_in, settings
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -22,7 +22,7 @@ import camcli
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.api.lift_table import with_ranges
 from camcli.kernel.cam_table import lift_at, stretch_at
-from camcli.output.detach import machine
+from camcli.words.machine import machine
 
 MASS, STIFFNESS, PRELOAD, GRAVITY, RESTITUTION = 0.25, 40_000.0, 300.0, 9.81, 0.5
 BASE, LIFT, START, LENGTH = 0.002, 0.010, 110.0, 70.0

@@ -1,20 +1,15 @@
 """The answer in a sentence or two, before any table: does contact hold, up to where, what then."""
 
 from collections.abc import Iterator, Mapping
-from math import ceil, inf
+from math import ceil
 from typing import Any
 
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
-from camcli.analysis.labels import APERIODIC, CONTACT, Label
-from camcli.errors import plural
-from camcli.output.detach import crank_of, spacing, way
 from camcli.system import Units, decimals, units_of
-
-MM = 1e3  # per m
-RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
-LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
-LARGE_RADIUS = 1.0  # m
+from camcli.words.detach import way
+from camcli.words.detach_tables import spacing
+from camcli.words.machine import crank_of
 
 
 def verdict(result: Any, lift_table: Mapping[str, Any] | None) -> list[str]:
@@ -131,51 +126,3 @@ def spring_words(hold: Hold, units: Units) -> str:
     if hold.quantity is loss.Quantity.HOLD_BOTH:
         return f"{stiffness} with {preload} of preload"
     return preload if hold.quantity is loss.Quantity.HOLD_PRELOAD else stiffness
-
-
-def motion(label: str) -> str:
-    """A label in words."""
-    if not isinstance(label, Label):
-        words = {CONTACT: "stays on the cam", APERIODIC: "never repeats"}
-        return words.get(label, "not known")
-    symbols = label.symbols
-    turns, resting = len(symbols), symbols.count(inf)
-    repeats = "every turn alike" if turns == 1 else f"repeats every {turns} turns"
-    if resting:
-        some = "" if resting == turns else f" in {resting} of them"
-        return f"{repeats}, bounces to rest{some}"
-    return f"{repeats}, {plural(int(sum(symbols)), 'impact')}"
-
-
-def doubts(scene: Any) -> Iterator[str]:
-    """What of a machine is probably a wrong unit or sign."""
-    follower, cam = scene.follower, scene.cam
-    if cam.kind == "table":
-        lift = float(max(cam.measured.lift))
-        least = float(min(cam.measured.lift))
-        if least > RADII * lift:
-            number = float(f"{least / cam.metres + cam.subtract:.12g}")
-            yield (
-                f"warning: the smallest lift of the table is {least * MM:.4g} mm; if these are "
-                f"radii, write subtract: {number:.10g}"
-            )
-        top = cam.base + lift
-    elif cam.kind == "arcs":
-        top = cam.nose_center + cam.nose_radius - cam.offset
-        lift = top - (cam.base_radius - cam.offset)
-    else:
-        lift = getattr(cam, "lift", 0.0)
-        top = getattr(cam, "base", 0.0) + lift
-    if lift > LARGE_LIFT and follower.mass < LARGE_MASS:
-        yield f"warning: a lift of {lift * MM:.4g} mm; is it in m, or cam.lift the file's unit?"
-    radius = getattr(cam, "base_radius", None)
-    if radius is not None and radius > LARGE_RADIUS:
-        yield f"warning: a base radius of {radius:.4g} m; is it in m?"
-    solid = getattr(scene.spring, "solid_at", None)
-    if solid is not None and solid < top:
-        yield f"warning: the spring is solid at {solid * MM:.4g} mm, below the highest lift"
-    if follower.preload < 0.0:
-        yield (
-            f"warning: a preload of {follower.preload:.4g} N pulls the follower off the cam at "
-            "q = 0; positive presses"
-        )

@@ -1,8 +1,7 @@
-"""Why a diagram changes, as sentences and as the `result` of run.json."""
+"""Why a diagram changes, in sentences."""
 
 from collections.abc import Sequence
 from math import ceil, isfinite, log10
-from typing import Any
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity
@@ -12,37 +11,14 @@ from camcli.analysis.explain.changes import (
     UNEXPLAINED,
     Change,
     Event,
-    Explanation,
 )
 from camcli.analysis.explain.crisis import Crisis, CrisisKind
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.errors import Status
-from camcli.plots.event_words import event_words
+from camcli.words.events import event_words
 
 MOST_DECIMALS = 9  # of a speed in rpm
-
-
-def explained(explanation: Explanation) -> dict[str, Any]:
-    """Events and changes for run.json."""
-    return {
-        "status": explanation.status.text,
-        "events": [
-            {
-                "rpm": e.rpm, "error": e.error, "kind": e.kind, "label": e.label,
-                "corner": e.corner, "classification": e.classification, "status": e.status,
-                "words": event_sentence(e),
-            }
-            for e in explanation.events
-        ],
-        "changes": [
-            {
-                "from_rpm": c.low, "to_rpm": c.high, "before": c.before, "after": c.after,
-                "cause": c.cause, "words": change_sentence(c, explanation.events),
-            }
-            for c in explanation.changes
-        ],
-    }  # fmt: skip
 
 
 def event_sentence(event: Event) -> str:

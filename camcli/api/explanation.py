@@ -1,0 +1,73 @@
+"""Why a diagram changes: the study of classify and sweep, its record and its table."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from camcli.analysis.integrate import Cost
+from camcli.analysis.orbits.kinds import Kind
+from camcli.api.machine import Machine
+from camcli.api.result import Progress, budget_of, ticks
+from camcli.api.rows import BIFURCATIONS, bifurcation_row
+from camcli.errors import Status
+from camcli.output.tables import Table
+from camcli.piece_faults import piece
+
+if TYPE_CHECKING:
+    from camcli.analysis.classify import Motion
+    from camcli.analysis.explain.changes import Explanation
+
+
+def explanation_of(
+    machine: Machine, motions: list[Motion], progress: Progress | None
+) -> Explanation:
+    """The changes of the motion from the scene's own start, as far as run.work_budget goes.
+
+    Between neighbours of which something is known: a speed that failed is left out.
+    """
+    from camcli.analysis.explain.changes import Explanation, explain
+
+    own = [m for m in motions if m.start == machine.settings.start and m.fault is None]
+    if len(own) < 2:
+        return Explanation([], [], [], Cost())
+    tick = ticks(progress, "changes", len(own) - 1)
+    nothing = Explanation([], [], [], Cost(), Status.FAULT)
+    with budget_of(machine.scene, progress) as budget:
+        found = piece(
+            "the explanation",
+            lambda: explain(machine.system, machine.settings, own, tick),
+            nothing,
+        )
+    return found if found is nothing else replace(found, status=budget.status)
+
+
+def explained(explanation: Explanation) -> dict[str, Any]:
+    """Events and changes for run.json."""
+    from camcli.words.explanations import change_sentence, event_sentence
+
+    return {
+        "status": explanation.status.text,
+        "events": [
+            {
+                "rpm": e.rpm, "error": e.error, "kind": e.kind, "label": e.label,
+                "corner": e.corner, "classification": e.classification, "status": e.status,
+                "words": event_sentence(e),
+            }
+            for e in explanation.events
+        ],
+        "changes": [
+            {
+                "from_rpm": c.low, "to_rpm": c.high, "before": c.before, "after": c.after,
+                "cause": c.cause, "words": change_sentence(c, explanation.events),
+            }
+            for c in explanation.changes
+        ],
+    }  # fmt: skip
+
+
+def corners_table(explanation: Explanation | None) -> Table:
+    """corners.csv: corner impacts of the followed branches."""
+    found = [] if explanation is None else explanation.bifurcations
+    corners = [b for b in found if b.kind == Kind.CORNER_IMPACT]
+    return Table.of_rows(BIFURCATIONS, lambda: (bifurcation_row(b, "rpm") for b in corners))

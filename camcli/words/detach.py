@@ -1,0 +1,145 @@
+"""What `cam detach` found, in sentences."""
+
+from itertools import groupby
+from math import inf
+
+from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, Settled
+from camcli.analysis.contact_loss.detachment import AlwaysLost, Quantity, Reason
+from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
+from camcli.analysis.contact_loss.study import ContactLoss
+from camcli.errors import Status
+
+
+def sentences(result: ContactLoss) -> list[str]:
+    """What no number says: everything."""
+    return [*plainly(result), *theory(result)]
+
+
+def plainly(result: ContactLoss) -> list[str]:
+    """What everybody should know."""
+    found, rpms = result.detachment, [speed.rpm for speed in result.speeds]
+    first = found.first
+    said = [_always(place) for place in found.always]
+    if found.never:
+        said.append("contact is never lost: the contact force stays positive at every speed")
+    if first is not None:
+        if first.rpm > max(rpms):
+            said.append(f"contact is held at every speed up to {max(rpms):.10g} rpm, all asked for")
+        elif first.rpm < min(rpms):
+            beyond = " and above" if len(rpms) > 1 else ""
+            said.append(f"contact is lost at every speed asked for, {min(rpms):.10g} rpm{beyond}")
+    told = [h for h in result.holds if h.status is not HoldStatus.OK]
+    return said + [f"{way(h)}: {spring(h)}" for h in told]
+
+
+def theory(result: ContactLoss) -> list[str]:
+    """How contact is lost and chatter changes."""
+    losses = result.detachment.losses
+    never = [loss.region.name for loss in losses if loss.opens.rpm == inf]
+    places = {loss.region.name: loss.opens.theta_deg for loss in losses}
+    said = []
+    if never and result.detachment.first is not None:
+        said.append(f"contact is never lost in {', '.join(never)}, at any speed")
+    said += [
+        f"at {f.rpm:.10g} rpm, a little above the opening of {f.region}: "
+        + _lift_off(f, places[f.region])
+        for f in result.lift_offs
+    ]
+    for hit in result.ended:
+        before, after = hit.ends_deg or (inf, inf)
+        said.append(
+            f"impact {hit.impact} of the burst from {hit.burst} ends at {hit.rpm:.10g} rpm before "
+            f"it lands on {hit.corner}: it was at {before:.6g} deg, the next contact is at "
+            f"{after:.6g} deg"
+        )
+    return said + [
+        f"at {c.rpm:.10g} rpm the end of the burst from {c.burst} jumps over {c.region}"
+        for c in result.jumps
+    ]
+
+
+def _always(place: AlwaysLost) -> str:
+    at = f"{place.theta_deg:.10g} deg"
+    if place.reason is Reason.KINK:
+        drop = f"the cam's slope drops by {place.value:.6g} m/rad at {at}"
+        return f"contact is lost at every speed: {drop} and throws the follower off"
+    force, cure = f"{place.value:.6g} N", "more preload or weight"
+    if place.value == 0.0:
+        force, cure = "zero", "a preload, weight or a spring"
+    return (
+        f"contact is not held even at standstill: the contact force is {force} at {at}; give it "
+        f"{cure}"
+    )
+
+
+def _lift_off(seen: LiftOff, place: float) -> str:
+    """place: the phase (deg) at which the region opens."""
+    lands = "not within two turns"
+    if seen.landing_deg < inf:
+        lands = f"{seen.landing_deg - place:.3g} deg after"
+    if seen.rest_deg < inf:
+        lands += f", at rest again {seen.rest_deg - place:.3g} deg after it"
+    released = f"released {place - seen.release_deg:.3g} deg before"
+    return {
+        LiftOffKind.FLIES_OFF: f"flies off at {seen.corner}: the force drops there; lands {lands}",
+        LiftOffKind.CAUGHT: f"{released} {seen.corner}, where the force fades; caught {lands}",
+        LiftOffKind.WITHIN: f"{released} the weakest phase, lands {lands}",
+        LiftOffKind.UNSEEN: "no lift-off was seen: contact is lost at no phase after a rest",
+    }[seen.kind]
+
+
+def way(hold: Hold) -> str:
+    """What is done about the present spring."""
+    if hold.quantity is Quantity.HOLD_STIFFNESS:
+        return f"a {'stiffer' if hold.more else 'softer'} spring with the same preload"
+    if hold.quantity is Quantity.HOLD_BOTH:
+        return "another spring"
+    if hold.status is HoldStatus.NOT_NEEDED:
+        return "the same spring without preload"
+    return f"{'more' if hold.more else 'less'} preload on the same spring"
+
+
+def spring(hold: Hold) -> str:
+    """A spring that holds, or why none does."""
+    alone = hold.quantity is Quantity.HOLD_STIFFNESS
+    if hold.obstacle is Obstacle.KINK:
+        return "impossible: at a downward kink the cam throws the follower off at any speed"
+    if hold.obstacle is Obstacle.SOLID:
+        deep = f"{(hold.missing_n or 0.0) * 1e3:.3g} mm before the highest lift"
+        return f"impossible: compressed so far the spring is solid {deep}"
+    if hold.obstacle is not None:
+        lacking = f"{hold.missing_n:.6g} N are missing"
+        what = lacking if hold.obstacle is Obstacle.LIFT else "the spring would pull"
+        where = f"{what} at {hold.theta_deg:.10g} deg, where c"
+        if alone:
+            return f"impossible with stiffness alone: {where} <= 0 and a spring does not press"
+        return f"impossible: {where} + precompression <= 0; raise detach.precompression_m"
+    if hold.status is HoldStatus.NOT_NEEDED:
+        what = hold.quantity.removeprefix("hold_").replace("both", "spring")
+        return f"no {what} is needed"
+    if hold.status is HoldStatus.ABSURD:
+        return (
+            f"absurd: {hold.nose_n:.4g} N at the highest lift, over {ABSURD:g} times the present "
+            "spring's; is the speed of --hold-to right?"
+        )
+    stiffness, preload = f"stiffness {hold.stiffness:.10g} N/m", f"preload {hold.preload:.10g} N"
+    if hold.quantity is Quantity.HOLD_PRELOAD:
+        return f"{preload}, stiffness as it is"
+    return f"{stiffness}, preload as it is" if alone else f"{stiffness} and {preload}"
+
+
+def bursts_text(speed: Settled) -> str:
+    """A2 complete, A4 complete; none where the follower stays on the cam; or a status."""
+    if speed.status != Status.OK:
+        return Status(speed.status).text
+    said = [
+        f"{b.region} {'complete' if b.end_deg is not None else 'incomplete'}".strip()
+        for b in speed.bursts
+    ]
+    return ", ".join(dict.fromkeys(said)) or "none"
+
+
+def burst_ranges(result: ContactLoss) -> list[tuple[str, float, float, int]]:
+    """(bursts in words, from rpm, to rpm, speeds) of neighbouring speeds that behave alike."""
+    rows = ((text, list(group)) for text, group in groupby(result.speeds, bursts_text))
+    return [(text, speeds[0].rpm, speeds[-1].rpm, len(speeds)) for text, speeds in rows]

@@ -1,0 +1,75 @@
+"""Tables on the loss of contact: titles, heads and rows of text."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from math import inf
+from typing import Any
+
+from camcli.system import decimals, units_of
+from camcli.words.detach import way
+from camcli.words.machine import crank_of, digits_of
+
+ROUNDING = 1e-9  # N
+
+
+def spacing(speeds: Sequence[float]) -> float:
+    """The least between neighbouring speeds, rpm."""
+    return min((b - a for a, b in pairwise(sorted(set(speeds)))), default=0.1)
+
+
+def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
+    """Tables (title, heads, rows): past the loss of contact; contact force; springs that hold."""
+    found, units = result.values, units_of(result.system)
+    crank = crank_of(result.scene)
+    names = ["cam (rpm)", "crank (rpm)"] if crank else ["cam (rpm)"]
+    exact, seen = digits_of(result.scene), decimals(spacing([s.rpm for s in found.past]))
+
+    def speed(rpm: float, form: str) -> list[str]:
+        return [f"{x * rpm:{form}}" for x in (1.0, crank) if x]
+
+    def between(low: float | None, high: float | None) -> str:
+        return "" if low is None or high is None else f"{_zero(low):.4g} to {high:.4g}"
+
+    past = [
+        [*speed(s.rpm, f".{seen}f"), _cell(x.max_gap_m, units.per_m), _cell(x.max_impact_m_per_s),
+         _cell(x.landing_deg, digits=4), _cell(x.landing_lift_m, units.per_m),
+         _cell(x.shut_bounces_per_turn), between(x.min_contact_force_n, x.max_contact_force_n)]
+        for s in found.past
+        for x in (s.loads,)
+    ]  # fmt: skip
+    columns = f"loft ({units.length}), lands (m/s), at (deg), at lift ({units.length})"
+    columns += ", bounces, force (N)"
+    forces = [
+        [*speed(f.rpm, f".{exact}g"), _cell(_zero(f.lowest_n), digits=4),
+         _cell(f.lowest_deg, digits=4), _cell(f.highest(f.force_n)[0], digits=4),
+         *([_cell(f.highest(f.pressure_pa)[0], 1e-6)] if f.pressure_pa else [])]
+        for f in found.forces
+    ]  # fmt: skip
+    pressed = ", Hertz (MPa)" if found.forces and found.forces[0].pressure_pa else ""
+    ratio = result.system.rocker_ratio
+    where = "" if ratio == 1.0 else f", at the valve; on the lobe {ratio:.6g} times as large"
+    springs = [
+        [way(h), _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, digits=4),
+         _cell(h.nose_n, digits=4),
+         "never" if h.detaches_rpm == inf else _cell(h.detaches_rpm, digits=exact), h.status]
+        for h in found.holds
+        if h.stiffness is not None
+    ]  # fmt: skip
+    tables = [
+        ("Past the loss of contact", [*names, *columns.split(", ")], past),
+        (f"Contact force if the follower is kept on the cam{where}",
+         [*names, *f"least (N), at (deg), largest (N){pressed}".split(", ")], forces),
+        ("Springs that hold contact",
+         ["spring", *f"rate ({units.stiffness}), preload (N), at full lift (N), holds to (rpm), "
+          "status".split(", ")], springs),
+    ]  # fmt: skip
+    return [(title, heads, rows) for title, heads, rows in tables if rows]
+
+
+def _cell(value: float | None, scale: float = 1.0, digits: int = 3) -> str:
+    return "" if value is None else f"{value * scale:.{digits}g}"
+
+
+def _zero(force: float) -> float:
+    """A force that is zero up to rounding is printed as zero."""
+    return force if abs(force) > ROUNDING else 0.0

@@ -1,0 +1,76 @@
+"""The machine in words: its numbers, and what of it is probably a wrong unit or sign."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from camcli.cams import cam_name
+from camcli.cams.compile import lift_range
+from camcli.system import units_of
+
+MM = 1e3  # per m
+RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
+LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
+LARGE_RADIUS = 1.0  # m
+
+
+def crank_of(scene: Any) -> float:
+    """Turns of the crank in a turn of the cam; 0 where there is no crank."""
+    return 2.0 if getattr(scene.cam, "angle", "") == "crank" else 0.0
+
+
+def digits_of(scene: Any) -> int:
+    """Significant digits of what follows from the cam alone: a measured one deserves fewer."""
+    return 4 if scene.cam.kind == "table" else 6
+
+
+def machine(result: Any) -> list[list[str]]:
+    """The machine in rows of a name and a value."""
+    f, cam, units = result.system.follower, result.scene.cam, units_of(result.system)
+    lift = lift_range(result.system.cam)
+    rows = [
+        ["mass", f"{f.mass:.4g} kg"],
+        ["spring", units.stiffnesses(f.stiffness)],
+        ["force at lowest lift", f"{f.preload + f.stiffness * lift[0]:.4g} N"],
+        ["force at full lift", f"{f.preload + f.stiffness * lift[1]:.4g} N"],
+        ["damping", f"{f.damping:.4g} N s/m"],
+        ["restitution", f"{f.restitution:.3g}"],
+        ["cam", cam_name(cam)],
+        ["lift", units.lengths(lift[1] - lift[0], 4)],
+    ]
+    if (ratio := result.system.rocker_ratio) != 1.0:
+        rows.append(["rocker ratio", f"{ratio:.6g}"])
+    return [["machine", ""], *rows]
+
+
+def doubts(scene: Any) -> Iterator[str]:
+    """What of a machine is probably a wrong unit or sign."""
+    follower, cam = scene.follower, scene.cam
+    if cam.kind == "table":
+        lift = float(max(cam.measured.lift))
+        least = float(min(cam.measured.lift))
+        if least > RADII * lift:
+            number = float(f"{least / cam.metres + cam.subtract:.12g}")
+            yield (
+                f"warning: the smallest lift of the table is {least * MM:.4g} mm; if these are "
+                f"radii, write subtract: {number:.10g}"
+            )
+        top = cam.base + lift
+    elif cam.kind == "arcs":
+        top = cam.nose_center + cam.nose_radius - cam.offset
+        lift = top - (cam.base_radius - cam.offset)
+    else:
+        lift = getattr(cam, "lift", 0.0)
+        top = getattr(cam, "base", 0.0) + lift
+    if lift > LARGE_LIFT and follower.mass < LARGE_MASS:
+        yield f"warning: a lift of {lift * MM:.4g} mm; is it in m, or cam.lift the file's unit?"
+    radius = getattr(cam, "base_radius", None)
+    if radius is not None and radius > LARGE_RADIUS:
+        yield f"warning: a base radius of {radius:.4g} m; is it in m?"
+    solid = getattr(scene.spring, "solid_at", None)
+    if solid is not None and solid < top:
+        yield f"warning: the spring is solid at {solid * MM:.4g} mm, below the highest lift"
+    if follower.preload < 0.0:
+        yield (
+            f"warning: a preload of {follower.preload:.4g} N pulls the follower off the cam at "
+            "q = 0; positive presses"
+        )
