@@ -20,10 +20,15 @@ from camcli.kernel.forms import PLAIN, Kernel
 
 LITTLE_WORK = 10_000  # turns in all that plain Python does before the kernel is compiled
 LEAST_WORK = 500  # the same where compiled code only has to be read
+# The same of Newton's method for orbits, in impacts times steps: some 0.1 ms each in plain Python.
+LITTLE_NEWTON, LEAST_NEWTON = 20_000, 500
+NEWTON = "correct_orbit", "certify_orbit"  # its entries
 
 
 _compiled: Kernel | None = None
 _loading = Lock()
+_plain_newton = 0  # see `count_plain_newton`
+_newton_found = False  # True: its code was found on disk
 
 
 def current() -> Kernel:
@@ -40,6 +45,33 @@ def for_work(turns: float, enough: float = LITTLE_WORK) -> Kernel:
         return current()
     much = turns > enough or must_compile() or (turns > LEAST_WORK and is_cached())
     return compiled() if much else PLAIN
+
+
+def for_newton() -> Kernel:
+    """The kernel for Newton's method: compiled where that is quicker from here on.
+
+    Its code is read where it is on disk and this process has loaded the kernel or done some of that
+    work, and compiled where plain Python has done a lot of it; see `count_plain_newton`.
+    """
+    if not may_compile():
+        return PLAIN
+    if must_compile() or _plain_newton > LITTLE_NEWTON:
+        return compiled()
+    worth_reading = _compiled is not None or _plain_newton > LEAST_NEWTON
+    return compiled() if worth_reading and _newton_is_cached() else PLAIN
+
+
+def count_plain_newton(steps: int) -> None:
+    """Count Newton's steps, each times its impacts, that this process has done in plain Python."""
+    global _plain_newton
+    _plain_newton += steps
+
+
+def _newton_is_cached() -> bool:
+    """Whether the code of Newton's method is on disk; read once, as it is loaded then."""
+    global _newton_found
+    _newton_found = _newton_found or all(map(is_cached, NEWTON))
+    return _newton_found
 
 
 def compiled() -> Kernel:

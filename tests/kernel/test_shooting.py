@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from camcli.analysis.orbits.shooter import PARAMETERS, Shooter
-from camcli.kernel import shooting
+from camcli.kernel import backend, shooting
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables, solve_bordered
 from camcli.kernel.cam_table import stretch_at
 from tests.conftest import chapter_system
@@ -100,6 +100,7 @@ START_POINTS = {
 @pytest.mark.parametrize("changes", [{}, {"damping": 0.3, "gravity": 0.5}])
 def test_newton_converges_quadratically(monkeypatch, name, changes):
     """e, C e^2 with a C that does not depend on e, until rounding."""
+    monkeypatch.setenv("CAMCLI_KERNEL", "python")  # in which one step can be asked for
     system = chapter_system(**changes)
     rpm, start, turns = START_POINTS[name]
     shooter = Shooter(system, rpm)
@@ -133,3 +134,42 @@ def test_a_bad_guess_fails_without_a_word(guess):
     whole = (stretch_at(system.cam, guess[0]), 0)
     root = shooter.at_value([*guess, 700.0], whole, 1, 700.0)
     assert root is None or all(np.isfinite(root.x))
+
+
+@pytest.mark.parametrize(
+    ("in_use", "cached", "done", "taken"),
+    [
+        (True, True, 0, True),
+        (True, False, 0, False),
+        (True, False, backend.LITTLE_NEWTON, True),
+        (False, True, 0, False),
+        (False, True, backend.LEAST_NEWTON, True),
+        (False, False, backend.LEAST_NEWTON, False),
+    ],
+)
+def test_newton_is_compiled_where_that_is_quicker(monkeypatch, in_use, cached, done, taken):
+    """Code that waits to be read, or much work done in plain Python, are reasons; the root stays.
+
+    `done` is what plain Python has done before the root that it solves here.
+    """
+    monkeypatch.delenv("CAMCLI_KERNEL", raising=False)
+    machine_code = backend.compiled()
+    monkeypatch.setattr(backend, "_compiled", None)
+    monkeypatch.setattr(backend, "_newton_found", False)
+    monkeypatch.setattr(backend, "is_cached", lambda name: False)
+    monkeypatch.setattr(backend, "_plain_newton", done)
+    root = single_impact(Shooter(chapter_system(), 700.0))
+    assert backend._plain_newton == done + root.count * root.steps
+    monkeypatch.setattr(backend, "_compiled", machine_code if in_use else None)
+    monkeypatch.setattr(backend, "is_cached", lambda name: cached)
+    shooter = Shooter(chapter_system(), 700.0)
+    assert shooter.kernel.compiled == taken
+    again = single_impact(shooter)
+    assert again == root
+    assert shooter.admits(again)
+
+
+def single_impact(shooter):
+    """The stable P(1;1) at 700 rpm, from near by."""
+    stretch = stretch_at(shooter.system.cam, 2.71)
+    return shooter.at_value([2.71, 0.9, 700.0], (stretch, 0), 1, 700.0)

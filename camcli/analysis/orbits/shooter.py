@@ -25,7 +25,7 @@ from camcli.kernel.flow import (
     Flow,
     constants_of,
 )
-from camcli.kernel.forms import PLAIN, plain
+from camcli.kernel.forms import plain
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
 from camcli.system import System, omega_of
 
@@ -119,8 +119,7 @@ class Room(NamedTuple):
 class Shooter:
     """Room and machine for solving many orbits; one per thread.
 
-    Plain Python solves an impact in some 0.1 ms, which is enough: the compiled copies, with the
-    same bits, are taken only where the user forces the compiled kernel.
+    The kernel is plain Python or compiled, with the same bits (`backend.for_newton`).
     """
 
     def __init__(self, system: System, rpm: float, parameter: str = "rpm"):
@@ -132,8 +131,9 @@ class Shooter:
         lift = top - min(stretch.c_min for stretch in system.cam.stretches)
         self.rate = SMALL * (lift or abs(top) or 1.0)
         self.simulated = Cost()
-        self.kernel = backend.compiled() if backend.must_compile() else PLAIN
-        self.cam = system.cam_for(self.kernel)
+        self.kernel = backend.for_newton()
+        self.cam = system.cam
+        self._kernel_cam = system.cam_for(self.kernel)
         self._flows = self.kernel.room(Flow, len(system.cam.stretches) ** 2)
         self._works = self.kernel.room(Tally, 1)
         self._rooms: dict[int, Room] = {}
@@ -192,7 +192,7 @@ class Shooter:
         machine, places = self._table(self.machine), self._table(whole, int)
         out[STEPS_TAKEN] = 0.0
         status = self.kernel.correct_orbit(
-            self.cam,
+            self._kernel_cam,
             machine,
             self.parameter,
             n,
@@ -204,7 +204,10 @@ class Shooter:
             room.tables,
             out,
         )
-        spend(SOLVED * n * int(out[STEPS_TAKEN]))
+        steps = n * int(out[STEPS_TAKEN])
+        if not self.kernel.compiled:
+            backend.count_plain_newton(steps)
+        spend(SOLVED * steps)
         if status != Status.OK:
             return None
         return Root(
@@ -251,7 +254,7 @@ class Shooter:
         x, rates = self._table(root.x), self._table(root.rates)
         before = self._works[0].evaluations
         code = self.kernel.certify_orbit(
-            self.cam, machine, root.count, root.turns, places, x, rates, self._flows, place,
+            self._kernel_cam, machine, root.count, root.turns, places, x, rates, self._flows, place,
             self._works,
         )  # fmt: skip
         spend(FLOWN * int(self._works[0].evaluations - before))
