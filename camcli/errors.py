@@ -1,4 +1,4 @@
-"""Faults a user can meet, and what each status of the kernel means.
+"""Faults a user can meet, and how the kernel may end.
 
 This module is the bottom of the package: it imports nothing of it.
 """
@@ -12,43 +12,17 @@ from enum import IntEnum
 class Status(IntEnum):
     """How the kernel ended: data, not an exception, so the row is kept.
 
-    cause: what happened; cure: what to do about it, in words.
+    `camcli.words.statuses` has the cause of each and what to do about it.
     """
 
-    cause: str
-    cure: str
-
-    def __new__(cls, value: int, cause: str = "", cure: str = "") -> Status:
-        status = int.__new__(cls, value)
-        status._value_, status.cause, status.cure = value, cause, cure
-        return status
-
     OK = 0
-    LOG_FULL = 1, "the event log was too small", "this is a fault of the program"  # it resumes
-    IMPACT_BUDGET = (
-        2,
-        "as many impacts in one turn as run.impact_budget",
-        "raise run.impact_budget, raise run.chatter_tolerance, or lower restitution",
-    )
-    NO_RETURN = (
-        3,
-        "the follower left the cam and nothing brings it back",
-        "give it a spring, gravity or a preload",
-    )
-    UNRESOLVED = (
-        4,
-        "a contact is closer to grazing than double precision can tell",
-        "move the speed by a relative 1e-12, or treat both outcomes as possible",
-    )
-    PAUSED = 5, "the work was interrupted", "run the same command again"  # the caller resumes
-    WORK_BUDGET = (  # of a whole analysis; the kernel does not know of it
-        6, "the budget of work was used up, the rest is left out", "raise run.work_budget",
-    )  # fmt: skip
-    FAULT = (  # of one piece of a run; the kernel does not know of it either
-        7,
-        "an exception that nobody foresaw, which cost this piece alone",
-        "this is a fault of camcli, please report it with run.json",
-    )
+    LOG_FULL = 1  # the event log was too small: the caller makes it larger and resumes
+    IMPACT_BUDGET = 2  # as many impacts in one turn as run.impact_budget
+    NO_RETURN = 3  # the follower left the cam and nothing brings it back
+    UNRESOLVED = 4  # a contact is closer to grazing than double precision can tell
+    PAUSED = 5  # the work was interrupted: the caller resumes
+    WORK_BUDGET = 6  # of a whole analysis was used up; the kernel does not know of it
+    FAULT = 7  # an unforeseen exception cost one piece of a run; the kernel does not know of it
 
     @property
     def text(self) -> str:

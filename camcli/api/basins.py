@@ -14,7 +14,7 @@ from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
 from camcli.api.command import Command, Drawing, Options, Size, fewer, sample
 from camcli.api.machine import machine_of, span_of, with_values
-from camcli.api.result import Progress, Result, decided_words, drawn_by, height_notes, trouble
+from camcli.api.result import Progress, Result, drawn_by
 from camcli.api.rows import MULTIPLIERS, multiplier_columns
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
@@ -22,21 +22,14 @@ from camcli.parallel import Work
 from camcli.piece_faults import PieceFault, attempt, gather, gathering, piece
 from camcli.scene import Scene
 from camcli.system import omega_of
+from camcli.words.basins import CRITERION, basins_notes
+from camcli.words.machine import height_notes
 
 ATTRACTORS = ("attractor", "label", "q_m", "v_m_per_s", "fraction", "standard_error", "rpm")
 GROWTH = (*MULTIPLIERS, "lyapunov_per_period")
 BASINS = ("q_m", "v_m_per_s", "attractor")
 SADDLES = ("label", "q_m", "v_m_per_s", *MULTIPLIERS, "led", "tried")
 ROWS = 1 << 16  # of a refined grid at a time
-CRITERION = {
-    "orbit": "a cell belongs to a periodic attractor when one whole period leads from ellipse to "
-    "ellipse about its section points, with the attractor's impacts turn by turn, and the form of "
-    "the ellipses shrinks by the factor given; to an aperiodic one when as many turns in a row as "
-    "given lie in the boxes it visits; undecided when neither happens within the budget",
-    "simple": "a cell goes to the cell that holds the image of its centre after one turn; the "
-    "centre of the first cell of each cycle, and cells whose image leaves the window, are followed "
-    "as orbits by the criterion of orbit mapping",
-}
 
 
 def basins(
@@ -129,29 +122,10 @@ def basins(
         pictures={"basins": drawn_by("basins.draw_basins", found, question, own, key)},
         cost=found.cost,
         seconds=watch.seconds,
-        notes=(*heights, *_notes(found, question)),
+        notes=(*heights, *basins_notes(found, question.budget)),
         complete=not found.troubled,
         faults=tuple(faults),
     )
-
-
-def _notes(found: Study, question: Question) -> list[str]:
-    """What stayed undecided, and a sentence for each kind of trouble."""
-    notes = []
-    if not any(speed.computed for speed in found.speeds):
-        notes.append("no start of this window lies above the cam: raise basins.q")
-    ends = (end.holds_for for speed in found.speeds for _, end in speed.rests)
-    notes += decided_words(ends, "departures")
-    if cells := sum(speed.undecided for speed in found.speeds):
-        total = sum(speed.cells for speed in found.speeds)
-        notes.append(
-            f"undecided: {cells} of {total} cells met no attractor within {question.budget} turns; "
-            "raise basins.budget, or the motion is a long transient or has no attractor"
-        )
-    for code in sorted({code for speed in found.speeds for code in speed.troubled}):
-        cells = sum(speed.troubled.get(code, 0) for speed in found.speeds)
-        notes += trouble(code, f" in {cells} cells")
-    return notes
 
 
 def _attractors_table(found: Study, key: str) -> Table:

@@ -15,7 +15,7 @@ from camcli.analysis.sweep import rpm_grid
 from camcli.api.command import Command, Drawing, Options, Size, fewer, sample
 from camcli.api.lift_table import accel_errors, with_ranges
 from camcli.api.machine import Machine, machine_of, with_values
-from camcli.api.result import Progress, Result, budget_of, drawn_by, status_notes, ticks, trouble
+from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import SPEEDS, speed_row
 from camcli.api.tolerances import tolerances, tolerated
 from camcli.cams.compile import lift_range
@@ -27,6 +27,7 @@ from camcli.piece_faults import gathering, piece
 from camcli.scene import Scene
 from camcli.system import System, omega_of
 from camcli.words.detach import burst_ranges, sentences, spring
+from camcli.words.statuses import status_notes, trouble
 
 DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s", "rpm_low", "rpm_high")
 ACCUMULATION = ("rpm", "theta_deg")

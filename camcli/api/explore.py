@@ -39,6 +39,7 @@ from camcli.scene import Axis, Scene
 from camcli.scene.schema import RpmRange
 from camcli.system import Follower, System, omega_of, range_words, units_of
 from camcli.words.events import event_words
+from camcli.words.statuses import CAUSES, CURES
 
 STEP = 0.4  # of the follower's fastest motion, rad, between rows: a cubic errs by STEP^4/384 of it
 LAYER = 2000  # rows per turn at most for what damping ends at once: less than 1e-3 of the lift
@@ -333,8 +334,8 @@ def _nothing_to_show(sweeps: list[tuple[str, Result]]) -> Fault:
     """Why no speed has a motion, and what to do about it."""
     statuses = [Status(speed.status) for _, result in sweeps for speed in result.values[0].speeds]
     status = max(set(statuses), key=statuses.count)
-    found = f"found no motion at any speed ({status.cause})"
-    return Fault("", "sweep.rpm", found, "expected one at least", status.cure)
+    found = f"found no motion at any speed ({CAUSES[status]})"
+    return Fault("", "sweep.rpm", found, "expected one at least", CURES[status])
 
 
 def _axes_of_map(scene: Scene) -> tuple[Axis, ...]:

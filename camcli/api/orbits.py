@@ -23,7 +23,7 @@ from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
 from camcli.api.command import Command, Drawing, Options, Size
 from camcli.api.machine import Machine, machine_of, with_values
-from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks, trouble
+from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import (
     BIFURCATIONS,
     IMPACTS,
@@ -40,6 +40,7 @@ from camcli.piece_faults import gather, gathering, piece
 from camcli.scene import Axis, Orbits, Scene
 from camcli.system import omega_of
 from camcli.words.events import event_words
+from camcli.words.statuses import trouble
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.proofs import Proof

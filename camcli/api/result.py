@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from importlib import import_module
 from io import BytesIO
-from math import inf, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Budget, Cost, budgeted
-from camcli.cams.compile import lift_range
-from camcli.errors import Fault, SceneError, Status, plural, shown
+from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import came
 from camcli.output.run_folder import RunFolder, UnwritableError, run_folder
 from camcli.output.run_record import (
@@ -29,7 +26,7 @@ from camcli.output.tables import Named, Table
 from camcli.piece_faults import PieceFault, fault_records, gather, gathering, piece
 from camcli.scene import Scene, load_scene, resolved, scene_hash
 from camcli.scene.schema import no_panel
-from camcli.system import System, omega_of
+from camcli.system import System
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,32 +35,6 @@ if TYPE_CHECKING:
     from camcli.plots.picture import Picture
 
 Progress = Callable[[str, int, int], None]  # what is counted, how many are done, of how many
-SHOWN = 5  # speeds named in a note
-ABSURD = 1000.0  # times the lift: the height of a flight
-
-
-def height_notes(system: System, rpm: float) -> list[str]:
-    """A warning where the cam, at its fastest, throws the follower absurdly high.
-
-    From the top with v = omega max |c_theta| to the height where v^2/2 is spent on spring, preload
-    and weight; damping alone stops it after m v/b.
-    """
-    f = system.follower
-    low, top = lift_range(system.cam)
-    slope = lift_range(system.cam, 1)
-    v = omega_of(rpm) * max(map(abs, slope))
-    pull = f.gravity + f.preload / f.mass
-    stiff = f.stiffness / f.mass
-    pull += stiff * top
-    slowed = pull + sqrt(max(0.0, pull * pull + stiff * v * v))
-    high = v * v / slowed if slowed > 0.0 else inf
-    high = min(high, f.mass * v / f.damping) if f.damping else high
-    if not ABSURD * (top - low) < high < inf:
-        return []
-    return [
-        f"warning: at {rpm:.10g} rpm the cam throws the follower {high:.3g} m up, "
-        f"{high / (top - low):.3g} times its lift: a model of rigid bodies means little there"
-    ]
 
 
 @dataclass(frozen=True, repr=False)
@@ -358,46 +329,3 @@ def budget_of(scene: Scene, progress: Progress | None) -> AbstractContextManager
     """Let the work in the block end where run.work_budget is spent."""
     tell = progress or (lambda *_: None)
     return budgeted(scene.run.work_budget, partial(tell, "of run.work_budget"))
-
-
-def trouble(code: int, where: str = "") -> list[str]:
-    """The sentence on a status that is not OK."""
-    status = Status(code)
-    return [f"{status.text}{where}: {status.cause}; {status.cure}"] if status != Status.OK else []
-
-
-def counted(values: Sequence[float], key: str) -> str:
-    """So many values of what is varied, the first of them named: `2 speeds (358, 359 rpm)`."""
-    shown = ", ".join(f"{value:.10g}" for value in values[:SHOWN])
-    shown += ", ..." if len(values) > SHOWN else ""
-    if key == "rpm":
-        return f"{plural(len(values), 'speed')} ({shown} rpm)"
-    return f"{plural(len(values), 'value')} of {key} ({shown})"
-
-
-def decided_words(found: Iterable[str | None], what: str) -> list[str]:
-    """A sentence on the machines that answers after a rest hold for; `what` was decided."""
-    from camcli.analysis.after_rest import HoldsFor
-
-    texts = {
-        HoldsFor.LAST_DIGIT: "for every speed that rounds to the given one (proved)",
-        HoldsFor.EXACT_DATA: "for the data exactly as they are, not for every speed that rounds so",
-    }
-    counts = Counter(filter(None, found))
-    words = [f"{counts[name]} {text}" for name, text in texts.items() if counts[name]]
-    said = [f"{what} decided in ball arithmetic after a rest: {', '.join(words)}"] if words else []
-    if counts[HoldsFor.ROUNDING]:
-        said.append(
-            f"{what} on an attractor that rounding chose: {counts[HoldsFor.ROUNDING]}; where their "
-            "own start ends could not be followed so far"
-        )
-    return said
-
-
-def status_notes(troubled: Iterable[tuple[float, int]], key: str = "rpm") -> list[str]:
-    """A sentence for each kind of trouble; troubled: (value of what is varied, status)."""
-    by_status: dict[int, list[float]] = {}
-    for value, code in troubled:
-        by_status.setdefault(code, []).append(value)
-    kinds = sorted(by_status.items())
-    return [s for code, values in kinds for s in trouble(code, f" at {counted(values, key)}")]

@@ -12,12 +12,15 @@ from camcli.analysis.integrate import Cost
 from camcli.api.command import Command, Drawing, Options, Size, sample
 from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine, machine_of
-from camcli.api.result import Progress, Result, drawn_by, height_notes, trouble
-from camcli.errors import Fault, SceneError, Status, plural
+from camcli.api.result import Progress, Result, drawn_by
+from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.scene import Scene
 from camcli.system import System, omega_of, units_of
+from camcli.words.machine import height_notes
+from camcli.words.simulate import ASSUMED, end_notes, rounding_notes, undercut_notes
+from camcli.words.statuses import trouble
 
 if TYPE_CHECKING:
     from camcli.analysis.cam_profile import Profile
@@ -117,8 +120,8 @@ def simulate(
         seconds=watch.seconds,
         notes=(
             *height_notes(system, found.rpm),
-            *_many_notes(found.one_of_many),
-            *_end_notes(found),
+            *rounding_notes(found.one_of_many),
+            *end_notes(found),
             *trouble(found.status),
         ),
         complete=found.status == Status.OK,
@@ -145,33 +148,6 @@ def _write_film(machine: Machine, found: Simulation, kind: str, file: BinaryIO) 
     write_animation(draw_frames(found, machine.system, outline, turns), file, kind)
 
 
-def _many_notes(turn: int | None) -> list[str]:
-    if turn is None:
-        return []
-    place = f"turn {turn} of the record"
-    if turn < 0:
-        place = f"{plural(-turn, 'turn')} before the record"
-    return [
-        f"from {place} on this is one of many motions that rounding allows: an error of the last "
-        "digit has grown beyond five digits of a turn (the label is that of the true motion, where "
-        "that could be told)"
-    ]
-
-
-def _end_notes(found: Simulation) -> list[str]:
-    """What becomes of a motion whose record looks aperiodic."""
-    if found.ends is None or found.ends.watched is None:
-        return []
-    turns = found.ends.watched
-    if found.ends.orbit is not None:
-        said = f"a transient: followed for {turns} turns, the motion has settled on {found.label}"
-    elif found.ends.chatters:
-        said = f"no period, and after {turns} turns a rest: what follows is not known"
-    else:
-        said = f"no period; it was followed for {turns} turns"
-    return [f"the record shows {said}"]
-
-
 def _profile(machine: Machine, base_radius: float | None) -> Result:
     """The cam of a scene over one turn, and what a flat face or a roller needs of it."""
     from camcli.analysis.cam_profile import profile
@@ -195,22 +171,12 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
     result = results[0]
     f = machine.system.follower
     omega = omega_of(rpm)
-    units = units_of(machine.system)
 
     def rows(one: Profile) -> Iterator[tuple]:
         for theta, c, c1, c2 in zip(one.theta_deg, one.c, one.c1, one.c2, strict=True):
             spring = f.mass * f.gravity + f.preload + f.stiffness * c
             yield theta, c, c1, c2, spring + omega * (f.damping * c1 + f.mass * (omega * c2))
 
-    notes = []
-    if result.curvature.undercut:
-        least = result.curvature.flat_least
-        notes.append(
-            f"warning: a flat-faced follower undercuts this cam: the radius of curvature would be "
-            f"{units.lengths(least.value, 4)} at {least.theta_deg:.5g} deg; the base radius must "
-            f"exceed {units.lengths(result.curvature.least_base_radius, 4)} (knife edge and roller "
-            "have other limits)"
-        )
     options = {"profile_only": True, "base_radius": base_radius}
     return Result(
         command="simulate",
@@ -225,7 +191,7 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
         pictures={"profile": partial(_draw_profiles, machines, results, bases)},
         cost=Cost(),
         seconds=watch.seconds,
-        notes=tuple(notes),
+        notes=tuple(undercut_notes(result, machine.system)),
         options={key: value for key, value in options.items() if value is not None},
     )
 
@@ -272,8 +238,7 @@ def _profile_summary(result: Profile, ratio: float) -> dict[str, Any]:
         },
         "largest_roller_radius_m": bent.roller and vars(bent.roller),
         "rocker_ratio": ratio,
-        "assumed": "what runs on the cam moves along a line through the axis, "
-        "at base_radius + (c - least c)/rocker_ratio",
+        "assumed": ASSUMED,
     }
 
 

@@ -23,16 +23,7 @@ from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_na
 from camcli.analysis.sweep import sweep as run
 from camcli.api.command import EXPLAINING, Command, Drawing, Options, Size, fewer, sample
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of
-from camcli.api.result import (
-    Progress,
-    Result,
-    decided_words,
-    drawn_by,
-    height_notes,
-    status_notes,
-    ticks,
-    trouble,
-)
+from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.rows import IMPACTS, SPEEDS, STROBE, blocks, speed_row
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError, Status, shown
@@ -43,6 +34,9 @@ from camcli.parallel.work import IN_MEMORY
 from camcli.piece_faults import gather, gathering, piece
 from camcli.scene import Scene
 from camcli.system import units_of
+from camcli.words.machine import height_notes
+from camcli.words.statuses import status_notes, trouble
+from camcli.words.sweep import map_notes, sweep_notes
 
 if TYPE_CHECKING:
     from camcli.analysis.classify import Motion
@@ -192,14 +186,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         )
     counts = Counter((speed.label, status_name(speed.status)) for speed in found.speeds)
     troubled = [(s.value, s.status) for s in found.speeds if s.status != Status.OK]
-    decided = decided_words((speed.holds_for for speed in found.speeds), "points")
-    unknown = sum(not speed.known for speed in found.speeds)
-    total = one.num * two.num
-    notes = [*decided, *status_notes(troubled, one.key)]
-    if unknown:
-        text = f"{unknown} of {total} points undecided, grey: rounding decides after a rest"
-        cure = "; sweep.decide (--decide) follows each beyond rounding, some seconds for one"
-        notes.insert(0, text + ("" if section.decide else cure))
+    notes = (*map_notes(found, section.decide), *status_notes(troubled, one.key))
 
     def rows() -> Iterator[tuple]:
         for second, line in zip(found.second, found.lines, strict=True):
@@ -224,7 +211,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         pictures={"map": drawn_by("sweep_map.draw_map", found, units_of(machine.system), lines)},
         cost=found.cost,
         seconds=watch.seconds,
-        notes=tuple(notes),
+        notes=notes,
         complete=not troubled,
         faults=tuple(found.faults),
     )
@@ -385,22 +372,9 @@ def _result(
         summary=summary,
         pictures={"sweep": draw},
         cost=cost,
-        notes=(*heights, *_unknown(found), *status_notes(troubled, found.key), *cut),
+        notes=(*heights, *sweep_notes(found), *status_notes(troubled, found.key), *cut),
         complete=not troubled and not cut,
     )
-
-
-def _unknown(found: Sweep) -> list[str]:
-    """How many motions were decided in ball arithmetic, and how many are not known, drawn grey."""
-    decided = decided_words((speed.holds_for for speed in found.bare), "speeds")
-    count = sum(not speed.known for speed in found.bare)
-    if not count:
-        return decided
-    return [
-        *decided,
-        f"{count} of {len(found.speeds)} undecided: after a rest rounding decides, and the true "
-        "motion could not be told; grey in the picture",
-    ]
 
 
 def _summary(found: Sweep) -> dict[str, Any]:

@@ -75,7 +75,7 @@ def classify(
 
 def show(result: Result, verbose: bool) -> None:
     """Print ranges of one label, the explanation, and the check."""
-    from camcli.api.classify import remarks
+    from camcli.words.classify import remarks
 
     (motions, explanation), key = result.values, result.scene.classify.key
     alike = groupby(motions, lambda m: (m.label, m.status))

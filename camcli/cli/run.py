@@ -336,7 +336,7 @@ def shard_of(text: str | None) -> Shard | None:
 
 def _tell(scene: Scene, config: Path | None) -> None:
     """What a user should know before anything is computed."""
-    from camcli.words.machine import doubts
+    from camcli.words.machine import doubts, lossless_notes
 
     if config is not None and config.is_file():
         lines = config.read_text(errors="replace").splitlines()
@@ -352,8 +352,8 @@ def _tell(scene: Scene, config: Path | None) -> None:
 
         for text in table_notes(scene):
             note(text)
-    if scene.follower.restitution == 1.0 and scene.follower.damping == 0.0:
-        note("warning: restitution 1 and no damping: nothing dissipates, no orbit attracts another")
+    for text in lossless_notes(scene):
+        note(text)
 
 
 def _tell_of_pieces(folder: RunFolder, merging: bool) -> None:

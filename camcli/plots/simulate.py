@@ -28,6 +28,7 @@ from camcli.plots.axes import (
 from camcli.plots.mechanism import Outline, draw_machine
 from camcli.plots.picture import Panel, Picture
 from camcli.system import System, Units, units_of
+from camcli.words.statuses import CAUSES
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
 TICK = 21.0  # pt, from one tick to the next at least
@@ -158,7 +159,7 @@ def draw_simulation(simulation: Simulation, system: System, turns: int) -> Pictu
     """Picture of the last `turns` turns of a simulation."""
     title = f"Time response at {style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
     status = Status(simulation.status)
-    stopped = f"stopped ({status.text}): {status.cause}" if simulation.status != Status.OK else ""
+    stopped = f"stopped ({status.text}): {CAUSES[status]}" if simulation.status != Status.OK else ""
     trace = Trace.of(simulation, system, turns) if simulation.trajectory else None
 
     def panel(draw: Any, height: float, **more: Any) -> Panel:

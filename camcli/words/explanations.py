@@ -17,6 +17,7 @@ from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.errors import Status
 from camcli.words.events import event_words
+from camcli.words.statuses import CAUSES
 
 MOST_DECIMALS = 9  # of a speed in rpm
 
@@ -61,7 +62,7 @@ def change_sentence(change: Change, events: Sequence[Event]) -> str:
         lives = "the chaotic attractor lives on at both speeds, the start changes basins."
         return " ".join([lives, *tried])
     if change.status != Status.OK:
-        return f"{change.status.text}: {change.status.cause}"
+        return f"{change.status.text}: {CAUSES[change.status]}"
     if change.cause == UNEXPLAINED:
         said = "tried: bifurcations of solved branches, none lies in it; branches through it, "
         said += "none is stable"

@@ -1,16 +1,19 @@
 """The machine in words: its numbers, and what of it is probably a wrong unit or sign."""
 
 from collections.abc import Iterator
+from math import inf
 from typing import Any
 
+from camcli.analysis.throw import throw_height
 from camcli.cams import cam_name
 from camcli.cams.compile import lift_range
-from camcli.system import units_of
+from camcli.system import System, units_of
 
 MM = 1e3  # per m
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
 LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
 LARGE_RADIUS = 1.0  # m
+ABSURD = 1000.0  # times the lift: the height of a flight
 
 
 def crank_of(scene: Any) -> float:
@@ -74,3 +77,24 @@ def doubts(scene: Any) -> Iterator[str]:
             f"warning: a preload of {follower.preload:.4g} N pulls the follower off the cam at "
             "q = 0; positive presses"
         )
+
+
+def height_notes(system: System, rpm: float) -> list[str]:
+    """A warning where the cam throws the follower absurdly high."""
+    low, top = lift_range(system.cam)
+    height = throw_height(system, rpm)
+    if not ABSURD * (top - low) < height < inf:
+        return []
+    return [
+        f"warning: at {rpm:.10g} rpm the cam throws the follower {height:.3g} m up, "
+        f"{height / (top - low):.3g} times its lift: a model of rigid bodies means little there"
+    ]
+
+
+def lossless_notes(scene: Any) -> list[str]:
+    """A warning where the motion loses no energy."""
+    if scene.follower.restitution == 1.0 and scene.follower.damping == 0.0:
+        return [
+            "warning: restitution 1 and no damping: nothing dissipates, no orbit attracts another"
+        ]
+    return []

@@ -16,13 +16,14 @@ from camcli.analysis.explain.crisis import Crisis, CrisisKind, Meeting
 from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits.proofs import Proof, Proofs, Step
 from camcli.analysis.sweep import Speed, Sweep
-from camcli.api.classify import remarks as of_motions
 from camcli.api.orbits import _proved
 from camcli.api.orbits import remarks as of_orbits
-from camcli.api.result import counted, decided_words, status_notes
 from camcli.api.sweep import ranges
 from camcli.errors import Status
+from camcli.words.after_rest import decided_notes
+from camcli.words.classify import remarks as of_motions
 from camcli.words.explanations import change_sentence, crisis_sentences, event_sentence, speed_text
+from camcli.words.statuses import CAUSES, CURES, counted, status_notes
 
 
 @pytest.mark.parametrize(
@@ -53,26 +54,26 @@ def test_what_was_counted():
 
 def test_what_was_decided_after_a_rest():
     found = ["last-digit"] * 2 + ["exact-data"] * 3 + ["rounding"] * 4 + [None, ""]
-    assert decided_words(found, "speeds") == [
+    assert decided_notes(found, "speeds") == [
         "speeds decided in ball arithmetic after a rest: 2 for every speed that rounds to the "
         "given one (proved), 3 for the data exactly as they are, not for every speed that rounds "
         "so",
         "speeds on an attractor that rounding chose: 4; where their own start ends could not be "
         "followed so far",
     ]
-    assert decided_words(["rounding"], "points") == [
+    assert decided_notes(["rounding"], "points") == [
         "points on an attractor that rounding chose: 1; where their own start ends could not be "
         "followed so far"
     ]
-    assert decided_words([None], "points") == []
+    assert decided_notes([None], "points") == []
 
 
 def test_troubles_are_told_kind_by_kind():
     met = [(3.0, Status.UNRESOLVED), (1.0, Status.IMPACT_BUDGET), (2.0, Status.IMPACT_BUDGET)]
     assert status_notes([*met, (4.0, Status.OK)]) == [
-        f"impact-budget at 2 speeds (1, 2 rpm): {Status.IMPACT_BUDGET.cause}; "
-        f"{Status.IMPACT_BUDGET.cure}",
-        f"unresolved at 1 speed (3 rpm): {Status.UNRESOLVED.cause}; {Status.UNRESOLVED.cure}",
+        f"impact-budget at 2 speeds (1, 2 rpm): {CAUSES[Status.IMPACT_BUDGET]}; "
+        f"{CURES[Status.IMPACT_BUDGET]}",
+        f"unresolved at 1 speed (3 rpm): {CAUSES[Status.UNRESOLVED]}; {CURES[Status.UNRESOLVED]}",
     ]
 
 
@@ -281,7 +282,7 @@ def test_changes():
     assert told(BASIN) == lives
     assert told(BASIN, crisis=stays) == f"{lives} {stayed}"
     assert told(UNEXPLAINED, status=Status.WORK_BUDGET) == (
-        f"work-budget: {Status.WORK_BUDGET.cause}"
+        f"work-budget: {CAUSES[Status.WORK_BUDGET]}"
     )
     tried = (
         "tried: bifurcations of solved branches, none lies in it; branches through it, none is "

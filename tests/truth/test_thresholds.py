@@ -32,13 +32,12 @@ from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label, find_period, label
 from camcli.api.machine import machine_of
-from camcli.api.result import height_notes
 from camcli.api.sweep import read_branches
 from camcli.errors import SceneError
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.system import units_of
 from camcli.words.detach import plainly
-from camcli.words.machine import doubts
+from camcli.words.machine import doubts, height_notes
 from tests.conftest import cam_in, settings
 
 CONFIGS = Path(__file__).parents[2] / "configs"

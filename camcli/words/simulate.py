@@ -1,0 +1,53 @@
+"""What `cam simulate` says of one motion, and of the cam alone."""
+
+from camcli.analysis.cam_profile import Profile
+from camcli.analysis.simulate import Simulation
+from camcli.errors import plural
+from camcli.system import System, units_of
+
+ASSUMED = (
+    "what runs on the cam moves along a line through the axis, "
+    "at base_radius + (c - least c)/rocker_ratio"
+)
+
+
+def rounding_notes(turn: int | None) -> list[str]:
+    """From which turn of the record on rounding decides; turns before the record are negative."""
+    if turn is None:
+        return []
+    place = f"turn {turn} of the record"
+    if turn < 0:
+        place = f"{plural(-turn, 'turn')} before the record"
+    return [
+        f"from {place} on this is one of many motions that rounding allows: an error of the last "
+        "digit has grown beyond five digits of a turn (the label is that of the true motion, where "
+        "that could be told)"
+    ]
+
+
+def end_notes(found: Simulation) -> list[str]:
+    """What becomes of a motion whose record looks aperiodic."""
+    if found.ends is None or found.ends.watched is None:
+        return []
+    turns = found.ends.watched
+    if found.ends.orbit is not None:
+        said = f"a transient: followed for {turns} turns, the motion has settled on {found.label}"
+    elif found.ends.chatters:
+        said = f"no period, and after {turns} turns a rest: what follows is not known"
+    else:
+        said = f"no period; it was followed for {turns} turns"
+    return [f"the record shows {said}"]
+
+
+def undercut_notes(profile: Profile, system: System) -> list[str]:
+    """A warning where a flat face would not touch the whole cam."""
+    bent, units = profile.curvature, units_of(system)
+    if not bent.undercut:
+        return []
+    least = bent.flat_least
+    return [
+        f"warning: a flat-faced follower undercuts this cam: the radius of curvature would be "
+        f"{units.lengths(least.value, 4)} at {least.theta_deg:.5g} deg; the base radius must "
+        f"exceed {units.lengths(bent.least_base_radius, 4)} (knife edge and roller "
+        "have other limits)"
+    ]
