@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import floor, inf, isfinite, log10, pi
+from math import floor, inf, isfinite, log10, tau
 from typing import NamedTuple
 
 from camcli.cams.compile import Shape, build, column, corners, lift_range
@@ -43,9 +43,9 @@ class System:
     shape: Shape = field(compare=False, repr=False)
 
     @classmethod
-    def build(cls, follower: Follower, shape: Shape, strobe_deg: float = 0.0) -> System:
-        """Compile the cam; strobe_deg becomes a boundary of the table."""
-        return cls(follower, build(shape, strobe_deg), shape)
+    def build(cls, follower: Follower, shape: Shape, strobe: float = 0.0) -> System:
+        """Compile the cam; the strobe phase (rad) becomes a boundary of the table."""
+        return cls(follower, build(shape, strobe), shape)
 
     def with_follower(self, **changes: float) -> System:
         """The same cam under another follower."""
@@ -73,20 +73,15 @@ class System:
         """Phase of the stroboscopic section, rad."""
         return column(self.cam, "start")[self.cam.strobe]
 
-    @property
-    def strobe_deg(self) -> float:
-        """The strobe phase in deg."""
-        return self.strobe * (180.0 / pi)
-
     @cached_property
-    def corners_deg(self) -> list[float]:
-        """Phases of the cam's corners, degrees."""
+    def corners(self) -> list[float]:
+        """Phases of the cam's corners, rad."""
         starts = column(self.cam, "start")
-        return [starts[n] * (180.0 / pi) for n in corners(self.cam)]
+        return [starts[n] for n in corners(self.cam)]
 
     def constants(self, rpm: float, tolerance: float, impact_budget: int) -> Constants:
         """The dimensionless constants at one speed; tolerance as a fraction of a turn."""
-        const = constants_of(self.machine(rpm), tolerance * (2.0 * pi), impact_budget)
+        const = constants_of(self.machine(rpm), tolerance * tau, impact_budget)
         if not all(isfinite(number) for number in (const.W2, const.Z * const.Z, const.G)):
             found = f"found omega0/omega = {const.W:g}, zeta/omega = {const.Z:g} at {rpm!r} rpm"
             cure = "check mass, stiffness, damping, preload and rpm"

@@ -11,11 +11,13 @@ import subprocess
 from collections.abc import Callable, Generator
 from functools import partial
 from importlib.metadata import version
+from math import radians
 from pathlib import Path
 
 import pytest
 
 from camcli.analysis.integrate import Settings, Start
+from camcli.cams.compile import phase_of
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 
@@ -29,11 +31,13 @@ def chapter_system(strobe_deg: float = 0.0, **follower) -> System:
     """The chapter's machine with some constants of the follower replaced."""
     scene = load_scene(None)
     values = {**scene.follower.model_dump(), **follower}
-    return System.build(Follower(**values), scene.cam, strobe_deg)
+    return System.build(Follower(**values), scene.cam, phase_of(strobe_deg))
 
 
 def settings(transient=0, record=1, tolerance=1e-9, budget=1_000_000, **start) -> Settings:
     """Settings of a run with a start given as q, v, theta_deg."""
+    if "theta_deg" in start:
+        start["theta"] = radians(start.pop("theta_deg"))
     return Settings(transient, record, tolerance, budget, Start(**start))
 
 

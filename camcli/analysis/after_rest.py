@@ -23,7 +23,7 @@ from camcli.analysis.orbits.identify import departures
 from camcli.analysis.orbits.same_orbit import distance, size_of
 from camcli.cams.balls import DIGITS, UndecidedError, decided
 from camcli.cams.compile import Shape
-from camcli.system import Follower, System, omega_of
+from camcli.system import Follower, System
 
 if TYPE_CHECKING:
     from camcli.exact.motion import Motion
@@ -70,8 +70,7 @@ class After:
         """The last state, to go on from in doubles; None where nothing is known."""
         if self.kind not in (SETTLED, WANDERS):
             return None
-        q, w = self.states[-1]
-        return Start(q, w * omega_of(rpm), system.strobe_deg)
+        return Start.at_strobe(system, rpm, self.states[-1])
 
 
 def after_first_rest(system: System, rpm: float, record: Record) -> After:

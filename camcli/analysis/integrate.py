@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from copy import copy
 from dataclasses import dataclass, field, replace
-from math import pi
+from math import degrees, tau
 
 import numpy as np
 
@@ -32,20 +32,29 @@ FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
 ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
 PATIENCE = 20_000  # turns that a motion is followed on before it is called aperiodic
 LOGGED = int, int, float, float, float  # kinds of numbers in the columns of a log
+TURN = tau  # rad
 ROW = 20  # evaluations that take as long as looking at a row of a log
 
 
 @dataclass(frozen=True)
 class Start:
-    """Initial state: q (m), v (m/s), None meaning on the cam and at its velocity; theta in deg.
+    """Initial state: q (m), v (m/s), None meaning on the cam and at its velocity; theta in rad.
 
     place: where it stands in the scene.
     """
 
     q: float | None = None
     v: float | None = None
-    theta_deg: float = 0.0
+    theta: float = 0.0
     place: str = field(default="run.start", compare=False, repr=False)
+
+    @classmethod
+    def at_strobe(cls, system: System, rpm: float, state: Sequence[float] | None) -> Start:
+        """A state (q m, dq/dtheta m/rad) exactly at the strobe; None: at rest on the cam there."""
+        if state is None:
+            return cls(theta=system.strobe)
+        q, w = state
+        return cls(float(q), float(w) * omega_of(rpm), system.strobe)
 
 
 @dataclass(frozen=True)
@@ -239,11 +248,10 @@ class Orbit:
 
     def as_start(self) -> Start:
         """The present state as a start for another run; None values where it rests on the cam."""
-        theta_deg = self.state.theta * (180.0 / pi)
         if self.state.mode == RESTING:
-            return Start(None, None, theta_deg)
+            return Start(theta=self.state.theta)
         q, w = self.position()
-        return Start(q, w * self.omega, theta_deg)
+        return Start(q, w * self.omega, self.state.theta)
 
     @property
     def _thrown_off(self) -> bool:
@@ -300,7 +308,7 @@ def rounding_of(c: float) -> float:
 
 def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
     """The kernel's state at the start; raises StartError below the cam."""
-    theta = (start.theta_deg % 360.0) * (pi / 180.0)
+    theta = start.theta % TURN
     i = stretch_at(cam, theta)
     c, c1, _ = lift_at(cam, i, theta)
     gap = 0.0 if start.q is None else start.q - c
@@ -309,7 +317,7 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
         gap = 0.0  # q = 0.1 on a dwell of 0.4 - 0.3, which is an ulp more
     if gap < 0.0:
         found = f"found q = {start.q!r} m, {-gap:.6g} m below the cam"
-        expected = f"expected at least c = {c!r} m at {start.theta_deg!r} deg"
+        expected = f"expected at least c = {c!r} m at {round(degrees(theta), 9)!r} deg"
         raise StartError(
             Fault("", f"{start.place}.q", found, expected, "raise it, or null for rest")
         )

@@ -37,7 +37,7 @@ class Simulation:
     label: str
     status: int
     periods: int
-    corners_deg: list[float]
+    corners: list[float]
     cost: Cost
     one_of_many: int | None  # turn of the record, see `one_of_many_from`
     ends: Motion | None = None  # where the record alone looks aperiodic: what it leads to
@@ -82,7 +82,7 @@ def simulate(
         label=name,
         status=record.status,
         periods=record.periods,
-        corners_deg=system.corners_deg,
+        corners=system.corners,
         cost=record.cost,
         one_of_many=one_of_many_from(
             system, rpm, settings, record, name if ends is None else APERIODIC

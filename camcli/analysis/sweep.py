@@ -33,12 +33,11 @@ from camcli.kernel.cam_table import lift_at
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.parallel import Codec, Work, stored
 from camcli.piece_faults import PieceFault, attempt
-from camcli.system import System, omega_of
+from camcli.system import System
 
 FIXED, UP, DOWN, BOTH = "fixed", "up", "down", "both"
 FINEST = 1200  # of the range: an adaptive sweep goes down to steps of one of so many parts
 CHANGED = 0.1  # of the range of a load: more is a change of a chaotic motion
-BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
 SURE = 2  # neighbours that stay aperiodic: a transient is not looked for beyond them
 ON_CAM = 1e-12  # relative distance of a state from the cam's that is rounding
 
@@ -524,12 +523,11 @@ def true_motion(
 
 def start_at(system: System, rpm: float, state: Sequence[float]) -> Start:
     """A state (m, m/rad) at the strobe as a start; None values where it rests on the cam."""
-    degrees = system.strobe_deg * (1.0 - BEFORE_STROBE)
     c, c1, _ = lift_at(system.cam, system.cam.strobe, system.strobe)
     q, w = state
     if abs(q - c) <= ON_CAM * abs(c) and abs(w - c1) <= ON_CAM * (abs(c1) + abs(c)):
-        return Start(None, None, degrees)
-    return Start(q, w * omega_of(rpm), degrees)
+        return Start.at_strobe(system, rpm, None)
+    return Start.at_strobe(system, rpm, state)
 
 
 def _joined(turns: Sequence[Record]) -> Record:
@@ -557,7 +555,7 @@ def _store(speed: Speed) -> dict[str, Any]:
 
 
 LOAD = stored.optional(stored.real)
-START = {"q": LOAD, "v": LOAD, "theta_deg": stored.real, "place": stored.text}
+START = {"q": LOAD, "v": LOAD, "theta": stored.real, "place": stored.text}
 CHECKS: dict[str, Callable[[Any], Any]] = {  # of what `_store` makes of a speed
     "value": stored.real,
     "rpm": stored.real,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from camcli.analysis.classify import Motion
@@ -151,7 +152,10 @@ def _motion(m: Motion) -> dict[str, Any]:
         "value": m.value, "rpm": m.rpm, "label": m.label, "period": m.period,
         "impacts": m.impacts,
         "chatter": m.chatter, "stable": m.stable, "transient_turns": m.transient,
-        "status": status_name(m.status), "start": vars(m.start),
+        "status": status_name(m.status), "start": {
+            "q": m.start.q, "v": m.start.v, "theta_deg": degrees(m.start.theta),
+            "place": m.start.place,
+        },
         "holds_for": m.holds_for, "watched_turns": m.watched,
         "turns": m.record.periods, "complete_chatters": m.chatters,
         "multipliers": None if m.orbit is None else m.orbit.multipliers,

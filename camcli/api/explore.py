@@ -216,7 +216,7 @@ def explore(
 
 def _simulated(machine: Machine, motion: Motion, samples: int) -> Simulation:
     """A motion of the page; samples: rows per turn, at least."""
-    start = Start(motion.q, motion.v, machine.scene.run.strobe_deg)
+    start = Start(motion.q, motion.v, motion.system.strobe)
     settings = replace(with_turns(machine.settings, 0, motion.turns + 1), start=start)
     rows = max(samples, _samples(motion.system.follower, motion.rpm))
     return simulate(motion.system, motion.rpm, settings, rows, follow=False)

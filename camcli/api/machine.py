@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from math import pi, sqrt
+from math import pi, radians, sqrt
 from os import PathLike
 from typing import Any
 
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.sweep import rpm_grid
+from camcli.cams.compile import phase_of
 from camcli.errors import Fault, SceneError
 from camcli.scene import Axis, Scene, Varying, load_scene, resolved
+from camcli.scene.schema import Start as SceneStart
 from camcli.system import Follower, System, omega_of
 
 MOST_COMPILED = 256  # cams kept
@@ -25,6 +27,7 @@ RANGES = {  # of the first loss of contact; of the natural frequency where conta
 PAST = 1.05  # one speed, of the first loss of contact
 HIGH, FAST = 2.0, 4.0  # of the lift above it, and of lift times omega: windows of starts
 LEAST_LIFT = 1e-12  # of |c|: a window of a smaller lift is so high
+ROUNDING = 4e-16  # relative: two roundings, of pi/180 and of the product
 SLOWEST = 1e-300  # m/s, where lift times omega is no double
 
 
@@ -42,8 +45,7 @@ def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Mach
     """The compiled machine of a scene, or of what `load_scene` takes, and its runs' settings."""
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     follower = Follower(*(getattr(scene.follower, f.name) for f in fields(Follower)))
-    strobe = scene.run.strobe_deg
-    system = System.build(follower, scene.cam, strobe)
+    system = System.build(follower, scene.cam, phase_of(scene.run.strobe_deg))
     scene, said = ranged(scene, system)
     run = scene.run
     settings = Settings(
@@ -51,10 +53,24 @@ def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Mach
         record=run.record,
         chatter_tolerance=run.chatter_tolerance,
         impact_budget=run.impact_budget,
-        start=Start(run.start.q, run.start.v, run.start.theta_deg),
+        start=start_of(scene, system, run.start, "run.start"),
         patience=run.patience,
     )
     return Machine(scene, system, settings, said)
+
+
+def start_of(scene: Scene, system: System, start: SceneStart, place: str) -> Start:
+    """A start of the scene, angles in rad; place: where it stands in the scene.
+
+    A start at the strobe is there to the last bit, whatever double its degrees would become: the
+    strobe is rounded otherwise, or moved onto a corner that is next to it.
+    """
+    degrees = start.theta_deg % 360.0
+    theta = radians(degrees)
+    at_strobe = abs(theta - system.strobe) <= ROUNDING * system.strobe
+    if at_strobe or degrees == scene.run.strobe_deg:
+        theta = system.strobe
+    return Start(start.q, start.v, theta, place)
 
 
 def is_open(scene: Scene, section: str) -> bool:

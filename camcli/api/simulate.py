@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from math import isfinite
+from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Cost
@@ -111,7 +111,7 @@ def simulate(
             "status": Status(found.status).text,
             "periods": found.periods,
             "events": len(found.events),
-            "corners_deg": found.corners_deg,
+            "corners_deg": [degrees(corner) for corner in found.corners],
         },
         pictures={"simulate": draw},
         files=_films(machine, found) if animate and found.trajectory else {},

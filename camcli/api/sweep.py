@@ -16,13 +16,12 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from camcli.analysis.integrate import Start
 from camcli.analysis.labels import period_of
 from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.api.command import EXPLAINING, Command, Drawing, Options, Size, fewer, sample
-from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of
+from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of, start_of
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.rows import IMPACTS, SPEEDS, STROBE, blocks, speed_row
 from camcli.cams.files import decoded, read_bytes
@@ -144,7 +143,7 @@ def sweep(
             setup=setup,
             direction=section.direction,
             also=[
-                Start(start.q, start.v, start.theta_deg, f"sweep.also.{k}")
+                start_of(scene, machine.system, start, f"sweep.also.{k}")
                 for k, start in enumerate(section.also)
             ],
             adaptive=section.adaptive,

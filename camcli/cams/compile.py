@@ -179,10 +179,16 @@ def _compile(part: Part, low: float, high: float) -> list[Piece]:
 Cut = tuple[Part, float, float]  # a part, from an angle to another, rad
 
 
-def build(shape: Shape, strobe_deg: float = 0.0) -> Cam:
-    """Compile one turn, cut at the parts' ends and at the strobe phase, in lists of floats."""
+def phase_of(degrees: float) -> float:
+    """Degrees as the double of rad that is nearest."""
     with precision(DIGITS):
-        cuts, strobe = _cuts(shape.parts(), float(radians(strobe_deg)))
+        return float(radians(degrees))
+
+
+def build(shape: Shape, strobe: float = 0.0) -> Cam:
+    """Compile one turn, cut at the parts' ends and at the strobe phase (rad), as lists."""
+    with precision(DIGITS):
+        cuts, strobe = _cuts(shape.parts(), strobe)
         stretches = [_compile(part, low, high) for part, low, high in cuts]
         rests = [_rest(part.start) if low == float(part.start) else 0.0 for part, low, _ in cuts]
     pieces = [piece for group in stretches for piece in group]

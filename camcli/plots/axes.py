@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -145,7 +146,7 @@ def _count(axis: Axis, size: float) -> None:
 
 def strobe_axis(axis: Axis, system: System, words: str = "") -> None:
     """The axis of stroboscopic positions."""
-    phase = style.number(round(system.strobe_deg, 9))
+    phase = style.number(round(degrees(system.strobe), 9))
     unit_axis(axis, "stroboscopic $q$", units_of(system))
     if phase != "0":
         words = rf", $\theta$ = {phase} deg{words}"

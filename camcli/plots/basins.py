@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from math import degrees
 from typing import Any
 
 import numpy as np
@@ -114,7 +115,7 @@ def _saddle_rows(grids: Sequence[Basins]) -> list[list[list[Any]]]:
 
 
 def _words(grids: Sequence[Basins], system: System) -> str:
-    window, phase = grids[0].window, style.number(round(system.strobe_deg, 9))
+    window, phase = grids[0].window, style.number(round(degrees(system.strobe), 9))
     how = "simple cell mapping" if grids[0].method == SIMPLE else "orbit mapping"
     text = f"{window.nq} × {window.nv} starts (q, v) at θ = {phase} deg, {how}"
     if grids[0].level is not None:

@@ -134,7 +134,7 @@ def _draw_phases(axes: Axes, scene: _Scene) -> None:
     bad = [x for x, m in zip(scene.x, scene.motions, strict=True) if m.status != Status.OK]
     trouble_ticks(axes, bad)
     if scene.system is not None:
-        corner_lines(axes, style.corner_names(scene.system.corners_deg).items(), "y")
+        corner_lines(axes, style.corner_names(scene.system.corners).items(), "y")
 
 
 def _draw_exponents(axes: Axes, scene: _Scene) -> None:

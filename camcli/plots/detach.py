@@ -46,7 +46,7 @@ class _View:
 def draw_detach(study: ContactLoss, system: System) -> Picture:
     """Picture of where contact is lost: phases over speed, forces over the turn."""
     measured = is_measured(system)
-    corners = style.corner_names(system.corners_deg)
+    corners = style.corner_names(system.corners)
     *enlarged, whole = _views(study)
     more: dict[str, Any] = {"study": study, "corners": corners}
     panels = {"phases": Panel(partial(_draw_phases, view=whole, **more), PHASES)}

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import degrees
 from typing import Any
 
 import numpy as np
@@ -56,10 +57,10 @@ class Outline:
         if isinstance(cam, ArcsCam):
             circles += [
                 ("O", 0.0, 0.0, float(radius.max())),
-                ("O₁", cam.flank_center, min(system.corners_deg) - 180.0, cam.flank_radius),
+                ("O₁", cam.flank_center, degrees(min(system.corners)) - 180.0, cam.flank_radius),
                 ("O₂", cam.nose_center, 180.0 - cam.top_dwell_deg / 2.0, cam.nose_radius),
             ]
-        corners = style.corner_names(system.corners_deg)
+        corners = style.corner_names(system.corners)
         flat = isinstance(cam, EccentricCam)
         sprung, guessed = system.follower.stiffness > 0.0, base_radius is None
         units = units_of(system)

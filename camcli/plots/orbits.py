@@ -62,7 +62,7 @@ from camcli.plots.branch_lines import (
 from camcli.plots.density import Columns, Image
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.plots.simulate import GAP, Trace, angle_axis
-from camcli.system import System, omega_of, units_of
+from camcli.system import System, units_of
 from camcli.words.events import event_words
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
@@ -104,7 +104,7 @@ def draw_orbits(study: OrbitsResult, system: System, simulated: Sweep | None = N
     title, words = _heading(study)
     if not study.branches:
         return Picture(title, *_single(study, system, words))
-    corners = style.corner_names(system.corners_deg)
+    corners = style.corner_names(system.corners)
     events = events_of(study.bifurcations, corners)
     shades = colours([branch.points for branch in study.branches])
     parameter = study.question.parameter
@@ -453,8 +453,7 @@ def _single(study: OrbitsResult, system: System, words: str) -> tuple[dict, str,
 
 def _trace(orbit: PeriodicOrbit, system: System) -> Trace:
     """One period of an orbit, simulated from its first section state."""
-    q, rate = orbit.states[0]
-    start = Start(q, rate * omega_of(orbit.rpm), system.strobe_deg)
+    start = Start.at_strobe(system, orbit.rpm, orbit.states[0])
     run = Settings(0, orbit.turns, CHATTER_TOLERANCE, IMPACT_BUDGET, start)
     return Trace.of(simulate(system, orbit.rpm, run, SAMPLES, follow=False), system, orbit.turns)
 
@@ -524,7 +523,7 @@ def _draw_impacts(
             axes.axvline(phase, color=shade, alpha=0.6, zorder=1, **look)
     name, per = list(LIFTS.values())[order]
     unit_axis(axes.yaxis, name, units_of(system), per, size=style.WITH_INDEX)
-    turn_axis(axes, style.corner_names(system.corners_deg), named=order == 0)
+    turn_axis(axes, style.corner_names(system.corners), named=order == 0)
 
 
 def _draw_states(

@@ -82,7 +82,7 @@ class Trace:
         kept = t >= begin
         sticks = np.array([row[6] == STICKING for row in rows])[kept]
         t, q, v, section = t[kept], q[kept], v[kept], np.column_stack([q, v])[strobes]
-        corners = (np.array(simulation.corners_deg) - origin) / degrees  # some below zero
+        corners = (np.degrees(simulation.corners) - origin) / degrees  # some below zero
         turns_of = [corners + k / per_second for k in range(first, last + 1)]
         fine, segment = _fine(t, np.concatenate(turns_of))
         angle = degrees * fine + origin
@@ -192,7 +192,7 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     if trace.high - trace.low <= NAMED_TURNS * TURN_DEG:
         named = sorted(
             (trace.low + (phase - trace.low) % TURN_DEG, name)
-            for name, phase in style.corner_names(simulation.corners_deg).items()
+            for name, phase in style.corner_names(simulation.corners).items()
         )
         for first, _ in named:
             places = np.arange(first, trace.high, TURN_DEG)
@@ -261,7 +261,7 @@ def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     axes.set(xlim=(low, high), ylim=(-0.02 * largest, 0.4 * largest))
     axes.set_xlabel(r"cam angle $\theta$ (deg)")
     length_axis(axes.yaxis, GAP, 0.4 * largest)
-    corner_lines(axes, style.corner_names(simulation.corners_deg).items(), "x")
+    corner_lines(axes, style.corner_names(simulation.corners).items(), "x")
 
 
 def _draw_section(axes: Axes, trace: Trace, _: Simulation) -> None:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
+from math import degrees
 from pathlib import Path
 from string import ascii_lowercase
 from threading import RLock
@@ -265,8 +266,8 @@ def motion(label: str, longest: int = 32) -> str:
     return text if len(text) <= longest else text[: longest - 2].rstrip(":;") + "…)"
 
 
-def corner_names(corners_deg: Sequence[float]) -> dict[str, float]:
-    """Corners as a, b, c, ... by phase; none where a cam has more than there are letters."""
-    if len(corners_deg) > MOST_CORNERS:
+def corner_names(corners: Sequence[float]) -> dict[str, float]:
+    """Phases in deg of corners (rad) as a, b, c, ...; none where there are more than letters."""
+    if len(corners) > MOST_CORNERS:
         return {}
-    return dict(zip(ascii_lowercase, sorted(corners_deg), strict=False))
+    return dict(zip(ascii_lowercase, map(degrees, sorted(corners)), strict=False))

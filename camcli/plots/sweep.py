@@ -288,7 +288,7 @@ def cloud_panels(
             strobe_axis(axes.yaxis, system, ", enlarged" * name.endswith("enlarged"))
         else:
             phase_axis(axes, *view.limits)
-            corner_lines(axes, style.corner_names(system.corners_deg).items(), "y")
+            corner_lines(axes, style.corner_names(system.corners).items(), "y")
         inner = views.get({"impacts": "enlarged"}.get(name, f"{name} enlarged"))
         if inner is not None:
             axes.axhspan(*inner.limits, color=style.BAND, linewidth=0, zorder=0)
@@ -326,7 +326,7 @@ def cam_beside(system: System, low: float, high: float, what: str) -> list[Calla
     """The cam's lift and its derivatives beside a panel, over the same phases."""
     theta, orders = lift_curves(system.cam, len(LIFTS))
     units = units_of(system)
-    corners = style.corner_names(system.corners_deg).items()
+    corners = style.corner_names(system.corners).items()
 
     def draw(axes: Axes, k: int) -> None:
         name, per = list(LIFTS.values())[k]

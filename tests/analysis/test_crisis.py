@@ -105,7 +105,7 @@ def test_runs_leave_beyond_the_solved_speed_and_not_before_it():
     orbit = Orbit(system, 740.0, with_turns(RUN, 1000, 20_000))
     q = np.asarray(orbit.run(events=False).strobe_q)
     box, start = (1.1 * q.min() - 0.1 * q.max(), 1.1 * q.max() - 0.1 * q.min()), orbit.as_start()
-    nudged = [Start(start.q * (1.0 + k * 1e-7), start.v, start.theta_deg) for k in range(3)]
+    nudged = [Start(start.q * (1.0 + k * 1e-7), start.v, start.theta) for k in range(3)]
     assert not any(leaves(system, found.rpm - 2e-3, s, box) for s in nudged)
     assert all(leaves(system, 740.12, s, box) for s in nudged)
 

@@ -14,7 +14,7 @@ from camcli.analysis.contact_loss.detachment import Reason, SpeedStatus, detachm
 from camcli.analysis.contact_loss.force import Force
 from camcli.analysis.contact_loss.hold import Need, Obstacle, hold_to, replaced
 from camcli.analysis.integrate import Orbit
-from camcli.cams.compile import Part
+from camcli.cams.compile import Part, phase_of
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.scene import load_scene
 from camcli.system import Follower, System, omega_of
@@ -52,7 +52,7 @@ def made(parts, strobe_deg=0.0, **follower):
     """A machine on a cam whose parts are functions of half a turn."""
     values = {"mass": 1.0, "stiffness": 1000.0, **follower}
     shape = SimpleNamespace(parts=lambda: parts(arb.pi()))
-    return System.build(Follower(**values), shape, strobe_deg)
+    return System.build(Follower(**values), shape, phase_of(strobe_deg))
 
 
 def eccentric(base, lift, strobe_deg=0.0, **follower):

@@ -1,5 +1,7 @@
 """Where chatter ends, corner hits, completion loss: published numbers and simulations."""
 
+from math import degrees
+
 import pytest
 
 from camcli.analysis.contact_loss.bursts import Bursts
@@ -61,7 +63,7 @@ def test_impacts_land_on_corners_at_the_published_speeds(chapter, result):
     """The kernel's n-th impact from rest at 0 deg crosses the corner within the bracket."""
     assert [hit.rpm for hit in result.hits if hit.corner == "c"] == pytest.approx(HITS, abs=1e-6)
     assert {hit.corner for hit in result.hits} >= {"c", "d", "f"}
-    corners = dict(zip("abcdef", chapter.corners_deg, strict=True))
+    corners = dict(zip("abcdef", map(degrees, chapter.corners), strict=True))
     for hit in result.hits:
         assert hit.high - hit.low <= 2e-10
         place = corners[hit.corner] + (0.0 if corners[hit.corner] > corners["b"] else 360.0)
@@ -81,7 +83,7 @@ def test_a_curve_of_hits_that_ends_says_where(chapter, result):
     assert [c.region for c in result.jumps] == ["e"]
     burst = Bursts(chapter, "A2", detachment(chapter).first.theta, 10**6)
     for hit in ended.values():
-        assert hit.ends_deg[0] < chapter.corners_deg[4] < hit.ends_deg[1]
+        assert hit.ends_deg[0] < degrees(chapter.corners[4]) < hit.ends_deg[1]
         sides = [burst.at(rpm).impacts[hit.impact - 1] * DEG for rpm in (hit.low, hit.high)]
         assert sides == pytest.approx(hit.ends_deg, abs=1e-3)
 

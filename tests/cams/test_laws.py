@@ -9,7 +9,7 @@ from mpmath import cos, mp, mpf
 from pydantic import ValidationError
 
 from camcli.cams.balls import precision
-from camcli.cams.compile import build, column, corners
+from camcli.cams.compile import build, column, corners, phase_of
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
 from camcli.cams.regions import corner_list
@@ -190,7 +190,7 @@ def test_lengths_that_do_not_fit_are_refused_with_the_amount(changes, amount):
 @pytest.mark.parametrize(("base", "lift_m"), [(-1.0, 2.0), (3.0, 1e-6), (-1 / 3, 2 / 3)])
 @pytest.mark.parametrize("strobe", [0.0, 217.3])
 def test_an_eccentric_is_a_cosine_without_corners(base, lift_m, strobe):
-    cam = build(EccentricCam(kind="eccentric", base=base, lift=lift_m), strobe)
+    cam = build(EccentricCam(kind="eccentric", base=base, lift=lift_m), phase_of(strobe))
     rng, unit = random.Random(3), ulp(max(abs(base), abs(base + lift_m)))
     half = mpf(lift_m) / 2
     for _ in range(100):

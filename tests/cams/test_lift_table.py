@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.api.lift_table import table_record
-from camcli.cams.compile import build, column, corners
+from camcli.cams.compile import build, column, corners, phase_of
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.system import Follower, System
 from tests.support.lift_tables import (
@@ -188,7 +188,7 @@ def test_the_cam_is_smooth_and_a_strobe_phase_changes_nothing(tmp_path, lobe, st
     """Six continuous derivatives, so no corner anywhere; the table's bounds bind."""
     cam = scene(tmp_path, table(lobe, 2)).cam
     assert sum(len(part.pieces) for part in cam.parts()) <= 180
-    whole, cut = build(cam), build(cam, strobe)
+    whole, cut = build(cam), build(cam, phase_of(strobe))
     assert corners(cut) == []
     for order in range(3):
         ends, starts = (column(cut, f"{side}_c{order or ''}") for side in ("end", "start"))

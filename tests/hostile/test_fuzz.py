@@ -13,7 +13,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camcli.cams.compile import build
+from camcli.cams.compile import build, phase_of
 from camcli.cams.lift_guess import guess
 from camcli.scene import document, load_scene
 from tests.support.bounds import (
@@ -236,7 +236,7 @@ def judge(folder, data: bytes, changes: dict[str, str]) -> None:
     accepted(lambda: guess(data, "lift.csv"))
     cam = accepted(lambda: scene(folder, data, **changes).cam)
     if cam is not None:
-        compiled = build(cam, 77.7)
+        compiled = build(cam, phase_of(77.7))
         values = [x for row in (*compiled.stretches, compiled.pieces) for x in row]
         values += [cam.accuracy.bound, *cam.errors.bounds]
         assert all(abs(value) < float("inf") for value in values)

@@ -4,7 +4,6 @@ That no verdict is wrong, of any machine, `tests/exact/test_proofs.py` shows in 
 """
 
 from dataclasses import replace
-from math import pi
 
 import pytest
 
@@ -29,7 +28,7 @@ def test_a_missing_impact():
     """The unstable orbit on A1 continued beyond b, where the cam is A2: no impact there."""
     system = chapter_system()
     shooter = Shooter(system, 673.0)
-    at_b = system.corners_deg[1] * pi / 180
+    at_b = system.corners[1]
     i = stretch_at(system.cam, at_b - 1e-9)
     x = [at_b + 0.003, 8 * lift(system.cam, i, at_b + 0.003)[1], 673.2]
     root = shooter.correct(x, (i, 0), 1, [1.0, 0.0, 0.0], x)
@@ -76,7 +75,7 @@ def test_an_orbit_that_flies_over_kinks_is_certified():
 
 def test_an_impact_exactly_at_a_corner_is_admissible_on_both_sides():
     system = chapter_system()
-    b = system.corners_deg[1] * pi / 180
+    b = system.corners[1]
     sides = {}
     for side in (-1, 1):
         shooter = Shooter(system, 673.0)

@@ -13,6 +13,7 @@ import shlex
 import signal
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from math import radians
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,7 @@ from hypothesis import strategies as st
 
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.simulate import simulate
+from camcli.cams.compile import phase_of
 from camcli.errors import SceneError, Status
 from camcli.scene import Scene, load_scene, resolved, scene_hash
 from camcli.system import Follower, System
@@ -99,7 +101,7 @@ def plain_kernel(steps: int = 200) -> Iterator[None]:
 @lru_cache(maxsize=32)
 def machine(cam, strobe_deg: float) -> System:
     """A machine on a cam: most examples share one, and it is most of the work."""
-    return System.build(Follower(1, 1), cam, strobe_deg)
+    return System.build(Follower(1, 1), cam, phase_of(strobe_deg))
 
 
 def run_one_turn(scene: Scene) -> None:
@@ -107,7 +109,7 @@ def run_one_turn(scene: Scene) -> None:
     run = scene.run
     changes = scene.follower.model_dump()
     system = machine(scene.cam, run.strobe_deg).with_follower(**changes)
-    start = Start(run.start.q, run.start.v, run.start.theta_deg)
+    start = Start(run.start.q, run.start.v, radians(run.start.theta_deg))
     settings = Settings(0, 1, run.chatter_tolerance, min(run.impact_budget, 50), start)
     result = simulate(system, run.rpm, settings, 3)
     assert result.status in list(Status)

@@ -5,6 +5,7 @@ from math import pi
 
 from camcli.analysis.integrate import Orbit
 from camcli.cams.arcs import ArcsCam
+from camcli.cams.compile import phase_of
 from camcli.system import Follower, System
 from tests.conftest import settings
 from tests.support import oracle
@@ -28,7 +29,7 @@ MEANINGLESS = 1e9  # stretching above which doubles cannot follow
 @cache
 def machine(strobe_deg):
     """The chapter's machine."""
-    return System.build(Follower(**CHAPTER), ArcsCam(kind="arcs", **GEOMETRY), strobe_deg)
+    return System.build(Follower(**CHAPTER), ArcsCam(kind="arcs", **GEOMETRY), phase_of(strobe_deg))
 
 
 def cam(strobe_deg=0.0):

@@ -7,7 +7,7 @@ exactly one; it shares the formulas of the cam with the kernel, neither its tabl
 from __future__ import annotations
 
 from functools import cache, partial
-from math import inf, pi
+from math import inf, pi, radians
 from typing import NamedTuple
 
 import numpy as np
@@ -64,10 +64,10 @@ def machine_on(name: str, rng: np.random.Generator) -> tuple[System, float, floa
 def random_flight(name: str, rng: np.random.Generator) -> Flight:
     """A flight from the cam, or from near or far above it; a fifth begins on a corner."""
     machine, rpm, lift = machine_on(name, rng)
-    corner = float(rng.choice([0.0, *machine.corners_deg]))
+    corner = float(rng.choice([0.0, *np.degrees(machine.corners)]))
     theta = corner if rng.random() < 0.2 else float(rng.uniform(0, 360))
     contact = bool(rng.random() < 0.3)
-    q, w = orbit(machine, rpm, 1, theta_deg=theta).position()
+    q, w = orbit(machine, rpm, 1, theta=radians(theta)).position()
     gap = 0.0 if contact else lift * 10 ** rng.uniform(-6, 1)
     u = lift * 10 ** rng.uniform(-4, 1.5) * (1 if contact else rng.choice([-1, 1]))
     return Flight(machine, rpm, theta, q + gap, w + u, contact)
@@ -80,7 +80,7 @@ def near_graze(name: str, rng: np.random.Generator) -> Flight | None:
     the flight would begin in the cam.
     """
     system, rpm, lift = machine_on(name, rng)
-    corner = rng.choice([0.0, *system.corners_deg]) * pi / 180 + rng.choice([-1, 1]) * 1e-9
+    corner = rng.choice([0.0, *system.corners]) + rng.choice([-1, 1]) * 1e-9
     theta = float(corner if rng.random() < 0.2 else rng.uniform(0, 2 * pi)) % (2 * pi)
     offset = lift * 10 ** rng.uniform(-12, -6) * rng.choice([-1, 1])
     back = 10 ** rng.uniform(-2, 0.2) / (1 + system.constants(rpm, 0.0, 1).Z)
@@ -111,7 +111,7 @@ def low_hop(name: str, rng: np.random.Generator) -> Flight | None:
         return None
     theta = grid[rng.choice(changes)] + (grid[1] - grid[0]) * rng.uniform(-1, 2)
     degrees = float(theta * 180 / pi)
-    q, w = orbit(system, rpm, 1, theta_deg=degrees).position()
+    q, w = orbit(system, rpm, 1, theta=radians(degrees)).position()
     return Flight(system, rpm, degrees, q, w + lift * 10 ** rng.uniform(-9, -1), True)
 
 
@@ -123,7 +123,7 @@ def part_of(machine: Machine, theta: float) -> int:
 def landing(f: Flight) -> tuple[float, float] | None:
     """Phase (rad from the start) and rate (m/rad) of our first impact, chatter never closed."""
     q, v = (None if f.contact else f.q), f.w * f.rpm * (pi / 30)
-    record = orbit(f.system, f.rpm, tolerance=-1.0, budget=1, q=q, v=v, theta_deg=f.theta_deg)
+    record = orbit(f.system, f.rpm, tolerance=-1.0, budget=1, q=q, v=v, theta=f.theta)
     found = (e for e in events(record.run(), 0 if f.theta == 0 else 1) if e.kind == "impact")
     return next(((e.theta + 2.0 * pi * e.turn - f.theta, e.u) for e in found), None)
 

@@ -75,11 +75,9 @@ class CellBatches:
 
     def start(self, gap: float, rate: float, mode: int) -> Start:
         """A state at the strobe as a start of `integrate.Orbit`."""
-        theta_deg = self.system.strobe * (180.0 / np.pi)
-        if mode == RESTING:
-            return Start(None, None, theta_deg)
         c, c1 = self.lift
-        return Start(c + gap, (c1 + rate) * self.omega, theta_deg)
+        state = None if mode == RESTING else (c + gap, c1 + rate)
+        return Start.at_strobe(self.system, self.rpm, state)
 
     def run(self, gap, rate, targets: Targets, budget: int, mode=None, share: bool = False) -> Ends:
         """Follow starts until a target or for `budget` turns; every gap must be >= 0.

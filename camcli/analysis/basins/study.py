@@ -26,7 +26,7 @@ from camcli.errors import Status
 from camcli.kernel.cells import UNDECIDED
 from camcli.parallel import ShardDone, Work
 from camcli.piece_faults import PieceFault, attempt, piece
-from camcli.system import System, omega_of
+from camcli.system import System
 
 ORBIT, SIMPLE = "orbit", "simple"
 # Codes of cells: 1, 2, ... the attractors; and
@@ -274,8 +274,7 @@ def largest_exponent(
         return of_multiplier(attractor.multipliers[0], attractor.turns)
     if attractor.periodic:
         return -inf
-    q, w = attractor.states[0]
-    start = Start(q, w * omega_of(rpm), system.strobe_deg)
+    start = Start.at_strobe(system, rpm, attractor.states[0])
     record = Orbit(system, rpm, with_turns(settings, 0, EXPONENT_RECORD), start).run()
     found = of_record(system, rpm, record) if record.status == Status.OK else None
     return None if found is None else found.largest

@@ -30,19 +30,17 @@ class Machines:
         self.shape_of = shape_of
         self.made: dict[str, System] = {}
 
-    def system(
-        self, follower: Follower, section: Mapping[str, Any], strobe_deg: float = 0.0
-    ) -> System:
+    def system(self, follower: Follower, section: Mapping[str, Any], strobe: float = 0.0) -> System:
         """A follower on a cam, whose compiled table is kept."""
-        key = json.dumps([section, strobe_deg], sort_keys=True)
+        key = json.dumps([section, strobe], sort_keys=True)
         if key not in self.made:
-            self.made[key] = System.build(follower, self.shape_of(section), strobe_deg)
+            self.made[key] = System.build(follower, self.shape_of(section), strobe)
         return replace(self.made[key], follower=follower)
 
-    def example(self, strobe_deg: float = 0.0, **changes: float) -> System:
+    def example(self, strobe: float = 0.0, **changes: float) -> System:
         """The cam-follower example of Osorio, di Bernardo and Santini (2008), some changed."""
         stored = reference("stability")
-        return self.system(Follower(**{**stored["follower"], **changes}), stored["cam"], strobe_deg)
+        return self.system(Follower(**{**stored["follower"], **changes}), stored["cam"], strobe)
 
 
 @cache
@@ -61,7 +59,7 @@ def orbit(
     budget: int = 1_000_000,
     **start,
 ) -> Orbit:
-    """An orbit at its start, `start` with q (m), v (m/s), theta_deg."""
+    """An orbit at its start, `start` with q (m), v (m/s), theta (rad)."""
     return Orbit(system, rpm, Settings(transient, record, tolerance, budget, Start(**start)))
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import pairwise
-from math import nextafter, pi, sqrt
+from math import nextafter, pi, radians, sqrt
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
@@ -345,7 +345,7 @@ def _stiff(machines: Machines) -> str:
 
 def corner(machine: System, number: int) -> float:
     """Phase of a corner, counted from a = 0; rad."""
-    return machine.corners_deg[number] * (pi / 180.0)
+    return machine.corners[number]
 
 
 def neighbours(x: float, count: int) -> list[float]:
@@ -398,12 +398,12 @@ def _on_a_corner(machines: Machines) -> str:
 @row(22, "event exactly at the strobe", "counted in exactly one period")
 def _on_the_strobe(machines: Machines) -> str:
     example = machines.example()
-    phase = phases(run(example, 700.0, record=1, transient=2000))[0] * 180.0 / pi
+    phase = phases(run(example, 700.0, record=1, transient=2000))[0]
     for strobe in (around := neighbours(phase, 8)):
         record = fine(run(machines.example(strobe), 700.0, record=50, transient=2000))
         total, logged = int(sum(record.impacts)), len(phases(record))
         need(total == logged and 49 <= total <= 51, f"{total} counted; {logged} logged")
-    first = events(run(example, 190.0, record=1, theta_deg=0.0, v=-3.0))[0][:3]
+    first = events(run(example, 190.0, record=1, v=-3.0))[0][:3]
     need(first == ("impact", 0, 0.0), f"first event {first}")
     return f"counted once for {len(around)} strobes within 8 ulp; a start on it too"
 
@@ -427,7 +427,7 @@ def _graze(machines: Machines) -> str:
     flights = reference("stability")["grazes"]
     found: list[float] = []
     for flight in flights:
-        start = {key: flight[key] for key in ("theta_deg", "q", "v")}
+        start = {"q": flight["q"], "v": flight["v"], "theta": radians(flight["theta_deg"])}
         record = run(machine, flight["rpm"], record=1, tolerance=1e-16, budget=4, **start)
         hits = [e for e in events(record, 1) if e.kind == "impact"]
         near = [abs(e.u) for e in hits if abs(e.theta - flight["at"]) < 1e-4]  # rad
@@ -444,16 +444,16 @@ def _graze(machines: Machines) -> str:
 def _at_rest(machines: Machines) -> str:
     machine = machines.example()
     for degrees in (0.0, 100.0, 150.17, 170.0, 250.0):
-        record = run(machine, 100.0, record=1, theta_deg=degrees)
+        record = run(machine, 100.0, record=1, theta=radians(degrees))
         need(not events(record) and record.resting, f"does not stick at {degrees} deg")
     for degrees in (151.0, 155.0, 159.0):
-        first = events(run(machine, 190.0, record=1, theta_deg=degrees), 1)[0]
-        later = first.kind == "impact" and first.theta > degrees * pi / 180.0 + 0.01
+        first = events(run(machine, 190.0, record=1, theta=radians(degrees)), 1)[0]
+        later = first.kind == "impact" and first.theta > radians(degrees) + 0.01
         need(later and first.u < 0.0, f"{first.kind} at {first.theta} rad from {degrees} deg")
     damped = machines.example(damping=40.0)  # at rest where a sticking ends: a = 0, a' > 0
     rows = events(run(damped, 160.0, record=1))
     leave = next(e.theta for e in rows if e.kind == "detachment")
-    started = events(run(damped, 160.0, record=1, theta_deg=leave * 180.0 / pi), 1)
+    started = events(run(damped, 160.0, record=1, theta=leave), 1)
     hits = [next(e.theta for e in some if e.kind == "impact") for some in (rows, started)]
     off = abs(hits[0] - hits[1])
     need(off < 1e-7, f"from zero force the first impact is {off:.1e} rad off")
@@ -463,9 +463,9 @@ def _at_rest(machines: Machines) -> str:
 @row(19, "start with q = c; u < 0", "one impact at t = 0")
 def _into_the_cam(machines: Machines) -> str:
     for degrees in (0.0, 100.0, 155.0, 300.0):
-        record = run(machines.example(), 190.0, record=1, theta_deg=degrees, v=-20.0)
+        record = run(machines.example(), 190.0, record=1, theta=radians(degrees), v=-20.0)
         rows = events(record, 0 if degrees == 0.0 else 1)
-        first = rows[0].kind == "impact" and rows[0].theta == degrees * (pi / 180.0)
+        first = rows[0].kind == "impact" and rows[0].theta == radians(degrees)
         need(first and rows[1][1:3] > rows[0][1:3], f"{rows[:2]} from {degrees} deg")
     return "one impact at t = 0 from each of 4 phases"
 

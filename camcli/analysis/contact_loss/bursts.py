@@ -113,7 +113,7 @@ class Bursts:
             return found
         budget = impacts or self.impact_budget  # the kernel stops where it is used up
         for turns in TURNS:
-            settings = Settings(0, turns, FINEST, budget, Start(None, None, start))
+            settings = Settings(0, turns, FINEST, budget, Start(theta=start))
             orbit = Orbit(self.system, rpm, settings)
             record = orbit.run(strobes=False)
             self.cost = self.cost + record.cost
@@ -125,11 +125,11 @@ class Bursts:
         return found
 
     def _held_before(self, omega: float) -> float | None:
-        """A phase (deg) shortly before the lost set where the follower rests; None: nowhere."""
+        """A phase (rad) shortly before the lost set where the follower rests; None: nowhere."""
         for k in range(1, int(TURN / STEP_BACK)):
             theta = (self.theta - k * STEP_BACK) % TURN
             if self.force.newton(stretch_at(self.system.cam, theta), theta, omega) > 0.0:
-                return theta * DEG
+                return theta
         return None
 
 

@@ -4,20 +4,19 @@ States are (q m, dq/dtheta m/rad) at the strobe. The box holds the states of the
 margin; a speed lies beyond the change where a run from the carried state has states outside.
 """
 
-from math import degrees, inf
+from math import inf
 
 import numpy as np
 
 from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with_turns
 from camcli.kernel.orbit_loop import IMPACT
-from camcli.system import System, omega_of
+from camcli.system import System
 
 MARGIN = 0.05  # of the box, in widths of all states seen at both ends
 LEAST = 16  # states outside the box that count as leaving: fewer may be a transient
 HALVINGS = 16  # of the interval of speeds
 SETTLE = 1000  # turns from the scene's start before the attractor is recorded
-BEFORE_STROBE = 4e-16  # relative: a start an ulp before the strobe is never behind it
 
 
 def states_of(record: Record) -> np.ndarray:
@@ -61,9 +60,7 @@ class Carried:
 
     def motion(self, rpm: float, x, turns: int, events: bool = False) -> Record:
         """The record of a motion from the state x at the strobe; StartError below the cam."""
-        deg = degrees(self.system.strobe) * (1.0 - BEFORE_STROBE)
-        start = Start(float(x[0]), float(x[1]) * omega_of(rpm), deg)
-        return self._record(rpm, turns + 1, start, events)
+        return self._record(rpm, turns + 1, Start.at_strobe(self.system, rpm, x), events)
 
     def _record(self, rpm: float, turns: int, start: Start, events: bool) -> Record:
         settings = with_turns(self.settings, 0, turns)

@@ -22,7 +22,6 @@ from camcli.analysis.orbits.same_orbit import distance_to
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.errors import Status
 from camcli.kernel.flow import RPM
-from camcli.system import omega_of
 
 ASIDE = 1e-6  # relative change of the parameter at which the simulation looks
 NUDGE = 1e-3  # of the orbit's way from the corner, the start beside a known orbit
@@ -126,9 +125,8 @@ def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
         if rank > best:
             best, root = rank, beside
     q, w = section_states(shooter.system, root)[0][0]
-    omega = omega_of(shooter.at(value)[RPM])
     shift = max(NUDGE * hypot(q - corner[0], w - corner[1]), 1e-13 * abs(q))
-    return Start(q + shift, w * omega, shooter.system.strobe_deg)
+    return Start.at_strobe(shooter.system, shooter.at(value)[RPM], (q + shift, w))
 
 
 def _agree(predicted: Prediction, simulated: str, stays: bool, turns: int) -> bool | None:

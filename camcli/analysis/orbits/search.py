@@ -16,7 +16,7 @@ from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import Continuum, continua, single_impact_roots
 from camcli.errors import Status
 from camcli.piece_faults import piece
-from camcli.system import System, omega_of
+from camcli.system import System
 
 MOST_SINGLE = 6  # turns of the single-impact orbits looked for unasked
 WINDOW = 6.0  # heights and velocities (per rad) of the cloud of starts, in lifts of the cam
@@ -114,7 +114,7 @@ def _orbit_from(shooter: Shooter, rpm: float, run: Settings, start: Start) -> Pe
 
 def cloud(system: System, rpm: float) -> Iterator[Start]:
     """Starts at the strobe spread over WINDOW lifts: Halton's points in bases 2 and 3."""
-    cam, omega = system.cam, omega_of(rpm)
+    cam = system.cam
     strobe = cam.stretches[cam.strobe]
     reach = WINDOW * (cam.top - min(stretch.start_c for stretch in cam.stretches))
     n = 0
@@ -122,7 +122,7 @@ def cloud(system: System, rpm: float) -> Iterator[Start]:
         n += 1
         q = strobe.start_c + reach * halton(n, 2)
         w = strobe.start_c1 + reach * (2.0 * halton(n, 3) - 1.0)
-        yield Start(q, w * omega, system.strobe_deg)
+        yield Start.at_strobe(system, rpm, (q, w))
 
 
 def halton(n: int, base: int) -> float:

@@ -19,7 +19,6 @@ from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.piece_faults import piece
-from camcli.system import omega_of
 
 SETTLE = 40  # turns from the orbit at the neighbouring speed
 LONGEST = 8  # periods longer than the orbit's own are not looked for
@@ -111,11 +110,9 @@ def _settled_on(
 ) -> PeriodicOrbit | None:
     """What a run from the orbit's own state settles on at another value of the parameter."""
     system, rpm = with_machine(shooter.system, shooter.at(value))
-    q, w = orbit.states[0]
-    cam = system.cam
-    start = Start(q, w * omega_of(rpm), system.strobe_deg)
-    if q <= cam.stretches[cam.strobe].start_c:
-        start = Start(theta_deg=system.strobe_deg)
+    state = orbit.states[0]
+    lifted = state[0] > system.cam.stretches[system.cam.strobe].start_c
+    start = Start.at_strobe(system, rpm, state if lifted else None)
     longest = max(LONGEST, orbit.turns)
     record = shooter.simulate(system, rpm, with_turns(settings, SETTLE, 2 * longest + 2), start)
     found = identify(system, rpm, record, longest)
