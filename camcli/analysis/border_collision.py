@@ -15,6 +15,7 @@ comes from libm, and only exponents and growths pass through it.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from enum import StrEnum
 from math import fsum, inf, log, prod, sqrt
 
 LONGEST_WORD = 64
@@ -50,6 +51,34 @@ def multipliers(trace: float, det: float) -> tuple[complex, complex]:
     return complex(large), complex(det / large if large != 0.0 else 0.0)
 
 
+class Equal(StrEnum):
+    """What holds with equality, within rounding, so that the linear parts do not decide."""
+
+    PLUS_ONE = "multiplier-plus-one"
+    MINUS_ONE = "multiplier-minus-one"
+    UNIT_PAIR = "complex-pair-on-the-unit-circle"
+    TANGENCY = "manifolds-touch"  # the unstable one of a fixed point, the stable one of the saddle
+
+
+class Rule(StrEnum):
+    """What an inequality is about; the formulas stand in `camcli.words.border_collision`."""
+
+    PRODUCT_AT_ONE = "product-at-one"
+    PRODUCT_AT_MINUS_ONE = "product-at-minus-one"
+    AT_ONE = "at-one"
+    AT_MINUS_ONE = "at-minus-one"
+    DET_BELOW_ONE = "det-below-one"
+    DET_POSITIVE = "det-positive"
+    GROWTH = "growth"
+    BEYOND_ONE = "multiplier-beyond-one"
+    BEYOND_MINUS_ONE = "multiplier-beyond-minus-one"
+    TRAPPING = "trapping-region"
+
+
+# the others say that the left side is the greater one
+LESS = (Rule.PRODUCT_AT_MINUS_ONE, Rule.DET_BELOW_ONE, Rule.BEYOND_MINUS_ONE)
+
+
 @dataclass(frozen=True)
 class Side:
     """Trace and determinant of the map on one side of the border, or of one turn of a cycle."""
@@ -79,14 +108,15 @@ class Side:
         return inside and not self.degenerate
 
     @property
-    def degenerate(self) -> str:
-        """The multiplier that lies on the unit circle within rounding, or nothing."""
+    def degenerate(self) -> Equal | None:
+        """The multiplier that lies on the unit circle within rounding, if any."""
         if unclear(1.0, -self.trace, self.det):
-            return "a multiplier is +1"
+            return Equal.PLUS_ONE
         if unclear(1.0, self.trace, self.det):
-            return "a multiplier is -1"
-        pair = self.multipliers[0].imag != 0.0
-        return "two multipliers on the unit circle" * (pair and unclear(1.0, -self.det))
+            return Equal.MINUS_ONE
+        if self.multipliers[0].imag != 0.0 and unclear(1.0, -self.det):
+            return Equal.UNIT_PAIR
+        return None
 
     @property
     def kind(self) -> str:
@@ -287,16 +317,17 @@ def _exponent(form: NormalForm, x: float, y: float, limit: float) -> tuple[float
 
 @dataclass(frozen=True)
 class Inequality:
-    """One inequality as printed, with < or >, and the numbers on its two sides."""
+    """One inequality, and the numbers on its two sides; side: L or R where it is about one."""
 
-    text: str
+    rule: Rule
+    side: str
     left: float
     right: float = 0.0
 
     @property
     def holds(self) -> bool:
         """Whether it does."""
-        return self.left > self.right if ">" in self.text else self.left < self.right
+        return self.left < self.right if self.rule in LESS else self.left > self.right
 
 
 @dataclass(frozen=True)
@@ -311,7 +342,8 @@ class Collision:
     on each side, and a cycle LR is born for one sign) or persistence (no such cycle).
     parity: what the kind rests on, of Feigin's rules and of stability; growth: at mu = 0, log per
     step, where both sides are stable; chaos: the conditions for robust chaos up to the first that
-    fails; equal: equalities within rounding that leave the verdict open; cycles: L, R and LR;
+    fails; equal: equalities within rounding that leave the verdict open, each with the side, or the
+    cycle LR, that it is about; cycles: L, R and LR;
     below, above: what attracts for mu < 0 and mu > 0.
     """
 
@@ -319,7 +351,7 @@ class Collision:
     parity: tuple[Inequality, ...]
     growth: Inequality | None
     chaos: tuple[Inequality, ...]
-    equal: tuple[str, ...]
+    equal: tuple[tuple[str, Equal], ...]
     cycles: tuple[Cycle, ...]
     below: Prediction
     above: Prediction
@@ -343,23 +375,22 @@ def classify(left: Side, right: Side) -> Collision:
     chaos, equal = _robust_chaos(left, right)
     at_one, at_minus_one = left.at_one * right.at_one, left.at_minus_one * right.at_minus_one
     parity = [  # Feigin: is the number of multipliers beyond +1, beyond -1, odd?
-        Inequality("(1 - tau_L + delta_L)(1 - tau_R + delta_R) > 0", at_one),
-        Inequality("(1 + tau_L + delta_L)(1 + tau_R + delta_R) < 0", at_minus_one),
+        Inequality(Rule.PRODUCT_AT_ONE, "", at_one),
+        Inequality(Rule.PRODUCT_AT_MINUS_ONE, "", at_minus_one),
     ]
     one_each_side, born_two = parity[0].holds, parity[1].holds
     for name, side in (("R", right), ("L", left)):
-        if side.degenerate:
-            equal.insert(0, f"on {name}, {side.degenerate}")
+        if side.degenerate is not None:
+            equal.insert(0, (name, side.degenerate))
     for name, side in (("L", left), ("R", right)):
         parity += [
-            Inequality(f"1 - tau_{name} + delta_{name} > 0", side.at_one),
-            Inequality(f"1 + tau_{name} + delta_{name} > 0", side.at_minus_one),
-            Inequality(f"delta_{name} < 1", side.det, 1.0),
+            Inequality(Rule.AT_ONE, name, side.at_one),
+            Inequality(Rule.AT_MINUS_ONE, name, side.at_minus_one),
+            Inequality(Rule.DET_BELOW_ONE, name, side.det, 1.0),
         ]
     growth = None
     if left.stable and right.stable:
-        text = f"log growth per step at mu = 0 > {DECIDED:.2g}"
-        growth = Inequality(text, growth_at_zero(left, right), DECIDED)
+        growth = Inequality(Rule.GROWTH, "", growth_at_zero(left, right), DECIDED)
     if equal:
         kind = "degenerate"
     elif growth is not None and growth.holds:
@@ -375,28 +406,28 @@ def classify(left: Side, right: Side) -> Collision:
     return Collision(kind, tuple(parity), growth, tuple(chaos), tuple(equal), cycles, below, above)
 
 
-def _robust_chaos(left: Side, right: Side) -> tuple[list[Inequality], list[str]]:
+def _robust_chaos(left: Side, right: Side) -> tuple[list[Inequality], list[tuple[str, Equal]]]:
     """The conditions of Banerjee, Yorke & Grebogi up to the first that fails; what leaves all open.
 
     All are THEOREM. The sum of the terms of the last is positive where the first fold of the
     unstable manifold of the regular saddle comes back on the inner side of its stable one, which
     closes a trapping region.
     """
-    open_ends = []
+    open_ends: list[tuple[str, Equal]] = []
     if left.at_minus_one * right.at_minus_one < 0.0:
         trace = left.trace * right.trace - left.det - right.det
-        text = Side(trace, left.det * right.det).degenerate
-        if text:
-            open_ends.append(f"along LR, {text}")
+        along = Side(trace, left.det * right.det).degenerate
+        if along is not None:
+            open_ends.append(("LR", along))
     swapped = right.at_one < 0.0 < left.at_one  # the side of the regular saddle comes first
     (s, saddle), (o, other) = sorted((("L", left), ("R", right)), reverse=swapped)
     found = [
-        Inequality(f"tau_{s} > 1 + delta_{s}", saddle.trace, 1.0 + saddle.det),
-        Inequality(f"tau_{o} < -(1 + delta_{o})", other.trace, -(1.0 + other.det)),
-        Inequality(f"delta_{s} > 0", saddle.det),
-        Inequality(f"delta_{s} < 1", saddle.det, 1.0),
-        Inequality(f"delta_{o} > 0", other.det),
-        Inequality(f"delta_{o} < 1", other.det, 1.0),
+        Inequality(Rule.BEYOND_ONE, s, saddle.trace, 1.0 + saddle.det),
+        Inequality(Rule.BEYOND_MINUS_ONE, o, other.trace, -(1.0 + other.det)),
+        Inequality(Rule.DET_POSITIVE, s, saddle.det),
+        Inequality(Rule.DET_BELOW_ONE, s, saddle.det, 1.0),
+        Inequality(Rule.DET_POSITIVE, o, other.det),
+        Inequality(Rule.DET_BELOW_ONE, o, other.det, 1.0),
     ]
     for k, condition in enumerate(found, 1):
         if not condition.holds:
@@ -404,11 +435,8 @@ def _robust_chaos(left: Side, right: Side) -> tuple[list[Inequality], list[str]]
     l1, l2 = (z.real for z in saddle.multipliers)
     terms = l1 * other.trace * (l1 - 1.0), -other.det * (l1 - 1.0), l1 * l1 * (1.0 - l2)
     if unclear(*terms):
-        open_ends.append(
-            "the unstable manifold of a fixed point touches the stable one of the saddle"
-        )
-    text = f"(l1 tau_{o} - delta_{o})(l1 - 1) + l1^2 (1 - l2) > 0, l1 > l2 the multipliers of {s}"
-    return [*found, Inequality(text, fsum(terms))], open_ends
+        open_ends.append((s, Equal.TANGENCY))
+    return [*found, Inequality(Rule.TRAPPING, s, fsum(terms))], open_ends
 
 
 def growth_at_zero(left: Side, right: Side) -> float:

@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Curve, Plane
-from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
@@ -33,21 +31,23 @@ from camcli.api.rows import (
     blocks,
     multiplier_columns,
 )
-from camcli.errors import Fault, SceneError, Status
+from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.piece_faults import gather, gathering, piece
 from camcli.scene import Axis, Orbits, Scene
 from camcli.system import omega_of
+from camcli.words.border_collision import inequality_record
 from camcli.words.events import event_words
+from camcli.words.orbits import VERDICTS, end_words, remarks
+from camcli.words.orbits import notes as notes_of
 from camcli.words.statuses import trouble
 
 if TYPE_CHECKING:
-    from camcli.analysis.orbits.proofs import Proof
+    from camcli.analysis.orbits.proofs import Proof, Proofs, Range
 
 DEG = 180.0 / pi
 AROUND = 0.1  # relative range of a parameter where none is given
-NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
 UNITS = {
     "mass": "mass_kg",
     "stiffness": "stiffness_n_per_m",
@@ -139,7 +139,7 @@ def orbits(
             simulated = _simulated(machine, found.question, section.simulated)
             gather(simulated.faults)
         summary = piece("the summary", lambda: _summary(found), {})
-        notes = piece("the notes", lambda: _notes(found), []) + trouble(budget.status)
+        notes = piece("the notes", lambda: notes_of(found), []) + trouble(budget.status)
         tables = _tables(found, simulated, section, keys)
 
     pictures = {"orbits": drawn_by("orbits.draw_orbits", found, system, simulated)}
@@ -178,26 +178,6 @@ def _tables(
         makes["curve"] = partial(_curve_table, found.curves, section, keys)
     made = {name: piece(f"{name}.csv", make) for name, make in makes.items()}
     return {name: table for name, table in made.items() if table is not None}
-
-
-def _notes(found: OrbitsResult) -> list[str]:
-    """What has no safe bracket, or could not be followed."""
-    notes = [
-        f"{Bracket.UNRESOLVED}: {b.kind} of {b.label} near {b.value:.10g} has no safe bracket"
-        for b in found.bifurcations
-        if b.status == Bracket.UNRESOLVED
-    ]
-    for branch in found.branches:
-        if Kind.LOST in branch.ends:
-            value = branch.points[0 if branch.ends[0] == Kind.LOST else -1].value
-            beyond = f"beyond {value:.10g}: unresolved there"
-            notes.append(f"branch {branch.number} could not be followed {beyond}")
-        if Kind.FAULT in branch.ends:
-            value = branch.points[0 if branch.ends[0] == Kind.FAULT else -1].value
-            notes += trouble(Status.FAULT, f" on branch {branch.number} beyond {value:.10g}")
-    if found.question.curve and not any(curve.points for curve in found.curves):
-        notes.append(f"no {found.question.curve} was located, so there is no curve to continue")
-    return notes
 
 
 def _spelt_out(scene: Scene) -> Scene:
@@ -385,12 +365,6 @@ def _branch_table(found: OrbitsResult, keys: Keys) -> Table:
     return Table.of_rows(columns, lambda: starmap(row, each))
 
 
-WHOSE = {  # machines that a proof of an orbit is about
-    HoldsFor.LAST_DIGIT: " and every value that rounds to it",
-    HoldsFor.EXACT_DATA: ", exactly these data",
-}
-
-
 def _yes(proof: Proof) -> str:
     return "yes" if proof.proved else "no"
 
@@ -439,107 +413,6 @@ def _curve_table(curves: list[Curve], section: Orbits, keys: Keys) -> Table:
     return Table.of_rows(columns, rows)
 
 
-def remarks(result: OrbitsResult) -> list[str]:
-    """Sentences: absent labels, virtual orbits, corner impacts, what is impossible."""
-    said = []
-    absent = result.absent
-    if absent is not None:
-        text = f"{result.question.label} was not found at {absent.rpm:.10g} rpm"
-        if absent.nearest is None:
-            between = f"{absent.low:.10g} to {absent.high:.10g} rpm"
-            said.append(f"{text}, nor at 24 speeds from {between}")
-        else:
-            speed, cause = absent.nearest
-            nearest = f"the nearest speed at which it was found is {speed:.13g} rpm"
-            said.append(f"{text}; {nearest} ({cause.replace('-', ' ')})")
-    elif not result.orbits and not result.continua:
-        said.append(f"no periodic orbit found at {result.question.rpm:.10g} rpm")
-    said += [
-        f"{c.label} exists with the impact anywhere from {c.start * DEG:.8g} to {c.end * DEG:.8g} "
-        "deg, a dwell: a continuum of orbits, none isolated, none attracting (both multipliers 1)"
-        for c in result.continua
-    ]
-    if result.virtual:
-        said.append(
-            f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
-            "they penetrate the cam or would pull (run.json)"
-        )
-    events: dict[str, str] = {}  # what several branches share is told once
-    for b in result.bifurcations:
-        if words := event_words(b):
-            event = f"{b.kind} of {b.label} at {b.value:.10g}"
-            events.setdefault(event, f": {' '.join(words)}{_rests_on(b)}")
-    said += [event + words for event, words in events.items()]
-    said += _proved(result)
-    if result.branches:
-        largest = max(orbit.det for branch in result.branches for orbit in branch.points)
-        said.append(
-            "Neimark-Sacker bifurcations are impossible: det = r^(2 impacts) exp(-b T/m) is at "
-            f"most {largest:.6g} on these branches, below 1"
-            if largest < 1.0
-            else NEUTRAL
-        )
-    for number, c in enumerate(result.curves, 1):
-        ends = zip(c.ends, c.limits, strict=True)
-        why = [f"{end} of {name}" if name else end for end, name in ends]
-        said.append(f"curve {number} ends: {'; '.join(why)}")
-    return said
-
-
-def _proved(result: OrbitsResult) -> Iterator[str]:
-    """What was proved, and the step at which the rest failed."""
-    if result.proofs is None:
-        return
-    name, proofs = result.question.parameter, result.proofs
-    if excess := proofs.flank_excess:
-        yield (
-            "all proofs are about the cam whose circles close: its flank circle has the radius "
-            f"base_radius + flank_center, {abs(excess):.3g} m {'more' if excess > 0 else 'less'} "
-            "than the flank_radius of the scene"
-        )
-    named = [
-        (f"{o.label}, rpm = {o.rpm!r}{WHOSE[p.holds_for]}" if p.proved else str(o.label), p)
-        for o, p in zip(result.orbits, proofs.orbits, strict=True)
-    ]
-    named += [
-        (f"{b.kind} of {b.label}", p)
-        for b, p in zip(result.bifurcations, proofs.events, strict=True)
-    ]
-    for text, p in dict.fromkeys(named):
-        if p.proved:
-            signs = "".join(f", {of} {'<>'[sign > 0]} 0" for of, sign in p.signs)
-            yield f"proved: {text}" + (f", {name} = {p.value}{signs}" if p.value else "")
-        else:
-            yield f"{'refuted' if p.refuted else 'not proved'}: {text}: {p.step}"
-    for points, branch in zip(proofs.points, result.branches, strict=True):
-        done = sum(p.proved for p in points)
-        yield f"proved: {done} of the {len(points)} points of branch {branch.number}"
-    for one in proofs.ranges:
-        state = "stable" if one.stable else "unstable"
-        of = f"branch {one.branch}"
-        if one.failed_step is not None:
-            yield (
-                f"not proved: {one.label} for all {name} from {one.low} to {one.high} ({of}): "
-                f"{one.failed_step}"
-            )
-            continue
-        yield (
-            f"proved: {one.label} exists and is {state} for all {name} from {one.low} to "
-            f"{one.high} ({of}, {one.boxes} boxes)"
-        )
-
-
-def _rests_on(b: Bifurcation) -> str:
-    """The two inequalities that decide between the classes, with their numbers."""
-    if b.corner_impact is None:
-        return ""
-    told = [
-        f"{i.text} {'holds' if i.holds else 'fails'} ({i.left:.6g})"
-        for i in b.corner_impact.collision.inequalities[:2]
-    ]
-    return f" Rests on: {'; '.join(told)}."
-
-
 def _summary(result: OrbitsResult) -> dict[str, Any]:
     """The result of run.json."""
     proofs = result.proofs
@@ -560,30 +433,41 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
         "bifurcations": [_event(b) for b in result.bifurcations],
         "curves": [
             {"kind": c.kind, "label": c.label, "corner": c.corner, "points": len(c.points),
-             "ends": c.ends, "limits": c.limits}
+             "ends": [end_words(end) for end in c.ends], "limits": c.limits}
             for c in result.curves
         ],
-        **({} if proofs is None else {"proofs": {
-            "orbits": [_proof(p) for p in proofs.orbits],
-            "bifurcations": [_proof(p) for p in proofs.events],
-            "ranges": [vars(one) for one in proofs.ranges],
-            "flank_excess_m": proofs.flank_excess,
-        }}),
+        **({} if proofs is None else {"proofs": _proofs(proofs)}),
     }  # fmt: skip
 
 
-def _proof(p: Proof) -> dict[str, Any]:
+def _proofs(proofs: Proofs) -> dict[str, Any]:
     """box: phase (rad) and outgoing rate (m/rad) of the impacts, or the position (m) in flight."""
+    from camcli.words.proofs import FAILED, LEFT
+
+    def proof(p: Proof) -> dict[str, Any]:
+        return {
+            "proved": p.proved, "holds_for": p.holds_for if p.proved else None,
+            "refuted": p.refuted, "failed_step": None if p.step is None else FAILED[p.step],
+            "value": p.value or None, "box": p.box,
+            "signs": [(LEFT[rule], sign) for rule, sign in p.signs],
+        }  # fmt: skip
+
+    def range_(one: Range) -> dict[str, Any]:
+        step = one.failed_step
+        return {**vars(one), "failed_step": None if step is None else FAILED[step]}
+
     return {
-        "proved": p.proved, "holds_for": p.holds_for if p.proved else None, "refuted": p.refuted,
-        "failed_step": p.step, "value": p.value or None,
-        "box": p.box, "signs": p.signs,
-    }  # fmt: skip
+        "orbits": [proof(p) for p in proofs.orbits],
+        "bifurcations": [proof(p) for p in proofs.events],
+        "ranges": [range_(one) for one in proofs.ranges],
+        "flank_excess_m": proofs.flank_excess,
+    }
 
 
 def _orbit(orbit: PeriodicOrbit) -> dict[str, Any]:
     return {
-        "label": orbit.label, "rpm": orbit.rpm, "stable": orbit.stable, "verdict": orbit.verdict,
+        "label": orbit.label, "rpm": orbit.rpm, "stable": orbit.stable,
+        "verdict": VERDICTS[orbit.verdict],
         "theta_deg": [theta * DEG for theta in orbit.theta], "regions": orbit.regions,
         "u_minus_m_per_s": [u * omega_of(orbit.rpm) for u in orbit.rates],
         "multipliers": orbit.multipliers,
@@ -597,7 +481,7 @@ def _event(b: Bifurcation) -> dict[str, Any]:
         "branch": b.branch, "label": b.label, "kind": b.kind, "value": b.value, "error": b.error,
         "status": b.status, "corner": b.corner, "classification": b.classification,
         "continues_as_branch": b.continues, "prediction_agrees": b.agrees, "words": event_words(b),
-        "inequalities": [{**vars(i), "holds": i.holds} for i in rests_on],
+        "inequalities": [inequality_record(i) for i in rests_on],
     }  # fmt: skip
 
 

@@ -166,7 +166,7 @@ def _border_collision(request: Request, trace: str | None, det: str | None) -> i
 
 
 def _show_collision(left: Side, right: Side, result: Collision) -> None:
-    from camcli.words.events import collision_words
+    from camcli.words.border_collision import collision_words, inequality_text
 
     rows = [
         [name, f"{s.trace:.10g}", f"{s.det:.10g}", pair(s.multipliers, 9), s.kind]
@@ -174,7 +174,7 @@ def _show_collision(left: Side, right: Side, result: Collision) -> None:
     ]
     table(f"Border collision: {result.kind}", ["side", "trace", "det", "multipliers", "is"], rows)
     rows = [
-        [i.text, f"{i.left:.9g}", f"{i.right:.9g}", "holds" if i.holds else "fails"]
+        [inequality_text(i), f"{i.left:.9g}", f"{i.right:.9g}", "holds" if i.holds else "fails"]
         for i in result.inequalities
     ]
     table("Inequalities", ["inequality", "left", "right", ""], rows)
@@ -189,7 +189,7 @@ def _show_collision(left: Side, right: Side, result: Collision) -> None:
 
 
 def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:
-    from camcli.words.events import collision_words
+    from camcli.words.border_collision import collision_words, inequality_record
 
     return {
         "kind": result.kind,
@@ -198,7 +198,7 @@ def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:
                    "multipliers": list(map(complex, s.multipliers))}
             for name, s in (("L", left), ("R", right))
         },
-        "inequalities": [{**vars(i), "holds": i.holds} for i in result.inequalities],
+        "inequalities": [inequality_record(i) for i in result.inequalities],
         "cycles": [
             {"word": c.word, "stable": c.stable, "exists_for_mu": c.exists_for,
              "multipliers": list(map(complex, c.multipliers)), "points": c.points}

@@ -104,7 +104,7 @@ def _speeds(request: Request) -> Values:
 
 def show(result: Result, verbose: bool) -> None:
     """Print orbits, branches, bifurcations and curves, then sentences."""
-    from camcli.api.orbits import remarks
+    from camcli.words.orbits import remarks
 
     found = result.values
     if found.orbits:

@@ -38,21 +38,21 @@ Test = Callable[[list[Number]], Number]  # of the unknowns z = x, p as series
 
 
 class Step(StrEnum):
-    """The step of a proof that failed."""
+    """The step of a proof that failed; `camcli.words.proofs` says it in words."""
 
-    NO_ORBIT = "there is no orbit of these impacts where the numbers say"
-    SINGULAR = "no box could be shown to hold exactly one orbit"
-    ELSEWHERE = "an impact lies outside the smooth region it is said to be in"
-    PULLS = "an impact would have to pull"
-    CONTACT = "the cam is met between two impacts"
-    GRAZES = "a flight is too near to grazing to exclude a contact"
-    NEUTRAL = "a multiplier is too near to the unit circle"
-    CROSSING = "the crossing condition could not be shown"
-    NUMBER = "the value lies outside the error that is claimed for it"
-    BOXES = "more boxes would be needed than are tried"
-    WORK_BUDGET = "the budget of work was used up"
-    FAULT = "it failed in a way that nobody foresaw"
-    MODEL = "it rests on the cam in a way that is not followed exactly"
+    NO_ORBIT = "no-orbit"
+    SINGULAR = "singular"
+    ELSEWHERE = "elsewhere"
+    PULLS = "pulls"
+    CONTACT = "contact"
+    GRAZES = "grazes"
+    NEUTRAL = "neutral"
+    CROSSING = "crossing"
+    NUMBER = "number"
+    BOXES = "boxes"
+    WORK_BUDGET = "work-budget"
+    FAULT = "fault"
+    MODEL = "model"
 
 
 class NotProvedError(Exception):

@@ -64,6 +64,7 @@ from camcli.plots.picture import Panel, Picture, Rows
 from camcli.plots.simulate import GAP, Trace, angle_axis
 from camcli.system import System, units_of
 from camcli.words.events import event_words
+from camcli.words.orbits import end_words
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
@@ -568,7 +569,7 @@ def _draw_curves(axes: Axes, curves: Sequence[Curve], second: str) -> None:
     for k, (curve, colour) in enumerate(zip(curves, style.apart(wanted), strict=True)):
         corner = f" at {curve.corner}" if curve.corner else ""
         name = f"{curve.kind.replace('-', ' ')}{corner} of {style.motion(curve.label)}"
-        ends = {end for end in curve.ends if end != "end-of-range"}
+        ends = {end_words(end) for end in curve.ends if end != Kind.END_OF_RANGE}
         name += f" (ends: {'; '.join(sorted(ends))})" if ends else ""
         dashes: Any = CURVE_STYLES[wanted[:k].count(wanted[k]) % len(CURVE_STYLES)]
         x, y = [point.first for point in curve.points], [point.second for point in curve.points]

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from camcli.analysis.border_collision import (
     NormalForm,
+    Rule,
     Side,
     _exponent,
     attractor,
@@ -18,7 +19,7 @@ from camcli.analysis.border_collision import (
     cycle,
     growth_at_zero,
 )
-from camcli.words.events import KINDS, collision_words
+from camcli.words.border_collision import KINDS, collision_words, inequality_text
 
 SWAP = str.maketrans("LR", "RL")
 
@@ -120,7 +121,7 @@ def test_inequalities_carry_their_numbers():
     fold, last = found.inequalities[0], found.inequalities[-1]
     assert not fold.holds
     assert fold.left == pytest.approx(-0.0018699 * 0.2685786, rel=1e-12)
-    assert (last.text, last.left) == ("tau_R < -(1 + delta_R)", 1.3714214)
+    assert (inequality_text(last), last.left) == ("tau_R < -(1 + delta_R)", 1.3714214)
     assert last.right == pytest.approx(-1.64, rel=1e-15)
     assert not last.holds
     assert "tau_R < -(1 + delta_R) fails, 1.37142 against -1.64" in collision_words(found)[-1]
@@ -194,7 +195,7 @@ def test_the_theorem_of_robust_chaos_agrees_with_iteration():
         a, b = rng.random(), rng.random()
         left, right = sides(1.0 + a + rng.random(), a, -1.0 - b - rng.random(), b)
         last = classify(left, right).inequalities[-1]
-        assert "l1" in last.text
+        assert last.rule is Rule.TRAPPING
         start = cycle("R", left, right).points[0]
         bounded = iterate(left, right, 1.0, (start[0] + 1e-6, start[1]), 3_000) is not None
         assert bounded or not last.holds

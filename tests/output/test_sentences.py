@@ -11,18 +11,22 @@ from types import SimpleNamespace as Made
 
 import pytest
 
+from camcli.analysis.border_collision import Equal, Rule
 from camcli.analysis.explain.changes import BASIN, UNEXPLAINED, Change, Event
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, Meeting
 from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits.proofs import Proof, Proofs, Step
 from camcli.analysis.sweep import Speed, Sweep
-from camcli.api.orbits import _proved
-from camcli.api.orbits import remarks as of_orbits
 from camcli.api.sweep import ranges
 from camcli.errors import Status
+from camcli.kernel.certify import Verdict
 from camcli.words.after_rest import decided_notes
+from camcli.words.border_collision import EQUALITIES, LEFT
 from camcli.words.classify import remarks as of_motions
 from camcli.words.explanations import change_sentence, crisis_sentences, event_sentence, speed_text
+from camcli.words.orbits import VERDICTS
+from camcli.words.orbits import remarks as of_orbits
+from camcli.words.proofs import FAILED, proof_sentences
 from camcli.words.statuses import CAUSES, CURES, counted, status_notes
 
 
@@ -42,6 +46,22 @@ from camcli.words.statuses import CAUSES, CURES, counted, status_notes
 )
 def test_a_speed_has_the_decimals_of_its_error(rpm, error, text):
     assert speed_text(rpm, error) == text
+
+
+@pytest.mark.parametrize(
+    ("words", "values"),
+    [
+        (CAUSES, set(Status) - {Status.OK}),
+        (CURES, set(Status) - {Status.OK}),
+        (FAILED, set(Step)),
+        (VERDICTS, set(Verdict)),
+        (EQUALITIES, set(Equal) - {Equal.TANGENCY}),
+        (LEFT, set(Rule)),
+    ],
+)
+def test_every_value_has_its_words(words, values):
+    assert set(words) == values
+    assert len(set(words.values())) >= len(values) - 3  # a cure or a formula may serve for two
 
 
 def test_what_was_counted():
@@ -189,7 +209,7 @@ def test_remarks_on_orbits():
 
 
 def test_remarks_on_proofs():
-    step = next(iter(Step))
+    step, text = Step.NUMBER, "the value lies outside the error that is claimed for it"
     solved = [Made(label="P(1;1)", rpm=701.25), Made(label="P(1;2)", rpm=701.25)]
     range_ = Made(branch=4, label="P(1;1)", stable=True, low="[1]", high="[2]", boxes=7,
                   failed_step=None)  # fmt: skip
@@ -198,7 +218,8 @@ def test_remarks_on_proofs():
         orbits=[Proof(), Proof(step, refuted=True)],
         points=[[Proof(), Proof(step), Proof()]],
         events=[
-            Proof(value="[700 +/- 1]", signs=(("x", 1), ("y", -1))), Proof(step)
+            Proof(value="[700 +/- 1]", signs=((Rule.PRODUCT_AT_ONE, 1), (Rule.PRODUCT_AT_MINUS_ONE, -1))),
+            Proof(step),
         ],
         ranges=[range_, lost],
         flank_excess=-2.5e-16,
@@ -209,17 +230,18 @@ def test_remarks_on_proofs():
     ]
     found = Made(question=Made(parameter="rpm"), orbits=solved, proofs=proofs, bifurcations=events,
                  branches=[Made(number=9)])  # fmt: skip
-    said = list(_proved(found))
+    said = list(proof_sentences(found))
     assert said == [
         "all proofs are about the cam whose circles close: its flank circle has the radius "
         "base_radius + flank_center, 2.5e-16 m less than the flank_radius of the scene",
         "proved: P(1;1), rpm = 701.25, exactly these data",
-        f"refuted: P(1;2): {step}",
-        "proved: one of P(1;1), rpm = [700 +/- 1], x > 0, y < 0",
-        f"not proved: two of P(1;1): {step}",
+        f"refuted: P(1;2): {text}",
+        "proved: one of P(1;1), rpm = [700 +/- 1], (1 - tau_L + delta_L)(1 - tau_R + delta_R) > 0, "
+        "(1 + tau_L + delta_L)(1 + tau_R + delta_R) < 0",
+        f"not proved: two of P(1;1): {text}",
         "proved: 2 of the 3 points of branch 9",
         "proved: P(1;1) exists and is stable for all rpm from [1] to [2] (branch 4, 7 boxes)",
-        f"not proved: P(1;1) for all rpm from [1] to [2] (branch 5): {step}",
+        f"not proved: P(1;1) for all rpm from [1] to [2] (branch 5): {text}",
     ]
 
 

@@ -4,7 +4,7 @@ from enum import StrEnum
 
 
 class Kind(StrEnum):
-    """An event on a branch, or what ends a branch or a curve; its text stands in every table."""
+    """An event on a branch, or what ends a branch or a curve; its name stands in every table."""
 
     PERIOD_DOUBLING = "period-doubling"
     FOLD = "fold"
@@ -22,8 +22,8 @@ class Kind(StrEnum):
     WORK_BUDGET = "work-budget"  # see integrate.Budget
     FAULT = "fault"  # an exception that nobody foresaw, see piece_faults
     # ends of a curve in two parameters
-    ANOTHER_CORNER = "an impact reaches a corner"
-    NO_MOTION = "the orbit is no motion any more"
+    ANOTHER_CORNER = "another-corner"  # an impact reaches a corner
+    NO_MOTION = "no-motion"
 
 
 class Bracket(StrEnum):

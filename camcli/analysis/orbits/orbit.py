@@ -8,11 +8,11 @@ from camcli.analysis.border_collision import multipliers
 from camcli.analysis.bracketing import lowest
 from camcli.analysis.labels import CONTACT, Label, rotation
 from camcli.analysis.orbits.same_orbit import shortest_period
-from camcli.analysis.orbits.shooter import VERDICTS, Root
+from camcli.analysis.orbits.shooter import Root
 from camcli.cams.regions import regions
 from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.cam_table import TURN, Cam, lift, stretch_at
-from camcli.kernel.certify import ADMISSIBLE
+from camcli.kernel.certify import Verdict
 from camcli.kernel.flow import RPM, constants_of, flow, move
 from camcli.system import System
 
@@ -27,7 +27,7 @@ class PeriodicOrbit:
     value: of the parameter; theta: impact phases (rad in the turn), of a resting orbit the phases
     at which it leaves the cam; rates: incoming m/rad; states: (q m, dq/dtheta m/rad) at the strobe
     that begins each turn; symbols: impacts in each turn, inf for a complete chatter; verdict:
-    `admissible` or why it is no motion. A resting orbit sticks somewhere: its multipliers are zero.
+    whether it is a motion, or why not. A resting orbit sticks somewhere: its multipliers are zero.
     Of one that never meets the cam (`free_orbit`) theta and rates are empty.
     """
 
@@ -41,7 +41,7 @@ class PeriodicOrbit:
     regions: tuple[str, ...] = ()
     trace: float = 0.0
     det: float = 0.0
-    verdict: str = VERDICTS[ADMISSIBLE]
+    verdict: Verdict = Verdict.ADMISSIBLE
     resting: bool = False
     root: Root | None = None
 
@@ -59,7 +59,7 @@ class PeriodicOrbit:
     @property
     def admissible(self) -> bool:
         """True for a motion, False for a mere root of the equations."""
-        return self.verdict == VERDICTS[ADMISSIBLE]
+        return self.verdict is Verdict.ADMISSIBLE
 
     @property
     def stable(self) -> bool:
@@ -82,7 +82,7 @@ class PeriodicOrbit:
         return shortest_period(self.states) == self.turns
 
 
-def from_root(system: System, root: Root, verdict: int = ADMISSIBLE) -> PeriodicOrbit:
+def from_root(system: System, root: Root, verdict: int = Verdict.ADMISSIBLE) -> PeriodicOrbit:
     """The orbit of a solved root."""
     states, symbols = section_states(system, root)
     first = _first_turn(symbols, states)
@@ -99,7 +99,7 @@ def from_root(system: System, root: Root, verdict: int = ADMISSIBLE) -> Periodic
         regions=tuple(names[root.whole[2 * k]] for k in order),
         trace=root.trace,
         det=root.det,
-        verdict=VERDICTS[verdict],
+        verdict=Verdict(verdict),
         root=root,
     )
 

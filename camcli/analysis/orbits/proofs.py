@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 from flint import arb
 
 from camcli.analysis.after_rest import CYCLE, HoldsFor, cycle, of_machine
+from camcli.analysis.border_collision import Rule
 from camcli.analysis.integrate import BudgetSpentError, spend
 from camcli.analysis.labels import CONTACT, Label
 from camcli.analysis.orbits.kinds import Kind
@@ -70,7 +71,7 @@ class Proof:
     value: str = ""
     low: float | None = None
     high: float | None = None
-    signs: tuple[tuple[str, int], ...] = ()
+    signs: tuple[tuple[Rule, int], ...] = ()
     holds_for: HoldsFor = HoldsFor.EXACT_DATA
 
     @property
@@ -456,7 +457,7 @@ def _test(shooting: Shooting, located: Located) -> Test:
 
 def _corner_signs(
     shooting: Shooting, hull: Sequence[arb], located: Located
-) -> tuple[tuple[str, int], ...]:
+) -> tuple[tuple[Rule, int], ...]:
     """Signs of what decides between the classes, from the linear parts on both sides."""
     k = located.impact
     places = list(shooting.places)
@@ -467,10 +468,10 @@ def _corner_signs(
     there = replace(shooting, places=tuple(places)).trace_det(hull)
     (tau_l, delta_l), (tau_r, delta_r) = (here, there) if located.side > 0 else (there, here)
     products = {
-        "(1 - tau_L + delta_L)(1 - tau_R + delta_R)": (1 - tau_l + delta_l) * (1 - tau_r + delta_r),
-        "(1 + tau_L + delta_L)(1 + tau_R + delta_R)": (1 + tau_l + delta_l) * (1 + tau_r + delta_r),
+        Rule.PRODUCT_AT_ONE: (1 - tau_l + delta_l) * (1 - tau_r + delta_r),
+        Rule.PRODUCT_AT_MINUS_ONE: (1 + tau_l + delta_l) * (1 + tau_r + delta_r),
     }
-    return tuple((text, 1 if x > 0 else -1 if x < 0 else 0) for text, x in products.items())
+    return tuple((rule, 1 if x > 0 else -1 if x < 0 else 0) for rule, x in products.items())
 
 
 def prove_ranges(system: System, branch: Branch, events: Sequence[Bifurcation]) -> Iterator[Range]:

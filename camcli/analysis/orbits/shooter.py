@@ -12,7 +12,7 @@ from camcli.kernel import backend
 from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.bordered import Tables, tables_for
 from camcli.kernel.cam_table import TURN
-from camcli.kernel.certify import ADMISSIBLE, DOUBTFUL, EARLY, LATE, PULLS
+from camcli.kernel.certify import ADMISSIBLE
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flow import (
     DAMPING,
@@ -42,13 +42,6 @@ Vector = Sequence[float] | np.ndarray  # theta_1, v_1, ..., theta_n, v_n, parame
 # Compiled evaluations that take as long as Newton's step of one impact, and as a plain evaluation.
 SOLVED, FLOWN = 600, 400
 SMALL = 1e-3  # share of its natural size below which a parameter or a rate counts as zero
-VERDICTS = {
-    ADMISSIBLE: "admissible",
-    EARLY: "virtual: penetrates the cam",
-    LATE: "virtual: an impact is missing",
-    PULLS: "virtual: an impact would have to pull",
-    DOUBTFUL: "nearer to grazing than double precision can tell",
-}
 
 
 @dataclass(frozen=True)

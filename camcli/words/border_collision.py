@@ -1,0 +1,116 @@
+"""What is said of a border collision: its class, its inequalities, and what attracts."""
+
+from camcli.analysis.border_collision import (
+    DECIDED,
+    LESS,
+    THEOREM,
+    Collision,
+    Cycle,
+    Equal,
+    Inequality,
+    Prediction,
+    Rule,
+)
+
+SIDES = {-1: "Where the normal form's parameter is below 0", 1: "Where it is above 0"}
+
+KINDS = {
+    "degenerate": "an equality holds within rounding: the linear parts do not decide",
+    "dangerous": "a stable fixed point on both sides, yet its basin shrinks to nothing between",
+    "robust-chaos": "a chaotic attractor on one side, and for all linear parts close to these",
+    "no-attractor": "something attracts on one side, nothing bounded on the other",
+    "nonsmooth-fold": "two fixed points are born on one side, there is none on the other",
+    "border-period-doubling": "a fixed point on each side, and a cycle LR is born on one of them",
+    "persistence": "a fixed point on each side, and no cycle LR is born",
+}
+
+EQUALITIES = {
+    Equal.PLUS_ONE: "a multiplier is +1",
+    Equal.MINUS_ONE: "a multiplier is -1",
+    Equal.UNIT_PAIR: "two multipliers on the unit circle",
+}
+LEFT = {  # {s}: the side, or that of the saddle; {o}: the other one
+    Rule.PRODUCT_AT_ONE: "(1 - tau_L + delta_L)(1 - tau_R + delta_R)",
+    Rule.PRODUCT_AT_MINUS_ONE: "(1 + tau_L + delta_L)(1 + tau_R + delta_R)",
+    Rule.AT_ONE: "1 - tau_{s} + delta_{s}",
+    Rule.AT_MINUS_ONE: "1 + tau_{s} + delta_{s}",
+    Rule.DET_BELOW_ONE: "delta_{s}",
+    Rule.DET_POSITIVE: "delta_{s}",
+    Rule.GROWTH: "log growth per step at mu = 0",
+    Rule.BEYOND_ONE: "tau_{s}",
+    Rule.BEYOND_MINUS_ONE: "tau_{s}",
+    Rule.TRAPPING: "(l1 tau_{o} - delta_{o})(l1 - 1) + l1^2 (1 - l2)",
+}
+RIGHT = {  # of the others 0
+    Rule.DET_BELOW_ONE: "1",
+    Rule.GROWTH: f"{DECIDED:.2g}",
+    Rule.BEYOND_ONE: "1 + delta_{s}",
+    Rule.BEYOND_MINUS_ONE: "-(1 + delta_{s})",
+    Rule.TRAPPING: "0, l1 > l2 the multipliers of {s}",
+}
+
+
+def inequality_text(found: Inequality) -> str:
+    """The inequality as a formula."""
+    sign = "<" if found.rule in LESS else ">"
+    formula = f"{LEFT[found.rule]} {sign} {RIGHT.get(found.rule, '0')}"
+    return formula.format(s=found.side, o="R" if found.side == "L" else "L")
+
+
+def inequality_record(found: Inequality) -> dict[str, str | float | bool]:
+    """The inequality for run.json."""
+    text = inequality_text(found)
+    return {"text": text, "left": found.left, "right": found.right, "holds": found.holds}
+
+
+def equality_words(where: str, found: Equal) -> str:
+    """An equality within rounding; where: the side, or LR for the cycle."""
+    if found is Equal.TANGENCY:
+        return "the unstable manifold of a fixed point touches the stable one of the saddle"
+    return f"{'along' if where == 'LR' else 'on'} {where}, {EQUALITIES[found]}"
+
+
+def collision_words(found: Collision) -> list[str]:
+    """Sentences: the class, what is open, what attracts, and why there is no robust chaos."""
+    said = [f"{found.kind}: {KINDS[found.kind]}."]
+    said += [f"Equal within rounding: {equality_words(*one)}." for one in found.equal]
+    if found.growth is not None and abs(found.growth.left) <= DECIDED:
+        grows = f"The growth at the event, {found.growth.left:.2g} per step,"
+        said.append(f"{grows} is too small to exclude danger.")
+    said += [f"{SIDES[-1]}, {_ends(found.below)}.", f"{SIDES[1]}, {_ends(found.above)}."]
+    return said + _two_cycle(found.cycles[2]) + _no_theorem(found)
+
+
+def _ends(found: Prediction) -> str:
+    known = found.exponent is not None
+    measured = f"{found.exponent:.4g} +- {found.spread:.1g} per step" if known else ""
+    return {
+        "none": "nothing bounded attracts",
+        "fixed-point": f"the fixed point {found.word} attracts",
+        "cycle": f"the cycle {found.word} of period {found.period} attracts",
+        "chaos": f"a chaotic attractor, largest exponent {measured}",
+        "several": f"several attract: {found.word}",
+        "undecided": f"not decided, orbits stay bounded: {found.word or 'no period'}, {measured}",
+    }[found.kind]
+
+
+def _two_cycle(found: Cycle) -> list[str]:
+    if not found.exists_for:
+        return []
+    first = found.multipliers[0]
+    size = f"larger multiplier {first.real:.6g}"
+    if first.imag != 0.0:
+        size = f"multipliers {first.real:.6g} +- {first.imag:.6g} i"
+    state = "stable" if found.stable else "unstable"
+    return [f"{SIDES[found.exists_for]}, the cycle LR exists and is {state}: {size}."]
+
+
+def _no_theorem(found: Collision) -> list[str]:
+    last = found.chaos[-1]
+    if len(found.chaos) < 2 or last.holds:
+        return []
+    numbers = f"{last.left:.6g} against {last.right:.6g}"
+    open_end = ", which leaves it open whether a chaotic attractor exists"
+    more = open_end if len(found.chaos) == THEOREM else ""
+    fails = f"{inequality_text(last)} fails, {numbers}{more}"
+    return [f"The theorem on robust chaos does not apply: {fails}."]

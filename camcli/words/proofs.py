@@ -1,0 +1,71 @@
+"""What was proved in ball arithmetic, and the step at which a proof failed."""
+
+from collections.abc import Iterator
+
+from camcli.analysis.after_rest import HoldsFor
+from camcli.analysis.orbits.study import OrbitsResult
+from camcli.exact.shooting import Step
+from camcli.words.border_collision import LEFT
+
+WHOSE = {  # machines that a proof of an orbit is about
+    HoldsFor.LAST_DIGIT: " and every value that rounds to it",
+    HoldsFor.EXACT_DATA: ", exactly these data",
+}
+FAILED = {
+    Step.NO_ORBIT: "there is no orbit of these impacts where the numbers say",
+    Step.SINGULAR: "no box could be shown to hold exactly one orbit",
+    Step.ELSEWHERE: "an impact lies outside the smooth region it is said to be in",
+    Step.PULLS: "an impact would have to pull",
+    Step.CONTACT: "the cam is met between two impacts",
+    Step.GRAZES: "a flight is too near to grazing to exclude a contact",
+    Step.NEUTRAL: "a multiplier is too near to the unit circle",
+    Step.CROSSING: "the crossing condition could not be shown",
+    Step.NUMBER: "the value lies outside the error that is claimed for it",
+    Step.BOXES: "more boxes would be needed than are tried",
+    Step.WORK_BUDGET: "the budget of work was used up",
+    Step.FAULT: "it failed in a way that nobody foresaw",
+    Step.MODEL: "it rests on the cam in a way that is not followed exactly",
+}
+
+
+def proof_sentences(result: OrbitsResult) -> Iterator[str]:
+    """What was proved, and the step at which the rest failed."""
+    if result.proofs is None:
+        return
+    name, proofs = result.question.parameter, result.proofs
+    if excess := proofs.flank_excess:
+        yield (
+            "all proofs are about the cam whose circles close: its flank circle has the radius "
+            f"base_radius + flank_center, {abs(excess):.3g} m {'more' if excess > 0 else 'less'} "
+            "than the flank_radius of the scene"
+        )
+    named = [
+        (f"{o.label}, rpm = {o.rpm!r}{WHOSE[p.holds_for]}" if p.proved else str(o.label), p)
+        for o, p in zip(result.orbits, proofs.orbits, strict=True)
+    ]
+    named += [
+        (f"{b.kind} of {b.label}", p)
+        for b, p in zip(result.bifurcations, proofs.events, strict=True)
+    ]
+    for text, p in dict.fromkeys(named):
+        if p.step is None:
+            signs = "".join(f", {LEFT[rule]} {'<>'[sign > 0]} 0" for rule, sign in p.signs)
+            yield f"proved: {text}" + (f", {name} = {p.value}{signs}" if p.value else "")
+        else:
+            yield f"{'refuted' if p.refuted else 'not proved'}: {text}: {FAILED[p.step]}"
+    for points, branch in zip(proofs.points, result.branches, strict=True):
+        done = sum(p.proved for p in points)
+        yield f"proved: {done} of the {len(points)} points of branch {branch.number}"
+    for one in proofs.ranges:
+        state = "stable" if one.stable else "unstable"
+        of = f"branch {one.branch}"
+        if one.failed_step is not None:
+            yield (
+                f"not proved: {one.label} for all {name} from {one.low} to {one.high} ({of}): "
+                f"{FAILED[one.failed_step]}"
+            )
+            continue
+        yield (
+            f"proved: {one.label} exists and is {state} for all {name} from {one.low} to "
+            f"{one.high} ({of}, {one.boxes} boxes)"
+        )
