@@ -214,12 +214,12 @@ def test_remarks_on_proofs():
     range_ = Made(branch=4, label="P(1;1)", stable=True, low="[1]", high="[2]", boxes=7,
                   failed_step=None)  # fmt: skip
     lost = Made(**{**vars(range_), "failed_step": step, "branch": 5})
+    signs = (Rule.PRODUCT_AT_ONE, 1), (Rule.PRODUCT_AT_MINUS_ONE, -1)
     proofs = Proofs(
         orbits=[Proof(), Proof(step, refuted=True)],
         points=[[Proof(), Proof(step), Proof()]],
         events=[
-            Proof(value="[700 +/- 1]", signs=((Rule.PRODUCT_AT_ONE, 1), (Rule.PRODUCT_AT_MINUS_ONE, -1))),
-            Proof(step),
+            Proof(value="[700 +/- 1]", signs=signs), Proof(step)
         ],
         ranges=[range_, lost],
         flank_excess=-2.5e-16,
