@@ -12,7 +12,7 @@ from camcli.analysis.basins.study import Basins, Question, Study, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
-from camcli.api.command import Command, Drawing, Options, Size, fewer, sample
+from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.machine import machine_of, span_of, with_values
 from camcli.api.result import Progress, Result, drawn_by
 from camcli.api.rows import MULTIPLIERS, multiplier_columns
@@ -282,7 +282,7 @@ def _attractor(speed: Basins, k: int) -> dict[str, Any]:
 SHOWN_SPEEDS = 3  # whose cells become a table
 
 
-def _size(scene: Scene, options: Options) -> Size:
+def _size(scene: Scene) -> Size:
     section = scene.basins
     (nq, nv), levels = section.cells, section.refine
     orbits = nq * nv * section.count
@@ -306,7 +306,7 @@ def _repeated(scene: Scene) -> tuple[Scene, int]:
     return (middle, count) if count > 1 else (scene, 1)
 
 
-def _not_foreseen(scene: Scene, options: Options) -> list[str]:
+def _not_foreseen(scene: Scene) -> list[str]:
     said = []
     if scene.basins.refine:
         said.append("what --refine adds at boundaries is not known before")
@@ -321,7 +321,7 @@ COMMAND = Command(
     run=basins,
     artefacts=("attractors.csv", "basins.csv", "saddles.csv", "basins.png"),
     size=_size,
-    drawing=lambda scene, options: Drawing(110e3, 270e6, 75.0),
+    drawing=lambda scene: Drawing(110e3, 270e6, 75.0),
     sample=_sample,
     repeated=_repeated,
     not_foreseen=_not_foreseen,

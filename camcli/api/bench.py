@@ -79,7 +79,6 @@ def bench(
     scene: Scene | None = None,
     progress: Progress | None = None,
     *,
-    part: str | None = None,
     work: Work | None = None,
 ) -> Result:
     """Errors and times (``precision``), extreme cases (``stability``), whole studies (``scale``).
@@ -87,11 +86,9 @@ def bench(
     Parameters
     ----------
     scene : Scene, optional
-        Its section ``bench``: cases, methods, repeats, quick. Its machine is not used.
+        Its section ``bench``: part, cases, methods, repeats, quick. Its machine is not used.
     progress : callable, optional
         Called as ``progress(part, done, total)``.
-    part : str, optional
-        Only this part; all if left out.
     work : Work, optional
         Keeps the points of an interrupted run on disk, as the timings they are.
 
@@ -110,8 +107,7 @@ def bench(
     """
     scene = scene or load_scene()
     with stopwatch() as watch, gathering() as faults:
-        parts = [part] if part else PARTS
-        found = {name: _measured(name, scene, progress, work or Work()) for name in parts}
+        found = {name: _measured(name, scene, progress, work or Work()) for name in parts_of(scene)}
     results = {name: RESULTS[name](rows) for name, rows in found.items()}
     trouble = [f"{name}: {line}" for name, (_, failed) in results.items() for line in failed]
     ours = [m for m in found.get("precision", ()) if m.ours]
@@ -129,13 +125,17 @@ def bench(
         notes=(*trouble, *[NO_HEYOKA] * absent),
         complete=not trouble,
         faults=tuple(faults),
-        options={"part": part} if part else {},
     )
 
 
-def plan(scene: Scene, part: str | None) -> dict[str, dict[str, Any]]:
+def parts_of(scene: Scene) -> list[str]:
+    """The parts that a scene asks for: one, or all of them."""
+    return list(PARTS) if scene.bench.part is None else [scene.bench.part]
+
+
+def plan(scene: Scene) -> dict[str, dict[str, Any]]:
     """How many runs a part has, and the seconds of all: at most, or about."""
-    each = {name: _pieces(name, scene) for name in ([part] if part else PARTS)}
+    each = {name: _pieces(name, scene) for name in parts_of(scene)}
     return {name: {"runs": len(few), "seconds": most} for name, (few, _, most) in each.items()}
 
 

@@ -9,7 +9,7 @@ from camcli.analysis.classify import Motion
 from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
 from camcli.analysis.sweep import status_name
-from camcli.api.command import EXPLAINING, Command, Drawing, Options, Size, fewer, sample
+from camcli.api.command import EXPLAINING, Command, Drawing, Size, fewer, sample
 from camcli.api.explanation import corners_table, explained, explanation_of
 from camcli.api.machine import machine_of, refuse_to_explain, span_of
 from camcli.api.result import Progress, Result, drawn_by, ticks
@@ -172,7 +172,7 @@ def _motion(m: Motion) -> dict[str, Any]:
 SAMPLED_STARTS = 5  # at each speed of a sample: more find hardly more attractors
 
 
-def _size(scene: Scene, options: Options) -> Size:
+def _size(scene: Scene) -> Size:
     run, speeds, starts = scene.run, scene.classify.count, scene.classify.starts + 1
     orbits, turns = speeds * starts, run.transient + run.record
     memory = 45.0 * speeds * run.record
@@ -190,7 +190,7 @@ COMMAND = Command(
     run=classify,
     artefacts=("classify.csv", "corners.csv", "classify.png"),
     size=_size,
-    drawing=lambda scene, options: Drawing(130e3, 230e6, 24.0),
+    drawing=lambda scene: Drawing(130e3, 230e6, 24.0),
     sample=_sample,
-    not_foreseen=lambda scene, options: [EXPLAINING] if scene.classify.explain else [],
+    not_foreseen=lambda scene: [EXPLAINING] if scene.classify.explain else [],
 )

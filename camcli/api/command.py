@@ -24,8 +24,6 @@ MOST_SAMPLED_TURNS = 1000  # of transient and of record in a sample; the rest is
 
 EXPLAINING = "what --explain takes is not known before: 5 to 15 s for many a change"
 
-Options = Mapping[str, Any]  # further arguments of an API function, beside the scene
-
 
 class Size(NamedTuple):
     """How much a scene asks for, and the least bytes that takes."""
@@ -51,14 +49,14 @@ class Drawing(NamedTuple):
 class Page(NamedTuple):
     """A page made of other analyses: the command and scene of each by name, and its bytes.
 
-    size: (machine, samples of the parts by name, options) -> bytes.
+    size: (machine, samples of the parts by name) -> bytes.
     """
 
-    parts: Callable[[Scene, Options], Mapping[str, tuple[str, Scene]]]
-    size: Callable[[Machine, Mapping[str, Result], Options], float]
+    parts: Callable[[Scene], Mapping[str, tuple[str, Scene]]]
+    size: Callable[[Machine, Mapping[str, Result]], float]
 
 
-def one_run(scene: Scene, options: Options) -> Size:
+def one_run(scene: Scene) -> Size:
     """The size of a command whose work is little and always the same."""
     return Size("one run", 1, 1, 0.0, 1, 0.0, 0.0, 0.0)
 
@@ -98,7 +96,7 @@ def fewer(section: Any, n: int) -> dict[str, Any]:
     return {"rpm": inside(section.rpm), "vary": tuple(map(inside, getattr(section, "vary", ())))}
 
 
-def nothing(scene: Scene, options: Options) -> list[str]:
+def nothing(scene: Scene) -> list[str]:
     """A command of which a sample shows all that it costs."""
     return []
 
@@ -111,6 +109,11 @@ def no_pieces(scene: Scene) -> bool:
 def all_at_once(scene: Scene) -> tuple[Scene, int]:
     """A command of which a sample is a part of all its work."""
     return scene, 1
+
+
+def no_bytes(scene: Scene) -> float:
+    """A command that writes tables and pictures only."""
+    return 0.0
 
 
 def check_nothing(scene: Scene) -> None:
@@ -128,6 +131,8 @@ class Command:
         for before any work is done.
     size, drawing
         How much a scene asks for.
+    beside
+        Bytes of the files that it asks for beside tables and pictures, about.
     sample
         The scene with about n of its pieces, of few turns each; None where no sample tells what the
         run costs.
@@ -149,12 +154,13 @@ class Command:
 
     run: Callable[..., Result]
     artefacts: tuple[str, ...]
-    size: Callable[[Scene, Options], Size] = one_run
-    drawing: Callable[[Scene, Options], Drawing] = lambda scene, options: Drawing(200e3, 100e6, 5.0)
+    size: Callable[[Scene], Size] = one_run
+    drawing: Callable[[Scene], Drawing] = lambda scene: Drawing(200e3, 100e6, 5.0)
+    beside: Callable[[Scene], float] = no_bytes
     sample: Callable[[Scene, int], Scene] | None = whole
     repeated: Callable[[Scene], tuple[Scene, int]] = all_at_once
     check: Callable[[Scene], None] = check_nothing
-    not_foreseen: Callable[[Scene, Options], list[str]] = nothing
+    not_foreseen: Callable[[Scene], list[str]] = nothing
     keeps_pieces: Callable[[Scene], bool] = no_pieces
     has_budget: bool = False
     less: str = ""
@@ -166,9 +172,10 @@ class Command:
         return self.run.__name__
 
     @property
-    def options(self) -> set[str]:
-        """Arguments of the API function beside the scene and how it is run."""
-        return set(signature(self.run).parameters) - {"scene", "progress", "work"}
+    def pictures(self) -> tuple[str, ...]:
+        """The names of all pictures that it may draw, without their endings."""
+        drawn = (name for name in self.artefacts if name.endswith(".png"))
+        return tuple(name.removesuffix(".png") for name in drawn)
 
     def in_pieces(self, work: Work) -> Callable[..., Result]:
         """The API function, with this `Work` where it works in pieces."""

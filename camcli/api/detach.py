@@ -12,9 +12,9 @@ from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.sweep import rpm_grid
-from camcli.api.command import Command, Drawing, Options, Size, fewer, sample
+from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.lift_table import accel_errors, with_ranges
-from camcli.api.machine import Machine, machine_of, with_values
+from camcli.api.machine import Machine, machine_of, with_arguments, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import SPEEDS, speed_row
 from camcli.api.tolerances import tolerances, tolerated
@@ -56,9 +56,9 @@ def detach(
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     report : bool
-        Save a page for print too, ``report.pdf`` (A4): the machine, the verdict, contact force,
-        loft and landing speed, and the springs that hold to ``detach.hold_to``, or else to the end
-        of the range.
+        ``detach.report``: save a page for print too, ``report.pdf`` (A4): the machine, the verdict,
+        contact force, loft and landing speed, and the springs that hold to ``detach.hold_to``, or
+        else to the end of the range.
     work : Work, optional
         How the machines of ``detach.tolerance`` are computed: threads, pieces kept on disk. It
         never changes a result.
@@ -90,10 +90,10 @@ def detach(
     ----------
     Chatter and its map: C. Budd and F. Dux, Phil. Trans. R. Soc. A 347 (1994) 365-389.
     """
-    machine = machine_of(scene)
+    machine = machine_of(with_arguments(scene, "detach", report=report))
     section, system, cam = machine.scene.detach, machine.system, machine.scene.cam
     scene, spring = machine.scene, machine.scene.spring
-    if report and section.hold_to is None:
+    if section.report and section.hold_to is None:
         scene = with_values(scene, "detach", hold_to=max(section.rpm.start, section.rpm.stop))
         section, machine = scene.detach, replace(machine, scene=scene)
     machines = tolerated(machine)
@@ -156,9 +156,8 @@ def detach(
         notes=tuple(notes),
         complete=not notes,
         faults=(*faults, *more),
-        options={"report": True} if report else {},
     )
-    if not report:
+    if not section.report:
         return result
     return replace(result, files={"report.pdf": partial(_write_report, result, system)})
 
@@ -259,7 +258,10 @@ def _hertz(machine: Machine) -> Hertz | None:
 # --- the command
 
 
-def _size(scene: Scene, options: Options) -> Size:
+REPORT = 130e3  # bytes of the page for print, about
+
+
+def _size(scene: Scene) -> Size:
     n = scene.detach.rpm.num
     return Size(f"{n} runs", n, n, 0.0, n, 300.0 * n, 100.0 * n, 0.0)
 
@@ -274,7 +276,7 @@ def _check(scene: Scene) -> None:
         tolerated(machine_of(scene))
 
 
-def _not_foreseen(scene: Scene, options: Options) -> list[str]:
+def _not_foreseen(scene: Scene) -> list[str]:
     if scene.detach.tolerance:
         return [f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each"]
     return []
@@ -287,7 +289,8 @@ COMMAND = Command(
         "tolerance.csv", "detach.png", "report.pdf",
     ),
     size=_size,
-    drawing=lambda scene, options: Drawing(400e3, 90e6, 5.0),
+    drawing=lambda scene: Drawing(400e3, 90e6, 5.0),
+    beside=lambda scene: REPORT if scene.detach.report else 0.0,
     sample=_sample,
     check=_check,
     not_foreseen=_not_foreseen,

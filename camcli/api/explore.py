@@ -19,9 +19,9 @@ from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED, Label, period_
 from camcli.analysis.orbits.same_orbit import CLOSE, distance_to
 from camcli.analysis.simulate import STICKING, Simulation, simulate
 from camcli.api.basins import basins
-from camcli.api.command import Command, Drawing, Options, Page, Size
+from camcli.api.command import Command, Drawing, Page, Size
 from camcli.api.lift_table import lost_between
-from camcli.api.machine import Machine, Varied, machine_of, with_values
+from camcli.api.machine import Machine, Varied, machine_of, with_arguments, with_values
 from camcli.api.orbits import orbits
 from camcli.api.result import Progress, Result, ticks
 from camcli.api.sweep import sweep
@@ -113,7 +113,7 @@ def explore(
     work: Work | None = None,
     with_basins: bool = False,
     with_map: bool = False,
-    source: str = "-c SCENE.yaml",
+    source: str | None = None,
 ) -> Result:
     """A page for a browser: the machine in motion at every speed of ``scene.sweep.rpm``.
 
@@ -124,19 +124,22 @@ def explore(
     Parameters
     ----------
     scene : Scene, optional
-        The machine, the speeds ``sweep.rpm``, and what the sections ``orbits`` and ``basins`` ask
-        for; the default scene if left out.
+        The machine, the speeds ``sweep.rpm``, and what the sections ``orbits``, ``basins`` and
+        ``explore`` ask for; the default scene if left out.
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     work : Work, optional
         How the speeds are computed. It never changes a result.
     with_basins : bool
-        Also the basins at ``basins.rpm.start``, and the motions from a grid of starts.
+        ``explore.basins``: also the basins at ``basins.rpm.start``, and the motions from a grid of
+        starts.
     with_map : bool
-        Also the map over both numbers of ``sweep.vary``, or over the speeds and its only one, and
-        the motions at a grid of its points. They are rpm or constants of the follower.
-    source : str
-        Options that name this scene on the command line, for the commands that the page shows.
+        ``explore.map``: also the map over both numbers of ``sweep.vary``, or over the speeds and
+        its only one, and the motions at a grid of its points. They are rpm or constants of the
+        follower.
+    source : str, optional
+        ``explore.source``: options that name this scene on the command line, for the commands that
+        the page shows.
 
     Returns
     -------
@@ -150,13 +153,15 @@ def explore(
         If the start lies below the cam, a page cannot hold the motions of so many speeds, or
         there is no map that it can hold.
     """
-    machine = machine_of(scene)
+    machine = machine_of(
+        with_arguments(scene, "explore", basins=with_basins, map=with_map, source=source)
+    )
     scene = machine.scene
-    span = scene.sweep.rpm
-    asked = parts_of(scene, {"with_basins": with_basins, "with_map": with_map})
+    section, span = scene.explore, scene.sweep.rpm
+    asked = parts_of(scene)
     samples = _samples_of(machine)
     _refuse_too_many(span, samples)
-    of_map = _samples_of_map(machine, asked["map"][1].sweep.vary) if with_map else samples
+    of_map = _samples_of_map(machine, asked["map"][1].sweep.vary) if section.map else samples
     with stopwatch() as watch, gathering() as faults:
         runs = len(DIRECTIONS) * span.num + scene.orbits.starts
         for_work(runs * (scene.run.transient + scene.run.record))
@@ -173,7 +178,7 @@ def explore(
         if not motions and not faults:
             raise SceneError(_nothing_to_show(sweeps))
         left = ROOM - samples * sum(motion.turns for motion in motions)
-        turns = left // (max(samples, of_map) * SIDE * SIDE * max(1, with_basins + with_map))
+        turns = left // (max(samples, of_map) * SIDE * SIDE * max(1, section.basins + section.map))
         turns = max(1, min(MOST_TURNS, turns))
         motions += _starts(machine, parts["basins"], turns) if "basins" in parts else []
         motions += _points(machine, parts["map"], turns) if "map" in parts else []
@@ -186,7 +191,7 @@ def explore(
             tick()
     motions, simulations = [motion for motion, _ in pairs], [simulation for _, simulation in pairs]
     explored = Explored(motions, simulations, parts)
-    write_page = partial(_write_page, source, machine, explored)
+    write_page = partial(_write_page, machine, explored)
     costs = [*(one.cost for one in simulations), *(part.cost for part in parts.values())]
 
     return Result(
@@ -210,7 +215,6 @@ def explore(
         ),
         complete=all(part.complete for part in parts.values()) and bool(motions),
         faults=tuple(faults),
-        options={"with_basins": with_basins, "with_map": with_map, "source": source},
     )
 
 
@@ -222,17 +226,15 @@ def _simulated(machine: Machine, motion: Motion, samples: int) -> Simulation:
     return simulate(motion.system, motion.rpm, settings, rows, follow=False)
 
 
-def _write_page(source: str, machine: Machine, explored: Explored, file: BinaryIO) -> None:
+def _write_page(machine: Machine, explored: Explored, file: BinaryIO) -> None:
     """Write explore.html."""
+    source = machine.scene.explore.source
     data = {"source": source, **_machine_data(machine), **_motion_data(explored)}
     file.write(page(data).encode())
 
 
-def parts_of(scene: Scene, options: Options) -> dict[str, tuple[str, Scene]]:
-    """The analyses that a page is made of: the command and the scene of each, by name.
-
-    options: with_basins and with_map, as of `explore`.
-    """
+def parts_of(scene: Scene) -> dict[str, tuple[str, Scene]]:
+    """The analyses that a page is made of: the command and the scene of each, by name."""
     whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
     whole |= {"zoom": (), "adaptive": False, "explain": False}  # the speeds of the page alone
     parts = {
@@ -240,15 +242,15 @@ def parts_of(scene: Scene, options: Options) -> dict[str, tuple[str, Scene]]:
         for way in DIRECTIONS
     }
     parts["orbits"] = "orbits", _orbits_scene(scene)
-    if options.get("with_basins"):  # at one speed, with cells of one size
+    if scene.explore.basins:  # at one speed, with cells of one size
         speed = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
         parts["basins"] = "basins", with_values(scene, "basins", rpm=speed, refine=0)
-    if options.get("with_map"):
+    if scene.explore.map:
         parts["map"] = "sweep", with_values(scene, "sweep", vary=_axes_of_map(scene))
     return parts
 
 
-def page_bytes(machine: Machine, sampled: Mapping[str, Result], options: Options) -> float:
+def page_bytes(machine: Machine, sampled: Mapping[str, Result]) -> float:
     """About how long the page of a scene will be, from sweeps of a few of its speeds.
 
     sampled: results by the names of `parts_of`. Orbits that no sweep finds are taken to add
@@ -265,10 +267,10 @@ def page_bytes(machine: Machine, sampled: Mapping[str, Result], options: Options
     per_turn = PER_ROW * samples + PER_EVENT * 3.0
     found = PER_MOTION * len(motions) + PER_POINT * points + per_turn * turns
     beside = cells = 0.0
-    if options.get("with_basins"):
+    if scene.explore.basins:
         cells = 4.0 / 3.0 * scene.basins.cells[0] * scene.basins.cells[1]
         beside = MOST_TURNS * float(SIDE * SIDE)
-    if options.get("with_map"):
+    if scene.explore.map:
         periods = [period_of(speed.label) for speed in sampled["map"].values[0].speeds]
         each = sum(p if 0 < p <= MOST_TURNS else MOST_TURNS for p in periods) / len(periods)
         one, two = (min(SIDE, axis.num) for axis in _axes_of_map(scene))
@@ -722,17 +724,17 @@ SHOWN_MOTIONS = 256  # of a window of starts, or of a map
 LEAST_ROWS = 48  # of a turn
 
 
-def _size(scene: Scene, options: Options) -> Size:
+def _size(scene: Scene) -> Size:
     """Three sweeps whose records are all in memory, the motions of the page, and what is beside."""
     run, n = scene.run, scene.sweep.rpm.num
     turns, count, what = run.transient + run.record, 3 * n, f"{n} speeds of 3 sweeps"
     shown, memory = 2.0 * n, 3.0 * n * (64.0 * run.record + 1e3)
     all_turns = float(count * turns)
-    if options.get("with_basins"):
+    if scene.explore.basins:
         cells = scene.basins.cells[0] * scene.basins.cells[1]
         count, shown, memory = count + cells, shown + 8.0 * SHOWN_MOTIONS, memory + 70.0 * cells
         what += f", {cells} cells"
-    if options.get("with_map"):
+    if scene.explore.map:
         axes = scene.sweep.vary
         points = axes[0].num * (axes[1].num if len(axes) == 2 else n) if axes else 0
         count, shown, memory = count + points, shown + 8.0 * SHOWN_MOTIONS, memory + 1e3 * points
@@ -746,9 +748,7 @@ COMMAND = Command(
     run=explore,
     artefacts=("explore.html",),
     size=_size,
-    drawing=lambda scene, options: Drawing(0.0, 60e6, 0.0),
-    not_foreseen=lambda scene, options: [
-        "the orbits come on top: how many are solved is not known before"
-    ],
+    drawing=lambda scene: Drawing(0.0, 60e6, 0.0),
+    not_foreseen=lambda scene: ["the orbits come on top: how many are solved is not known before"],
     page=Page(parts=parts_of, size=page_bytes),
 )

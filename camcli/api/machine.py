@@ -31,6 +31,9 @@ ROUNDING = 4e-16  # relative: two roundings, of pi/180 and of the product
 SLOWEST = 1e-300  # m/s, where lift times omega is no double
 
 
+SceneLike = Scene | str | PathLike | Mapping[str, Any] | None  # what an API function takes
+
+
 @dataclass(frozen=True)
 class Machine:
     """What the analyses need of a scene."""
@@ -41,7 +44,7 @@ class Machine:
     said: Mapping[str, str] = field(default_factory=dict)  # why it has these speeds, by section
 
 
-def machine_of(scene: Scene | str | PathLike | Mapping[str, Any] | None) -> Machine:
+def machine_of(scene: SceneLike) -> Machine:
     """The compiled machine of a scene, or of what `load_scene` takes, and its runs' settings."""
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     follower = Follower(*(getattr(scene.follower, f.name) for f in fields(Follower)))
@@ -141,6 +144,20 @@ def with_values(scene: Scene, name: str, **values: Any) -> Scene:
     """The scene with some values of a section replaced."""
     section = getattr(scene, name).model_copy(update=values)
     return scene.model_copy(update={name: section})
+
+
+def with_arguments(scene: SceneLike, section: str, **values: Any) -> Scene:
+    """The scene of an API function whose keyword arguments are values of its section.
+
+    scene: what the function was given. A value that is None or False was not given.
+    Raises SceneError for a value that the section does not allow.
+    """
+    scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    given = {key: value for key, value in values.items() if value not in (None, False)}
+    if not given:
+        return scene
+    allowed = getattr(load_scene(None, {f"{section}.{k}": v for k, v in given.items()}), section)
+    return with_values(scene, section, **{key: getattr(allowed, key) for key in given})
 
 
 def span_of(machine: Machine, section: Varying) -> tuple[str, list[float], Varied | None]:

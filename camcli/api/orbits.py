@@ -19,8 +19,8 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
-from camcli.api.command import Command, Drawing, Options, Size
-from camcli.api.machine import Machine, machine_of, with_values
+from camcli.api.command import Command, Drawing, Size
+from camcli.api.machine import Machine, machine_of, with_arguments, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import (
     BIFURCATIONS,
@@ -80,11 +80,11 @@ def orbits(
     progress : callable, optional
         Called as ``progress(what, done, total)``.
     prove : bool
-        Prove what was found, in ball arithmetic, for the scene's numbers as they are: of each orbit
-        that exactly one lies in a box, that it is a motion, that its multipliers lie inside or
-        outside the unit circle; of each event its parameter in an enclosure, and its crossing
-        condition; of branches that they go on from event to event. The flank circle of a cam of
-        arcs is then the one that closes, of the radius base_radius + flank_center;
+        ``orbits.prove``: prove what was found, in ball arithmetic, for the scene's numbers as they
+        are: of each orbit that exactly one lies in a box, that it is a motion, that its multipliers
+        lie inside or outside the unit circle; of each event its parameter in an enclosure, and its
+        crossing condition; of branches that they go on from event to event. The flank circle of a
+        cam of arcs is then the one that closes, of the radius base_radius + flank_center;
         ``summary["proofs"]["flank_excess_m"]`` is how much larger it is than flank_radius.
 
     Returns
@@ -120,7 +120,7 @@ def orbits(
     di Bernardo, C. J. Budd, A. R. Champneys and P. Kowalczyk, Piecewise-smooth Dynamical Systems
     (2008).
     """
-    machine = machine_of(scene)
+    machine = machine_of(with_arguments(scene, "orbits", prove=prove))
     scene, system = machine.scene, machine.system
     simulated = None
     asked = _spelt_out(scene)
@@ -131,7 +131,7 @@ def orbits(
         tick = ticks(progress, "branches", question.branches + 2)
         with budget_of(scene, progress) as budget:
             found = run(system, machine.settings, question, tick)
-            if prove:
+            if section.prove:
                 from camcli.analysis.orbits.proofs import prove as proofs_of
 
                 found = replace(found, proofs=proofs_of(system, found))
@@ -158,7 +158,6 @@ def orbits(
         notes=tuple(notes),
         complete=not notes,
         faults=tuple(faults),
-        options={"prove": True} if prove else {},
     )
 
 
@@ -488,7 +487,7 @@ def _event(b: Bifurcation) -> dict[str, Any]:
 # --- the command
 
 
-def _size(scene: Scene, options: Options) -> Size:
+def _size(scene: Scene) -> Size:
     n = scene.orbits.starts + 1
     return Size(f"{n} runs", n, n, 0.0, n, 300.0 * n, 100.0 * n, 0.0)
 
@@ -500,9 +499,9 @@ COMMAND = Command(
         "curve.png",
     ),
     size=_size,
-    drawing=lambda scene, options: Drawing(400e3, 120e6, 5.0),
+    drawing=lambda scene: Drawing(400e3, 120e6, 5.0),
     sample=None,
-    not_foreseen=lambda scene, options: [
+    not_foreseen=lambda scene: [
         "how many branches there are, and so the time, is not known before"
     ],
     has_budget=True,

@@ -74,8 +74,6 @@ class Result:
     values : object
         What the analysis returned, from which all of this was made: a frozen dataclass, or a tuple
         of two where an explanation or a question belongs to it.
-    options : Mapping[str, Any]
-        Arguments beside the scene, as run.json keeps them.
     error : Mapping[str, Any]
         Bounds on errors, the entry `error` of run.json: of one event, and of a measured cam
         ``error["lift_table"]``: its fit, the bound on c_thetatheta, and ``first_detachment_rpm``,
@@ -96,7 +94,6 @@ class Result:
     notes: tuple[str, ...] = ()
     complete: bool = True
     faults: tuple[PieceFault, ...] = ()
-    options: Mapping[str, Any] = field(default_factory=dict)
     files: Mapping[str, Callable[[BinaryIO], Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -164,7 +161,7 @@ class Result:
         with gathering() as faults:
             gather(self.faults)
             blamed, kept = self._write_files(folder, plot)
-            record = self._record(faults, folder.hashes | kept, plot or bool(kept), from_disk)
+            record = self._record(faults, folder.hashes | kept, from_disk)
             text = piece("the summary", partial(to_text, record))
             if text is None:
                 record |= {"result": None, "piece_faults": fault_records(faults)}
@@ -208,7 +205,7 @@ class Result:
         return blamed, kept
 
     def _record(
-        self, faults: Sequence[PieceFault], artefacts: Mapping[str, str], plot: bool, from_disk: int
+        self, faults: Sequence[PieceFault], artefacts: Mapping[str, str], from_disk: int
     ) -> dict[str, Any]:
         """The content of run.json."""
         errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
@@ -217,7 +214,6 @@ class Result:
             command=self.command,
             scene=resolved(self.scene),
             scene_sha256=scene_hash(self.scene),
-            options={**self.options, "plot": plot},
             cost=cost_record(self.cost, self.seconds, from_disk),
             error=errors,
             verdict=said,

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from math import degrees, isfinite
+from math import degrees
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.integrate import Cost
-from camcli.api.command import Command, Drawing, Options, Size, sample
+from camcli.api.command import Command, Drawing, Size, sample
 from camcli.api.lift_table import lost_between
-from camcli.api.machine import Machine, machine_of
+from camcli.api.machine import Machine, machine_of, with_arguments
 from camcli.api.result import Progress, Result, drawn_by
-from camcli.errors import Fault, SceneError, Status
+from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.scene import Scene
@@ -51,6 +51,8 @@ def simulate(
     scene : Scene, optional
         The machine, the speed ``run.rpm``, the start and the number of turns; the default scene if
         left out. ``simulate.samples`` points a turn are sampled beside the events.
+        ``simulate.profile_only``, ``base_radius`` and ``animate`` ask for what the arguments of
+        these names do.
     progress : callable, optional
         Not called: one orbit is one piece.
     profile_only : bool
@@ -86,9 +88,17 @@ def simulate(
     Closing a chatter by its map: A. B. Nordmark and P. T. Piiroinen, Nonlinear Dynamics 58 (2009)
     85-106.
     """
-    machine = machine_of(scene)
-    if profile_only:
-        return _profile(machine, base_radius)
+    machine = machine_of(
+        with_arguments(
+            scene,
+            "simulate",
+            profile_only=profile_only,
+            base_radius=base_radius,
+            animate=animate,
+        )
+    )
+    if machine.scene.simulate.profile_only:
+        return _profile(machine)
     from camcli.analysis.simulate import simulate as run
 
     scene, system = machine.scene, machine.system
@@ -114,8 +124,7 @@ def simulate(
             "corners_deg": [degrees(corner) for corner in found.corners],
         },
         pictures={"simulate": draw},
-        files=_films(machine, found) if animate and found.trajectory else {},
-        options={"animate": True} if animate else {},
+        files=_films(machine, found) if scene.simulate.animate and found.trajectory else {},
         cost=found.cost,
         seconds=watch.seconds,
         notes=(
@@ -148,18 +157,15 @@ def _write_film(machine: Machine, found: Simulation, kind: str, file: BinaryIO) 
     write_animation(draw_frames(found, machine.system, outline, turns), file, kind)
 
 
-def _profile(machine: Machine, base_radius: float | None) -> Result:
+def _profile(machine: Machine) -> Result:
     """The cam of a scene over one turn, and what a flat face or a roller needs of it."""
     from camcli.analysis.cam_profile import profile
 
     scene = machine.scene
-    if base_radius is not None and not (isfinite(base_radius) and 0.0 < base_radius <= 1e6):
-        found, expected = f"found {base_radius}", "expected a radius greater than 0, at most 1e6"
-        raise SceneError(Fault("--base-radius", "", found, expected, "give it in m"))
     others = [scene.model_copy(update={"cam": cam}) for cam in scene.simulate.beside]
     machines = [machine, *map(machine_of, others)]
     bases = [getattr(one.scene.cam, "base_radius", None) for one in machines]
-    bases[0] = bases[0] if base_radius is None else base_radius
+    bases[0] = scene.simulate.base_radius or bases[0]
     alike = next(filter(None, bases), None)  # cams side by side, where one does not say
     bases = [base or alike for base in bases]
     rpm, samples = scene.run.rpm, scene.simulate.samples
@@ -177,7 +183,6 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
             spring = f.mass * f.gravity + f.preload + f.stiffness * c
             yield theta, c, c1, c2, spring + omega * (f.damping * c1 + f.mass * (omega * c2))
 
-    options = {"profile_only": True, "base_radius": base_radius}
     return Result(
         command="simulate",
         scene=scene,
@@ -192,7 +197,6 @@ def _profile(machine: Machine, base_radius: float | None) -> Result:
         cost=Cost(),
         seconds=watch.seconds,
         notes=tuple(undercut_notes(result, machine.system)),
-        options={key: value for key, value in options.items() if value is not None},
     )
 
 
@@ -250,9 +254,12 @@ PER_POINT = 1000.0  # bytes of memory of a point on a drawn curve,
 FINER, MOST_POINTS = 8, 400_000  # which has so many a row, but no more in all (plots/simulate.py)
 
 
-def _size(scene: Scene, options: Options) -> Size:
+FILM = 400e3  # bytes of the animations, about
+
+
+def _size(scene: Scene) -> Size:
     samples, run = scene.simulate.samples, scene.run
-    if options.get("profile_only"):
+    if scene.simulate.profile_only:
         n = samples * (1 + len(scene.simulate.beside))
         return Size(f"{n} samples", 1, 0, 0.0, n, 350.0 * n, 80.0 * n, 0.0)
     rows, turns = samples * run.record, run.transient + run.record
@@ -260,9 +267,9 @@ def _size(scene: Scene, options: Options) -> Size:
     return Size(what, run.record, 1, turns, 0, 240.0 * rows, 100.0 * rows, 0.0)
 
 
-def _drawing(scene: Scene, options: Options) -> Drawing:
+def _drawing(scene: Scene) -> Drawing:
     points = 0
-    if not options.get("profile_only"):
+    if not scene.simulate.profile_only:
         rows = scene.simulate.samples * min(scene.simulate.plot_turns, scene.run.record)
         points = min(FINER * rows, max(2 * rows, MOST_POINTS))
     return Drawing(290e3, 70e6 + PER_POINT * points, 5.0)
@@ -273,8 +280,8 @@ def _sample(scene: Scene, n: int) -> Scene:
     return sample(scene, None, record=turns)
 
 
-def _not_foreseen(scene: Scene, options: Options) -> list[str]:
-    if options.get("animate"):
+def _not_foreseen(scene: Scene) -> list[str]:
+    if scene.simulate.animate:
         return ["drawing the animation comes on top, some 10 to 20 s"]
     return []
 
@@ -287,6 +294,7 @@ COMMAND = Command(
     ),
     size=_size,
     drawing=_drawing,
+    beside=lambda scene: FILM if scene.simulate.animate else 0.0,
     sample=_sample,
     not_foreseen=_not_foreseen,
 )  # fmt: skip

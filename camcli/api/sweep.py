@@ -20,7 +20,7 @@ from camcli.analysis.labels import period_of
 from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
-from camcli.api.command import EXPLAINING, Command, Drawing, Options, Size, fewer, sample
+from camcli.api.command import EXPLAINING, Command, Drawing, Size, fewer, sample
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of, start_of
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.rows import IMPACTS, SPEEDS, STROBE, blocks, speed_row
@@ -403,7 +403,7 @@ def ranges(found: Sweep) -> list[tuple[str, str, tuple[str | int, ...], Speed, S
 # --- the command
 
 
-def _size(scene: Scene, options: Options) -> Size:
+def _size(scene: Scene) -> Size:
     section, run = scene.sweep, scene.run
     turns = run.transient + run.record
     n = section.count + sum(part.num for part in section.zoom)
@@ -422,7 +422,7 @@ def _size(scene: Scene, options: Options) -> Size:
     return Size(what, n, n, n * turns, n, memory, tables, kept)
 
 
-def _drawing(scene: Scene, options: Options) -> Drawing:
+def _drawing(scene: Scene) -> Drawing:
     if len(scene.sweep.vary) == 2:  # map.png
         return Drawing(80e3, 130e6, 30.0)
     return Drawing(360e3, 230e6, 15.0)
@@ -433,7 +433,7 @@ def _sample(scene: Scene, n: int) -> Scene:
     return sample(scene, "sweep", zoom=(), also=(), explain=False, adaptive=False, **few)
 
 
-def _not_foreseen(scene: Scene, options: Options) -> list[str]:
+def _not_foreseen(scene: Scene) -> list[str]:
     said = []
     if scene.sweep.explain:
         said.append(EXPLAINING)

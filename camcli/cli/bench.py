@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, argument, flag, given
 from camcli.cli.report import table
-from camcli.errors import Fault, SceneError
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -47,18 +46,15 @@ def bench(
     The machine of the scene is not used; section bench chooses cases, methods and repeats. Exit
     code 3 if a row of stability fails, or if an error of ours is beyond its bound.
     """
-    from camcli.api.bench import COMMAND, PARTS, plan
+    from camcli.api.bench import COMMAND, plan
     from camcli.cli.run import execute
     from camcli.scene import load_scene
 
-    if part is not None and part not in PARTS:
-        expected = f"expected one of {', '.join(PARTS)}"
-        raise SceneError(Fault("PART", "", f"found '{part}'", expected, "leave it out for all"))
-    values = given("bench", quick=quick) | request.form()
+    values = given("bench", quick=quick) | given("bench", "PART", part=part) | request.form()
     scene = load_scene(request.config, request.sets or (), values)
     if not request.dry_run:
-        return execute(COMMAND, scene, request, show, options={"part": part} if part else {})
-    planned = plan(scene, part)
+        return execute(COMMAND, scene, request, show)
+    planned = plan(scene)
     if request.json:
         print(json.dumps({"command": "bench", "plan": planned}, indent=2))
     else:

@@ -56,9 +56,8 @@ def detach(
         values["detach.force_rpm"] = ([parse_rpm(request.rpm)], "--rpm")
     (top,) = numbers(hold_to, "--hold-to", "one speed in rpm", "--hold-to 3500") or (None,)
     rows = [_tolerance(word) for words in tolerance or () for word in words.split(",")] or None
-    values |= given("detach", hold_to=top, tolerance=rows)
-    options = {"report": True} if report else {}
-    return run("detach", request, values, show, options=options)
+    values |= given("detach", hold_to=top, tolerance=rows, report=report)
+    return run("detach", request, values, show)
 
 
 def _tolerance(text: str) -> dict[str, Any]:

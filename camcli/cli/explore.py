@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from camcli.cli.exit_codes import note
-from camcli.cli.options import DRAWING, VARY, Request, Values, flag, option, refuse_idle
+from camcli.cli.options import DRAWING, VARY, Request, Values, flag, given, option, refuse_idle
 from camcli.errors import Fault, SceneError, plural, printable
 
 if TYPE_CHECKING:
@@ -44,9 +44,10 @@ def explore(
         cure = "e.g. --with basins,map"
         raise SceneError(Fault("--with", "", f"found '{with_}'", "expected basins or map", cure))
     refuse_idle((vary and "map" not in asked, "--vary", "without --with map", "add --with map"))
-    chosen = {f"with_{name}": name in asked for name in ("basins", "map")}
-    options = {**chosen, "source": _source(request)}
-    done = run("explore", request, _values(request, vary or []), _show, options=options)
+    values = _values(request, vary or [])
+    values |= given("explore", "--with", basins="basins" in asked, map="map" in asked)
+    values |= given("explore", "-c", source=source_of(request))
+    done = run("explore", request, values, _show)
     path = (request.folder("explore") / "explore.html").resolve()
     if open_ and not request.dry_run and path.is_file():
         import webbrowser
@@ -69,7 +70,7 @@ def _values(request: Request, vary: list[str]) -> Values:
     return speeds | ranges(others, "sweep", vary, most=2)
 
 
-def _source(request: Request) -> str:
+def source_of(request: Request) -> str:
     """The options that name the scene, as typed in a shell; bytes that are no text as escapes."""
     from shlex import join
 

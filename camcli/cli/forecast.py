@@ -7,7 +7,7 @@ from io import BytesIO
 from math import ceil
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from camcli.api.command import Command, Options, Page, command_of
+from camcli.api.command import Command, Page, command_of
 from camcli.cli.options import Request
 from camcli.cli.report import table
 from camcli.cli.sizes import PROGRAM, drawing_of, in_words
@@ -20,7 +20,7 @@ from camcli.scene import Scene
 if TYPE_CHECKING:
     from camcli.api.result import Result
 
-RECORD, REPORT, FILM = 5e3, 130e3, 400e3  # bytes of run.json, and of what --report, --animate add
+RECORD = 5e3  # bytes of run.json
 MOST = 10.0  # s of all samples, then nothing more is foreseen
 ENOUGH = 1.0  # s after which no larger sample is run
 PER_WORK = 2e-7  # s, for one of it, measured: 1e-7 to 4e-7
@@ -52,21 +52,19 @@ class _Weighed(Checkpoint):
         self.bytes += len(pack(value))
 
 
-def forecast(
-    command: Command, scene: Scene, request: Request, shard: Shard | None, options: Options
-) -> None:
+def forecast(command: Command, scene: Scene, request: Request, shard: Shard | None) -> None:
     """Print what the run would do and cost; nothing is written, and it takes a few seconds."""
     command.check(scene)
-    size, share = command.size(scene, options), 1 if shard is None else shard.total
+    size, share = command.size(scene), 1 if shard is None else shard.total
     notes = [f"shard {shard.number} of {shard.total}: pieces only, no tables"] if shard else []
-    notes += command.not_foreseen(scene, options)
+    notes += command.not_foreseen(scene)
     cost = None
-    if options.get("profile_only"):
+    if size.orbits == 0:
         cost = Cost(0.0, 0.0, 0.0, size.tables, 0.0)
     elif command.sample is not None:
         with stopwatch() as watch, until(lambda: watch.passed() > MOST):
             try:
-                cost = _sampled(command, scene, request, options, watch)
+                cost = _sampled(command, scene, request, watch)
             except CutOffError:
                 notes.append(f"a small part took {MOST:g} s: how long it takes is not known before")
     explained = getattr(getattr(scene, command.name, None), "explain", False)
@@ -74,10 +72,8 @@ def forecast(
         most = scene.run.work_budget
         notes.append(f"run.work_budget = {most} ends it after some {PER_WORK * most:.0f} s")
     drawn = not request.no_plot and shard is None
-    drawing, pictures = drawing_of(command, scene, options) if drawn else (0.0, 0.0)
-    more = REPORT if options.get("report") else 0.0
-    if options.get("animate"):
-        more += FILM
+    drawing, pictures = drawing_of(command, scene) if drawn else (0.0, 0.0)
+    more = command.beside(scene)
     files = kept = None
     if cost is not None:
         files = 0 if shard else ceil(cost.recorded + cost.rows + RECORD + pictures + more)
@@ -108,34 +104,30 @@ def _cell(name: str, value: Any) -> str:
     return f"{value:.2g} s" if name == "seconds" else f"{value:.6g}"
 
 
-def _sampled(
-    command: Command, scene: Scene, request: Request, options: Options, watch: Stopwatch
-) -> Cost:
+def _sampled(command: Command, scene: Scene, request: Request, watch: Stopwatch) -> Cost:
     """The cost of a command from samples of it, or of the commands that it is made of."""
     if command.page is not None:
-        return _of_page(command.page, scene, request, options, watch)
+        return _of_page(command.page, scene, request, watch)
     one, times = command.repeated(scene)
     cost, _ = _extrapolated(command, one, request, watch)
-    if times > 1 and command.size(scene, options).rows == 0:  # what grows is not written then
+    if times > 1 and command.size(scene).rows == 0:  # what grows is not written then
         cost = cost._replace(recorded=0.0)
     return Cost(*(times * part for part in cost))
 
 
-def _of_page(
-    page: Page, scene: Scene, request: Request, options: Options, watch: Stopwatch
-) -> Cost:
+def _of_page(page: Page, scene: Scene, request: Request, watch: Stopwatch) -> Cost:
     """The cost of all parts of a page that have samples, and its length."""
     from camcli.api.machine import machine_of
 
     machine = machine_of(scene)
     samples = {}
-    for name, (part, own) in page.parts(machine.scene, options).items():
+    for name, (part, own) in page.parts(machine.scene).items():
         command = command_of(part)
         if command.sample is not None:
             samples[name] = _extrapolated(command, own, request, watch)
     costs = [cost for cost, _ in samples.values()]
     results = {name: result for name, (_, result) in samples.items()}
-    length = page.size(machine, results, options)
+    length = page.size(machine, results)
     return Cost(sum(c.impacts for c in costs), sum(c.seconds for c in costs), 0.0, length, 0.0)
 
 
@@ -148,7 +140,7 @@ def _extrapolated(
     pieces * each, from the two largest samples: a cost that comes once must be told from the rest.
     """
     assert command.sample is not None
-    size = command.size(scene, {})
+    size = command.size(scene)
     for_work(size.turns or LITTLE_WORK + 1)  # a sample runs as the whole will
     samples: list[tuple[Scene, Cost]] = []
 
@@ -160,14 +152,14 @@ def _extrapolated(
     with stopwatch() as own:
         while n <= LARGEST and (len(samples) < enough or own.passed() < ENOUGH):
             small, weighed = command.sample(scene, n), _Weighed()
-            pieces = command.size(small, {}).pieces
+            pieces = command.size(small).pieces
             result = command.in_pieces(Work(request.threads, weighed))(small, tick)
             samples.append((small, _cost_of(result, weighed.bytes)))
             if pieces == size.pieces:
                 break
             n *= 2
     small, last = samples[-1]
-    part = command.size(small, {})
+    part = command.size(small)
     if size.turns:
         turns, rows = size.turns / part.turns, size.rows / max(1, part.rows)
         recorded = size.orbits * scene.run.record / (part.orbits * small.run.record)
@@ -177,7 +169,7 @@ def _extrapolated(
     fixed = Cost(0.0, 0.0, 0.0, 0.0, 0.0)
     if len(samples) > 1:
         before, earlier = samples[-2]
-        share = part.pieces / (part.pieces - command.size(before, {}).pieces)
+        share = part.pieces / (part.pieces - command.size(before).pieces)
         pairs = zip(earlier, last, strict=True)
         fixed = Cost(*(min(b, max(0.0, b - share * (b - a))) for a, b in pairs))
     scale = size.pieces / part.pieces

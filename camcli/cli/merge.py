@@ -33,12 +33,12 @@ def merge(
     order, then cam merge DIR: the same artefacts, byte for byte, as of one run.
     """
     paths = _paths(parts or [Path("out")])
-    record, told_by = _record(paths)
-    no_plot = request.no_plot or not record.options.plot
+    record, told_by, drawn = _record(paths)
+    no_plot = request.no_plot or not drawn
     scene = record.load(folder, Path(), str(told_by))
     request = replace(request, out=request.out or paths[0].parent, no_plot=no_plot)
     command = command_of(record.command)
-    check_before(command, scene, request.folder(command.name), {}, not no_plot)
+    check_before(command, scene, request.folder(command.name), not no_plot)
     show = import_module(f"camcli.cli.{record.command}").show
     return execute(command, scene, request, show, parts=tuple(paths))
 
@@ -55,8 +55,8 @@ def _paths(given: Sequence[Path]) -> list[Path]:
     return found
 
 
-def _record(paths: Sequence[Path]) -> tuple[Record, Path]:
-    """The record of the run that the parts belong to, and the last part.
+def _record(paths: Sequence[Path]) -> tuple[Record, Path, bool]:
+    """The record of the run that the parts belong to, the last part, and whether it draws.
 
     The values of a scene that decide no number (how pictures look) are those of the last part.
 
@@ -91,7 +91,7 @@ def _record(paths: Sequence[Path]) -> tuple[Record, Path]:
                 cure = "run the same command again, it goes on"
                 raise _refusal(path, "found a part not complete", cure)
     key = json.loads(first)
-    whole = {**key, "scene": {**scene, **key["scene"]}, "options": {"plot": plot}}
+    whole = {**key, "scene": {**scene, **key["scene"]}}
     record = record_of(json.dumps(whole, default=repr), path)
     if record.program_sha256 != program_hash():
         cure = "merge with the version that computed the parts"
@@ -104,7 +104,7 @@ def _record(paths: Sequence[Path]) -> tuple[Record, Path]:
         more = ", ..." if lacking[total] > SHOWN else ""
         found = f"found {len(numbers[total])} of {total} parts, not there: {names}{more}"
         raise _refusal("", found, "run --shard of those too", "expected all")
-    return record, path
+    return record, path, plot
 
 
 def _differ(one: str, two: str) -> str:

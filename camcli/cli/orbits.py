@@ -88,7 +88,7 @@ def orbits(
     ends = numbers(between or None, "--in", "two numbers LO:HI", "0.6:0.9")
     values |= given("orbits", "--in", curve_in=name or None, curve_range=ends)
     values |= given("orbits", range=numbers(range_, "--range", "two numbers LO:HI", "0.6:0.9"))
-    return run("orbits", request, values, show, options={"prove": True} if prove else None)
+    return run("orbits", request, values | given("orbits", prove=prove), show)
 
 
 def _speeds(request: Request) -> Values:

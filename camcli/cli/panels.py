@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from camcli.cli.exit_codes import note
 from camcli.cli.options import Request
 from camcli.errors import Fault, SceneError
@@ -25,14 +22,14 @@ CURES = {  # what makes a command draw what it does not draw in this run
 MOST_WINDOWS = 3  # speeds whose basins are drawn as windows
 
 
-def check_panels(command: str, scene: Scene, request: Request, options: Mapping[str, Any]) -> None:
+def check_panels(command: str, scene: Scene, request: Request) -> None:
     """Raise SceneError for panels of the command line that this run does not draw.
 
     The scene's own may be meant for another command: where none of them is drawn, a note says so.
     """
     if scene.plot.panels is None or command not in PANELS or request.no_plot:
         return
-    pictures, now = PANELS[command], _drawn(command, scene, options)
+    pictures, now = PANELS[command], _drawn(command, scene)
     known = [name for picture in now for name in pictures[picture]]
     wrong = [name for name in scene.plot.panels if name not in known]
     sets = [text.partition("=")[0].strip() for text in request.sets or ()]
@@ -69,10 +66,10 @@ def _fault(where: str, command: str, name: str, known: list[str]) -> Fault:
     return Fault(where, "plot.panels", found, expected, cure)
 
 
-def _drawn(command: str, scene: Scene, options: Mapping[str, Any]) -> list[str]:
+def _drawn(command: str, scene: Scene) -> list[str]:
     """Which of the command's pictures this run draws."""
     if command == "simulate":
-        return ["profile" if options.get("profile_only") else "motion"]
+        return ["profile" if scene.simulate.profile_only else "motion"]
     if command == "sweep":
         return ["map" if len(scene.sweep.vary) == 2 else "diagram"]
     if command == "basins":

@@ -5,15 +5,13 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 from pydantic import (
     AfterValidator,
     BaseModel,
-    ConfigDict,
     StringConstraints,
     ValidationError,
-    model_validator,
 )
 
 from camcli.api import ANALYSES
@@ -27,6 +25,7 @@ from camcli.errors import Fault, SceneError, shown
 from camcli.output.program import program_hash
 from camcli.output.run_folder import RECORD, run_folder, unchanged
 from camcli.scene import Scene, load_scene
+from camcli.scene.schema import PictureFormat
 
 HOME = option("Where the files are that the scene names.", "DIR")
 REPEATED = (*SCENE, "dry_run")  # these stand in the record
@@ -58,12 +57,11 @@ def rerun(
         out = request.out
         if out is None:
             out = Path(stack.enter_context(TemporaryDirectory(prefix="cam-rerun-")))
-        options = found.options.arguments()
-        check_before(command, scene, out, options, found.options.plot)
+        check_before(command, scene, out, found.draws)
         place = stack.enter_context(
             run_folder(out, threads=request.threads, names=[*command.artefacts])
         )
-        result, made = compute(command, scene, request, place, options, found.options.plot)
+        result, made = compute(command, scene, request, place, found.draws)
     now = made["artefacts"]
     verdicts = {
         name: MISSING if name not in now
@@ -94,24 +92,16 @@ def rerun(
 # --- what a run.json, or the key of a run's pieces, says of the run: enough to do it again
 
 
-class Options(BaseModel):
-    """What the command line alone decides; all else stands in the scene."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-    plot: bool = True
-    profile_only: bool = False
-    base_radius: float | None = None
-    prove: bool = False
-    animate: bool = False
-    report: bool = False
-    with_basins: bool = False
-    with_map: bool = False
-    source: str = ""
-
-    def arguments(self) -> dict[str, Any]:
-        """Arguments of the API function."""
-        return self.model_dump(exclude={"plot"}, exclude_unset=True)
+EARLIER = {  # what stood beside the scene in a run.json of earlier versions, and where it is now
+    "profile_only": "simulate.profile_only",
+    "base_radius": "simulate.base_radius",
+    "animate": "simulate.animate",
+    "report": "detach.report",
+    "prove": "orbits.prove",
+    "with_basins": "explore.basins",
+    "with_map": "explore.map",
+    "source": "explore.source",
+}
 
 
 def _can_be_rerun(command: str) -> str:
@@ -126,20 +116,16 @@ class Record(BaseModel):
 
     command: Annotated[str, AfterValidator(_can_be_rerun)]
     scene: dict[str, Any]
-    options: Options = Options()
+    options: dict[str, Any] = {}  # of earlier versions
     artefacts: dict[Annotated[str, ARTEFACT], str] = {}
     program_sha256: str = ""
 
-    @model_validator(mode="after")
-    def _own_options(self) -> "Record":
-        """Only options that the command has, and together only what it takes together."""
-        given, own = self.options.model_fields_set - {"plot"}, command_of(self.command).options
-        if others := sorted(given - own):
-            expected = f"expected {', '.join(sorted(own | {'plot'}))}"
-            raise ValueError(f"options: found {others[0]} of another command, {expected}")
-        if self.options.animate and self.options.profile_only:
-            raise ValueError("options: found animate beside profile_only, expected one of them")
-        return self
+    @property
+    def draws(self) -> bool:
+        """Whether the run drew a picture."""
+        pictures = command_of(self.command).pictures
+        endings = get_args(PictureFormat)
+        return any(f"{name}.{kind}" in self.artefacts for name in pictures for kind in endings)
 
     def load(self, folder: Path | None, beside: Path, name: str = "scene") -> Scene:
         """Its scene, files that it names in a folder of the user's, else `beside` the record.
@@ -148,9 +134,14 @@ class Record(BaseModel):
         """
         cam = self.scene.get("cam")
         outside = isinstance(cam, dict) and cam.get("allow_outside") is True
-        allowed = {"cam.allow_outside": True} if folder is not None and outside else {}
+        values: dict[str, Any] = {}
+        if folder is not None and outside:
+            values["cam.allow_outside"] = True
+        for name, value in self.options.items():
+            if name != "plot":
+                values[EARLIER.get(name, f"options.{name}")] = value
         try:
-            return load_scene(self.scene, allowed, folder=folder or beside)
+            return load_scene(self.scene, values, folder=folder or beside)
         except SceneError as error:
             faults = [
                 replace(fault, cure="say with --folder where it is")

@@ -124,17 +124,15 @@ def run(
     *,
     shard: str | None = None,
     cluster: str | None = None,
-    options: Mapping[str, Any] | None = None,
 ) -> int:
     """Run the command of this name as the user asked for it; returns the exit code.
 
-    values: what the options set in the scene; options: further arguments of the API function.
+    values: what the options set in the scene.
     """
     from camcli.cli.panels import check_panels
 
-    values, more = values | request.form(), options or {}
-    scene = load_scene(request.config, request.sets or (), values, command=name)
-    check_panels(name, scene, request, more)
+    scene = load_scene(request.config, request.sets or (), values | request.form(), command=name)
+    check_panels(name, scene, request)
     if not request.quiet:
         _tell(scene, request.config)
 
@@ -147,23 +145,22 @@ def run(
         if name in machine.said and not request.quiet:
             note(f"note: {machine.said[name]}")
     command, part = command_of(name), shard_of(shard)
-    check_before(command, scene, request.folder(name), more, not request.no_plot, part)
+    check_before(command, scene, request.folder(name), not request.no_plot, part)
     if request.dry_run:
         from camcli.cli.forecast import forecast
 
         with compiling(request):
-            forecast(command, scene, request, part, more)
+            forecast(command, scene, request, part)
         return DONE
     if not request.quiet:
-        _tell_of_size(command, scene, more)
-    return execute(command, scene, request, show, shard=part, cluster=cluster, options=options)
+        _tell_of_size(command, scene)
+    return execute(command, scene, request, show, shard=part, cluster=cluster)
 
 
 def check_before(
     command: Command,
     scene: Scene,
     folder: Path,
-    options: Mapping[str, Any],
     drawn: bool,
     shard: Shard | None = None,
 ) -> None:
@@ -174,14 +171,14 @@ def check_before(
         from camcli.plots.style import check_look
 
         check_look(scene.plot.font, scene.plot.style)
-    refuse_too_large(command, scene, folder, options, drawn=drawn, shard=shard)
+    refuse_too_large(command, scene, folder, drawn=drawn, shard=shard)
 
 
-def _tell_of_size(command: Command, scene: Scene, options: Mapping[str, Any]) -> None:
+def _tell_of_size(command: Command, scene: Scene) -> None:
     """Note that much will be written."""
     from camcli.cli.sizes import MUCH, in_words
 
-    size = command.size(scene, options)
+    size = command.size(scene)
     if max(size.tables, size.kept) > MUCH:
         files = f"note: this writes at least {in_words(size.tables)} of files"
         files += f", and {in_words(size.kept)} of pieces until then" if size.kept else ""
@@ -189,14 +186,11 @@ def _tell_of_size(command: Command, scene: Scene, options: Mapping[str, Any]) ->
         note(f"{files}; {less}see cam {command.name} --dry-run")
 
 
-def execute(
-    command: Command, scene: Scene, request: Request, show: Show, *,
-    options: Mapping[str, Any] | None = None, **pieces: Any,
-) -> int:  # fmt: skip
+def execute(command: Command, scene: Scene, request: Request, show: Show, **pieces: Any) -> int:
     """Run an analysis of a scene, and say what came out; pieces: see `open_folder`."""
     with open_folder(command, scene, request, **pieces) as folder:
         drawn = not request.no_plot
-        result, record = compute(command, scene, request, folder, options or {}, drawn)
+        result, record = compute(command, scene, request, folder, drawn)
         fault = attempt("the words on the screen", lambda: _say(result, record, request, show))
         if isinstance(fault, PieceFault):  # all files are in their places
             more = [*record["piece_faults"], *fault_records([fault])]
@@ -215,12 +209,11 @@ def compute(
     scene: Scene,
     request: Request,
     folder: RunFolder,
-    options: Mapping[str, Any],
     plot: bool,
 ) -> tuple[Result, Mapping[str, Any]]:
     """The result of an analysis and its run.json, after its artefacts are written."""
     with compiling(request), progress_bar(request.quiet) as progress:
-        result = command.in_pieces(folder.work)(scene, progress, **options)
+        result = command.in_pieces(folder.work)(scene, progress)
         return result, result.write(folder, plot=plot, from_disk=folder.resumed)
 
 
@@ -243,8 +236,7 @@ def open_folder(
     read = {key: values[key] for key in ("follower", "cam", "run", command.name) if key in values}
     key = {"command": command.name, "scene": read} if command.keeps_pieces(scene) else None
     names = [*command.artefacts]
-    drawn = [name.removesuffix(".png") for name in names if name.endswith(".png")]
-    names += [f"{name}.{kind}" for name in drawn for kind in scene.plot.formats]
+    names += [f"{name}.{kind}" for name in command.pictures for kind in scene.plot.formats]
     with run_folder(
         place, key, threads=request.threads, cluster=cluster, shard=shard, parts=parts,
         names=names, about={"scene": values, "plot": not request.no_plot},

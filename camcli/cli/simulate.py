@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from camcli.cli.options import Request, flag, option, refuse_idle
+from camcli.cli.options import Request, flag, given, option
 from camcli.cli.report import table
 from camcli.errors import plural
 
@@ -56,18 +56,16 @@ def simulate(
     """
     from camcli.cli.run import one_speed, run
 
-    idle = base_radius is not None and not profile_only
-    refuse_idle(
-        (idle, "--base-radius", "without --profile-only", "add --profile-only"),
-        (animate and profile_only, "--animate", "with --profile-only", "leave one of them out"),
-    )
-    show = _show_profile if profile_only else _show
-    options = {"profile_only": True, "base_radius": base_radius} if profile_only else {}
-    options |= {"animate": True} if animate else {}
-    return run("simulate", request, one_speed(request), show, options=options)
+    values = one_speed(request)
+    values |= given("simulate", profile_only=profile_only, base_radius=base_radius, animate=animate)
+    return run("simulate", request, values, show)
 
 
-def _show(result: Result, _: bool) -> None:
+def show(result: Result, _: bool) -> None:
+    """Print the last events, or what a follower needs of the cam."""
+    if result.scene.simulate.profile_only:
+        _show_profile(result)
+        return
     found = result.values
     rows = [
         [name, str(period), f"{theta:.4f}", f"{u:.4g}", f"{after:.4g}"]
@@ -79,7 +77,7 @@ def _show(result: Result, _: bool) -> None:
     table(title, ["event", "period", "theta (deg)", "u- (m/s)", "u+ (m/s)"], rows)
 
 
-def _show_profile(result: Any, _: bool) -> None:
+def _show_profile(result: Any) -> None:
     from camcli.api.simulate import UNITS
     from camcli.system import is_measured, range_words, units_of
     from camcli.words.machine import digits_of

@@ -6,7 +6,7 @@ import os
 import shutil
 from pathlib import Path
 
-from camcli.api.command import Command, Options
+from camcli.api.command import Command
 from camcli.errors import Fault, SceneError
 from camcli.parallel import Shard, memory
 from camcli.scene import Scene
@@ -19,9 +19,9 @@ PAGE, PER_INCH = (170.0, 230.0), 300.0  # mm; dots
 PER_PIXEL = 0.01  # bytes of a PNG for each pixel more
 
 
-def drawing_of(command: Command, scene: Scene, options: Options) -> tuple[float, float]:
+def drawing_of(command: Command, scene: Scene) -> tuple[float, float]:
     """(bytes of memory to draw the pictures of a command, bytes of their files)."""
-    drawing = command.drawing(scene, options)
+    drawing = command.drawing(scene)
     more = max(0.0, _pixels(scene.plot) - _pixels(Plot()))
     files = len(scene.plot.formats) * (drawing.file + PER_PIXEL * more)
     return drawing.memory + drawing.per_pixel * more, files
@@ -40,14 +40,13 @@ def refuse_too_large(
     command: Command,
     scene: Scene,
     folder: Path,
-    options: Options,
     *,
     drawn: bool = True,
     shard: Shard | None = None,
 ) -> None:
     """Raise SceneError for a run whose least need is more than this machine has."""
-    need, share = command.size(scene, options), 1 if shard is None else shard.total
-    drawing = drawing_of(command, scene, options)[0] if drawn and shard is None else 0.0
+    need, share = command.size(scene), 1 if shard is None else shard.total
+    drawing = drawing_of(command, scene)[0] if drawn and shard is None else 0.0
     files = need.kept if shard is not None else need.kept + need.tables
     faults = []
     for have, needed, of, where, cure in (

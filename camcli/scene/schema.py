@@ -119,6 +119,7 @@ Constant = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
 Ends = Annotated[tuple[Constant, Constant], BeforeValidator(items)]
 Side = Annotated[int, Field(strict=True, ge=1, le=MOST_CELLS), BeforeValidator(whole)]
 Sides = Annotated[tuple[Side, Side], BeforeValidator(items)]
+PictureFormat = Literal["png", "pdf", "svg"]
 SectionName = Literal["impacts", "strobe"]
 ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
@@ -331,13 +332,28 @@ class Simulate(Section):
 
     samples: Whole = entry("points per turn in trajectory.csv", 360, ge=1, le=100_000)
     plot_turns: Whole = entry("turns drawn, counted from the end", 3, ge=1, le=MOST_TURNS)
-    beside: Items[Cam] = entry("further cams, drawn beside it (--profile-only)", (), max_length=2)
+    profile_only: Flag = entry("write and draw the cam, simulate nothing", False)
+    base_radius: Number | None = entry(
+        "of the base circle with profile_only, m; null: the cam's", None, gt=0, le=1e6
+    )
+    beside: Items[Cam] = entry("further cams, drawn beside it (profile_only)", (), max_length=2)
+    animate: Flag = entry("also write the machine in motion", False)
+
+    @model_validator(mode="after")
+    def _of_a_motion_or_of_a_cam(self) -> Simulate:
+        if self.base_radius is not None and not self.profile_only:
+            found, cure = "found it without profile_only", "add --profile-only"
+            raise SceneError(Fault("", "base_radius", found, "it means nothing there", cure))
+        if self.animate and self.profile_only:
+            found, cure = "found it with profile_only", "leave one of them out"
+            raise SceneError(Fault("", "animate", found, "it means nothing there", cure))
+        return self
 
 
 class Plot(Section):
     """How pictures are drawn, and in which forms."""
 
-    formats: Names[Literal["png", "pdf", "svg"]] = entry("forms of pictures", ("png",))
+    formats: Names[PictureFormat] = entry("forms of pictures", ("png",))
     width: Number = entry("width, mm", 170.0, ge=40, le=1000)
     height: Number | None = entry("mm; null: as the panels need, at most 230", None, ge=30, le=1000)
     font: str | None = entry("a font's name; null: DejaVu Sans", None, min_length=1, max_length=200)
@@ -424,6 +440,7 @@ class Detach(Section):
     )
     tolerance: Keyed[Tolerance] = entry("numbers of the machine that may be off", (), max_length=6)
     machines: Whole = entry("machines sampled within the tolerances", 100, ge=1, le=100_000)
+    report: Flag = entry("also write a page for print; hold_to is then the end of rpm", False)
 
 
 class OrbitsRange(RpmRange):
@@ -454,6 +471,7 @@ class Orbits(Varying):
     curve: CurveKind | None = entry("kind of bifurcation to continue in two parameters", None)
     curve_in: ParameterName = entry("second parameter of the curve", "restitution")
     curve_range: Ends | None = entry("range of curve_in; null: orbits.range beside rpm", None)
+    prove: Flag = entry("prove what was found, in ball arithmetic", False)
 
 
 class BasinsRange(RpmRange):
@@ -515,6 +533,14 @@ class Classify(Varying):
         return self
 
 
+class Explore(Section):
+    """What `cam explore` shows beside the motions of a sweep; its speeds are those of sweep.rpm."""
+
+    basins: Flag = entry("the basins at basins.rpm, and motions from a grid of starts", False)
+    map: Flag = entry("the map over sweep.vary, and motions at a grid of its points", False)
+    source: str = entry("options that name the scene, in the page's commands", "-c SCENE.yaml")
+
+
 CaseName = Literal[
     "periodic", "chatter", "incomplete", "p3", "chaotic", "critical", "overdamped", "stiff",
     "eccentric",
@@ -527,6 +553,7 @@ METHODS = get_args(MethodName)
 class Bench(Section):
     """What `cam bench` measures: motions, methods and how often."""
 
+    part: Literal["precision", "stability", "scale"] | None = entry("null: all of them", None)
     cases: Names[CaseName] = entry("motions compared by precision", CASES)
     methods: Names[MethodName] = entry("methods compared by precision", METHODS)
     repeats: Whole = entry("timings of a point, after a first call", 3, ge=1, le=1000)
@@ -582,6 +609,7 @@ class Scene(Section):
     orbits: Orbits = entry("cam orbits", default_factory=Orbits)
     classify: Classify = entry("cam classify", default_factory=Classify)
     basins: Basins = entry("cam basins", default_factory=Basins)
+    explore: Explore = entry("cam explore", default_factory=Explore)
     bench: Bench = entry("cam bench", default_factory=Bench)
     figure: Figure | None = entry("cam figures: what this scene draws", None)
 

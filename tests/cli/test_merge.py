@@ -41,7 +41,7 @@ def test_merged_is_the_same_to_the_byte(cam, tmp_path, total, words):
     cam("merge parts -o merged", code=0)  # no shard was to draw
     assert but_record(files(tmp_path / "merged")) == but_record(files(tmp_path / "whole"))
     one, two = (json.loads((tmp_path / f / "run.json").read_text()) for f in ("merged", "whole"))
-    for key in ("scene", "scene_sha256", "options", "artefacts", "result", "program_sha256"):
+    for key in ("scene", "scene_sha256", "artefacts", "result", "program_sha256"):
         assert one[key] == two[key]
     assert not list((tmp_path / "merged").glob(".*"))
 

@@ -80,21 +80,25 @@ HOSTILE = [
 ]  # fmt: skip
 
 
-OTHERS = [  # (command, options, scene): what a record may hold, and what is said
-    ("simulate", {"prove": True}, {}, "found prove of another command, expected animate"),
-    ("sweep", {"animate": True}, {}, "found animate of another command, expected plot"),
-    ("classify", {"with_map": True}, {}, "found with_map of another command"),
-    ("detach", {"profile_only": True}, {}, "found profile_only of another command"),
-    ("simulate", {"animate": True, "profile_only": True}, {}, "animate beside profile_only"),
-    ("simulate", {"profile_only": True, "base_radius": float("nan")}, {}, "finite number"),
+OTHERS = [  # (command, options of an earlier version, scene), and what is said
+    ("simulate", {"proved": True}, {}, "options"),
+    (
+        "simulate",
+        {"animate": True, "profile_only": True},
+        {},
+        "simulate.animate: found it with pro",
+    ),
+    ("simulate", {"profile_only": True, "base_radius": float("nan")}, {}, "simulate.base_radius"),
+    ("simulate", {}, {"simulate": {"base_radius": 1}}, "found it without profile_only"),
+    ("orbits", {}, {"orbits": {"prove": "perhaps"}}, "orbits.prove"),
     ("simulate", {}, {"run": {"record": 300_000_000}}, "GB of memory"),
     ("sweep", {}, {"run": {"record": 300_000_000}}, "GB of files"),
     ("classify", {}, {"run": {"record": 300_000_000}}, "GB of memory"),
     ("explore", {}, {"run": {"record": 300_000_000}}, "GB of memory"),
     ("basins", {}, {"basins": {"cells": [16384, 16384], "refine": 9}}, "GB of memory"),
     ("simulate", {}, {"run": {"record": float("inf")}}, "run.record: found inf"),
-    ("simulate", {"plot": True}, {"plot": {"style": "absent.mplstyle"}}, "absent.mplstyle"),
-    ("basins", {"plot": True}, {"plot": {"width": 1000, "height": 1000}}, "memory to draw"),
+    ("simulate", {}, {"plot": {"style": "absent.mplstyle"}}, "absent.mplstyle"),
+    ("basins", {}, {"plot": {"width": 1000, "height": 1000}}, "memory to draw"),
 ]
 
 
@@ -102,15 +106,52 @@ OTHERS = [  # (command, options, scene): what a record may hold, and what is sai
 def test_a_record_is_checked_like_a_command_line_before_any_work(
     cam, tmp_path, monkeypatch, command, options, scene, said
 ):
-    """Nothing of it is computed: sizes, options of its own command, finite numbers."""
+    """Nothing of it is computed: sizes, finite numbers, what means nothing together."""
     monkeypatch.setattr("camcli.cli.sizes.memory", lambda: 12e9)
     monkeypatch.setattr("camcli.cli.rerun.compute", None)
     machine = yaml.safe_load((ROOT / "configs" / "eccentric.yaml").read_text())
-    whole = {"command": command, "scene": machine | scene, "artefacts": {"a.csv": "0"}}
+    artefacts = {"a.csv": "0", f"{command}.png": "0"} if "plot" in scene else {"a.csv": "0"}
+    whole = {"command": command, "scene": machine | scene, "artefacts": artefacts}
     record = tmp_path / "run.json"
-    record.write_text(json.dumps({**whole, "options": {"plot": False, **options}}))
+    record.write_text(json.dumps({**whole, "options": options}))
     refused(cam("rerun run.json"), said)
     assert list(tmp_path.iterdir()) == [record]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "simulate --rpm 700 --profile-only --base-radius 0.4",
+        "simulate --rpm 700 --profile-only --no-plot",
+        "orbits --rpm 700 --prove --no-plot",
+    ],
+)
+def test_what_was_asked_for_stands_in_the_scene(cam, tmp_path, line):
+    """The record holds no options, the scene alone gives the same run, and its hash names it."""
+    cam(line, "-o here", code=0)
+    record = json.loads((tmp_path / "here" / "run.json").read_text())
+    assert "options" not in record
+    assert cam("rerun here --json").returncode == 0
+    (tmp_path / "scene.yaml").write_text(json.dumps(record["scene"]))
+    bare = "--no-plot" if "--no-plot" in line else ""
+    cam(f"{record['command']} -c scene.yaml -o there {bare}", code=0)
+    again = json.loads((tmp_path / "there" / "run.json").read_text())
+    assert again["scene_sha256"] == record["scene_sha256"]
+    assert again["artefacts"] == record["artefacts"]
+    cam(f"{record['command']} --rpm 700 -o other --no-plot", code=0)
+    other = json.loads((tmp_path / "other" / "run.json").read_text())
+    assert other["scene_sha256"] != record["scene_sha256"]
+
+
+def test_a_record_of_an_earlier_version_is_run_again(cam, tmp_path):
+    """What stood beside the scene then goes into it."""
+    cam("simulate --rpm 700 --profile-only --no-plot -o here", code=0)
+    path = tmp_path / "here" / "run.json"
+    record = json.loads(path.read_text())
+    del record["scene"]["simulate"]["profile_only"]
+    record["options"] = {"profile_only": True, "plot": False}
+    path.write_text(json.dumps(record))
+    assert json.loads(cam("rerun here --json", code=0).stdout)["same"] is True
 
 
 def test_a_page_without_pictures_is_saved_and_run_again(cam, tmp_path):

@@ -29,71 +29,71 @@ RANGE = {"start": 690.0, "stop": 745.0, "num": 21}
 MASS, LOSS = axis("follower.mass", 1.0, 2.0, 6), axis("follower.restitution", 0.7, 0.8, 5)
 ALSO = [{"q": 0.2, "v": 0.0, "theta_deg": 0.0}, {"q": 0.3, "v": 0.1, "theta_deg": 0.0}]
 PARTS = [{"start": 700.0, "stop": 710.0, "num": 4}, {"start": 730.0, "stop": 735.0, "num": 3}]
-PLANS = [  # command, values, options: words, pieces, orbits, turns of all orbits, rows
-    ("sweep", {"sweep__rpm": RANGE}, {}, "21 speeds of 100 turns, 70 recorded", 21, 21, 2100, 21),
-    ("sweep", {"sweep__rpm": RANGE, "sweep__zoom": PARTS, "sweep__direction": "both"}, {},
+PLANS = [  # command, values: words, pieces, orbits, turns of all orbits, rows
+    ("sweep", {"sweep__rpm": RANGE}, "21 speeds of 100 turns, 70 recorded", 21, 21, 2100, 21),
+    ("sweep", {"sweep__rpm": RANGE, "sweep__zoom": PARTS, "sweep__direction": "both"},
      "56 speeds of 100 turns, 70 recorded", 56, 56, 5600, 56),
-    ("sweep", {"sweep__rpm": RANGE, "sweep__also": ALSO, "sweep__direction": "up"}, {},
+    ("sweep", {"sweep__rpm": RANGE, "sweep__also": ALSO, "sweep__direction": "up"},
      "63 speeds of 100 turns, 70 recorded", 63, 63, 6300, 63),
-    ("sweep", {"sweep__rpm": RANGE, "sweep__vary": [LOSS]}, {},
+    ("sweep", {"sweep__rpm": RANGE, "sweep__vary": [LOSS]},
      "5 speeds of 100 turns, 70 recorded", 5, 5, 500, 5),
-    ("sweep", {"sweep__vary": [LOSS, MASS]}, {},
+    ("sweep", {"sweep__vary": [LOSS, MASS]},
      "30 speeds of 100 turns, 70 recorded", 30, 30, 3000, 30),
-    ("classify", {"classify__rpm": RANGE, "classify__starts": 3}, {},
+    ("classify", {"classify__rpm": RANGE, "classify__starts": 3},
      "21 speeds x 4 starts x 70 recorded turns", 84, 84, 8400, 21),
-    ("basins", {"basins__cells": [30, 20], "basins__refine": 0}, {},
+    ("basins", {"basins__cells": [30, 20], "basins__refine": 0},
      "30 x 20 cells, refined 0 times", 600, 600, 0, 600),
     ("basins", {"basins__cells": [30, 20], "basins__refine": 2,
-                "basins__rpm": {"start": 690.0, "stop": 700.0, "num": 3}}, {},
+                "basins__rpm": {"start": 690.0, "stop": 700.0, "num": 3}},
      "30 x 20 cells, refined 2 times", 1800, 1800, 0, 1800),
     ("basins", {"basins__cells": [30, 20], "basins__vary": [axis("follower.mass", 1.0, 2.0, 4)]},
-     {}, "30 x 20 cells, refined 0 times", 2400, 2400, 0, 0),
-    ("simulate", {"simulate__samples": 90}, {}, "70 recorded turns x 90 samples", 70, 1, 100, 0),
+     "30 x 20 cells, refined 0 times", 2400, 2400, 0, 0),
+    ("simulate", {"simulate__samples": 90}, "70 recorded turns x 90 samples", 70, 1, 100, 0),
     ("simulate", {"simulate__samples": 90,
-                  "simulate__beside": [{"kind": "eccentric", "base": 0.1, "lift": 0.02}] * 2},
-     {"profile_only": True}, "270 samples", 1, 0, 0, 270),
-    ("detach", {"detach__rpm": {"start": 100.0, "stop": 200.0, "num": 17}}, {},
+                  "simulate__beside": [{"kind": "eccentric", "base": 0.1, "lift": 0.02}] * 2,
+                  "simulate__profile_only": True}, "270 samples", 1, 0, 0, 270),
+    ("detach", {"detach__rpm": {"start": 100.0, "stop": 200.0, "num": 17}},
      "17 runs", 17, 17, 0, 17),
-    ("orbits", {"orbits__starts": 7}, {}, "8 runs", 8, 8, 0, 8),
-    ("explore", {"sweep__rpm": RANGE, "basins__cells": [30, 20]}, {"with_basins": True},
+    ("orbits", {"orbits__starts": 7}, "8 runs", 8, 8, 0, 8),
+    ("explore", {"sweep__rpm": RANGE, "basins__cells": [30, 20], "explore__basins": True},
      "21 speeds of 3 sweeps, 600 cells", 21, 663, 6300, 21),
-    ("explore", {"sweep__rpm": RANGE, "sweep__vary": [LOSS, MASS]}, {"with_map": True},
+    ("explore", {"sweep__rpm": RANGE, "sweep__vary": [LOSS, MASS], "explore__map": True},
      "21 speeds of 3 sweeps, 30 points of a map", 21, 93, 9300, 21),
-    ("explore", {"sweep__rpm": RANGE, "sweep__vary": [LOSS]}, {"with_map": True},
+    ("explore", {"sweep__rpm": RANGE, "sweep__vary": [LOSS], "explore__map": True},
      "21 speeds of 3 sweeps, 105 points of a map", 21, 168, 16800, 21),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize("plan", PLANS, ids=lambda plan: f"{plan[0]}: {plan[3]}")
 def test_counts_of_a_plan(plan):
-    name, values, options, *wanted = plan
-    size = command_of(name).size(scene_of(**values), options)
+    name, values, *wanted = plan
+    size = command_of(name).size(scene_of(**values))
     assert [size.what, size.pieces, size.orbits, size.turns, size.rows] == wanted
     assert min(size.memory, size.tables, size.kept) >= 0.0
 
 
 STEPS = {"start": 690.0, "stop": 745.0, "num": 13}
 FILES = [
-    ("sweep", {"sweep__rpm": STEPS}, {}),
-    ("sweep", {"sweep__rpm": STEPS, "sweep__sections": ["impacts"]}, {}),
-    ("sweep", {"sweep__rpm": STEPS, "sweep__sections": ["strobe"], "sweep__also": ALSO}, {}),
-    ("sweep", {"sweep__rpm": STEPS, "sweep__tables": "none", "sweep__direction": "both"}, {}),
-    ("sweep", {"sweep__vary": [LOSS, MASS]}, {}),
-    ("simulate", {"simulate__samples": 360}, {}),
-    ("simulate", {"simulate__samples": 3600}, {"profile_only": True}),
-    ("classify", {"classify__rpm": {"start": 690.0, "stop": 700.0, "num": 11}}, {}),
+    ("sweep", {"sweep__rpm": STEPS}),
+    ("sweep", {"sweep__rpm": STEPS, "sweep__sections": ["impacts"]}),
+    ("sweep", {"sweep__rpm": STEPS, "sweep__sections": ["strobe"], "sweep__also": ALSO}),
+    ("sweep", {"sweep__rpm": STEPS, "sweep__tables": "none", "sweep__direction": "both"}),
+    ("sweep", {"sweep__vary": [LOSS, MASS]}),
+    ("simulate", {"simulate__samples": 360}),
+    ("simulate", {"simulate__samples": 3600, "simulate__profile_only": True}),
+    ("classify", {"classify__rpm": {"start": 690.0, "stop": 700.0, "num": 11}}),
     ("basins", {"basins__rpm": {"start": 700.0, "stop": 700.0, "num": 1},
-                "basins__cells": [25, 25]}, {}),
+                "basins__cells": [25, 25]}),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize("run", FILES, ids=lambda run: f"{run[0]} {sorted(run[1])}")
 def test_the_tables_of_a_plan_are_left(tmp_path, run):
     """Within a factor of two, and some lines for headings."""
-    name, values, options = run
+    name, values = run
     scene = scene_of(**values)
-    size = command_of(name).size(scene, options)
-    getattr(camcli, name)(scene, **options).save(tmp_path, plot=False)
+    size = command_of(name).size(scene)
+    getattr(camcli, name)(scene).save(tmp_path, plot=False)
     files = [path for path in tmp_path.iterdir() if path.suffix == ".csv"]
     left = sum(path.stat().st_size for path in files)
     assert left / 2.0 - 500 <= size.tables <= 2.0 * left + 500

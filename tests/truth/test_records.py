@@ -92,7 +92,6 @@ def test_what_was_run_with_what_and_at_which_cost(tmp_path):
         "command": "simulate", "verdict": [lands],
         "scene": lambda found: found["cam"]["lift"] == 0.012,
         "scene_sha256": lambda text: len(bytes.fromhex(text)) == 32,
-        "options": {"plot": False},
         "cost": {
             "impacts": len(own),
             "seconds": lambda found: 0.0 < found < 100.0,
