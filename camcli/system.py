@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import floor, inf, isfinite, log10, tau
-from typing import NamedTuple
+from math import floor, inf, isfinite, log10, pi, tau
 
 from camcli.cams.compile import Shape, build, column, corners, lift_range
 from camcli.errors import Fault, SceneError
 from camcli.kernel.cam_table import Cam
 from camcli.kernel.flow import RAD_PER_S, Constants, constants_of
 from camcli.kernel.forms import Kernel
+from camcli.quantities import METRES, MILLIMETRES, Units
+
+RPM = 30.0 / pi  # in a radian per second
+SMALL_LIFT = 0.1  # m: lengths of a smaller cam are printed in mm
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,11 @@ class Follower:
 def omega_of(rpm: float) -> float:
     """rad/s from revolutions per minute; exact under scaling by powers of two."""
     return rpm * RAD_PER_S
+
+
+def rpm_of(omega: float) -> float:
+    """Revolutions per minute from rad/s."""
+    return omega * RPM
 
 
 @dataclass(frozen=True)
@@ -110,25 +118,6 @@ class System:
         return [float(value) for value in values]
 
 
-SMALL_LIFT = 0.1  # m: lengths of a smaller cam are printed in mm
-
-
-class Units(NamedTuple):
-    """In which lengths and stiffnesses of a machine are printed: mm where its lift is small."""
-
-    length: str
-    per_m: float
-    stiffness: str
-
-    def lengths(self, metres: float, digits: int = 3) -> str:
-        """With the unit."""
-        return f"{metres * self.per_m:.{digits}g} {self.length}"
-
-    def stiffnesses(self, newtons_per_m: float, digits: int = 4) -> str:
-        """With the unit."""
-        return f"{newtons_per_m / self.per_m:.{digits}g} {self.stiffness}"
-
-
 def decimals(width: float) -> int:
     """How many decimals to show of a number known to within `width`: two digits of the width."""
     return max(0, 1 - floor(log10(width))) if width > 0.0 else 6
@@ -151,4 +140,4 @@ def range_words(low: float, high: float) -> str:
 
 def units_of(system: System) -> Units:
     """Those of a machine."""
-    return Units("mm", 1e3, "N/mm") if system.lift < SMALL_LIFT else Units("m", 1.0, "N/m")
+    return MILLIMETRES if system.lift < SMALL_LIFT else METRES

@@ -35,6 +35,7 @@ from camcli.plots import style
 from camcli.plots.axes import axis_name
 from camcli.plots.mechanism import Outline
 from camcli.plots.sweep_map import cell_edges
+from camcli.quantities import UM
 from camcli.scene import Axis, Scene
 from camcli.scene.schema import RpmRange
 from camcli.system import Follower, System, omega_of, range_words, units_of
@@ -524,7 +525,7 @@ def _measured(machine: Machine) -> str:
     first = detachment(machine.system).first
     by_the_fit = "" if first is None else f" ({first.rpm:.4g} by the fit)"
     return (
-        f"The cam is a smoothed lift table, right to {accuracy.rms * 1e6:.2g} um rms and, in its "
+        f"The cam is a smoothed lift table, right to {accuracy.rms * UM:.2g} um rms and, in its "
         f"second derivative, to {units.lengths(accuracy.bound, 2)}/rad2: contact is first lost at "
         f"{range_words(*between)}{by_the_fit}. Motions and bifurcations are those of the smoothed "
         "cam."

@@ -8,6 +8,7 @@ from math import inf, isfinite, nan, sqrt
 from typing import TYPE_CHECKING, Any
 
 from camcli.errors import shown
+from camcli.quantities import MM, UM
 from camcli.system import is_measured, range_words
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from camcli.scene import Scene
     from camcli.system import System
 
-UM = 1e6  # per m
 UNKNOWN = (nan, nan)  # a bracket
 LONGEST_NAME = 500  # characters of a path in a note
 MEANING = (
@@ -108,7 +108,7 @@ def table_record(cam: TableCam, system: System) -> dict[str, Any]:
 def fit_line(accuracy: Accuracy, file: str) -> str:
     """One line about the fit."""
     return (
-        f"{file}: {accuracy.rows} rows, lift {1e3 * accuracy.lift:.5g} mm, last digit "
+        f"{file}: {accuracy.rows} rows, lift {MM * accuracy.lift:.5g} mm, last digit "
         f"{UM * accuracy.quantum:.3g} um; the cam is within {UM * accuracy.rms:.3g} um rms, "
         f"{UM * accuracy.largest:.3g} um at most (line {accuracy.line}), "
         f"smoothed over {accuracy.length_deg:.2g} deg"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from math import pi, radians, sqrt
+from math import radians, sqrt
 from os import PathLike
 from typing import Any
 
@@ -15,7 +15,7 @@ from camcli.cams.compile import phase_of
 from camcli.errors import Fault, SceneError
 from camcli.scene import Axis, Scene, Varying, load_scene, resolved
 from camcli.scene.schema import Start as SceneStart
-from camcli.system import Follower, System, omega_of
+from camcli.system import Follower, System, omega_of, rpm_of
 
 MOST_COMPILED = 256  # cams kept
 RANGES = {  # of the first loss of contact; of the natural frequency where contact is never lost
@@ -123,10 +123,10 @@ def _natural(system: System) -> tuple[float, bool, str]:
     if first is not None:
         return first.rpm, True, f"from the first loss of contact at {first.rpm:.5g} rpm"
     if f.stiffness > 0.0:
-        speed = sqrt(f.stiffness / f.mass) * 30.0 / pi
+        speed = rpm_of(sqrt(f.stiffness / f.mass))
         return speed, False, f"from the natural frequency, {speed:.5g} per minute"
     pull = max(0.0, f.gravity + f.preload / f.mass)
-    speed = sqrt(pull / _lift(system)[1]) * 30.0 / pi
+    speed = rpm_of(sqrt(pull / _lift(system)[1]))
     return speed, False, "where the cam accelerates as the follower falls"
 
 

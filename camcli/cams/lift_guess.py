@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 from camcli.cams.files import decoded, refused
 from camcli.cams.lift_reading import (
     UNIT_WORDS,
-    UNITS,
     has_quoted_comma,
     number,
     raise_each_cause,
@@ -24,6 +23,7 @@ from camcli.cams.lift_reading import (
     text_lines,
 )
 from camcli.errors import Fault, SceneError, shown
+from camcli.quantities import LENGTHS, MM
 
 LEAST_RUN = 8  # lines
 MOST_HEADER = 3  # lines
@@ -306,16 +306,16 @@ def _lift_unit(found: Guess, numbers: list[float], title: str) -> None:
     unit = next((unit for words, unit in UNIT_WORDS.items() if re.search(words, title)), None)
     if unit is not None:
         found.keys["lift"] = unit
-        if lift * UNITS[unit] > LARGE:
-            said = f"the title says {unit}, but that is a lift of {lift * UNITS[unit]:.4g} m"
+        if lift * LENGTHS[unit] > LARGE:
+            said = f"the title says {unit}, but that is a lift of {lift * LENGTHS[unit]:.4g} m"
             found.doubt("lift", said)
         return
     if lift > LARGEST_THOU:
         unit, why = "um", f"the largest number is {top:g}, too large for thousandths of an inch"
     elif lift > LARGEST_MM:
         unit = "thou"
-        said = f"as thousandths of an inch a lift of {lift * UNITS[unit] * 1e3:.4g} mm"
-        why = f"the largest number is {top:g}: {said}, as mm one of {lift / 1e3:.4g} m"
+        said = f"as thousandths of an inch a lift of {lift * LENGTHS[unit] * MM:.4g} mm"
+        why = f"the largest number is {top:g}: {said}, as mm one of {lift / MM:.4g} m"
     else:
         unit = "mm" if lift > 1.0 else "inch" if lift > 0.05 else "m"
         why = f"the largest number is {top:g}"
@@ -332,7 +332,7 @@ def _radii(found: Guess, numbers: list[float]) -> None:
     if least <= RADII * top:
         return
     found.keys["subtract"] = least
-    unit = found.keys.get("max_lift") or UNITS[found.keys["lift"]]
+    unit = found.keys.get("max_lift") or LENGTHS[found.keys["lift"]]
     found.keys["base_radius"] = float(f"{least * unit:.12g}")
     found.doubt(
         "subtract",

@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from decimal import Decimal, localcontext
-from math import gcd, sqrt
+from math import degrees, gcd, sqrt
 from statistics import median_low
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -20,6 +20,7 @@ import numpy as np
 
 from camcli.cams.files import decoded, refused
 from camcli.errors import Fault, SceneError
+from camcli.quantities import MM
 
 if TYPE_CHECKING:
     from camcli.cams.lift_table import TableCam
@@ -37,9 +38,7 @@ SMALLEST_LIFT, LARGEST_LIFT = 1e-4, 1.0  # m: beyond, the unit is wrong
 SPIKE = 12.0  # last digits: a row further off its neighbours is refused
 BACKGROUND = 8.0  # times the median deviation, likewise
 PATTERN = 0.1  # deviation from the pattern of one wrong row, relative
-DEG = 57.29577951308232
-
-UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "inch": 0.0254, "thou": 0.0254e-3}
+DEG = degrees(1.0)
 UNIT_WORDS = {  # of a title, the more special ones first
     r"\bthou\b|thousandth|\bmils?\b|\b0?\.001 ?(\"|in)|1/1000 ?(\"|in|zoll)": "thou",
     r"\bum\b|[µμ]m|micron|mikrom|microm": "um",
@@ -387,11 +386,11 @@ def _check_sizes(cells: list[Cell], lifts: list[float], quantum: float) -> None:
         cure = "is the unit in cam.lift the file's? And lift_column, rocker_ratio?"
     elif bottom < -0.02 * abs(top) - quantum:
         at = lifts.index(bottom)
-        found = f"found a lift of {1e3 * bottom:.6g} mm, below the base circle"
+        found = f"found a lift of {MM * bottom:.6g} mm, below the base circle"
         expected = "expected lifts from zero up"
         cure = "is lift_column the right column, and cam.subtract right?"
     elif top == bottom or top - bottom < 8.0 * quantum:  # all of them zero where the unit is tiny
-        differ = f"found lifts that differ by {1e3 * (top - bottom):.6g} mm"
+        differ = f"found lifts that differ by {MM * (top - bottom):.6g} mm"
         found = f"{differ}, a few steps of the last digit"
         expected, cure = "expected a lift curve", "write more decimals"
     else:
@@ -419,7 +418,7 @@ def _cover(
         return last + 1, True
     raise_each_cause(
         rows.lift[k].fault(
-            f"the table {end} at {rows.angle[k].value} deg with a lift of {1e3 * lifts[k]:.6g} mm, "
+            f"the table {end} at {rows.angle[k].value} deg with a lift of {MM * lifts[k]:.6g} mm, "
             f"an open end ({float(360 - span):.6g} deg of cam are missing)",
             "expected one turn, or zero lift at both ends",
             "measure down to zero lift, or is cam.angle wrong (crank angles are halved)?",
@@ -508,8 +507,8 @@ def _refuse_spikes(turn: Turn, name: str) -> None:
         Fault(
             f"{name}:{turn.line[k]}",
             "lift",
-            f"found a spike: the row is {1e3 * off[k]:.6g} mm off its neighbours",
-            f"expected at most {1e3 * floor:.6g} mm, {floor / turn.quantum:.3g} last digits",
+            f"found a spike: the row is {MM * off[k]:.6g} mm off its neighbours",
+            f"expected at most {MM * floor:.6g} mm, {floor / turn.quantum:.3g} last digits",
             "correct the row, or remove it",
         )
         for k in np.flatnonzero(spike)

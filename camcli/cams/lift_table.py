@@ -26,6 +26,7 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, 
 from camcli.cams.compile import Part, build
 from camcli.cams.files import read_bytes, refused
 from camcli.errors import SceneError
+from camcli.quantities import LENGTHS
 
 if TYPE_CHECKING:
     from camcli.cams.lift_fit import Accuracy, Errors
@@ -158,10 +159,8 @@ class TableCam(BaseModel):
     @property
     def metres(self) -> float:
         """Lift of the follower, m, where the table has a lift of 1."""
-        from camcli.cams.lift_reading import UNITS
-
         behind = self.rocker_ratio if self.measured_at == "lobe" else 1.0
-        return (self.max_lift or UNITS[self.lift]) * behind
+        return (self.max_lift or LENGTHS[self.lift]) * behind
 
     @cached_property
     def rougher(self) -> tuple[TableCam, Cam]:

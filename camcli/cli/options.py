@@ -19,6 +19,7 @@ from typer.core import TyperCommand
 from typer.models import OptionInfo
 
 from camcli.errors import Fault, SceneError, shown
+from camcli.quantities import PAPER
 
 MOST_THREADS = 4096
 Values = dict[str, tuple[Any, str]]  # scene path -> (value, option it came from)
@@ -133,7 +134,6 @@ class Request:
 
 FULL = 92  # columns: a longer line of a docstring was broken because it was full
 ENTRY = re.compile(r"\S.{0,24}?  +")  # NAME  what it is, in a docstring
-UNITS = {"": 1.0, "mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0}  # mm
 SCENE = ("config", "sets", "rpm", "points")
 DRAWING = ("formats", "width", "height", "font", "style", "no_title", "panels")
 
@@ -148,9 +148,9 @@ def _millimetres(text: str | None, name: str) -> float | None:
         return None
     match = re.fullmatch(r"\s*(\d+\.?\d*)\s*(|mm|cm|in|pt)\s*", text)
     if match is None:
-        expected = f"expected a number and one of {', '.join(filter(None, UNITS))}"
+        expected = f"expected a number and one of {', '.join(PAPER)}"
         raise SceneError(Fault(f"--{name}", "", f"found '{text}'", expected, "e.g. 85mm"))
-    return float(match[1]) * UNITS[match[2]]
+    return float(match[1]) * PAPER[match[2] or "mm"]
 
 
 VARY = option("A number of the scene to vary, as in --set.", "KEY=LO:HI")

@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from camcli.quantities import UM
+
 if TYPE_CHECKING:
     from camcli.api.result import Progress
 
@@ -60,7 +62,7 @@ def cost_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
     per_impact = costs["gap_evaluations"] / max(1, costs["impacts"])
     contact = f"contact within {errors['contact_gap_m']:.1g} m"
     if table := errors.get("lift_table"):
-        off = f"{table['rms'] * 1e6:.2g} um rms"
+        off = f"{table['rms'] * UM:.2g} um rms"
         contact += f" of the fitted cam, which is within {off} of its measured table"
     return (
         f"{costs['impacts']} impacts{took}{per_impact:.2g} gap evaluations each); "

@@ -14,14 +14,15 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 from camcli.cams.compile import column
 from camcli.kernel.cam_table import PIECE, TERMS, Cam
 from camcli.plots import style
-from camcli.system import System, Units, units_of
+from camcli.quantities import LENGTHS, Units, labelled
+from camcli.system import System, units_of
 
 if TYPE_CHECKING:
     from camcli.analysis.contact_loss.force import ForceCurve
 
 Corners = Iterable[tuple[str, float]]  # names and phases (deg)
 TURN_DEG = 360.0
-UNITS, SMALL = {"m": 1.0, "mm": 1e-3}, 0.02  # less than this share of a unit is in the next one
+SMALL = 0.02  # of a unit: lengths that are all smaller are shown in the next one
 NARROW_DEG = 120.0  # impact phases within less are shown enlarged
 DOTTED, DASHED = (0, (1, 2)), (0, (3.2, 1.6))
 ROOM = {"x": 6.0, "y": 6.5}  # pt, from one name or number beside a panel to the next
@@ -127,9 +128,9 @@ def turn_axis(axes: Axes, corners: dict[str, float], **more: Any) -> None:
 
 def length_axis(axis: Axis, name: str, largest: float) -> None:
     """The name of an axis over lengths in m, whose numbers are mm or µm where all are small."""
-    unit, size = next(((u, s) for u, s in UNITS.items() if largest >= SMALL * s), ("µm", 1e-6))
-    _count(axis, size)
-    axis.set_label_text(f"{name} ({unit})")
+    unit = next((unit for unit in ("m", "mm") if largest >= SMALL * LENGTHS[unit]), "um")
+    _count(axis, LENGTHS[unit])
+    axis.set_label_text(labelled(name, unit))
 
 
 def unit_axis(axis: Axis, name: str, units: Units, per: str = "", **text: Any) -> None:

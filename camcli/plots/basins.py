@@ -15,7 +15,8 @@ from camcli.errors import plural
 from camcli.plots import style
 from camcli.plots.axes import axis_name, one_of, unit_axis, valued
 from camcli.plots.picture import Panel, Picture
-from camcli.system import System, Units, omega_of, units_of
+from camcli.quantities import Units
+from camcli.system import System, omega_of, units_of
 
 MOST_NAMED = 12  # attractors in the list
 CHARS, RANGE_CHARS = 60, 24  # of a label in the list

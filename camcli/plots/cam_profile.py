@@ -15,7 +15,8 @@ from camcli.plots import style
 from camcli.plots.axes import LIFTS, draw_forces, newtons, padded, say, turn_axis, unit_axis
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
-from camcli.system import Units, range_words
+from camcli.quantities import Units
+from camcli.system import range_words
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ from camcli.plots import style
 from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, newtons, say, turn_axis
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture, Rows
-from camcli.system import System, Units, is_measured, range_words, units_of
+from camcli.quantities import Units
+from camcli.system import System, is_measured, range_words, units_of
 
 PHASES, FORCE = 62.0, 46.0  # mm
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins

@@ -22,7 +22,8 @@ from camcli.cams import ArcsCam, EccentricCam
 from camcli.plots import style
 from camcli.plots.axes import lift
 from camcli.plots.picture import Panel
-from camcli.system import System, Units, units_of
+from camcli.quantities import Units
+from camcli.system import System, units_of
 
 NARROW = 35.0  # mm, of a panel without room for the names of corners
 GUESSED = 1.5  # lifts, a base radius that is not known

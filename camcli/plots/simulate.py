@@ -27,7 +27,8 @@ from camcli.plots.axes import (
 )
 from camcli.plots.mechanism import Outline, draw_machine
 from camcli.plots.picture import Panel, Picture
-from camcli.system import System, Units, units_of
+from camcli.quantities import Units
+from camcli.system import System, units_of
 from camcli.words.statuses import CAUSES
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns

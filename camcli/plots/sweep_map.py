@@ -15,7 +15,7 @@ from camcli.plots import style
 from camcli.plots.axes import axis_name, valued
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import colour_of, kind_of
-from camcli.system import Units
+from camcli.quantities import Units
 
 HEIGHT = 90.0  # mm
 NAMES = {

@@ -8,6 +8,7 @@ from camcli.analysis.contact_loss.detachment import AlwaysLost, Quantity, Reason
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.errors import Status
+from camcli.quantities import MM
 
 
 def sentences(result: ContactLoss) -> list[str]:
@@ -105,7 +106,7 @@ def spring(hold: Hold) -> str:
     if hold.obstacle is Obstacle.KINK:
         return "impossible: at a downward kink the cam throws the follower off at any speed"
     if hold.obstacle is Obstacle.SOLID:
-        deep = f"{(hold.missing_n or 0.0) * 1e3:.3g} mm before the highest lift"
+        deep = f"{(hold.missing_n or 0.0) * MM:.3g} mm before the highest lift"
         return f"impossible: compressed so far the spring is solid {deep}"
     if hold.obstacle is not None:
         lacking = f"{hold.missing_n:.6g} N are missing"

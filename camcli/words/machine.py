@@ -7,9 +7,9 @@ from typing import Any
 from camcli.analysis.throw import throw_height
 from camcli.cams import cam_name
 from camcli.cams.compile import lift_range
+from camcli.quantities import MM
 from camcli.system import System, units_of
 
-MM = 1e3  # per m
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
 LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
 LARGE_RADIUS = 1.0  # m

@@ -6,7 +6,8 @@ from typing import Any
 
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
-from camcli.system import Units, decimals, units_of
+from camcli.quantities import Units
+from camcli.system import decimals, units_of
 from camcli.words.detach import way
 from camcli.words.detach_tables import spacing
 from camcli.words.machine import crank_of

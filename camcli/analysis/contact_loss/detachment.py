@@ -8,15 +8,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache
-from math import inf, pi
+from math import inf
 
 from camcli.analysis.bracketing import NARROW
 from camcli.analysis.contact_loss.force import DEG, Force
 from camcli.cams.regions import Region
 from camcli.kernel.cam_table import TURN, stretch_at
-from camcli.system import System, omega_of
-
-RPM = 30.0 / pi  # rpm per rad/s
+from camcli.system import System, omega_of, rpm_of
 
 
 class Quantity(StrEnum):
@@ -143,7 +141,7 @@ def _critical(
     if omega in (0.0, inf):
         status = SpeedStatus.NEVER if omega == inf else SpeedStatus.STANDSTILL
         return CriticalSpeed(quantity, region.name, theta, omega, omega, omega, status)
-    rpm = omega * RPM
+    rpm = rpm_of(omega)
     low, high = rpm * (1.0 - NARROW), rpm * (1.0 + NARROW)
     below, above = (force.newton(i, theta, omega_of(side)) for side in (low, high))
     good = below > 0.0 >= above and (quantity != Quantity.OPENS or force.held(region, low))
@@ -174,7 +172,7 @@ def first_loss(system: System, errors: Sequence[float] = (0.0,), share: float = 
     share: by how much of them it is off, from -1, lost soonest, to 1.
     """
     force = Force(system, _shared(errors, share))
-    return force.lowest(lambda i, x: force.lost(i, x)[0])[0] * RPM
+    return rpm_of(force.lowest(lambda i, x: force.lost(i, x)[0])[0])
 
 
 def loss_range(system: System, errors: Sequence[float], rough: System) -> tuple[float, float]:
@@ -185,7 +183,7 @@ def loss_range(system: System, errors: Sequence[float], rough: System) -> tuple[
     """
     weak, late = Force(rough), Force(system, _shared(errors, 1.0))
     theta = weak.lowest(lambda i, x: weak.lost(i, x)[0])[2]
-    high = late.lost(stretch_at(system.cam, theta), theta)[0] * RPM
+    high = rpm_of(late.lost(stretch_at(system.cam, theta), theta)[0])
     return first_loss(system, errors, -1.0), high
 
 

@@ -1,0 +1,199 @@
+"""Quantities, one row each: column, unit and words; and how their units convert.
+
+Heads of tables, help, axes, tables on the screen and the descriptions of the JSON Schema are made
+from these rows; which table has which of them stands in `camcli/words/tables.py`. Numbers are in SI
+in a table, and a unit is written as one says it: `m/s2`, `N s/m`, `1/turn`.
+
+Angles are converted by `math.degrees` and `math.radians`, speeds by `omega_of` and `rpm_of` of
+`camcli/system.py`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+MM = 1e3  # in a metre
+UM = 1e6  # in a metre
+MPA = 1e-6  # in a pascal
+LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "inch": 0.0254, "thou": 0.0254e-3}  # in m
+PAPER = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0}  # in mm: sizes of pictures
+OF_LENGTH = ("m", "m/rad", "m/rad2")  # shown in the length of the machine
+
+
+class Quantity(NamedTuple):
+    """What is known of a quantity beside its values.
+
+    column
+        Its name in a table, which ends in its unit.
+    unit
+        Of the numbers in a table; empty for a bare number and for a text.
+    name
+        What an axis calls it.
+    words
+        What it is, in full; where left out, its name says so.
+    entries
+        What may stand in its column, where that is not any number.
+    head
+        What a column on the screen is called.
+    varied
+        Whether it stands for what a run varies: the table of a run bears the key there.
+    numbered
+        Whether there is a column for each impact: `theta_deg_1`, `theta_deg_2`.
+    """
+
+    column: str
+    unit: str
+    name: str
+    words: str = ""
+    entries: str = ""
+    head: str = ""
+    varied: bool = False
+    numbered: bool = False
+
+    @property
+    def meaning(self) -> str:
+        """What it is, for a list of columns."""
+        words = self.words or self.name
+        return f"{words} ({self.entries})" if self.entries else words
+
+    @property
+    def description(self) -> str:
+        """What it is, for a key of a scene: words, and unit or range."""
+        return ", ".join(filter(None, (self.words or self.name, self.entries or self.unit)))
+
+
+class Units(NamedTuple):
+    """In which lengths and stiffnesses the numbers of a machine are shown."""
+
+    length: str
+    per_m: float
+    stiffness: str
+
+    def lengths(self, metres: float, digits: int = 3) -> str:
+        """With the unit."""
+        return f"{metres * self.per_m:.{digits}g} {self.length}"
+
+    def stiffnesses(self, newtons_per_m: float, digits: int = 4) -> str:
+        """With the unit."""
+        return f"{newtons_per_m / self.per_m:.{digits}g} {self.stiffness}"
+
+    def shown(self, unit: str) -> tuple[str, float]:
+        """The unit in which numbers of a unit are shown, and how many of it one of them is."""
+        if unit in OF_LENGTH:
+            return self.length + unit.removeprefix("m"), self.per_m
+        if unit == "N/m":
+            return self.stiffness, 1.0 / self.per_m
+        if unit == "Pa":
+            return "MPa", MPA
+        return unit, 1.0
+
+    def head(self, quantity: Quantity) -> str:
+        """The head of a column on the screen: `loft (mm)`."""
+        unit, _ = self.shown(quantity.unit)
+        name = quantity.head or quantity.name
+        return f"{name} ({unit})" if unit else name
+
+
+METRES = Units("m", 1.0, "N/m")
+MILLIMETRES = Units("mm", MM, "N/mm")
+
+
+def ending(unit: str) -> str:
+    """A unit as the name of a column ends: `m_per_s2` of `m/s2`, `per_turn` of `1/turn`."""
+    return unit.lower().replace("1/", "per_").replace("/", "_per_").replace(" ", "_")
+
+
+def drawn(unit: str) -> str:
+    """A unit in a picture: `m/s²`."""
+    return unit.replace("2", "²").replace("um", "µm")
+
+
+def labelled(name: str, unit: str) -> str:
+    """The name of an axis with its unit in a picture."""
+    return f"{name} ({drawn(unit)})" if unit else name
+
+
+# --- what a run can vary: the speed and the constants of the follower, by their keys in a scene
+
+RPM = Quantity("rpm", "rpm", "cam speed", "speed of the cam", entries="turns per minute")
+FOLLOWER = {  # in the order of `kernel.flow`
+    "mass": Quantity("mass_kg", "kg", "mass", "mass of the follower"),
+    "stiffness": Quantity("stiffness_n_per_m", "N/m", "stiffness", "stiffness of the spring"),
+    "damping": Quantity("damping_n_s_per_m", "N s/m", "damping", "damping to the frame"),
+    "gravity": Quantity("gravity_m_per_s2", "m/s2", "gravity", "gravity, positive towards the cam"),
+    "preload": Quantity(
+        "preload_n", "N", "preload", "spring force at q = 0, positive towards the cam"
+    ),
+    "restitution": Quantity(
+        "restitution", "", "coefficient of restitution", entries="0..1", head="restitution"
+    ),
+}
+PARAMETERS = {"rpm": RPM, **FOLLOWER}
+
+# --- the lift, its derivatives by the cam angle, and the forces
+
+THETA = Quantity("theta_deg", "deg", "cam angle", "cam angle, within a turn", head="theta")
+LIFT = {  # by the names that a summary has for them
+    "c": Quantity("c_m", "m", "$c$", "lift of the cam"),
+    "c_theta": Quantity("c_theta_m_per_rad", "m/rad", r"$c_\theta$", "slope of the lift"),
+    "c_thetatheta": Quantity(
+        "c_thetatheta_m_per_rad2", "m/rad2", r"$c_{\theta\theta}$", "second derivative of the lift"
+    ),
+}
+FORCE = Quantity("force_n", "N", "contact force")
+PRESSURE = Quantity("pressure_pa", "Pa", "Hertz pressure", head="Hertz")
+
+# --- the motion
+
+Q = Quantity("q_m", "m", "position $q$", "position of the follower", head="q")
+V = Quantity("v_m_per_s", "m/s", "velocity $v$", "velocity of the follower", head="v")
+U = Quantity(
+    "u_m_per_s", "m/s", r"relative velocity $u = v - \dot c$", "velocity relative to the cam"
+)
+U_MINUS = Quantity(
+    "u_minus_m_per_s", "m/s", "landing velocity", "velocity relative to the cam just before",
+    head="u-",
+)  # fmt: skip
+U_PLUS = Quantity(
+    "u_plus_m_per_s", "m/s", "rebound velocity", "velocity relative to the cam just after",
+    head="u+",
+)  # fmt: skip
+EXPONENT = Quantity(
+    "lyapunov_per_period", "1/turn", "largest exponent", "largest Lyapunov exponent",
+)  # fmt: skip
+
+# --- what an engineer reads off a record: columns of speeds.csv and map.csv, panels of a map
+
+LOADS = {
+    one.column: one
+    for one in (
+        Quantity("max_gap_m", "m", "largest gap", "largest distance from the cam", head="loft"),
+        Quantity("airborne_fraction", "", "share of the time in the air"),
+        Quantity("max_impact_m_per_s", "m/s", "hardest impact", "hardest landing", head="lands"),
+        Quantity(
+            "min_contact_force_n", "N", "least contact force", "least force while on the cam"
+        ),
+        Quantity(
+            "max_contact_force_n", "N", "largest contact force", "largest force while on the cam",
+            head="force",
+        ),
+        Quantity(
+            "contact_lost_deg", "deg", "contact first lost",
+            "first phase after the strobe at which contact is lost from rest",
+        ),
+        Quantity(
+            "contact_regained_deg", "deg", "contact last regained",
+            "last phase after the strobe at which the follower comes to rest on the cam",
+        ),
+        Quantity("landing_deg", "deg", "phase of the hardest impact", head="at"),
+        Quantity(
+            "landing_lift_m", "m", "lift at the hardest impact",
+            "lift of the cam above its lowest at the hardest impact", head="at lift",
+        ),
+        Quantity(
+            "shut_bounces_per_turn", "1/turn", "bounces on the shut cam",
+            "impacts, a tenth as hard as the hardest or harder, within a hundredth of the lift",
+            head="bounces",
+        ),
+    )
+}  # fmt: skip
