@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import floor, inf, isfinite, log10, pi, tau
+from math import floor, isfinite, log10, pi, tau
 
 from camcli.cams.compile import Shape, build, column, corners, lift_range
 from camcli.errors import Fault, SceneError
@@ -126,16 +126,6 @@ def decimals(width: float) -> int:
 def is_measured(system: System) -> bool:
     """Whether its cam is a lift table, whose error leaves more open than any computation."""
     return getattr(system.shape, "kind", "") == "table"
-
-
-def range_words(low: float, high: float) -> str:
-    """`4111 to 4378 rpm`, with the digits that its width deserves."""
-    if low == inf:
-        return "never"
-    if high == inf:
-        return f"from {low:.4g} rpm on, or never"
-    form = f".{decimals(high - low)}f"
-    return f"{low:{form}} to {high:{form}} rpm"
 
 
 def units_of(system: System) -> Units:

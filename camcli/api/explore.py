@@ -35,11 +35,11 @@ from camcli.plots import style
 from camcli.plots.axes import axis_name
 from camcli.plots.mechanism import Outline
 from camcli.plots.sweep_map import cell_edges
-from camcli.quantities import UM
 from camcli.scene import Axis, Scene
 from camcli.scene.schema import RpmRange
-from camcli.system import Follower, System, omega_of, range_words, units_of
+from camcli.system import Follower, System, omega_of, units_of
 from camcli.words.events import event_words
+from camcli.words.lift_table import smoothed_cam
 from camcli.words.statuses import CAUSES, CURES
 
 STEP = 0.4  # of the follower's fastest motion, rad, between rows: a cubic errs by STEP^4/384 of it
@@ -523,13 +523,7 @@ def _measured(machine: Machine) -> str:
     cam: Any = machine.scene.cam
     accuracy, units = cam.accuracy, units_of(machine.system)
     first = detachment(machine.system).first
-    by_the_fit = "" if first is None else f" ({first.rpm:.4g} by the fit)"
-    return (
-        f"The cam is a smoothed lift table, right to {accuracy.rms * UM:.2g} um rms and, in its "
-        f"second derivative, to {units.lengths(accuracy.bound, 2)}/rad2: contact is first lost at "
-        f"{range_words(*between)}{by_the_fit}. Motions and bifurcations are those of the smoothed "
-        "cam."
-    )
+    return smoothed_cam(accuracy, units, between, None if first is None else first.rpm)
 
 
 def _labels_of_codes(landed: Result) -> dict[int, str]:

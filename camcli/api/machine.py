@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from math import radians, sqrt
+from math import radians
 from os import PathLike
 from typing import Any
 
-from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.integrate import Settings, Start
+from camcli.analysis.natural_speed import Basis, Chosen, NaturalSpeed, natural_speed
 from camcli.analysis.sweep import rpm_grid
 from camcli.cams.compile import phase_of
 from camcli.errors import Fault, SceneError
 from camcli.scene import Axis, Scene, Varying, load_scene, resolved
 from camcli.scene.schema import Start as SceneStart
-from camcli.system import Follower, System, omega_of, rpm_of
+from camcli.system import Follower, System, omega_of
 
 MOST_COMPILED = 256  # cams kept
 RANGES = {  # of the first loss of contact; of the natural frequency where contact is never lost
@@ -41,7 +41,7 @@ class Machine:
     scene: Scene
     system: System
     settings: Settings
-    said: Mapping[str, str] = field(default_factory=dict)  # why it has these speeds, by section
+    chosen: Mapping[str, Chosen] = field(default_factory=dict)  # speeds left open, by section
 
 
 def machine_of(scene: SceneLike) -> Machine:
@@ -49,7 +49,7 @@ def machine_of(scene: SceneLike) -> Machine:
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     follower = Follower(*(getattr(scene.follower, f.name) for f in fields(Follower)))
     system = System.build(follower, scene.cam, phase_of(scene.run.strobe_deg))
-    scene, said = ranged(scene, system)
+    scene, chosen = ranged(scene, system)
     run = scene.run
     settings = Settings(
         transient=run.transient,
@@ -59,7 +59,7 @@ def machine_of(scene: SceneLike) -> Machine:
         start=start_of(scene, system, run.start, "run.start"),
         patience=run.patience,
     )
-    return Machine(scene, system, settings, said)
+    return Machine(scene, system, settings, chosen)
 
 
 def start_of(scene: Scene, system: System, start: SceneStart, place: str) -> Start:
@@ -82,23 +82,25 @@ def is_open(scene: Scene, section: str) -> bool:
     return ranges is not None and ranges.model_fields_set.isdisjoint({"start", "stop"})
 
 
-def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, str]]:
-    """The scene with the speeds filled in that it leaves open, and why, by section.
+def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, Chosen]]:
+    """The scene with the speeds filled in that it leaves open, and these speeds by section.
 
     They are those of its machine: about the first loss of contact, or the natural frequency where
     contact is never or always lost. What the scene gives stays.
     """
     sections = [name for name in (*RANGES, "basins") if is_open(scene, name)]
-    speed, lost, why = _natural(system) if sections else (0.0, False, "")
-    if speed == 0.0:
+    natural = natural_speed(system) if sections else None
+    if natural is None or natural.rpm == 0.0:
         return scene, {}
-    said, update = {}, {}
+    speed, lost = natural.rpm, natural.basis is Basis.FIRST_LOSS
+    chosen, update = {}, {}
     for name in sections:
         section = getattr(scene, name)
+        by: NaturalSpeed | None = natural
         if name == "basins":
             given = "rpm" in scene.run.model_fields_set or section.vary
             low = high = scene.run.rpm if given else _round(PAST * speed)
-            why = "that of run.rpm" if given else why
+            by = None if given else natural
             bottom, lift = _lift(system)
             fast = _round(FAST * lift * omega_of(low)) or SLOWEST
             ends = _round(bottom), _round(bottom + (1.0 + HIGH) * lift)
@@ -111,23 +113,9 @@ def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, str]]:
         window["rpm"] = section.rpm.model_copy(update={"start": low, "stop": high})
         left = {k: v for k, v in window.items() if k == "rpm" or k not in section.model_fields_set}
         update[name] = section.model_copy(update=left)
-        speeds = f"{low:g} rpm" if low == high else f"{low:g} to {high:g} rpm"
         if not getattr(section, "vary", ()):
-            said[name] = f"{name}.rpm is not given: {speeds} of the cam, {why}"
-    return scene.model_copy(update=update), said
-
-
-def _natural(system: System) -> tuple[float, bool, str]:
-    """(speed in rpm, whether contact is lost there first, why)."""
-    first, f = detachment(system).first, system.follower
-    if first is not None:
-        return first.rpm, True, f"from the first loss of contact at {first.rpm:.5g} rpm"
-    if f.stiffness > 0.0:
-        speed = rpm_of(sqrt(f.stiffness / f.mass))
-        return speed, False, f"from the natural frequency, {speed:.5g} per minute"
-    pull = max(0.0, f.gravity + f.preload / f.mass)
-    speed = rpm_of(sqrt(pull / _lift(system)[1]))
-    return speed, False, "where the cam accelerates as the follower falls"
+            chosen[name] = Chosen(low, high, by)
+    return scene.model_copy(update=update), chosen
 
 
 def _lift(system: System) -> tuple[float, float]:

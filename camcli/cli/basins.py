@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, numbers, option
-from camcli.cli.report import THEORY, at_speed, table
+from camcli.cli.report import THEORY, table
 from camcli.errors import Fault, SceneError, shown
+from camcli.words.speeds import at_speed
 
 if TYPE_CHECKING:
     from camcli.analysis.basins.study import Basins, Study

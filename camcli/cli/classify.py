@@ -6,8 +6,9 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import VARY, Request, flag, given, numbers, option, refuse_idle
-from camcli.cli.report import THEORY, at_speed, pair, table
+from camcli.cli.report import THEORY, pair, table
 from camcli.errors import Fault, SceneError, plural, shown
+from camcli.words.speeds import at_speed
 
 if TYPE_CHECKING:
     from camcli.analysis.border_collision import Collision, Side
@@ -119,7 +120,8 @@ def _exponent(group: list[Motion]) -> str:
 
 def show_explanation(explanation: Explanation, verbose: bool) -> None:
     """Print the events, the changes and a sentence for each."""
-    from camcli.words.explanations import change_sentence, speed_text
+    from camcli.words.explanations import change_sentence
+    from camcli.words.speeds import speed_text
 
     rows = [
         [speed_text(e.rpm, e.error), f"{e.kind} {e.corner}".strip(), shown(e.label),

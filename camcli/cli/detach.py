@@ -120,7 +120,7 @@ def _digits_of_a_law(c: CriticalSpeed) -> list[str]:
 
 def _digits_of_a_table(c: CriticalSpeed) -> list[str]:
     """Phase, speed, and the bracket that the error of the table leaves, where that is known."""
-    from camcli.system import range_words
+    from camcli.words.speeds import range_words
 
     known = "" if isnan(c.low) else range_words(c.low, c.high).removesuffix(" rpm")
     return [f"{c.theta_deg:.4g}", f"{c.rpm:.4g}", known]

@@ -48,11 +48,6 @@ def pair(values: Sequence[complex], digits: int) -> str:
     return f"{first.real:.{digits}g}, {second.real:.{digits}g}"
 
 
-def at_speed(keys: Sequence[str], rpm: float) -> str:
-    """The speed of a run in which something else is varied."""
-    return "" if {"rpm", "run.rpm"} & set(keys) else f" at {rpm:.10g} rpm"
-
-
 def cost_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
     """One line of cost and error."""
     took = f" in {costs['seconds']:.3g} s ({costs['impacts_per_s'] or 0.0:.3g}/s, "

@@ -138,12 +138,13 @@ def run(
 
     from camcli.api.command import command_of
     from camcli.api.machine import is_open, machine_of
+    from camcli.words.speeds import chosen_speeds
 
     if is_open(scene, name):
         machine = machine_of(scene)
         scene = machine.scene
-        if name in machine.said and not request.quiet:
-            note(f"note: {machine.said[name]}")
+        if name in machine.chosen and not request.quiet:
+            note(chosen_speeds(name, machine.chosen[name]))
     command, part = command_of(name), shard_of(shard)
     check_before(command, scene, request.folder(name), not request.no_plot, part)
     if request.dry_run:
@@ -276,7 +277,7 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
         if result.system and result.cost.impacts:
             print(cost_line(record["cost"], record["error"]))
         if "lift_table" in record["error"]:
-            from camcli.api.lift_table import bound_line
+            from camcli.words.lift_table import bound_line
 
             print(bound_line(record["error"]["lift_table"]))
     for text in () if request.quiet and result.complete else result.notes:
@@ -340,7 +341,7 @@ def _tell(scene: Scene, config: Path | None) -> None:
     for text in doubts(scene):
         note(text)
     if scene.cam.kind == "table":
-        from camcli.api.lift_table import table_notes
+        from camcli.words.lift_table import table_notes
 
         for text in table_notes(scene):
             note(text)

@@ -79,8 +79,9 @@ def show(result: Result, _: bool) -> None:
 
 def _show_profile(result: Any) -> None:
     from camcli.api.simulate import UNITS
-    from camcli.system import is_measured, range_words, units_of
+    from camcli.system import is_measured, units_of
     from camcli.words.machine import digits_of
+    from camcli.words.speeds import range_words
 
     found, units, digits = result.values, units_of(result.system), digits_of(result.scene)
     rows = []

@@ -6,8 +6,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, option
-from camcli.cli.report import at_speed, table
+from camcli.cli.report import table
 from camcli.errors import plural, shown
+from camcli.words.speeds import at_speed
 
 if TYPE_CHECKING:
     from camcli.api.result import Result

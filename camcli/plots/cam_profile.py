@@ -16,7 +16,7 @@ from camcli.plots.axes import LIFTS, draw_forces, newtons, padded, say, turn_axi
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import Units
-from camcli.system import range_words
+from camcli.words.speeds import range_words
 
 
 @dataclass(frozen=True)

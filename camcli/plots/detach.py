@@ -20,7 +20,8 @@ from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, newtons
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.quantities import Units
-from camcli.system import System, is_measured, range_words, units_of
+from camcli.system import System, is_measured, units_of
+from camcli.words.speeds import range_words
 
 PHASES, FORCE = 62.0, 46.0  # mm
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins

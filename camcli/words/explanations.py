@@ -1,7 +1,6 @@
 """Why a diagram changes, in sentences."""
 
 from collections.abc import Sequence
-from math import ceil, isfinite, log10
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity
@@ -17,9 +16,8 @@ from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.errors import Status
 from camcli.words.events import event_words
+from camcli.words.speeds import speed_text
 from camcli.words.statuses import CAUSES
-
-MOST_DECIMALS = 9  # of a speed in rpm
 
 
 def event_sentence(event: Event) -> str:
@@ -92,13 +90,6 @@ def _coexists(label: str, events: Sequence[Event]) -> str:
         f"{label} exists and attracts on both sides, the start changes basins; {label} changes at: "
         f"{where}"
     )
-
-
-def speed_text(rpm: float, error: float) -> str:
-    """The speed up to the decimal place of the error's first digit, without a unit."""
-    if not isfinite(error) or error <= 0.0:
-        return f"{rpm:.10g}"
-    return f"{rpm:.{min(max(ceil(-log10(error)), 0), MOST_DECIMALS)}f}"
 
 
 def crisis_sentences(crisis: Crisis) -> list[str]:

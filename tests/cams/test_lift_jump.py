@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from mpmath import mpf
 
-from camcli.api.lift_table import cautions
+from camcli.words.lift_table import cautions
 from tests.support.law_oracle import LAWS
 from tests.support.lift_tables import Lobe, scene, table
 

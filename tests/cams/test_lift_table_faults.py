@@ -4,9 +4,9 @@ import os
 
 import pytest
 
-from camcli.api.lift_table import cautions
 from camcli.errors import SceneError
 from camcli.scene import load_scene, resolved, scene_hash
+from camcli.words.lift_table import cautions
 from tests.support.lift_tables import SCENE, Lobe, cycloidal, polynomial, scene, table
 
 TEXT = table(Lobe(cycloidal), 5, decimals=3)

@@ -20,7 +20,8 @@ from camcli.api.explore import _machine_data
 from camcli.api.lift_table import with_ranges
 from camcli.api.machine import machine_of
 from camcli.output.run_record import plain
-from camcli.system import omega_of, range_words
+from camcli.system import omega_of
+from camcli.words.speeds import range_words
 from tests.conftest import rows
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -23,10 +23,11 @@ from camcli.kernel.certify import Verdict
 from camcli.words.after_rest import decided_notes
 from camcli.words.border_collision import EQUALITIES, LEFT
 from camcli.words.classify import remarks as of_motions
-from camcli.words.explanations import change_sentence, crisis_sentences, event_sentence, speed_text
+from camcli.words.explanations import change_sentence, crisis_sentences, event_sentence
 from camcli.words.orbits import VERDICTS
 from camcli.words.orbits import remarks as of_orbits
 from camcli.words.proofs import FAILED, proof_sentences
+from camcli.words.speeds import speed_text
 from camcli.words.statuses import CAUSES, CURES, counted, status_notes
 
 

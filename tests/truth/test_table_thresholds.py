@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import pytest
 
-from camcli.api.lift_table import cautions
 from camcli.cams.lift_guess import guess
 from camcli.cams.lift_reading import refuse_too_many_rows, text_lines
 from camcli.errors import SceneError
+from camcli.words.lift_table import cautions
 from camcli.words.machine import doubts
 from tests.support.lift_tables import Lobe, cycloidal, scene, smooth, table
 

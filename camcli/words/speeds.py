@@ -1,0 +1,47 @@
+"""Speeds in words: one with its error, a range, and those that a scene leaves open."""
+
+from collections.abc import Sequence
+from math import ceil, inf, isfinite, log10
+
+from camcli.analysis.natural_speed import Basis, Chosen
+from camcli.system import decimals
+
+MOST_DECIMALS = 9  # of a speed in rpm
+
+
+def range_words(low: float, high: float) -> str:
+    """`4111 to 4378 rpm`, with the digits that its width deserves."""
+    if low == inf:
+        return "never"
+    if high == inf:
+        return f"from {low:.4g} rpm on, or never"
+    form = f".{decimals(high - low)}f"
+    return f"{low:{form}} to {high:{form}} rpm"
+
+
+def speed_text(rpm: float, error: float) -> str:
+    """The speed up to the decimal place of the error's first digit, without a unit."""
+    if not isfinite(error) or error <= 0.0:
+        return f"{rpm:.10g}"
+    return f"{rpm:.{min(max(ceil(-log10(error)), 0), MOST_DECIMALS)}f}"
+
+
+def at_speed(keys: Sequence[str], rpm: float) -> str:
+    """The speed of a run in which something else is varied."""
+    return "" if {"rpm", "run.rpm"} & set(keys) else f" at {rpm:.10g} rpm"
+
+
+def chosen_speeds(section: str, chosen: Chosen) -> str:
+    """A note on the speeds that were chosen because the scene leaves them open."""
+    speeds = f"{chosen.low:g} to {chosen.high:g} rpm"
+    if chosen.low == chosen.high:
+        speeds = f"{chosen.low:g} rpm"
+    if chosen.by is None:
+        why = "that of run.rpm"
+    else:
+        why = {
+            Basis.FIRST_LOSS: f"from the first loss of contact at {chosen.by.rpm:.5g} rpm",
+            Basis.NATURAL: f"from the natural frequency, {chosen.by.rpm:.5g} per minute",
+            Basis.FALL: "where the cam accelerates as the follower falls",
+        }[chosen.by.basis]
+    return f"note: {section}.rpm is not given: {speeds} of the cam, {why}"
