@@ -12,9 +12,10 @@ from bisect import bisect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import factorial, inf
+from math import factorial
 from typing import Any, Protocol
 
+import numpy as np
 from flint import arb, arb_mat, fmpz_poly
 
 from camcli.cams.balls import precision, radians
@@ -31,6 +32,7 @@ from camcli.kernel.cam_table import (
 
 DIGITS = 60  # from which coefficients round to the same doubles on every machine
 MOST_PIECES = 64
+HIGHEST = 7  # derivative that is bounded
 CUTS = 4  # cells of a piece in its bounds
 CELLS = 16  # of a stretch in its bounds, at least
 ACCEL_TAIL = 1e-14  # neglected part of c_thetatheta, relative to its size
@@ -96,26 +98,6 @@ class Piece:
         """The kernel's row: centre, the coefficients of each derivative, the rests."""
         values = [x for order in range(ORDERS) for x in self.derivative(order)]
         return [self.center, *values, *self.rests]
-
-    def bounds(self, order: int, cuts: int) -> tuple[float, float]:
-        """Rigorous (low, high) of the order-th derivative on the piece.
-
-        It is expanded again about the middle of each of `cuts` cells, where the sum of the powers'
-        sizes bounds what the constant leaves out.
-        """
-        low, high = inf, -inf
-        for cell in range(cuts):
-            values = list(self.derivative(order))
-            middle = self.half * ((2 * cell + 1) / cuts - 1)
-            for k in range(len(values) - 1):  # synthetic division: powers of x - middle
-                for j in range(len(values) - 2, k - 1, -1):
-                    values[j] += middle * values[j + 1]
-            spread = 0.0
-            for value in reversed(values[1:]):
-                spread = (spread + abs(value)) * (self.half / cuts)
-            spread *= 1.0 + 1e-12  # roundings of these sums
-            low, high = min(low, values[0] - spread), max(high, values[0] + spread)
-        return low, high
 
 
 @cache
@@ -196,7 +178,7 @@ def build(shape: Shape, strobe: float = 0.0) -> Cam:
     starts = [_values(pieces[k], low) for k, (_, low, _) in zip(first, cuts, strict=True)]
     lasts = [k + len(group) - 1 for k, group in zip(first, stretches, strict=True)]
     ends = [_values(pieces[k], high) for k, (_, _, high) in zip(lasts, cuts, strict=True)]
-    bounds = [[_bounds(group, order) for order in range(6)] for group in stretches]
+    bounds = _bounds(stretches)
     jumps = [starts[n][1] - ends[n - 1][1] for n in range(len(starts))]
     rows = [
         Stretch(
@@ -217,7 +199,7 @@ def build(shape: Shape, strobe: float = 0.0) -> Cam:
             jerk_max=_largest(bounds[n][3]),
             snap_max=_largest(bounds[n][4]),
             crackle_max=_largest(bounds[n][5]),
-            radius=_radius(group),
+            radius=_radius(_largest(bounds[n][7])),
             c_min=bounds[n][0][0],
             slope_min=bounds[n][1][0],
             dwell=int(bounds[n][0][0] == bounds[n][0][1]),
@@ -319,19 +301,46 @@ def _values(piece: Piece, theta: float) -> tuple[float, ...]:
     return tuple(polynomial(piece.derivative(order), 0, x) for order in range(3))
 
 
-def _bounds(group: Sequence[Piece], order: int) -> tuple[float, float]:
-    cuts = max(CUTS, CELLS // len(group))  # a polynomial law is one wide piece
-    rows = [piece.bounds(order, cuts) for piece in group]
-    return min(low for low, _ in rows), max(high for _, high in rows)
+def _bounds(groups: Sequence[Sequence[Piece]]) -> list[list[tuple[float, float]]]:
+    """Rigorous (low, high) of c and of each of its derivatives, of every stretch.
+
+    Each piece is expanded again about the middle of each of its cells, where the sum of the powers'
+    sizes bounds what the constant leaves out.
+    """
+    sizes = [max(CUTS, CELLS // len(group)) for group in groups]  # a polynomial law is one piece
+    pieces = [
+        (piece, cuts) for group, cuts in zip(groups, sizes, strict=True) for piece in group
+    ]  # fmt: skip
+    cells = [cell for _, cuts in pieces for cell in range(cuts)]
+    whole = np.array([piece.coefficients for piece, _ in pieces]).T  # of a power, of all pieces
+    count = [cuts for _, cuts in pieces]
+    cuts = np.repeat(count, count)
+    half = np.repeat([piece.half for piece, _ in pieces], count)
+    middle = half * ((2 * np.array(cells) + 1) / cuts - 1)
+    values = np.zeros((TERMS, HIGHEST + 1, len(cells)))
+    for order in range(HIGHEST + 1):
+        for j in range(order, TERMS):
+            factor = factorial(j) // factorial(j - order)
+            values[j - order, order] = np.repeat(whole[j] * factor, count)
+    for k in range(TERMS - 1):  # synthetic division: powers of x - middle
+        for j in range(TERMS - 2, k - 1, -1):
+            values[j] += middle * values[j + 1]
+    spread = np.zeros(values[0].shape)
+    for value in values[:0:-1]:
+        spread = (spread + np.abs(value)) * (half / cuts)
+    spread *= 1.0 + 1e-12  # roundings of these sums
+    first = np.cumsum([0, *(len(g) * c for g, c in zip(groups, sizes, strict=True))][:-1])
+    low = np.minimum.reduceat(values[0] - spread, first, axis=1).T.tolist()
+    high = np.maximum.reduceat(values[0] + spread, first, axis=1).T.tolist()
+    return [list(zip(*ends, strict=True)) for ends in zip(low, high, strict=True)]
 
 
 def _largest(bounds: tuple[float, float]) -> float:
     return max(abs(bounds[0]), abs(bounds[1]))
 
 
-def _radius(group: Sequence[Piece]) -> float:
+def _radius(seventh: float) -> float:
     """Largest power of two s <= 1/16 rad with max|c^(7)| s^6/720 <= TAYLOR_ERROR."""
-    seventh = _largest(_bounds(group, 7))
     s = 1.0 / 16.0
     while seventh * s * s * s * s * s * s > 720.0 * TAYLOR_ERROR:
         s *= 0.5

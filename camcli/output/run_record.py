@@ -5,6 +5,7 @@ import os
 import platform
 from collections.abc import Mapping
 from contextlib import suppress
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from typing import Any
@@ -48,20 +49,26 @@ def error_record(tolerance: float, system: System) -> dict[str, Any]:
 def run_record(**parts: Any) -> dict[str, Any]:
     """The record: command, scene, scene_sha256, cost, error, verdict, result, piece_faults
     and artefacts (the SHA-256 of each file), then the program, the versions and the machine."""
-    versions = {}
-    for package in PACKAGES:
-        with suppress(PackageNotFoundError):
-            versions[package] = version(package)
     return {
         **parts,
         "program_sha256": program_hash(),
-        "versions": {"python": platform.python_version(), **versions},
+        "versions": {"python": platform.python_version(), **_versions()},
         "machine": {
             "system": platform.system(),
             "processor": platform.machine(),
             "processors": os.cpu_count(),
         },
     }
+
+
+@cache
+def _versions() -> dict[str, str]:
+    """Of the packages; reading them takes longer than a short simulation."""
+    found = {}
+    for package in PACKAGES:
+        with suppress(PackageNotFoundError):
+            found[package] = version(package)
+    return found
 
 
 def to_text(record: Mapping[str, Any]) -> str:
