@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, detachment
-from camcli.analysis.contact_loss.force import DEG, Force, ForceCurve, polar_curvature
+from camcli.analysis.contact_loss.force import Force, ForceCurve, polar_curvature
 from camcli.cams.regions import SAME_PHASE, corner_list
 from camcli.kernel.cam_table import TURN, lift_at, stretch_at
 from camcli.system import System
@@ -22,10 +22,10 @@ from camcli.system import System
 
 @dataclass(frozen=True)
 class Extreme:
-    """A value and the phase it is taken at, deg."""
+    """A value and the phase it is taken at, rad."""
 
     value: float
-    theta_deg: float
+    theta: float
 
 
 @dataclass(frozen=True)
@@ -51,13 +51,13 @@ class Curvature:
 
 @dataclass(frozen=True)
 class Profile:
-    """One turn: deg, m, m/rad, m/rad2; a corner has two rows, its left side first."""
+    """One turn: rad, m, m/rad, m/rad2; a corner has two rows, its left side first."""
 
-    theta_deg: list[float]
+    theta: list[float]
     c: list[float]
     c1: list[float]
     c2: list[float]
-    corners: dict[str, float]  # deg, by letter
+    corners: dict[str, float]  # rad, by letter
     ranges: dict[str, tuple[Extreme, Extreme]]  # lowest and highest by name
     force: ForceCurve
     first: CriticalSpeed | None
@@ -68,9 +68,9 @@ def profile(system: System, rpm: float, points: int, base_radius: float | None) 
     """The cam at `points` phases and at every corner, and what follows from it at one speed."""
     force = Force(system)
     corners = corner_list(system.cam)
-    names = {corner.name: corner.theta * DEG for corner in corners}
+    names = {corner.name: corner.theta for corner in corners}
     rows = [
-        (theta * DEG, *lift_at(system.cam, i, theta))
+        (theta, *lift_at(system.cam, i, theta))
         for i, theta in _places(system, [corner.stretch for corner in corners], points)
     ]
     theta, c, c1, c2 = (list(column) for column in zip(*rows, strict=True))
@@ -107,7 +107,7 @@ def _extreme(force: Force, order: int, sign: float) -> Extreme:
 def _lowest(force: Force, f: Callable[[float, float, float], float], sign: float = 1.0) -> Extreme:
     """Smallest f(c, c_theta, c_thetatheta) over the turn, times `sign`."""
     value, _, theta = force.lowest(lambda i, x: f(*lift_at(force.cam, i, x)))
-    return Extreme(sign * value, theta * DEG)
+    return Extreme(sign * value, theta)
 
 
 def _curvature(force: Force, base: float | None, ratio: float, c, c1, c2) -> Curvature:
@@ -126,7 +126,7 @@ def _curvature(force: Force, base: float | None, ratio: float, c, c1, c2) -> Cur
     if base is not None:
         found = _lowest(force, lambda q, v, a: -knife(q, v, a), -1.0)
         if found.value > 0.0:
-            sharpest = Extreme(1.0 / found.value, found.theta_deg)
+            sharpest = Extreme(1.0 / found.value, found.theta)
     rows = list(zip(c, c1, c2, strict=True))
     return Curvature(
         base_radius=base,

@@ -3,12 +3,14 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from math import inf, isnan
+from math import degrees, inf, isnan
 from typing import Any, BinaryIO
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
+from camcli.analysis.contact_loss.bursts import LiftOff
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, SpeedStatus
 from camcli.analysis.contact_loss.force import Hertz
+from camcli.analysis.contact_loss.hold import Hold
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.analysis.contact_loss.study import detach as run
 from camcli.analysis.sweep import rpm_grid
@@ -105,8 +107,8 @@ def detach(
             machine.settings,
             settle=section.settle,
             impacts=section.impacts,
-            force_rpm=section.force_rpm,
-            hold_rpm=section.hold_to,
+            force_speeds=section.force_rpm,
+            hold_speed=section.hold_to,
             margin=section.margin_n,
             precompression=section.precompression_m,
             accel_error=accel_errors(cam),
@@ -123,7 +125,9 @@ def detach(
             tables["tolerance"], values["tolerance"] = done
 
     # two rows at a corner, one for each side
-    forces = [(f.rpm, f.theta_deg, f.force_n, f.pressure_pa or None) for f in found.forces]
+    forces = [
+        (f.rpm, [*map(degrees, f.theta)], f.force_n, f.pressure_pa or None) for f in found.forces
+    ]
     notes = status_notes(found.troubled)
     if budget.status not in (status for _, status in found.troubled):
         notes += trouble(budget.status)
@@ -140,7 +144,8 @@ def detach(
         tables={
             "detach": Table.of_rows(DETACH, lambda: _critical_rows(found)),
             "accumulation": Table.of_rows(
-                ACCUMULATION, lambda: ((s.rpm, end) for s in found.speeds for end in s.ends)
+                ACCUMULATION,
+                lambda: ((s.rpm, degrees(end)) for s in found.speeds for end in s.ends),
             ),
             "corner_hits": Table.of_rows(
                 CORNER_HITS, lambda: ((hit.impact, hit.corner, hit.rpm) for hit in found.hits)
@@ -195,7 +200,7 @@ def _summary(result: ContactLoss) -> dict[str, Any]:
     return {
         "words": sentences(result),
         "critical_speeds": [_critical(c) for c in result.critical_speeds],
-        "just_above_opening": [vars(f) for f in result.lift_offs],
+        "just_above_opening": [_lift_off(f) for f in result.lift_offs],
         "corner_hits": [_hit(hit) for hit in result.hits],
         "corner_hits_ended": [_hit(hit) for hit in result.ended],
         "accumulation_jumps": [_critical(c) for c in result.jumps],
@@ -204,15 +209,38 @@ def _summary(result: ContactLoss) -> dict[str, Any]:
             for text, a, b, n in burst_ranges(result)
         ],
         "least_force": [
-            {"rpm": f.rpm, "force_n": f.lowest_n, "theta_deg": f.lowest_deg} for f in result.forces
+            {"rpm": f.rpm, "force_n": f.lowest_n, "theta_deg": degrees(f.lowest_theta)}
+            for f in result.forces
         ],
-        "hold": [{**vars(h), "words": spring(h)} for h in result.holds],
+        "hold": [_hold(h) for h in result.holds],
         "hold_margin_n": result.margin if result.holds else None,
     }
 
 
+def _lift_off(seen: LiftOff) -> dict[str, Any]:
+    return {
+        "region": seen.region, "kind": seen.kind, "corner": seen.corner, "rpm": seen.rpm,
+        "release_deg": degrees(seen.release), "landing_deg": degrees(seen.landing),
+        "rest_deg": degrees(seen.rest),
+    }  # fmt: skip
+
+
+def _hold(hold: Hold) -> dict[str, Any]:
+    return {
+        "quantity": hold.quantity, "status": hold.status, "stiffness": hold.stiffness,
+        "preload": hold.preload, "region": hold.region, "theta_deg": _degrees(hold.theta),
+        "detaches_rpm": hold.detaches, "least_n": hold.least_n, "obstacle": hold.obstacle,
+        "missing_n": hold.missing_n, "nose_n": hold.nose_n, "more": hold.more,
+        "low_rpm": hold.low, "high_rpm": hold.high, "words": spring(hold),
+    }  # fmt: skip
+
+
+def _degrees(theta: float | None) -> float | None:
+    return None if theta is None else degrees(theta)
+
+
 def _critical(c: CriticalSpeed) -> dict[str, Any]:
-    values = {"theta_deg": c.theta_deg if c.finite else None, "rpm": c.rpm}
+    values = {"theta_deg": degrees(c.theta) if c.finite else None, "rpm": c.rpm}
     ends = {"low_rpm": c.low, "high_rpm": c.high, "status": c.status}
     burst = {"burst": c.burst} if c.burst else {}
     return {"quantity": c.quantity, "region": c.region, **values, **ends, **burst}
@@ -221,19 +249,19 @@ def _critical(c: CriticalSpeed) -> dict[str, Any]:
 def _hit(hit: CornerHit) -> dict[str, Any]:
     row = {"impact": hit.impact, "corner": hit.corner, "rpm": hit.rpm, "burst": hit.burst}
     ends = {"low_rpm": hit.low, "high_rpm": hit.high, "status": hit.status}
-    phases = dict(zip(("before_deg", "after_deg"), hit.ends_deg or (), strict=False))
+    phases = dict(zip(("before_deg", "after_deg"), map(degrees, hit.ends or ()), strict=False))
     return {**row, **ends, **phases}
 
 
 def _critical_rows(found: ContactLoss) -> Iterator[tuple]:
     """Critical speeds; a speed that does not exist is inf, without a phase."""
     for c in found.critical_speeds:
-        theta = c.theta_deg if c.finite else None
+        theta = degrees(c.theta) if c.finite else None
         yield c.quantity, c.region, theta, c.rpm, omega_of(c.rpm), *_known(c.low, c.high)
     for hold in found.holds:
-        if hold.detaches_rpm is not None:
-            rpm, ends = hold.detaches_rpm, _known(hold.low_rpm, hold.high_rpm)
-            yield hold.quantity, hold.region, hold.theta_deg, rpm, omega_of(rpm), *ends
+        if hold.detaches is not None:
+            speed = hold.detaches, omega_of(hold.detaches), *_known(hold.low, hold.high)
+            yield hold.quantity, hold.region, _degrees(hold.theta), *speed
 
 
 def _known(*speeds: float | None) -> list[float | None]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.resources import files
 from itertools import product
-from math import ceil, pi, sqrt
+from math import ceil, degrees, pi, sqrt
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -501,7 +501,7 @@ def _machine_data(machine: Machine) -> dict[str, Any]:
         "kind": scene.cam.kind,
         "follower": scene.follower.model_dump(),
         "strobe_deg": scene.run.strobe_deg,
-        "corners": turn.corners,
+        "corners": {name: degrees(theta) for name, theta in turn.corners.items()},
         "speeds": [scene.sweep.rpm.start, scene.sweep.rpm.stop, scene.sweep.rpm.num],
         "outline": {
             "x": x[:-1:2], "y": y[:-1:2], "ratio": body.ratio,
@@ -509,7 +509,7 @@ def _machine_data(machine: Machine) -> dict[str, Any]:
             "told": not body.guessed, "flat": body.flat,
         },
         "cam": {
-            "theta_deg": np.array(turn.theta_deg), "c": c, "c1": c1, "c2": c2,
+            "theta_deg": np.degrees(turn.theta), "c": c, "c1": c1, "c2": c2,
         },
         "measured": _measured(machine),
     }  # fmt: skip

@@ -66,10 +66,10 @@ def with_ranges(found: ContactLoss, system: System) -> ContactLoss:
 
     holds = []
     for hold in found.holds:
-        if hold.detaches_rpm is not None:
+        if hold.detaches is not None:
             with_spring = replaced(system, hold.stiffness or 0.0, hold.preload or 0.0)
             low, high = lost_between(with_spring) or UNKNOWN
-            hold = replace(hold, low_rpm=low, high_rpm=high)
+            hold = replace(hold, low=low, high=high)
         holds.append(hold)
     return replace(
         found,

@@ -8,6 +8,7 @@ from functools import partial
 from math import degrees
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from camcli.analysis.cam_profile import Extreme
 from camcli.analysis.integrate import Cost
 from camcli.api.command import Command, Drawing, Size, sample
 from camcli.api.lift_table import lost_between
@@ -179,9 +180,15 @@ def _profile(machine: Machine) -> Result:
     omega = omega_of(rpm)
 
     def rows(one: Profile) -> Iterator[tuple]:
-        for theta, c, c1, c2 in zip(one.theta_deg, one.c, one.c1, one.c2, strict=True):
+        for theta, c, c1, c2 in zip(one.theta, one.c, one.c1, one.c2, strict=True):
             spring = f.mass * f.gravity + f.preload + f.stiffness * c
-            yield theta, c, c1, c2, spring + omega * (f.damping * c1 + f.mass * (omega * c2))
+            yield (
+                degrees(theta),
+                c,
+                c1,
+                c2,
+                spring + omega * (f.damping * c1 + f.mass * (omega * c2)),
+            )
 
     return Result(
         command="simulate",
@@ -222,25 +229,32 @@ def _with_range(found: Profile, system: System) -> Profile:
     return replace(found, first=replace(found.first, low=between[0], high=between[1]))
 
 
+def _extreme(extreme: Extreme) -> dict[str, float]:
+    return {"value": extreme.value, "theta_deg": degrees(extreme.theta)}
+
+
 def _profile_summary(result: Profile, ratio: float) -> dict[str, Any]:
     bent, first = result.curvature, result.first
     return {
         "rpm": result.force.rpm,
-        "corners_deg": result.corners,
+        "corners_deg": {name: degrees(theta) for name, theta in result.corners.items()},
         "ranges": {
-            f"{name} ({UNITS[name]})": [vars(low), vars(high)]
+            f"{name} ({UNITS[name]})": [_extreme(low), _extreme(high)]
             for name, (low, high) in result.ranges.items()
         },
-        "least_force_n": {"value": result.force.lowest_n, "theta_deg": result.force.lowest_deg},
+        "least_force_n": {
+            "value": result.force.lowest_n,
+            "theta_deg": degrees(result.force.lowest_theta),
+        },
         "first_detachment_rpm": first.rpm if first is not None and first.finite else None,
         "first_detachment_between_rpm": None if first is None else [first.low, first.high],
         "base_radius_m": bent.base_radius,
         "flat_faced": {
-            "least_radius_m": vars(bent.flat_least) if bent.base_radius else None,
+            "least_radius_m": _extreme(bent.flat_least) if bent.base_radius else None,
             "undercut": bent.undercut if bent.base_radius else None,
             "least_base_radius_m": bent.least_base_radius,
         },
-        "largest_roller_radius_m": bent.roller and vars(bent.roller),
+        "largest_roller_radius_m": bent.roller and _extreme(bent.roller),
         "rocker_ratio": ratio,
         "assumed": ASSUMED,
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan
+from math import degrees, isnan
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, given, numbers, option
@@ -115,7 +115,7 @@ def _show_theory(result: Result) -> None:
 
 def _digits_of_a_law(c: CriticalSpeed) -> list[str]:
     """Phase, speed, and the width of its bracket."""
-    return [f"{c.theta_deg:.8f}", f"{c.rpm:.9f}", f"{c.high - c.low:.1e}"]
+    return [f"{degrees(c.theta):.8f}", f"{c.rpm:.9f}", f"{c.high - c.low:.1e}"]
 
 
 def _digits_of_a_table(c: CriticalSpeed) -> list[str]:
@@ -123,4 +123,4 @@ def _digits_of_a_table(c: CriticalSpeed) -> list[str]:
     from camcli.words.speeds import range_words
 
     known = "" if isnan(c.low) else range_words(c.low, c.high).removesuffix(" rpm")
-    return [f"{c.theta_deg:.4g}", f"{c.rpm:.4g}", known]
+    return [f"{degrees(c.theta):.4g}", f"{c.rpm:.4g}", known]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, given, option
@@ -86,19 +87,19 @@ def _show_profile(result: Any) -> None:
     found, units, digits = result.values, units_of(result.system), digits_of(result.scene)
     rows = []
 
-    def row(what: str, value: float, theta_deg: float) -> None:
-        rows.append([what, f"{value:.{digits}g}", f"{theta_deg:.{digits}g}"])
+    def row(what: str, value: float, theta: float) -> None:
+        rows.append([what, f"{value:.{digits}g}", f"{degrees(theta):.{digits}g}"])
 
     for name, (low, high) in found.ranges.items():
         for word, extreme in (("least", low), ("largest", high)):
             value = extreme.value if abs(extreme.value) > NOTHING else 0.0
             unit = units.length + UNITS[name].removeprefix("m")
-            row(f"{word} {name} ({unit})", value * units.per_m, extreme.theta_deg)
+            row(f"{word} {name} ({unit})", value * units.per_m, extreme.theta)
     force, bent, first = found.force, found.curvature, found.first
     what = f"least contact force at {force.rpm:.10g} rpm (N)"
-    row(what, force.lowest_n, force.lowest_deg)
+    row(what, force.lowest_n, force.lowest_theta)
     if first is not None and first.finite:
-        row("first detachment (rpm)", first.rpm, first.theta_deg)
+        row("first detachment (rpm)", first.rpm, first.theta)
         if is_measured(result.system):
             left = range_words(first.low, first.high).removesuffix(" rpm")
             rows.append(["left open by the table (rpm)", left, ""])
@@ -107,11 +108,11 @@ def _show_profile(result: Any) -> None:
     if bent.base_radius is not None:
         least = bent.flat_least
         what = f"least radius of curvature{lobe}, flat face ({units.length})"
-        row(what, least.value * units.per_m, least.theta_deg)
+        row(what, least.value * units.per_m, least.theta)
     needed = f"{bent.least_base_radius * units.per_m:.{digits}g}"
     rows.append([f"base radius a flat face needs ({units.length})", needed, ""])
     if bent.roller is not None:
         what = f"largest roller radius ({units.length})"
-        row(what, bent.roller.value * units.per_m, bent.roller.theta_deg)
-    corners = ", ".join(f"{name} {theta:.8g}" for name, theta in found.corners.items())
+        row(what, bent.roller.value * units.per_m, bent.roller.theta)
+    corners = ", ".join(f"{name} {degrees(theta):.8g}" for name, theta in found.corners.items())
     table(f"Cam, corners (deg): {corners or 'none'}", ["what", "value", "theta (deg)"], rows)

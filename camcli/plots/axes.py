@@ -283,7 +283,7 @@ def draw_forces(axes: Axes, curves: Sequence[ForceCurve], names: Sequence[str] =
         turn, place = divmod(k, len(few))
         line = ("-", (0, (5, 1.5)), (0, (1.5, 1)))[turn % 3]
         name = names[k] if names else None
-        axes.plot(curve.theta_deg, curve.force_n, color=few[place], ls=line, label=name)
+        axes.plot(np.degrees(curve.theta), curve.force_n, color=few[place], ls=line, label=name)
     axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=1)
     low, high = axes.get_ylim()
     if low < 0.0 and any(min(curve.force_n) < 0.0 for curve in curves):

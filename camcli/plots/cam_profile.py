@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import degrees
 from typing import Any
 
 import numpy as np
@@ -41,7 +42,9 @@ def draw_profiles(cams: Sequence[Drawn]) -> Picture:
     first, said = profile.first, "no speed marks a first detachment"
     if first is not None and first.finite:
         exact = 4 if cams[0].measured else 6  # digits
-        said = f"first detachment at {first.rpm:.{exact}g} rpm, {first.theta_deg:.{exact}g} deg"
+        said = (
+            f"first detachment at {first.rpm:.{exact}g} rpm, {degrees(first.theta):.{exact}g} deg"
+        )
         if cams[0].measured:
             said += f" ({range_words(first.low, first.high)} by the error of the table)"
     if (ratio := cams[0].outline.ratio) != 1.0:
@@ -67,7 +70,7 @@ Draw = Callable[[Axes, Drawn], None]
 def _panels(cam: Drawn, among: Sequence[Drawn]) -> dict[str, Panel]:
     """The panels of a cam; among others those that are compared are a column."""
     profile, outline = cam.profile, cam.outline
-    theta, slope = np.asarray(profile.theta_deg), np.asarray(profile.c1)
+    theta, slope = np.degrees(profile.theta), np.asarray(profile.c1)
     rise, fall = theta[np.argmax(slope)], theta[np.argmin(slope)]
     room = 0.4 * float(np.ptp(outline.radius))
     moments = {"at rest": (0.0, 0.0), "lifting": (rise, 0.0), "landing": (fall, room)}
@@ -84,8 +87,9 @@ def _panels(cam: Drawn, among: Sequence[Drawn]) -> dict[str, Panel]:
 
 def _draw(axes: Axes, draw: Draw, cam: Drawn, among: Sequence[Drawn]) -> None:
     draw(axes, cam)
-    few = len(cam.profile.corners) <= style.MOST_CORNERS
-    turn_axis(axes, cam.profile.corners if few else {}, named=draw is _draw_lift)
+    corners = {name: degrees(theta) for name, theta in cam.profile.corners.items()}
+    few = len(corners) <= style.MOST_CORNERS
+    turn_axis(axes, corners if few else {}, named=draw is _draw_lift)
     if among and (values := VALUES.get(draw)):
         axes.set_ylim(*padded([x for other in among for x in values(other.profile)]))
         axes.set_xlabel(r"$\theta$ (deg)")
@@ -94,7 +98,7 @@ def _draw(axes: Axes, draw: Draw, cam: Drawn, among: Sequence[Drawn]) -> None:
 
 def _curve(axes: Axes, profile: Profile, values: Sequence[float], colour: str = style.CAM) -> None:
     axes.axhline(0.0, color=style.GUIDE, linewidth=0.5, zorder=0.5)
-    axes.plot(profile.theta_deg, values, color=colour)
+    axes.plot(np.degrees(profile.theta), values, color=colour)
 
 
 def _name(axes: Axes, drawn: Drawn, panel: str) -> None:
@@ -105,7 +109,7 @@ def _name(axes: Axes, drawn: Drawn, panel: str) -> None:
 def _draw_lift(axes: Axes, drawn: Drawn) -> None:
     profile, cam = drawn.profile, drawn.cam
     name = "cam" if drawn.measured else None
-    axes.plot(profile.theta_deg, profile.c, color=style.CAM, label=name)
+    axes.plot(np.degrees(profile.theta), profile.c, color=style.CAM, label=name)
     _name(axes, drawn, "lift")
     if drawn.measured:
         own, rows = cam.measured.line > 0, "rows of the table"
@@ -126,9 +130,10 @@ def _draw_acceleration(axes: Axes, drawn: Drawn) -> None:
         return
     axes.set_title(f"error below {drawn.units.lengths(drawn.cam.accuracy.bound, 2)}/rad²")
     bounds = np.asarray(drawn.cam.errors.bounds)  # in equal shares of the turn
-    share = (np.asarray(profile.theta_deg) / 360.0 * len(bounds)).astype(int)
+    angle = np.degrees(profile.theta)
+    share = (angle / 360.0 * len(bounds)).astype(int)
     bound, c2 = bounds[np.minimum(share, len(bounds) - 1)], np.asarray(profile.c2)
-    band, words = (profile.theta_deg, c2 - bound, c2 + bound), "bound on its error"
+    band, words = (angle, c2 - bound, c2 + bound), "bound on its error"
     axes.fill_between(*band, color=style.DOUBT, lw=0, label=words, zorder=0.4)
 
 

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf
+from math import degrees, inf
 from typing import Any
 
 import numpy as np
@@ -40,9 +40,9 @@ class _View:
     fold: float
     rpm: tuple[float, float]
 
-    def phase(self, theta_deg: float | Sequence[float]) -> np.ndarray:
+    def phase(self, degrees: float | Sequence[float]) -> np.ndarray:
         """Phases counted on from the fold."""
-        return self.fold + (np.asarray(theta_deg, dtype=float) - self.fold) % TURN_DEG
+        return self.fold + (np.asarray(degrees, dtype=float) - self.fold) % TURN_DEG
 
 
 def draw_detach(study: ContactLoss, system: System) -> Picture:
@@ -58,7 +58,8 @@ def draw_detach(study: ContactLoss, system: System) -> Picture:
     if study.forces:
         exact = 4 if measured else 6  # digits
         names = [
-            f"{c.rpm:.{exact}g} rpm: least {newtons(c.lowest_n, 4)} at {c.lowest_deg:.4g} deg"
+            f"{c.rpm:.{exact}g} rpm: least {newtons(c.lowest_n, 4)} "
+            f"at {degrees(c.lowest_theta):.4g} deg"
             for c in study.forces
         ]
         draw = partial(_draw_forces, curves=study.forces, names=names, corners=corners)
@@ -81,7 +82,9 @@ def _first_loss(study: ContactLoss, measured: bool) -> str:
         never = study.detachment.never
         return "contact is never lost" if never else "contact is lost at every speed"
     exact = (4, 4) if measured else (12, 9)  # digits that a lift table, or any other cam, deserves
-    rpm, theta = (f"{x:.{n}g}" for x, n in zip((first.rpm, first.theta_deg), exact, strict=True))
+    rpm, theta = (
+        f"{x:.{n}g}" for x, n in zip((first.rpm, degrees(first.theta)), exact, strict=True)
+    )
     text = f"contact is first lost at {rpm} rpm, {theta} deg"
     if measured:
         text += f" ({range_words(first.low, first.high)} by the error of the table)"
@@ -136,14 +139,14 @@ def _views(study: ContactLoss) -> list[_View]:
     lead = _leading(study)
     if lead is None:
         return [_View(0.0, TURN_DEG, 0.0, span)]
-    start, room = lead.opens.theta_deg, TURN_DEG * ROOM
+    start, room = degrees(lead.opens.theta), TURN_DEG * ROOM
     whole = _View(start - room, start + TURN_DEG + room, start - FOLD, span)
     marks = [c for c in study.accumulation if c.burst == lead.region.name]
     early = {c.region: c for c in sorted(marks, key=lambda c: -c.rpm)}  # the first of each corner
     reached = sorted(early.values(), key=lambda c: c.rpm)[:2]
     if not reached:
         return [whole]
-    ends = [c.theta_deg for c in reached]
+    ends = [degrees(c.theta) for c in reached]
     if len(reached) < 2:  # what happens beyond the only corner belongs to it
         ends += [end for name, end, _ in _ends(study) if name == lead.region.name]
     highest = float(whole.phase(ends).max())
@@ -169,11 +172,11 @@ def _leading(study: ContactLoss) -> Loss | None:
 
 
 def _ends(study: ContactLoss) -> Iterator[tuple[str, float, float]]:
-    """Region, end and speed of every complete burst."""
+    """Region, end (deg) and speed of every complete burst."""
     for speed in study.speeds:
         for burst in speed.bursts:
-            if burst.end_deg is not None:
-                yield burst.region, burst.end_deg, speed.rpm
+            if burst.end is not None:
+                yield burst.region, degrees(burst.end), speed.rpm
 
 
 def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:
@@ -185,7 +188,7 @@ def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str,
     places = [(name, float(view.phase(phase))) for name, phase in corners.items()]
     corner_lines(axes, [(name, x + turn) for name, x in places for turn in (0.0, TURN_DEG)], "y")
     rpm = [speed.rpm for speed in study.speeds for _ in speed.impacts]
-    impacts = view.phase([x for speed in study.speeds for x in speed.impacts])
+    impacts = view.phase([degrees(x) for speed in study.speeds for x in speed.impacts])
     axes.plot(rpm, impacts, "o", color=style.SIMULATED, ms=1.8, mew=0.0, label="impacts, simulated")
     curves: dict[str, list[tuple[float, float]]] = {}
     for region, end, speed in _ends(study):
@@ -197,10 +200,11 @@ def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str,
         axes.plot(*line, "o-", color=style.CHATTER, lw=1.2, ms=1.6, mew=0.0, label=name)
     first = study.detachment.first
     if first is not None:
-        at = view.phase([first.theta_deg])
+        at = view.phase([degrees(first.theta)])
         mark(axes, "detachment", [first.rpm], at, label="first detachment", zorder=5)
-    ends = [(c.rpm, view.phase(c.theta_deg)) for c in study.accumulation]
-    ends += [(c.rpm, view.phase(c.theta_deg) + TURN_DEG) for c in study.completion]  # a turn later
+    ends = [(c.rpm, view.phase(degrees(c.theta))) for c in study.accumulation]
+    late = [(c.rpm, view.phase(degrees(c.theta)) + TURN_DEG) for c in study.completion]
+    ends += late  # a turn later
     if ends:
         said = "the chatter ends on a corner"
         x, y = np.array(ends, dtype=float).T

@@ -1,9 +1,9 @@
 """What `cam detach` found, in sentences."""
 
 from itertools import groupby
-from math import inf
+from math import degrees, inf
 
-from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, Settled
+from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, SettledMotion
 from camcli.analysis.contact_loss.detachment import AlwaysLost, Quantity, Reason
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
@@ -37,7 +37,7 @@ def theory(result: ContactLoss) -> list[str]:
     """How contact is lost and chatter changes."""
     losses = result.detachment.losses
     never = [loss.region.name for loss in losses if loss.opens.rpm == inf]
-    places = {loss.region.name: loss.opens.theta_deg for loss in losses}
+    places = {loss.region.name: degrees(loss.opens.theta) for loss in losses}
     said = []
     if never and result.detachment.first is not None:
         said.append(f"contact is never lost in {', '.join(never)}, at any speed")
@@ -47,7 +47,7 @@ def theory(result: ContactLoss) -> list[str]:
         for f in result.lift_offs
     ]
     for hit in result.ended:
-        before, after = hit.ends_deg or (inf, inf)
+        before, after = map(degrees, hit.ends or (inf, inf))
         said.append(
             f"impact {hit.impact} of the burst from {hit.burst} ends at {hit.rpm:.10g} rpm before "
             f"it lands on {hit.corner}: it was at {before:.6g} deg, the next contact is at "
@@ -60,7 +60,7 @@ def theory(result: ContactLoss) -> list[str]:
 
 
 def _always(place: AlwaysLost) -> str:
-    at = f"{place.theta_deg:.10g} deg"
+    at = f"{degrees(place.theta):.10g} deg"
     if place.reason is Reason.KINK:
         drop = f"the cam's slope drops by {place.value:.6g} m/rad at {at}"
         return f"contact is lost at every speed: {drop} and throws the follower off"
@@ -76,11 +76,11 @@ def _always(place: AlwaysLost) -> str:
 def _lift_off(seen: LiftOff, place: float) -> str:
     """place: the phase (deg) at which the region opens."""
     lands = "not within two turns"
-    if seen.landing_deg < inf:
-        lands = f"{seen.landing_deg - place:.3g} deg after"
-    if seen.rest_deg < inf:
-        lands += f", at rest again {seen.rest_deg - place:.3g} deg after it"
-    released = f"released {place - seen.release_deg:.3g} deg before"
+    if seen.landing < inf:
+        lands = f"{degrees(seen.landing) - place:.3g} deg after"
+    if seen.rest < inf:
+        lands += f", at rest again {degrees(seen.rest) - place:.3g} deg after it"
+    released = f"released {place - degrees(seen.release):.3g} deg before"
     return {
         LiftOffKind.FLIES_OFF: f"flies off at {seen.corner}: the force drops there; lands {lands}",
         LiftOffKind.CAUGHT: f"{released} {seen.corner}, where the force fades; caught {lands}",
@@ -111,7 +111,7 @@ def spring(hold: Hold) -> str:
     if hold.obstacle is not None:
         lacking = f"{hold.missing_n:.6g} N are missing"
         what = lacking if hold.obstacle is Obstacle.LIFT else "the spring would pull"
-        where = f"{what} at {hold.theta_deg:.10g} deg, where c"
+        where = f"{what} at {degrees(hold.theta or 0.0):.10g} deg, where c"
         if alone:
             return f"impossible with stiffness alone: {where} <= 0 and a spring does not press"
         return f"impossible: {where} + precompression <= 0; raise detach.precompression_m"
@@ -129,12 +129,12 @@ def spring(hold: Hold) -> str:
     return f"{stiffness}, preload as it is" if alone else f"{stiffness} and {preload}"
 
 
-def bursts_text(speed: Settled) -> str:
+def bursts_text(speed: SettledMotion) -> str:
     """A2 complete, A4 complete; none where the follower stays on the cam; or a status."""
     if speed.status != Status.OK:
         return Status(speed.status).text
     said = [
-        f"{b.region} {'complete' if b.end_deg is not None else 'incomplete'}".strip()
+        f"{b.region} {'complete' if b.end is not None else 'incomplete'}".strip()
         for b in speed.bursts
     ]
     return ", ".join(dict.fromkeys(said)) or "none"

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import inf
+from math import degrees, inf
 from typing import Any
 
 from camcli.system import decimals, units_of
@@ -41,7 +41,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     columns += ", bounces, force (N)"
     forces = [
         [*speed(f.rpm, f".{exact}g"), _cell(_zero(f.lowest_n), digits=4),
-         _cell(f.lowest_deg, digits=4), _cell(f.highest(f.force_n)[0], digits=4),
+         _cell(degrees(f.lowest_theta), digits=4), _cell(f.highest(f.force_n)[0], digits=4),
          *([_cell(f.highest(f.pressure_pa)[0], 1e-6)] if f.pressure_pa else [])]
         for f in found.forces
     ]  # fmt: skip
@@ -51,7 +51,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     springs = [
         [way(h), _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, digits=4),
          _cell(h.nose_n, digits=4),
-         "never" if h.detaches_rpm == inf else _cell(h.detaches_rpm, digits=exact), h.status]
+         "never" if h.detaches == inf else _cell(h.detaches, digits=exact), h.status]
         for h in found.holds
         if h.stiffness is not None
     ]  # fmt: skip

@@ -1,6 +1,7 @@
 """Why a diagram changes, in sentences."""
 
 from collections.abc import Sequence
+from math import degrees
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity
@@ -31,7 +32,7 @@ def event_sentence(event: Event) -> str:
         return f"impact {source.impact} after lift-off lands on corner {source.corner}"
     if isinstance(source, CriticalSpeed):
         if source.quantity is Quantity.FIRST_DETACHMENT:
-            return f"the contact force reaches zero at {source.theta_deg:.6g} deg"
+            return f"the contact force reaches zero at {degrees(source.theta):.6g} deg"
         if source.quantity is Quantity.ACCUMULATION:
             return f"impacts accumulate exactly at corner {source.region}"
         return "the chatter ends where the next one begins: it is complete no longer"

@@ -1,5 +1,7 @@
 """What `cam simulate` says of one motion, and of the cam alone."""
 
+from math import degrees
+
 from camcli.analysis.cam_profile import Profile
 from camcli.analysis.simulate import Simulation
 from camcli.errors import plural
@@ -47,7 +49,7 @@ def undercut_notes(profile: Profile, system: System) -> list[str]:
     least = bent.flat_least
     return [
         f"warning: a flat-faced follower undercuts this cam: the radius of curvature would be "
-        f"{units.lengths(least.value, 4)} at {least.theta_deg:.5g} deg; the base radius must "
+        f"{units.lengths(least.value, 4)} at {degrees(least.theta):.5g} deg; the base radius must "
         f"exceed {units.lengths(bent.least_base_radius, 4)} (knife edge and roller "
         "have other limits)"
     ]

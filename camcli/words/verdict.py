@@ -1,7 +1,7 @@
 """The answer in a sentence or two, before any table: does contact hold, up to where, what then."""
 
 from collections.abc import Iterator, Mapping
-from math import ceil
+from math import ceil, degrees
 from typing import Any
 
 import camcli.analysis.contact_loss.detachment as loss
@@ -22,7 +22,9 @@ def verdict(result: Any, lift_table: Mapping[str, Any] | None) -> list[str]:
     if found.always:
         kink = found.always[0].reason is loss.Reason.KINK
         why = "the cam's slope drops" if kink else "the spring does not press even at standstill"
-        return [f"Contact is lost at every speed: {why} at {found.always[0].theta_deg:.4g} deg."]
+        return [
+            f"Contact is lost at every speed: {why} at {degrees(found.always[0].theta):.4g} deg."
+        ]
     if found.first is None:
         return ["Contact holds at every speed."]
     low, high = lift_table["first_detachment_rpm"] if lift_table else (None, None)

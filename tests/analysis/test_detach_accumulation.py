@@ -1,12 +1,11 @@
 """Where chatter ends, corner hits, completion loss: published numbers and simulations."""
 
-from math import degrees
+from math import degrees, tau
 
 import pytest
 
 from camcli.analysis.contact_loss.bursts import Bursts
 from camcli.analysis.contact_loss.detachment import detachment
-from camcli.analysis.contact_loss.force import DEG
 from camcli.analysis.contact_loss.study import detach
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.sweep import rpm_grid
@@ -31,7 +30,7 @@ def ends_of(system, rpm, transient):
     """Where chatters end in one turn, deg, by simulation."""
     record = Orbit(system, rpm, settings(transient, 1, 1e-13)).run()
     return [
-        x * DEG for k, x in zip(record.kind, record.theta, strict=True) if k == EventKind.CHATTER
+        degrees(x) for k, x in zip(record.kind, record.theta, strict=True) if k == EventKind.CHATTER
     ]
 
 
@@ -44,7 +43,7 @@ def test_chatter_accumulates_at_a_corner(chapter, result, corner, rpm, phase):
     assert 0.0 < found.high - found.low <= 2e-10
     assert phase - 1e-3 < ends_of(chapter, found.low - 1e-7, 0)[0] < phase
     bursts = Bursts(chapter, "A2", detachment(chapter).first.theta, 10**6)
-    before, after = (bursts.at(rpm).end * DEG for rpm in (found.low, found.high))
+    before, after = (degrees(bursts.at(rpm).end) for rpm in (found.low, found.high))
     assert phase - 1e-6 < before < phase <= after
 
 
@@ -55,8 +54,8 @@ def test_completion_is_lost(chapter, result):
     assert found.high - found.low <= 2e-10
     bursts = Bursts(chapter, "A2", detachment(chapter).first.theta, 10**6)
     complete, lost = (bursts.at(rpm) for rpm in (found.low, found.high))
-    assert -1e-3 < complete.end - complete.release - 360.0 / DEG < 0.0
-    assert lost.end > lost.release + 360.0 / DEG
+    assert -1e-3 < complete.end - complete.release - tau < 0.0
+    assert lost.end > lost.release + tau
 
 
 def test_impacts_land_on_corners_at_the_published_speeds(chapter, result):
@@ -71,7 +70,7 @@ def test_impacts_land_on_corners_at_the_published_speeds(chapter, result):
         for rpm in (hit.low, hit.high):
             record = Orbit(chapter, rpm, settings(0, 2)).run()
             rows = zip(record.kind, record.period, record.theta, strict=True)
-            times = [360.0 * p + x * DEG for k, p, x in rows if k == EventKind.IMPACT]
+            times = [360.0 * p + degrees(x) for k, p, x in rows if k == EventKind.IMPACT]
             sides.append(times[hit.impact - 1] - place)
         assert sides[0] < 0.0 < sides[1] < sides[0] + 1e-3
 
@@ -83,9 +82,9 @@ def test_a_curve_of_hits_that_ends_says_where(chapter, result):
     assert [c.region for c in result.jumps] == ["e"]
     burst = Bursts(chapter, "A2", detachment(chapter).first.theta, 10**6)
     for hit in ended.values():
-        assert hit.ends_deg[0] < degrees(chapter.corners[4]) < hit.ends_deg[1]
-        sides = [burst.at(rpm).impacts[hit.impact - 1] * DEG for rpm in (hit.low, hit.high)]
-        assert sides == pytest.approx(hit.ends_deg, abs=1e-3)
+        assert hit.ends[0] < chapter.corners[4] < hit.ends[1]
+        sides = [degrees(burst.at(rpm).impacts[hit.impact - 1]) for rpm in (hit.low, hit.high)]
+        assert sides == pytest.approx([degrees(x) for x in hit.ends], abs=1e-3)
 
 
 def test_hits_close_in_on_the_accumulation(chapter, result):

@@ -1,5 +1,6 @@
 """The picture of detachment: every edge case, and the marks that matter."""
 
+from math import radians
 from types import SimpleNamespace
 
 import numpy as np
@@ -41,7 +42,7 @@ def test_curve_marks_and_first_detachment_are_drawn_and_the_first_range_enlarged
     ids=["never", "no corners", "always", "damped"],
 )
 def test_any_machine(system, said):
-    picture = drawn(system, [500.0, 800.0], hold_rpm=900.0)
+    picture = drawn(system, [500.0, 800.0], hold_speed=900.0)
     assert picture.words.startswith(said)
     tall(picture)
 
@@ -49,8 +50,8 @@ def test_any_machine(system, said):
 def test_hold_to_adds_a_panel_and_no_force_leaves_one_out(chapter):
     for question, last in (
         ({}, "forces"),
-        ({"hold_rpm": 150.0}, "springs"),
-        ({"force_rpm": ()}, "phases"),
+        ({"hold_speed": 150.0}, "springs"),
+        ({"force_speeds": ()}, "phases"),
     ):
         assert list(drawn(chapter, [112.0, 116.0], **question).panels)[-1] == last
 
@@ -58,13 +59,13 @@ def test_hold_to_adds_a_panel_and_no_force_leaves_one_out(chapter):
 def test_the_enlarged_part_reaches_the_first_time_a_burst_ends_at_a_corner():
     """Later bursts may end there again: those of c at 190 rpm and of f are not shown."""
     speeds = [SimpleNamespace(rpm=float(rpm), bursts=()) for rpm in range(100, 301, 10)]
-    opens = SimpleNamespace(theta_deg=150.0, rpm=106.0)
+    opens = SimpleNamespace(theta=radians(150.0), rpm=106.0)
     lead = SimpleNamespace(region=SimpleNamespace(name="A2"), opens=opens)
     marks = [("c", 190.0, 160.0), ("d", 137.0, 200.0), ("c", 112.0, 160.0), ("f", 240.0, 270.0)]
     study = SimpleNamespace(
         speeds=speeds, hits=[SimpleNamespace(corner="c", rpm=118.0)],
         detachment=SimpleNamespace(first=SimpleNamespace(region="A2"), losses=[lead]),
-        accumulation=[SimpleNamespace(region=region, rpm=rpm, theta_deg=theta, burst="A2")
+        accumulation=[SimpleNamespace(region=region, rpm=rpm, theta=radians(theta), burst="A2")
                       for region, rpm, theta in marks],
     )  # fmt: skip
     enlarged, whole = _views(study)

@@ -5,6 +5,7 @@ Each has its cases just inside and just outside, with the answer worked out by h
 
 from __future__ import annotations
 
+from math import degrees
 from types import SimpleNamespace as Made
 
 import numpy as np
@@ -129,7 +130,7 @@ def test_what_pulls_is_shaded_only_where_something_does(axes):
 
     def drawn(*forces):
         axes.clear()
-        draw_forces(axes, [Made(theta_deg=angle, force_n=force) for force in forces])
+        draw_forces(axes, [Made(theta=np.radians(angle), force_n=force) for force in forces])
         return [patch.get_height() for patch in axes.patches], axes.get_ylim()[0]
 
     pressing, pulling = [0.0, 5.0, 9.0, 5.0, 0.0], [3.0, 5.0, -2.0, 5.0, 3.0]
@@ -181,7 +182,11 @@ def test_names_and_numbers():
     assert style.motion("P(1;inf)") == "P(1;∞)"
     assert style.motion("P(3;3:3:2)", 10) == "P(3;3:3:2)"
     assert style.motion("P(3;3:3:2)", 9) == "P(3;3:3…)"
-    assert style.corner_names([90.0, 10.0, 50.0]) == {"a": 10.0, "b": 50.0, "c": 90.0}
+    assert style.corner_names([1.5, 0.5, 1.0]) == {
+        "a": degrees(0.5),
+        "b": degrees(1.0),
+        "c": degrees(1.5),
+    }
 
 
 def test_shades():

@@ -12,9 +12,8 @@ from itertools import groupby, pairwise
 from math import inf
 
 from camcli.analysis.bracketing import bracket
-from camcli.analysis.contact_loss.bursts import JUST_ABOVE, Bursts, Settled
+from camcli.analysis.contact_loss.bursts import JUST_ABOVE, Bursts, SettledMotion
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity, SpeedStatus
-from camcli.analysis.contact_loss.force import DEG
 from camcli.cams.regions import SAME_PHASE, Corner, corner_list
 from camcli.errors import Status
 from camcli.kernel.cam_table import TURN
@@ -30,7 +29,7 @@ class CornerHit:
     """Impact `impact` (1 is the first after lift-off) lands on `corner`; value and bracket in rpm.
 
     Status JUMP: the curve ends here, the impact ceases to exist or to come first (a graze), and
-    `ends_deg` are the phases of impact number `impact` on both sides.
+    `ends` are the phases (rad) of impact number `impact` on both sides.
     """
 
     impact: int
@@ -40,7 +39,7 @@ class CornerHit:
     high: float
     status: SpeedStatus
     burst: str
-    ends_deg: tuple[float, float] | None = None
+    ends: tuple[float, float] | None = None
 
 
 def corners_ahead(bursts: Bursts) -> list[tuple[Corner, float]]:
@@ -53,7 +52,7 @@ def corners_ahead(bursts: Bursts) -> list[tuple[Corner, float]]:
     return sorted(found, key=lambda pair: pair[1])
 
 
-def scan_speeds(opens: float, region: str, speeds: Sequence[Settled]) -> list[float]:
+def scan_speeds(opens: float, region: str, speeds: Sequence[SettledMotion]) -> list[float]:
     """Where to look for changes of the bursts of one region: ascending speeds.
 
     The longest row of neighbouring speeds at which the settled motion has such a burst, complete,
@@ -61,7 +60,7 @@ def scan_speeds(opens: float, region: str, speeds: Sequence[Settled]) -> list[fl
     """
     speeds = sorted(speeds, key=lambda speed: speed.rpm)
     present = [
-        any(b.region == region and b.end_deg is not None for b in speed.bursts) for speed in speeds
+        any(b.region == region and b.end is not None for b in speed.bursts) for speed in speeds
     ]
     rows = [list(row) for there, row in groupby(range(len(speeds)), present.__getitem__) if there]
     if not rows:
@@ -143,6 +142,6 @@ def corner_hits(
         a, b, e_a, e_b = bracket(excess, low, high, e_low, e_high)
         status, ends = SpeedStatus.OK, None
         if min(-e_a, e_b) >= AT:
-            status, ends = SpeedStatus.JUMP, ((e_a + goal) * DEG, (e_b + goal) * DEG)
+            status, ends = SpeedStatus.JUMP, (e_a + goal, e_b + goal)
         yield CornerHit(n, corner.name, 0.5 * (a + b), a, b, status, bursts.name, ends)
         high = b

@@ -11,10 +11,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import partial
-from math import inf
+from math import inf, radians
 
 from camcli.analysis.contact_loss.detachment import Loss
-from camcli.analysis.contact_loss.force import DEG, Force
+from camcli.analysis.contact_loss.force import Force
 from camcli.analysis.integrate import BudgetSpentError, Cost, Orbit, Record, Settings, Start
 from camcli.cams.regions import SAME_PHASE
 from camcli.errors import Status
@@ -25,7 +25,7 @@ from camcli.piece_faults import piece
 from camcli.system import System, omega_of
 
 FINEST = 1e-13  # fraction of a turn, error of the accumulation phase: what doubles still resolve
-STEP_BACK = 0.5 / DEG  # rad; any rest before the lost set will do
+STEP_BACK = radians(0.5)  # any rest before the lost set will do
 TURNS = (0, 2)  # strobes passed by a burst: most end in the turn they began
 RECORD = 2  # turns of a settled motion: bursts begin in the first, may end in the second
 JUST_ABOVE = 1e-6  # relative: beyond the speed at which a region opens, for its burst
@@ -53,7 +53,7 @@ class Burst:
 
 
 def _bursts(system: System, orbit: Orbit, record: Record) -> tuple[list[Burst], list[float]]:
-    """(the bursts of a record, the impacts of its first turn in deg).
+    """(the bursts of a record, the phases of the impacts of its first turn in rad).
 
     Phases of bursts are counted on from the record's first strobe. With restitution 0 the follower
     rests where it lands, if it is pressed on: such an impact ends a burst as a chatter does.
@@ -68,7 +68,7 @@ def _bursts(system: System, orbit: Orbit, record: Record) -> tuple[list[Burst], 
             found.append(Burst(theta, phase))
         elif kind == IMPACT:
             if phase < TURN:
-                impacts.append(theta * DEG)
+                impacts.append(theta)
             if not found:
                 found.append(Burst(inf, phase))
             found[-1].impacts.append(phase)
@@ -108,7 +108,7 @@ class Bursts:
 
     def _simulated(self, rpm: float, impacts: int) -> Burst:
         found = Burst(inf, inf)
-        start = self._held_before(omega_of(rpm))
+        start = self._rest_before(omega_of(rpm))
         if start is None:
             return found
         budget = impacts or self.impact_budget  # the kernel stops where it is used up
@@ -124,7 +124,7 @@ class Bursts:
                 break
         return found
 
-    def _held_before(self, omega: float) -> float | None:
+    def _rest_before(self, omega: float) -> float | None:
         """A phase (rad) shortly before the lost set where the follower rests; None: nowhere."""
         for k in range(1, int(TURN / STEP_BACK)):
             theta = (self.theta - k * STEP_BACK) % TURN
@@ -149,15 +149,15 @@ class LiftOffKind(StrEnum):
 
 @dataclass(frozen=True)
 class LiftOff:
-    """Release, first landing and end of the chatter of one burst (deg, unrolled; inf: not seen)."""
+    """Release, first landing and end of the chatter of one burst (rad, unrolled; inf: not seen)."""
 
     region: str
     kind: LiftOffKind
     corner: str
     rpm: float
-    release_deg: float
-    landing_deg: float
-    rest_deg: float
+    release: float
+    landing: float
+    rest: float
 
 
 def lift_off(bursts: Bursts, loss: Loss) -> LiftOff:
@@ -173,24 +173,23 @@ def lift_off(bursts: Bursts, loss: Loss) -> LiftOff:
     elif region.ends and min(abs(place - region.end + x) for x in (0.0, TURN)) < SAME_PHASE:
         kind, corner = LiftOffKind.CAUGHT, region.ends
     landing = burst.impacts[0] if burst.impacts else burst.end
-    phases = [x * DEG for x in (burst.release, landing, burst.end)]
-    return LiftOff(region.name, kind, corner, rpm, *phases)
+    return LiftOff(region.name, kind, corner, rpm, burst.release, landing, burst.end)
 
 
 @dataclass(frozen=True)
 class SettledBurst:
-    """A burst of one turn: the region it begins in ("": it goes on from before), its end in deg.
+    """A burst of one turn: the region it begins in ("": it goes on from before), its end in rad.
 
-    `end_deg` lies within the turn; None where the chatter is incomplete.
+    `end` lies within the turn; None where the chatter is incomplete.
     """
 
     region: str
-    end_deg: float | None
+    end: float | None
 
 
 @dataclass(frozen=True)
-class Settled:
-    """The motion at one speed after its settling turns; `impacts` of one turn, deg."""
+class SettledMotion:
+    """The motion at one speed after its settling turns; `impacts` of one turn, rad."""
 
     rpm: float
     bursts: tuple[SettledBurst, ...]
@@ -200,37 +199,37 @@ class Settled:
 
     @property
     def ends(self) -> list[float]:
-        """Where its complete chatters end, deg within the turn."""
-        return [burst.end_deg for burst in self.bursts if burst.end_deg is not None]
+        """Where its complete chatters end, rad within the turn."""
+        return [burst.end for burst in self.bursts if burst.end is not None]
 
 
-def settled(
+def settled_motions(
     system: System,
     rpms: Sequence[float],
     settings: Settings,
     settle: int,
     on_speed: Callable[[], None] = lambda: None,
-) -> list[Settled]:
+) -> list[SettledMotion]:
     """Every speed from rest: `settle` turns, then one turn looked at."""
     force = Force(system)
     turns = Settings(settle, RECORD, settings.chatter_tolerance, settings.impact_budget, Start())
     result = []
 
-    def motion_at(rpm: float) -> Settled:
+    def motion_at(rpm: float) -> SettledMotion:
         orbit = Orbit(system, rpm, turns)
         record = orbit.run(strobes=False)
         bursts, impacts = _bursts(system, orbit, record)
         if record.status == Status.OK:  # of the first turn; one from before it if none begins
             bursts = [b for b in bursts if b.release < inf and b.begin < TURN] or bursts[:1]
         rows = tuple(_settled_burst(force, system.strobe, burst) for burst in bursts)
-        return Settled(rpm, rows, tuple(impacts), record.status, record.cost)
+        return SettledMotion(rpm, rows, tuple(impacts), record.status, record.cost)
 
     for rpm in rpms:
-        failed = Settled(rpm, (), (), Status.FAULT, Cost())
+        failed = SettledMotion(rpm, (), (), Status.FAULT, Cost())
         try:
             result.append(piece(f"rpm = {rpm!r}", partial(motion_at, rpm), failed))
         except BudgetSpentError:
-            result.append(Settled(rpm, (), (), Status.WORK_BUDGET, Cost()))
+            result.append(SettledMotion(rpm, (), (), Status.WORK_BUDGET, Cost()))
             continue
         on_speed()
     return result
@@ -240,4 +239,4 @@ def _settled_burst(force: Force, strobe: float, burst: Burst) -> SettledBurst:
     region = ""
     if burst.release < inf:
         region = force.region_of(stretch_at(force.cam, burst.release)).name
-    return SettledBurst(region, ((burst.end + strobe) % TURN) * DEG if burst.end < inf else None)
+    return SettledBurst(region, (burst.end + strobe) % TURN if burst.end < inf else None)

@@ -11,7 +11,7 @@ from functools import cache
 from math import inf
 
 from camcli.analysis.bracketing import NARROW
-from camcli.analysis.contact_loss.force import DEG, Force
+from camcli.analysis.contact_loss.force import Force
 from camcli.cams.regions import Region
 from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.system import System, omega_of, rpm_of
@@ -65,11 +65,6 @@ class CriticalSpeed:
         """True where there is such a speed."""
         return 0.0 < self.rpm < inf
 
-    @property
-    def theta_deg(self) -> float:
-        """Phase within the turn, deg."""
-        return self.theta * DEG
-
 
 @dataclass(frozen=True)
 class Loss:
@@ -90,10 +85,10 @@ class Reason(StrEnum):
 
 @dataclass(frozen=True)
 class AlwaysLost:
-    """A place (deg) where contact is lost at any speed."""
+    """A phase (rad) where contact is lost at any speed."""
 
     reason: Reason
-    theta_deg: float
+    theta: float
     value: float
 
 
@@ -144,7 +139,9 @@ def _critical(
     rpm = rpm_of(omega)
     low, high = rpm * (1.0 - NARROW), rpm * (1.0 + NARROW)
     below, above = (force.newton(i, theta, omega_of(side)) for side in (low, high))
-    good = below > 0.0 >= above and (quantity != Quantity.OPENS or force.held(region, low))
+    good = below > 0.0 >= above
+    if quantity == Quantity.OPENS:
+        good = good and force.stays_positive(region, low)
     status = SpeedStatus.OK if good else SpeedStatus.UNRESOLVED
     return CriticalSpeed(quantity, region.name, theta, rpm, low, high, status)
 
@@ -153,7 +150,7 @@ def _always(force: Force, losses: Sequence[Loss]) -> tuple[AlwaysLost, ...]:
     """Why contact is lost at any speed, empty where it is held at standstill."""
     drops = [-force.cam.stretches[i].slope_jump for i in range(len(force.cam.stretches))]
     kinks = [
-        AlwaysLost(Reason.KINK, start * DEG, drop)
+        AlwaysLost(Reason.KINK, start, drop)
         for start, drop in zip(force.starts, drops, strict=True)
         if drop > 0.0
     ]
@@ -162,7 +159,7 @@ def _always(force: Force, losses: Sequence[Loss]) -> tuple[AlwaysLost, ...]:
     weakest, _, theta = force.weakest(0.0)
     if abs(weakest) <= force.rounding * force.mass:
         weakest = 0.0
-    return (*kinks, AlwaysLost(Reason.FORCE, theta * DEG, weakest))
+    return (*kinks, AlwaysLost(Reason.FORCE, theta, weakest))
 
 
 def first_loss(system: System, errors: Sequence[float] = (0.0,), share: float = 0.0) -> float:

@@ -21,7 +21,6 @@ from camcli.kernel.cam_table import lift_at
 from camcli.kernel.sticking import find_detachment
 from camcli.system import System, omega_of
 
-DEG = 180.0 / pi
 PER_PIECE = 48  # samples per polynomial piece, which is short enough for a minimum or two
 ROUNDING = 2.0**-49  # of A, B and C, relative: the table's lift is exact to some 4 ulp
 CURVE = 720  # points of a force curve: half a degree, finer than any picture
@@ -29,18 +28,18 @@ CURVE = 720  # points of a force curve: half a degree, finer than any picture
 
 @dataclass(frozen=True)
 class ForceCurve:
-    """N along one turn at one speed, one-sided on both sides of a corner; deg, N, Pa."""
+    """N along one turn at one speed, one-sided on both sides of a corner; rad, N, Pa."""
 
     rpm: float
-    theta_deg: list[float]
+    theta: list[float]
     force_n: list[float]
     lowest_n: float
-    lowest_deg: float
+    lowest_theta: float
     pressure_pa: list[float] = field(default_factory=list)  # empty where it is not known
 
     def highest(self, values: list[float]) -> tuple[float, float]:
-        """(largest, its phase in deg) of the forces or pressures."""
-        return max(zip(values, self.theta_deg, strict=True))
+        """(largest, its phase in rad) of the forces or pressures."""
+        return max(zip(values, self.theta, strict=True))
 
 
 class Force:
@@ -116,7 +115,7 @@ class Force:
         rounding = self.mass * (self.rounding + omega * (b + omega * c))
         return self.lowest(lambda i, x: self.newton(i, x, omega), rounding=rounding)
 
-    def held(self, region: Region, rpm: float) -> bool:
+    def stays_positive(self, region: Region, rpm: float) -> bool:
         """True where the kernel's own certified step finds no zero of N in the region.
 
         False at a speed so low that the constants there are no doubles.
@@ -142,12 +141,12 @@ class Force:
             count = int((high - low) * (points / (self.ends[-1] - self.starts[0]))) + 1
             for k in range(count + 1):
                 x = high if k == count else low + (high - low) * (k / count)
-                theta.append(x * DEG)
+                theta.append(x)
                 force.append(self.newton(i, x, omega))
                 if hertz is not None:
                     pressure.append(hertz.pressure(force[-1], *lift_at(self.cam, i, x)))
         value, _, place = self.weakest(rpm)
-        return ForceCurve(rpm, theta, force, value, place * DEG, pressure)
+        return ForceCurve(rpm, theta, force, value, place, pressure)
 
 
 @dataclass(frozen=True)

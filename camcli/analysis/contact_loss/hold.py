@@ -12,7 +12,7 @@ from enum import StrEnum
 from math import inf
 
 from camcli.analysis.contact_loss.detachment import Quantity, Reason, detachment
-from camcli.analysis.contact_loss.force import DEG, Force
+from camcli.analysis.contact_loss.force import Force
 from camcli.cams.compile import lift_range
 from camcli.kernel.cam_table import TURN, lift_at
 from camcli.system import System, omega_of
@@ -49,12 +49,13 @@ class Obstacle(StrEnum):
 class Hold:
     """One answer: the spring, the phase that decides, and where contact is then lost first.
 
-    stiffness N/m, preload N (None where impossible), theta_deg of the deciding phase (None where
-    none does), detaches_rpm recomputed with the new spring (inf: never), least force up to the
-    speed asked for in newton; nose_n: its force at the highest lift, N. Where it is impossible: the
-    obstacle, and the force missing, N (the height missing, m, of a SOLID spring). more: than the
-    present spring has, of stiffness, or of preload where only that is another: if less of it would
-    do, the present spring holds. low_rpm, high_rpm: between which detaches_rpm lies.
+    stiffness in N/m and preload in N are None where no spring holds. theta: the deciding phase,
+    rad, None where none does. detaches: the speed (rpm) at which contact is lost first with the new
+    spring, inf never; low, high: the speeds between which it lies. least_n: the least force up to
+    the speed asked for, N. nose_n: the spring's force at the highest lift, N. obstacle, missing_n:
+    why no spring holds, and the force that is missing, N (of a SOLID spring the height, m). more:
+    whether it has more than the present spring, of stiffness, or of preload where only the preload
+    is another one. If less would do, the present spring holds.
     """
 
     quantity: Quantity
@@ -62,15 +63,15 @@ class Hold:
     stiffness: float | None = None
     preload: float | None = None
     region: str = ""
-    theta_deg: float | None = None
-    detaches_rpm: float | None = None
+    theta: float | None = None
+    detaches: float | None = None
     least_n: float | None = None
     obstacle: Obstacle | None = None
     missing_n: float | None = None
     nose_n: float | None = None
     more: bool = True
-    low_rpm: float | None = None
-    high_rpm: float | None = None
+    low: float | None = None
+    high: float | None = None
 
 
 def usual_margin(system: System, rpm: float, accel_error: Sequence[float] = (0.0,)) -> float:
@@ -173,7 +174,7 @@ class Need:
         obstacle = Obstacle.LIFT if missing > SLIGHT * lacking else Obstacle.PULL
         return Hold(
             quantity, HoldStatus.IMPOSSIBLE, region=self.force.region_of(j).name,
-            theta_deg=place * DEG, obstacle=obstacle, missing_n=max(missing, 0.0),
+            theta=place, obstacle=obstacle, missing_n=max(missing, 0.0),
         )  # fmt: skip
 
     def checked(
@@ -193,6 +194,6 @@ class Need:
         kind = HoldStatus.ABSURD if strong else HoldStatus.OK
         return Hold(
             quantity, kind if needed else HoldStatus.NOT_NEEDED, k, preload,
-            self.force.region_of(i).name if needed else "", theta * DEG if needed else None,
-            first, least, nose_n=nose, more=k > f.stiffness, low_rpm=low, high_rpm=high,
+            self.force.region_of(i).name if needed else "", theta if needed else None,
+            first, least, nose_n=nose, more=k > f.stiffness, low=low, high=high,
         )  # fmt: skip

@@ -14,7 +14,14 @@ from camcli.analysis.contact_loss.accumulation import (
     reaching,
     scan_speeds,
 )
-from camcli.analysis.contact_loss.bursts import RECORD, Bursts, LiftOff, Settled, lift_off, settled
+from camcli.analysis.contact_loss.bursts import (
+    RECORD,
+    Bursts,
+    LiftOff,
+    SettledMotion,
+    lift_off,
+    settled_motions,
+)
 from camcli.analysis.contact_loss.detachment import (
     CriticalSpeed,
     Detachment,
@@ -61,7 +68,7 @@ class ContactLoss:
     ends: tuple[CriticalSpeed, ...]
     completion: tuple[CriticalSpeed, ...]
     landings: tuple[CornerHit, ...]
-    speeds: tuple[Settled, ...]
+    speeds: tuple[SettledMotion, ...]
     forces: tuple[ForceCurve, ...]
     holds: tuple[Hold, ...]
     springs: tuple[tuple[Hold | None, ForceCurve], ...]
@@ -112,8 +119,8 @@ def detach(
     *,
     settle: int = 3,
     impacts: int = 8,
-    force_rpm: Sequence[float] | None = None,
-    hold_rpm: float | None = None,
+    force_speeds: Sequence[float] | None = None,
+    hold_speed: float | None = None,
     margin: float | None = None,
     precompression: float | None = None,
     accel_error: Sequence[float] = (0.0,),
@@ -125,8 +132,8 @@ def detach(
 
     rpms: the range; changes of the chatter are looked for between its speeds, each from rest and
     after `settle` turns; of `settings` the chatter tolerance and the impact budget are used.
-    impacts: landings on corners are followed up to this number. force_rpm: speeds of the force
-    curves. hold_rpm: find the springs that press with `margin` (N) up to this speed, one of them
+    impacts: landings on corners are followed up to this number. force_speeds: speeds of the force
+    curves. hold_speed: find the springs that press with `margin` (N) up to this speed, one of them
     with so much precompression (m), whatever the error of a measured c_thetatheta in its bounds;
     None: as usual (`hold`). solid: height (m) at which the present spring is solid. hertz: the
     contact, for the pressure along the force curves.
@@ -134,10 +141,10 @@ def detach(
     turns = len(rpms) * (settle + RECORD)
     backend.for_work(turns, LITTLE_WORK)
     found, force = detachment(system), Force(system)
-    scan = speeds = settled(system, rpms, settings, settle, on_speed)
+    scan = speeds = settled_motions(system, rpms, settings, settle, on_speed)
     cost = sum((speed.cost for speed in speeds), Cost())
     if 1 < len(rpms) < FEWEST:
-        scan = settled(system, rpm_grid(min(rpms), max(rpms), FEWEST), settings, settle)
+        scan = settled_motions(system, rpm_grid(min(rpms), max(rpms), FEWEST), settings, settle)
         cost = sum((speed.cost for speed in scan), cost)
     lift_offs: list[LiftOff] = []
     ends: list[CriticalSpeed] = []
@@ -167,18 +174,18 @@ def detach(
         past.extend(_past(system, rpm, settings) for rpm in _past_speeds(found, rpms))
     cost = sum((speed.cost for speed in past), cost)
     holds: list[Hold] = []
-    if hold_rpm is not None:
-        margin = usual_margin(system, hold_rpm, accel_error) if margin is None else margin
+    if hold_speed is not None:
+        margin = usual_margin(system, hold_speed, accel_error) if margin is None else margin
         reach = usual_precompression(system) if precompression is None else precompression
-        search = partial(hold_to, system, hold_rpm, margin, reach, accel_error, solid)
-        holds = piece(f"the springs that hold to {hold_rpm:.10g} rpm", search, [])
+        search = partial(hold_to, system, hold_speed, margin, reach, accel_error, solid)
+        holds = piece(f"the springs that hold to {hold_speed:.10g} rpm", search, [])
     curves = [
         piece(f"the contact force at {rpm:.10g} rpm", partial(force.curve, rpm, hertz=hertz))
-        for rpm in _force_speeds(found, rpms, force_rpm)
+        for rpm in _force_speeds(found, rpms, force_speeds)
     ]
     springs: Callable[[], list] = list
-    if hold_rpm is not None:
-        springs = partial(list, _springs(system, hold_rpm, holds))
+    if hold_speed is not None:
+        springs = partial(list, _springs(system, hold_speed, holds))
     return ContactLoss(
         detachment=found,
         lift_offs=tuple(lift_offs),
