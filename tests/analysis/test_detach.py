@@ -279,7 +279,7 @@ def test_a_region_that_opens_again_before_all_of_it_is_lost_is_never_filled():
 
 
 def test_a_speed_that_the_kernel_does_not_confirm_is_unresolved(monkeypatch):
-    monkeypatch.setattr(Force, "held", lambda *_: False)
+    monkeypatch.setattr(Force, "stays_positive", lambda *_: False)
     opened = [loss.opens for loss in detachment(chapter_system()).losses if loss.opens.finite]
     assert {opens.status for opens in opened} == {SpeedStatus.UNRESOLVED}
 
