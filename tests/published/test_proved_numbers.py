@@ -1,4 +1,4 @@
-"""The critical numbers of the cam-follower example, proved, as README's table prints them.
+"""The critical numbers of the cam-follower example, proved, as the guide prints them.
 
 Every enclosure is found in ball arithmetic from the example's numbers as doubles; the published
 digits lie in it or beside it within their own rounding.
@@ -22,7 +22,8 @@ from tests.support.kernel_runs import ORACLE_CAM
 pytestmark = pytest.mark.slow
 
 SYSTEM = chapter_system()
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+GUIDE = Path(__file__).parents[2] / "camcli" / "guide"
+PRINTED = (GUIDE / "explanation" / "proofs.md").read_text(encoding="utf-8")
 DIGITS = 20
 B, C = (float(ORACLE_CAM.breakpoints[k]) for k in (1, 2))
 HITS = {1: 124.998297, 8: 120.165355}  # rpm at which so many impacts end on corner c
@@ -72,7 +73,7 @@ def test_events_of_branches(found, name):
         value = arb(proof.value)
         assert float(value) == pytest.approx(LOCATED[name], abs=6e-8)
         assert value.rad() < 1e-17
-        assert printed(value) in README
+        assert printed(value) in PRINTED
 
 
 def test_the_chatter_that_is_no_longer_complete(found):
@@ -82,7 +83,7 @@ def test_the_chatter_that_is_no_longer_complete(found):
     with precision(proofs.DIGITS[0]):
         value = arb(proof.value)
         assert abs(value - arb("198.560511432")) < 1e-9
-        assert printed(value) in README
+        assert printed(value) in PRINTED
 
 
 def test_the_multipliers_turn_real():
@@ -99,7 +100,7 @@ def test_the_multipliers_turn_real():
         box, _ = shooting.zero([arb(x) for x in orbit.root.x], 2, apart)
         value = box.hull()[-1]
         assert abs(value - arb("738.7743752")) < 6e-8
-        assert printed(value) in README
+        assert printed(value) in PRINTED
 
 
 def phase_of_hit(n, rpm):
@@ -127,4 +128,4 @@ def test_the_nth_impact_lands_on_c(n):
             low, high = (middle, high) if before else (low, middle)
         value = low.union(high)
         assert value.rad() < 1e-17
-        assert printed(value) in README
+        assert printed(value) in PRINTED
