@@ -118,8 +118,11 @@ def test_a_new_command_runs(command):
 def test_a_new_command_has_its_help(command):
     assert "standstill" in command.cam("--help").stdout
     said = command.cam("standstill --help").stdout
-    assert "standstill.csv  theta_deg, c_m, force_n" in said
-    assert "--points N gives the number of phases" in said
+    assert "standstill.csv   the force at each phase" in said
+    assert "cam standstill --points 36" in said
+    assert command.python("-m", "camcli.cli.reference").returncode == 0
+    page = (command.folder / "camcli/guide/reference/standstill.md").read_text()
+    assert "`standstill.csv` `theta_deg`, `c_m`, `force_n`" in page
 
 
 def test_a_new_command_plans_without_a_trace(command):

@@ -1,8 +1,8 @@
 """The library: a scene in, a result with tables, a summary, pictures and a `save` out."""
 
 ANALYSES = {  # each is a function of its name in a module of its name, and a command
-    "simulate": "Time response of one orbit: events and a sampled trajectory.",
-    "sweep": "Brute-force bifurcation diagram over speeds, or another number.",
+    "simulate": "One orbit in time: its events and its trajectory.",
+    "sweep": "Bifurcation diagram over speeds, or another number.",
     "detach": "Where contact is lost, and which spring would hold.",
     "orbits": "Periodic orbits, followed, and every bifurcation on the way.",
     "basins": "Which attractor a start lands on, over a window of starts.",

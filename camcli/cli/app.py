@@ -17,6 +17,7 @@ COMMANDS = {  # each is a function of its name in a module of its name
     "figures": "The figures of the cam-follower example, brought up to date.",
     "merge": "Join the parts of a run that was computed in shards.",
     "init": "Write a scene to begin with.",
+    "guide": "Show the guide.",
     "schema": "Print the scene's JSON Schema, for editors.",
     "rerun": "Run again what a run.json records: do the bytes agree?",
 }

@@ -32,6 +32,17 @@ def basins(
 ) -> int:
     """Which attractor a start lands on, over a window of starts.
 
+    Examples:
+      cam basins --rpm 358.5 --cells 256 --refine 4     a fine picture
+      cam basins --rpm 358:359 --points 3 --saddles     side by side
+      cam basins --rpm 340:400 --points 31 --cells 60   shares against speed
+
+    Files:
+      attractors.csv   the motions found, their shares and standard errors
+      basins.csv       a row for each cell: where its centre ends
+      saddles.csv      saddles on the boundaries (--saddles)
+      basins.png       the window in the colours of the motions
+
     \b
     basins.png      basins with the attractors on them; over more speeds, their fractions
 

@@ -22,6 +22,17 @@ def bench(
 ) -> int:
     """How exact, how robust and how fast.
 
+    Examples:
+      cam bench --quick                        a minute of everything
+      cam bench precision                      error against run time
+      cam bench scale                          sweep, map and basins on all threads
+
+    Files:
+      precision.csv    error and seconds of each method and setting
+      stability.csv    extreme cases, expected and observed
+      scale.csv        turns, impacts and seconds of whole studies
+      precision.png    error against time; stability.png the cases
+
     \b
     precision.png  error against time, a panel per case
     stability.png  its times, failed cases in a colour of their own

@@ -28,6 +28,16 @@ def classify(
 ) -> int:
     """The motion at each speed, its exponents, why it changes.
 
+    Examples:
+      cam classify --rpm 660:760 --points 21   labels and exponents
+      cam classify --explain                   the cause of every change
+      cam classify --trace 0.5,-1.6 --det 0.2,0.3   border collision of two maps
+
+    Files:
+      classify.csv     label, impacts, exponents and status, a row for each motion
+      corners.csv      corner impacts of the solved branches (--explain)
+      classify.png     labels and largest exponent against speed
+
     \b
     classify.png  labels and largest exponent against speed
 

@@ -23,6 +23,20 @@ def detach(
 ) -> int:
     """Where contact is lost, and which spring would hold.
 
+    Examples:
+      cam detach                               where contact is lost, and how
+      cam detach --hold-to 200                 three springs that hold up to 200 rpm
+      cam detach -c configs/lift-table.yaml --report    one page for print
+
+    Files:
+      detach.csv       the critical speeds, with their brackets
+      accumulation.csv where a complete chatter ends, against speed
+      corner_hits.csv  the speeds at which the n-th impact lands on a corner
+      force.csv        contact force of a follower kept on the cam; Hertz pressure
+      speeds.csv       the motion at some speeds past the first loss of contact
+      tolerance.csv    machines within their tolerances (--tolerance)
+      detach.png       all of it as a picture; report.pdf a page (--report)
+
     \b
     report.pdf        with --report a page: machine, verdict, forces, loft, landing, springs
     detach.png        impacts with accumulation curve and corner hits; the contact force

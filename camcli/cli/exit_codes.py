@@ -14,6 +14,17 @@ from camcli.errors import Fault, SceneError, shown
 from camcli.interrupts import arrived, came
 
 DONE, INTERNAL, USAGE, NUMERICS, INTERRUPTED = 0, 1, 2, 3, 130
+MEANING = {
+    DONE: "done",
+    INTERNAL: "a fault of camcli: what it cost (a speed, a block of cells, a branch, a picture) "
+    "has the status `fault` or is left out, all else is kept, and `piece_faults` of `run.json` "
+    "has what a report needs",
+    USAGE: "bad usage or a bad scene: `file:line:column: path: what was found, what is expected, "
+    "what to do`, every fault at once",
+    NUMERICS: "numerical trouble: all good rows are kept, the column `status` says which are not, "
+    "and why",
+    INTERRUPTED: "interrupted: finished work is kept, the same command goes on",
+}
 
 
 def guarded(call: Callable[[], object], as_json: bool = False) -> int:

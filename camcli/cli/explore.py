@@ -23,6 +23,14 @@ def explore(
 ) -> int:
     """A page for a browser on which the machine moves.
 
+    Examples:
+      cam explore --open                       the page, in a browser
+      cam explore --rpm 340:400 --points 61 --with basins
+      cam explore --with map --vary follower.restitution=0.6:0.9
+
+    Files:
+      explore.html     the page: one file, works offline
+
     \b
     explore.html  the cam and its follower in slow motion, time response, contact force and phase
                   plane of every motion, and the bifurcation diagram to choose it from; one file,

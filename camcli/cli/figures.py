@@ -108,6 +108,16 @@ def figures(
 ) -> int:
     """The figures of the cam-follower example, brought up to date.
 
+    Examples:
+      cam figures                              those that have changed
+      cam figures 3.6 3.14                     some of them
+      cam figures --check                      all, compared with the reference
+
+    Files:
+      NAME/            artefacts, run.json and figure.json of one figure
+      index.html       all pictures with scene, command, numbers and cost
+      faults.json      tracebacks of what a fault of camcli cost
+
     \b
     NAME/           artefacts, run.json and figure.json of one figure
     index.html      all pictures with scene, command, numbers and cost; works offline

@@ -56,6 +56,10 @@ def init(
 ) -> int:
     """Write a scene to begin with.
 
+    Examples:
+      cam init my-lift.csv                     a scene for a lift table
+      cam init                                 scene.yaml, a valve train to fill in
+
     \b
     cam init TABLE  looks at a lift table, says how it reads it, and writes TABLE.yaml and a
                     picture of the cam beside it; what is only a guess is marked CHECK

@@ -28,6 +28,11 @@ def merge(
 ) -> int:
     """Join the parts of a run that was computed in shards.
 
+    Examples:
+      cam sweep --shard 1/2 -o parts           on one machine
+      cam sweep --shard 2/2 -o parts           on another one
+      cam merge parts -o out/sweep             the same bytes as of one run
+
     \b
     cam sweep --shard 1/4 -o DIR ... cam sweep --shard 4/4 -o DIR, on any machines and in any
     order, then cam merge DIR: the same artefacts, byte for byte, as of one run.

@@ -1,6 +1,5 @@
 """The options every command shares, declared once."""
 
-import ast
 import inspect
 import os
 import re
@@ -11,13 +10,14 @@ from dataclasses import dataclass, fields
 from functools import cache
 from math import isfinite
 from pathlib import Path
-from textwrap import dedent, wrap
+from textwrap import fill
 from typing import Any
 
 import typer
 from typer.core import TyperCommand
 from typer.models import OptionInfo
 
+from camcli.cli.help import parts_of
 from camcli.errors import Fault, SceneError, shown
 from camcli.quantities import PAPER
 
@@ -132,10 +132,16 @@ class Request:
         return self.out if self.out is not None else Path("out") / command
 
 
-FULL = 92  # columns: a longer line of a docstring was broken because it was full
-ENTRY = re.compile(r"\S.{0,24}?  +")  # NAME  what it is, in a docstring
 SCENE = ("config", "sets", "rpm", "points")
+PICTURES = "Pictures (cam guide paper-figure)"
 DRAWING = ("formats", "width", "height", "font", "style", "no_title", "panels")
+
+GROUPS = {  # of the options in the help; others are the command's own
+    "Scene and run": (
+        *SCENE, "out", "json", "verbose", "quiet", "threads", "dry_run", "shard", "cluster",
+    ),
+    PICTURES: ("no_plot", *DRAWING),
+}  # fmt: skip
 
 
 def _names(text: str | None) -> list[str] | None:
@@ -158,45 +164,35 @@ SHARD = option("Only part I of N; cam merge joins them.", "I/N")
 CLUSTER = option("Dask scheduler HOST:PORT, or local.", "ADDRESS")
 
 
-def _tables(name: str) -> str:
-    """What the docstring of a command's API function, which is not run, says of its tables.
-
-    They are what its section Returns says after the first paragraph.
-    """
-    path = Path(__file__).parents[1] / "api" / f"{name}.py"
-    tree = ast.parse(path.read_text(encoding="utf-8") if path.is_file() else "")
-    own = (x for x in tree.body if isinstance(x, ast.FunctionDef) and x.name == name)
-    said = "".join(ast.get_docstring(x) or "" for x in own).replace("``", "")
-    returns = re.split(r"\n\n\w+\n---", said.partition("\nReturns\n")[2])[0]
-    _, *told = returns.split("\n\n")
-    return "\n\n".join([*map(dedent, told[:1]), *(" ".join(text.split()) for text in told[1:])])
-
-
 class _Command(TyperCommand):
-    """A command that fills its docstring to the width of the terminal; an option is given once."""
+    """A command with short help, whose options are given once."""
 
     def format_help_text(self, ctx: Any, formatter: Any) -> None:
-        """A line goes on the one before it where it is indented, or that one was full."""
-        said = inspect.cleandoc(self.help or "").replace("\b\n", "")
-        first, _, rest = said.partition("\n\n")
-        said = "\n\n".join(filter(None, (first, _tables(self.name or ""), rest)))
-        texts, last = [""], ""
-        for line in said.splitlines():
-            word = line.split(" ", 1)[0]
-            full = len(f"{last} {word}") > FULL and not word.startswith("--")
-            if line and last and (not word or (full and not ENTRY.match(line))):
-                texts[-1] += " " + line.lstrip()
-            else:
-                texts.append(line)
-            last = line
-        for text in texts:
-            entry = ENTRY.match(text)
-            below = " " * (2 + (entry.end() if entry else 0))
-            filled = wrap(
-                text, formatter.width, initial_indent="  ", subsequent_indent=below,
-                break_on_hyphens=False,
-            )  # fmt: skip
-            formatter.write("\n".join(filled) + "\n")
+        """The sentence, the examples and the files; the guide has the rest."""
+        told = parts_of(self.help or "")
+        write = formatter.write
+        sentence = f"{told.sentence} More: cam guide {self.name}."
+        write(f"\n{_indented(sentence, formatter.width)}\n")
+        for heading, lines in (("Examples", told.examples), ("Files", told.files)):
+            if lines:
+                write(f"\n{heading}:\n" + "".join(f"  {line}\n" for line in lines))
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """The options by what they are about; those of pictures are only named."""
+        groups: dict[str, list[Any]] = {heading: [] for heading in ("Options", *GROUPS)}
+        for parameter in self.get_params(ctx):
+            headings = [h for h, names in GROUPS.items() if parameter.name in names]
+            groups[headings[0] if headings else "Options"].append(parameter)
+        for heading, parameters in groups.items():
+            records = [p.get_help_record(ctx) for p in parameters]
+            rows = [record for record in records if record is not None]
+            rows = [row for row in rows if "--help" not in row[0]]
+            if heading == PICTURES and rows:
+                named = ", ".join(row[0] for row in rows)
+                formatter.write(f"\n{heading}:\n{_indented(named, formatter.width)}\n")
+            elif rows:
+                with formatter.section(heading):
+                    formatter.write_dl(rows)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Refuse an option that takes one value and is given twice: only the last would count."""
@@ -205,6 +201,11 @@ class _Command(TyperCommand):
         if twice := [(o, n) for o, n in times.items() if n > 1 and not o.multiple]:
             raise SceneError(*(_repeated(o.opts[0], n) for o, n in twice))
         return super().parse_args(ctx, args)
+
+
+def _indented(text: str, width: int) -> str:
+    """Text in lines of a width, two columns in."""
+    return fill(text, width, initial_indent="  ", subsequent_indent="  ")
 
 
 def _repeated(name: str, times: int) -> Fault:

@@ -29,6 +29,18 @@ def orbits(
 ) -> int:
     """Periodic orbits, followed, and every bifurcation on the way.
 
+    Examples:
+      cam orbits --rpm 665:745                 all orbits with one impact, followed
+      cam orbits --rpm 340:400 --at 358.5 --label 'P(3;3:3:2)'   one orbit
+      cam orbits --curve corner-impact --in restitution=0.6:0.9  in two parameters
+
+    Files:
+      branch.csv       the points of each branch: phases, multipliers, trace, det
+      bifurcations.csv every event on a branch, with its error and class
+      curve.csv        a bifurcation in two parameters (--curve)
+      impacts.csv      simulated motions behind (orbits.simulated); also strobe.csv
+      orbits.png       branches, multipliers, corner impacts; curve.png the curves
+
     \b
     orbits.png        branches, multipliers, corner impacts; curve.png the curves
 

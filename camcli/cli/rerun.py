@@ -44,6 +44,10 @@ def rerun(
 ) -> int:
     """Run again what a run.json records: do the bytes agree?
 
+    Examples:
+      cam rerun out/sweep/run.json             do the bytes agree?
+      cam rerun out/sweep -o again             and keep what was computed
+
     \b
     Exit code 3 where a CSV differs. Artefacts go to a temporary folder, or to -o. For all commands
     but bench and figures. A lift table is looked for beside FILE, or in --folder.

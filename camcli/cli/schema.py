@@ -11,6 +11,9 @@ __all__ = ["WITHOUT", "schema"]
 def schema(request: Request) -> int:
     """Print the scene's JSON Schema, for editors.
 
+    Examples:
+      cam schema > schema.json                 for an editor
+
     -o DIR also writes it there, as schema.json.
     """
     from camcli.output.run_folder import run_folder

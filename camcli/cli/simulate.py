@@ -23,7 +23,20 @@ def simulate(
     base_radius: float | None = option("Radius of the base circle, m.", "M"),
     animate: bool = flag("Also write the machine in motion, simulate.gif and .mp4."),
 ) -> int:
-    """Time response of one orbit: events and a sampled trajectory.
+    """One orbit in time: its events and its trajectory.
+
+    Examples:
+      cam simulate --rpm 190                   from rest, at 190 rpm
+      cam simulate --rpm 190 --animate         the machine in motion, as a GIF
+      cam simulate --profile-only              the cam alone, its curvature
+
+    Files:
+      trajectory.csv   position, velocity and cam, sampled and at every event
+      events.csv       impacts, ends of chatter, detachments
+      profile.csv      the cam alone; profile_2.csv and profile_3.csv: others
+      simulate.png     position, gap and phase plane of the last turns
+      profile.png      the cam (--profile-only)
+      simulate.gif     the machine in motion (--animate); simulate.mp4 with ffmpeg
 
     \b
     simulate.png    panels motion, gap, phase: position, relative position and relative phase plane

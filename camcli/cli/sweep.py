@@ -28,7 +28,20 @@ def sweep(
     shard: str | None = SHARD,
     cluster: str | None = CLUSTER,
 ) -> int:
-    """Brute-force bifurcation diagram over speeds, or another number.
+    """Bifurcation diagram over speeds, or another number.
+
+    Examples:
+      cam sweep --rpm 660:760                  401 speeds, each started from rest
+      cam sweep --rpm 735:672 --set sweep.direction=down   carried along
+      cam sweep --rpm 660:760 --vary follower.restitution=0.6:0.9 --points 40,20
+
+    Files:
+      impacts.csv      the recorded impacts: phase, position, velocity
+      strobe.csv       the state once a turn
+      speeds.csv       label, loads and status of each speed
+      corners.csv      corner impacts of the solved branches (--explain)
+      map.csv          of two numbers: a row for each point
+      sweep.png        impact phases and stroboscopic positions; map.png the map
 
     \b
     *.npz        impacts and strobe with sweep.tables: npz (numpy.load); with none neither

@@ -1,0 +1,59 @@
+"""cam guide"""
+
+from __future__ import annotations
+
+import sys
+
+from camcli.cli.options import Request, argument
+from camcli.errors import Fault, SceneError
+
+WITHOUT = (
+    "config", "sets", "rpm", "points", "out", "no_plot", "formats", "width", "height", "font",
+    "style", "no_title", "panels", "json", "verbose", "quiet", "threads", "dry_run",
+)  # fmt: skip
+
+
+def guide(
+    request: Request,
+    topic: str | None = argument("A page of the guide. Default: the list of all.", "[TOPIC]"),
+) -> int:
+    """Show the guide.
+
+    Examples:
+      cam guide                                the list
+      cam guide first-steps                    a tour of twenty minutes
+      cam guide sweep                          all files and columns of sweep
+
+    A command is a topic too: cam guide sweep tells every file, column, option and status of it.
+    """
+    from camcli.guide import KINDS, pages
+
+    known = pages()
+    if topic is None:
+        for kind, heading in KINDS.items():
+            print(f"{heading}:")
+            for page in known.values():
+                if page.kind == kind:
+                    print(f"  cam guide {page.topic:18} {page.title}")
+        return 0
+    if topic not in known:
+        from difflib import get_close_matches
+
+        near = get_close_matches(topic, known, 1)
+        cure = f"did you mean {near[0]}?" if near else "cam guide lists them"
+        raise SceneError(Fault("guide", "", f"found '{topic}'", "expected a topic", cure))
+    _show(known[topic].text())
+    return 0
+
+
+def _show(text: str) -> None:
+    """Print a page: on a terminal set in its width and paged, else as Markdown."""
+    if not sys.stdout.isatty():
+        print(text, end="")
+        return
+    from rich.console import Console
+    from rich.markdown import Markdown
+
+    console = Console()
+    with console.pager(styles=True):
+        console.print(Markdown(text))

@@ -1,0 +1,80 @@
+"""What `--help` shows of a command, and what its page of the guide tells.
+
+The docstring of a command has a sentence, the blocks `Examples:` and `Files:`, and the rest. Help
+shows the first three; the page of the guide, which `camcli.cli.reference` writes, has all of it and
+the columns of every table, from the docstring of the API function.
+"""
+
+import ast
+import inspect
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from textwrap import dedent
+
+FULL = 92  # columns: a longer line of a docstring was broken because it was full
+ENTRY = re.compile(r"\S.{0,24}?  +")  # NAME  what it is, in a docstring
+
+
+@dataclass(frozen=True)
+class Help:
+    """The parts of a command's docstring; of examples and files the lines."""
+
+    sentence: str
+    examples: list[str]
+    files: list[str]
+    rest: str
+
+
+def parts_of(docstring: str) -> Help:
+    """The parts of a command's docstring."""
+    blocks = inspect.cleandoc(docstring).replace("\b\n", "").split("\n\n")
+    named: dict[str, list[str]] = {"Examples:": [], "Files:": []}
+    rest = []
+    for block in blocks[1:]:
+        heading, _, body = block.strip("\n").partition("\n")
+        if heading in named:
+            named[heading] = dedent(body).splitlines()
+        else:
+            rest.append(block)
+    return Help(blocks[0], named["Examples:"], named["Files:"], "\n\n".join(rest))
+
+
+def tables(name: str) -> str:
+    """What the docstring of a command's API function, which is not run, says of its tables.
+
+    They are what its section Returns says after the first paragraph.
+    """
+    path = Path(__file__).parents[1] / "api" / f"{name}.py"
+    tree = ast.parse(path.read_text(encoding="utf-8") if path.is_file() else "")
+    functions = (x for x in tree.body if isinstance(x, ast.FunctionDef) and x.name == name)
+    docstring = "".join(ast.get_docstring(x) or "" for x in functions).replace("``", "")
+    returns = re.split(r"\n\n\w+\n---", docstring.partition("\nReturns\n")[2])[0]
+    _, *paragraphs = returns.split("\n\n")
+    listed = [*map(dedent, paragraphs[:1])]
+    return "\n\n".join([*listed, *(" ".join(text.split()) for text in paragraphs[1:])])
+
+
+def filled_lines(text: str) -> Iterator[str]:
+    """The lines of a docstring, those joined that were only broken because a line was full.
+
+    A line goes on the one before it where it is indented, or where that one was full.
+    """
+    joined, last = "", ""
+    for line in text.splitlines():
+        word = line.split(" ", 1)[0]
+        full = len(f"{last} {word}") > FULL and not word.startswith("--")
+        goes_on = line and last and (not word or (full and not ENTRY.match(line)))
+        if goes_on:
+            joined += " " + line.lstrip()
+        else:
+            if joined or last:
+                yield joined
+            joined = line
+            if not line:
+                yield ""
+                joined = ""
+        last = line
+    if joined:
+        yield joined

@@ -1,0 +1,155 @@
+"""The reference of the guide, written from the program's own tables.
+
+    python -m camcli.cli.reference
+
+writes `camcli/guide/reference/*.md`: a page for each command, and those of the scene, the statuses
+and the exit codes. A test says when they are out of date.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from importlib import import_module
+from typing import Any
+
+from camcli.cli.app import COMMANDS
+from camcli.cli.exit_codes import MEANING
+from camcli.cli.help import ENTRY, filled_lines, parts_of, tables
+from camcli.errors import Status
+from camcli.guide import FOLDER
+from camcli.scene import json_schema
+from camcli.words.statuses import CAUSES, CURES
+
+CODE = re.compile(  # an option, a key of the scene, a file, a column
+    r"(?<![\w`.])((?:--[a-z][\w-]*|[a-z]+\.(?:csv|png|json|pdf|npz)|"
+    r"(?:run|follower|cam|simulate|sweep|detach|orbits|basins|classify|explore|bench|plot)"
+    r"\.[a-z]\w*|[A-Za-z]\w*_\w+))(?!\w)"
+)
+
+
+def written() -> dict[str, str]:
+    """The text of each page, by its topic."""
+    pages = {name: command_page(name) for name in COMMANDS}
+    return {**pages, "scene": scene_page(), "statuses": status_page(), "exit-codes": exit_page()}
+
+
+def command_page(name: str) -> str:
+    """Sentence, examples, options, files with their columns, and what there is to know."""
+    import typer
+
+    from camcli.cli.app import application
+
+    told = parts_of(getattr(import_module(f"camcli.cli.{name}"), name).__doc__)
+    lines = [f"# cam {name}", "", told.sentence, ""]
+    lines += ["```text", *told.examples, "```", ""]
+    group: Any = typer.main.get_command(application(name))
+    command = group.commands[name]
+    context = command.context_class(command, info_name=name)
+    lines += ["## Options", "", "| option | |", "|---|---|"]
+    for parameter in command.get_params(context):
+        record = parameter.get_help_record(context)
+        if record is not None:
+            lines.append(f"| `{_cell(record[0])}` | {_cell(record[1])} |")
+    columns = tables(name)
+    if columns:
+        lines += ["", "## Tables", "", *_listed(columns)]
+    if told.rest:
+        lines += ["", "## More", "", *_listed(told.rest)]
+    return _page(lines)
+
+
+def scene_page() -> str:
+    """Every key of a scene with its meaning, limits and default."""
+    schema = json_schema()
+    lines = [
+        "# The scene", "",
+        "A scene is a YAML file. `cam schema` prints its JSON Schema for editors; the files in",
+        "`configs/` comment every key. What a scene leaves out has the default.", "",
+    ]  # fmt: skip
+    for name, value in schema["properties"].items():
+        lines += [f"## {name}", "", value.get("description", ""), ""]
+        for title, keys in _sections(value, schema["$defs"]):
+            lines += [f"### {title}", ""] if title else []
+            lines += ["| key | meaning | default |", "|---|---|---|"]
+            for key, entry in keys.items():
+                default = _default(entry)
+                meaning = entry.get("description", "")
+                lines.append(f"| `{name}.{key}` | {_cell(meaning)} | {default} |")
+            lines.append("")
+    return _page(lines)
+
+
+def status_page() -> str:
+    """What each status says, and what to do."""
+    lines = ["# Statuses", "", "The column `status` says of each row whether it may be used.", ""]
+    lines += ["| status | what happened | what to do |", "|---|---|---|"]
+    for status in Status:
+        if status not in (Status.LOG_FULL, Status.PAUSED):  # never in a table
+            cause, cure = CAUSES.get(status, "all is well"), CURES.get(status, "")
+            lines.append(f"| `{status.text}` | {cause} | {cure} |")
+    return _page(lines)
+
+
+def exit_page() -> str:
+    """What each exit code says."""
+    lines = ["# Exit codes", "", "| code | meaning |", "|---|---|"]
+    return _page([*lines, *(f"| {code} | {words} |" for code, words in MEANING.items())])
+
+
+def _sections(value: dict, defs: dict) -> Iterator[tuple[str, dict]]:
+    """The keys of a section; of the cam a table for each kind."""
+    for form in value.get("oneOf") or value.get("anyOf") or [value]:
+        reference = form.get("$ref") or (form.get("allOf") or [{}])[0].get("$ref", "")
+        model = defs.get(reference.rpartition("/")[2], {})
+        keys = dict(model.get("properties", {}))
+        kind = keys.get("kind", {}).get("const", "")
+        if keys:
+            yield (f"kind: {kind}" if kind else "", keys)
+
+
+def _default(entry: dict) -> str:
+    if "default" not in entry or entry["default"] is None:
+        return ""
+    default = entry["default"]
+    return f"`{_cell(str(default).lower() if isinstance(default, bool) else str(default))}`"
+
+
+def _listed(text: str) -> Iterator[str]:
+    """Lines of a docstring in Markdown; `NAME  what it is` becomes an item of a list."""
+    in_list = False
+    for line in filled_lines(text):
+        entry = ENTRY.match(line)
+        if entry:
+            yield f"- `{entry.group().strip()}` {_plain(line[entry.end() :])}"
+        elif line:
+            if in_list:
+                yield ""
+            yield from (_plain(line), "")
+        else:
+            yield ""
+        in_list = entry is not None
+
+
+def _plain(text: str) -> str:
+    """Text of a docstring with its options, keys, columns and files set as code."""
+    return CODE.sub(r"`\1`", text.replace("*", "\\*"))
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")
+
+
+def _page(lines: list[str]) -> str:
+    """Lines as a page: no two empty ones in a row."""
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip() + "\n"
+
+
+def main() -> None:
+    """Write every page."""
+    for topic, text in written().items():
+        (FOLDER / "reference" / f"{topic}.md").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,174 @@
+"""The guide and README: what they show runs, prints what they say, and names what is there."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import camcli
+from camcli.cli.app import COMMANDS
+from camcli.cli.reference import written
+from camcli.guide import pages
+from camcli.scene import json_schema
+from tests.conftest import cam_in
+
+ROOT = Path(__file__).parents[2]
+README = ROOT / "README.md"
+PATHS = {"README": README, **{topic: page.path for topic, page in pages().items()}}
+REFERENCE = written()
+PROSE = [topic for topic in PATHS if topic not in REFERENCE]
+BLOCK = re.compile(r"(?:<!-- ([^>]*) -->\n)?```(\w+)\n(.*?)```", re.DOTALL)
+WHOLE = bool({"CAMCLI_NO_SKIPS", "CAMCLI_SOAK"} & os.environ.keys())
+LONG = "long"  # blocks that CI runs; the quick suite runs all others, without their pictures
+
+
+def blocks(topic: str) -> list[tuple[str, str, str]]:
+    """(remark, language, text) of each block of a page."""
+    return BLOCK.findall(PATHS[topic].read_text(encoding="utf-8"))
+
+
+def runs(topic: str) -> bool:
+    return any(language in ("sh", "python") for _, language, _ in blocks(topic))
+
+
+def flat(text: str) -> str:
+    """Text without the frames of tables, in single blanks."""
+    return " ".join(re.sub(r"[│┃┏┓┗┛━┳┻┡┩╇─┴└┘]", " ", text).split())
+
+
+def run_shell(text: str, folder: Path) -> str:
+    """What a block of shell prints; commands of cam run in this process where they can."""
+    printed = ""
+    for line in text.replace("\\\n", " ").splitlines() if "for " not in text else [text]:
+        words = re.sub(r"\$CONFIGS", str(ROOT / "configs"), line.partition("  #")[0])
+        words = re.sub(r"(?<= )configs/", f"{ROOT}/configs/", words)
+        if not words.strip() or "pip install" in words:
+            continue
+        if words.startswith("cam ") and not re.search(r"[|>;$&]", words):
+            name, *options = words.removeprefix("cam ").split(" ", 1)
+            bare = "--no-plot" in REFERENCE[name] and not WHOLE
+            done = cam_in(folder, name, *options, "--no-plot" if bare else "", code=0)
+        else:
+            path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+            done = subprocess.run(
+                ["sh", "-e", "-c", words], cwd=folder, env={**os.environ, "PATH": path},
+                capture_output=True, text=True, check=True,
+            )  # fmt: skip
+        printed += done.stdout
+    return printed
+
+
+def run_python(text: str, folder: Path, names: dict, capsys) -> str:
+    with contextlib.chdir(folder):
+        exec(compile(text, "block", "exec"), names)
+    return capsys.readouterr().out
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("topic", [topic for topic in PROSE if runs(topic)])
+def test_every_block_runs_and_prints_what_the_page_says(topic, tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "100")
+    names: dict = {}
+    printed = ""
+    for remark, language, text in blocks(topic):
+        if remark.startswith("not run") or (remark == LONG and not WHOLE):
+            continue
+        if language == "sh":
+            printed = run_shell(text, tmp_path)
+        elif language == "python":
+            printed = run_python(text, tmp_path, names, capsys)
+        elif language == "text" and printed:
+            said = flat(printed)
+            for line in text.splitlines():
+                assert flat(line) in said, said
+
+
+@pytest.mark.parametrize("topic", REFERENCE)
+def test_the_reference_is_what_the_program_says(topic):
+    """`python -m camcli.cli.reference` writes it anew."""
+    assert PATHS[topic].read_text(encoding="utf-8") == REFERENCE[topic]
+
+
+def known_names() -> set[str]:
+    """Options, keys of the scene, columns and files, as the reference has them."""
+    text = "\n".join(REFERENCE.values())
+    options = set(re.findall(r"--[a-z][\w-]+", text))
+    keys = set(re.findall(r"\b[a-z]+\.[a-z_]+(?=`)", REFERENCE["scene"]))
+    columns = set(re.findall(r"\b[a-z]\w*_\w+", text))
+    files = set(re.findall(r"[\w*]+\.(?:csv|png|json|html|pdf|npz|gif|mp4)", text))
+    return options | keys | columns | files
+
+
+@pytest.mark.parametrize("topic", PROSE)
+def test_a_page_names_only_what_is_there(topic):
+    text = PATHS[topic].read_text(encoding="utf-8")
+    quoted = set(re.findall(r"`([^`\n]+)`", re.sub(r"```.*?```", "", text, flags=re.DOTALL)))
+    known, sections = known_names(), json_schema()["properties"]
+    for name in sorted(quoted):
+        if re.fullmatch(r"(camcli|configs|tests)/[\w./-]*", name):
+            assert (ROOT / name).exists(), name
+        elif match := re.fullmatch(r"(--[a-z][\w-]+).*", name):
+            assert match[1] in known, name
+        elif match := re.fullmatch(r"([a-z]+)\.([a-z_]+)", name):
+            if match[1] in sections:
+                assert name in known, name
+        elif match := re.fullmatch(r"cam ([a-z]+)( .*)?", name):
+            assert match[1] in COMMANDS, name
+        elif re.fullmatch(r"[a-z]+_[a-z_]+", name):
+            assert name in known | set(dir(camcli)), name
+    for target in re.findall(r"\]\(([^)#]+)\)", text):
+        if not target.startswith("http"):
+            assert (PATHS[topic].parent / target).exists(), target
+
+
+def test_commands_in_blocks_have_the_options_that_they_give():
+    """Whatever is not run, too: a command that the parser does not know would be refused."""
+    for topic in PROSE:
+        for _, language, text in blocks(topic):
+            lines = text.replace("\\\n", " ").splitlines() if language == "sh" else []
+            for line in lines:
+                words = shlex.split(line, comments=True)
+                if words[:1] == ["cam"] and words[1] in COMMANDS:
+                    options = {w.partition("=")[0] for w in words if w.startswith("--")}
+                    page = REFERENCE[words[1]]
+                    assert all(f"{option}" in page for option in options), line
+
+
+def test_readme_is_short_and_begins_with_a_picture():
+    text = README.read_text(encoding="utf-8")
+    lines = text.splitlines()
+    assert len(lines) <= 150
+    assert len(text.encode()) <= 10_000
+    assert next(n for n, line in enumerate(lines) if "![" in line) < 12
+
+
+def test_the_guide_is_listed_and_shown(tmp_path):
+    listed = cam_in(tmp_path, "guide", code=0).stdout
+    assert all(f"cam guide {topic} " in listed for topic in pages())
+    assert cam_in(tmp_path, "guide sweep", code=0).stdout == REFERENCE["sweep"]
+    wrong = cam_in(tmp_path, "guide swep")
+    assert wrong.returncode == 2
+    assert "did you mean sweep?" in wrong.stderr
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_is_short_and_fits_a_terminal(command, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = cam_in(tmp_path, command, "--help", code=0).stdout.splitlines()
+    assert len(lines) <= 45
+    assert max(map(len, lines)) <= 80
+    assert f"cam guide {command}." in " ".join(" ".join(lines).split())
+
+
+def test_pages_begin_with_their_title_and_pictures_are_there():
+    for page in pages().values():
+        assert page.text().startswith("# "), page.path
+        for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.text()):
+            assert (page.path.parent / name).is_file(), name
