@@ -8,6 +8,7 @@ import re
 import shlex
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -106,6 +107,12 @@ def known_names() -> set[str]:
     return options | keys | columns | files
 
 
+@cache
+def defined_functions() -> set[str]:
+    sources = (path.read_text(encoding="utf-8") for path in (ROOT / "camcli").rglob("*.py"))
+    return {name for text in sources for name in re.findall(r"^ *def (\w+)", text, re.MULTILINE)}
+
+
 @pytest.mark.parametrize("topic", PROSE)
 def test_a_page_names_only_what_is_there(topic):
     text = PATHS[topic].read_text(encoding="utf-8")
@@ -122,7 +129,7 @@ def test_a_page_names_only_what_is_there(topic):
         elif match := re.fullmatch(r"cam ([a-z]+)( .*)?", name):
             assert match[1] in COMMANDS, name
         elif re.fullmatch(r"[a-z]+_[a-z_]+", name):
-            assert name in known | set(dir(camcli)), name
+            assert name in known | set(dir(camcli)) | defined_functions(), name
     for target in re.findall(r"\]\(([^)#]+)\)", text):
         if not target.startswith("http"):
             assert (PATHS[topic].parent / target).exists(), target
