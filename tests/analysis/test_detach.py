@@ -153,7 +153,7 @@ def test_flight_at_b_is_told_from_the_release_at_e(chapter):
     assert B < degrees(two.landing) < degrees(two.rest) < B + 0.01
     assert (four.kind, four.corner) == (LiftOffKind.CAUGHT, "e")
     assert E - 1e-3 < degrees(four.release) < E - 1e-6
-    assert E < four.landing_deg < E + 1e-6
+    assert E < degrees(four.landing) < E + 1e-6
 
 
 @pytest.mark.parametrize(
