@@ -22,6 +22,7 @@ from camcli.parallel import Work
 from camcli.piece_faults import PieceFault, attempt, gather, gathering, piece
 from camcli.scene import Scene
 from camcli.system import omega_of
+from camcli.words import plan
 from camcli.words.basins import CRITERION, basins_notes
 from camcli.words.machine import height_notes
 
@@ -290,7 +291,7 @@ def _size(scene: Scene) -> Size:
     if levels:
         memory += 14.0 * nq * nv * 4**levels + 20e6
     shown = orbits if section.count <= SHOWN_SPEEDS else 0
-    what = f"{nq} x {nv} cells, refined {levels} times"
+    what = plan.cells_of_a_window(nq, nv, levels)
     return Size(what, orbits, orbits, 0.0, shown, memory, 18.0 * shown, 27.0 * orbits)
 
 
@@ -306,17 +307,6 @@ def _repeated(scene: Scene) -> tuple[Scene, int]:
     return (middle, count) if count > 1 else (scene, 1)
 
 
-def _not_foreseen(scene: Scene) -> list[str]:
-    said = []
-    if scene.basins.refine:
-        said.append("what --refine adds at boundaries is not known before")
-    if scene.basins.count > 1:
-        said.append(
-            "a speed in the middle stands for all, though those with chaos take many times as long"
-        )
-    return said
-
-
 COMMAND = Command(
     run=basins,
     artefacts=("attractors.csv", "basins.csv", "saddles.csv", "basins.png"),
@@ -324,6 +314,6 @@ COMMAND = Command(
     drawing=lambda scene: Drawing(110e3, 270e6, 75.0),
     sample=_sample,
     repeated=_repeated,
-    not_foreseen=_not_foreseen,
+    not_foreseen=plan.basins,
     keeps_pieces=lambda scene: True,
 )

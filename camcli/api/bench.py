@@ -26,6 +26,7 @@ from camcli.parallel import Codec, Work
 from camcli.parallel.threads import thread_count
 from camcli.piece_faults import PieceFault, attempt, gather, gathering
 from camcli.scene import Cam, Scene, load_scene
+from camcli.words.bench import NO_HEYOKA, precision_notes, stability_notes
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,6 @@ STUDIES: dict[str, tuple[Callable[..., Result], float, dict[str, Any]]] = {  # w
 }
 PER_ROW = 0.5  # s of an extreme case, about
 PER_STUDY = 5.0  # s on one thread and on all, about
-NO_HEYOKA = "heyoka is not installed, its points are left out: pip install 'camcli[bench]'"
 
 
 @cache
@@ -226,17 +226,12 @@ def _precision_result(rows: Sequence[precision.Measured]) -> tuple[Any, list[str
         "points": [{"method": a, "status": b, "points": n} for (a, b), n in tally.items()],
         "failed": [f"{m.case}, {m.setting}: {m.status}" for m in bad],
     }
-    return result, [
-        f"{m.case}, {m.setting}: {m.status}: error {m.error:.2g} turns, {m.of_bound:.3g} times its "
-        f"bound at most, {m.missed} impacts missed"
-        for m in bad
-    ]
+    return result, precision_notes(bad)
 
 
 def _stability_result(rows: Sequence[stability.Outcome]) -> tuple[Any, list[str]]:
     bad = [o for o in rows if o.status != stability.OK]
-    lines = [f"row {o.case}: expected {o.expected}: {o.observed}" for o in bad]
-    return {"rows": len(rows), "failed": [o.case for o in bad]}, lines
+    return {"rows": len(rows), "failed": [o.case for o in bad]}, stability_notes(bad)
 
 
 def _scale_result(rows: Sequence[Throughput]) -> tuple[Any, list[str]]:

@@ -9,7 +9,7 @@ from camcli.analysis.classify import Motion
 from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
 from camcli.analysis.sweep import status_name
-from camcli.api.command import EXPLAINING, Command, Drawing, Size, fewer, sample
+from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.explanation import corners_table, explained, explanation_of
 from camcli.api.machine import machine_of, refuse_to_explain, span_of
 from camcli.api.result import Progress, Result, drawn_by, ticks
@@ -19,6 +19,7 @@ from camcli.output.tables import Table
 from camcli.parallel import Work
 from camcli.piece_faults import gather, gathering, piece
 from camcli.scene import Scene
+from camcli.words import plan
 from camcli.words.classify import remarks
 from camcli.words.machine import height_notes
 from camcli.words.statuses import status_notes, trouble
@@ -176,7 +177,7 @@ def _size(scene: Scene) -> Size:
     run, speeds, starts = scene.run, scene.classify.count, scene.classify.starts + 1
     orbits, turns = speeds * starts, run.transient + run.record
     memory = 45.0 * speeds * run.record
-    what = f"{speeds} speeds x {starts} starts x {run.record} recorded turns"
+    what = plan.motions_at_speeds(speeds, starts, run.record)
     return Size(what, orbits, orbits, orbits * turns, speeds, memory, 160.0 * speeds, 0.0)
 
 
@@ -192,5 +193,5 @@ COMMAND = Command(
     size=_size,
     drawing=lambda scene: Drawing(130e3, 230e6, 24.0),
     sample=_sample,
-    not_foreseen=lambda scene: [EXPLAINING] if scene.classify.explain else [],
+    not_foreseen=plan.classify,
 )

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 MOST_SAMPLED_TURNS = 1000  # of transient and of record in a sample; the rest is taken to be alike
 
-EXPLAINING = "what --explain takes is not known before: 5 to 15 s for many a change"
-
 
 class Size(NamedTuple):
     """How much a scene asks for, and the least bytes that takes."""

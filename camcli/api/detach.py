@@ -8,7 +8,7 @@ from typing import Any, BinaryIO
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.bursts import LiftOff
-from camcli.analysis.contact_loss.detachment import CriticalSpeed, SpeedStatus
+from camcli.analysis.contact_loss.detachment import CriticalSpeed
 from camcli.analysis.contact_loss.force import Hertz
 from camcli.analysis.contact_loss.hold import Hold
 from camcli.analysis.contact_loss.study import ContactLoss
@@ -28,7 +28,8 @@ from camcli.parallel import Work
 from camcli.piece_faults import gathering, piece
 from camcli.scene import Scene
 from camcli.system import System, omega_of
-from camcli.words.detach import burst_ranges, sentences, spring
+from camcli.words import plan
+from camcli.words.detach import burst_ranges, sentences, spring, unresolved_notes
 from camcli.words.statuses import status_notes, trouble
 
 DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s", "rpm_low", "rpm_high")
@@ -131,11 +132,7 @@ def detach(
     notes = status_notes(found.troubled)
     if budget.status not in (status for _, status in found.troubled):
         notes += trouble(budget.status)
-    notes += [
-        f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket"
-        for c in found.critical_speeds
-        if c.status is SpeedStatus.UNRESOLVED
-    ]
+    notes += unresolved_notes(found)
     result = Result(
         command="detach",
         scene=scene,
@@ -169,12 +166,11 @@ def detach(
 
 def _write_report(result: Result, system: System, file: BinaryIO) -> None:
     """The page of --report."""
-    from camcli.cams import cam_name
     from camcli.output.pictures import write_picture
     from camcli.plots.detach import draw_report
     from camcli.plots.mechanism import Outline
     from camcli.words.detach_tables import answers
-    from camcli.words.machine import machine
+    from camcli.words.machine import machine, report_title
     from camcli.words.verdict import verdict
 
     scene, cam = result.scene, result.scene.cam
@@ -184,7 +180,7 @@ def _write_report(result: Result, system: System, file: BinaryIO) -> None:
     for title, heads, rows in answers(result):
         few = rows[:: 1 + (len(rows) - 1) // FEW]
         lists.append([[title], heads, *few])
-    title = f"Contact of cam and follower: {cam_name(cam)}"
+    title = report_title(cam)
     drawn = Outline.of(system, base, cam), title, words.replace("+-", "±"), lists
     picture = draw_report(result.values, system, *drawn)
     page = {"width": 180.0, "height": 267.0, "panels": None, "title": True}
@@ -304,12 +300,6 @@ def _check(scene: Scene) -> None:
         tolerated(machine_of(scene))
 
 
-def _not_foreseen(scene: Scene) -> list[str]:
-    if scene.detach.tolerance:
-        return [f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each"]
-    return []
-
-
 COMMAND = Command(
     run=detach,
     artefacts=(
@@ -321,7 +311,7 @@ COMMAND = Command(
     beside=lambda scene: REPORT if scene.detach.report else 0.0,
     sample=_sample,
     check=_check,
-    not_foreseen=_not_foreseen,
+    not_foreseen=plan.detach,
     keeps_pieces=lambda scene: bool(scene.detach.tolerance),
     has_budget=True,
 )  # fmt: skip

@@ -38,7 +38,9 @@ from camcli.plots.sweep_map import cell_edges
 from camcli.scene import Axis, Scene
 from camcli.scene.schema import RpmRange
 from camcli.system import Follower, System, omega_of, units_of
+from camcli.words import plan
 from camcli.words.events import event_words
+from camcli.words.explore import BASINS, MAP, NO_MOTION, basin_shares
 from camcli.words.lift_table import smoothed_cam
 from camcli.words.statuses import CAUSES, CURES
 
@@ -212,7 +214,7 @@ def explore(
         seconds=watch.seconds,
         notes=(
             *(f"{name}: {note}" for name, part in parts.items() for note in part.notes),
-            *([] if motions else ["no whole turn of any motion was recorded: no page to show"]),
+            *([] if motions else [NO_MOTION]),
         ),
         complete=all(part.complete for part in parts.values()) and bool(motions),
         faults=tuple(faults),
@@ -645,15 +647,15 @@ def _basins_data(landed: Result) -> dict[str, Any]:
     named, labels = list(zip(*columns, strict=True)), _labels_of_codes(landed)
     place = {number: k for k, (number, _, _) in enumerate(named)}  # 255: below the cam
     codes = [place.get(n, 255) for n in landed.tables["basins"]["attractor"].tolist()]
-    shares = [f"{label} takes {100.0 * share:.3g} %" for n, label, share in named if n > 0]
+    shares = [(label, share) for n, label, share in named if n > 0]
     return {
-        "of": "start", "name": "Basins of attraction", "cells": section.cells,
+        "of": "start", "name": BASINS, "cells": section.cells,
         "x": section.q, "y": section.v,
         "names": ["position q at the strobe (m)", "velocity v at the strobe (m/s)"],
         "labels": [label for _, label, _ in named],
         "colours": [colour_name(labels.get(number, UNDECIDED)) for number, _, _ in named],
         "codes": np.array(codes, np.uint8),
-        "words": f"At {section.rpm.start:.10g} rpm: {', '.join(shares)} of the starts.",
+        "words": basin_shares(section.rpm.start, shares),
     }  # fmt: skip
 
 
@@ -671,7 +673,7 @@ def _map_data(result: Result) -> dict[str, Any]:
     codes = np.array([[every.index(kind) for kind in line] for line in kinds])
     x, y = found.first, found.second
     return {
-        "of": "map", "name": "Map of motions", "cells": [len(x), len(y)],
+        "of": "map", "name": MAP, "cells": [len(x), len(y)],
         "x": cell_edges(x), "y": cell_edges(y), "names": [axis_name(key) for key in found.keys],
         "labels": [name for _, name, _ in every],
         "colours": [colour for _, _, colour in every],
@@ -722,20 +724,19 @@ LEAST_ROWS = 48  # of a turn
 def _size(scene: Scene) -> Size:
     """Three sweeps whose records are all in memory, the motions of the page, and what is beside."""
     run, n = scene.run, scene.sweep.rpm.num
-    turns, count, what = run.transient + run.record, 3 * n, f"{n} speeds of 3 sweeps"
+    turns, count, cells, points = run.transient + run.record, 3 * n, 0, 0
     shown, memory = 2.0 * n, 3.0 * n * (64.0 * run.record + 1e3)
     all_turns = float(count * turns)
     if scene.explore.basins:
         cells = scene.basins.cells[0] * scene.basins.cells[1]
         count, shown, memory = count + cells, shown + 8.0 * SHOWN_MOTIONS, memory + 70.0 * cells
-        what += f", {cells} cells"
     if scene.explore.map:
         axes = scene.sweep.vary
         points = axes[0].num * (axes[1].num if len(axes) == 2 else n) if axes else 0
         count, shown, memory = count + points, shown + 8.0 * SHOWN_MOTIONS, memory + 1e3 * points
         all_turns += points * turns
-        what += f", {points} points of a map"
     rows = LEAST_ROWS * shown  # each takes 280 bytes until the page is written, 17 in it
+    what = plan.parts_of_a_page(n, cells, points)
     return Size(what, n, count, all_turns, n, memory + 280.0 * rows, 90e3 + 17.0 * rows, 0.0)
 
 
@@ -744,6 +745,6 @@ COMMAND = Command(
     artefacts=("explore.html",),
     size=_size,
     drawing=lambda scene: Drawing(0.0, 60e6, 0.0),
-    not_foreseen=lambda scene: ["the orbits come on top: how many are solved is not known before"],
+    not_foreseen=plan.explore,
     page=Page(parts=parts_of, size=page_bytes),
 )

@@ -37,6 +37,7 @@ from camcli.output.tables import Table
 from camcli.piece_faults import gather, gathering, piece
 from camcli.scene import Axis, Orbits, Scene
 from camcli.system import omega_of
+from camcli.words import plan
 from camcli.words.border_collision import inequality_record
 from camcli.words.events import event_words
 from camcli.words.orbits import VERDICTS, end_words, remarks
@@ -501,8 +502,6 @@ COMMAND = Command(
     size=_size,
     drawing=lambda scene: Drawing(400e3, 120e6, 5.0),
     sample=None,
-    not_foreseen=lambda scene: [
-        "how many branches there are, and so the time, is not known before"
-    ],
+    not_foreseen=plan.orbits,
     has_budget=True,
 )  # fmt: skip

@@ -19,6 +19,7 @@ from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.scene import Scene
 from camcli.system import System, omega_of, units_of
+from camcli.words import plan
 from camcli.words.machine import height_notes
 from camcli.words.simulate import ASSUMED, end_notes, rounding_notes, undercut_notes
 from camcli.words.statuses import trouble
@@ -277,7 +278,7 @@ def _size(scene: Scene) -> Size:
         n = samples * (1 + len(scene.simulate.beside))
         return Size(f"{n} samples", 1, 0, 0.0, n, 350.0 * n, 80.0 * n, 0.0)
     rows, turns = samples * run.record, run.transient + run.record
-    what = f"{run.record} recorded turns x {samples} samples"
+    what = plan.turns_of_a_motion(run.record, samples)
     return Size(what, run.record, 1, turns, 0, 240.0 * rows, 100.0 * rows, 0.0)
 
 
@@ -294,12 +295,6 @@ def _sample(scene: Scene, n: int) -> Scene:
     return sample(scene, None, record=turns)
 
 
-def _not_foreseen(scene: Scene) -> list[str]:
-    if scene.simulate.animate:
-        return ["drawing the animation comes on top, some 10 to 20 s"]
-    return []
-
-
 COMMAND = Command(
     run=simulate,
     artefacts=(
@@ -310,5 +305,5 @@ COMMAND = Command(
     drawing=_drawing,
     beside=lambda scene: FILM if scene.simulate.animate else 0.0,
     sample=_sample,
-    not_foreseen=_not_foreseen,
+    not_foreseen=plan.simulate,
 )  # fmt: skip

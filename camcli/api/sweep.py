@@ -20,7 +20,7 @@ from camcli.analysis.labels import period_of
 from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
-from camcli.api.command import EXPLAINING, Command, Drawing, Size, fewer, sample
+from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of, start_of
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.rows import IMPACTS, SPEEDS, STROBE, blocks, speed_row
@@ -33,6 +33,7 @@ from camcli.parallel.work import IN_MEMORY
 from camcli.piece_faults import gather, gathering, piece
 from camcli.scene import Scene
 from camcli.system import units_of
+from camcli.words import plan
 from camcli.words.machine import height_notes
 from camcli.words.statuses import status_notes, trouble
 from camcli.words.sweep import map_notes, sweep_notes
@@ -418,7 +419,7 @@ def _size(scene: Scene) -> Size:
     tables = 140.0 * n
     if section.tables != "none":
         tables += 43.0 * recorded
-    what = f"{n} speeds of {turns} turns, {run.record} recorded"
+    what = plan.speeds_of_a_sweep(n, turns, run.record)
     return Size(what, n, n, n * turns, n, memory, tables, kept)
 
 
@@ -433,15 +434,6 @@ def _sample(scene: Scene, n: int) -> Scene:
     return sample(scene, "sweep", zoom=(), also=(), explain=False, adaptive=False, **few)
 
 
-def _not_foreseen(scene: Scene) -> list[str]:
-    said = []
-    if scene.sweep.explain:
-        said.append(EXPLAINING)
-    if scene.sweep.adaptive:
-        said.append("how many speeds --adaptive adds is not known before")
-    return said
-
-
 COMMAND = Command(
     run=sweep,
     artefacts=(
@@ -451,7 +443,7 @@ COMMAND = Command(
     size=_size,
     drawing=_drawing,
     sample=_sample,
-    not_foreseen=_not_foreseen,
+    not_foreseen=plan.sweep,
     keeps_pieces=lambda scene: True,
-    less="--set sweep.tables=npz writes less",
+    less=plan.LESS_OF_A_SWEEP,
 )  # fmt: skip

@@ -4,7 +4,7 @@ from itertools import groupby
 from math import degrees, inf
 
 from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, SettledMotion
-from camcli.analysis.contact_loss.detachment import AlwaysLost, Quantity, Reason
+from camcli.analysis.contact_loss.detachment import AlwaysLost, Quantity, Reason, SpeedStatus
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.errors import Status
@@ -56,6 +56,15 @@ def theory(result: ContactLoss) -> list[str]:
     return said + [
         f"at {c.rpm:.10g} rpm the end of the burst from {c.burst} jumps over {c.region}"
         for c in result.jumps
+    ]
+
+
+def unresolved_notes(result: ContactLoss) -> list[str]:
+    """The critical speeds whose brackets are not safe."""
+    return [
+        f"{c.status}: {c.quantity} {c.region} near {c.rpm:.10g} rpm has no safe bracket"
+        for c in result.critical_speeds
+        if c.status is SpeedStatus.UNRESOLVED
     ]
 
 

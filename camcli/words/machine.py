@@ -45,6 +45,11 @@ def machine(result: Any) -> list[list[str]]:
     return [["machine", ""], *rows]
 
 
+def report_title(cam: Any) -> str:
+    """The title of the page for print."""
+    return f"Contact of cam and follower: {cam_name(cam)}"
+
+
 def doubts(scene: Any) -> Iterator[str]:
     """What of a machine is probably a wrong unit or sign."""
     follower, cam = scene.follower, scene.cam

@@ -1,0 +1,22 @@
+"""What `cam bench` says of rows that are not as they should be."""
+
+from collections.abc import Sequence
+
+from camcli.analysis.bench.precision import Measured
+from camcli.analysis.bench.stability import Outcome
+
+NO_HEYOKA = "heyoka is not installed, its points are left out: pip install 'camcli[bench]'"
+
+
+def precision_notes(bad: Sequence[Measured]) -> list[str]:
+    """Our own points that failed, or miss their bounds."""
+    return [
+        f"{m.case}, {m.setting}: {m.status}: error {m.error:.2g} turns, {m.of_bound:.3g} times its "
+        f"bound at most, {m.missed} impacts missed"
+        for m in bad
+    ]
+
+
+def stability_notes(bad: Sequence[Outcome]) -> list[str]:
+    """Extreme cases that came out otherwise."""
+    return [f"row {o.case}: expected {o.expected}: {o.observed}" for o in bad]

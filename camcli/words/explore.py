@@ -1,0 +1,12 @@
+"""What the page of `cam explore` says beside its pictures."""
+
+from collections.abc import Iterable
+
+BASINS, MAP = "Basins of attraction", "Map of motions"
+NO_MOTION = "no whole turn of any motion was recorded: no page to show"
+
+
+def basin_shares(rpm: float, shares: Iterable[tuple[str, float]]) -> str:
+    """How much of the window each attractor takes; shares: (label, fraction)."""
+    parts = [f"{label} takes {100.0 * share:.3g} %" for label, share in shares]
+    return f"At {rpm:.10g} rpm: {', '.join(parts)} of the starts."

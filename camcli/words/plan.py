@@ -1,0 +1,89 @@
+"""What a plan says of a scene: how much it asks for, and what is not known before the run."""
+
+from camcli.scene import Scene
+
+EXPLAINING = "what --explain takes is not known before: 5 to 15 s for many a change"
+LESS_OF_A_SWEEP = "--set sweep.tables=npz writes less"
+
+# --- how much is asked for
+
+
+def turns_of_a_motion(recorded: int, samples: int) -> str:
+    """What one motion asks for."""
+    return f"{recorded} recorded turns x {samples} samples"
+
+
+def speeds_of_a_sweep(speeds: int, turns: int, recorded: int) -> str:
+    """What a sweep asks for."""
+    return f"{speeds} speeds of {turns} turns, {recorded} recorded"
+
+
+def motions_at_speeds(speeds: int, starts: int, recorded: int) -> str:
+    """What classify asks for."""
+    return f"{speeds} speeds x {starts} starts x {recorded} recorded turns"
+
+
+def cells_of_a_window(wide: int, high: int, levels: int) -> str:
+    """What basins ask for."""
+    return f"{wide} x {high} cells, refined {levels} times"
+
+
+def parts_of_a_page(speeds: int, cells: int, points: int) -> str:
+    """What a page asks for; cells of a window and points of a map are 0 where there is none."""
+    beside = f", {cells} cells" if cells else ""
+    beside += f", {points} points of a map" if points else ""
+    return f"{speeds} speeds of 3 sweeps{beside}"
+
+
+# --- what no sample shows, by command
+
+
+def simulate(scene: Scene) -> list[str]:
+    """Of one motion."""
+    if scene.simulate.animate:
+        return ["drawing the animation comes on top, some 10 to 20 s"]
+    return []
+
+
+def sweep(scene: Scene) -> list[str]:
+    """Of a sweep."""
+    notes = []
+    if scene.sweep.explain:
+        notes.append(EXPLAINING)
+    if scene.sweep.adaptive:
+        notes.append("how many speeds --adaptive adds is not known before")
+    return notes
+
+
+def detach(scene: Scene) -> list[str]:
+    """Of the loss of contact."""
+    if scene.detach.tolerance:
+        return [f"{scene.detach.machines} machines of --tolerance come on top, 0.1 s each"]
+    return []
+
+
+def orbits(scene: Scene) -> list[str]:
+    """Of periodic orbits."""
+    return ["how many branches there are, and so the time, is not known before"]
+
+
+def basins(scene: Scene) -> list[str]:
+    """Of basins."""
+    notes = []
+    if scene.basins.refine:
+        notes.append("what --refine adds at boundaries is not known before")
+    if scene.basins.count > 1:
+        notes.append(
+            "a speed in the middle stands for all, though those with chaos take many times as long"
+        )
+    return notes
+
+
+def classify(scene: Scene) -> list[str]:
+    """Of motions at each speed."""
+    return [EXPLAINING] if scene.classify.explain else []
+
+
+def explore(scene: Scene) -> list[str]:
+    """Of the page."""
+    return ["the orbits come on top: how many are solved is not known before"]
