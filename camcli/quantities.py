@@ -51,6 +51,11 @@ class Quantity(NamedTuple):
     numbered: bool = False
 
     @property
+    def label(self) -> str:
+        """An axis over it, in the unit of the table."""
+        return labelled(self.name, self.unit)
+
+    @property
     def meaning(self) -> str:
         """What it is, for a list of columns."""
         words = self.words or self.name
@@ -132,8 +137,8 @@ PARAMETERS = {"rpm": RPM, **FOLLOWER}
 
 # --- the lift, its derivatives by the cam angle, and the forces
 
-THETA = Quantity("theta_deg", "deg", "cam angle", "cam angle, within a turn", head="theta")
-LIFT = {  # by the names that a summary has for them
+THETA = Quantity("theta_deg", "deg", r"cam angle $\theta$", "angle of the cam", head="theta")
+LIFTS = {  # by the names that a summary has for them
     "c": Quantity("c_m", "m", "$c$", "lift of the cam"),
     "c_theta": Quantity("c_theta_m_per_rad", "m/rad", r"$c_\theta$", "slope of the lift"),
     "c_thetatheta": Quantity(
@@ -160,6 +165,7 @@ U_PLUS = Quantity(
 )  # fmt: skip
 EXPONENT = Quantity(
     "lyapunov_per_period", "1/turn", "largest exponent", "largest Lyapunov exponent",
+    head="exponent",
 )  # fmt: skip
 
 # --- what an engineer reads off a record: columns of speeds.csv and map.csv, panels of a map

@@ -19,7 +19,7 @@ SMALL_LIFT = 0.1  # m: lengths of a smaller cam are printed in mm
 
 @dataclass(frozen=True)
 class Follower:
-    """Constants of the follower: kg, N/m, N s/m, m/s2, N, -."""
+    """Constants of the follower, in the units of `quantities.FOLLOWER`."""
 
     mass: float
     stiffness: float

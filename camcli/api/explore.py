@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.resources import files
 from itertools import product
-from math import ceil, degrees, pi, sqrt
+from math import ceil, degrees, sqrt
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -633,7 +633,7 @@ def _bifurcations(solved: Result) -> list[dict[str, Any]]:
         found.setdefault(key, {
             "kind": b.kind, "label": b.label, "rpm": b.value, "rpm_error": b.error,
             "corner": b.corner, "classification": b.classification, "words": event_words(b),
-            "theta_deg": [theta * 180.0 / pi for theta in b.orbit.theta[: len(b.orbit.rates)]],
+            "theta_deg": [degrees(theta) for theta in b.orbit.theta[: len(b.orbit.rates)]],
             "u": [u * omega_of(b.value) for u in b.orbit.rates],
             "q": [q], "v": [w * omega_of(b.value)],
         })  # fmt: skip

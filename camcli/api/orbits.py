@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import chain, starmap
-from math import pi
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
@@ -35,6 +35,7 @@ from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.piece_faults import gather, gathering, piece
+from camcli.quantities import FOLLOWER, PARAMETERS
 from camcli.scene import Axis, Orbits, Scene
 from camcli.system import omega_of
 from camcli.words import plan
@@ -47,16 +48,7 @@ from camcli.words.statuses import trouble
 if TYPE_CHECKING:
     from camcli.analysis.orbits.proofs import Proof, Proofs, Range
 
-DEG = 180.0 / pi
 AROUND = 0.1  # relative range of a parameter where none is given
-UNITS = {
-    "mass": "mass_kg",
-    "stiffness": "stiffness_n_per_m",
-    "damping": "damping_n_s_per_m",
-    "gravity": "gravity_m_per_s2",
-    "preload": "preload_n",
-    "restitution": "restitution",
-}
 Keys = Mapping[str, str]  # of what is varied by a key of the scene, the key by parameter
 CURVE = ("theta_deg", "trace_left", "det_left", "trace_right", "det_right")
 
@@ -171,7 +163,7 @@ def _tables(
         "bifurcations": partial(_bifurcations_table, found, keys),
     }
     if simulated is not None:
-        key = keys.get(simulated.key, UNITS.get(simulated.key, simulated.key))
+        key = keys.get(simulated.key, PARAMETERS[simulated.key].column)
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE)):
             makes[name] = partial(Table, (key, *columns), partial(blocks, simulated, name))
     if section.curve is not None:
@@ -191,8 +183,8 @@ def _spelt_out(scene: Scene) -> Scene:
     section = scene.orbits
     axes = list(section.vary)
     for axis in axes:
-        if _constant(axis) not in ("rpm", *UNITS):
-            expected = f"rpm or a constant of the follower: {', '.join(UNITS)}"
+        if _constant(axis) not in PARAMETERS:
+            expected = f"rpm or a constant of the follower: {', '.join(FOLLOWER)}"
             cure = "cam sweep and cam classify vary any number"
             raise _refusal("vary", f"found {axis.key}", expected, cure)
     if section.curve is None and len(axes) > 1:
@@ -328,7 +320,7 @@ def _columns(parameter: str, keys: Keys) -> tuple[list[str], list[str]]:
         return [], []
     if parameter in keys:
         return [keys[parameter]], []
-    return [], [UNITS[parameter]]
+    return [], [PARAMETERS[parameter].column]
 
 
 def _branch_table(found: OrbitsResult, keys: Keys) -> Table:
@@ -350,7 +342,7 @@ def _branch_table(found: OrbitsResult, keys: Keys) -> Table:
 
     def row(number: int, orbit: PeriodicOrbit, more: list) -> list:
         q, w = orbit.states[0]
-        thetas = [theta * DEG for theta in orbit.theta]
+        thetas = [degrees(theta) for theta in orbit.theta]
         omega = omega_of(orbit.rpm)
         us = [u * omega for u in orbit.rates]
         return [
@@ -396,14 +388,14 @@ def _curve_table(curves: list[Curve], section: Orbits, keys: Keys) -> Table:
 
     A point of a smooth kind has no sides: the orbit's own trace and determinant stand for both.
     """
-    names = {"rpm": "rpm", **UNITS, **keys}
+    names = {name: quantity.column for name, quantity in PARAMETERS.items()} | dict(keys)
 
     def rows() -> Iterator[tuple]:
         for number, curve in enumerate(curves, 1):
             named = (number, curve.kind, curve.label, curve.corner)
             for point in curve.points:
                 orbit = (point.orbit.trace, point.orbit.det)
-                thetas = ":".join(repr(theta * DEG) for theta in point.orbit.theta)
+                thetas = ":".join(repr(degrees(theta)) for theta in point.orbit.theta)
                 left = point.left or orbit
                 right = point.right or orbit
                 yield (*named, point.first, point.second, thetas, *left, *right)
@@ -420,7 +412,7 @@ def _summary(result: OrbitsResult) -> dict[str, Any]:
         "words": remarks(result),
         "orbits": [_orbit(orbit) for orbit in result.orbits],
         "continua": [
-            {"label": c.label, "from_deg": c.start * DEG, "to_deg": c.end * DEG}
+            {"label": c.label, "from_deg": degrees(c.start), "to_deg": degrees(c.end)}
             for c in result.continua
         ],
         "virtual": [_orbit(orbit) for orbit in result.virtual],
@@ -468,7 +460,7 @@ def _orbit(orbit: PeriodicOrbit) -> dict[str, Any]:
     return {
         "label": orbit.label, "rpm": orbit.rpm, "stable": orbit.stable,
         "verdict": VERDICTS[orbit.verdict],
-        "theta_deg": [theta * DEG for theta in orbit.theta], "regions": orbit.regions,
+        "theta_deg": [degrees(theta) for theta in orbit.theta], "regions": orbit.regions,
         "u_minus_m_per_s": [u * omega_of(orbit.rpm) for u in orbit.rates],
         "multipliers": orbit.multipliers,
         "trace": orbit.trace, "det": orbit.det,

@@ -17,6 +17,7 @@ from camcli.api.result import Progress, Result, drawn_by
 from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
+from camcli.quantities import LIFTS
 from camcli.scene import Scene
 from camcli.system import System, omega_of, units_of
 from camcli.words import plan
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "contact")
 EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
 PROFILE = ("theta_deg", "c_m", "c_theta_m_per_rad", "c_thetatheta_m_per_rad2", "force_n")
-UNITS = {"c": "m", "c_theta": "m/rad", "c_thetatheta": "m/rad2"}
 
 
 def simulate(
@@ -240,7 +240,7 @@ def _profile_summary(result: Profile, ratio: float) -> dict[str, Any]:
         "rpm": result.force.rpm,
         "corners_deg": {name: degrees(theta) for name, theta in result.corners.items()},
         "ranges": {
-            f"{name} ({UNITS[name]})": [_extreme(low), _extreme(high)]
+            f"{name} ({LIFTS[name].unit})": [_extreme(low), _extreme(high)]
             for name, (low, high) in result.ranges.items()
         },
         "least_force_n": {

@@ -38,7 +38,7 @@ SMALLEST_LIFT, LARGEST_LIFT = 1e-4, 1.0  # m: beyond, the unit is wrong
 SPIKE = 12.0  # last digits: a row further off its neighbours is refused
 BACKGROUND = 8.0  # times the median deviation, likewise
 PATTERN = 0.1  # deviation from the pattern of one wrong row, relative
-DEG = degrees(1.0)
+DEG = degrees(1.0)  # in a radian
 UNIT_WORDS = {  # of a title, the more special ones first
     r"\bthou\b|thousandth|\bmils?\b|\b0?\.001 ?(\"|in)|1/1000 ?(\"|in|zoll)": "thou",
     r"\bum\b|[µμ]m|micron|mikrom|microm": "um",

@@ -92,7 +92,7 @@ def show(result: Result, _: bool) -> None:
 
 
 def _show_profile(result: Any) -> None:
-    from camcli.api.simulate import UNITS
+    from camcli.quantities import LIFTS
     from camcli.system import is_measured, units_of
     from camcli.words.machine import digits_of
     from camcli.words.speeds import range_words
@@ -106,8 +106,8 @@ def _show_profile(result: Any) -> None:
     for name, (low, high) in found.ranges.items():
         for word, extreme in (("least", low), ("largest", high)):
             value = extreme.value if abs(extreme.value) > NOTHING else 0.0
-            unit = units.length + UNITS[name].removeprefix("m")
-            row(f"{word} {name} ({unit})", value * units.per_m, extreme.theta)
+            unit, scale = units.shown(LIFTS[name].unit)
+            row(f"{word} {name} ({unit})", value * scale, extreme.theta)
     force, bent, first = found.force, found.curvature, found.first
     what = f"least contact force at {force.rpm:.10g} rpm (N)"
     row(what, force.lowest_n, force.lowest_theta)

@@ -14,7 +14,18 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 from camcli.cams.compile import column
 from camcli.kernel.cam_table import PIECE, TERMS, Cam
 from camcli.plots import style
-from camcli.quantities import LENGTHS, Units, labelled
+from camcli.quantities import (
+    FORCE,
+    LENGTHS,
+    LIFTS,
+    PARAMETERS,
+    RPM,
+    THETA,
+    Quantity,
+    Units,
+    drawn,
+    labelled,
+)
 from camcli.system import System, units_of
 
 if TYPE_CHECKING:
@@ -39,51 +50,37 @@ MARKS = {  # event: marker, face, edge, size
     "corner-impact": ("o", "white", style.IMPACT, 4.4),
     "grazing": ("v", "white", style.IMPACT, 5.0),
 }
-PARAMETERS = {  # what is varied, where it has a name of its own: name and unit
-    "rpm": ("cam speed", "rpm"),
-    "restitution": ("coefficient of restitution", ""),
-    "damping": ("damping", "N s/m"),
-    "gravity": ("gravity", "m/s²"),
-    "stiffness": ("stiffness", "N/m"),
-    "preload": ("preload", "N"),
-    "mass": ("mass", "kg"),
-}
-
-
-LIFTS = {  # name and unit of the lift and its derivatives
-    "lift": ("$c$", ""),
-    "velocity": (r"$c_\theta$", "/rad"),
-    "acceleration": (r"$c_{\theta\theta}$", "/rad²"),
-}
-
+LIFT_PANELS = dict(zip(("lift", "velocity", "acceleration"), LIFTS.values(), strict=True))
 
 # --- ranges and names of axes
 
 
 def axis_name(key: str) -> str:
     """The name of an axis over what is varied, a key of the scene."""
-    name, unit = _named(key)
-    return key if unit is None else f"{name} ({unit or '-'})"
+    quantity = parameter(key)
+    return key if quantity is None else labelled(quantity.name, quantity.unit or "-")
 
 
 def valued(key: str, value: str, rpm: float | None = None) -> str:
     """A value of what is varied: 700 rpm, coefficient of restitution 0.8 (at 700 rpm)."""
-    name, unit = _named(key)
-    if unit == "rpm":
+    quantity = parameter(key)
+    if quantity is RPM:
         return f"{value} rpm"
     beside = "" if rpm is None else f" at {style.number(rpm)} rpm"
-    return f"{name} {value} {unit or ''}".rstrip() + beside
+    if quantity is None:
+        return f"{key} {value}{beside}"
+    return f"{quantity.name} {value} {drawn(quantity.unit)}".rstrip() + beside
 
 
 def one_of(key: str) -> str:
     """What one of the things varied is called."""
-    return "speed" if _named(key)[1] == "rpm" else "value"
+    return "speed" if parameter(key) is RPM else "value"
 
 
-def _named(key: str) -> tuple[str, str | None]:
-    """Name and unit of a key; of one without a name of its own the key and None."""
+def parameter(key: str) -> Quantity | None:
+    """What a key of the scene is: the speed, a constant of the follower, or neither."""
     section, _, name = key.rpartition(".")
-    return PARAMETERS.get(name, (key, None)) if section in ("", "run", "follower") else (key, None)
+    return PARAMETERS.get(name) if section in ("", "run", "follower") else None
 
 
 def padded(
@@ -114,14 +111,14 @@ def phase_range(values: np.ndarray | Sequence[float]) -> tuple[float, float]:
 
 def phase_axis(axes: Axes, low: float, high: float, what: str = "impact") -> None:
     """Phases upwards, a tick every 60 degrees of a whole turn."""
-    axes.set(ylim=(low, high), ylabel=rf"{what} phase $\theta$ (deg)")
+    axes.set(ylim=(low, high), ylabel=labelled(rf"{what} phase $\theta$", THETA.unit))
     if (low, high) == (0.0, TURN_DEG):
         axes.yaxis.set_major_locator(MultipleLocator(60))
 
 
 def turn_axis(axes: Axes, corners: dict[str, float], **more: Any) -> None:
     """One turn of the cam to the right, with its corners."""
-    axes.set(xlim=(0.0, TURN_DEG), xlabel=r"cam angle $\theta$ (deg)")
+    axes.set(xlim=(0.0, TURN_DEG), xlabel=THETA.label)
     axes.xaxis.set_major_locator(MultipleLocator(60))
     corner_lines(axes, corners.items(), "x", **more)
 
@@ -133,10 +130,17 @@ def length_axis(axis: Axis, name: str, largest: float) -> None:
     axis.set_label_text(labelled(name, unit))
 
 
-def unit_axis(axis: Axis, name: str, units: Units, per: str = "", **text: Any) -> None:
-    """The name of an axis over lengths in m, or m per something, in the machine's unit."""
-    _count(axis, 1.0 / units.per_m)
-    axis.set_label_text(f"{name} ({units.length}{per})", **text)
+def unit_axis(axis: Axis, name: str, units: Units, unit: str = "m", **text: Any) -> None:
+    """The name of an axis over numbers in a unit, which are shown in the machine's."""
+    shown, factor = units.shown(unit)
+    _count(axis, 1.0 / factor)
+    axis.set_label_text(labelled(name, shown), **text)
+
+
+def lift_axis(axis: Axis, panel: str, units: Units) -> None:
+    """The axis of the lift or of one of its derivatives, by the name of its panel."""
+    quantity = LIFT_PANELS[panel]
+    unit_axis(axis, quantity.name, units, quantity.unit, size=style.WITH_INDEX)
 
 
 def _count(axis: Axis, size: float) -> None:
@@ -288,7 +292,7 @@ def draw_forces(axes: Axes, curves: Sequence[ForceCurve], names: Sequence[str] =
     low, high = axes.get_ylim()
     if low < 0.0 and any(min(curve.force_n) < 0.0 for curve in curves):
         axes.axhspan(low, 0.0, color=style.PULL, linewidth=0, zorder=0)
-    axes.set(ylim=(low, high), ylabel="contact force (N)")
+    axes.set(ylim=(low, high), ylabel=FORCE.label)
 
 
 def newtons(value: float, digits: int) -> str:

@@ -15,7 +15,7 @@ from camcli.errors import plural
 from camcli.plots import style
 from camcli.plots.axes import axis_name, one_of, unit_axis, valued
 from camcli.plots.picture import Panel, Picture
-from camcli.quantities import Units
+from camcli.quantities import Q, Units, V
 from camcli.system import System, omega_of, units_of
 
 MOST_NAMED = 12  # attractors in the list
@@ -169,8 +169,8 @@ def _draw_window(
         axes.axvspan(low, c, color=style.CAM_BODY, linewidth=0.0, zorder=2)  # over cells it cuts
         axes.axvline(c, color=style.CAM, linewidth=1.6, zorder=3, label="cam, $q = c$")
     axes.set(xlim=window.q, ylim=window.v)
-    unit_axis(axes.xaxis, "position $q$", units_of(system))
-    axes.set_ylabel("velocity $v$ (m/s)")
+    unit_axis(axes.xaxis, Q.name, units_of(system))
+    axes.set_ylabel(V.label)
     axes.set_title(named)
 
 

@@ -13,10 +13,10 @@ from matplotlib.ticker import MultipleLocator
 from camcli.analysis.cam_profile import Profile
 from camcli.cams import cam_name
 from camcli.plots import style
-from camcli.plots.axes import LIFTS, draw_forces, newtons, padded, say, turn_axis, unit_axis
+from camcli.plots.axes import draw_forces, lift_axis, newtons, padded, say, turn_axis, unit_axis
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
-from camcli.quantities import Units
+from camcli.quantities import THETA, Units, labelled
 from camcli.words.speeds import range_words
 
 
@@ -92,7 +92,7 @@ def _draw(axes: Axes, draw: Draw, cam: Drawn, among: Sequence[Drawn]) -> None:
     turn_axis(axes, corners if few else {}, named=draw is _draw_lift)
     if among and (values := VALUES.get(draw)):
         axes.set_ylim(*padded([x for other in among for x in values(other.profile)]))
-        axes.set_xlabel(r"$\theta$ (deg)")
+        axes.set_xlabel(labelled(r"$\theta$", THETA.unit))
         axes.xaxis.set_major_locator(MultipleLocator(180))
 
 
@@ -102,8 +102,7 @@ def _curve(axes: Axes, profile: Profile, values: Sequence[float], colour: str = 
 
 
 def _name(axes: Axes, drawn: Drawn, panel: str) -> None:
-    name, per = LIFTS[panel]
-    unit_axis(axes.yaxis, name, drawn.units, per, size=style.WITH_INDEX)
+    lift_axis(axes.yaxis, panel, drawn.units)
 
 
 def _draw_lift(axes: Axes, drawn: Drawn) -> None:
@@ -165,7 +164,7 @@ def _draw_knife(axes: Axes, drawn: Drawn) -> None:
         "" if bent.roller is None else f" of at most {drawn.units.lengths(bent.roller.value, 4)}"
     )
     axes.set_title(f"knife edge, or roller{largest}: pitch curve")
-    axes.set_ylabel("curvature (1/m)")
+    axes.set_ylabel(labelled("curvature", "1/m"))
 
 
 DRAW: dict[str, Draw] = {

@@ -35,6 +35,7 @@ from camcli.plots.axes import (
 from camcli.plots.critical_speeds import Numbered, event_lists, numbered
 from camcli.plots.density import PER_MM, Columns, Image
 from camcli.plots.picture import Panel, Picture
+from camcli.quantities import EXPONENT
 from camcli.system import System
 
 PHASES, GROWTH, STRIP = 72.0, 44.0, 16.0  # mm
@@ -156,7 +157,7 @@ def _draw_exponents(axes: Axes, scene: _Scene) -> None:
         at: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "label": FORGETS}
         axes.plot(minus, [0.03] * len(minus), "v", color=style.STICKING, ms=3.2, mew=0.0, **at)
     bars = ",\n± standard error" if any(one[2] > 0.0 for one in finite) else ""
-    axes.set_ylabel(f"largest exponent (1/turn){bars}")
+    axes.set_ylabel(EXPONENT.label + bars)
 
 
 def _draw_labels(axes: Axes, scene: _Scene) -> None:

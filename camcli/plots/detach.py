@@ -19,7 +19,7 @@ from camcli.plots import style
 from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, newtons, say, turn_axis
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture, Rows
-from camcli.quantities import Units
+from camcli.quantities import LOADS, RPM, THETA, Units, labelled
 from camcli.system import System, is_measured, units_of
 from camcli.words.speeds import range_words
 
@@ -107,10 +107,9 @@ def draw_report(
     if "forces" in drawn:
         panels["forces"] = replace(drawn["forces"], across=2)
     first = study.detachment.first
-    for name, scale, said in (
-        ("max_gap_m", units.per_m, f"loft off the cam ({units.length})"),
-        ("max_impact_m_per_s", 1.0, "landing speed (m/s)"),
-    ):
+    for name in ("max_gap_m", "max_impact_m_per_s"):
+        unit, scale = units.shown(LOADS[name].unit)
+        said = labelled(LOADS[name].name, unit)
         points = [(first.rpm, 0.0)] if first and study.past else []
         points += [(s.rpm, scale * (getattr(s.loads, name) or 0.0)) for s in study.past]
         draw = partial(_draw_load, points=points, said=said)
@@ -125,7 +124,7 @@ def _draw_load(axes: Axes, points: Sequence[tuple[float, float]], said: str) -> 
         say(axes, "contact holds over the whole range")
         return
     axes.plot(*zip(*points, strict=True), "o-", color=style.IMPACT, ms=2.5)
-    axes.set(xlabel="cam speed (rpm)", ylim=(0.0, None))
+    axes.set(xlabel=RPM.label, ylim=(0.0, None))
 
 
 # --- phases over speed
@@ -182,7 +181,7 @@ def _ends(study: ContactLoss) -> Iterator[tuple[str, float, float]]:
 def _draw_phases(axes: Axes, view: _View, study: ContactLoss, corners: dict[str, float]) -> None:
     axes.set(xlim=view.rpm, ylim=(view.low, view.high))
     further = ",\non into the next turn" if view.high > TURN_DEG else ""
-    axes.set(xlabel="cam speed (rpm)", ylabel=rf"phase $\theta$ (deg){further}")
+    axes.set(xlabel=RPM.label, ylabel=labelled(r"phase $\theta$", THETA.unit) + further)
     axes.yaxis.set_major_locator(MultipleLocator(60 if view.high - view.low > 180.0 else 10))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % TURN_DEG:g}"))
     places = [(name, float(view.phase(phase))) for name, phase in corners.items()]

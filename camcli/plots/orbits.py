@@ -22,12 +22,12 @@ from camcli.analysis.sweep import Sweep
 from camcli.plots import style
 from camcli.plots.axes import (
     DASHED,
-    LIFTS,
-    PARAMETERS,
+    LIFT_PANELS,
     TURN_DEG,
     axis_name,
     corner_lines,
     length_axis,
+    lift_axis,
     lift_curves,
     mark,
     mark_look,
@@ -62,6 +62,7 @@ from camcli.plots.branch_lines import (
 from camcli.plots.density import Columns, Image
 from camcli.plots.picture import Panel, Picture, Rows
 from camcli.plots.simulate import GAP, Trace, angle_axis
+from camcli.quantities import PARAMETERS, THETA, Q, U, drawn, labelled
 from camcli.system import System, units_of
 from camcli.words.events import event_words
 from camcli.words.orbits import end_words
@@ -126,7 +127,7 @@ def draw_orbits(study: OrbitsResult, system: System, simulated: Sweep | None = N
 def _heading(study: OrbitsResult) -> tuple[str, str]:
     """Title and what stands below it."""
     ask = study.question
-    at, name = quantity(ask.rpm, "rpm"), PARAMETERS[ask.parameter][0]
+    at, name = quantity(ask.rpm, "rpm"), PARAMETERS[ask.parameter].name
     if ask.span is None:
         title = f"Periodic orbits at {at}"
     else:
@@ -147,7 +148,7 @@ def _heading(study: OrbitsResult) -> tuple[str, str]:
 
 def quantity(value: float, parameter: str) -> str:
     """A value of the parameter with its unit."""
-    return f"{style.number(float(f'{value:.9g}'))} {PARAMETERS[parameter][1]}".rstrip()
+    return f"{style.number(float(f'{value:.9g}'))} {drawn(PARAMETERS[parameter].unit)}".rstrip()
 
 
 # --- panels over the parameter
@@ -244,7 +245,7 @@ def _draw_plane(axes: Axes, scene: _Scene) -> None:
         if not rings or size < rings[-1] - APART:
             rings.append(size)
     draw_plane(axes, float(scene.every(lambda orbit: [radius(orbit)]).max()), rings[:2])
-    axes.set_title(f"multipliers; arrows: rising {PARAMETERS[scene.parameter][0]}")
+    axes.set_title(f"multipliers; arrows: rising {PARAMETERS[scene.parameter].name}")
     for lines, colour in zip(scene.lines(paths), scene.colours, strict=True):
         draw_paths(axes, lines, colour)
 
@@ -275,7 +276,7 @@ def lists_of(
     rows: list[list[Any]] = [["", "branch (dashed: unstable)"]]
     for branch, colour in zip(branches[:LONGEST], shades, strict=False):
         rows.append([{"color": colour, "linewidth": 1.4}, _branch_words(branch, events, parameter)])
-    unit = PARAMETERS[parameter][1]
+    unit = drawn(PARAMETERS[parameter].unit)
     told: list[list[Any]] = [["", "", "event", unit or "value", "branch"]]
     for event in events[:LONGEST]:
         notes = [event.source.classification.replace("-", " ")]
@@ -378,7 +379,7 @@ def hidden(scene: _Scene) -> list[Zoom]:
 def _draw_zoom(axes: Axes, zoom: Zoom, scene: _Scene) -> None:
     low, high = zoom.event.value - zoom.aside, zoom.event.value + zoom.aside
     axes.set_xlabel(axis_name(scene.parameter))
-    axes.set_ylabel(r"phase $\theta$ (deg), enlarged")
+    axes.set_ylabel(labelled(r"phase $\theta$", THETA.unit) + ", enlarged")
     axes.locator_params(axis="x", nbins=5)
     lines = scene.lines(lambda points: strands(curved(points, low, high), phases, TURN_DEG))
     points = [(x, y) for mine in lines for s in mine for x, y in zip(s.x, s.y, strict=True)]
@@ -444,7 +445,7 @@ def _single(study: OrbitsResult, system: System, words: str) -> tuple[dict, str,
         "orbit": Panel(partial(_draw_orbit, traces=traces, **more), PLANE, across=2),
         "plane": Panel(partial(_draw_multipliers, **more), PLANE, across=2),
     }
-    for k, name in enumerate(LIFTS):
+    for k, name in enumerate(LIFT_PANELS):
         draw = partial(_draw_impacts, order=k, system=system, **more)
         panels[name] = Panel(draw, LIFT, "theta", usual=False)
     draw = partial(_draw_states, system=system, **more)
@@ -472,7 +473,7 @@ def _draw_motion(
             axes.plot(trace.angle, rests, color=style.STICKING, lw=3.0, zorder=2, label="sticking")
         for points in (trace.events[kind] for kind in trace.events if kind == "impact"):
             mark(axes, "impact", points[:, 0], points[:, 1], label="impact")
-    unit_axis(axes.yaxis, "position $q$", longest.units)
+    unit_axis(axes.yaxis, Q.name, longest.units)
     angle_axis(axes, longest)
 
 
@@ -486,7 +487,7 @@ def _draw_orbit(
         closed = (np.append(values, values[0]) for values in (trace.gap, trace.u))
         axes.plot(*closed, color=shade, **line_look(orbit.stable))
     length_axis(axes.xaxis, GAP, max(trace.gap.max() for trace in traces))
-    axes.set_ylabel(r"relative velocity $u = v - \dot c$ (m/s)")
+    axes.set_ylabel(U.label)
 
 
 def _nothing(study: OrbitsResult) -> str:
@@ -522,8 +523,7 @@ def _draw_impacts(
         for phase in at:
             look = {**line_look(orbit.stable), "linewidth": 0.7}
             axes.axvline(phase, color=shade, alpha=0.6, zorder=1, **look)
-    name, per = list(LIFTS.values())[order]
-    unit_axis(axes.yaxis, name, units_of(system), per, size=style.WITH_INDEX)
+    lift_axis(axes.yaxis, list(LIFT_PANELS)[order], units_of(system))
     turn_axis(axes, style.corner_names(system.corners), named=order == 0)
 
 
@@ -538,7 +538,7 @@ def _draw_states(
     axes.set(xlim=padded(q, room[0]), ylim=padded(rate, room[1]))
     axes.locator_params(nbins=5)
     strobe_axis(axes.xaxis, system)
-    unit_axis(axes.yaxis, r"stroboscopic $q_\theta$", units_of(system), "/rad")
+    unit_axis(axes.yaxis, r"stroboscopic $q_\theta$", units_of(system), "m/rad")
 
 
 def _draw_multipliers(axes: Axes, orbits: Sequence[PeriodicOrbit], shades: Sequence[str]) -> None:

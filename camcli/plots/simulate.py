@@ -27,7 +27,7 @@ from camcli.plots.axes import (
 )
 from camcli.plots.mechanism import Outline, draw_machine
 from camcli.plots.picture import Panel, Picture
-from camcli.quantities import Units
+from camcli.quantities import THETA, Q, U, Units, V, labelled
 from camcli.system import System, units_of
 from camcli.words.statuses import CAUSES
 
@@ -183,7 +183,7 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     low, high = float(trace.cam.min()), float(trace.q.max())
     room = 0.06 * (high - low) or 0.06 * abs(high) or 1.0
     axes.set(ylim=(low - room, high + room))
-    unit_axis(axes.yaxis, "position $q$", trace.units)
+    unit_axis(axes.yaxis, Q.name, trace.units)
     axes.fill_between(trace.angle, low - room, trace.cam, color=style.CAM_BODY, linewidth=0)
     axes.plot(trace.angle, trace.cam, color=style.CAM, linewidth=0.8, label="cam")
     _draw_contact(axes, trace, trace.q, named=True)
@@ -243,7 +243,7 @@ def _draw_phase(axes: Axes, trace: Trace, _: Simulation) -> None:
     if trace.sticks.any():
         axes.plot([0.0], [0.0], color=style.STICKING, marker="o", ms=5.0, zorder=4)
     length_axis(axes.xaxis, GAP, trace.gap.max())
-    axes.set_ylabel(r"relative velocity $u = v - \dot c$ (m/s)")
+    axes.set_ylabel(U.label)
 
 
 def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
@@ -260,7 +260,7 @@ def _draw_passage(axes: Axes, trace: Trace, simulation: Simulation) -> None:
     inside = gap[phase < middle]
     largest = float(np.nanmax(inside) or 2.5 * np.nanmax(gap) or 1.0)  # it may rest before
     axes.set(xlim=(low, high), ylim=(-0.02 * largest, 0.4 * largest))
-    axes.set_xlabel(r"cam angle $\theta$ (deg)")
+    axes.set_xlabel(THETA.label)
     length_axis(axes.yaxis, GAP, 0.4 * largest)
     corner_lines(axes, style.corner_names(simulation.corners).items(), "x")
 
@@ -269,7 +269,7 @@ def _draw_section(axes: Axes, trace: Trace, _: Simulation) -> None:
     """The states of all recorded turns at the strobe phase."""
     axes.plot(*trace.section.T, "o", color=style.IMPACT, ms=1.5, mew=0.0, rasterized=True)
     unit_axis(axes.xaxis, "stroboscopic $q$", trace.units)
-    axes.set_ylabel("stroboscopic $v$ (m/s)")
+    axes.set_ylabel(labelled("stroboscopic $v$", V.unit))
 
 
 def angle_axis(axes: Axes, trace: Trace) -> None:
@@ -282,7 +282,7 @@ def angle_axis(axes: Axes, trace: Trace) -> None:
     names = [f"{tick % 360 if within else tick // 360:d}" for tick in ticks]
     axes.set(xlim=(trace.low, trace.high), xticks=ticks)
     axes.set_xticklabels(names)
-    axes.set_xlabel(r"cam angle $\theta$ (deg)" if within else "cam angle (turns)")
+    axes.set_xlabel(THETA.label if within else "cam angle (turns)")
     for tick in ticks[ticks % 360 == 0]:
         axes.axvline(tick, color=style.GUIDE, linewidth=0.5, zorder=0.5)
 
@@ -314,7 +314,7 @@ def draw_frames(
         title = f"{style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
         time.set(xlim=(low, high), title=title)
         unit_axis(time.yaxis, "position", trace.units)
-        time.set_xlabel(r"cam angle $\theta$ (deg)")
+        time.set_xlabel(THETA.label)
         line, (dot,) = time.axvline(color=style.GUIDE, lw=0.8), time.plot([], [], "o")
         figure.canvas.draw()
         figure.set_layout_engine("none")

@@ -19,7 +19,7 @@ from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, status_name
 from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import (
-    LIFTS,
+    LIFT_PANELS,
     NARROW_DEG,
     TURN_DEG,
     axis_name,
@@ -38,6 +38,7 @@ from camcli.plots.axes import (
 from camcli.plots.critical_speeds import event_lists, numbered
 from camcli.plots.density import PER_MM, WIDE, Cloud, Columns, Image
 from camcli.plots.picture import Panel, Picture
+from camcli.quantities import EXPONENT, drawn, labelled
 from camcli.system import System, units_of
 
 if TYPE_CHECKING:
@@ -175,7 +176,9 @@ def _draw_exponents(survey: Survey, name: str, axes: Axes) -> None:
     known = np.isfinite(survey.exponents)
     shades = [colour for colour, seen in zip(colours, known, strict=True) if seen]
     axes.scatter(survey.values[known], survey.exponents[known], s=2.0, c=shades, lw=0, zorder=3)
-    axes.set(xlim=(columns.low, columns.high), xlabel=name, ylabel="exponent (1/turn)")
+    axes.set(
+        xlim=(columns.low, columns.high), xlabel=name, ylabel=labelled(EXPONENT.head, EXPONENT.unit)
+    )
 
 
 def _title(survey: Survey, sweep: Sweep) -> str:
@@ -324,12 +327,12 @@ def enlarged_range(cloud: Cloud) -> tuple[float, float] | None:
 
 def cam_beside(system: System, low: float, high: float, what: str) -> list[Callable]:
     """The cam's lift and its derivatives beside a panel, over the same phases."""
-    theta, orders = lift_curves(system.cam, len(LIFTS))
+    theta, orders = lift_curves(system.cam, len(LIFT_PANELS))
     units = units_of(system)
     corners = style.corner_names(system.corners).items()
 
     def draw(axes: Axes, k: int) -> None:
-        name, per = list(LIFTS.values())[k]
+        quantity = list(LIFT_PANELS.values())[k]
         axes.plot(orders[k] * units.per_m, theta, color=style.CAM, linewidth=0.9)
         phase_axis(axes, low, high)
         axes.set_ylabel(axes.get_ylabel() + what if k == 0 else "")
@@ -338,8 +341,8 @@ def cam_beside(system: System, low: float, high: float, what: str) -> list[Calla
         axes.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 4, 5, 10], min_n_ticks=2))
         if not what:
             axes.tick_params(axis="x", top=True, labeltop=True, labelrotation=90, labelsize=7)
-            axes.set_title(name, loc="center", size=style.WITH_INDEX)
+            axes.set_title(quantity.name, loc="center", size=style.WITH_INDEX)
             axes.xaxis.set_label_position("top")
-            axes.set_xlabel(units.length + per, size=style.NOTE)
+            axes.set_xlabel(drawn(units.shown(quantity.unit)[0]), size=style.NOTE)
 
-    return [partial(draw, k=k) for k in range(len(LIFTS))]
+    return [partial(draw, k=k) for k in range(len(LIFT_PANELS))]

@@ -15,22 +15,9 @@ from camcli.plots import style
 from camcli.plots.axes import axis_name, valued
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import colour_of, kind_of
-from camcli.quantities import Units
+from camcli.quantities import EXPONENT, LOADS, Units, labelled
 
 HEIGHT = 90.0  # mm
-NAMES = {
-    "exponents": "largest exponent (1/turn)",
-    "max_gap_m": "largest gap",
-    "airborne_fraction": "share of the time in the air",
-    "max_impact_m_per_s": "hardest impact (m/s)",
-    "min_contact_force_n": "least contact force (N)",
-    "max_contact_force_n": "largest contact force (N)",
-    "contact_lost_deg": "contact first lost (deg)",
-    "contact_regained_deg": "contact last regained (deg)",
-    "landing_deg": "phase of the hardest impact (deg)",
-    "landing_lift_m": "lift at the hardest impact",
-    "shut_bounces_per_turn": "bounces on the shut cam (1/turn)",
-}
 DASHES = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1, 1)), "grazing": (0, (4, 1, 1, 1))}
 Curve = tuple[str, Sequence[float], Sequence[float]]  # kind of bifurcation, along both numbers
 
@@ -52,13 +39,13 @@ def draw_map(found: Map, units: Units, curves: Sequence[Curve] = ()) -> Picture:
         axes.set_ylabel(axis_name(found.keys[1]))
 
     panels = {"kind": Panel(partial(over, partial(_draw_kinds, found, rows)), HEIGHT)}
-    for name, words in NAMES.items():
-        of = attrgetter("exponent" if name == "exponents" else f"loads.{name}")
+    for name, quantity in {"exponents": EXPONENT, **LOADS}.items():
+        of = attrgetter("exponent" if quantity is EXPONENT else f"loads.{name}")
         values = np.array([[of(speed) for speed in row] for row in rows], dtype=float)
-        if name.endswith("_m"):
-            values, words = values * units.per_m, f"{words} ({units.length})"
-        usual = name == "exponents" and bool(np.isfinite(values).any())
-        draw = partial(_draw_values, found, values, words)
+        unit, scale = units.shown(quantity.unit)
+        usual = quantity is EXPONENT and bool(np.isfinite(values).any())
+        words = labelled(quantity.name, unit)
+        draw = partial(_draw_values, found, values * scale, words, quantity is EXPONENT)
         panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual)
     ends = [
         valued(key, f"{style.number(values[0])} to {style.number(values[-1])}")
@@ -97,9 +84,10 @@ def _draw_kinds(found: Map, rows: Sequence[Sequence[Speed]], axes: Axes) -> None
         axes.plot([], [], "s", color=colour_of(kind), ms=4, label=kind)
 
 
-def _draw_values(found: Map, values: np.ndarray, words: str, axes: Axes) -> None:
+def _draw_values(found: Map, values: np.ndarray, words: str, signed: bool, axes: Axes) -> None:
+    """signed: zero is white."""
     cells = np.ma.masked_invalid(values)
-    if words == NAMES["exponents"]:
+    if signed:
         size = float(np.abs(cells).max()) if cells.count() else 1.0
         image = _image(axes, found, cells, cmap="RdBu_r", vmin=-size, vmax=size)
     else:

@@ -1,14 +1,12 @@
 """What is said of an event on a branch."""
 
-from math import pi
+from math import degrees
 
 from camcli.analysis.orbits.corner_impacts import OneSide
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.kernel.cam_table import TURN
 from camcli.words.border_collision import collision_words
-
-DEG = 180.0 / pi
 
 
 def event_words(b: Bifurcation) -> list[str]:
@@ -18,10 +16,10 @@ def event_words(b: Bifurcation) -> list[str]:
     if b.kind == Kind.GRAZING:
         found = b.located
         if found.fading is not None:
-            place = f"{found.root.theta[found.fading] * DEG:.8g} deg"
+            place = f"{degrees(found.root.theta[found.fading]):.8g} deg"
             return [f"the impact at {place} fades to zero velocity."]
         flight = f"the flight after impact {found.impact + 1}"
-        return [f"beyond it {flight} meets the cam at {(found.phase % TURN) * DEG:.8g} deg."]
+        return [f"beyond it {flight} meets the cam at {degrees(found.phase % TURN):.8g} deg."]
     if b.corner_impact is None:
         return []
     below, above = _side_words(b.corner_impact.below), _side_words(b.corner_impact.above)

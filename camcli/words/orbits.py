@@ -1,6 +1,6 @@
 """What `cam orbits` says of orbits, branches and curves."""
 
-from math import pi
+from math import degrees
 
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
@@ -10,7 +10,6 @@ from camcli.words.border_collision import inequality_text
 from camcli.words.events import event_words
 from camcli.words.statuses import trouble
 
-DEG = 180.0 / pi
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
 VERDICTS = {
     Verdict.ADMISSIBLE: "admissible",
@@ -66,8 +65,9 @@ def remarks(result: OrbitsResult) -> list[str]:
     elif not result.orbits and not result.continua:
         said.append(f"no periodic orbit found at {result.question.rpm:.10g} rpm")
     said += [
-        f"{c.label} exists with the impact anywhere from {c.start * DEG:.8g} to {c.end * DEG:.8g} "
-        "deg, a dwell: a continuum of orbits, none isolated, none attracting (both multipliers 1)"
+        f"{c.label} exists with the impact anywhere from {degrees(c.start):.8g} to "
+        f"{degrees(c.end):.8g} deg, a dwell: a continuum of orbits, none isolated, none attracting "
+        "(both multipliers 1)"
         for c in result.continua
     ]
     if result.virtual:

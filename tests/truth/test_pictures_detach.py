@@ -216,8 +216,8 @@ def test_the_page_of_the_report_shows_the_cam_the_forces_and_the_loads(name, mon
     table = result.tables["speeds"]
     first = result.tables["detach"]["rpm"][0]
     for axes, column, words, factor in (
-        (loft, "max_gap_m", f"loft off the cam ({machine.unit})", machine.per_m),
-        (landing, "max_impact_m_per_s", "landing speed (m/s)", 1.0),
+        (loft, "max_gap_m", f"largest gap ({machine.unit})", machine.per_m),
+        (landing, "max_impact_m_per_s", "hardest impact (m/s)", 1.0),
     ):
         panel = Panel(column, axes)
         if len(table["rpm"]):

@@ -20,24 +20,16 @@ from camcli.kernel.flow import (
     MASS,
     PRELOAD,
     RESTITUTION,
-    RPM,
     STIFFNESS,
     Flow,
     constants_of,
 )
 from camcli.kernel.forms import plain
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
+from camcli.quantities import PARAMETERS as VARIED
 from camcli.system import System, omega_of
 
-PARAMETERS = {
-    "rpm": RPM,
-    "mass": MASS,
-    "stiffness": STIFFNESS,
-    "damping": DAMPING,
-    "gravity": GRAVITY,
-    "preload": PRELOAD,
-    "restitution": RESTITUTION,
-}
+PARAMETERS = {name: place for place, name in enumerate(VARIED)}  # places in `kernel.flow`'s table
 Vector = Sequence[float] | np.ndarray  # theta_1, v_1, ..., theta_n, v_n, parameter
 # Compiled evaluations that take as long as Newton's step of one impact, and as a plain evaluation.
 SOLVED, FLOWN = 600, 400
