@@ -25,6 +25,7 @@ from pydantic import (
 
 from camcli.cams import CAMS, AnyCam
 from camcli.errors import Fault, SceneError, shown
+from camcli.quantities import FOLLOWER, LOADS, RPM
 
 SLOWEST, FASTEST = 1e-9, 1e9  # rpm
 SWITCHES = {"yes": True, "on": True, "no": False, "off": False}
@@ -134,9 +135,7 @@ PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it
     "sweep": {
         "diagram": ("impacts", "enlarged", "strobe", "exponents"),
         "map": (
-            "kind", "exponents", "max_gap_m", "airborne_fraction", "max_impact_m_per_s",
-            "min_contact_force_n", "max_contact_force_n", "contact_lost_deg",
-            "contact_regained_deg", "landing_deg", "landing_lift_m", "shut_bounces_per_turn",
+            "kind", "exponents", *LOADS,
         ),
     },
     "detach": {"loss": ("phases", "enlarged", "forces", "springs")},
@@ -182,12 +181,12 @@ Cam = Annotated[AnyCam, Field(discriminator="kind")]
 class Follower(Section):
     """A mass on a spring and a damper; q is its height, zero where the cam's offset puts it."""
 
-    mass: Number = entry("mass of the follower, kg", ge=1e-15, le=LARGEST)
-    stiffness: Number = entry("stiffness of the spring, N/m", ge=0, le=LARGEST)
-    damping: Number = entry("damping to the frame, N s/m", 0.0, ge=0, le=LARGEST)
-    gravity: Constant = entry("gravity, positive towards the cam, m/s2", 0.0)
-    preload: Constant = entry("spring force at q = 0, positive towards the cam, N", 0.0)
-    restitution: Number = entry("coefficient of restitution, 0..1", ge=0, le=1)
+    mass: Number = entry(FOLLOWER["mass"].description, ge=1e-15, le=LARGEST)
+    stiffness: Number = entry(FOLLOWER["stiffness"].description, ge=0, le=LARGEST)
+    damping: Number = entry(FOLLOWER["damping"].description, 0.0, ge=0, le=LARGEST)
+    gravity: Constant = entry(FOLLOWER["gravity"].description, 0.0)
+    preload: Constant = entry(FOLLOWER["preload"].description, 0.0)
+    restitution: Number = entry(FOLLOWER["restitution"].description, ge=0, le=1)
 
 
 class Spring(Section):
@@ -223,7 +222,7 @@ class Start(Section):
 class Run(Section):
     """One simulation: its speed, start and length, and what bounds its error and cost."""
 
-    rpm: Speed = entry("speed of the cam, turns per minute", 700.0)
+    rpm: Speed = entry(RPM.description, 700.0)
     start: Start = entry("state at the first instant", default_factory=Start)
     transient: Whole = entry("turns before recording", 600, ge=0, le=MOST_TURNS)
     record: Whole = entry("turns recorded", 400, ge=1, le=MOST_TURNS)
