@@ -1,0 +1,29 @@
+"""What mkdocs adds to the pages of the guide: the library's reference, and the gallery of figures."""
+
+from pathlib import Path
+
+from mkdocs.structure.files import File
+
+import camcli
+
+FIGURES = Path(__file__).parents[1] / "out" / "figures"
+SHOWN = ("*.html", "*/*.png", "*/*.gif", "*/*.html")
+
+
+def on_config(config):
+    """Without figures (`cam figures` draws them) there is no gallery."""
+    if not (FIGURES / "index.html").is_file():
+        config.nav = [entry for entry in config.nav if "Gallery" not in entry]
+    return config
+
+
+def on_files(files, config):
+    """Add the page of the library, and what `cam figures` wrote."""
+    names = [name for name in camcli.__all__ if not name.startswith("_")]
+    page = "# The library\n\n" + "\n".join(f"::: camcli.{name}\n" for name in names)
+    files.append(File.generated(config, "reference/library.md", content=page))
+    if (FIGURES / "index.html").is_file():
+        for path in sorted(path for form in SHOWN for path in FIGURES.glob(form)):
+            place = f"gallery/{path.relative_to(FIGURES)}"
+            files.append(File.generated(config, place, abs_src_path=str(path)))
+    return files
