@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from camcli.analysis.after_rest import CYCLE, SETTLED
-from camcli.analysis.basins.cell_mapping import leaves
+from camcli.analysis.basins.refinement import leaves
 from camcli.analysis.basins.study import Basins, Question, Study, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.labels import Label
@@ -75,7 +75,7 @@ def basins(
     machine = machine_of(scene)
     scene, section, system = machine.scene, machine.scene.basins, machine.system
     window = Window(section.q, section.v, *section.cells)
-    question = Question(window, section.method, section.budget, section.refine)
+    question = Question(window, section.budget, section.refine)
     key, values, setup = span_of(machine, section)
     total = window.count * len(values)
     done = 0
@@ -215,8 +215,8 @@ def _cells(grid: Basins, refine: int) -> Iterator[Block]:
 def _summary(result: Study, question: Question) -> dict[str, Any]:
     """What run.json keeps beside the tables."""
     return {
-        "method": question.method,
-        "criterion": CRITERION[question.method],
+        "method": "orbit",
+        "criterion": CRITERION,
         "budget_turns": question.budget,
         "speeds": [_record(speed, question) for speed in result.speeds],
     }

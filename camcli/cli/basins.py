@@ -21,7 +21,6 @@ def basins(
     cells: str | None = option("Cells along q and v.", "N or NQ,NV"),
     q: str | None = option("Window of positions, m.", "LO:HI"),
     v: str | None = option("Window of velocities, m/s.", "LO:HI"),
-    method: str | None = option("orbit, or simple (fast and approximate).", "NAME"),
     refine: int | None = option("Times that cells at boundaries are cut in four.", "N"),
     boundary: bool = flag("Measure the boundary's dimension."),
     exponents: bool = flag("Multipliers and exponents of attractors."),
@@ -59,10 +58,8 @@ def basins(
     undecided.
 
     \b
-    Methods: orbit follows every cell until it meets an attractor: a whole period of it within the
-    ellipses about its points, with its impacts and shrinking (rings of starts are seen to come
-    back); simple (Hsu's simple cell mapping) maps each centre by one turn and follows the graph of
-    cells: some times faster, wrong near boundaries; what leaves the window is followed as an orbit.
+    Every cell is followed until it meets an attractor: a whole period of it within the ellipses
+    about its points, with its impacts and shrinking (rings of starts are seen to come back).
     fraction is of the cells not below the cam; standard_error counts a cell beside a boundary as a
     sample with the shares of its 3 x 3 cells, others as exact.
     --refine N cuts cells at boundaries in four, N times; the picture has cells x 2^N.
@@ -85,7 +82,7 @@ def basins(
         "q": numbers(q, "--q", low_high, "0.1:0.9"),
         "v": numbers(v, "--v", low_high, "-20:40"),
     }
-    values |= given("basins", cells=_cells(cells), **window, method=method, refine=refine)
+    values |= given("basins", cells=_cells(cells), **window, refine=refine)
     values |= given("basins", boundary=boundary, exponents=exponents, saddles=saddles)
     return run("basins", request, values, show, shard=shard, cluster=cluster)
 
@@ -106,7 +103,7 @@ def show(result: Result, verbose: bool) -> None:
     from camcli.analysis.sweep import status_name
     from camcli.system import omega_of
 
-    found, question = result.values
+    found, _ = result.values
     if len(found.speeds) > 1:
         _show_range(found, result.scene.basins.key)
         return
@@ -122,7 +119,7 @@ def show(result: Result, verbose: bool) -> None:
         if code <= 0:
             name = status_name(-code) if code else "undecided"
             rows.append([name, str(code), "", "", _share(share)])
-    title = f"{speed.rpm:.10g} rpm, {question.method} mapping"
+    title = f"{speed.rpm:.10g} rpm, orbit mapping"
     table(title, ["attractor", "no.", "q (m)", "v (m/s)", "fraction"], rows)
     for line in _lines(speed, verbose):
         print(line)

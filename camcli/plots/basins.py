@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-from camcli.analysis.basins.study import BELOW_CODE, SIMPLE, UNDECIDED_CODE, Basins, Question, Study
+from camcli.analysis.basins.study import BELOW_CODE, UNDECIDED_CODE, Basins, Question, Study
 from camcli.analysis.sweep import status_name
 from camcli.errors import plural
 from camcli.plots import style
@@ -117,8 +117,7 @@ def _saddle_rows(grids: Sequence[Basins]) -> list[list[list[Any]]]:
 
 def _words(grids: Sequence[Basins], system: System) -> str:
     window, phase = grids[0].window, style.number(round(degrees(system.strobe), 9))
-    how = "simple cell mapping" if grids[0].method == SIMPLE else "orbit mapping"
-    text = f"{window.nq} × {window.nv} starts (q, v) at θ = {phase} deg, {how}"
+    text = f"{window.nq} × {window.nv} starts (q, v) at θ = {phase} deg, orbit mapping"
     if grids[0].level is not None:
         share = 100.0 * sum(s.computed for s in grids) / sum(s.cells for s in grids)
         text += f", {share:.3g} % of the cells computed (boundaries refined)"
@@ -213,7 +212,7 @@ def _range(study: Study, question: Question, system: System, key: str) -> Pictur
     words = (
         f"{len(study.speeds)} {one_of(key)}s, {window.nq} × {window.nv} starts each, "
         f"q from {window.q[0] * units.per_m:g} to {units.lengths(window.q[1], 6)}, "
-        f"v from {window.v[0]:g} to {window.v[1]:g} m/s, {question.method} mapping"
+        f"v from {window.v[0]:g} to {window.v[1]:g} m/s, orbit mapping"
     ).replace("-", "−")
     more: dict[str, Any] = {"study": study, "edges": edges, "colours": colours, "key": key}
     states = partial(_draw_states, units=units, **more)

@@ -488,22 +488,11 @@ class Basins(Varying):
     q: Span = entry("[low, high] of the starts' position, m", (0.1, 0.9))
     v: Span = entry("[low, high] of the starts' velocity, m/s", (-50.0, 50.0))
     cells: Sides = entry("cells along q and v", (200, 200))
-    method: Literal["orbit", "simple"] = entry(
-        "follow every cell, or simple cell mapping: fast and approximate", "orbit"
-    )
     budget: Whole = entry("turns after which a cell is left undecided", 4000, ge=1, le=10_000_000)
     refine: Whole = entry("times that cells at boundaries are cut in four", 0, ge=0, le=10)
     boundary: Flag = entry("measure the uncertainty exponent of the boundary", False)
     exponents: Flag = entry("multipliers and Lyapunov exponents of the attractors", False)
     saddles: Flag = entry("find the saddles on the boundaries", False)
-
-    @model_validator(mode="after")
-    def _one_size_of_cells(self) -> Basins:
-        if self.method == "simple" and self.refine:
-            found, cure = f"found {self.refine} with the method simple", "or more --cells"
-            expected = "expected the method orbit: a cell map has one size of cells"
-            raise SceneError(Fault("", "refine", found, expected, f"use --method orbit, {cure}"))
-        return self
 
 
 class ClassifyRange(RpmRange):

@@ -4,15 +4,12 @@ from camcli.analysis.basins.study import Study
 from camcli.words.after_rest import decided_notes
 from camcli.words.statuses import trouble
 
-CRITERION = {
-    "orbit": "a cell belongs to a periodic attractor when one whole period leads from ellipse to "
+CRITERION = (
+    "a cell belongs to a periodic attractor when one whole period leads from ellipse to "
     "ellipse about its section points, with the attractor's impacts turn by turn, and the form of "
     "the ellipses shrinks by the factor given; to an aperiodic one when as many turns in a row as "
-    "given lie in the boxes it visits; undecided when neither happens within the budget",
-    "simple": "a cell goes to the cell that holds the image of its centre after one turn; the "
-    "centre of the first cell of each cycle, and cells whose image leaves the window, are followed "
-    "as orbits by the criterion of orbit mapping",
-}
+    "given lie in the boxes it visits; undecided when neither happens within the budget"
+)
 
 
 def basins_notes(found: Study, budget: int) -> list[str]:

@@ -6,8 +6,7 @@ import pytest
 from camcli.analysis.basins import attractor_finder, cell_batches
 from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
-from camcli.analysis.basins.measures import boundary
-from camcli.analysis.basins.study import SIMPLE, Question, basins, study
+from camcli.analysis.basins.study import Question, basins, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.classify import classify_at
 from camcli.analysis.integrate import Orbit
@@ -125,20 +124,6 @@ def test_what_conserves_energy_has_no_attractor():
     result = mapped(chapter_system(restitution=1.0), 358.5, WINDOW.with_cells(8, 8), budget=50)
     assert labels(result) == []
     assert result.undecided == 64
-
-
-def test_simple_cell_mapping_agrees_away_from_boundaries(chapter):
-    window = WINDOW.with_cells(80, 80)
-    orbit, simple = mapped(chapter, 358.5, window), mapped(chapter, 358.5, window, method=SIMPLE)
-    assert labels(simple) == labels(orbit)
-    inner = ~boundary(orbit.codes)
-    assert (orbit.codes == simple.codes)[inner].mean() > 0.99
-    assert simple.cost.impacts < 0.6 * orbit.cost.impacts
-
-
-def test_a_window_beside_the_attractor_maps_too(chapter):
-    """At 700 rpm the attractor is at q = 2.36 m: every cell leaves the window."""
-    assert (mapped(chapter, 700.0, WINDOW.with_cells(20, 20), method=SIMPLE).codes == 1).all()
 
 
 def test_refined_basins_are_those_of_the_full_grid(chapter):

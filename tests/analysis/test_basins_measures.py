@@ -1,17 +1,15 @@
 """Fractions, their errors, entropies, boundaries, refinement on grids whose answer is known."""
 
 from math import log, pi, sqrt
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from camcli.analysis.basins import measures
 from camcli.analysis.basins.attractor_finder import BELOW
-from camcli.analysis.basins.cell_mapping import leaves, refine, settle_by_cells
 from camcli.analysis.basins.measures import BOX, boundary, entropies, fractions, uncertainty
+from camcli.analysis.basins.refinement import leaves, refine
 from camcli.analysis.basins.window import Window
-from camcli.kernel.cells import UNDECIDED
 
 UNIT = Window((0.0, 1.0), (0.0, 1.0), 16, 16)
 
@@ -115,32 +113,3 @@ def test_a_boundary_is_followed_where_the_coarse_cells_miss_it():
     assert level.max() == 4
     sides = 16 >> level.ravel()[leaves(level, 4)].astype(int)
     assert (sides.astype(int) ** 2).sum() == fine.count  # the cells not cut cover it once
-
-
-def test_turns_of_a_map_of_cells_are_those_of_each_cell():
-    """A map that leaves every cell where it is: one turn each, and 7 to name the cell."""
-
-    class Still(Painted):
-        class batches:  # noqa: N801
-            lift, omega, work = (0.305, 2.0), 10.0, SimpleNamespace(shard=None)
-
-            @staticmethod
-            def states(q, v):
-                return q - 0.305, v / 10.0 - 2.0, None
-
-            @staticmethod
-            def run(gap, rate, mode, targets, turns, share=False):
-                outcome = np.full(len(gap), UNDECIDED, dtype=np.int16)
-                return SimpleNamespace(gap=gap, rate=rate, outcome=outcome)
-
-        def settle(self, q, v, on_cells=None, share=False):
-            return np.ones(len(q), dtype=np.int16), np.full(len(q), 7, dtype=np.int32)
-
-    window = Window((0.0, 1.0), (0.0, 1.0), 20, 4)
-    outcome, turns, mapped = settle_by_cells(Still(None), window, lambda cells: None)
-    above = np.tile(window.q_of(np.arange(20)) > 0.305, 4)
-    cut = np.tile(window.q_of(np.arange(20)) + 0.025 > 0.305, 4)
-    assert outcome[above].tolist() == [1] * above.sum()
-    assert turns[above].tolist() == [8] * above.sum()
-    assert mapped == cut.sum()
-    assert turns[~cut].tolist() == [0] * (~cut).sum()

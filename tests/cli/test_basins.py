@@ -64,14 +64,6 @@ def test_refined_cells_are_rows_of_their_own_size(run):
     assert len({row["v_m_per_s"] for row in table}) > 64  # centres of cells of several sizes
 
 
-def test_simple_cell_mapping_says_so(run):
-    done, folder = run("--cells", "60", "--method", "simple")
-    assert "simple mapping" in done.stdout
-    assert "P(3;3:3:2)" in done.stdout
-    record = json.loads((folder / "run.json").read_text())
-    assert "image of its centre" in record["result"]["criterion"]
-
-
 def test_a_range_gives_fractions_by_speed_and_no_grid(run):
     _, folder = run("--cells", "2")
     assert (folder / "basins.csv").exists()

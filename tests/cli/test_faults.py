@@ -108,8 +108,6 @@ REFUSED = [
     ("basins --q 0.5", "--q: found '0.5', expected two numbers LO:HI"),
     ("basins --v 1e400:3", "--v: found '1e400:3', expected two numbers LO:HI"),
     ("basins --q 0.9:0.1", "found [0.9, 0.1], expected [low, high]"),
-    ("basins --method magic", "basins.method"),
-    ("basins --method simple --refine 2", "basins.refine"),
     ("basins --refine 11", "basins.refine"),
     ("basins --set basins.boundary=3", "basins.boundary"),
     ("classify --seed 3", "add --starts N"),

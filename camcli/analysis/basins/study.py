@@ -1,7 +1,6 @@
 """Basins of attraction at one speed or over a range of them: which attractor every start lands on.
 
-Two methods: `orbit` follows the centre of every cell to its end; `simple` is the simple cell
-mapping of C. S. Hsu, Cell-to-Cell Mapping, 1987 (`cell_mapping`).
+The centre of every cell is followed to its end.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,8 +14,8 @@ from camcli.analysis.after_rest import After
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import BELOW, AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
-from camcli.analysis.basins.cell_mapping import refine, settle_by_cells
 from camcli.analysis.basins.measures import Uncertainty, entropies, fractions, uncertainty
+from camcli.analysis.basins.refinement import refine
 from camcli.analysis.basins.region import Region
 from camcli.analysis.basins.saddles import BoundarySaddle, boundary_saddles
 from camcli.analysis.basins.window import Window
@@ -28,7 +27,6 @@ from camcli.parallel import ShardDone, Work
 from camcli.piece_faults import PieceFault, attempt, piece
 from camcli.system import System
 
-ORBIT, SIMPLE = "orbit", "simple"
 # Codes of cells: 1, 2, ... the attractors; and
 UNDECIDED_CODE, BELOW_CODE = 0, -1  # kernel statuses (2, 3, 4) with a minus sign are trouble
 EXPONENT_RECORD = 4000  # turns of an aperiodic attractor
@@ -42,7 +40,6 @@ class Question:
     """What is asked at every speed; budget in turns."""
 
     window: Window
-    method: str = ORBIT
     budget: int = 4000
     refine: int = 0
 
@@ -58,7 +55,6 @@ class Basins:
     rpm: float
     cam_q: float  # of the cam at the strobe, m
     window: Window
-    method: str
     codes: np.ndarray  # (nv, nq) int16; empty where there are more than WINDOWS speeds
     level: np.ndarray | None
     attractors: tuple[Attractor, ...]  # attractor k has code k + 1
@@ -68,7 +64,7 @@ class Basins:
     undecided: int  # cells that met no attractor within the budget
     troubled: dict[int, int]  # number of cells by kernel status, where it is not ok
     entropies: dict[str, float | int]
-    computed: int  # cells that were followed or mapped
+    computed: int  # cells that were followed
     turns: tuple[int, int, int]  # a cell takes: median, 99 %, most
     cost: Cost
     branches: tuple[int, ...] = ()  # number of each attractor that stays from speed to speed
@@ -186,7 +182,6 @@ def _failed(question: Question, value: float, rpm: float, fault: PieceFault) -> 
         rpm=rpm,
         cam_q=nan,
         window=window,
-        method=question.method,
         codes=codes,
         level=np.zeros(codes.shape, np.uint8) if question.refine else None,
         attractors=(),
@@ -218,9 +213,7 @@ def basins(
     finder = AttractorFinder(batches, question.budget)
     window, level = question.window, None
     finder.look_around(window)
-    if question.method == SIMPLE:
-        outcome, turns, computed = settle_by_cells(finder, window, on_cells)
-    elif question.refine:
+    if question.refine:
         window, outcome, level, turns, computed = refine(finder, window, question.refine, on_cells)
     else:
         cells = np.arange(window.count)
@@ -236,7 +229,6 @@ def basins(
         rpm=rpm,
         cam_q=batches.lift[0],
         window=window,
-        method=question.method,
         codes=codes,
         level=level,
         attractors=tuple(finder.attractors[k] for k in ranked),

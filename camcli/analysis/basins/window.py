@@ -42,14 +42,6 @@ class Window:
         cells = np.asarray(cells)
         return self.q_of(cells % self.nq), self.v_of(cells // self.nq)
 
-    def cell_of(self, q, v) -> np.ndarray:
-        """Cell that holds each state, -1 outside the window."""
-        x = (np.asarray(q) - self.q[0]) / (self.q[1] - self.q[0]) * self.nq
-        y = (np.asarray(v) - self.v[0]) / (self.v[1] - self.v[0]) * self.nv
-        inside = (x >= 0.0) & (x < self.nq) & (y >= 0.0) & (y < self.nv)
-        cells = np.where(inside, y, 0.0).astype(np.int64) * self.nq
-        return np.where(inside, cells + np.where(inside, x, 0.0).astype(np.int64), -1)
-
 
 def _centres(span: tuple[float, float], n: np.ndarray, count: int) -> np.ndarray:
     low, high = span

@@ -1,69 +1,12 @@
-"""Cells of the window: simple cell mapping, and refinement along boundaries.
-
-Simple cell mapping (C. S. Hsu, Cell-to-Cell Mapping, 1987): every cell goes where one turn takes
-its centre, so that cells are a graph with one arrow each, and following the arrows ends in a cycle
-of cells. A cycle is named by following the orbit of the centre of its first cell. Cells whose image
-leaves the window are followed as orbits, as is what starts beside it. A cell cut by the cam is
-mapped from the cam where its centre is below.
-"""
+"""Cells along boundaries cut in four, as often as asked for."""
 
 from collections.abc import Callable
 
 import numpy as np
 
-from camcli.analysis.basins.attractor_finder import BELOW, CHUNK, AttractorFinder
-from camcli.analysis.basins.cell_batches import NOTHING
+from camcli.analysis.basins.attractor_finder import BELOW, AttractorFinder
 from camcli.analysis.basins.measures import boundary
 from camcli.analysis.basins.window import Window
-from camcli.kernel.cells import UNDECIDED
-from camcli.parallel import ShardDone
-
-
-def settle_by_cells(finder: AttractorFinder, window: Window, on_cells: Callable[[int], None]):
-    """(outcome, turns, cells) of a window; turns counts those of each cell itself."""
-    cells = np.arange(window.count)
-    q, v = window.centres(cells)
-    c, _ = finder.batches.lift
-    below = q < c
-    half = 0.5 * (window.q[1] - window.q[0]) / window.nq
-    mapped = q + half > c
-    q = np.maximum(q, c)
-    arrow, outcome = _arrows(finder, window, q, v, mapped, on_cells)
-    turns = mapped.astype(np.int32)
-    out = np.flatnonzero(mapped & (arrow < 0) & (outcome == UNDECIDED))
-    outcome[out], more = finder.settle(q[out], v[out])
-    turns[out] += more
-    end, lowest = np.where(arrow < 0, cells, arrow), cells
-    for _ in range(window.count.bit_length()):  # arrow of arrow: 2^k steps at once
-        end, lowest = end[end], np.minimum(lowest, lowest[end])
-    first = lowest[end]  # of the cycle that a cell ends on, or the cell from which no arrow leads
-    names = np.unique(first[arrow[first] >= 0])
-    outcome[names], more = finder.settle(q[names], v[names])
-    turns[names] += more
-    return np.where(below, BELOW, outcome[first]).astype(np.int16), turns, int(mapped.sum())
-
-
-def _arrows(finder: AttractorFinder, window: Window, q, v, mapped, on_cells):
-    """(cell after one turn, -1 outside the window; outcome where the turn met trouble)."""
-    arrow = np.full(window.count, -1)
-    outcome = np.full(window.count, UNDECIDED, dtype=np.int16)
-    batches = finder.batches
-    c, c1 = batches.lift
-    whole = np.flatnonzero(mapped)
-    on_cells(window.count - len(whole))
-    for begin in range(0, len(whole), CHUNK):
-        some = whole[begin : begin + CHUNK]
-        try:
-            ends = batches.run(*batches.states(q[some], v[some]), NOTHING, 1, share=True)
-        except ShardDone:
-            continue
-        arrow[some] = window.cell_of(c + ends.gap, (c1 + ends.rate) * batches.omega)
-        outcome[some] = ends.outcome
-        arrow[some[ends.outcome != UNDECIDED]] = -1
-        on_cells(len(some))
-    if batches.work.shard is not None:
-        raise ShardDone
-    return arrow, outcome
 
 
 def refine(finder: AttractorFinder, window: Window, levels: int, on_cells: Callable[[int], None]):
