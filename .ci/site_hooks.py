@@ -1,4 +1,4 @@
-"""What mkdocs adds to the pages of the guide: the library's reference, and the gallery of figures."""
+"""What mkdocs adds to the guide: the reference of the library, and the gallery of figures."""
 
 from pathlib import Path
 
