@@ -194,3 +194,17 @@ def test_a_process_pool_returns_results_and_tables():
     assert list(table.csv()) == list(here.tables["speeds"].csv())
     figures = [camcli.plot(one) for one in (result, here)]
     assert len(figures[0].axes) == len(figures[1].axes) > 0
+
+
+def test_a_notebook_shows_verdict_picture_and_the_beginnings_of_tables():
+    result = camcli.simulate(camcli.load_scene(None, {"run.rpm": 700.0, "run.record": 20}))
+    page = result._repr_html_()
+    assert f"<p>{result.verdict[0]}</p>" in page
+    assert page.count("<img") == 1
+    table = result.tables["events"]
+    assert f"<caption>events: {table.rows} rows</caption>" in page
+    shown = table._repr_html_()
+    assert [f"<th>{name}</th>" in shown for name in table] == [True] * len(table)
+    assert f"<td>{table['theta_deg'][7]:.6g}</td>" in shown
+    assert shown.count("<tr>") == 9
+    assert len(repr(result)) < 80

@@ -104,6 +104,13 @@ class Result:
     def __repr__(self) -> str:
         return f"<Result of {self.command}: tables {', '.join(self.tables)}>"
 
+    def _repr_html_(self) -> str:
+        """Verdict, first picture and tables, in a notebook."""
+        from camcli.output.notebook import result_html
+
+        figure = plot(self) if self.pictures else None
+        return result_html(self.verdict, figure, dict(self.tables))
+
     @cached_property
     def error(self) -> Mapping[str, Any]:
         """Bounds on errors; see above."""

@@ -24,9 +24,16 @@ COMMANDS = {  # each is a function of its name in a module of its name
 
 
 def app(words: Sequence[str] | None = None, **options: Any) -> Any:
-    """Run `cam WORDS`; of the commands only the one asked for is imported."""
+    """Run `cam WORDS`; of the commands only the one asked for is imported.
+
+    A shell that completes a line gives it in the environment, with `cam` as its first word.
+    """
     words = sys.argv[1:] if words is None else words
-    asked = (word for word in words if not word.startswith("-"))
+    line = words
+    if "_CAM_COMPLETE" in os.environ:
+        typed = os.environ.get("_TYPER_COMPLETE_ARGS") or os.environ.get("COMP_WORDS", "")
+        line = typed.split()[1:]
+    asked = (word for word in line if not word.startswith("-"))
     return application(next(asked, ""))(words, **options)
 
 
@@ -37,7 +44,6 @@ def application(*asked: str) -> typer.Typer:
         help="Bifurcations of a cam and a follower that can lift off, bounce, chatter and come "
         "back.",
         no_args_is_help=True,
-        add_completion=False,
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
@@ -79,6 +85,8 @@ def main() -> None:
         interrupts.install()
         return app(standalone_mode=False)
 
+    if "_CAM_COMPLETE" in os.environ:  # a shell completes a line: nothing is run
+        app()
     os.environ.pop("MPLBACKEND", None)  # pictures are files; a name unknown here would stop them
     real = sys.stdout
     hold_output()

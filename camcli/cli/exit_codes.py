@@ -37,6 +37,9 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
         done = call()
         _release()
         code = done if isinstance(done, int) else DONE  # INTERRUPTED: the option parser caught it
+    except SystemExit as end:  # what typer says of completion
+        _release()
+        code = end.code if isinstance(end.code, int) else DONE
     except SceneError as error:
         code, faults = USAGE, list(error.faults)
     except KeyboardInterrupt:

@@ -48,6 +48,12 @@ class Table(Columns):
     def __repr__(self) -> str:
         return f"Table({', '.join(self.columns)})"
 
+    def _repr_html_(self) -> str:
+        """The first rows, in a notebook."""
+        from camcli.output.notebook import table_html
+
+        return table_html(self)
+
     def __reduce__(self) -> tuple:
         """Pickled, a table is its values: what makes them may be a function of another process."""
         return Table, (self.columns, partial(iter, list(self.blocks())))

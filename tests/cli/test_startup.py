@@ -1,9 +1,13 @@
 """What a scene does not need is not imported."""
 
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+
+CAM = str(Path(sys.executable).parent / "cam")
 
 PROBE = (
     "import sys, camcli.cli.exit_codes as panel; from camcli.cli.app import app\n"
@@ -30,3 +34,15 @@ def test_what_is_not_needed_is_not_imported(tmp_path, line, absent):
         cwd=tmp_path, capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert set(done.stderr.splitlines()[-1].split()).isdisjoint(absent)
+
+
+@pytest.mark.parametrize(
+    ("typed", "told"),
+    [("cam swe", "sweep"), ("cam sweep --ly", "--lyapunov"), ("cam detach --to", "--tolerance")],
+)
+def test_a_shell_completes_commands_and_their_options(typed, told):
+    words = typed.split(" ")
+    env = {**os.environ, "COMP_WORDS": typed, "COMP_CWORD": str(len(words) - 1)}
+    env |= {"_CAM_COMPLETE": "complete_bash"}
+    done = subprocess.run([CAM], env=env, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [told]
