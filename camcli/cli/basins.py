@@ -7,13 +7,10 @@ from typing import TYPE_CHECKING
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, numbers, option
 from camcli.cli.report import THEORY, table
 from camcli.errors import Fault, SceneError, shown
-from camcli.words.speeds import at_speed
 
 if TYPE_CHECKING:
-    from camcli.analysis.basins.study import Basins, Study
+    from camcli.analysis.basins.study import Study
     from camcli.api.result import Result
-
-LONG = 30  # characters of a label
 
 
 def basins(
@@ -102,6 +99,7 @@ def show(result: Result, verbose: bool) -> None:
     """The table of attractors, and for one speed what else the grid says."""
     from camcli.analysis.sweep import status_name
     from camcli.system import omega_of
+    from camcli.words.basins import LONGEST_LABEL, grid_lines, grid_title
 
     found, _ = result.values
     if len(found.speeds) > 1:
@@ -112,61 +110,37 @@ def show(result: Result, verbose: bool) -> None:
     for k, (attractor, branch) in enumerate(zip(speed.attractors, speed.branches, strict=True)):
         q, w = attractor.states[0]
         rows.append(
-            [shown(attractor.label, LONG), str(branch), f"{q:.9g}",
+            [shown(attractor.label, LONGEST_LABEL), str(branch), f"{q:.9g}",
              f"{w * omega_of(speed.rpm):.9g}", _share(speed.fractions[k + 1])]
         )  # fmt: skip
     for code, share in speed.fractions.items():
         if code <= 0:
             name = status_name(-code) if code else "undecided"
             rows.append([name, str(code), "", "", _share(share)])
-    title = f"{speed.rpm:.10g} rpm, orbit mapping"
-    table(title, ["attractor", "no.", "q (m)", "v (m/s)", "fraction"], rows)
-    for line in _lines(speed, verbose):
+    table(
+        grid_title(speed),
+        ["attractor", "no.", "q (m)", "v (m/s)", "fraction"],
+        rows,
+    )
+    for line in grid_lines(speed, verbose):
         print(line)
     if not verbose:
         print(THEORY)
 
 
-def _lines(speed: Basins, verbose: bool) -> list[str]:
-    entropies, doubt = speed.entropies, speed.uncertainty
-    median, most99, most = speed.turns
-    lines = [
-        f"cells {speed.cells}, computed {speed.computed} "
-        f"({100.0 * speed.computed / speed.cells:.3g} %); turns per cell: median {median}, 99 % "
-        f"{most99}, most {most}"
-    ]
-    if verbose:
-        lines.append(
-            f"basin entropy {entropies['basin_entropy']:.4g}, boundary entropy "
-            f"{entropies['boundary_entropy']:.4g} ({entropies['boundary_boxes']} of "
-            f"{entropies['boxes']} boxes of 5 x 5 cells)"
-        )
-    lines += [
-        f"saddle {shown(s.orbit.label, LONG)} on the boundary: {s.led} of {s.tried} motions there "
-        "are led to it"
-        for s in speed.saddles or ()
-    ]
-    if doubt is not None:
-        lines.append(
-            f"uncertainty exponent {doubt.exponent:.3f} +- {doubt.error:.3f}, "
-            f"boundary dimension {doubt.dimension:.3f}"
-        )
-    return lines
-
-
 def _show_range(found: Study, key: str) -> None:
+    from camcli.words.basins import grids_title, share_words
+
     rows = []
     for speed in found.speeds:
         pairs = zip(speed.branches, speed.attractors, strict=True)
         words = [
-            f"{branch}: {shown(attractor.label, LONG)} {100.0 * speed.fractions[k + 1][0]:.3g} %"
+            share_words(branch, attractor.label, speed.fractions[k + 1][0])
             for k, (branch, attractor) in enumerate(pairs)
         ]
         rows.append([f"{speed.value:.10g}", ", ".join(words), str(speed.undecided)])
-    title = f"{len(rows)} {'speeds' if key == 'rpm' else 'values'}"
-    title += at_speed([key], found.speeds[0].rpm)
     columns = [key, "attractors and their fractions", "undecided cells"]
-    table(title, columns, rows, "attractors.csv")
+    table(grids_title(found, key), columns, rows, "attractors.csv")
 
 
 def _share(share: tuple[float, float]) -> str:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import VARY, Request, flag, given, numbers, option, refuse_idle
 from camcli.cli.report import THEORY, pair, table
-from camcli.errors import Fault, SceneError, plural, shown
-from camcli.words.speeds import at_speed
+from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
     from camcli.analysis.border_collision import Collision, Side
@@ -86,13 +85,12 @@ def classify(
 
 def show(result: Result, verbose: bool) -> None:
     """Print ranges of one label, the explanation, and the check."""
-    from camcli.words.classify import remarks
+    from camcli.words.classify import motions_title, remarks
 
     (motions, explanation), key = result.values, result.scene.classify.key
     alike = groupby(motions, lambda m: (m.label, m.status))
     rows = [_range_row(list(group)) for _, group in alike]
-    title = plural(len(motions), "motion") + at_speed([key], motions[0].rpm)
-    title += f", {plural(len(rows), 'range')} of one label"
+    title = motions_title(motions, key, len(rows))
     columns = f"label, motion, from ({key}), to ({key}), impacts, chatter, exponent, transient"
     table(title, columns.split(", "), rows, "classify.csv", hidden=0 if verbose else 2)
     if explanation is not None:
@@ -130,7 +128,7 @@ def _exponent(group: list[Motion]) -> str:
 
 def show_explanation(explanation: Explanation, verbose: bool) -> None:
     """Print the events, the changes and a sentence for each."""
-    from camcli.words.explanations import change_sentence
+    from camcli.words.explanations import change_line
     from camcli.words.speeds import speed_text
 
     rows = [
@@ -146,8 +144,7 @@ def show_explanation(explanation: Explanation, verbose: bool) -> None:
     ]
     table("Changes of the diagram", ["rpm", "from", "to", "cause"], rows)
     for c in explanation.changes:
-        sentence = change_sentence(c, explanation.events)
-        print(f"- {c.low:.10g} to {c.high:.10g} rpm, {c.cause}: {sentence}")
+        print(f"- {change_line(c, explanation.events)}")
 
 
 def _border_collision(request: Request, trace: str | None, det: str | None) -> int:

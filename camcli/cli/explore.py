@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from camcli.cli.exit_codes import note
 from camcli.cli.options import DRAWING, VARY, Request, Values, flag, given, option, refuse_idle
-from camcli.errors import Fault, SceneError, plural, printable
+from camcli.errors import Fault, SceneError, printable
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -89,8 +89,6 @@ def source_of(request: Request) -> str:
 
 
 def _show(result: Result, _: bool) -> None:
-    found = result.summary
-    motions = f"{plural(found['motions'], 'motion')} at {plural(found['speeds'], 'speed')}"
-    solved = f"{plural(found['bifurcations'], 'bifurcation')} of solved branches"
-    then = "; open explore.html in a browser" if result.files else ""
-    print(f"{motions}, {solved}{then}")
+    from camcli.words.explore import page_line
+
+    print(page_line(**result.summary, written=bool(result.files)))

@@ -16,6 +16,7 @@ from camcli.kernel.backend import LITTLE_WORK, Stopwatch, for_work, stopwatch
 from camcli.parallel import Shard, Work
 from camcli.parallel.checkpoint import Checkpoint, pack
 from camcli.scene import Scene
+from camcli.words import plan
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -56,7 +57,7 @@ def forecast(command: Command, scene: Scene, request: Request, shard: Shard | No
     """Print what the run would do and cost; nothing is written, and it takes a few seconds."""
     command.check(scene)
     size, share = command.size(scene), 1 if shard is None else shard.total
-    notes = [f"shard {shard.number} of {shard.total}: pieces only, no tables"] if shard else []
+    notes = [plan.of_a_shard(shard.number, shard.total)] if shard else []
     notes += command.not_foreseen(scene)
     cost = None
     if size.orbits == 0:
@@ -66,11 +67,11 @@ def forecast(command: Command, scene: Scene, request: Request, shard: Shard | No
             try:
                 cost = _sampled(command, scene, request, watch)
             except CutOffError:
-                notes.append(f"a small part took {MOST:g} s: how long it takes is not known before")
+                notes.append(plan.cut_off(MOST))
     explained = getattr(getattr(scene, command.name, None), "explain", False)
     if explained or (cost is None and command.has_budget):
         most = scene.run.work_budget
-        notes.append(f"run.work_budget = {most} ends it after some {PER_WORK * most:.0f} s")
+        notes.append(plan.budget_ends(most, PER_WORK * most))
     drawn = not request.no_plot and shard is None
     drawing, pictures = drawing_of(command, scene) if drawn else (0.0, 0.0)
     more = command.beside(scene)
@@ -78,7 +79,7 @@ def forecast(command: Command, scene: Scene, request: Request, shard: Shard | No
     if cost is not None:
         files = 0 if shard else ceil(cost.recorded + cost.rows + RECORD + pictures + more)
         kept = ceil(cost.kept / share) if command.keeps_pieces(scene) else 0
-    plan = {
+    planned = {
         "orbits": ceil(size.orbits / share),
         "periods": ceil(size.turns / share) or None,
         "impacts": None if cost is None else ceil(cost.impacts / share),
@@ -88,9 +89,9 @@ def forecast(command: Command, scene: Scene, request: Request, shard: Shard | No
         "memory": round(PROGRAM + drawing + size.memory),
     }
     if request.json:
-        print(json.dumps({"command": command.name, "plan": {**plan, "notes": notes}}, indent=2))
+        print(json.dumps({"command": command.name, "plan": {**planned, "notes": notes}}, indent=2))
         return
-    rows = [[name, _cell(name, value)] for name, value in plan.items()]
+    rows = [[name, _cell(name, value)] for name, value in planned.items()]
     table(f"cam {command.name}, planned", ["what", "estimate"], rows)
     for text in notes:
         print(text)

@@ -116,7 +116,7 @@ def _speeds(request: Request) -> Values:
 
 def show(result: Result, verbose: bool) -> None:
     """Print orbits, branches, bifurcations and curves, then sentences."""
-    from camcli.words.orbits import remarks
+    from camcli.words.orbits import curve_title, orbits_title, remarks
 
     found = result.values
     if found.orbits:
@@ -126,8 +126,7 @@ def show(result: Result, verbose: bool) -> None:
             for orbit in found.orbits
         ]  # fmt: skip
         columns = ["orbit", "stable", "impacts at (deg)", "multipliers", "trace", "det"]
-        title = f"Periodic orbits at {found.question.rpm:.10g} rpm"
-        table(title, columns, rows, hidden=0 if verbose else 3)
+        table(orbits_title(found), columns, rows, hidden=0 if verbose else 3)
     if found.branches:
         columns = ["branch", "labels", "from", "to", "points", "ends"]
         rows = [
@@ -146,7 +145,7 @@ def show(result: Result, verbose: bool) -> None:
         table("Bifurcations", columns, rows, hidden=0 if verbose else 2)
     for number, c in enumerate(found.curves, 1):
         table(
-            f"Curve {number}: {c.kind} of {c.label}{c.corner and f' at {c.corner}'}",
+            curve_title(number, c),
             [c.first, c.second, "impacts at (deg)"],
             [
                 [f"{p.first:.10g}", f"{p.second:.10g}", _phases(p.orbit)]

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
-
-from camcli.quantities import UM
 
 if TYPE_CHECKING:
     from camcli.api.result import Progress
@@ -46,24 +44,6 @@ def pair(values: Sequence[complex], digits: int) -> str:
     if first.imag:
         return f"{first.real:.{digits}g} +- {abs(first.imag):.{digits}g} i"
     return f"{first.real:.{digits}g}, {second.real:.{digits}g}"
-
-
-def cost_line(costs: Mapping[str, Any], errors: Mapping[str, Any]) -> str:
-    """One line of cost and error."""
-    took = f" in {costs['seconds']:.3g} s ({costs['impacts_per_s'] or 0.0:.3g}/s, "
-    if costs["pieces_from_disk"]:
-        from_disk = costs["pieces_from_disk"]
-        took = f", {from_disk} pieces from disk, the rest in {costs['seconds']:.3g} s ("
-    per_impact = costs["gap_evaluations"] / max(1, costs["impacts"])
-    contact = f"contact within {errors['contact_gap_m']:.1g} m"
-    if table := errors.get("lift_table"):
-        off = f"{table['rms'] * UM:.2g} um rms"
-        contact += f" of the fitted cam, which is within {off} of its measured table"
-    return (
-        f"{costs['impacts']} impacts{took}{per_impact:.2g} gap evaluations each); "
-        f"error per event: {contact}, "
-        f"accumulation within {errors['accumulation_phase_turns']:.1g} turn"
-    )
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request, Values, given, numbers
-from camcli.cli.report import cost_line, progress_bar
+from camcli.cli.report import progress_bar
 from camcli.errors import Fault, SceneError, shown
 from camcli.kernel.backend import Stopwatch, stopwatch
 from camcli.kernel.code_cache import News, cache_dir
@@ -275,6 +275,8 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
         show(result, request.verbose)
         print(f"{request.folder(result.command)}/: {', '.join([*record['artefacts'], RECORD])}")
         if result.system and result.cost.impacts:
+            from camcli.words.cost import cost_line
+
             print(cost_line(record["cost"], record["error"]))
         if "lift_table" in record["error"]:
             from camcli.words.lift_table import bound_line

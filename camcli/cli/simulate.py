@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, given, option
 from camcli.cli.report import table
-from camcli.errors import plural
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -80,15 +79,16 @@ def show(result: Result, _: bool) -> None:
     if result.scene.simulate.profile_only:
         _show_profile(result)
         return
+    from camcli.words.simulate import record_title
+
     found = result.values
     rows = [
         [name, str(period), f"{theta:.4f}", f"{u:.4g}", f"{after:.4g}"]
         for _, period, theta, name, _, u, after in found.events[-SHOWN:]
     ]
-    title = f"{found.rpm:.10g} rpm: {found.label}, {plural(len(found.events), 'event')} recorded"
-    if len(found.events) > SHOWN:
-        title += f", the last {SHOWN}"
-    table(title, ["event", "period", "theta (deg)", "u- (m/s)", "u+ (m/s)"], rows)
+    table(
+        record_title(found, SHOWN), ["event", "period", "theta (deg)", "u- (m/s)", "u+ (m/s)"], rows
+    )
 
 
 def _show_profile(result: Any) -> None:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, option
 from camcli.cli.report import table
-from camcli.errors import plural, shown
-from camcli.words.speeds import at_speed
+from camcli.errors import shown
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -95,14 +94,13 @@ def show(result: Result, verbose: bool) -> None:
     from camcli.api.sweep import ranges
     from camcli.cli.classify import show_explanation
     from camcli.words.labels import motion
+    from camcli.words.sweep import map_title, sweep_title
 
     found, explanation = result.values
     if "labels" in result.summary:
         counted = sorted(result.summary["labels"], key=lambda row: -row["points"])
         rows = [[row["label"], str(row["points"]), row["status"]] for row in counted]
-        title = f"{' x '.join(found.keys)}: {sum(row['points'] for row in counted)} points"
-        title += at_speed(found.keys, found.lines[0][0].rpm)
-        table(title, ["label", "points", "status"], rows, "run.json")
+        table(map_title(found), ["label", "points", "status"], rows, "run.json")
         return
     groups = ranges(found)
     rows = [
@@ -118,8 +116,7 @@ def show(result: Result, verbose: bool) -> None:
         for label, status, way, a, b, n in groups
     ]
     what = "speed" if found.key == "rpm" else "value"
-    title = plural(len(found.speeds), what) + at_speed([found.key], found.bare[0].rpm)
-    title += f", {plural(len(groups), 'range')} of one label"
+    title = sweep_title(found, len(groups))
     ends = [f"from ({found.key})", f"to ({found.key})", *found.way_names]
     table(title, ["label", "motion", *ends, f"{what}s", "status"], rows, "speeds.csv")
     if explanation is not None:

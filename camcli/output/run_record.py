@@ -13,6 +13,7 @@ from typing import Any
 from camcli.analysis.integrate import Cost
 from camcli.output.program import program_hash
 from camcli.system import System
+from camcli.words.cost import BOUND
 
 PACKAGES = (
     "camcli", "numpy", "numba", "scipy", "pydantic", "matplotlib", "typer", "rich", "pyyaml",
@@ -42,7 +43,7 @@ def error_record(tolerance: float, system: System) -> dict[str, Any]:
     return {
         "accumulation_phase_turns": tolerance,
         "contact_gap_m": LAST_DIGITS * max(abs(system.cam.top), system.lift),
-        "meaning": "bound for each event; a chaotic orbit multiplies it by its own stretching",
+        "meaning": BOUND,
     }
 
 

@@ -5,9 +5,16 @@ from math import inf, isfinite
 
 from camcli.analysis.classify import Motion
 from camcli.analysis.labels import APERIODIC, UNDECIDED
-from camcli.errors import Status
+from camcli.errors import Status, plural
 from camcli.words.after_rest import decided_notes
+from camcli.words.speeds import at_speed
 from camcli.words.statuses import counted
+
+
+def motions_title(motions: list[Motion], key: str, ranges: int) -> str:
+    """The title of the ranges in which all motions have one label."""
+    title = plural(len(motions), "motion") + at_speed([key], motions[0].rpm)
+    return f"{title}, {plural(ranges, 'range')} of one label"
 
 
 def remarks(motions: list[Motion], key: str = "rpm") -> list[str]:

@@ -83,6 +83,12 @@ def change_sentence(change: Change, events: Sequence[Event]) -> str:
     )
 
 
+def change_line(change: Change, events: Sequence[Event]) -> str:
+    """The range of a change, its cause, and the sentence on it."""
+    place = f"{change.low:.10g} to {change.high:.10g} rpm"
+    return f"{place}, {change.cause}: {change_sentence(change, events)}"
+
+
 def _coexists(label: str, events: Sequence[Event]) -> str:
     """The orbit exists on both sides: what changes is the basin; and where it really ends."""
     ends = [f"{e.kind} at {e.rpm:.10g} rpm" for e in events if e.label == label]

@@ -2,6 +2,7 @@
 
 from math import degrees
 
+from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.errors import Status
@@ -47,6 +48,17 @@ def notes(found: OrbitsResult) -> list[str]:
     if found.question.curve and not any(curve.points for curve in found.curves):
         said.append(f"no {found.question.curve} was located, so there is no curve to continue")
     return said
+
+
+def orbits_title(result: OrbitsResult) -> str:
+    """The title of the orbits found at one speed."""
+    return f"Periodic orbits at {result.question.rpm:.10g} rpm"
+
+
+def curve_title(number: int, curve: Curve) -> str:
+    """The title of a bifurcation in two parameters."""
+    corner = f" at {curve.corner}" if curve.corner else ""
+    return f"Curve {number}: {curve.kind} of {curve.label}{corner}"
 
 
 def remarks(result: OrbitsResult) -> list[str]:

@@ -87,3 +87,21 @@ def classify(scene: Scene) -> list[str]:
 def explore(scene: Scene) -> list[str]:
     """Of the page."""
     return ["the orbits come on top: how many are solved is not known before"]
+
+
+# --- of a plan itself
+
+
+def of_a_shard(number: int, total: int) -> str:
+    """What a part of a run leaves out."""
+    return f"shard {number} of {total}: pieces only, no tables"
+
+
+def cut_off(seconds: float) -> str:
+    """Why there is no forecast."""
+    return f"a small part took {seconds:g} s: how long it takes is not known before"
+
+
+def budget_ends(work: int, seconds: float) -> str:
+    """When the budget ends a run."""
+    return f"run.work_budget = {work} ends it after some {seconds:.0f} s"

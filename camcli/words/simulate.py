@@ -13,6 +13,12 @@ ASSUMED = (
 )
 
 
+def record_title(found: Simulation, listed: int) -> str:
+    """The title of a record, of which so many of the last events are listed."""
+    title = f"{found.rpm:.10g} rpm: {found.label}, {plural(len(found.events), 'event')} recorded"
+    return title + (f", the last {listed}" if len(found.events) > listed else "")
+
+
 def rounding_notes(turn: int | None) -> list[str]:
     """From which turn of the record on rounding decides; turns before the record are negative."""
     if turn is None:
