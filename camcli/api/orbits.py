@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from itertools import chain, starmap
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
@@ -14,22 +12,19 @@ from pydantic import ValidationError
 from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.curves import Curve, Plane
+from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
 from camcli.api.command import Command, Drawing, Size
 from camcli.api.machine import Machine, machine_of, with_arguments, with_values
+from camcli.api.orbit_tables import Keys, bifurcations_table, branch_table, curve_table
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import (
-    BIFURCATIONS,
     IMPACTS,
-    MULTIPLIERS,
     STROBE,
-    bifurcation_row,
     blocks,
-    multiplier_columns,
 )
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
@@ -49,8 +44,6 @@ if TYPE_CHECKING:
     from camcli.analysis.orbits.proofs import Proof, Proofs, Range
 
 AROUND = 0.1  # relative range of a parameter where none is given
-Keys = Mapping[str, str]  # of what is varied by a key of the scene, the key by parameter
-CURVE = ("theta_deg", "trace_left", "det_left", "trace_right", "det_right")
 
 
 def orbits(
@@ -159,15 +152,15 @@ def _tables(
 ) -> dict[str, Table]:
     """The tables by name; one that cannot be made is left out."""
     makes = {
-        "branch": partial(_branch_table, found, keys),
-        "bifurcations": partial(_bifurcations_table, found, keys),
+        "branch": partial(branch_table, found, keys),
+        "bifurcations": partial(bifurcations_table, found, keys),
     }
     if simulated is not None:
         key = keys.get(simulated.key, PARAMETERS[simulated.key].column)
         for name, columns in (("impacts", IMPACTS), ("strobe", STROBE)):
             makes[name] = partial(Table, (key, *columns), partial(blocks, simulated, name))
     if section.curve is not None:
-        makes["curve"] = partial(_curve_table, found.curves, section, keys)
+        makes["curve"] = partial(curve_table, found.curves, section, keys)
     made = {name: piece(f"{name}.csv", make) for name, make in makes.items()}
     return {name: table for name, table in made.items() if table is not None}
 
@@ -309,100 +302,6 @@ def _range(scene: Scene, name: str, key: str) -> tuple[float, float]:
         expected = f"a range that holds {name} = {value!r} of the scene"
         raise _refusal(key, found, expected, "choose another range")
     return given
-
-
-def _columns(parameter: str, keys: Keys) -> tuple[list[str], list[str]]:
-    """(first, last): the column of a parameter that is not rpm, which has a column of its own.
-
-    It is the first one, under its key, where `vary` names the parameter, else the last one.
-    """
-    if parameter == "rpm":
-        return [], []
-    if parameter in keys:
-        return [keys[parameter]], []
-    return [], [PARAMETERS[parameter].column]
-
-
-def _branch_table(found: OrbitsResult, keys: Keys) -> Table:
-    """A row per point; of one speed only, a row per orbit found, branch 0."""
-    first, last = _columns(found.question.parameter, keys)
-    rows = [(0, orbit) for orbit in found.orbits] if found.question.span is None else []
-    rows += [(branch.number, orbit) for branch in found.branches for orbit in branch.points]
-    proved: list[list] = [[] for _ in rows]
-    if found.proofs is not None:
-        proofs = found.proofs.orbits if found.question.span is None else []
-        proved = [[_yes(p)] for p in chain(proofs, *found.proofs.points)]
-    most = max((len(orbit.theta) for _, orbit in rows), default=1) or 1
-    thetas = (f"theta_deg_{k + 1}" for k in range(most))
-    columns = [
-        *first, "branch", "label", "rpm", "stable", "region", *thetas, "q_m", "v_m_per_s",
-        *MULTIPLIERS, "trace", "det", *last,
-        *(f"u_minus_m_per_s_{k + 1}" for k in range(most)), *(["proved"] if found.proofs else []),
-    ]  # fmt: skip
-
-    def row(number: int, orbit: PeriodicOrbit, more: list) -> list:
-        q, w = orbit.states[0]
-        thetas = [degrees(theta) for theta in orbit.theta]
-        omega = omega_of(orbit.rpm)
-        us = [u * omega for u in orbit.rates]
-        return [
-            *(orbit.value for _ in first), number, orbit.label, orbit.rpm, int(orbit.stable),
-            ":".join(orbit.regions), *thetas, *[None] * (most - len(thetas)), q, w * omega,
-            *multiplier_columns(orbit.multipliers), orbit.trace, orbit.det,
-            *(orbit.value for _ in last), *us, *[None] * (most - len(us)),
-            *more,
-        ]  # fmt: skip
-
-    each = [(*one, more) for one, more in zip(rows, proved, strict=True)]
-    return Table.of_rows(columns, lambda: starmap(row, each))
-
-
-def _yes(proof: Proof) -> str:
-    return "yes" if proof.proved else "no"
-
-
-def _bifurcations_table(found: OrbitsResult, keys: Keys) -> Table:
-    """The events, a row each.
-
-    A parameter that is not rpm has its own column of values and, at the end, of errors. Where there
-    are proofs, each row ends with the proof and its enclosure of the parameter.
-    """
-    first, last = _columns(found.question.parameter, keys)
-    columns = [*first, *BIFURCATIONS, *last, *(f"{name}_error" for name in (*first, *last))]
-    rows = [bifurcation_row(b, found.question.parameter) for b in found.bifurcations]
-    if first:  # `vary` names the parameter: its value goes to the front
-        rows = [[value, *row, error] for *row, value, error in rows]
-    if found.proofs is not None:
-        columns += ["proved", "enclosure_low", "enclosure_high"]
-        parameter = columns.index([*first, *last, "rpm"][0])
-        for row, proof in zip(rows, found.proofs.events, strict=True):
-            if proof.proved and proof.low is not None and proof.high is not None:
-                # the double may lie an ulp beside the enclosure
-                row[parameter] = min(max(row[parameter], proof.low), proof.high)
-            row += [_yes(proof), proof.low, proof.high]
-    return Table.of_rows(columns, lambda: rows)
-
-
-def _curve_table(curves: list[Curve], section: Orbits, keys: Keys) -> Table:
-    """Bifurcations in two parameters, a row per point of each curve.
-
-    A point of a smooth kind has no sides: the orbit's own trace and determinant stand for both.
-    """
-    names = {name: quantity.column for name, quantity in PARAMETERS.items()} | dict(keys)
-
-    def rows() -> Iterator[tuple]:
-        for number, curve in enumerate(curves, 1):
-            named = (number, curve.kind, curve.label, curve.corner)
-            for point in curve.points:
-                orbit = (point.orbit.trace, point.orbit.det)
-                thetas = ":".join(repr(degrees(theta)) for theta in point.orbit.theta)
-                left = point.left or orbit
-                right = point.right or orbit
-                yield (*named, point.first, point.second, thetas, *left, *right)
-
-    first, second = names[section.parameter], names[section.curve_in]
-    columns = ("curve", "kind", "label", "corner", first, second, *CURVE)
-    return Table.of_rows(columns, rows)
 
 
 def _summary(result: OrbitsResult) -> dict[str, Any]:

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-from array import array
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import groupby
-from math import isfinite, nan
-from operator import itemgetter
-from os import PathLike
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from camcli.analysis.labels import period_of
 from camcli.analysis.loads import Loads
@@ -22,10 +15,10 @@ from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_na
 from camcli.analysis.sweep import sweep as run
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of, start_of
+from camcli.api.orbit_tables import BranchColumns, read_branches, read_curves
 from camcli.api.result import Progress, Result, drawn_by, ticks
 from camcli.api.rows import IMPACTS, SPEEDS, STROBE, blocks, speed_row
-from camcli.cams.files import decoded, read_bytes
-from camcli.errors import Fault, SceneError, Status, shown
+from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.parallel import Work
@@ -42,20 +35,7 @@ if TYPE_CHECKING:
     from camcli.analysis.classify import Motion
     from camcli.analysis.explain.changes import Explanation
 
-MOST_BYTES = 200_000_000  # of a table that is drawn over the points
-MOST_NUMBERS, MOST_LINES = 20_000_000, 5000  # of it
-# of a file that is no table of ours
-BAD_FILE = (csv.Error, ValueError, LookupError, StopIteration)
 MAP = ("label", "period", "impacts_per_turn", "lyapunov_per_period", *Loads._fields)
-
-
-class Branch(NamedTuple):
-    """A solved branch: values, stability, phases of every impact (deg), q at the strobe (m)."""
-
-    values: array[float]
-    stable: list[bool]
-    phases: list[array[float]]
-    q: array[float]
 
 
 def sweep(
@@ -217,99 +197,6 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     )
 
 
-def read_branches(path: str | PathLike, key: str) -> list[Branch]:
-    """The branches of a branch.csv of `orbits` along a key of a scene.
-
-    Raises SceneError where the file is none, or is in another parameter.
-    """
-    with _orbits_file("--branches", path, "branch.csv", [key], "see cam orbits") as table:
-        header, rows, (x,) = table
-        number, stable, q = (header.index(name) for name in ("branch", "stable", "q_m"))
-        phases = [k for k, name in enumerate(header) if name.startswith("theta_deg_")]
-        branches: list[Branch] = []
-        count = 0
-        for _, members in groupby(rows, itemgetter(number)):
-            one = Branch(array("d"), [], [array("d") for _ in phases], array("d"))
-            for row in members:
-                one.values.append(_finite(row[x]))
-                one.stable.append(row[stable] == "1")
-                one.q.append(_finite(row[q]))
-                for column, k in zip(one.phases, phases, strict=True):
-                    column.append(_finite(row[k]) if row[k] else nan)
-                count += 1
-                _refuse_many(count * (len(phases) + 2), len(branches))
-            branches.append(one)
-        if len({value for one in branches for value in one.values}) == 1 < count:
-            raise ValueError("solved along another parameter")
-        return branches
-
-
-def read_curves(
-    path: str | PathLike, keys: tuple[str, str]
-) -> list[tuple[str, Sequence[float], Sequence[float]]]:
-    """(kind, first, second) of every curve in a curve.csv of `orbits`, along two keys of a scene.
-
-    Raises SceneError where the file is none, or is in other parameters.
-    """
-    cure = "see cam orbits --curve"
-    with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
-        curve, kind = header.index("curve"), header.index("kind")
-        curves: list[tuple[str, Sequence[float], Sequence[float]]] = []
-        count = 0
-        for (_, name), members in groupby(rows, itemgetter(curve, kind)):
-            first, second = array("d"), array("d")
-            for row in members:
-                first.append(_finite(row[x]))
-                second.append(_finite(row[y]))
-                count += 1
-                _refuse_many(2 * count, len(curves))
-            curves.append((name, first, second))
-        return curves
-
-
-def _finite(text: str) -> float:
-    """A number of a table; raises ValueError where it is none, or not finite."""
-    number = float(text)
-    if not isfinite(number):
-        raise ValueError(f"found {text}")
-    return number
-
-
-def _refuse_many(numbers: int, lines: int) -> None:
-    """Raise ValueError for more than can be drawn over a picture."""
-    if numbers > MOST_NUMBERS or lines >= MOST_LINES:
-        raise ValueError(f"more than {MOST_LINES} lines, or {MOST_NUMBERS} numbers in them")
-
-
-@contextmanager
-def _orbits_file(
-    option: str, path: str | PathLike, what: str, keys: Sequence[str], cure: str
-) -> Iterator[tuple[list[str], Iterator[list[str]], list[int]]]:
-    """The header of a table of `orbits`, its rows, and where the columns of keys of a scene are.
-
-    A column bears the key itself, or as in restitution, stiffness_n_per_m. Raises SceneError where
-    the file, or the block, finds no such table; the rows are read one at a time.
-    """
-    expected = f"expected a {what} in {' and '.join(keys)}"
-    text = decoded(read_bytes(Path(path), str(path), MOST_BYTES, expected, cure), str(path))
-    rows = csv.reader(text.splitlines())
-    try:
-        header = next(rows)
-        names = [(key, key.rpartition(".")[2]) for key in keys]
-        yield (
-            header,
-            rows,
-            [
-                next(k for k, c in enumerate(header) if c in own or c.startswith(f"{own[1]}_"))
-                for own in names
-            ],
-        )
-    except BAD_FILE as error:
-        found = f"found no such table ({shown(str(error), 100) or 'no such column'})"
-        where = f"{path}:{rows.line_num}"
-        raise SceneError(Fault(option, where, found, expected, cure)) from None
-
-
 def _explained(
     machine: Machine, found: Sweep, progress: Progress | None, work: Work
 ) -> tuple[list[Motion], Explanation]:
@@ -332,7 +219,7 @@ def _explained(
 def _result(
     machine: Machine,
     found: Sweep,
-    branches: list[Branch],
+    branches: list[BranchColumns],
     motions: list[Motion],
     explanation: Explanation | None,
 ) -> Result:

@@ -6,7 +6,7 @@ import tracemalloc
 
 import pytest
 
-from camcli.api import sweep as api
+from camcli.api import orbit_tables as api
 from tests.conftest import refused
 
 BRANCH = "branch,label,rpm,stable,theta_deg_1,theta_deg_2,q_m\n"

@@ -32,7 +32,7 @@ from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label, find_period, label
 from camcli.api.machine import machine_of
-from camcli.api.sweep import read_branches
+from camcli.api.orbit_tables import read_branches
 from camcli.errors import SceneError
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.system import units_of

@@ -1,0 +1,237 @@
+"""The tables of `cam orbits` that other commands read: how they are written, and read back."""
+
+from __future__ import annotations
+
+import csv
+from array import array
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from itertools import chain, groupby, starmap
+from math import degrees, isfinite, nan
+from operator import itemgetter
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from camcli.analysis.orbits.curves import Curve
+from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.analysis.orbits.study import OrbitsResult
+from camcli.api.rows import BIFURCATIONS, MULTIPLIERS, bifurcation_row, multiplier_columns
+from camcli.cams.files import decoded, read_bytes
+from camcli.errors import Fault, SceneError, shown
+from camcli.output.tables import Table
+from camcli.quantities import PARAMETERS
+from camcli.scene import Orbits
+from camcli.system import omega_of
+
+if TYPE_CHECKING:
+    from camcli.analysis.orbits.proofs import Proof
+
+MOST_BYTES = 200_000_000  # of a table that is drawn over the points
+MOST_NUMBERS, MOST_LINES = 20_000_000, 5000  # of it
+# of a file that is no table of ours
+BAD_FILE = (csv.Error, ValueError, LookupError, StopIteration)
+Keys = Mapping[str, str]  # of what is varied by a key of the scene, the key by parameter
+CURVE = ("theta_deg", "trace_left", "det_left", "trace_right", "det_right")
+
+
+# --- written
+
+
+def _columns(parameter: str, keys: Keys) -> tuple[list[str], list[str]]:
+    """(first, last): the column of a parameter that is not rpm, which has a column of its own.
+
+    It is the first one, under its key, where `vary` names the parameter, else the last one.
+    """
+    if parameter == "rpm":
+        return [], []
+    if parameter in keys:
+        return [keys[parameter]], []
+    return [], [PARAMETERS[parameter].column]
+
+
+def branch_table(found: OrbitsResult, keys: Keys) -> Table:
+    """A row per point; of one speed only, a row per orbit found, branch 0."""
+    first, last = _columns(found.question.parameter, keys)
+    rows = [(0, orbit) for orbit in found.orbits] if found.question.span is None else []
+    rows += [(branch.number, orbit) for branch in found.branches for orbit in branch.points]
+    proved: list[list] = [[] for _ in rows]
+    if found.proofs is not None:
+        proofs = found.proofs.orbits if found.question.span is None else []
+        proved = [[_yes(p)] for p in chain(proofs, *found.proofs.points)]
+    most = max((len(orbit.theta) for _, orbit in rows), default=1) or 1
+    thetas = (f"theta_deg_{k + 1}" for k in range(most))
+    columns = [
+        *first, "branch", "label", "rpm", "stable", "region", *thetas, "q_m", "v_m_per_s",
+        *MULTIPLIERS, "trace", "det", *last,
+        *(f"u_minus_m_per_s_{k + 1}" for k in range(most)), *(["proved"] if found.proofs else []),
+    ]  # fmt: skip
+
+    def row(number: int, orbit: PeriodicOrbit, more: list) -> list:
+        q, w = orbit.states[0]
+        thetas = [degrees(theta) for theta in orbit.theta]
+        omega = omega_of(orbit.rpm)
+        us = [u * omega for u in orbit.rates]
+        return [
+            *(orbit.value for _ in first), number, orbit.label, orbit.rpm, int(orbit.stable),
+            ":".join(orbit.regions), *thetas, *[None] * (most - len(thetas)), q, w * omega,
+            *multiplier_columns(orbit.multipliers), orbit.trace, orbit.det,
+            *(orbit.value for _ in last), *us, *[None] * (most - len(us)),
+            *more,
+        ]  # fmt: skip
+
+    each = [(*one, more) for one, more in zip(rows, proved, strict=True)]
+    return Table.of_rows(columns, lambda: starmap(row, each))
+
+
+def _yes(proof: Proof) -> str:
+    return "yes" if proof.proved else "no"
+
+
+def bifurcations_table(found: OrbitsResult, keys: Keys) -> Table:
+    """The events, a row each.
+
+    A parameter that is not rpm has its own column of values and, at the end, of errors. Where there
+    are proofs, each row ends with the proof and its enclosure of the parameter.
+    """
+    first, last = _columns(found.question.parameter, keys)
+    columns = [*first, *BIFURCATIONS, *last, *(f"{name}_error" for name in (*first, *last))]
+    rows = [bifurcation_row(b, found.question.parameter) for b in found.bifurcations]
+    if first:  # `vary` names the parameter: its value goes to the front
+        rows = [[value, *row, error] for *row, value, error in rows]
+    if found.proofs is not None:
+        columns += ["proved", "enclosure_low", "enclosure_high"]
+        parameter = columns.index([*first, *last, "rpm"][0])
+        for row, proof in zip(rows, found.proofs.events, strict=True):
+            if proof.proved and proof.low is not None and proof.high is not None:
+                # the double may lie an ulp beside the enclosure
+                row[parameter] = min(max(row[parameter], proof.low), proof.high)
+            row += [_yes(proof), proof.low, proof.high]
+    return Table.of_rows(columns, lambda: rows)
+
+
+def curve_table(curves: list[Curve], section: Orbits, keys: Keys) -> Table:
+    """Bifurcations in two parameters, a row per point of each curve.
+
+    A point of a smooth kind has no sides: the orbit's own trace and determinant stand for both.
+    """
+    names = {name: quantity.column for name, quantity in PARAMETERS.items()} | dict(keys)
+
+    def rows() -> Iterator[tuple]:
+        for number, curve in enumerate(curves, 1):
+            named = (number, curve.kind, curve.label, curve.corner)
+            for point in curve.points:
+                orbit = (point.orbit.trace, point.orbit.det)
+                thetas = ":".join(repr(degrees(theta)) for theta in point.orbit.theta)
+                left = point.left or orbit
+                right = point.right or orbit
+                yield (*named, point.first, point.second, thetas, *left, *right)
+
+    first, second = names[section.parameter], names[section.curve_in]
+    columns = ("curve", "kind", "label", "corner", first, second, *CURVE)
+    return Table.of_rows(columns, rows)
+
+
+# --- read
+
+
+class BranchColumns(NamedTuple):
+    """A solved branch: values, stability, phases of every impact (deg), q at the strobe (m)."""
+
+    values: array[float]
+    stable: list[bool]
+    phases: list[array[float]]
+    q: array[float]
+
+
+def read_branches(path: str | PathLike, key: str) -> list[BranchColumns]:
+    """The branches of a branch.csv of `orbits` along a key of a scene.
+
+    Raises SceneError where the file is none, or is in another parameter.
+    """
+    with _orbits_file("--branches", path, "branch.csv", [key], "see cam orbits") as table:
+        header, rows, (x,) = table
+        number, stable, q = (header.index(name) for name in ("branch", "stable", "q_m"))
+        phases = [k for k, name in enumerate(header) if name.startswith("theta_deg_")]
+        branches: list[BranchColumns] = []
+        count = 0
+        for _, members in groupby(rows, itemgetter(number)):
+            one = BranchColumns(array("d"), [], [array("d") for _ in phases], array("d"))
+            for row in members:
+                one.values.append(_finite(row[x]))
+                one.stable.append(row[stable] == "1")
+                one.q.append(_finite(row[q]))
+                for column, k in zip(one.phases, phases, strict=True):
+                    column.append(_finite(row[k]) if row[k] else nan)
+                count += 1
+                _refuse_many(count * (len(phases) + 2), len(branches))
+            branches.append(one)
+        if len({value for one in branches for value in one.values}) == 1 < count:
+            raise ValueError("solved along another parameter")
+        return branches
+
+
+def read_curves(
+    path: str | PathLike, keys: tuple[str, str]
+) -> list[tuple[str, Sequence[float], Sequence[float]]]:
+    """(kind, first, second) of every curve in a curve.csv of `orbits`, along two keys of a scene.
+
+    Raises SceneError where the file is none, or is in other parameters.
+    """
+    cure = "see cam orbits --curve"
+    with _orbits_file("--curves", path, "curve.csv", keys, cure) as (header, rows, (x, y)):
+        curve, kind = header.index("curve"), header.index("kind")
+        curves: list[tuple[str, Sequence[float], Sequence[float]]] = []
+        count = 0
+        for (_, name), members in groupby(rows, itemgetter(curve, kind)):
+            first, second = array("d"), array("d")
+            for row in members:
+                first.append(_finite(row[x]))
+                second.append(_finite(row[y]))
+                count += 1
+                _refuse_many(2 * count, len(curves))
+            curves.append((name, first, second))
+        return curves
+
+
+def _finite(text: str) -> float:
+    """A number of a table; raises ValueError where it is none, or not finite."""
+    number = float(text)
+    if not isfinite(number):
+        raise ValueError(f"found {text}")
+    return number
+
+
+def _refuse_many(numbers: int, lines: int) -> None:
+    """Raise ValueError for more than can be drawn over a picture."""
+    if numbers > MOST_NUMBERS or lines >= MOST_LINES:
+        raise ValueError(f"more than {MOST_LINES} lines, or {MOST_NUMBERS} numbers in them")
+
+
+@contextmanager
+def _orbits_file(
+    option: str, path: str | PathLike, what: str, keys: Sequence[str], cure: str
+) -> Iterator[tuple[list[str], Iterator[list[str]], list[int]]]:
+    """The header of a table of `orbits`, its rows, and where the columns of keys of a scene are.
+
+    A column bears the key itself, or as in restitution, stiffness_n_per_m. Raises SceneError where
+    the file, or the block, finds no such table; the rows are read one at a time.
+    """
+    expected = f"expected a {what} in {' and '.join(keys)}"
+    text = decoded(read_bytes(Path(path), str(path), MOST_BYTES, expected, cure), str(path))
+    rows = csv.reader(text.splitlines())
+    try:
+        header = next(rows)
+        names = [(key, key.rpartition(".")[2]) for key in keys]
+        yield (
+            header,
+            rows,
+            [
+                next(k for k, c in enumerate(header) if c in own or c.startswith(f"{own[1]}_"))
+                for own in names
+            ],
+        )
+    except BAD_FILE as error:
+        found = f"found no such table ({shown(str(error), 100) or 'no such column'})"
+        where = f"{path}:{rows.line_num}"
+        raise SceneError(Fault(option, where, found, expected, cure)) from None
