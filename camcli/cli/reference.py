@@ -8,6 +8,7 @@ and the exit codes. A test says when they are out of date.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator
 from importlib import import_module
@@ -97,6 +98,23 @@ def exit_page() -> str:
     return _page([*lines, *(f"| {code} | {words} |" for code, words in MEANING.items())])
 
 
+def notebook() -> str:
+    """The page `notebook` as a notebook: its text and its blocks of Python in cells."""
+    text = (FOLDER / "how-to" / "notebook.md").read_text(encoding="utf-8")
+    cells: list[dict[str, Any]] = []
+    for words, kind, block in re.findall(r"(.*?)(?:```(\w+)\n(.*?)```|\Z)", text, re.DOTALL):
+        if words.strip():
+            cells.append({"cell_type": "markdown", "metadata": {}, "source": words.strip()})
+        if kind == "python":
+            own = {"execution_count": None, "outputs": [], "source": block.rstrip("\n")}
+            cells.append({"cell_type": "code", "metadata": {}, **own})
+    for number, cell in enumerate(cells):
+        cell["id"] = f"cell-{number}"
+    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    whole = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+    return json.dumps(whole, indent=1) + "\n"
+
+
 def _sections(value: dict, defs: dict) -> Iterator[tuple[str, dict]]:
     """The keys of a section; of the cam a table for each kind."""
     for form in value.get("oneOf") or value.get("anyOf") or [value]:
@@ -149,6 +167,7 @@ def main() -> None:
     """Write every page."""
     for topic, text in written().items():
         (FOLDER / "reference" / f"{topic}.md").write_text(text, encoding="utf-8")
+    (FOLDER / "how-to" / "notebook.ipynb").write_text(notebook(), encoding="utf-8")
 
 
 if __name__ == "__main__":

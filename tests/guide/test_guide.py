@@ -15,10 +15,11 @@ import pytest
 
 import camcli
 from camcli.cli.app import COMMANDS
-from camcli.cli.reference import written
-from camcli.guide import pages
+from camcli.cli.reference import notebook, written
+from camcli.guide import FOLDER, pages
 from camcli.scene import json_schema
 from tests.conftest import cam_in
+from tests.support import validation
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
@@ -95,6 +96,17 @@ def test_every_block_runs_and_prints_what_the_page_says(topic, tmp_path, capsys,
 def test_the_reference_is_what_the_program_says(topic):
     """`python -m camcli.cli.reference` writes it anew."""
     assert PATHS[topic].read_text(encoding="utf-8") == REFERENCE[topic]
+
+
+@pytest.mark.slow
+def test_the_page_of_validation_is_what_the_commands_compute():
+    """`python tests/support/validation.py` writes it anew."""
+    assert validation.PAGE.read_text(encoding="utf-8") == validation.page()
+
+
+def test_the_notebook_is_the_page_in_cells():
+    """`python -m camcli.cli.reference` writes it anew; the blocks of the page are run above."""
+    assert (FOLDER / "how-to" / "notebook.ipynb").read_text(encoding="utf-8") == notebook()
 
 
 def known_names() -> set[str]:
