@@ -18,7 +18,7 @@ import camcli
 PAGE = Path(__file__).parents[2] / "camcli" / "guide" / "explanation" / "validation.md"
 HEAD = """# Published numbers
 
-The default machine is the cam-follower example of the literature. These are its numbers as they were
+The default machine is the cam-follower example of the literature. These are its numbers as
 published, as the commands compute them, and the difference in units of the last published digit.
 Published values come from simulations with an adaptive Runge-Kutta pair at 1e-12, some of them to
 first order; [proofs](proofs.md) has twenty digits of most of them.
@@ -28,11 +28,11 @@ first order; [proofs](proofs.md) has twenty digits of most of them.
 """
 TAIL = """
 Where the two differ by more than a few digits, the published value is a first-order estimate
-(accumulation at c and d), or was taken a little beside the event: the trace before the corner impact of
-P(2;1:1) is steep there. The determinant at the
-corner impact of P(1;1) was published as 0.8, which is the modulus of its multipliers; their product is
-0.64. The trace of P(2;1:1) behind its corner impact was published as -3.80875; two independent
-computations, one in 40 digits, give -4.09107.
+(accumulation at c and d), or was taken a little beside the event: the trace before the corner
+impact of P(2;1:1) is steep there. The determinant at the corner impact of P(1;1) was published as
+0.8, which is the modulus of its multipliers; their product is 0.64. The trace of P(2;1:1) behind
+its corner impact was published as -3.80875; two independent computations, one in 40 digits, give
+-4.09107.
 """
 PUBLISHED = (  # quantity, as published, command, row of the table
     ("first loss of contact, rpm", "114.979", "detach", ("first_detachment", "A2")),
