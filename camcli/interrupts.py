@@ -5,8 +5,7 @@ swallowed there. So the handler also makes a note, which is looked at between ca
 none of which takes longer than half a second. A thread ends the process where the main thread is
 kept in a call that nobody can cut: a pass of the compiler, a picture with many points. While the
 kernel is compiled or loaded nothing is raised at all: LLVM crashes where an exception leaves its
-objects half made. A child of `cam figures` ends when its parent is killed; its finished pieces stay
-on disk.
+objects half made.
 """
 
 import os
@@ -17,19 +16,18 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from threading import Thread
 from time import sleep
-from typing import Any
+from typing import Any, NoReturn
 
 ENDING = (signal.SIGINT, signal.SIGTERM)
 EXIT_CODE = 130
 PATIENCE = 0.6  # s that the main thread has to come to its end
-PARENT = "CAMCLI_PARENT"  # environment: process whose end is ours too
-INTERVAL = 0.5  # s
 
 _leftovers: set[str] = set()  # see `unfinished`
 
 _came = _ending = False
-_holding = 0
-_compiling: list[None] = []  # an entry for each thread at it: a number may miscount threads
+# An entry for each thread that is at it: a number may miscount threads.
+_holding: list[None] = []
+_compiling: list[None] = []
 
 
 def install() -> None:
@@ -42,9 +40,6 @@ def install() -> None:
     sys.unraisablehook = _unraisable
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     Thread(target=_watch, args=(reader,), daemon=True).start()
-    parent = os.environ.pop(PARENT, "")
-    if parent.isdigit():
-        Thread(target=_end_with, args=(int(parent),), daemon=True).start()
 
 
 def _handle(number: int, frame: object) -> None:
@@ -106,12 +101,11 @@ def _unraisable(args: Any) -> None:
 @contextmanager
 def held() -> Iterator[None]:
     """Let signals wait until the block is left."""
-    global _holding
-    _holding += 1
+    _holding.append(None)
     try:
         yield
     finally:
-        _holding -= 1
+        _holding.pop()
     look()
 
 
@@ -161,11 +155,11 @@ def _end() -> None:
     with suppress(OSError, ValueError, AttributeError, RuntimeError):
         sys.stderr.write("interrupted\n")
         sys.stderr.flush()
-    _leave()
+    leave()
 
 
-def _leave() -> None:
-    """End the process at once, without an exception anywhere."""
+def leave() -> NoReturn:
+    """End the process at once, without an exception anywhere, and without waiting for threads."""
     for path in tuple(_leftovers):
         with suppress(OSError):
             _remove(path)
@@ -179,10 +173,3 @@ def _remove(path: str) -> None:
     for name in os.listdir(path):
         os.unlink(os.path.join(path, name))
     os.rmdir(path)
-
-
-def _end_with(parent: int) -> None:
-    """End the process when its parent has gone: it then has another parent."""
-    while os.getppid() == parent:
-        sleep(INTERVAL)
-    _leave()

@@ -100,5 +100,5 @@ def main() -> None:
     gc.freeze()  # what is still there goes with the process: nobody need look through it
     if code == INTERRUPTED:  # without waiting for a piece that is still at work in a thread
         sys.stderr.flush()
-        os._exit(code)
+        interrupts.leave()
     sys.exit(code)

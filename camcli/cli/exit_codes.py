@@ -45,7 +45,7 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
     except KeyboardInterrupt:
         code = INTERRUPTED
     except Exception as error:
-        code, faults = _failure(error)
+        code, faults = failure(error)
         code = INTERRUPTED if came() else code  # a library made another error of it
     if code == INTERRUPTED:
         arrived()
@@ -63,7 +63,7 @@ def guarded(call: Callable[[], object], as_json: bool = False) -> int:
     return code
 
 
-def _failure(error: Exception) -> tuple[int, list[Fault]]:
+def failure(error: Exception) -> tuple[int, list[Fault]]:
     """Exit code and faults: usage errors of the option parser, limits of the system, our own."""
     from camcli.piece_faults import MOST_TEXT, SHORTAGES, PieceFault
 

@@ -1,14 +1,11 @@
 """cam figures: which there are, what must be computed again and why, and the comparison."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 from collections.abc import Collection, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import asdict, dataclass, replace
-from functools import cache, partial
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
@@ -16,18 +13,31 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
+from camcli.api import ANALYSES
+from camcli.api.command import command_of
+from camcli.api.machine import is_open, machine_of, with_values
+from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, USAGE, failure, note
+from camcli.cli.explore import source_of
 from camcli.cli.options import DRAWING, Request, argument, flag, option, refuse_idle
+from camcli.cli.panels import check_panels
 from camcli.cli.report import progress_bar, table
-from camcli.cli.run import tell_faults
+from camcli.cli.run import check_before, compute, exit_code, fault_lines, open_folder, tell_faults
 from camcli.errors import Fault, SceneError, plural
-from camcli.interrupts import PARENT
+from camcli.interrupts import came, look
 from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, caption, digest, drifts
 from camcli.output.gallery import Shown, page
 from camcli.output.program import program_hash
-from camcli.output.run_folder import run_folder, unchanged
+from camcli.output.run_folder import RECORD, run_folder, unchanged
 from camcli.parallel import thread_count
-from camcli.piece_faults import PieceFault, attempt, fault_records, gather, gathering, piece
+from camcli.piece_faults import (
+    PieceFault,
+    attempt,
+    fault_records,
+    gather,
+    gathering,
+    is_foreseen,
+    piece,
+)
 from camcli.scene import Scene, default_scene_path, load_scene
 
 NAME = "figures"
@@ -36,16 +46,13 @@ WITHOUT = ("verbose", "config", "rpm", "points", "no_plot", *DRAWING)
 STATE, REFERENCES = "figure.json", "reference"
 NEW, UNCHANGED, CHECK = "new", "unchanged", "check"
 WHOLE = (DONE, NUMERICS)  # exit codes of a run whose artefacts are whole
-OWNED = {  # options that say where and how it is run, not what is drawn
-    "-c", "--set", "-o", "--no-plot", "--json", "-q", "--threads", "--dry-run", "--cluster",
-    "--shard", "--open",
-}  # fmt: skip
+COMMANDS = (*ANALYSES, "bench")  # what a figure can be
 READS = {"explore": ("sweep", "orbits", "basins")}  # commands that read others' sections
-CAM_ONLY = "--profile-only"  # with it a command knows no impacts, and of a run only the speed
 PORTABILITY = "portability broke"
 FAULTS = "faults.json"  # of pieces: figures, pages, comparisons that nobody foresaw to fail
 MOST_DRIFTS = 12  # of a figure shown to people
-LARGE = 1_000_000  # bytes: a larger table goes once its digest is made
+LARGE = 1_000_000  # bytes: a larger table does not stay, its digest does
+LOOK = 0.2  # s between looks for an interrupt while figures are at work
 
 Groups = dict[str, dict[str, Any]]
 Model = TypeVar("Model", bound=BaseModel)
@@ -85,13 +92,13 @@ class Figure:
     name: str
     path: Path
     scene: Scene
-    words: list[str]  # command and options
+    command: str
     hashes: dict[str, str]
 
     @property
     def shown_command(self) -> str:
         """What a user types for it."""
-        return " ".join(["cam", self.words[0], "-c", str(self.path), *self.words[1:]])
+        return f"cam {self.command} -c {self.path}"
 
     @property
     def reference_path(self) -> Path:
@@ -135,9 +142,9 @@ def figures(
     program changed   another source of this program
     artefact changed  a file is missing or has another size
     check             --check computes everything
-    else unchanged: nothing is computed. Figures run side by side, each on one thread (--threads N
-    at a time); no byte of a table or a picture depends on that. An interrupted run keeps what is
-    finished.
+    else unchanged: nothing is computed. Figures run side by side in this process, --threads N at a
+    time; no byte of a table or a picture depends on that. One that fails costs no other one. An
+    interrupted run keeps what is finished.
 
     \b
     --check compares with REFERENCE/NAME.json: labels, critical speeds, counts, quantiles. Solved
@@ -227,57 +234,37 @@ def _figure(path: Path, sets: Sequence[str]) -> Figure:
     if scene.figure is None:
         expected = "expected title and command"
         raise SceneError(Fault(str(path), "figure", "found no such section", expected, "add it"))
-    words = scene.figure.words
-    _refuse_unknown(path, words)
-    hashes = {"scene": _scene_hash(scene, words), "data": getattr(scene.cam, "sha256", None) or ""}
-    return Figure(path.stem, path, scene, words, {**hashes, "program": program_hash(pictures=True)})
+    command = scene.figure.command
+    if command not in COMMANDS:
+        found, expected = f"found the command '{command}'", f"expected one of {', '.join(COMMANDS)}"
+        raise SceneError(Fault(str(path), "figure.command", found, expected, ""))
+    hashes = {
+        "scene": _scene_hash(scene),
+        "data": getattr(scene.cam, "sha256", None) or "",
+        "program": program_hash(pictures=True),
+    }
+    if command == "explore":
+        source = source_of(Request(config=path, sets=list(sets)))
+        scene = with_values(scene, "explore", source=source)
+    return Figure(path.stem, path, scene, command, hashes)
 
 
-def _refuse_unknown(path: Path, words: list[str]) -> None:
-    """Let the command's own parser read the options; raises SceneError where it cannot."""
-
-    def fault(found: str, expected: str, cure: str) -> SceneError:
-        return SceneError(Fault(str(path), "figure.command", found, expected, cure))
-
-    commands, name = _commands(), words[0]
-    if name not in commands:
-        raise fault(f"found the command '{name}'", f"expected one of {', '.join(commands)}", "")
-    try:
-        context = commands[name].make_context(name, words[1:])
-    except Exception as error:
-        said = error.format_message() if hasattr(error, "format_message") else "found --help"
-        raise fault(said, "", f"see cam {name} --help") from None
-    params = [p for p in commands[name].params if OWNED & set(p.opts) and context.params[p.name]]
-    if params:
-        found = f"found {', '.join(max(p.opts, key=len) for p in params)}"
-        cure = "write scene values into the scene; the rest is given to cam figures"
-        raise fault(found, "expected options of this figure only", cure)
-
-
-@cache
-def _commands() -> dict[str, Any]:
-    """Parsers of the commands that take a scene, by name."""
-    from typer.main import get_command
-
-    from camcli.cli.app import COMMANDS, application
-
-    every = get_command(application(*COMMANDS)).commands.items()  # type: ignore[attr-defined]
-    return {name: c for name, c in every if any("-c" in p.opts for p in c.params)}
-
-
-def _scene_hash(scene: Scene, words: list[str]) -> str:
+def _scene_hash(scene: Scene) -> str:
     """SHA-256 of the command and of what it reads: not of titles, nor of other commands' keys.
 
-    A key that has its default does not count, so that a new one changes no figure.
+    A key that has its default does not count, so that a new one changes no figure. The cam alone
+    knows no impacts, and of a run only the speed.
     """
+    assert scene.figure is not None
+    command = scene.figure.command
     values = scene.model_dump(mode="json", exclude_defaults=True)
     values["cam"].pop("sha256", None)
-    others = {"figure", *_commands()} - {words[0], *READS.get(words[0], ())}
+    others = {"figure", *COMMANDS} - {command, *READS.get(command, ())}
     read = {key: value for key, value in values.items() if key not in others}
-    if CAM_ONLY in words:
+    if command == "simulate" and scene.simulate.profile_only:
         read = {**read, "run": scene.run.rpm}
         read["follower"] = {k: v for k, v in values["follower"].items() if k != "restitution"}
-    text = json.dumps([words, read], sort_keys=True, separators=(",", ":"), allow_nan=False)
+    text = json.dumps([[command], read], sort_keys=True, separators=(",", ":"), allow_nan=False)
     return sha256(text.encode()).hexdigest()
 
 
@@ -325,43 +312,59 @@ def last_seconds(figure: Figure, out: Path) -> float | None:
     return known.seconds if known else None
 
 
-def _run(figure: Figure, options: list[str]) -> State:
-    """Run the command of a figure in a process of its own, which ends with this one."""
-    began = perf_counter()
-    process = subprocess.run(
-        [sys.executable, "-m", "camcli", *figure.words, "-c", str(figure.path), *options],
-        env={**os.environ, PARENT: str(os.getpid())},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        check=False,
-    )
-    seconds = round(perf_counter() - began, 3)
-    notes, code = process.stderr.splitlines(), process.returncode
-    if code < 0:
-        notes, code = [*notes, f"ended by signal {-code}"], INTERNAL
-    return State(hashes=figure.hashes, exit=code, notes=notes, seconds=seconds)
+def _computed(figure: Figure, request: Request) -> State:
+    """Compute a figure into the folder of the request; one whose artefacts are whole is finished.
 
-
-def _computed(figure: Figure, options: list[str], folder: Path) -> State:
-    """Compute a figure; its folder is marked as finished where its artefacts are whole."""
+    What is foreseen to fail, in its scene or for want of memory or disk, costs this figure alone.
+    """
+    folder = request.folder(figure.command)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / STATE).unlink(missing_ok=True)  # until it is whole again
-    done = _run(figure, [*options, "-o", str(folder)])
+    began = perf_counter()
+    try:
+        done = _drawn(figure, request)
+    except SceneError as error:
+        notes = [str(fault) for fault in error.faults]
+        done = State(hashes=figure.hashes, exit=USAGE, notes=notes)
+    except Exception as error:
+        if came() or not is_foreseen(error):
+            raise
+        code, faults = failure(error)
+        done = State(hashes=figure.hashes, exit=code, notes=[str(fault) for fault in faults])
+    done = done.model_copy(update={"seconds": round(perf_counter() - began, 3)})
     if done.exit in WHOLE:
         _finish(folder, done)
     return done
 
 
+def _drawn(figure: Figure, request: Request) -> State:
+    """Run the command of a figure, and write its artefacts."""
+    command, scene = command_of(figure.command), figure.scene
+    if is_open(scene, command.name):
+        scene = machine_of(scene).scene
+    folder = request.folder(command.name)
+    check_panels(command.name, scene, request)
+    check_before(command, scene, folder, drawn=True)
+    with open_folder(command, scene, request) as store:
+        result, record = compute(command, scene, request, store, plot=True)
+        numbers = digest(result.tables, record["result"])  # while what is on disk is still there
+    notes = [] if result.complete else list(result.notes)
+    return State(
+        hashes=figure.hashes,
+        exit=exit_code(result, record),
+        notes=[*notes, *fault_lines(record["piece_faults"], folder / RECORD)],
+        digest=numbers,
+    )
+
+
 def _finish(folder: Path, done: State) -> None:
-    """Write figure.json with the digest, and remove the large tables that it was made from."""
-    found = digest(folder)
+    """Write figure.json, and remove the large tables of which the digest is made."""
     for path in folder.glob("*.csv"):
         if path.stat().st_size > LARGE:
             path.unlink()
     paths = [p for p in sorted(folder.iterdir()) if p.is_file() and p.name[0] != "."]
     files = {path.name: sha256(path.read_bytes()).hexdigest() for path in paths}
-    state = done.model_copy(update={"files": files, "digest": found})
+    state = done.model_copy(update={"files": files})
     with run_folder(folder) as store:
         store.write_text(STATE, [state.model_dump_json(indent=1)])
         store.commit()
@@ -373,20 +376,20 @@ def _compute(
     """Run the figures, as many at a time as there are threads, the longest first.
 
     Each is marked as finished at once. On an interrupt no more are begun, and those at work end
-    with this process (`interrupts`); their finished pieces stay on disk. Where nobody watches the
-    bar, each has a line.
+    with this process; their finished pieces stay on disk. Where nobody watches the bar, each has a
+    line.
     """
     seconds = {f.name: last_seconds(f, out) for f in wanted}
     ordered = sorted(wanted, key=lambda f: -(seconds[f.name] or 1e9))  # unknown ones come first
     count = thread_count(request.threads)
-    options = ["--quiet", "--json", "--threads", str(max(1, count // max(1, len(wanted))))]
-    options += [word for text in request.sets or () for word in ("--set", text)]
+    each = max(1, count // max(1, len(wanted)))
+    own = replace(request, quiet=True, threads=each)
     finished, faults = 0, dict[str, PieceFault]()
 
-    def compute(figure: Figure) -> State:
+    def compute_one(figure: Figure) -> State:
         nonlocal finished
-        name, folder = figure.name, out / figure.name
-        found = attempt(name, lambda: _computed(figure, options, folder))
+        name = figure.name
+        found = attempt(name, lambda: _computed(figure, replace(own, out=out / name)))
         if isinstance(found, PieceFault):
             faults[name] = found
             done = State(hashes=figure.hashes, exit=INTERNAL, notes=["fault, see below"])
@@ -403,13 +406,19 @@ def _compute(
     with progress_bar(request.quiet) as progress:
         pool = ThreadPoolExecutor(count)
         try:
-            names = [figure.name for figure in ordered]
-            done = dict(zip(names, pool.map(compute, ordered), strict=True))
+            running = {figure.name: pool.submit(compute_one, figure) for figure in ordered}
+            pending = set(running.values())
+            while pending:
+                ended, pending = wait(pending, timeout=LOOK)
+                look()
+                for future in ended:
+                    future.result()
+            done = {name: future.result() for name, future in running.items()}
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
-    gather(faults[name] for name in names if name in faults)
-    for name, each in done.items():
-        for line in (each.notes or [f"exit code {each.exit}"]) if each.exit != DONE else ():
+    gather(faults[name] for name in running if name in faults)
+    for name, state in done.items():
+        for line in (state.notes or [f"exit code {state.exit}"]) if state.exit != DONE else ():
             note(f"{name}: {line}")
     return done
 

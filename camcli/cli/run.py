@@ -200,6 +200,11 @@ def execute(command: Command, scene: Scene, request: Request, show: Show, **piec
         tell_faults(record["piece_faults"], folder.folder / RECORD)
     if folder.shard_done:
         return INTERNAL if folder.work.faults else DONE
+    return exit_code(result, record)
+
+
+def exit_code(result: Result, record: Mapping[str, Any]) -> int:
+    """The exit code of a run, from its result and its run.json."""
     if record["piece_faults"]:
         return INTERNAL
     return DONE if result.complete else NUMERICS
@@ -287,19 +292,29 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
 
 
 def tell_faults(faults: Sequence[Mapping[str, Any]], place: Path | None) -> None:
+    """Print a line on each kind of fault of a piece, and how to report them."""
+    for line in fault_lines(faults, place):
+        note(line)
+
+
+def fault_lines(faults: Sequence[Mapping[str, Any]], place: Path | None) -> list[str]:
     """A line on each kind of fault of a piece, and how to report them.
 
     place: of the run.json, None where it is gone.
     """
+    lines = []
     for fault in faults:
         pieces = fault["pieces"]
         more = f" and {len(pieces) - MOST_PIECES} more" if len(pieces) > MOST_PIECES else ""
         where = f" ({fault['place']})" if fault["place"] else ""
         lost = shown(", ".join(pieces[:MOST_PIECES]), MOST_TEXT)
-        note(f"fault: {lost}{more}: {shown(fault['error'], MOST_TEXT)}{where}")
+        lines.append(f"fault: {lost}{more}: {shown(fault['error'], MOST_TEXT)}{where}")
     if faults:
         how = "" if place is None else f" with {place}, which has the traceback"
-        note(f"this is a fault of camcli and cost these pieces alone, please report it{how}")
+        lines.append(
+            f"this is a fault of camcli and cost these pieces alone, please report it{how}"
+        )
+    return lines
 
 
 def compiling(request: Request) -> AbstractContextManager[Stopwatch]:

@@ -1,4 +1,4 @@
-"""Digest of a run's tables: few numbers that change when anything of note does.
+"""Digest of a run: few numbers that change when anything of note in its tables does.
 
 Three groups, each a flat map from a name to a number or a short text:
 regular  tables straight from the kernel, of motions that repeat: exact
@@ -6,19 +6,17 @@ chaotic  the same of motions that do not: exact, and the most sensitive to a sin
 solved   everything else, where equations were solved: to TOLERANCE of a value
 """
 
-import csv
-import json
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
-from itertools import islice
-from pathlib import Path
 from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
+
+from camcli.output.tables import Table
 
 REGULAR, CHAOTIC, SOLVED = "regular", "chaotic", "solved"
 TOLERANCE = 1e-8  # of a solved number
@@ -38,12 +36,14 @@ Columns = dict[str, np.ndarray]  # doubles, or texts where a cell is none
 Named = Iterator[tuple[str, Any]]
 
 
-def digest(folder: Path) -> dict[str, Group]:
-    """The digest of the artefacts in a folder."""
+def digest(tables_of_run: Mapping[str, Table], result: Any) -> dict[str, Group]:
+    """The digest of the tables of a run, whose names have no ending, and of its summary.
+
+    result: the entry of run.json, None where there is none.
+    """
     groups: dict[str, Group] = {REGULAR: {}, CHAOTIC: {}, SOLVED: {}}
-    result = json.loads((folder / "run.json").read_text())["result"]
     label = result.get("label", "") if isinstance(result, dict) else ""
-    tables = {path.name: _columns(path) for path in sorted(folder.glob("*.csv"))}
+    tables = {f"{name}.csv": _columns(tables_of_run[name]) for name in sorted(tables_of_run)}
     speeds = tables.get("speeds.csv", {"rpm": np.empty(0), "label": np.empty(0)})
     wild = speeds["rpm"][np.isin(speeds["label"], CHAOS)]
     for name, columns in tables.items():
@@ -65,25 +65,19 @@ def digest(folder: Path) -> dict[str, Group]:
     return groups
 
 
-def _columns(path: Path) -> Columns:
-    """The columns of a table by name."""
-    with open(path, encoding="utf-8", newline="") as file:
-        names, *rows = islice(csv.reader(file), 2)
-    if not rows:
-        return {name: np.empty(0) for name in names}
-    try:
-        found = list(np.loadtxt(path, delimiter=",", skiprows=1, comments=None, ndmin=2).T)
-    except ValueError:  # a cell that is empty or text
-        with open(path, encoding="utf-8", newline="") as file:
-            found = [_column(cells[1:]) for cells in zip(*csv.reader(file), strict=True)]
-    return dict(zip(names, found, strict=True))
+def _columns(table: Table) -> Columns:
+    """The columns of a table by name: doubles, or texts where a cell is no number."""
+    return {name: _doubles(column) for name, column in table.arrays().items()}
 
 
-def _column(cells: Sequence[str]) -> np.ndarray:
+def _doubles(column: np.ndarray) -> np.ndarray:
+    """Numbers as doubles, also where they are written as texts; an empty text is no number."""
+    if column.dtype.kind != "U":
+        return column.astype(float)
     try:
-        return np.array([float(cell) if cell else np.nan for cell in cells])
+        return np.array([float(cell) if cell else np.nan for cell in column.tolist()])
     except ValueError:
-        return np.array(cells)
+        return column
 
 
 def _events(columns: Columns, result: Mapping[str, Any]) -> Named:

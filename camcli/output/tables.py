@@ -78,9 +78,17 @@ class Table(Columns):
         if column not in self.columns:
             raise unknown("column", column, self.columns)
         k = self.columns.index(column)
-        parts = [np.asarray(_missing(_spread(block, k))) for block in self.blocks()]
-        found = np.concatenate(parts) if parts else np.empty(0)
-        return found.astype(np.int64) if found.dtype.kind in "iu" else found
+        return _joined([np.asarray(_missing(_spread(block, k))) for block in self.blocks()])
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All columns as arrays; the rows are made once, not once for each column."""
+        import numpy as np
+
+        parts: list[list[np.ndarray]] = [[] for _ in self.columns]
+        for block in self.blocks():
+            for k, part in enumerate(parts):
+                part.append(np.asarray(_missing(_spread(block, k))))
+        return dict(zip(self.columns, map(_joined, parts), strict=True))
 
     def __contains__(self, column: object) -> bool:
         return column in self.columns
@@ -102,7 +110,7 @@ class Table(Columns):
 
     def copy(self) -> dict[str, np.ndarray]:
         """All columns, in a dict that may be changed."""
-        return dict(self)
+        return self.arrays()
 
     def __or__(self, other: Mapping) -> dict:
         return {**self, **other}
@@ -176,6 +184,14 @@ class Named(dict[str, Any]):
 def unknown(kind: str, name: object, known: Iterable[str]) -> KeyError:
     """The error for a name that is not one of those known."""
     return KeyError(f"found no {kind} {name!r}; there are {', '.join(known) or 'none'}")
+
+
+def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
+    """The parts of a column as one; whole numbers as int64."""
+    import numpy as np
+
+    found = np.concatenate(parts) if parts else np.empty(0)
+    return found.astype(np.int64) if found.dtype.kind in "iu" else found
 
 
 def _is_column(entry: Any) -> bool:

@@ -8,7 +8,6 @@ constants stay finite numbers and a turn of any speed has an end.
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
@@ -548,25 +547,24 @@ class Bench(Section):
     quick: Flag = entry("a subset: about a minute on an idle machine", False)
 
 
-def _splits(text: str) -> str:
-    """The text, or ValueError where a shell could not split it into words."""
-    try:
-        words = shlex.split(text)
-    except ValueError as error:
-        found = f"found {text!r}: {str(error).lower()}"
-        raise refused(found, "expected words as in a shell", "close the quotes") from None
-    if not words or "--" in words:
-        found = f"found '--' in {text!r}" if words else "found no command"
-        raise refused(found, "expected a command of cam and its options", "name one, without '--'")
-    return text
+def _command_alone(text: str) -> str:
+    """The name of a command; what it is asked for stands in the scene."""
+    name, _, options = text.strip().partition(" ")
+    if options:
+        found, expected = f"found options in {text!r}", f"expected {name} alone"
+        cure = "write them into the scene: each option of a command is a key of its section"
+        raise refused(found, expected, cure)
+    if not name:
+        raise refused("found no command", "expected the name of a command of cam", "name one")
+    return name
 
 
 class Figure(Section):
     """A figure: what it shows, and the command that draws it from this scene."""
 
     title: str = entry("what the figure shows, in one line", min_length=1, max_length=200)
-    command: Annotated[str, Field(max_length=1000), AfterValidator(_splits)] = entry(
-        "command and options that draw it, as after `cam`; -c and -o are added"
+    command: Annotated[str, Field(max_length=1000), AfterValidator(_command_alone)] = entry(
+        "command that draws it from this scene"
     )
     shows: str = entry(
         "caption, also for who cannot see it; {NAME|.2f} is a number of the run, by "
@@ -575,11 +573,6 @@ class Figure(Section):
         max_length=2000,
     )
     printed: dict[str, float] = entry("numbers of the run as printed elsewhere, by their names", {})
-
-    @property
-    def words(self) -> list[str]:
-        """The command and its options."""
-        return shlex.split(self.command)
 
 
 class Scene(Section):

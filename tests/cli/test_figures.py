@@ -4,7 +4,10 @@ import json
 import os
 import re
 import shutil
+import signal
+import threading
 from pathlib import Path
+from time import sleep
 
 import pytest
 
@@ -32,7 +35,7 @@ SWEEP = "run: {transient: 20, record: 10}\nsweep: {rpm: {start: 700, stop: 745, 
 FIGURES = {
     "1.1": ("simulate", RUN),
     "1.2a": ("sweep", SWEEP),
-    "1.10": ("simulate --profile-only", RUN),
+    "1.10": ("simulate", f"{RUN}\nsimulate: {{profile_only: true}}"),
 }
 
 
@@ -125,7 +128,7 @@ def test_another_lift_table_is_data_changed(run, home):
     for path in (home / "scenes").glob("*.yaml"):
         path.unlink()
     scene = (ROOT / "configs" / "lift-table.yaml").read_text()
-    head = "figure: {title: a table, command: simulate --profile-only}\n"
+    head = "figure: {title: a table, command: simulate}\nsimulate: {profile_only: true}\n"
     (home / "scenes" / "2.yaml").write_text(head + scene)
     table = home / "scenes" / "valve-lift.csv"
     shutil.copy(ROOT / "configs" / table.name, table)
@@ -142,7 +145,7 @@ def test_the_page_shows_what_was_computed(computed):
         assert (computed / "out" / name).is_file()
     assert "<dt>label</dt><dd>P(1;inf)</dd>" in text
     assert "transient: 5" in text
-    assert f"cam simulate -c {computed / 'scenes' / '1.10.yaml'} --profile-only" in text
+    assert f"cam simulate -c {computed / 'scenes' / '1.10.yaml'}" in text
     assert "Not computed yet" not in text
 
 
@@ -259,6 +262,57 @@ def test_a_figure_that_fails_leaves_the_others(run, home):
     assert reasons(run) == {**dict.fromkeys(FIGURES, "unchanged"), "1.3": "new"}
 
 
+def test_a_figure_without_memory_leaves_the_others(run, home, monkeypatch):
+    from camcli.cli import figures
+
+    def short(command, scene, *more, **how):
+        if command.name == "sweep":
+            raise MemoryError
+        return real(command, scene, *more, **how)
+
+    real = figures.compute
+    monkeypatch.setattr(figures, "compute", short)
+    said = run("--check", code=2).stderr
+    assert "1.2a: cam: out of memory" in said
+    assert reasons(run) == {"1.1": "unchanged", "1.2a": "new", "1.10": "unchanged"}
+
+
+def test_an_interrupt_keeps_what_is_done(run, home, monkeypatch):
+    """It comes in the second figure: the first is finished, the page is there, no third begins."""
+    from camcli.cli import figures
+
+    began = []
+
+    def interrupted(*words, **how):
+        began.append(words)
+        if len(began) == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+            sleep(1.0)  # the main thread has it first
+            raise KeyboardInterrupt
+        return real(*words, **how)
+
+    real = figures.compute
+    monkeypatch.setattr(figures, "compute", interrupted)
+    changed = "--set", "follower.damping=1"
+    (home / "out" / "index.html").unlink()
+    run("--threads", "1", *changed, code=130)
+    assert list(reasons(run, *changed).values()).count("unchanged") == 1
+    assert (home / "out" / "index.html").exists()
+    assert len(began) == 2
+    for thread in threading.enumerate():  # a process of its own would be gone with them
+        if thread.name.startswith("ThreadPoolExecutor"):
+            thread.join(10.0)
+    run(*changed, code=0)
+    assert set(reasons(run, *changed).values()) == {"unchanged"}
+
+
+def test_a_digest_is_the_same_where_the_pieces_were_on_disk(run, home, monkeypatch):
+    before = state_of(home, "1.2a").digest
+    monkeypatch.setattr("camcli.parallel.work.IN_MEMORY", 0)
+    run("--check", "1.2", code=0)
+    assert state_of(home, "1.2a").digest == before
+
+
 def test_faults_of_all_scenes_at_once(run, home):
     write(home / "scenes", "2.1", "swep")
     write(home / "scenes", "2.2", "sweep --frobnicate")
@@ -269,8 +323,8 @@ def test_faults_of_all_scenes_at_once(run, home):
     write(home / "scenes", "2.7", '"sweep \'"')
     write(home / "scenes", "2.8", "figures")
     said = run(code=2).stderr.splitlines()
-    told = {"2.1": "swep", "2.2": "--frobnicate", "2.3": "--out", "2.4": "colour",
-            "2.5": "no command", "2.6": "no such section", "2.7": "quotation",
+    told = {"2.1": "swep", "2.2": "--frobnicate", "2.3": "expected sweep alone", "2.4": "colour",
+            "2.5": "no command", "2.6": "no such section", "2.7": "found options",
             "2.8": "figures"}  # fmt: skip
     assert len(said) == len(told)
     for (name, words), line in zip(told.items(), said, strict=True):
