@@ -9,6 +9,7 @@ import grimp
 import pytest
 
 from tests.support.mutants import mutants
+from tests.support.sentences import sentences
 
 ROOT = Path(__file__).parents[1]
 BIN = Path(sys.executable).parent
@@ -42,6 +43,44 @@ def test_no_modules_import_each_other_in_a_circle():
             alone = next(name for name, others in imports.items() if not others & imports.keys())
             del imports[alone]
     assert sorted(imports) == []
+
+
+NO_RESULTS = {  # files whose sentences are not about a result
+    "api/__init__.py": "the line of help of each command",
+    "analysis/bench/stability.py": "cells of stability.csv, a table of tests",
+    "analysis/bench/precision.py": "the settings of an integrator, cells of precision.csv",
+}
+
+
+@pytest.mark.parametrize("package", ["analysis", "exact", "api"])
+def test_sentences_on_results_are_made_in_words(package):
+    """Analyses and the API return values; `camcli/words` says them. Faults stay where they are."""
+    root = ROOT / "camcli"
+    found = {
+        str(path.relative_to(root)): list(sentences(path.read_text()))
+        for path in sorted((root / package).rglob("*.py"))
+    }
+    assert {name: lines for name, lines in found.items() if lines and name not in NO_RESULTS} == {}
+    known = {name for name in NO_RESULTS if name.startswith(f"{package}/")}
+    assert all(found[name] for name in known)  # a file that has none any more leaves the list
+
+
+@pytest.mark.parametrize(
+    ("source", "texts"),
+    [
+        ('x = "contact is lost here"', ["contact is lost here"]),
+        ('def f(v):\n    return f"lands at {v} m/s"', ["lands at {} m/s"]),
+        ('def f():\n    """The speed of it."""\n    return "A", "two words", "a-name"', []),
+        ('def f(q):\n    raise ValueError(f"found {q} below the cam")', []),
+        ('def f():\n    found = "found no such file"\n    g(Fault(found))', []),
+        ('def f():\n    found = "found no such file"\n    g(found)', ["found no such file"]),
+        ('def f(cure: str):\n    raise Fault(cure)\nf("look at it again")', []),
+        ('def f(cure: str):\n    print(cure)\nf("look at it again")', ["look at it again"]),
+        ('piece("the motion at 7 rpm", f)\nx = "{}, {}: {}"', []),
+    ],
+)
+def test_what_reads_like_a_sentence(source, texts):
+    assert [text for _, text in sentences(source)] == texts
 
 
 def test_ci_runs_the_command_of_the_readme():

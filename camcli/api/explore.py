@@ -40,7 +40,7 @@ from camcli.scene.schema import RpmRange
 from camcli.system import Follower, System, omega_of, units_of
 from camcli.words import plan
 from camcli.words.events import event_words
-from camcli.words.explore import BASINS, MAP, NO_MOTION, basin_shares
+from camcli.words.explore import BASIN_AXES, BASINS, MAP, NO_MOTION, basin_shares
 from camcli.words.lift_table import smoothed_cam
 from camcli.words.statuses import CAUSES, CURES
 
@@ -651,7 +651,7 @@ def _basins_data(landed: Result) -> dict[str, Any]:
     return {
         "of": "start", "name": BASINS, "cells": section.cells,
         "x": section.q, "y": section.v,
-        "names": ["position q at the strobe (m)", "velocity v at the strobe (m/s)"],
+        "names": BASIN_AXES,
         "labels": [label for _, label, _ in named],
         "colours": [colour_name(labels.get(number, UNDECIDED)) for number, _, _ in named],
         "codes": np.array(codes, np.uint8),

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from camcli.errors import plural
 
 BASINS, MAP = "Basins of attraction", "Map of motions"
+BASIN_AXES = ["position q at the strobe (m)", "velocity v at the strobe (m/s)"]
 NO_MOTION = "no whole turn of any motion was recorded: no page to show"
 
 
