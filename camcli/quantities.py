@@ -1,8 +1,9 @@
 """Quantities, one row each: column, unit and words; and how their units convert.
 
-Heads of tables, help, axes, tables on the screen and the descriptions of the JSON Schema are made
-from these rows; which table has which of them stands in `camcli/words/tables.py`. Numbers are in SI
-in a table, and a unit is written as one says it: `m/s2`, `N s/m`, `1/turn`.
+Heads of tables, the reference of the guide, axes, tables on the screen and the descriptions of the
+JSON Schema are made from these rows. Which table has which of them stands beside the command, in
+`camcli/api`; a quantity of a single table has its row there. Numbers in a table are in SI, beside
+degrees and turns per minute; a unit is written as one says it: `m/s2`, `N s/m`, `1/turn`.
 
 Angles are converted by `math.degrees` and `math.radians`, speeds by `omega_of` and `rpm_of` of
 `camcli/system.py`.
@@ -10,6 +11,7 @@ Angles are converted by `math.degrees` and `math.radians`, speeds by `omega_of` 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 MM = 1e3  # in a metre
@@ -54,6 +56,10 @@ class Quantity(NamedTuple):
     def label(self) -> str:
         """An axis over it, in the unit of the table."""
         return labelled(self.name, self.unit)
+
+    def columns(self, impacts: int) -> list[str]:
+        """The names of its columns where there is one for each impact."""
+        return [f"{self.column}_{k + 1}" for k in range(impacts)]
 
     @property
     def meaning(self) -> str:
@@ -203,3 +209,66 @@ LOADS = {
         ),
     )
 }  # fmt: skip
+
+# --- what tables say of a motion, in words and counts
+
+LABEL = Quantity("label", "", "label", "name of the motion", "P(m;s1:...:sm), contact, aperiodic")
+STATUS = Quantity("status", "", "status", "whether the row may be used", "ok, or what happened")
+PERIOD = Quantity("period", "turns", "period", "turns after which the motion repeats")
+TURN = Quantity("period", "", "turn", "recorded turn", "from 0")
+HOLDS_FOR = Quantity(
+    "holds_for", "", "holds for", "of which machines the label is shown after a rest",
+    "last-digit, exact-data, rounding, or empty",
+)  # fmt: skip
+WATCHED = Quantity(
+    "watched_turns", "", "watched turns",
+    "turns for which what is, or first looked, aperiodic was followed in all",
+)  # fmt: skip
+REGION = Quantity("region", "", "region", "part of the cam between two corners", "A1, A2, ...")
+CORNER = Quantity("corner", "", "corner", "corner of the cam", "a, b, c, ...")
+BRANCH = Quantity("branch", "", "branch", "number of the branch")
+STABLE = Quantity("stable", "", "stable", "whether the orbit attracts", "0 or 1")
+MULTIPLIERS = tuple(
+    Quantity(f"multiplier_{k}_{part}", "", "multiplier", f"{words} part of multiplier {k}")
+    for k in (1, 2)
+    for part, words in (("re", "real"), ("im", "imaginary"))
+)
+PROVED = Quantity("proved", "", "proved", "whether it is proved in ball arithmetic", "yes, no")
+
+# --- what a run varies: the table of a run bears the key
+
+VARIED = Quantity(
+    "rpm", "rpm", "what is varied", "cam speed, or under its key another number that is varied",
+    varied=True,
+)  # fmt: skip
+FIRST = Quantity("KEY", "", "first number", "first number that is varied", varied=True)
+SECOND = Quantity("KEY", "", "second number", "second number that is varied", varied=True)
+
+
+class Head(NamedTuple):
+    """A table of a command: its name, what a row is, and its columns.
+
+    more: columns that only some runs have, by what makes them have it.
+    """
+
+    name: str
+    words: str
+    columns: tuple[Quantity, ...]
+    more: Mapping[str, tuple[Quantity, ...]] = {}
+
+    def names(self, *keys: str, impacts: int = 1) -> tuple[str, ...]:
+        """The names of the columns that every run has.
+
+        keys
+            Of what is varied, in the order of the columns; without them `rpm`.
+        impacts
+            How many columns a numbered quantity has.
+        """
+        given = iter(keys)
+        names: list[str] = []
+        for one in self.columns:
+            if one.numbered:
+                names += one.columns(impacts)
+            else:
+                names.append(next(given, one.column) if one.varied else one.column)
+        return tuple(names)

@@ -85,7 +85,7 @@ def changed(text: str, diff: str) -> str:
     return text.replace(before, "".join(line[1:] for line in lines if line[0] != "-"))
 
 
-@pytest.mark.parametrize("heading", ["A new command", "A new cam kind"])
+@pytest.mark.parametrize("heading", ["A new command", "A new column", "A new cam kind"])
 def test_a_recipe_keeps_the_rules_of_the_house(tmp_path, heading):
     copy = Copy(tmp_path, heading)
     copy.close()
@@ -122,7 +122,8 @@ def test_a_new_command_has_its_help(command):
     assert "cam standstill --points 36" in said
     assert command.python("-m", "camcli.cli.reference").returncode == 0
     page = (command.folder / "camcli/guide/reference/standstill.md").read_text()
-    assert "`standstill.csv` `theta_deg`, `c_m`, `force_n`" in page
+    for column, unit in (("theta_deg", "deg"), ("c_m", "m"), ("force_n", "N")):
+        assert f"| `{column}` | {unit} |" in page
 
 
 def test_a_new_command_plans_without_a_trace(command):
@@ -158,6 +159,41 @@ def test_a_new_command_leaves_a_stranger_file_alone(command):
 def test_a_new_command_is_in_the_library(command):
     script = "import camcli; r = camcli.standstill(); print(*r.tables['standstill'])"
     assert command.python("-c", script).stdout.split() == ["theta_deg", "c_m", "force_n"]
+
+
+@pytest.fixture(scope="module")
+def column(tmp_path_factory):
+    copy = Copy(tmp_path_factory.mktemp("column"), "A new column")
+    yield copy
+    copy.close()
+
+
+SHORT = "--set run.transient=100 --set run.record=20"
+
+
+def test_a_new_column_is_in_every_table_of_its_kind(column):
+    column.cam(f"sweep --rpm 700:740 --points 3 {SHORT} --no-plot -o sweep")
+    column.cam("detach --rpm 100:180 --points 3 --no-plot -o detach")
+    vary = "--rpm 700:740 --vary follower.restitution=0.6:0.8"
+    column.cam(f"sweep {vary} --points 2,2 {SHORT} --panels impact_energy_j -o map")
+    for name in ("sweep/speeds.csv", "detach/speeds.csv", "map/map.csv"):
+        rows = column.rows(name)
+        assert rows
+        for row in rows:  # of the default machine
+            speed = float(row["max_impact_m_per_s"])
+            energy = 0.5 * 1.221 * speed * speed
+            assert float(row["impact_energy_j"]) == pytest.approx(energy, rel=1e-12)
+    assert (column.folder / "map" / "map.png").stat().st_size > 10_000
+
+
+def test_a_new_column_is_told_in_the_reference_and_the_schema(column):
+    assert column.python("-m", "camcli.cli.reference").returncode == 0
+    for command in ("sweep", "detach"):
+        page = (column.folder / f"camcli/guide/reference/{command}.md").read_text()
+        assert "| `impact_energy_j` | J | energy of the hardest impact |" in page
+    assert "impact_energy_j" in column.cam("schema").stdout
+    said = column.cam("sweep --rpm 700:701 --panels impact_energies", code=2).stderr
+    assert "did you mean 'impact_energy_j'?" in said
 
 
 SCENE = """

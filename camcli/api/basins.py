@@ -15,21 +15,50 @@ from camcli.analysis.sweep import status_name
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.machine import machine_of, span_of, with_values
 from camcli.api.result import Progress, Result, drawn_by
-from camcli.api.rows import MULTIPLIERS, multiplier_columns
+from camcli.api.rows import multiplier_columns
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Block, Table
 from camcli.parallel import Work
 from camcli.piece_faults import PieceFault, attempt, gather, gathering, piece
+from camcli.quantities import EXPONENT, LABEL, MULTIPLIERS, RPM, VARIED, Head, Q, Quantity, V
 from camcli.scene import Scene
 from camcli.system import omega_of
 from camcli.words import plan
 from camcli.words.basins import CRITERION, basins_notes
 from camcli.words.machine import height_notes
 
-ATTRACTORS = ("attractor", "label", "q_m", "v_m_per_s", "fraction", "standard_error", "rpm")
-GROWTH = (*MULTIPLIERS, "lyapunov_per_period")
-BASINS = ("q_m", "v_m_per_s", "attractor")
-SADDLES = ("label", "q_m", "v_m_per_s", *MULTIPLIERS, "led", "tried")
+NUMBER = Quantity(
+    "attractor", "", "attractor", "number of the attractor", "0 undecided, below 0 a trouble"
+)
+ATTRACTORS = Head(
+    "attractors",
+    "the attractors of each speed, and what belongs to none",
+    (
+        NUMBER, LABEL, Q, V, Quantity("fraction", "", "fraction", "share of the cells"),
+        Quantity("standard_error", "", "standard error", "of that share"), RPM,
+    ),
+    {
+        "with basins.exponents": (*MULTIPLIERS, EXPONENT),
+        "first, where another number is varied": (VARIED._replace(column="KEY", unit=""),),
+    },
+)  # fmt: skip
+GROWTH = tuple(one.column for one in ATTRACTORS.more["with basins.exponents"])
+BASINS = Head(
+    "basins",
+    "a cell each, at its centre, of up to three speeds; with refinement cells are of different "
+    "sizes, those cut in four have no row",
+    (Q, V, NUMBER),
+    {"of two or three speeds": (VARIED,)},
+)
+SADDLES = Head(
+    "saddles",
+    "with basins.saddles: the saddles on the boundaries",
+    (
+        VARIED, LABEL, Q, V, *MULTIPLIERS,
+        Quantity("led", "", "led", "motions beside the boundary that came near to it"),
+        Quantity("tried", "", "tried", "motions tried"),
+    ),
+)  # fmt: skip
 ROWS = 1 << 16  # of a refined grid at a time
 
 
@@ -53,15 +82,8 @@ def basins(
     Returns
     -------
     Result
-        Tables, named as their files without the ending:
-
-        attractors.csv  attractor, label, q_m, v_m_per_s, fraction, standard_error, rpm; before them
-                        the key of another number that is varied
-        basins.csv      q_m, v_m_per_s, attractor: a row per cell at its centre (up to three speeds,
-                        of two and three with rpm, or first the key); with refinement cells are of
-                        different sizes, those cut in four have no row
-        saddles.csv     with basins.saddles, on the boundaries: rpm (or what is varied), label, q_m,
-                        v_m_per_s, multiplier_1_re, ..., led, tried (motions)
+        Tables ``attractors``, of up to three speeds ``basins``, and with ``basins.saddles``
+        ``saddles``; their columns are in the guide (`cam guide basins`).
 
         In ``summary`` the rests whose end only ball arithmetic tells with holds_for as in
         ``classify``, basin entropy, boundary entropy and, with ``basins.boundary``, the uncertainty
@@ -106,10 +128,10 @@ def basins(
     tables = {"attractors": _attractors_table(found, key)}
     if found.grids:
         at = (key,) if len(found.grids) > 1 else ()
-        columns = (*BASINS, *at) if key == "rpm" else (*at, *BASINS)
+        columns = (*BASINS.names(), *at) if key == "rpm" else (*at, *BASINS.names())
         tables["basins"] = Table(columns, lambda: _cell_blocks(found.grids, question.refine, key))
     if section.saddles:
-        tables["saddles"] = Table.of_rows((key, *SADDLES), lambda: _saddle_rows(found))
+        tables["saddles"] = Table.of_rows(SADDLES.names(key), lambda: _saddle_rows(found))
 
     own = attempt("", lambda: system if setup is None else setup(values[0])[0])
     own = system if isinstance(own, PieceFault) else own  # its cam is drawn
@@ -138,7 +160,7 @@ def _attractors_table(found: Study, key: str) -> Table:
     asked = any(speed.exponents is not None for speed in found.speeds)
     first = () if key == "rpm" else (key,)
     return Table.of_rows(
-        (*first, *ATTRACTORS, *(GROWTH if asked else ())),
+        (*first, *ATTRACTORS.names(), *(GROWTH if asked else ())),
         lambda: ((*[s.value] * len(first), *row) for s in found.speeds for row in _rows(s)),
     )
 
@@ -309,6 +331,7 @@ def _repeated(scene: Scene) -> tuple[Scene, int]:
 
 COMMAND = Command(
     run=basins,
+    tables=(ATTRACTORS, BASINS, SADDLES),
     artefacts=("attractors.csv", "basins.csv", "saddles.csv", "basins.png"),
     size=_size,
     drawing=lambda scene: Drawing(110e3, 270e6, 75.0),

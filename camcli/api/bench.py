@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, astuple, dataclass, fields, replace
+from dataclasses import asdict, astuple, dataclass, replace
 from functools import cache, partial
 from math import isnan, nan
 from typing import Any
@@ -25,6 +25,7 @@ from camcli.output.tables import Table
 from camcli.parallel import Codec, Work
 from camcli.parallel.threads import thread_count
 from camcli.piece_faults import PieceFault, attempt, gather, gathering
+from camcli.quantities import STATUS, Head, Quantity
 from camcli.scene import Cam, Scene, load_scene
 from camcli.words.bench import NO_HEYOKA, precision_notes, stability_notes
 
@@ -48,6 +49,47 @@ PARTS: dict[str, Any] = {
     "stability": stability.Outcome,
     "scale": Throughput,
 }
+CASE = Quantity("case", "", "case", "what is measured")
+SECONDS = Quantity("seconds", "s", "seconds", "time of a run")
+HEADS = (
+    Head(
+        "precision",
+        "ours and general integrators on the same motions",
+        (
+            CASE, Quantity("method", "", "method", "what integrates"),
+            Quantity("setting", "", "setting", "its tolerance or step"),
+            SECONDS, Quantity("error", "turns", "error", "largest error"),
+            Quantity("impacts", "", "impacts", "impacts of the run"),
+            Quantity("evaluations", "", "evaluations", "gaps or derivatives computed"),
+            Quantity("missed", "", "missed", "impacts of the reference not found"),
+            Quantity("extra", "", "extra", "impacts found but not there"),
+            Quantity("bound", "turns", "bound", "error promised where it is largest"),
+            Quantity("of_bound", "", "of bound", "largest error over its own bound"), STATUS,
+        ),
+    ),
+    Head(
+        "stability",
+        "the table of extreme cases, run",
+        (
+            CASE, Quantity("expected", "", "expected", "what should happen"),
+            Quantity("observed", "", "observed", "what happens"), STATUS, SECONDS,
+        ),
+    ),
+    Head(
+        "scale",
+        "a sweep of 401 speeds, a map of 60 x 60 points, basins of 256 x 256 cells, on one thread "
+        "and on all in turn, the least of bench.repeats each",
+        (
+            CASE, Quantity("turns", "turns", "turns", "turns computed", "empty: not counted"),
+            Quantity("impacts", "", "impacts", "impacts computed"),
+            Quantity("threads", "", "threads", "threads of the second run"),
+            Quantity("seconds_one_thread", "s", "seconds", "time on one thread"),
+            SECONDS._replace(words="time on all threads"),
+            Quantity("speedup", "", "speedup", "the first time over the second"),
+            Quantity("impacts_per_s", "1/s", "impacts", "impacts a second on all threads"),
+        ),
+    ),
+)  # fmt: skip
 DRAWN = ("precision", "stability")
 STUDIES: dict[str, tuple[Callable[..., Result], float, dict[str, Any]]] = {  # with their turns
     "sweep": (sweep, 401_000, {"sweep.rpm": {"start": 660.0, "stop": 760.0, "num": 401}}),
@@ -95,15 +137,8 @@ def bench(
     Returns
     -------
     Result
-        Tables, named as their files without the ending:
-
-        precision.csv  case, method, setting, seconds, error, impacts, evaluations, missed, extra,
-                       bound, of_bound, status: ours and general integrators on the same motions
-        stability.csv  case, expected, observed, status, seconds: the table of extreme cases, run
-        scale.csv      case, turns, impacts, threads, seconds_one_thread, seconds, speedup,
-                       impacts_per_s: a sweep of 401 speeds, a map of 60 x 60 points, basins of
-                       256 x 256 cells; on one thread and on all in turn, the least of
-                       bench.repeats each
+        Tables ``precision``, ``stability`` and ``scale``; their columns are in the guide
+        (`cam guide bench`).
     """
     scene = scene or load_scene()
     with stopwatch() as watch, gathering() as faults:
@@ -117,7 +152,7 @@ def bench(
         scene=scene,
         system=None,
         values=found,
-        tables={name: _table(PARTS[name], rows) for name, rows in found.items()},
+        tables={one.name: _table(one, found[one.name]) for one in HEADS if one.name in found},
         summary={name: result for name, (result, _) in results.items()},
         pictures={k: drawn_by(f"bench.draw_{k}", found[k]) for k in DRAWN if k in found},
         cost=Cost(sum(m.impacts for m in ours), sum(m.evaluations for m in ours)),
@@ -205,9 +240,10 @@ def _attempted(part: str, measure: Callable[[Any], Any], piece: Any) -> Any:
     return attempt(f"{part}: {words}", lambda: measure(piece))
 
 
-def _table(kind: Any, rows: Sequence) -> Table:
+def _table(head: Head, rows: Sequence) -> Table:
+    """The fields of each row, in their order, under the names of the columns."""
     cells = [[_cell(value) for value in astuple(row)] for row in rows]
-    return Table.of_rows([f.name for f in fields(kind)], lambda: cells)
+    return Table.of_rows(head.names(), lambda: cells)
 
 
 def _cell(value: Any) -> Any:
@@ -250,6 +286,7 @@ RESULTS: dict[str, Callable] = {
 
 COMMAND = Command(
     run=bench,
+    tables=HEADS,
     artefacts=(
         "precision.csv", "stability.csv", "scale.csv", "precision.png", "stability.png",
     ),

@@ -13,11 +13,24 @@ from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.explanation import corners_table, explained, explanation_of
 from camcli.api.machine import machine_of, refuse_to_explain, span_of
 from camcli.api.result import Progress, Result, drawn_by, ticks
+from camcli.api.rows import CORNERS
 from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.parallel import Work
 from camcli.piece_faults import gather, gathering, piece
+from camcli.quantities import (
+    EXPONENT,
+    HOLDS_FOR,
+    LABEL,
+    PERIOD,
+    STABLE,
+    STATUS,
+    VARIED,
+    WATCHED,
+    Head,
+    Quantity,
+)
 from camcli.scene import Scene
 from camcli.words import plan
 from camcli.words.classify import remarks
@@ -27,10 +40,22 @@ from camcli.words.statuses import status_notes, trouble
 if TYPE_CHECKING:
     from camcli.analysis.explain.changes import Explanation
 
-# columns after the one of what is varied
-CLASSIFY = (
-    "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status", "holds_for",
-    "watched_turns",
+CLASSIFY = Head(
+    "classify",
+    "an attractor found each",
+    (
+        VARIED, LABEL, PERIOD._replace(entries="0: it does not"),
+        Quantity(
+            "impacts", "", "impacts", "impacts in one period, else the mean in a turn",
+            "inf with a complete chatter",
+        ),
+        Quantity(
+            "chatter", "", "chatter", "whether impacts accumulate",
+            "complete; incomplete: 8 impacts in a row, each weaker, that do not; none",
+        ),
+        STABLE._replace(entries="1, 0, empty where no orbit is solved"),
+        EXPONENT, STATUS, HOLDS_FOR, WATCHED,
+    ),
 )  # fmt: skip
 
 
@@ -57,17 +82,8 @@ def classify(
     Returns
     -------
     Result
-        Tables, named as their files without the ending:
-
-        classify.csv  rpm (or the key of what is varied), label, period (turns, 0 where the motion
-                      does not repeat), impacts (in one period, inf with a complete chatter; of an
-                      aperiodic motion the mean per turn), chatter (complete; incomplete: 8 impacts
-                      in a row, each weaker, that do not accumulate; none), stable (1, 0, empty
-                      where no orbit is solved), lyapunov_per_period, status, holds_for,
-                      watched_turns (for which a motion that looked aperiodic was followed in all,
-                      until it settled, rested or was called aperiodic; else empty): a row per
-                      attractor found
-        corners.csv   corner impacts of the solved branches (explain), columns as bifurcations.csv
+        Tables ``classify`` and, with ``explain``, ``corners``; their columns are in the guide
+        (`cam guide classify`).
 
         holds_for: after a rest whose motion doubles forget before it settles, the label is where
         the scene's own start ends, decided in ball arithmetic, and this says for which machines.
@@ -118,7 +134,7 @@ def classify(
         system=machine.system,
         values=(motions, explanation),
         tables={
-            "classify": Table.of_rows((key, *CLASSIFY), lambda: map(_row, motions)),
+            "classify": Table.of_rows(CLASSIFY.names(key), lambda: map(_row, motions)),
             "corners": corners_table(explanation),
         },
         summary=summary,
@@ -189,6 +205,7 @@ def _sample(scene: Scene, n: int) -> Scene:
 
 COMMAND = Command(
     run=classify,
+    tables=(CLASSIFY, CORNERS),
     artefacts=("classify.csv", "corners.csv", "classify.png"),
     size=_size,
     drawing=lambda scene: Drawing(130e3, 230e6, 24.0),

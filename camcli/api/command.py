@@ -6,13 +6,14 @@ Each module of an analysis, `camcli.api.NAME`, has one `COMMAND`; the command li
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from camcli.quantities import Head
 from camcli.scene import Axis, Scene
 
 if TYPE_CHECKING:
@@ -124,6 +125,8 @@ class Command:
 
     run
         The API function.
+    tables
+        The heads of its tables: a CSV file each.
     artefacts
         The names of all files that it may write. Files of other people with these names are looked
         for before any work is done.
@@ -152,6 +155,7 @@ class Command:
 
     run: Callable[..., Result]
     artefacts: tuple[str, ...]
+    tables: tuple[Head, ...] = ()
     size: Callable[[Scene], Size] = one_run
     drawing: Callable[[Scene], Drawing] = lambda scene: Drawing(200e3, 100e6, 5.0)
     beside: Callable[[Scene], float] = no_bytes
@@ -180,6 +184,28 @@ class Command:
         if "work" in signature(self.run).parameters:
             return partial(self.run, work=work)
         return self.run
+
+
+class Column(NamedTuple):
+    """A column of a table of a command, as a reference tells it.
+
+    when: in which runs it is there; empty: in all.
+    """
+
+    table: str
+    column: str
+    unit: str
+    meaning: str
+    when: str
+
+
+def columns_of(command: Command) -> Iterator[Column]:
+    """Every column of every table of a command, in the order of the files."""
+    for head in command.tables:
+        for when, quantities in (("", head.columns), *head.more.items()):
+            for one in quantities:
+                name = f"{one.column}_1.." if one.numbered else one.column
+                yield Column(head.name, name, one.unit, one.meaning, when)
 
 
 def command_of(name: str) -> Command:

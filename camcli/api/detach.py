@@ -19,24 +19,50 @@ from camcli.api.lift_table import accel_errors, with_ranges
 from camcli.api.machine import Machine, machine_of, with_arguments, with_values
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import SPEEDS, speed_row
-from camcli.api.tolerances import tolerances, tolerated
+from camcli.api.tolerances import TOLERANCE, tolerances, tolerated
 from camcli.cams.compile import lift_range
 from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.parallel import Work
 from camcli.piece_faults import gathering, piece
+from camcli.quantities import CORNER, FORCE, PRESSURE, REGION, RPM, THETA, Head, Quantity
 from camcli.scene import Scene
 from camcli.system import System, omega_of
 from camcli.words import plan
 from camcli.words.detach import burst_ranges, sentences, spring, unresolved_notes
 from camcli.words.statuses import status_notes, trouble
 
-DETACH = ("quantity", "region", "theta_deg", "rpm", "omega_rad_per_s", "rpm_low", "rpm_high")
-ACCUMULATION = ("rpm", "theta_deg")
-CORNER_HITS = ("impact", "corner", "rpm")
+LEFT_OPEN = "end of its bracket, of a measured cam of what the error of its table leaves"
+DETACH = Head(
+    "detach",
+    "the critical speeds",
+    (
+        Quantity("quantity", "", "quantity", "which critical speed", "first_detachment, ..."),
+        REGION, THETA, RPM._replace(entries="inf where contact is never lost"),
+        Quantity("omega_rad_per_s", "rad/s", r"$\omega$", "angular velocity of the cam"),
+        Quantity("rpm_low", "rpm", "lower end", f"lower {LEFT_OPEN}", "empty: not known"),
+        Quantity("rpm_high", "rpm", "upper end", f"upper {LEFT_OPEN}", "empty: not known"),
+    ),
+)  # fmt: skip
+ACCUMULATION = Head("accumulation", "where a complete chatter ends", (RPM, THETA))
+CORNER_HITS = Head(
+    "corner_hits",
+    "speeds at which an impact after lift-off lands on a corner",
+    (Quantity("impact", "", "impact", "number of the impact after lift-off"), CORNER, RPM),
+)
 FEW = 8  # rows of a table in a report
-FORCE = ("rpm", "theta_deg", "force_n", "pressure_pa")
+FORCES = Head(
+    "force",
+    "a follower kept on the cam; under a rocker the force is the valve's, the pressure the lobe's, "
+    "on which rocker_ratio times that force acts",
+    (RPM, THETA, FORCE, PRESSURE),
+)
+PAST = SPEEDS._replace(
+    words="the motion at some speeds past the first loss of contact, 20 turns from rest and 20 "
+    "that are measured",
+    more={},
+)
 
 
 def detach(
@@ -69,25 +95,8 @@ def detach(
     Returns
     -------
     Result
-        Tables, named as their files without the ending:
-
-        detach.csv        quantity, region, theta_deg, rpm (infinite where contact is never lost),
-                          omega_rad_per_s, rpm_low, rpm_high: the critical speeds, and between
-                          which speeds each lies: its bracket, of a measured cam what the error of
-                          its table leaves (empty where that is not known)
-        accumulation.csv  rpm, theta_deg: where a complete chatter ends, a row per burst and speed
-        corner_hits.csv   impact, corner, rpm: impact n after lift-off lands on a corner
-        force.csv         rpm, theta_deg, force_n, pressure_pa: contact force of a follower kept on
-                          the cam; with the section contact of the scene the Hertz pressure, else
-                          empty (NaN); under a rocker the force is the valve's, the pressure the
-                          lobe's, on which rocker_ratio times that force acts
-        speeds.csv        columns as of sweep: the motion at some speeds past the first loss of
-                          contact, 20 turns from rest and 20 that are measured
-        tolerance.csv     with detach.tolerance its keys, table_error (of a measured cam: -1 to 1
-                          times the bound on the error of its second derivative),
-                          first_detachment_rpm, and of each spring of detach.hold_to the speed to
-                          which it holds (hold_stiffness_rpm, ...): the corners of the tolerances,
-                          then detach.machines machines in between, all equally likely
+        Tables ``detach``, ``accumulation``, ``corner_hits``, ``force`` and ``speeds``, with
+        ``detach.tolerance`` ``tolerance``; their columns are in the guide (`cam guide detach`).
 
     References
     ----------
@@ -139,16 +148,17 @@ def detach(
         system=system,
         values=found,
         tables={
-            "detach": Table.of_rows(DETACH, lambda: _critical_rows(found)),
+            "detach": Table.of_rows(DETACH.names(), lambda: _critical_rows(found)),
             "accumulation": Table.of_rows(
-                ACCUMULATION,
+                ACCUMULATION.names(),
                 lambda: ((s.rpm, degrees(end)) for s in found.speeds for end in s.ends),
             ),
             "corner_hits": Table.of_rows(
-                CORNER_HITS, lambda: ((hit.impact, hit.corner, hit.rpm) for hit in found.hits)
+                CORNER_HITS.names(),
+                lambda: ((hit.impact, hit.corner, hit.rpm) for hit in found.hits),
             ),
-            "force": Table(FORCE, lambda: iter(forces)),
-            "speeds": Table.of_rows(("rpm", *SPEEDS), lambda: map(speed_row, found.past)),
+            "force": Table(FORCES.names(), lambda: iter(forces)),
+            "speeds": Table.of_rows(PAST.names(), lambda: map(speed_row, found.past)),
             **tables,
         },
         summary={"status": budget.status.text, **values},
@@ -302,6 +312,7 @@ def _check(scene: Scene) -> None:
 
 COMMAND = Command(
     run=detach,
+    tables=(DETACH, ACCUMULATION, CORNER_HITS, FORCES, PAST, TOLERANCE),
     artefacts=(
         "detach.csv", "accumulation.csv", "corner_hits.csv", "force.csv", "speeds.csv",
         "tolerance.csv", "detach.png", "report.pdf",

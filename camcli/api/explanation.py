@@ -9,7 +9,7 @@ from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits.kinds import Kind
 from camcli.api.machine import Machine
 from camcli.api.result import Progress, budget_of, ticks
-from camcli.api.rows import BIFURCATIONS, bifurcation_row
+from camcli.api.rows import CORNERS, bifurcation_row
 from camcli.errors import Status
 from camcli.output.tables import Table
 from camcli.piece_faults import piece
@@ -70,4 +70,4 @@ def corners_table(explanation: Explanation | None) -> Table:
     """corners.csv: corner impacts of the followed branches."""
     found = [] if explanation is None else explanation.bifurcations
     corners = [b for b in found if b.kind == Kind.CORNER_IMPACT]
-    return Table.of_rows(BIFURCATIONS, lambda: (bifurcation_row(b, "rpm") for b in corners))
+    return Table.of_rows(CORNERS.names(), lambda: (bifurcation_row(b, "rpm") for b in corners))

@@ -16,11 +16,28 @@ from typing import TYPE_CHECKING, NamedTuple
 from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import OrbitsResult
-from camcli.api.rows import BIFURCATIONS, MULTIPLIERS, bifurcation_row, multiplier_columns
+from camcli.api.rows import BIFURCATIONS, KIND, SIDES, bifurcation_row, multiplier_columns
 from camcli.cams.files import decoded, read_bytes
 from camcli.errors import Fault, SceneError, shown
 from camcli.output.tables import Table
-from camcli.quantities import PARAMETERS
+from camcli.quantities import (
+    BRANCH,
+    CORNER,
+    FIRST,
+    LABEL,
+    MULTIPLIERS,
+    PARAMETERS,
+    PROVED,
+    RPM,
+    SECOND,
+    STABLE,
+    THETA,
+    U_MINUS,
+    Head,
+    Q,
+    Quantity,
+    V,
+)
 from camcli.scene import Orbits
 from camcli.system import omega_of
 
@@ -32,7 +49,39 @@ MOST_NUMBERS, MOST_LINES = 20_000_000, 5000  # of it
 # of a file that is no table of ours
 BAD_FILE = (csv.Error, ValueError, LookupError, StopIteration)
 Keys = Mapping[str, str]  # of what is varied by a key of the scene, the key by parameter
-CURVE = ("theta_deg", "trace_left", "det_left", "trace_right", "det_right")
+BRANCHES = Head(
+    "branch",
+    "the points of each branch in its order, or the orbits found at one speed",
+    (
+        BRANCH, LABEL, RPM, STABLE, Quantity("region", "", "region", "regions of its impacts"),
+        THETA._replace(
+            words="phase of each impact, or of each departure of an orbit that rests", numbered=True
+        ),
+        Q._replace(words="position at the strobe"), V._replace(words="velocity at the strobe"),
+        *MULTIPLIERS,
+        Quantity("trace", "", "trace", "trace of the monodromy matrix"),
+        Quantity("det", "", "det", "its determinant"),
+        U_MINUS._replace(words="incoming velocity of each impact", numbered=True),
+    ),
+    {"with prove": (PROVED,)},
+)  # fmt: skip
+EVENTS = BIFURCATIONS._replace(
+    more={
+        "with prove": (
+            PROVED,
+            Quantity("enclosure_low", "", "from", "lower end of an enclosure of the parameter"),
+            Quantity("enclosure_high", "", "to", "its upper end"),
+        )
+    }
+)
+CURVE = Head(
+    "curve",
+    "with curve: a bifurcation in two parameters",
+    (
+        Quantity("curve", "", "curve", "number of the curve"), KIND, LABEL, CORNER, FIRST, SECOND,
+        THETA._replace(words="phases of the impacts, between colons"), *SIDES,
+    ),
+)  # fmt: skip
 
 
 # --- written
@@ -60,12 +109,11 @@ def branch_table(found: OrbitsResult, keys: Keys) -> Table:
         proofs = found.proofs.orbits if found.question.span is None else []
         proved = [[_yes(p)] for p in chain(proofs, *found.proofs.points)]
     most = max((len(orbit.theta) for _, orbit in rows), default=1) or 1
-    thetas = (f"theta_deg_{k + 1}" for k in range(most))
-    columns = [
-        *first, "branch", "label", "rpm", "stable", "region", *thetas, "q_m", "v_m_per_s",
-        *MULTIPLIERS, "trace", "det", *last,
-        *(f"u_minus_m_per_s_{k + 1}" for k in range(most)), *(["proved"] if found.proofs else []),
-    ]  # fmt: skip
+    columns = [*first, *BRANCHES.names(impacts=most)]
+    after_det = columns.index("det") + 1
+    columns[after_det:after_det] = last
+    if found.proofs is not None:
+        columns.append(PROVED.column)
 
     def row(number: int, orbit: PeriodicOrbit, more: list) -> list:
         q, w = orbit.states[0]
@@ -95,12 +143,12 @@ def bifurcations_table(found: OrbitsResult, keys: Keys) -> Table:
     are proofs, each row ends with the proof and its enclosure of the parameter.
     """
     first, last = _columns(found.question.parameter, keys)
-    columns = [*first, *BIFURCATIONS, *last, *(f"{name}_error" for name in (*first, *last))]
+    columns = [*first, *EVENTS.names(), *last, *(f"{name}_error" for name in (*first, *last))]
     rows = [bifurcation_row(b, found.question.parameter) for b in found.bifurcations]
     if first:  # `vary` names the parameter: its value goes to the front
         rows = [[value, *row, error] for *row, value, error in rows]
     if found.proofs is not None:
-        columns += ["proved", "enclosure_low", "enclosure_high"]
+        columns += [one.column for one in EVENTS.more["with prove"]]
         parameter = columns.index([*first, *last, "rpm"][0])
         for row, proof in zip(rows, found.proofs.events, strict=True):
             if proof.proved and proof.low is not None and proof.high is not None:
@@ -128,8 +176,7 @@ def curve_table(curves: list[Curve], section: Orbits, keys: Keys) -> Table:
                 yield (*named, point.first, point.second, thetas, *left, *right)
 
     first, second = names[section.parameter], names[section.curve_in]
-    columns = ("curve", "kind", "label", "corner", first, second, *CURVE)
-    return Table.of_rows(columns, rows)
+    return Table.of_rows(CURVE.names(first, second), rows)
 
 
 # --- read
@@ -152,7 +199,7 @@ def read_branches(path: str | PathLike, key: str) -> list[BranchColumns]:
     with _orbits_file("--branches", path, "branch.csv", [key], "see cam orbits") as table:
         header, rows, (x,) = table
         number, stable, q = (header.index(name) for name in ("branch", "stable", "q_m"))
-        phases = [k for k, name in enumerate(header) if name.startswith("theta_deg_")]
+        phases = [k for k, name in enumerate(header) if name.startswith(f"{THETA.column}_")]
         branches: list[BranchColumns] = []
         count = 0
         for _, members in groupby(rows, itemgetter(number)):

@@ -19,7 +19,15 @@ from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
 from camcli.api.command import Command, Drawing, Size
 from camcli.api.machine import Machine, machine_of, with_arguments, with_values
-from camcli.api.orbit_tables import Keys, bifurcations_table, branch_table, curve_table
+from camcli.api.orbit_tables import (
+    BRANCHES,
+    CURVE,
+    EVENTS,
+    Keys,
+    bifurcations_table,
+    branch_table,
+    curve_table,
+)
 from camcli.api.result import Progress, Result, budget_of, drawn_by, ticks
 from camcli.api.rows import (
     IMPACTS,
@@ -76,22 +84,13 @@ def orbits(
     Returns
     -------
     Result
-        Tables, named as their files without the ending:
+        Tables ``branch`` and ``bifurcations``, with ``curve`` ``curve``, and with
+        ``orbits.simulated`` ``impacts`` and ``strobe``; their columns are in the guide
+        (`cam guide orbits`).
 
-        branch.csv        branch, label, rpm, stable (0 or 1), region, theta_deg_1.. (impacts; of an
-                          orbit that rests: departures), q_m, v_m_per_s at the strobe,
-                          multiplier_1_re, ..., trace, det, u_minus_m_per_s_1.. (incoming
-                          velocities): the points of each branch in its order, or the orbits found
-                          at one speed
-        bifurcations.csv  branch, label, kind, rpm, rpm_error, corner, trace_left, det_left,
-                          trace_right, det_right, classification
-        curve.csv         with curve: a bifurcation in two parameters
-        impacts.csv       with orbits.simulated, and strobe.csv, as of sweep
-
-        A number that ``vary`` names is the first column, under its key. With ``prove`` branch and
-        bifurcations append proved (yes, no), bifurcations also enclosure_low and enclosure_high of
-        the parameter; ``summary`` has the boxes, the step that failed, and holds_for: last-digit
-        where an orbit is proved for every speed that rounds to its own, else exact-data.
+        A number that ``vary`` names is the first column, under its key. With ``prove`` ``summary``
+        has the boxes, the step that failed, and holds_for: last-digit where an orbit is proved for
+        every speed that rounds to its own, else exact-data.
 
     Raises
     ------
@@ -157,8 +156,9 @@ def _tables(
     }
     if simulated is not None:
         key = keys.get(simulated.key, PARAMETERS[simulated.key].column)
-        for name, columns in (("impacts", IMPACTS), ("strobe", STROBE)):
-            makes[name] = partial(Table, (key, *columns), partial(blocks, simulated, name))
+        for head in (IMPACTS, STROBE):
+            rows = partial(blocks, simulated, head.name)
+            makes[head.name] = partial(Table, head.names(key), rows)
     if section.curve is not None:
         makes["curve"] = partial(curve_table, found.curves, section, keys)
     made = {name: piece(f"{name}.csv", make) for name, make in makes.items()}
@@ -386,6 +386,7 @@ def _size(scene: Scene) -> Size:
 
 COMMAND = Command(
     run=orbits,
+    tables=(BRANCHES, EVENTS, CURVE, IMPACTS._replace(more={}), STROBE._replace(more={})),
     artefacts=(
         "branch.csv", "bifurcations.csv", "curve.csv", "impacts.csv", "strobe.csv", "orbits.png",
         "curve.png",

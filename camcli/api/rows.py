@@ -5,31 +5,76 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from camcli.analysis.loads import Loads
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.sweep import Speed, Sweep, status_name
 from camcli.output.tables import Block
+from camcli.quantities import (
+    BRANCH,
+    CORNER,
+    EXPONENT,
+    HOLDS_FOR,
+    LABEL,
+    LOADS,
+    RPM,
+    STATUS,
+    THETA,
+    TURN,
+    U_MINUS,
+    VARIED,
+    WATCHED,
+    Head,
+    Q,
+    Quantity,
+    V,
+)
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.study import Bifurcation
 
-# columns after the one of what is varied
-IMPACTS = ("period", "theta_deg", "q_m", "u_minus_m_per_s")
-STROBE = ("period", "q_m", "v_m_per_s", "impacts", "chatter")
-SPEEDS = (
-    "label",
-    "impacts",
-    "lyapunov_per_period",
-    "status",
-    *Loads._fields,
-    "holds_for",
-    "watched_turns",
-)
-MULTIPLIERS = ("multiplier_1_re", "multiplier_1_im", "multiplier_2_re", "multiplier_2_im")
-BIFURCATIONS = (
-    "branch", "label", "kind", "rpm", "rpm_error", "corner", "trace_left", "det_left",
-    "trace_right", "det_right", "classification",
+WAYS = {
+    "carried both ways": (
+        Quantity("direction", "", "direction", "how it was carried", "up, down"),
+    ),
+    "with sweep.also": (Quantity("start", "", "start", "which start", "0 is run.start"),),
+}
+IMPACTS = Head("impacts", "the recorded impacts", (VARIED, TURN, THETA, Q, U_MINUS), WAYS)
+STROBE = Head(
+    "strobe",
+    "the state at the start of each recorded turn",
+    (
+        VARIED, TURN, Q, V,
+        Quantity("impacts", "", "impacts", "impacts in the turn"),
+        Quantity("chatter", "", "chatter", "whether a complete chatter ended in it", "0 or 1"),
+    ),
+    WAYS,
 )  # fmt: skip
+SPEEDS = Head(
+    "speeds",
+    "a speed, or another value, each; loads are empty where the status is fault",
+    (
+        VARIED, LABEL, Quantity("impacts", "", "impacts", "recorded impacts"), EXPONENT, STATUS,
+        *LOADS.values(), HOLDS_FOR, WATCHED,
+    ),
+    WAYS,
+)  # fmt: skip
+SIDES = tuple(
+    Quantity(f"{name}_{side}", "", name, f"{words} on the {side} of the event")
+    for side in ("left", "right")
+    for name, words in (("trace", "trace of the monodromy matrix"), ("det", "its determinant"))
+)
+KIND = Quantity("kind", "", "kind", "kind of the event", "fold, corner-impact, ...")
+BIFURCATIONS = Head(
+    "bifurcations",
+    "the events of all branches",
+    (
+        BRANCH, LABEL, KIND, RPM, Quantity("rpm_error", "rpm", "error", "how far off it may be"),
+        CORNER, *SIDES,
+        Quantity("classification", "", "classification", "what a border collision leads to"),
+    ),
+)  # fmt: skip
+CORNERS = BIFURCATIONS._replace(
+    name="corners", words="corner impacts of the solved branches (explain)"
+)
 
 
 def blocks(found: Sweep, section: str) -> Iterator[Block]:

@@ -17,7 +17,7 @@ from camcli.api.result import Progress, Result, drawn_by
 from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
-from camcli.quantities import LIFTS
+from camcli.quantities import FORCE, LIFTS, THETA, TURN, U_MINUS, U_PLUS, Head, Q, Quantity, V
 from camcli.scene import Scene
 from camcli.system import System, omega_of, units_of
 from camcli.words import plan
@@ -30,9 +30,35 @@ if TYPE_CHECKING:
     from camcli.analysis.simulate import Simulation
     from camcli.plots.picture import Picture
 
-TRAJECTORY = ("t_s", "theta_deg", "q_m", "v_m_per_s", "c_m", "c_dot_m_per_s", "contact")
-EVENTS = ("t_s", "period", "theta_deg", "event", "q_m", "u_minus_m_per_s", "u_plus_m_per_s")
-PROFILE = ("theta_deg", "c_m", "c_theta_m_per_rad", "c_thetatheta_m_per_rad2", "force_n")
+TIME = Quantity("t_s", "s", "time", "time from the first recorded turn")
+TRAJECTORY = Head(
+    "trajectory",
+    "the motion; an impact has two rows, just before and just after",
+    (
+        TIME, THETA, Q, V, LIFTS["c"],
+        Quantity("c_dot_m_per_s", "m/s", r"$\dot c$", "velocity of the cam under the follower"),
+        Quantity("contact", "", "contact", "where the follower is", "flight, sticking"),
+    ),
+)  # fmt: skip
+EVENTS = Head(
+    "events",
+    "impacts, complete chatters and detachments",
+    (
+        TIME, TURN, THETA,
+        Quantity(
+            "event", "", "event", "what happens",
+            "impact; chatter: impacts have accumulated, the follower now sticks; detachment",
+        ),
+        Q, U_MINUS, U_PLUS,
+    ),
+)  # fmt: skip
+PROFILE = Head(
+    "profile",
+    "with profile_only the only table: the cam over a turn, two rows at a corner, left side first; "
+    "profile_2 and profile_3 of the cams in simulate.beside; under a rocker all of them are the "
+    "valve's, and the curvature in the summary and the picture is the lobe's",
+    (THETA, *LIFTS.values(), FORCE),
+)
 
 
 def simulate(
@@ -68,17 +94,8 @@ def simulate(
     Returns
     -------
     Result
-        Tables, named as their files without the ending:
-
-        trajectory.csv  t_s, theta_deg, q_m, v_m_per_s, c_m, c_dot_m_per_s, contact (flight,
-                        sticking); an impact has two rows, just before and just after
-        events.csv      t_s, period, theta_deg, event (impact; chatter: impacts have accumulated,
-                        the follower now sticks; detachment), q_m, u_minus_m_per_s, u_plus_m_per_s
-        profile.csv     with profile_only the only one: theta_deg, c_m, c_theta_m_per_rad,
-                        c_thetatheta_m_per_rad2, force_n (the contact force at the speed); two rows
-                        at a corner, left side first; profile_2.csv and profile_3.csv of the cams
-                        in simulate.beside; under a rocker all of them are the valve's, and the
-                        curvature in the summary and the picture is the lobe's
+        Tables ``trajectory`` and ``events``, or with ``profile_only`` ``profile``; their columns
+        are in the guide (`cam guide simulate`).
 
     Raises
     ------
@@ -114,8 +131,8 @@ def simulate(
         system=system,
         values=found,
         tables={
-            "trajectory": Table.of_rows(TRAJECTORY, lambda: found.trajectory),
-            "events": Table.of_rows(EVENTS, lambda: found.events),
+            "trajectory": Table.of_rows(TRAJECTORY.names(), lambda: found.trajectory),
+            "events": Table.of_rows(EVENTS.names(), lambda: found.events),
         },
         summary={
             "rpm": found.rpm,
@@ -197,7 +214,9 @@ def _profile(machine: Machine) -> Result:
         system=machine.system,
         values=result,
         tables={
-            "profile" if k == 1 else f"profile_{k}": Table.of_rows(PROFILE, partial(rows, one))
+            "profile" if k == 1 else f"profile_{k}": Table.of_rows(
+                PROFILE.names(), partial(rows, one)
+            )
             for k, one in enumerate(results, 1)
         },
         summary=_profile_summary(result, machine.system.rocker_ratio),
@@ -297,6 +316,7 @@ def _sample(scene: Scene, n: int) -> Scene:
 
 COMMAND = Command(
     run=simulate,
+    tables=(TRAJECTORY, EVENTS, PROFILE),
     artefacts=(
         "trajectory.csv", "events.csv", "profile.csv", "profile_2.csv", "profile_3.csv",
         "simulate.png", "profile.png", "simulate.gif", "simulate.mp4",

@@ -10,20 +10,32 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from camcli.analysis.labels import period_of
-from camcli.analysis.loads import Loads
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of, start_of
 from camcli.api.orbit_tables import BranchColumns, read_branches, read_curves
 from camcli.api.result import Progress, Result, drawn_by, ticks
-from camcli.api.rows import IMPACTS, SPEEDS, STROBE, blocks, speed_row
+from camcli.api.rows import CORNERS, IMPACTS, SPEEDS, STROBE, blocks, speed_row
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.parallel import Work
 from camcli.parallel.work import IN_MEMORY
 from camcli.piece_faults import gather, gathering, piece
+from camcli.quantities import (
+    EXPONENT,
+    FIRST,
+    HOLDS_FOR,
+    LABEL,
+    LOADS,
+    PERIOD,
+    SECOND,
+    STATUS,
+    WATCHED,
+    Head,
+    Quantity,
+)
 from camcli.scene import Scene
 from camcli.system import units_of
 from camcli.words import plan
@@ -35,7 +47,15 @@ if TYPE_CHECKING:
     from camcli.analysis.classify import Motion
     from camcli.analysis.explain.changes import Explanation
 
-MAP = ("label", "period", "impacts_per_turn", "lyapunov_per_period", *Loads._fields)
+MAP = Head(
+    "map",
+    "of two numbers: a point each",
+    (
+        FIRST, SECOND, LABEL, PERIOD,
+        Quantity("impacts_per_turn", "1/turn", "impacts", "recorded impacts in a turn"),
+        EXPONENT, *LOADS.values(), STATUS, HOLDS_FOR, WATCHED,
+    ),
+)  # fmt: skip
 
 
 def sweep(
@@ -60,26 +80,8 @@ def sweep(
     Returns
     -------
     Result
-        Tables, named as their files without the ending:
-
-        impacts.csv  rpm, period (recorded turn, from 0), theta_deg, q_m, u_minus_m_per_s (velocity
-                     relative to the cam just before): the recorded impacts
-        strobe.csv   rpm, period, q_m, v_m_per_s, impacts, chatter: the state at the start of each
-                     recorded turn, impacts in it and whether a complete chatter ended in it (1)
-        speeds.csv   rpm, label, impacts, lyapunov_per_period, status, max_gap_m, airborne_fraction,
-                     max_impact_m_per_s, min_contact_force_n, max_contact_force_n, contact_lost_deg,
-                     contact_regained_deg, landing_deg, landing_lift_m, shut_bounces_per_turn: of
-                     the recorded turns; forces while on the cam, the first phase after the strobe
-                     at which contact is lost and the last where it is regained, phase and lift of
-                     the hardest impact, and impacts, a tenth as hard or harder, within a hundredth
-                     of the lift; empty (NaN) where they do not apply, all of them where the status
-                     is fault; holds_for: last-digit or exact-data as in classify, mostly empty;
-                     watched_turns: turns for which what is, or first looked, aperiodic was followed
-                     in all: run.patience more than the record at the ends of each chaotic range
-        corners.csv  corner impacts of the solved branches (explain), columns as bifurcations.csv
-        map.csv      of two numbers: both keys, label, period (turns), impacts_per_turn,
-                     lyapunov_per_period, the columns of speeds.csv from max_gap_m on, status,
-                     holds_for, watched_turns: a row per point
+        Tables ``impacts``, ``strobe`` and ``speeds``, with ``explain`` ``corners``; of two numbers
+        ``map`` alone. Their columns are in the guide (`cam guide sweep`).
 
         The first column bears the key of what is varied, rpm for the speed; where the state is
         carried both ways a last one, direction, says up or down; with ``also`` a last one, start,
@@ -183,7 +185,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
         scene=machine.scene,
         system=machine.system,
         values=(found, None),
-        tables={"map": Table.of_rows((*keys, *MAP, "status", "holds_for", "watched_turns"), rows)},
+        tables={"map": Table.of_rows(MAP.names(*keys), rows)},
         summary={
             "direction": found.direction,
             "labels": [{"label": a, "status": b, "points": n} for (a, b), n in counts.items()],
@@ -228,12 +230,12 @@ def _result(
     cost, cut = found.cost, list[str]()
     summary = piece("the summary", lambda: _summary(found), {})
     tables: dict[str, Table] = {
-        name: Table((found.key, *columns, *found.way_names), partial(blocks, found, name))
-        for name, columns in (("impacts", IMPACTS), ("strobe", STROBE))
+        name: Table((*head.names(found.key), *found.way_names), partial(blocks, found, name))
+        for name, head in ((one.name, one) for one in (IMPACTS, STROBE))
         if name in section.sections and section.tables != "none"
     }
     tables["speeds"] = Table.of_rows(
-        (found.key, *SPEEDS, *found.way_names),
+        (*SPEEDS.names(found.key), *found.way_names),
         lambda: ((*speed_row(a), *b) for a, b in zip(found.bare, found.ways, strict=True)),
     )
     if explanation is not None:
@@ -323,6 +325,7 @@ def _sample(scene: Scene, n: int) -> Scene:
 
 COMMAND = Command(
     run=sweep,
+    tables=(IMPACTS, STROBE, SPEEDS, CORNERS, MAP),
     artefacts=(
         "impacts.csv", "strobe.csv", "impacts.npz", "strobe.npz", "speeds.csv", "corners.csv",
         "sweep.png", "map.csv", "map.png",

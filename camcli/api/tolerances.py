@@ -8,6 +8,7 @@ from random import Random
 from statistics import median
 from typing import Any
 
+from camcli.analysis.contact_loss.detachment import Quantity as Critical
 from camcli.analysis.contact_loss.detachment import first_loss
 from camcli.analysis.contact_loss.hold import Hold, replaced
 from camcli.analysis.contact_loss.study import ContactLoss
@@ -18,7 +19,29 @@ from camcli.errors import Fault, SceneError
 from camcli.output.tables import Table
 from camcli.parallel import Codec, Work, stored
 from camcli.piece_faults import PieceFault, attempt, gather
+from camcli.quantities import Head, Quantity
 from camcli.scene import Axis, resolved
+
+TABLE_ERROR = Quantity(
+    "table_error", "", "error of the table", "share of the bound on the error of its c_thetatheta",
+    "-1 to 1",
+)  # fmt: skip
+FIRST_LOSS = Quantity("first_detachment_rpm", "rpm", "first detachment", "speed to which it holds")
+HELD = {
+    spring: Quantity(f"{spring}_rpm", "rpm", "holds to", f"speed to which it holds with {words}")
+    for spring, words in (
+        (Critical.HOLD_STIFFNESS, "the spring of another stiffness"),
+        (Critical.HOLD_PRELOAD, "the spring of another preload"),
+        (Critical.HOLD_BOTH, "the spring of both"),
+    )
+}
+TOLERANCE = Head(
+    "tolerance",
+    "with detach.tolerance: the corners of the tolerances, then detach.machines machines in "
+    "between, all equally likely",
+    (Quantity("KEY", "", "number", "each number that may be off", varied=True), FIRST_LOSS),
+    {"of a measured cam": (TABLE_ERROR,), "of the springs of detach.hold_to": tuple(HELD.values())},
+)
 
 
 @dataclass(frozen=True)
@@ -75,7 +98,7 @@ def tolerances(
     keys = [axis.key for axis in axes]
     measured = machines.machine.scene.cam.kind == "table"
     if measured:
-        ranges, keys = [*ranges, (-1.0, 1.0)], [*keys, "table_error"]
+        ranges, keys = [*ranges, (-1.0, 1.0)], [*keys, TABLE_ERROR.column]
     corners = list(product(*ranges))
     between = [tuple(draw.uniform(*ends) for ends in ranges) for _ in range(section.machines)]
     pieces = [*corners, *between]
@@ -93,8 +116,7 @@ def tolerances(
         unknown if isinstance(row, PieceFault) else [float(rpm) for rpm in row]
         for row in found_rows
     ]
-    columns = [*keys, "first_detachment_rpm"]
-    columns += [f"{hold.quantity}_rpm" for hold in springs]
+    columns = [*keys, FIRST_LOSS.column, *(HELD[hold.quantity].column for hold in springs)]
     table = Table.of_rows(
         columns, lambda: ((*piece, *row) for piece, row in zip(pieces, rows, strict=True))
     )

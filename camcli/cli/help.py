@@ -2,7 +2,7 @@
 
 The docstring of a command has a sentence, the blocks `Examples:` and `Files:`, and the rest. Help
 shows the first three; the page of the guide, which `camcli.cli.reference` writes, has all of it and
-the columns of every table, from the docstring of the API function.
+the columns of every table, from the record of the command.
 """
 
 import ast
@@ -41,10 +41,10 @@ def parts_of(docstring: str) -> Help:
     return Help(blocks[0], named["Examples:"], named["Files:"], "\n\n".join(rest))
 
 
-def tables(name: str) -> str:
-    """What the docstring of a command's API function, which is not run, says of its tables.
+def about_tables(name: str) -> str:
+    """What the docstring of a command's API function, which is not run, says of all its tables.
 
-    They are what its section Returns says after the first paragraph.
+    It is what its section Returns says after the first paragraph.
     """
     path = Path(__file__).parents[1] / "api" / f"{name}.py"
     tree = ast.parse(path.read_text(encoding="utf-8") if path.is_file() else "")
@@ -52,8 +52,7 @@ def tables(name: str) -> str:
     docstring = "".join(ast.get_docstring(x) or "" for x in functions).replace("``", "")
     returns = re.split(r"\n\n\w+\n---", docstring.partition("\nReturns\n")[2])[0]
     _, *paragraphs = returns.split("\n\n")
-    listed = [*map(dedent, paragraphs[:1])]
-    return "\n\n".join([*listed, *(" ".join(text.split()) for text in paragraphs[1:])])
+    return "\n\n".join(" ".join(text.split()) for text in paragraphs)
 
 
 def filled_lines(text: str) -> Iterator[str]:

@@ -12,11 +12,14 @@ import json
 import re
 from collections.abc import Iterator
 from importlib import import_module
+from importlib.util import find_spec
+from itertools import groupby
 from typing import Any
 
+from camcli.api.command import Command, columns_of, command_of
 from camcli.cli.app import COMMANDS
 from camcli.cli.exit_codes import MEANING
-from camcli.cli.help import ENTRY, filled_lines, parts_of, tables
+from camcli.cli.help import ENTRY, about_tables, filled_lines, parts_of
 from camcli.errors import Status
 from camcli.guide import FOLDER
 from camcli.scene import json_schema
@@ -27,6 +30,9 @@ CODE = re.compile(  # an option, a key of the scene, a file, a column
     r"(?:run|follower|cam|simulate|sweep|detach|orbits|basins|classify|explore|bench|plot)"
     r"\.[a-z]\w*|[A-Za-z]\w*_\w+))(?!\w)"
 )
+
+
+EMPTY = "What does not apply is empty; of numbers the library has NaN there."
 
 
 def written() -> dict[str, str]:
@@ -52,12 +58,28 @@ def command_page(name: str) -> str:
         record = parameter.get_help_record(context)
         if record is not None:
             lines.append(f"| `{_cell(record[0])}` | {_cell(record[1])} |")
-    columns = tables(name)
-    if columns:
-        lines += ["", "## Tables", "", *_listed(columns)]
+    if find_spec(f"camcli.api.{name}") is not None:
+        lines += table_lines(command_of(name))
+    about = about_tables(name)
+    if about:
+        lines += ["", *_listed(about)]
     if told.rest:
         lines += ["", "## More", "", *_listed(told.rest)]
     return _page(lines)
+
+
+def table_lines(command: Command) -> Iterator[str]:
+    """Every table of a command with its columns, their units and what they are."""
+    words = {head.name: head.words for head in command.tables}
+    if words:
+        yield from ("", "## Tables", "", EMPTY)
+    for table, columns in groupby(columns_of(command), lambda column: column.table):
+        yield from ("", f"### `{table}.csv`", "", f"{_plain(words[table])}", "")
+        yield from ("| column | unit | |", "|---|---|---|")
+        for one in columns:
+            when = f"{one.when}: " if one.when else ""
+            meaning = _plain(_cell(when + one.meaning))
+            yield f"| `{one.column}` | {_plain(one.unit)} | {meaning} |"
 
 
 def scene_page() -> str:
