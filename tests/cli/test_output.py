@@ -8,7 +8,7 @@ import pytest
 
 pytestmark = pytest.mark.slow
 
-TURNS = ("--set", "run.transient=5", "--set", "run.record=20")
+TURNS = ("--set", "run.transient=5", "--set", "run.record=20", "--set", "run.patience=0")
 SWEEP = ("sweep", "--points", "3", "--no-plot", *TURNS)
 WARNED = (*SWEEP, "--set", "follower.restitution=1", "--set", "run.record=2")
 LEFT = ("simulate", "--no-plot", "--set", "run.impact_budget=5", "--rpm", "190")
