@@ -9,14 +9,14 @@ from math import exp, log
 
 import numpy as np
 
+from camcli.analysis.differences import IDENTITY, flown, since_first_strobe, struck
 from camcli.analysis.explain.attractor import LEAST, Carried, impacts_of, states_of
 from camcli.analysis.integrate import Record, StartError
 from camcli.analysis.orbits import identify
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.shooter import Shooter
-from camcli.kernel.cam_table import TURN, lift_at, stretch_at
-from camcli.kernel.variational import flight_tangent, saltation_entry
+from camcli.kernel.cam_table import TURN
 from camcli.system import System
 
 LONGEST = 8  # turns of the saddles looked for
@@ -74,7 +74,7 @@ def monodromy(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> np.nda
     motion from x ends early or lies below the cam.
     """
     system = carried.system
-    cam, const = system.cam, system.constants(rpm, 1e-9, 1)
+    const = system.constants(rpm, 1e-9, 1)
     try:
         record = carried.motion(rpm, x, turns, True)
     except StartError:
@@ -82,19 +82,14 @@ def monodromy(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> np.nda
     if record.periods < turns:
         raise LostError
     theta, u, period = impacts_of(record)
-    at = (theta - system.strobe) % TURN + TURN * period
-    matrix, last = np.eye(2), 0.0
-    for place, phase, rate in zip(at.tolist(), theta.tolist(), u.tolist(), strict=True):
-        if place < TURN * turns:
-            lifts = lift_at(cam, stretch_at(cam, phase), phase)
-            bounce = [[-const.r, 0.0], [saltation_entry(const, lifts, rate), -const.r]]
-            matrix = bounce @ _flight(const, place - last) @ matrix
-            last = place
-    return _flight(const, TURN * turns - last) @ matrix
-
-
-def _flight(const, span: float) -> np.ndarray:
-    return np.reshape(flight_tangent(const, span), (2, 2))
+    matrix = IDENTITY
+    last = 0.0
+    for turn, phase, rate in zip(period.tolist(), theta.tolist(), u.tolist(), strict=True):
+        angle = since_first_strobe(system, turn, phase)
+        if angle < TURN * turns:
+            matrix = struck(system, const, phase, rate, flown(const, angle - last, matrix))
+            last = angle
+    return np.reshape(flown(const, TURN * turns - last, matrix), (2, 2))
 
 
 def find_saddles(

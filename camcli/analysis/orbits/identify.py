@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from camcli.analysis.differences import Matrix, flown, since_first_strobe, struck
 from camcli.analysis.exponents import Exponents, of_orbit, of_record
 from camcli.analysis.integrate import Orbit, Record, Settings, Start, with_turns
 from camcli.analysis.labels import (
@@ -30,10 +31,9 @@ from camcli.analysis.orbits.same_orbit import (
 )
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.errors import Status
-from camcli.kernel.cam_table import TURN, lift_at, stretch_at
+from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.kernel.flow import RPM
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
-from camcli.kernel.variational import after_flight, after_impact
 from camcli.system import System
 
 CLOSED = 1e-12  # relative distance of two passages of an orbit that rests on the way
@@ -159,29 +159,26 @@ def largest_growth(system: System, rpm: float, record: Record, window: range) ->
     and Bifurcations of Non-Smooth Mechanical Systems, 2004, ch. 7), and at an impact it is a phase
     error again, |dq/u|.
     """
-    cam = system.cam
     const = system.constants(rpm, 1.0, 1)
-    strobe = system.strobe
     largest = 0.0
-    last: float | None = None  # rad since period 0, of the last event of a motion from rest
-    pair: tuple[float, float] | None = None  # its difference; none before the first impact
+    last: float | None = None  # angle of the last event of a motion from rest
+    difference: Matrix | None = None  # none before the first impact
     for kind, period, theta, u in _events(record, window):
-        place = theta - strobe + (TURN if theta < strobe else 0.0) + TURN * period
+        angle = since_first_strobe(system, period, theta)
         if kind != IMPACT or last is None:
-            last = place if kind == DETACHMENT else None
-            pair = None
+            last = angle if kind == DETACHMENT else None
+            difference = None
             continue
-        s = place - last
-        if pair is None:
-            dq, dw = -u, -u / s if s > 0.0 else 0.0
+        hop = angle - last
+        if difference is not None:
+            difference = flown(const, hop, difference)
         else:
-            dq, _, dw, _ = after_flight(const, s, pair[0], 0.0, pair[1], 0.0)
-        largest = max(largest, abs(dq / u))
+            difference = (-u, 0.0, -u / hop if hop > 0.0 else 0.0, 0.0)
+        largest = max(largest, abs(difference[0] / u))
         if largest > TOO_LARGE:
             break
-        lifts = lift_at(cam, stretch_at(cam, theta), theta)
-        dq, _, dw, _ = after_impact(const, lifts, u, dq, 0.0, dw, 0.0)
-        last, pair = place, (dq, dw)
+        difference = struck(system, const, theta, u, difference)
+        last = angle
     return largest
 
 
