@@ -14,7 +14,7 @@ from camcli.analysis.explain.attractor import LEAST, Carried, impacts_of, states
 from camcli.analysis.integrate import Record, StartError
 from camcli.analysis.orbits import identify
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
-from camcli.analysis.orbits.same_orbit import same_orbit
+from camcli.analysis.orbits.same_orbit import close_returns, same_orbit
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel.cam_table import TURN
 from camcli.system import System
@@ -103,7 +103,7 @@ def find_saddles(
     found: list[PeriodicOrbit] = []
     shooter, at = Shooter(system, rpm), states_of(record) / size
     for turns in range(1, LONGEST + 1):
-        for k in _close_returns(at, turns):
+        for k in _closest_returns(at, turns):
             impacts = identify.impacts_of(record, range(k, k + turns))
             root = identify.newton_from(shooter, impacts, turns)
             if root is None:
@@ -115,11 +115,11 @@ def find_saddles(
     return sorted(found, key=lambda orbit: (orbit.turns, abs(orbit.multipliers[0])))
 
 
-def _close_returns(at: np.ndarray, turns: int) -> np.ndarray:
+def _closest_returns(at: np.ndarray, turns: int) -> np.ndarray:
     """First turns of the closest returns after so many turns, one in each cell."""
-    distance = np.abs(at[turns:] - at[:-turns]).max(1)
-    order = np.argsort(distance)
-    order = order[(distance[order] < RETURN) & (distance[order] > SAME_STATE)]
+    returned, apart = close_returns(at, turns, (1.0, 1.0), RETURN)
+    order = np.argsort(apart)
+    order = returned[order[apart[order] > SAME_STATE]]
     _, first = np.unique(at[order] * CELLS // 1, axis=0, return_index=True)
     return order[np.sort(first)[:TRIES]]
 

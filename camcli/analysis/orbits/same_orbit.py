@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     from camcli.analysis.orbits.orbit import PeriodicOrbit
 
@@ -27,6 +29,23 @@ def size_of(states: Sequence[State]) -> tuple[float, float]:
 def distance(a: State, b: State, size: State) -> float:
     """The relative distance of two states, sizes as of `size_of`."""
     return max(abs(a[0] - b[0]) / size[0], abs(a[1] - b[1]) / size[1])
+
+
+def distances(a: np.ndarray, b: np.ndarray, size: State) -> np.ndarray:
+    """`distance` of each state of one array from the state beside it in another."""
+    return (np.abs(a - b) / np.asarray(size)).max(axis=1)
+
+
+def close_returns(
+    states: np.ndarray, turns: int, size: State, within: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """(first turns, distances) of the motions that come back, so many turns later, within `within`.
+
+    states: (n, 2), of consecutive turns.
+    """
+    apart = distances(states[turns:], states[:-turns], size)
+    first = np.flatnonzero(apart <= within)
+    return first, apart[first]
 
 
 def distance_to(state: State, states: Sequence[State]) -> float:

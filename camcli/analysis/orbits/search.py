@@ -8,10 +8,10 @@ from itertools import islice
 from math import inf
 
 from camcli.analysis.integrate import BudgetSpentError, Cost, Record, Settings, Start
-from camcli.analysis.labels import FEWEST_TURNS, Label, passages
+from camcli.analysis.labels import FEWEST_TURNS, Label, sections
 from camcli.analysis.orbits.identify import Impact, identify, impacts_of, newton_from
 from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit, from_root
-from camcli.analysis.orbits.same_orbit import distance, same_orbit, size_of
+from camcli.analysis.orbits.same_orbit import close_returns, same_orbit, size_of
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import Continuum, continua, single_impact_roots
 from camcli.errors import Status
@@ -156,10 +156,12 @@ def _try_returns(
 
 def _close_returns(record: Record, label: Label) -> Iterator[tuple[float, list[Impact]]]:
     """(distance, impacts) of every window with the label's symbols that nearly closes."""
-    states, symbols = passages(record)
-    m, size = len(label.symbols), size_of(states)
+    states, symbols = sections(record)
+    turns = len(label.symbols)
+    if len(states) <= turns:
+        return
     impacts = impacts_of(record, range(record.periods))
-    for k in range(len(states) - m):
-        gap = distance(states[k + m], states[k], size)
-        if gap <= RETURN and Label(symbols[k : k + m]) == label:
-            yield gap, [impact for impact in impacts if k <= impact[0] < k + m]
+    returned = close_returns(states, turns, size_of(states.tolist()), RETURN)
+    for k, gap in zip(*(column.tolist() for column in returned), strict=True):
+        if Label(symbols[k : k + turns]) == label:
+            yield gap, [impact for impact in impacts if k <= impact[0] < k + turns]
