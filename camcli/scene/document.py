@@ -168,8 +168,8 @@ class Document:
 
     def _count(self, mark: Mark, path: Path) -> None:
         self.size += 1
-        if len(path) > MAX_DEPTH or self.size > MAX_VALUES:
-            what = _TOO_DEEP if len(path) > MAX_DEPTH else _TOO_MANY
+        what = _excess(len(path), self.size)
+        if what:
             raise _StopReading(mark, path, what, "expected a scene", "is this the right file?")
 
 
@@ -218,8 +218,15 @@ def parse(text: str, name: str, rank: int = 0, *, numbered: bool = True) -> Docu
 
 
 _UNPRINTABLE = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-_TOO_DEEP = f"found maps and lists nested deeper than {MAX_DEPTH} levels"
-_TOO_MANY = f"found more than {MAX_VALUES} values (aliases count as all they stand for)"
+
+
+def _excess(depth: int, values: int) -> str:
+    """What is too much of a document that is nested so deep and has so many values, or nothing."""
+    if depth > MAX_DEPTH:
+        return f"found maps and lists nested deeper than {MAX_DEPTH} levels"
+    if values > MAX_VALUES:
+        return f"found more than {MAX_VALUES} values (aliases count as all they stand for)"
+    return ""
 
 
 def _limit(text: str) -> None:
@@ -230,8 +237,8 @@ def _limit(text: str) -> None:
         depth -= isinstance(event, yaml.CollectionEndEvent)
         count += isinstance(event, yaml.NodeEvent)
         documents += isinstance(event, yaml.DocumentStartEvent)
-        if depth > MAX_DEPTH + 1 or count > 2 * MAX_VALUES:
-            what = _TOO_DEEP if depth > MAX_DEPTH + 1 else _TOO_MANY
+        what = _excess(depth - 1, (count + 1) // 2)  # a value may have a key, which is a node too
+        if what:
             raise yaml.MarkedYAMLError(problem=what, problem_mark=event.start_mark)  # type: ignore[arg-type]  # or C's
         if documents > 1:
             return  # which is a fault of its own
