@@ -1,5 +1,6 @@
 """The rules of the house: lint, format, import contracts, what README promises."""
 
+import ast
 import contextlib
 import subprocess
 import sys
@@ -43,6 +44,23 @@ def test_no_modules_import_each_other_in_a_circle():
             alone = next(name for name, others in imports.items() if not others & imports.keys())
             del imports[alone]
     assert sorted(imports) == []
+
+
+READING = {  # functions of the analyses that look at a value, and run nothing
+    "case", "impacts_of", "multipliers", "period_of", "status_name",
+}  # fmt: skip
+
+
+def test_a_picture_takes_values_of_the_analyses_and_computes_nothing():
+    """Classes and constants, and the few functions that only read; contracts hold the rest."""
+    taken = set()
+    for path in (ROOT / "camcli" / "plots").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(
+                "camcli.analysis"
+            ):
+                taken |= {name.name for name in node.names}
+    assert {name for name in taken if name[0].islower()} == READING
 
 
 NO_RESULTS = {  # files whose sentences are not about a result

@@ -13,6 +13,7 @@ from camcli.analysis.integrate import Cost
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Plane
+from camcli.analysis.orbits.one_period import periods_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
@@ -126,8 +127,10 @@ def orbits(
         summary = piece("the summary", lambda: _summary(found), {})
         notes = piece("the notes", lambda: notes_of(found), []) + trouble(budget.status)
         tables = _tables(found, simulated, section, keys)
+        single = [] if found.branches else found.orbits
+        periods = piece("the orbits in time", lambda: periods_of(single, system), [])
 
-    pictures = {"orbits": drawn_by("orbits.draw_orbits", found, system, simulated)}
+    pictures = {"orbits": drawn_by("orbits.draw_orbits", found, system, simulated, periods)}
     if section.curve is not None:
         pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, section.curve_in)
     return Result(

@@ -12,12 +12,12 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
 from camcli.analysis.border_collision import Side
-from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
+from camcli.analysis.orbits.one_period import MOST_SHOWN
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Branch, OrbitsResult
-from camcli.analysis.simulate import simulate
+from camcli.analysis.simulate import Simulation
 from camcli.analysis.sweep import Sweep
 from camcli.plots import style
 from camcli.plots.axes import (
@@ -69,10 +69,9 @@ from camcli.words.orbits import end_words
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
-CHATTER_TOLERANCE, IMPACT_BUDGET, SAMPLES = 1e-9, 10**6, 360  # of a drawn orbit
 APART = 0.05  # between two rings that can be told from each other
 IMAGE = 700  # cells of simulated impacts, from bottom to top
-LONGEST, MOST = 14, 16  # rows of the lists of branches and events, of orbits
+LONGEST = 14  # rows of the lists of branches and events
 
 
 @dataclass(frozen=True)
@@ -98,14 +97,20 @@ class _Scene:
         return np.array([value for orbit in points for value in of(orbit)])
 
 
-def draw_orbits(study: OrbitsResult, system: System, simulated: Sweep | None = None) -> Picture:
+def draw_orbits(
+    study: OrbitsResult,
+    system: System,
+    simulated: Sweep | None = None,
+    periods: Sequence[Simulation] = (),
+) -> Picture:
     """Picture of a study; of the orbits of one speed where no branches were followed.
 
     simulated: motions over the parameter, whose impacts are drawn behind the branches.
+    periods: one period of each of the first orbits of one speed.
     """
     title, words = _heading(study)
     if not study.branches:
-        return Picture(title, *_single(study, system, words))
+        return Picture(title, *_single(study, system, periods, words))
     corners = style.corner_names(system.corners)
     events = events_of(study.bifurcations, corners)
     shades = colours([branch.points for branch in study.branches])
@@ -421,7 +426,9 @@ def _side(one: Side) -> str:
 # --- orbits of one speed
 
 
-def _single(study: OrbitsResult, system: System, words: str) -> tuple[dict, str, str, list[Rows]]:
+def _single(
+    study: OrbitsResult, system: System, periods: Sequence[Simulation], words: str
+) -> tuple[dict, str, str, list[Rows]]:
     """Panels, words, their colour and the list of a study without branches."""
     orbits = study.orbits
     if not orbits:
@@ -429,35 +436,31 @@ def _single(study: OrbitsResult, system: System, words: str) -> tuple[dict, str,
         return {"orbits": Panel(lambda axes: say(axes, said), 40.0)}, words, "black", []
     shades = colours([[orbit] for orbit in orbits])
     rows: list[list[Any]] = [["", "orbit", "", "multipliers", "phases (deg)"]]
-    for orbit, shade in zip(orbits[:MOST], shades, strict=False):
+    for orbit, shade in zip(orbits[:MOST_SHOWN], shades, strict=False):
         at = [f"{phase:.2f}" for phase in phases(orbit)]
         shown = ", ".join(at if len(at) <= 6 else [*at[:5], "…"])
         leaves = "leaves at " if orbit.resting and at else ""
         verdict = "stable" if orbit.stable else "unstable"
         cells = style.motion(orbit.label, 22), verdict, pair(orbit.trace, orbit.det), leaves + shown
         rows.append([_dot(orbit, shade), *cells])
-    if len(orbits) > MOST:
-        rows.append([f"and {len(orbits) - MOST} more, in the tables"])
+    if len(orbits) > MOST_SHOWN:
+        rows.append([f"and {len(orbits) - MOST_SHOWN} more, in the tables"])
     more: dict[str, Any] = {"orbits": orbits, "shades": shades}
-    traces = [_trace(orbit, system) for orbit in orbits[:MOST]]
-    panels = {
-        "motion": Panel(partial(_draw_motion, traces=traces, **more), PHASE, "theta"),
-        "orbit": Panel(partial(_draw_orbit, traces=traces, **more), PLANE, across=2),
-        "plane": Panel(partial(_draw_multipliers, **more), PLANE, across=2),
-    }
+    panels = {}
+    if periods:  # empty where they could not be simulated
+        pairs = zip(periods, orbits, strict=False)
+        traces = [Trace.of(period, system, orbit.turns) for period, orbit in pairs]
+        draw = partial(_draw_motion, traces=traces, **more)
+        panels["motion"] = Panel(draw, PHASE, "theta")
+        draw = partial(_draw_orbit, traces=traces, **more)
+        panels["orbit"] = Panel(draw, PLANE, across=2)
+    panels["plane"] = Panel(partial(_draw_multipliers, **more), PLANE, across=2)
     for k, name in enumerate(LIFT_PANELS):
         draw = partial(_draw_impacts, order=k, system=system, **more)
         panels[name] = Panel(draw, LIFT, "theta", usual=False)
     draw = partial(_draw_states, system=system, **more)
     panels["section"] = Panel(draw, PLANE, across=2, usual=False)
     return panels, words, "black", [rows]
-
-
-def _trace(orbit: PeriodicOrbit, system: System) -> Trace:
-    """One period of an orbit, simulated from its first section state."""
-    start = Start.at_strobe(system, orbit.rpm, orbit.states[0])
-    run = Settings(0, orbit.turns, CHATTER_TOLERANCE, IMPACT_BUDGET, start)
-    return Trace.of(simulate(system, orbit.rpm, run, SAMPLES, follow=False), system, orbit.turns)
 
 
 def _draw_motion(
