@@ -62,6 +62,11 @@ class Quantity(NamedTuple):
         return [f"{self.column}_{k + 1}" for k in range(impacts)]
 
     @property
+    def heading(self) -> str:
+        """The head of its column on the screen, in the unit of the table."""
+        return headed(self.head or self.name, self.unit)
+
+    @property
     def meaning(self) -> str:
         """What it is, for a list of columns."""
         words = self.words or self.name
@@ -101,8 +106,7 @@ class Units(NamedTuple):
     def head(self, quantity: Quantity) -> str:
         """The head of a column on the screen: `loft (mm)`."""
         unit, _ = self.shown(quantity.unit)
-        name = quantity.head or quantity.name
-        return f"{name} ({unit})" if unit else name
+        return headed(quantity.head or quantity.name, unit)
 
 
 METRES = Units("m", 1.0, "N/m")
@@ -119,9 +123,14 @@ def drawn(unit: str) -> str:
     return unit.replace("2", "²").replace("um", "µm")
 
 
+def headed(name: str, unit: str) -> str:
+    """The head of a column on the screen with its unit."""
+    return f"{name} ({unit})" if unit else name
+
+
 def labelled(name: str, unit: str) -> str:
     """The name of an axis with its unit in a picture."""
-    return f"{name} ({drawn(unit)})" if unit else name
+    return headed(name, drawn(unit))
 
 
 # --- what a run can vary: the speed and the constants of the follower, by their keys in a scene
@@ -129,7 +138,9 @@ def labelled(name: str, unit: str) -> str:
 RPM = Quantity("rpm", "rpm", "cam speed", "speed of the cam", entries="turns per minute")
 FOLLOWER = {  # in the order of `kernel.flow`
     "mass": Quantity("mass_kg", "kg", "mass", "mass of the follower"),
-    "stiffness": Quantity("stiffness_n_per_m", "N/m", "stiffness", "stiffness of the spring"),
+    "stiffness": Quantity(
+        "stiffness_n_per_m", "N/m", "stiffness", "stiffness of the spring", head="rate"
+    ),
     "damping": Quantity("damping_n_s_per_m", "N s/m", "damping", "damping to the frame"),
     "gravity": Quantity("gravity_m_per_s2", "m/s2", "gravity", "gravity, positive towards the cam"),
     "preload": Quantity(
@@ -221,7 +232,7 @@ HOLDS_FOR = Quantity(
     "last-digit, exact-data, rounding, or empty",
 )  # fmt: skip
 WATCHED = Quantity(
-    "watched_turns", "", "watched turns",
+    "watched_turns", "turns", "watched turns",
     "turns for which what is, or first looked, aperiodic was followed in all",
 )  # fmt: skip
 REGION = Quantity("region", "", "region", "part of the cam between two corners", "A1, A2, ...")

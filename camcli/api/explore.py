@@ -35,6 +35,7 @@ from camcli.plots import style
 from camcli.plots.axes import axis_name
 from camcli.plots.mechanism import Outline
 from camcli.plots.sweep_map import cell_edges
+from camcli.quantities import FOLLOWER, drawn
 from camcli.scene import Axis, Scene
 from camcli.scene.schema import RpmRange
 from camcli.system import Follower, System, omega_of, units_of
@@ -502,6 +503,7 @@ def _machine_data(machine: Machine) -> dict[str, Any]:
     return {
         "kind": scene.cam.kind,
         "follower": scene.follower.model_dump(),
+        "units": {key: drawn(constant.unit) for key, constant in FOLLOWER.items()},
         "strobe_deg": scene.run.strobe_deg,
         "corners": {name: degrees(theta) for name, theta in turn.corners.items()},
         "speeds": [scene.sweep.rpm.start, scene.sweep.rpm.stop, scene.sweep.rpm.num],

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, numbers, option
 from camcli.cli.report import THEORY, table
 from camcli.errors import Fault, SceneError, shown
+from camcli.quantities import Q, V
 
 if TYPE_CHECKING:
     from camcli.analysis.basins.study import Study
@@ -119,7 +120,7 @@ def show(result: Result, verbose: bool) -> None:
             rows.append([name, str(code), "", "", _share(share)])
     table(
         grid_title(speed),
-        ["attractor", "no.", "q (m)", "v (m/s)", "fraction"],
+        ["attractor", "no.", Q.heading, V.heading, "fraction"],
         rows,
     )
     for line in grid_lines(speed, verbose):

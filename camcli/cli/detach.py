@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from camcli.cli.options import Request, flag, given, numbers, option
 from camcli.cli.report import THEORY, table
 from camcli.errors import Fault, SceneError, shown
+from camcli.quantities import RPM, THETA, headed
 
 if TYPE_CHECKING:
     from camcli.analysis.contact_loss.detachment import CriticalSpeed
@@ -118,13 +119,14 @@ def _show_theory(result: Result) -> None:
         for h in found.hits
     ]
     bursts = [[said, f"{a:.10g}", f"{b:.10g}", str(n)] for said, a, b, n in burst_ranges(found)]
+    bracket, *ends = (headed(what, RPM.unit) for what in ("bracket", "from", "to"))
     for title, columns, rows in (
-        ("Critical speeds", "speed, region, theta (deg), rpm, bracket (rpm), status", critical),
-        ("Impacts on corners", "impact, corner, rpm, bracket (rpm), status", hits),
-        ("Bursts after settling", "chattering, from (rpm), to (rpm), speeds", bursts),
+        ("Critical speeds", ["speed", "region", THETA.heading, "rpm", bracket, "status"], critical),
+        ("Impacts on corners", ["impact", "corner", "rpm", bracket, "status"], hits),
+        ("Bursts after settling", ["chattering", *ends, "speeds"], bursts),
     ):
         if rows:
-            table(title, columns.split(", "), rows)
+            table(title, columns, rows)
 
 
 def _digits_of_a_law(c: CriticalSpeed) -> list[str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from camcli.cli.options import VARY, Request, Values, flag, given, numbers, option, refuse_idle
 from camcli.cli.report import THEORY, pair, table
+from camcli.quantities import THETA, headed
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -125,7 +126,14 @@ def show(result: Result, verbose: bool) -> None:
              pair(orbit.multipliers, 7), f"{orbit.trace:.10g}", f"{orbit.det:.10g}"]
             for orbit in found.orbits
         ]  # fmt: skip
-        columns = ["orbit", "stable", "impacts at (deg)", "multipliers", "trace", "det"]
+        columns = [
+            "orbit",
+            "stable",
+            headed("impacts at", THETA.unit),
+            "multipliers",
+            "trace",
+            "det",
+        ]
         table(orbits_title(found), columns, rows, hidden=0 if verbose else 3)
     if found.branches:
         columns = ["branch", "labels", "from", "to", "points", "ends"]
@@ -146,7 +154,7 @@ def show(result: Result, verbose: bool) -> None:
     for number, c in enumerate(found.curves, 1):
         table(
             curve_title(number, c),
-            [c.first, c.second, "impacts at (deg)"],
+            [c.first, c.second, headed("impacts at", THETA.unit)],
             [
                 [f"{p.first:.10g}", f"{p.second:.10g}", _phases(p.orbit)]
                 for p in c.points[:: max(1, len(c.points) // 12)]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, given, option
 from camcli.cli.report import table
+from camcli.quantities import FORCE, LIFTS, RPM, THETA, U_MINUS, U_PLUS, headed
 
 if TYPE_CHECKING:
     from camcli.api.result import Result
@@ -86,13 +87,11 @@ def show(result: Result, _: bool) -> None:
         [name, str(period), f"{theta:.4f}", f"{u:.4g}", f"{after:.4g}"]
         for _, period, theta, name, _, u, after in found.events[-SHOWN:]
     ]
-    table(
-        record_title(found, SHOWN), ["event", "period", "theta (deg)", "u- (m/s)", "u+ (m/s)"], rows
-    )
+    heads = ["event", "period", THETA.heading, U_MINUS.heading, U_PLUS.heading]
+    table(record_title(found, SHOWN), heads, rows)
 
 
 def _show_profile(result: Any) -> None:
-    from camcli.quantities import LIFTS
     from camcli.system import is_measured, units_of
     from camcli.words.machine import digits_of
     from camcli.words.speeds import range_words
@@ -107,15 +106,15 @@ def _show_profile(result: Any) -> None:
         for word, extreme in (("least", low), ("largest", high)):
             value = extreme.value if abs(extreme.value) > NOTHING else 0.0
             unit, scale = units.shown(LIFTS[name].unit)
-            row(f"{word} {name} ({unit})", value * scale, extreme.theta)
+            row(headed(f"{word} {name}", unit), value * scale, extreme.theta)
     force, bent, first = found.force, found.curvature, found.first
-    what = f"least contact force at {force.rpm:.10g} rpm (N)"
+    what = headed(f"least {FORCE.name} at {force.rpm:.10g} rpm", FORCE.unit)
     row(what, force.lowest_n, force.lowest_theta)
     if first is not None and first.finite:
-        row("first detachment (rpm)", first.rpm, first.theta)
+        row(headed("first detachment", RPM.unit), first.rpm, first.theta)
         if is_measured(result.system):
             left = range_words(first.low, first.high).removesuffix(" rpm")
-            rows.append(["left open by the table (rpm)", left, ""])
+            rows.append([headed("left open by the table", RPM.unit), left, ""])
     ratio = result.system.rocker_ratio
     lobe = "" if ratio == 1.0 else f" of the lobe (rocker {ratio:.6g})"
     if bent.base_radius is not None:
@@ -128,4 +127,4 @@ def _show_profile(result: Any) -> None:
         what = f"largest roller radius ({units.length})"
         row(what, bent.roller.value * units.per_m, bent.roller.theta)
     corners = ", ".join(f"{name} {degrees(theta):.8g}" for name, theta in found.corners.items())
-    table(f"Cam, corners (deg): {corners or 'none'}", ["what", "value", "theta (deg)"], rows)
+    table(f"Cam, corners (deg): {corners or 'none'}", ["what", "value", THETA.heading], rows)

@@ -435,7 +435,7 @@ def _single(
         said = _nothing(study)
         return {"orbits": Panel(lambda axes: say(axes, said), 40.0)}, words, "black", []
     shades = colours([[orbit] for orbit in orbits])
-    rows: list[list[Any]] = [["", "orbit", "", "multipliers", "phases (deg)"]]
+    rows: list[list[Any]] = [["", "orbit", "", "multipliers", labelled("phases", THETA.unit)]]
     for orbit, shade in zip(orbits[:MOST_SHOWN], shades, strict=False):
         at = [f"{phase:.2f}" for phase in phases(orbit)]
         shown = ", ".join(at if len(at) <= 6 else [*at[:5], "…"])

@@ -5,6 +5,7 @@ from itertools import pairwise
 from math import degrees, inf
 from typing import Any
 
+from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, THETA, headed
 from camcli.system import decimals, units_of
 from camcli.words.detach import way
 from camcli.words.machine import crank_of, digits_of
@@ -21,7 +22,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     """Tables (title, heads, rows): past the loss of contact; contact force; springs that hold."""
     found, units = result.values, units_of(result.system)
     crank = crank_of(result.scene)
-    names = ["cam (rpm)", "crank (rpm)"] if crank else ["cam (rpm)"]
+    names = [headed(what, RPM.unit) for what in (["cam", "crank"] if crank else ["cam"])]
     exact, seen = digits_of(result.scene), decimals(spacing([s.rpm for s in found.past]))
 
     def speed(rpm: float, form: str) -> list[str]:
@@ -37,15 +38,19 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
         for s in found.past
         for x in (s.loads,)
     ]  # fmt: skip
-    columns = f"loft ({units.length}), lands (m/s), at (deg), at lift ({units.length})"
-    columns += ", bounces, force (N)"
+    lands = ("max_gap_m", "max_impact_m_per_s", "landing_deg", "landing_lift_m")
+    loads = [units.head(LOADS[column]) for column in lands]
+    loads += [LOADS["shut_bounces_per_turn"].head, units.head(LOADS["max_contact_force_n"])]
+    _, pressures = units.shown(PRESSURE.unit)
     forces = [
         [*speed(f.rpm, f".{exact}g"), _cell(_zero(f.lowest_n), digits=4),
          _cell(degrees(f.lowest_theta), digits=4), _cell(f.highest(f.force_n)[0], digits=4),
-         *([_cell(f.highest(f.pressure_pa)[0], 1e-6)] if f.pressure_pa else [])]
+         *([_cell(f.highest(f.pressure_pa)[0], pressures)] if f.pressure_pa else [])]
         for f in found.forces
     ]  # fmt: skip
-    pressed = ", Hertz (MPa)" if found.forces and found.forces[0].pressure_pa else ""
+    kept = [headed("least", FORCE.unit), headed("at", THETA.unit), headed("largest", FORCE.unit)]
+    if found.forces and found.forces[0].pressure_pa:
+        kept.append(units.head(PRESSURE))
     ratio = result.system.rocker_ratio
     where = "" if ratio == 1.0 else f", at the valve; on the lobe {ratio:.6g} times as large"
     springs = [
@@ -56,12 +61,12 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
         if h.stiffness is not None
     ]  # fmt: skip
     tables = [
-        ("Past the loss of contact", [*names, *columns.split(", ")], past),
+        ("Past the loss of contact", [*names, *loads], past),
         (f"Contact force if the follower is kept on the cam{where}",
-         [*names, *f"least (N), at (deg), largest (N){pressed}".split(", ")], forces),
+         [*names, *kept], forces),
         ("Springs that hold contact",
-         ["spring", *f"rate ({units.stiffness}), preload (N), at full lift (N), holds to (rpm), "
-          "status".split(", ")], springs),
+         ["spring", units.head(FOLLOWER["stiffness"]), units.head(FOLLOWER["preload"]),
+          headed("at full lift", FORCE.unit), headed("holds to", RPM.unit), "status"], springs),
     ]  # fmt: skip
     return [(title, heads, rows) for title, heads, rows in tables if rows]
 

@@ -3,9 +3,13 @@
 from collections.abc import Iterable
 
 from camcli.errors import plural
+from camcli.quantities import Q, V, labelled
 
 BASINS, MAP = "Basins of attraction", "Map of motions"
-BASIN_AXES = ["position q at the strobe (m)", "velocity v at the strobe (m/s)"]
+BASIN_AXES = [
+    labelled("position q at the strobe", Q.unit),
+    labelled("velocity v at the strobe", V.unit),
+]
 NO_MOTION = "no whole turn of any motion was recorded: no page to show"
 
 

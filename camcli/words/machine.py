@@ -7,7 +7,7 @@ from typing import Any
 from camcli.analysis.throw import throw_height
 from camcli.cams import cam_name
 from camcli.cams.compile import lift_range
-from camcli.quantities import MM
+from camcli.quantities import FOLLOWER, MM
 from camcli.system import System, units_of
 
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
@@ -31,11 +31,11 @@ def machine(result: Any) -> list[list[str]]:
     f, cam, units = result.system.follower, result.scene.cam, units_of(result.system)
     lift = lift_range(result.system.cam)
     rows = [
-        ["mass", f"{f.mass:.4g} kg"],
+        ["mass", f"{f.mass:.4g} {FOLLOWER['mass'].unit}"],
         ["spring", units.stiffnesses(f.stiffness)],
         ["force at lowest lift", f"{f.preload + f.stiffness * lift[0]:.4g} N"],
         ["force at full lift", f"{f.preload + f.stiffness * lift[1]:.4g} N"],
-        ["damping", f"{f.damping:.4g} N s/m"],
+        ["damping", f"{f.damping:.4g} {FOLLOWER['damping'].unit}"],
         ["restitution", f"{f.restitution:.3g}"],
         ["cam", cam_name(cam)],
         ["lift", units.lengths(lift[1] - lift[0], 4)],

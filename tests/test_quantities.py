@@ -1,0 +1,153 @@
+"""Each quantity is one row: what is made of the rows agrees with what is computed."""
+
+import re
+from dataclasses import fields
+from typing import get_args
+
+import pytest
+
+import camcli
+from camcli.analysis.loads import Loads
+from camcli.analysis.orbits.shooter import PARAMETERS as PLACES
+from camcli.api import ANALYSES, bench
+from camcli.api.command import columns_of, command_of
+from camcli.cams.lift_table import TableCam
+from camcli.kernel import flow
+from camcli.quantities import (
+    FOLLOWER,
+    LENGTHS,
+    LOADS,
+    METRES,
+    MILLIMETRES,
+    PARAMETERS,
+    PRESSURE,
+    drawn,
+    ending,
+)
+from camcli.scene import Scene
+from camcli.system import Follower
+
+COMMANDS = (*ANALYSES, "bench")
+COLUMNS = [(command, one) for command in COMMANDS for one in columns_of(command_of(command))]
+OTHERWISE = {  # columns that do not end in their unit
+    "lyapunov_per_period", "seconds", "seconds_one_thread", "error", "bound", "period",
+    "rpm_error", "rpm_low", "rpm_high",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("unit", "end", "picture"),
+    [
+        ("m", "m", "m"), ("m/s2", "m_per_s2", "m/s²"), ("N s/m", "n_s_per_m", "N s/m"),
+        ("m/rad2", "m_per_rad2", "m/rad²"), ("1/turn", "per_turn", "1/turn"),
+        ("um", "um", "µm"), ("rad/s", "rad_per_s", "rad/s"),
+    ],
+)  # fmt: skip
+def test_a_unit_is_spelt_from_one_text(unit, end, picture):
+    assert (ending(unit), drawn(unit)) == (end, picture)
+
+
+def test_the_name_of_every_column_ends_in_its_unit():
+    units = {one.unit for _, one in COLUMNS} - {""}
+    assert units > {"m", "deg", "rpm", "m/s", "N", "Pa", "s"}
+    for command, one in COLUMNS:
+        name = one.column.removesuffix("_1..")
+        if name in OTHERWISE:
+            continue
+        if one.unit:
+            assert re.search(rf"(^|_){ending(one.unit)}$", name), (command, one)
+        else:
+            ends = [end for end in map(ending, units) if name.endswith(f"_{end}")]
+            assert ends == [], (command, one)
+
+
+def test_every_column_says_what_it_is():
+    for command, one in COLUMNS:
+        assert len(one.meaning) > 3, (command, one)
+        assert "  " not in one.meaning
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_writes_the_tables_that_it_tells(command):
+    record = command_of(command)
+    told = {f"{head.name}.csv" for head in record.tables}
+    files = {name for name in record.artefacts if name.endswith(".csv")}
+    assert files - told <= {"profile_2.csv", "profile_3.csv"}  # as profile.csv
+    assert told <= files
+
+
+def test_rows_stand_for_what_is_computed():
+    assert tuple(LOADS) == Loads._fields
+    for head in bench.HEADS:
+        assert head.names() == tuple(f.name for f in fields(bench.PARTS[head.name]))
+    lifts = get_args(TableCam.model_fields["lift"].annotation)
+    assert {*LENGTHS, "fraction"} == set(lifts)
+
+
+def test_the_constants_of_the_follower_are_those_of_the_scene_and_of_the_kernel():
+    scene = Scene.model_fields["follower"].annotation
+    assert list(FOLLOWER) == [f.name for f in fields(Follower)] == list(scene.model_fields)
+    for name, quantity in FOLLOWER.items():
+        assert scene.model_fields[name].description == quantity.description
+    parameters = get_args(
+        Scene.model_fields["orbits"].annotation.model_fields["parameter"].annotation
+    )
+    assert tuple(PARAMETERS) == parameters
+    assert {name: getattr(flow, name.upper()) for name in PARAMETERS} == PLACES
+
+
+def test_numbers_are_shown_in_the_units_of_the_machine():
+    assert MILLIMETRES.shown("m") == ("mm", 1000.0)
+    assert MILLIMETRES.shown("m/rad2") == ("mm/rad2", 1000.0)
+    assert MILLIMETRES.shown("m/s") == ("m/s", 1.0)
+    assert MILLIMETRES.shown("N/m") == ("N/mm", 0.001)
+    assert METRES.shown("m/rad") == ("m/rad", 1.0)
+    assert METRES.head(PRESSURE) == "Hertz (MPa)"
+    assert METRES.shown("Pa")[1] * 2.1e11 == pytest.approx(210_000.0)
+    assert MILLIMETRES.head(LOADS["max_gap_m"]) == "loft (mm)"
+    assert MILLIMETRES.stiffnesses(2500.0) == "2.5 N/mm"
+
+
+SHORT = {"run.transient": 20, "run.record": 4}
+RANGE = {"start": 700.0, "stop": 720.0, "num": 2}
+AXES = [
+    {"key": "rpm", **RANGE},
+    {"key": "follower.restitution", "start": 0.7, "stop": 0.8, "num": 2},
+]
+RUNS = {
+    "simulate": ({}, {}),
+    "profile": ({}, {"profile_only": True}),
+    "sweep": ({"sweep.rpm": RANGE, "sweep.direction": "both", "sweep.also": [{"q": 0.6}]}, {}),
+    "restitution": ({"sweep.vary": AXES[1:]}, {}),
+    "map": ({"sweep.vary": AXES}, {}),
+    "detach": (
+        {"detach.rpm": RANGE, "detach.hold_to": 800.0, "detach.machines": 1,
+         "detach.tolerance": [{"key": "follower.mass", "percent": 5.0}]},
+        {},
+    ),
+    "orbits": ({"orbits.rpm": {**RANGE, "stop": 700.0}, "orbits.starts": 0}, {"prove": True}),
+    "classify": ({"classify.rpm": RANGE}, {}),
+    "basins": (
+        {"basins.cells": [4, 4], "basins.exponents": True, "basins.rpm": RANGE}, {},
+    ),
+}  # fmt: skip
+COMMAND_OF = {"profile": "simulate", "restitution": "sweep", "map": "sweep"}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_every_column_of_a_run_is_told_in_its_order(name):
+    command = COMMAND_OF.get(name, name)
+    values, more = RUNS[name]
+    result = getattr(camcli, command)(camcli.load_scene(None, {**SHORT, **values}), **more)
+    assert result.tables
+    keys = {"rpm", *(axis["key"] for axis in AXES), "follower.mass"}
+    for table, content in result.tables.items():
+        told = [one for one in columns_of(command_of(command)) if one.table == table]
+        known = {re.sub(r"_1\.\.$", "", one.column) for one in told}
+        always = [one.column for one in told if not one.when and one.column != "KEY"]
+        found = [re.sub(r"(?<=[a-z])_\d+$", "", column) for column in content]
+        assert set(found) <= known | keys, table
+        order = [re.sub(r"_1\.\.$", "", column) for column in always]
+        assert [c for c in dict.fromkeys(found) if c in order] == [
+            c for c in order if c in found
+        ], table
