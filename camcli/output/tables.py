@@ -6,9 +6,12 @@ a comma, a quote or a backslash.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from functools import partial
 from itertools import islice
+from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any, BinaryIO, NoReturn
 
 from pydantic_core import to_json
@@ -25,6 +28,7 @@ else:
 
 Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one value for all rows
 ROWS = 1 << 12  # rows that become a block at a time
+CHUNK = 1 << 20  # bytes
 KINDS = {float, int, str, type(None)}
 SAME_FORM, EXPONENT = 1e-4, 1e16  # magnitudes between which JSON and Python write a number alike
 
@@ -147,24 +151,65 @@ class Table(Columns):
         file.writelines(chunk.encode() for chunk in self.csv())
 
     def npz(self, file: BinaryIO) -> None:
-        """Write the columns as numpy.load reads them; no time stands in the archive."""
+        """Write the columns as numpy.load reads them; no time stands in the archive.
+
+        In the archive they stand one after the other, and the rows come a block at a time: each
+        column waits in a file of its own, which has no name, where the archive is written.
+        """
         from zipfile import ZIP_STORED, ZipFile, ZipInfo
 
         import numpy as np
 
-        count = self.rows
-        with ZipFile(file, "w", ZIP_STORED) as archive:
-            for k, name in enumerate(self.columns):
-                first = next((_spread(block, k) for block in self.blocks()), ())
-                kind = np.dtype("<i8" if np.asarray(first).dtype.kind == "i" else "<f8")
-                if np.asarray(first).dtype.kind == "U":
-                    texts = (text for block in self.blocks() for text in set(_spread(block, k)))
-                    kind = np.dtype(f"<U{max(map(len, texts))}")
-                header = {"descr": kind.str, "fortran_order": False, "shape": (count,)}
+        folder = os.path.dirname(getattr(file, "name", "")) or None
+        with ExitStack() as stack, ZipFile(file, "w", ZIP_STORED) as archive:
+            columns = [
+                _StoredColumn(stack.enter_context(TemporaryFile(dir=folder))) for _ in self.columns
+            ]
+            for block in self.blocks():
+                count = _length(block)
+                for column, entry in zip(columns, block, strict=True):
+                    column.add(entry, count)
+            for name, column in zip(self.columns, columns, strict=True):
                 with archive.open(ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
-                    np.lib.format.write_array_header_1_0(member, header)
-                    for block in self.blocks():
-                        member.write(np.asarray(_spread(block, k), dtype=kind).tobytes())
+                    shape = {"fortran_order": False, "shape": (column.count,)}
+                    np.lib.format.write_array_header_1_0(member, {"descr": column.kind} | shape)
+                    for chunk in column.chunks():
+                        member.write(chunk)
+
+
+class _StoredColumn:
+    """A column in a file: 8 bytes an entry; texts, of which there are few, beside it."""
+
+    def __init__(self, file: Any):
+        self.file, self.count, self.kind = file, 0, "<f8"
+        self.texts: list[tuple[Any, int]] = []  # (entries or one for all, rows)
+
+    def add(self, entry: Any, count: int) -> None:
+        """Add the entries of a block of so many rows."""
+        import numpy as np
+
+        single = not _is_column(entry)
+        values = np.asarray([entry] if single else entry)
+        if values.dtype.kind == "U":
+            self.texts.append((values, count if single else 1))
+            before = int(self.kind[2:]) if self.kind[1] == "U" else 1
+            self.kind = f"<U{max(before, values.dtype.itemsize // 4)}"
+        else:
+            if self.count == 0:
+                self.kind = "<i8" if values.dtype.kind == "i" else "<f8"
+            values = values.astype(self.kind, copy=False)
+            self.file.write((np.repeat(values, count) if single else values).tobytes())
+        self.count += count
+
+    def chunks(self) -> Iterator[bytes]:
+        """The bytes of all entries."""
+        import numpy as np
+
+        for values, times in self.texts:
+            yield np.repeat(values.astype(self.kind), times).tobytes()
+        self.file.seek(0)
+        while chunk := self.file.read(CHUNK):
+            yield chunk
 
 
 class Named(dict[str, Any]):
