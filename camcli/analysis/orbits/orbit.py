@@ -191,10 +191,8 @@ def _since_strobe(system: System, root: Root) -> list[tuple[float, int]]:
 def _first_turn(symbols: Sequence[float], states: Sequence[tuple[float, float]]) -> int:
     """The turn at which the label begins; among equal ones that of the lowest state."""
 
-    def low(first: int) -> tuple:
-        return tuple(-float(f"{x:.{DIGITS}g}") for s in _rotated(states, first) for x in s)
-
-    return rotation(symbols, low)
+    rounded = [tuple(-float(f"{x:.{DIGITS}g}") for x in state) for state in states]
+    return rotation(symbols, lambda first: _rotated(rounded, first))
 
 
 def _rotated(items: Sequence, first: int) -> tuple:
