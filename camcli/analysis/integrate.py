@@ -1,4 +1,4 @@
-"""Drive the kernel for one orbit: start state, slices of work, growing logs, resume.
+"""Drive the kernel: start states, batches of orbits, slices of work, growing logs, resume.
 
 Plain Python does the first `PLAIN_STEPS` steps; longer work compiles the kernel. Both give the
 same bits, so the switch can happen in the middle of an orbit.
@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import degrees, tau
 
 import numpy as np
@@ -21,17 +22,20 @@ from camcli.kernel import backend
 from camcli.kernel.cam_table import Cam, lift_at, stretch_at
 from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import BOUNCED, FREE
+from camcli.kernel.flow import Constants, Flow
+from camcli.kernel.follow import Run
 from camcli.kernel.forms import Kernel, row_of
-from camcli.kernel.orbit_loop import RESTING, Log, Plan, State, Strobe
+from camcli.kernel.loads import SHUT, Loads
+from camcli.kernel.orbit_loop import RESTING, State
 from camcli.piece_faults import attempt
 from camcli.system import System, omega_of
 
 PLAIN_STEPS = 20_000  # steps in plain Python before compiling pays (about half a second)
 SLICE = 200_000  # steps of a call of the compiled kernel: some 40 ms, at worst half a second
 FIRST_CAPACITY, MOST_CAPACITY = 256, 1 << 20  # rows of a log
+MOST_MEASURED = 10_000  # turns whose loads one call of the kernel measures: less than half a second
 ROUNDING_M = 2e-16  # m per m of lift: rounding of q - c where a contact is found
 PATIENCE = 20_000  # turns that a motion is followed on before it is called aperiodic
-LOGGED = int, int, float, float, float  # kinds of numbers in the columns of a log
 TURN = tau  # rad
 ROW = 20  # evaluations that take as long as looking at a row of a log
 
@@ -160,7 +164,8 @@ class Record:
     """Recorded rows of one orbit; angles in rad, lengths in m, velocities in m/rad.
 
     kind, period, theta, q, u have a row per logged event, `strobe_*` one per started period;
-    `impacts` and `chatter` count within it, `periods` of them are whole.
+    `impacts` and `chatter` count within it, `periods` of them are whole: hits and chatters are the
+    sums over these. repeats, near: see `kernel.returns`; loads: those measured on the way, or None.
     """
 
     kind: np.ndarray
@@ -177,11 +182,16 @@ class Record:
     resting: bool
     status: Status
     cost: Cost
+    hits: int = 0
+    chatters: int = 0
+    repeats: int = 0
+    near: bool = False
+    loads: Loads | None = None
 
     @property
     def touches(self) -> bool:
         """False where the follower rested on the cam during the whole record."""
-        return self.detachments > 0 or not self.resting or bool(self.impacts.any())
+        return self.detachments > 0 or not self.resting or self.hits > 0
 
     def events(self) -> list[tuple[int, int, float, float, float]]:
         """(kind, period, theta, q, u) of every logged event, in Python's own numbers."""
@@ -206,29 +216,7 @@ class Orbit:
 
         Raises BudgetSpentError where there is a `Budget`, and too little left.
         """
-        spend(0)
-        rows, kernel = self.settings.record if strobes else 0, backend.current()
-        strobe = kernel.strobe(rows)
-        if rows and self.state.period == 0:
-            strobe.q[0], strobe.w[0] = self.position()
-        logs: list[tuple] = []  # columns of each slice
-        capacity = (
-            min(max(FIRST_CAPACITY, 4 * self.settings.record), MOST_CAPACITY) if events else 0
-        )
-        while True:
-            done = self.work.steps + self.work.evaluations
-            status, log, strobe = self._slice(kernel, capacity, strobe)
-            spend(self.work.steps + self.work.evaluations - done + ROW * self.state.logged)
-            if self.state.logged or not logs:
-                logs.append(tuple(column[: self.state.logged] for column in log[:5]))
-            if status == Status.LOG_FULL:
-                capacity = min(2 * capacity, MOST_CAPACITY)
-            elif status == Status.PAUSED and not kernel.compiled:
-                kernel = backend.compiled()
-            elif status == Status.PAUSED:
-                look()
-            else:
-                return self._record(logs, strobe, status)
+        return run_all([self], events, strobes)[0]
 
     def go_on(self, skipped: int, record: int) -> Orbit:
         """The same orbit from where it is, to the last bit: turns to skip, and then to record.
@@ -253,52 +241,159 @@ class Orbit:
         q, w = self.position()
         return Start(q, w * self.omega, self.state.theta)
 
-    @property
-    def _thrown_off(self) -> bool:
-        """Whether a downward kink throws the follower off right now, out of a rest."""
-        stretch = self.system.cam.stretches[self.state.stretch]
-        at_start = self.state.theta == stretch.start and self.state.gap == 0.0
-        return at_start and self.state.gap_rate == -stretch.slope_jump > 0.0
 
-    def _slice(self, kernel: Kernel, capacity: int, strobe: Strobe) -> tuple[Status, Log, Strobe]:
-        """One call of the kernel: its status, the rows it logged, the strobe."""
-        cam = self.system.cam_for(kernel)
-        first = 0 if self.settings.transient else -1
-        limited = not kernel.compiled and backend.may_compile()
-        plan = Plan(first, self.settings.record, PLAIN_STEPS if limited else SLICE)
-        self.state.logged = 0
-        states, works = kernel.table(State, [self.state]), kernel.table(Tally, [self.work])
-        strobe = strobe._replace(
-            q=kernel.numbers(strobe.q), w=kernel.numbers(strobe.w),
-            impacts=kernel.numbers(strobe.impacts, int),
-            chatter=kernel.numbers(strobe.chatter, int),
+def run_all(
+    orbits: Sequence[Orbit], events: bool = True, strobes: bool = True, loads: bool = False
+) -> list[Record]:
+    """`Orbit.run` of orbits on one cam, in as few calls of the kernel as possible.
+
+    loads: they are measured on the way, where a record is not too long for that.
+    """
+    spend(0)
+    return _Batch(orbits, events, strobes, loads).run() if orbits else []
+
+
+class _Batch:
+    """Orbits on one cam, and the tables in which a kernel runs them."""
+
+    def __init__(self, orbits: Sequence[Orbit], events: bool, strobes: bool, loads: bool):
+        kernel = backend.current()
+        self.orbits, self.kernel = orbits, kernel
+        shut = shut_lift(orbits[0].system) if loads else 0.0
+        runs, first = [], 0
+        for orbit in orbits:
+            turns = orbit.settings.record
+            measured = loads and events and strobes and turns <= MOST_MEASURED
+            rows = turns if strobes else 0
+            begin = 0 if orbit.settings.transient else -1
+            runs.append(Run(begin, turns, first, rows, int(measured)))
+            first += rows
+        self.runs = kernel.table(Run, runs)
+        self.consts = kernel.table(Constants, [orbit.const for orbit in orbits])
+        self.states = kernel.table(State, [orbit.state for orbit in orbits])
+        self.works = kernel.table(Tally, [orbit.work for orbit in orbits])
+        self.loads = kernel.table(Loads, [Loads(shut=shut) for _ in orbits])
+        self.strobe = kernel.strobe(first)
+        for orbit, run in zip(orbits, runs, strict=True):
+            if run.strobe_rows and orbit.state.period == 0:
+                q, w = orbit.position()
+                self.strobe.q[run.strobe_first], self.strobe.w[run.strobe_first] = q, w
+        capacity = 4 * sum(run.turns for run in runs)
+        self.log = kernel.log(min(max(FIRST_CAPACITY, capacity), MOST_CAPACITY) if events else 0)
+        self.before = [_spent(orbit.work, 0) for orbit in orbits]
+        self.done = 0  # work on the orbits that are at their ends
+        self.counted = 0  # work that is spent already, see `spend`
+
+    def run(self) -> list[Record]:
+        """The records, and the orbits at their ends."""
+        records: list[Record] = []
+        while len(records) < len(self.orbits):
+            begin = len(records)
+            reached = self._call(begin)
+            records += [self._record(k) for k in range(begin, reached)]
+            self._count(reached)
+            if reached == len(self.orbits):
+                break
+            if self.runs[reached].status == Status.LOG_FULL:
+                self._make_room(reached)
+            elif self.kernel.compiled:
+                look()
+            else:
+                self._take(backend.compiled())
+        return records
+
+    def _call(self, begin: int) -> int:
+        """One call of the kernel: the number of the orbit that is not at its end."""
+        cam = self.orbits[0].system.cam_for(self.kernel)
+        limited = not self.kernel.compiled and backend.may_compile()
+        return self.kernel.follow_orbits(
+            cam, self.consts, self.kernel.room(Flow, len(cam.stretches) ** 2), self.states,
+            self.works, self.runs, self.loads, self.log, self.strobe, begin,
+            PLAIN_STEPS if limited else SLICE,
         )  # fmt: skip
-        log = kernel.log(capacity)
-        flows = kernel.stretch_flows(cam, self.const)
-        status = kernel.advance(cam, self.const, flows, states, plan, log, strobe, works)
-        self.state, self.work = row_of(State, states[0]), row_of(Tally, works[0])
-        return Status(status), log, strobe
 
-    def _record(self, logs: list[tuple], strobe: Strobe, status: Status) -> Record:
-        state = self.state
-        periods = max(0, min(state.period, self.settings.record))
-        started = min(periods + 1, strobe.rows) if state.period >= 0 else 0
-        kind, period, theta, q, u = (
-            np.concatenate([np.asarray(part, type_) for part in parts])
-            for parts, type_ in zip(zip(*logs, strict=True), LOGGED, strict=True)
-        )
+    def _count(self, reached: int) -> None:
+        """Spend what the last call has done: of the orbits at their ends, and of the next one."""
+        done = self.done
+        if reached < len(self.orbits):
+            work, run = self.works[reached], self.runs[reached]
+            done += _spent(work, int(run.log_last - run.log_first)) - self.before[reached]
+        spend(done - self.counted)
+        self.counted = done
+
+    def _take(self, kernel: Kernel) -> None:
+        """Go on with another kernel."""
+        self.kernel = kernel
+        self.runs, self.consts = kernel.table(Run, self.runs), kernel.table(Constants, self.consts)
+        self.states, self.works = kernel.table(State, self.states), kernel.table(Tally, self.works)
+        self.loads = kernel.table(Loads, self.loads)
+        real, whole = kernel.numbers, partial(kernel.numbers, kind=int)
+        strobe, log = self.strobe, self.log
+        self.strobe = strobe._replace(
+            q=real(strobe.q), w=real(strobe.w),
+            impacts=whole(strobe.impacts), chatter=whole(strobe.chatter),
+        )  # fmt: skip
+        self.log = log._replace(
+            kind=whole(log.kind), period=whole(log.period),
+            theta=real(log.theta), q=real(log.q), u=real(log.u),
+        )  # fmt: skip
+
+    def _make_room(self, k: int) -> None:
+        """Give the orbit at work a log twice as large, without the rows of those before it."""
+        run, old = self.runs[k], self.log
+        count = int(run.log_last - run.log_first)
+        self.log = self.kernel.log(2 * old.capacity)
+        for after, before in zip(self.log[:5], old[:5], strict=True):
+            after[:count] = before[run.log_first : run.log_last]
+        run.log_first, run.log_last = 0, count
+        self.states[k].logged = count
+
+    def _record(self, k: int) -> Record:
+        """The record of an orbit that is at its end."""
+        orbit, run = self.orbits[k], row_of(Run, self.runs[k])
+        state, work = row_of(State, self.states[k]), row_of(Tally, self.works[k])
+        state.logged = 0
+        orbit.state, orbit.work = state, work
+        self.done += _spent(work, run.log_last - run.log_first) - self.before[k]
+        started = min(run.periods + 1, run.strobe_rows) if state.period >= 0 else 0
+        logged = slice(run.log_first, run.log_last)
+        strobes = slice(run.strobe_first, run.strobe_first + started)
+        log, strobe = self.log, self.strobe
+        measured = run.wants_loads and run.periods
+        # the only record has columns of its own, others are parts of those of the batch
+        taken = np.array if len(self.orbits) == 1 else np.asarray
         return Record(
-            kind, period, theta, q, u,
-            strobe_q=np.asarray(strobe.q[:started], float),
-            strobe_w=np.asarray(strobe.w[:started], float),
-            impacts=np.asarray(strobe.impacts[:started], int),
-            chatter=np.asarray(strobe.chatter[:started], int),
-            periods=periods,
+            taken(log.kind[logged], int),
+            taken(log.period[logged], int),
+            taken(log.theta[logged], float),
+            taken(log.q[logged], float),
+            taken(log.u[logged], float),
+            strobe_q=taken(strobe.q[strobes], float),
+            strobe_w=taken(strobe.w[strobes], float),
+            impacts=taken(strobe.impacts[strobes], int),
+            chatter=taken(strobe.chatter[strobes], int),
+            periods=run.periods,
             detachments=state.detachments,
-            resting=state.mode == RESTING or self._thrown_off,
-            status=status,
-            cost=Cost(state.total_impacts, self.work.evaluations, self.work.crossings),
-        )  # fmt: skip
+            resting=bool(run.resting),
+            status=Status(run.status),
+            cost=Cost(state.total_impacts, work.evaluations, work.crossings),
+            hits=run.impacts,
+            chatters=run.chatters,
+            repeats=run.repeats,
+            near=bool(run.near),
+            loads=row_of(Loads, self.loads[k]) if measured else None,
+        )
+
+
+def _spent(work: Tally, rows: int) -> int:
+    """What counts of the work on an orbit that has logged so many rows."""
+    return int(work.steps + work.evaluations) + ROW * rows
+
+
+def shut_lift(system: System) -> float:
+    """The lift up to which a cam counts as shut, m."""
+    lowest, highest = system.lift_range
+    return lowest + SHUT * (highest - lowest)
 
 
 def rounding_of(c: float) -> float:

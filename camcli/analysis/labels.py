@@ -13,12 +13,10 @@ from math import inf
 import numpy as np
 
 from camcli.analysis.integrate import Record
-from camcli.analysis.orbits.same_orbit import CLOSE, SAME
 from camcli.errors import Status
+from camcli.kernel.returns import CLOSE, LONGEST_PERIOD
 
 CONTACT, APERIODIC, UNDECIDED = "contact", "aperiodic", "undecided"  # labels without symbols
-LONGEST_PERIOD = 64
-WINDOW = 16  # periods compared at least
 MOST_SYMBOLS = 1_000_000  # of a label in a file
 FEWEST_IMPACTS = 16  # in the record, to call it aperiodic
 FEWEST_TURNS = 2 * LONGEST_PERIOD + 2  # in it, so that the longest period would show twice
@@ -69,7 +67,10 @@ class Label(str):
 
 def rotation(symbols: Sequence[float], tie: Callable[[int], tuple] = lambda first: ()) -> int:
     """Where the rotation begins that is largest in lexical order; ties go to the largest `tie`."""
-    return max(range(len(symbols)), key=lambda k: ((*symbols[k:], *symbols[:k]), tie(k)))
+    turned = [(*symbols[k:], *symbols[:k]) for k in range(len(symbols))]
+    largest = max(turned)
+    equal = [k for k, one in enumerate(turned) if one == largest]
+    return equal[0] if len(equal) == 1 else max(equal, key=tie)
 
 
 def period_of(label: str) -> int:
@@ -118,13 +119,12 @@ def label(record: Record) -> str:
     """
     if record.periods and record.status == Status.OK and not record.touches:
         return CONTACT
-    states, symbols = sections(record)
-    m = find_period(states, symbols)
-    if m == 0:
-        impacts = record.impacts[: record.periods].sum()
-        long_enough = len(states) >= FEWEST_TURNS and impacts >= FEWEST_IMPACTS
+    if record.repeats == 0:
+        long_enough = record.periods >= FEWEST_TURNS and record.hits >= FEWEST_IMPACTS
         return APERIODIC if long_enough else UNDECIDED
-    return Label(symbols[-m:])
+    last = slice(record.periods - record.repeats, record.periods)
+    impacts, chatter = record.impacts[last].tolist(), record.chatter[last].tolist()
+    return Label([inf if c else float(s) for s, c in zip(impacts, chatter, strict=True)])
 
 
 def returns(states: np.ndarray, longest: int) -> Iterator[tuple[int, float]]:
@@ -138,15 +138,3 @@ def _distances(a: np.ndarray, b: np.ndarray, states: np.ndarray) -> np.ndarray:
     """`same_orbit.distance` of many pairs, relative to the largest of all states."""
     size = np.abs(states).max(0)
     return (np.abs(a - b) / np.where(size > 0.0, size, 1.0)).max(1)
-
-
-def find_period(states: np.ndarray, symbols: Sequence[float]) -> int:
-    """Smallest m whose shift repeats the end of a record, symbols and states to SAME, or 0."""
-    n = len(states)
-    for m, _ in returns(states, LONGEST_PERIOD):
-        window = min(n - m, max(2 * m, WINDOW))
-        if symbols[n - window :] != symbols[n - window - m : n - m]:
-            continue
-        if (_distances(states[n - window :], states[n - window - m : n - m], states) <= SAME).all():
-            return m
-    return 0

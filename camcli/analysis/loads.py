@@ -3,18 +3,16 @@
 from math import pi
 from typing import NamedTuple
 
-from camcli.analysis.integrate import Record
+from camcli.analysis.integrate import Record, shut_lift
 from camcli.interrupts import look
 from camcli.kernel import backend, loads
 from camcli.kernel.cam_table import TURN
 from camcli.kernel.forms import row_of
-from camcli.kernel.orbit_loop import DETACHMENT, IMPACT
+from camcli.kernel.orbit_loop import Log
 from camcli.system import System, omega_of
 
 EVENTS = 20_000  # of a call of the kernel: less than half a second
 DEG = 180.0 / pi
-SHUT = 0.01  # of the whole lift: a cam that is lifted by no more counts as shut
-BOUNCE = 0.1  # of the hardest impact of the record: a softer one is no bounce that counts
 
 
 class Loads(NamedTuple):
@@ -46,31 +44,8 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
     turns = record.periods
     if turns == 0:
         return Loads()
-    kernel, const = backend.current(), system.constants(rpm, 1.0, 1)
-    lowest, highest = system.lift_range
-    recorded = (record.period >= 0) & (record.period < turns)
-    rates = -record.u[recorded & (record.kind == IMPACT)]
-    strobe = system.cam.stretches[system.cam.strobe]
-    q, w = float(record.strobe_q[0]), float(record.strobe_w[0])
-    begin = loads.Loads(
-        phase=strobe.start,
-        gap=q - strobe.start_c,
-        rate=w - strobe.start_c1,
-        still=int(_begins_at_rest(system, record)),
-        shut=lowest + SHUT * (highest - lowest),
-        bounce=BOUNCE * float(rates.max(initial=0.0)),
-    )
-    cam, table, count = system.cam_for(kernel), kernel.table(loads.Loads, [begin]), len(record.kind)
-    for first in range(0, max(count, 1), EVENTS):
-        look()
-        part, last = slice(first, first + EVENTS), first + EVENTS >= count
-        kernel.measure_loads(
-            cam, const,
-            kernel.numbers(record.kind[part], int), kernel.numbers(record.period[part], int),
-            kernel.numbers(record.theta[part]), kernel.numbers(record.u[part]),
-            turns, int(_ends_at_rest(record)) if last else loads.GOES_ON, table,
-        )  # fmt: skip
-    found, omega = row_of(loads.Loads, table[0]), omega_of(rpm)
+    found = _measured(system, rpm, record) if record.loads is None else record.loads
+    omega, lowest = omega_of(rpm), system.lift_range[0]
     force = system.follower.mass * omega * omega
     rested, landed = found.min_force <= found.max_force, found.landing >= 0.0
 
@@ -94,27 +69,24 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
     )
 
 
-def _begins_at_rest(system: System, record: Record) -> bool:
-    """Whether the follower rests on the cam at the first strobe, unless a detachment says so.
-
-    On the cam at its velocity, to the last bit, it may still be in a hop lower than that: then the
-    next event is a chatter, or an impact elsewhere than at an upward kink.
-    """
-    strobe = system.cam.stretches[system.cam.strobe]
-    if (record.strobe_q[0], record.strobe_w[0]) != (strobe.start_c, strobe.start_c1):
-        return False
-    later = (record.period >= 0).nonzero()[0]
-    if not len(later) or record.kind[later[0]] == DETACHMENT:
-        return True
-    theta = float(record.theta[later[0]])
-    kinks = [stretch.start for stretch in system.cam.stretches if stretch.slope_jump > 0.0]
-    return record.kind[later[0]] == IMPACT and theta in kinks
-
-
-def _ends_at_rest(record: Record) -> bool:
-    """Whether the follower rests at the end of the last whole turn.
-
-    Where the run broke off later, the next event tells.
-    """
-    later = (record.period >= record.periods).nonzero()[0]
-    return bool(record.kind[later[0]] == DETACHMENT if len(later) else record.resting)
+def _measured(system: System, rpm: float, record: Record) -> loads.Loads:
+    """The loads of a record that were not measured when it was made."""
+    kernel, const = backend.current(), system.constants(rpm, 1.0, 1)
+    strobe, rows = system.cam.stretches[system.cam.strobe], len(record.kind)
+    begin = loads.Loads(
+        turns=record.periods,
+        resting=int(record.resting),
+        shut=shut_lift(system),
+        gap=float(record.strobe_q[0]) - strobe.start_c,
+        rate=float(record.strobe_w[0]) - strobe.start_c1,
+    )
+    table = kernel.table(loads.Loads, [begin])
+    log = Log(
+        kernel.numbers(record.kind, int), kernel.numbers(record.period, int),
+        kernel.numbers(record.theta), kernel.numbers(record.q), kernel.numbers(record.u), rows,
+    )  # fmt: skip
+    for first in range(0, max(rows, 1), EVENTS):
+        look()
+        last = min(first + EVENTS, rows)
+        kernel.measure_loads(system.cam_for(kernel), const, log, first, last, rows, table)
+    return row_of(loads.Loads, table[0])

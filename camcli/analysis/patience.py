@@ -14,7 +14,7 @@ import numpy as np
 
 from camcli.analysis.exponents import Exponents, of_record
 from camcli.analysis.integrate import Cost, Orbit, Record
-from camcli.analysis.labels import FEWEST_TURNS, UNDECIDED, find_period, sections
+from camcli.analysis.labels import FEWEST_TURNS, UNDECIDED
 from camcli.analysis.orbits.identify import identify, named
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.errors import Status
@@ -57,7 +57,7 @@ def watch(orbit: Orbit, rpm: float, patience: int, recorded: int) -> Watched:
         if record.status != Status.OK:
             return Watched(turns, record, None, False, cost)
         orbit = part
-        if turns == patience or find_period(*sections(record)):
+        if turns == patience or record.repeats:
             end = orbit.go_on(0, recorded).run()
             cost = cost + end.cost
             settled = identify(orbit.system, rpm, end)
@@ -79,8 +79,7 @@ def forgets_too_much(record: Record) -> bool:
     A rest erases all memory, and the turns up to the next one may grow an error of rounding beyond
     all digits: the record is then one of many. Where every turn rests they have no time to.
     """
-    chatter = record.chatter[: record.periods]
-    return record.status == Status.OK and bool(chatter.any()) and not chatter.all()
+    return record.status == Status.OK and 0 < record.chatters < record.periods
 
 
 def named_on(

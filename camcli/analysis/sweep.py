@@ -21,6 +21,7 @@ from camcli.analysis.integrate import (
     Setup,
     Start,
     refuse_below,
+    run_all,
     with_turns,
 )
 from camcli.analysis.labels import APERIODIC, UNDECIDED, from_plain, passages, to_plain
@@ -41,6 +42,7 @@ CHANGED = 0.1  # of the range of a load: more is a change of a chaotic motion
 SURE = 2  # neighbours that stay aperiodic: a transient is not looked for beyond them
 ON_CAM = 1e-12  # relative distance of a state from the cam's that is rounding
 
+AT_ONCE, MOST_AT_ONCE = 20_000, 64  # turns and speeds that are run together: some 5 ms
 NOTHING = Loads()
 
 
@@ -173,8 +175,9 @@ def sweep(
     with each finished speed, in order. A speed that raises what nobody foresaw has the status
     FAULT. Raises StartError before any work if a start lies below the cam.
     """
-    turns = len(values) * (settings.transient + settings.record)
-    task = _Task(key, setup or AtSpeeds(system, settings), impacts, strobe, lyapunov, turns)
+    each = settings.transient + settings.record
+    turns = len(values) * each
+    task = _Task(key, setup or AtSpeeds(system, settings), impacts, strobe, lyapunov, turns, each)
     tasks = [task, *(replace(task, start=start) for start in also)]
     for one in tasks if values else ():
         refuse_below(one.setup, (values[0],), one.start)
@@ -347,7 +350,7 @@ def sweep_map(
     runs = 0 if isinstance(found, PieceFault) else found.transient + found.record
     turns = len(first) * len(second) * runs
     ordered = list(first) if direction == FIXED else sorted(first, reverse=direction == DOWN)
-    task = _Line(keys, setup, ordered, direction != FIXED, lyapunov, turns, decide)
+    task = _Line(keys, setup, ordered, direction != FIXED, lyapunov, turns, runs, decide)
     cost = Cost()
 
     def count(line: Sequence[Speed]) -> None:
@@ -368,17 +371,23 @@ class _Line:
     first: Sequence[float]
     carry: bool
     lyapunov: bool
-    turns: float
+    turns: float  # of the whole map
+    turns_each: float  # of a point
     decide: bool
 
     def __call__(self, second: float) -> list[Speed]:
         machines = lambda x: self.setup(x, second)  # noqa: E731
         key = f"{self.keys[1]} = {second!r}, {self.keys[0]}"
-        task = _Task(key, machines, False, False, self.lyapunov, self.turns, self.decide)
+        each = self.turns_each
+        task = _Task(key, machines, False, False, self.lyapunov, self.turns, each, self.decide)
         found: list[Speed] = []
-        for x in self.first:
-            before = found[-1] if self.carry and found else None
-            found.append(task.after(before, x))
+        if self.carry:
+            for x in self.first:
+                found.append(task.after(found[-1] if found else None, x))
+            return found
+        count = task.at_once
+        for k in range(0, len(self.first), count):
+            found += task.many(self.first[k : k + count])
         return found
 
 
@@ -402,6 +411,7 @@ class _Task:
     strobe: bool
     lyapunov: bool
     turns: float  # of all speeds
+    turns_each: float  # of one
     follow: bool = True  # beyond doubles, where a rest makes the record one of many
     start: Start | None = None  # another than the scene's
     patient: bool = False  # follow what looks aperiodic on, as `classify` does
@@ -414,17 +424,57 @@ class _Task:
         """The speed, from where the one before ended."""
         return self._at(value, self.start if before is None else before.end)
 
+    @property
+    def at_once(self) -> int:
+        """How many speeds `many` should be given: few turns in all, for an interrupt waits so long.
+
+        Plain Python switches to the compiled kernel in the middle of an orbit, so it takes one.
+        """
+        backend.for_work(self.turns)
+        if not backend.current().compiled:
+            return 1
+        return max(1, min(MOST_AT_ONCE, int(AT_ONCE / max(1.0, self.turns_each))))
+
+    def many(self, values: Sequence[float]) -> list[Speed]:
+        """What each value alone gives, in fewer calls of the kernel."""
+        if len(values) == 1:
+            return [self(values[0])]
+        begun = [self._begun(value, self.start) for value in values]
+        records = attempt("", lambda: _records([x for x in begun if isinstance(x, _Begun)]))
+        if isinstance(records, PieceFault):  # one of them is guilty
+            return [self(value) for value in values]
+        found, own = [], iter(records)
+        for value, one in zip(values, begun, strict=True):
+            found.append(self._ended(value, one, next(own)) if isinstance(one, _Begun) else one)
+        return found
+
     def _at(self, value: float, start: Start | None) -> Speed:
         """The speed, or that it failed."""
+        one = self._begun(value, start)
+        if not isinstance(one, _Begun):
+            return one
+        record = attempt(one.name, lambda: run_all([one.orbit], loads=True)[0])
+        if isinstance(record, PieceFault):
+            return self._failed(value, one.rpm, record)
+        return self._ended(value, one, record)
+
+    def _begun(self, value: float, start: Start | None) -> _Begun | Speed:
+        """The orbit of a speed at its start, or that it failed."""
         name = f"{self.key} = {value!r}"
         name += f" from {start.place}" if start is not None and start == self.start else ""
         machine = attempt(name, lambda: self.setup(value))
         if isinstance(machine, PieceFault):
             return self._failed(value, nan, machine)
-        found = attempt(name, lambda: self._measured(value, *machine, start))
-        if isinstance(found, PieceFault):
-            return self._failed(value, machine[1], found)
-        return found
+        system, rpm, settings = machine
+        orbit = attempt(name, lambda: Orbit(system, rpm, settings, start))
+        if isinstance(orbit, PieceFault):
+            return self._failed(value, rpm, orbit)
+        return _Begun(name, system, rpm, settings, start, orbit)
+
+    def _ended(self, value: float, one: _Begun, record: Record) -> Speed:
+        """The speed of an orbit that is at its end, or that it failed."""
+        found = attempt(one.name, lambda: self._measured(value, one, record))
+        return self._failed(value, one.rpm, found) if isinstance(found, PieceFault) else found
 
     def _failed(self, value: float, rpm: float, fault: PieceFault) -> Speed:
         """A speed of which nothing is known."""
@@ -435,17 +485,13 @@ class _Task:
         status = Status.FAULT
         return Speed(value, rpm, UNDECIDED, None, status, impacts, strobe, Cost(), fault=fault)
 
-    def _measured(
-        self, value: float, system: System, rpm: float, settings: Settings, start: Start | None
-    ) -> Speed:
-        """Simulate one speed and name what it ends on.
+    def _measured(self, value: float, one: _Begun, record: Record) -> Speed:
+        """Name what a speed ends on.
 
         Where rounding decides the record after a rest, the true motion is followed if `follow` asks
         for it, else the speed counts as not known. An aperiodic record is followed on if `patient`.
         """
-        backend.for_work(self.turns)
-        orbit = Orbit(system, rpm, settings, start)
-        record = orbit.run()
+        system, rpm, orbit = one.system, one.rpm, one.orbit
         end = orbit.as_start()
         cost = record.cost
         n = record.periods
@@ -461,7 +507,7 @@ class _Task:
         if forgets and not self.follow:
             name, exponents, known = UNDECIDED, None, False
         elif forgets or (self.patient and name == APERIODIC):
-            motion, record, end = true_motion(system, rpm, settings, start, record, end)
+            motion, record, end = true_motion(system, rpm, one.settings, one.start, record, end)
             name, exponents = motion.label, motion.exponents
             known = name != UNDECIDED
             cost = cost + motion.cost
@@ -470,13 +516,13 @@ class _Task:
             if status == Status.OK:
                 status = Status(motion.status)
         elif name == APERIODIC:
-            watched = settings.transient + n
+            watched = one.settings.transient + n
         strobe = (range(n), record.strobe_q[:n], record.strobe_w[:n] * to_mps)
         return Speed(
             value=value,
             rpm=rpm,
             label=name,
-            impact_count=int(record.impacts[:n].sum()),
+            impact_count=record.hits,
             status=status,
             impacts=_impact_rows(record, to_mps) if self.impacts else None,
             strobe=(*strobe, record.impacts[:n], record.chatter[:n]) if self.strobe else None,
@@ -488,6 +534,26 @@ class _Task:
             holds_for=holds_for,
             watched=watched,
         )
+
+
+@dataclass(frozen=True)
+class _Begun:
+    """An orbit at its start; name: of the piece that it is."""
+
+    name: str
+    system: System
+    rpm: float
+    settings: Settings
+    start: Start | None
+    orbit: Orbit
+
+
+def _records(begun: Sequence[_Begun]) -> list[Record]:
+    """The records of orbits, those on one cam together."""
+    records: list[Record] = []
+    for _, members in groupby(begun, lambda one: id(one.system.cam)):
+        records += run_all([one.orbit for one in members], loads=True)
+    return records
 
 
 def true_motion(
@@ -540,7 +606,9 @@ def _joined(turns: Sequence[Record]) -> Record:
     columns["period"] = np.repeat(np.arange(len(turns)), [own.sum() for own in logged])
     for name in ("strobe_q", "strobe_w", "impacts", "chatter"):
         columns[name] = np.array([getattr(turn, name)[0] for turn in turns])
-    return replace(turns[-1], **columns, periods=len(turns))
+    sums = {"hits": sum(turn.hits for turn in turns), "chatters": sum(t.chatters for t in turns)}
+    unknown = {"repeats": 0, "near": False, "loads": None}
+    return replace(turns[-1], **columns, **sums, **unknown, periods=len(turns))
 
 
 def _store(speed: Speed) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from camcli.analysis.cam_profile import profile
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.integrate import Cost, Start, with_turns
 from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED, Label, period_of
-from camcli.analysis.orbits.same_orbit import CLOSE, distance_to
+from camcli.analysis.orbits.same_orbit import distance_to
 from camcli.analysis.simulate import STICKING, Simulation, simulate
 from camcli.api.basins import basins
 from camcli.api.command import Command, Drawing, Page, Size
@@ -28,6 +28,7 @@ from camcli.api.sweep import sweep
 from camcli.errors import Fault, SceneError, Status
 from camcli.kernel.backend import for_work, stopwatch
 from camcli.kernel.cam_table import TURN
+from camcli.kernel.returns import CLOSE
 from camcli.output.run_record import plain
 from camcli.parallel import Work
 from camcli.piece_faults import gather, gathering, piece

@@ -134,7 +134,7 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(mode=0o700, exist_ok=True)
 
 
-def is_cached(entry: str = "advance") -> bool:
+def is_cached(entry: str = "follow_orbits") -> bool:
     """True if an earlier process left this entry compiled for these sources, and undamaged."""
     folder = cache_dir()
     if not is_trusted(folder) or not any(folder.glob(f"{entry}.*{CODE}")):

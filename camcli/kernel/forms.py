@@ -13,8 +13,9 @@ from camcli.kernel.cam_table import Cam, Stretch
 from camcli.kernel.cells import settle_cells
 from camcli.kernel.certify import certify_orbit
 from camcli.kernel.flow import Constants, Flow, fill_flows
+from camcli.kernel.follow import follow_orbits
 from camcli.kernel.loads import measure_loads
-from camcli.kernel.orbit_loop import Log, Strobe, advance
+from camcli.kernel.orbit_loop import Log, Strobe
 from camcli.kernel.shooting import correct_orbit
 from camcli.kernel.variational import stretch_events
 
@@ -31,7 +32,7 @@ class Kernel:
 
     compiled: bool
     fill_flows: Callable
-    advance: Callable
+    follow_orbits: Callable
     correct_orbit: Callable
     certify_orbit: Callable
     settle_cells: Callable
@@ -119,6 +120,6 @@ def _row_type(kind: type) -> Any:
 
 
 PLAIN = Kernel(
-    False, fill_flows, advance, correct_orbit, certify_orbit, settle_cells, stretch_events,
+    False, fill_flows, follow_orbits, correct_orbit, certify_orbit, settle_cells, stretch_events,
     measure_loads,
 )  # fmt: skip

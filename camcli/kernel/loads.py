@@ -10,6 +10,7 @@ f'' has one sign, so that f' has at most one zero. Else the cell is halved.
 """
 
 from dataclasses import dataclass
+from math import sqrt
 
 from camcli.kernel.cam_table import TURN, higher, lift_at, stretch_at
 from camcli.kernel.contact_search import flight_at, gap_after
@@ -19,8 +20,12 @@ from camcli.kernel.sticking import contact_accel
 
 SLIVER = 1e-12  # rad: a rest that ends at a corner ends before it
 STEPS = 40  # of Newton's method or a bisection, at most
-GOES_ON, AIRBORNE, AT_REST = -1, 0, 1  # how a call ends
 FLAT = 1e-9  # rad, or the share of a short flight: so near to an extremum its value is exact
+BOUNCE = 0.1  # of the hardest impact of the record: a softer one is no bounce that counts
+SHUT = 0.01  # of the whole lift: a cam that is lifted by no more counts as shut
+MEMORY = 32  # events
+SURELY = 1.0 - 1e-9  # of the largest gap: what stays below it by a bound does so computed, too
+ROUNDING = 1e-14  # relative, of the bound
 STIFF = 8.0  # Z h of a cell above which a damper's layer is thin in it
 
 
@@ -38,10 +43,13 @@ class Loads:
     landing: float = -1.0  # phase of the hardest impact; below 0: none
     landing_c: float = 0.0  # the cam's lift there
     shut_bounces: int = 0  # impacts at `bounce` or more on a cam no higher than `shut`
-    # what counts
-    shut: float = 0.0
+    # the record
+    turns: int = 0  # whole ones
+    resting: int = 0  # 1: the follower rests where it ends
+    shut: float = 0.0  # m
     bounce: float = 0.0
-    # the last event
+    lowest: float = 0.0  # of the cam, m
+    # the last event; at first, gap and rate of the first strobe
     place: float = 0.0  # rad since the first strobe
     phase: float = 0.0
     gap: float = 0.0
@@ -51,47 +59,158 @@ class Loads:
 
 
 @entry
-def measure_loads(cam, const, kind, period, theta, u, turns, ends, loads):
-    """Go on with loads[0] over events of `turns` whole turns; in order, from any call to the next.
+def measure_loads(cam, const, log, first, last, rows, loads):
+    """Go on with loads[0] over the events of a log from `first` to `last`, of `rows` in all.
 
-    A rest ends with a detachment, or at a kink with an impact; it begins with a chatter, or with an
-    impact after which nothing bounces. `ends`: GOES_ON where more events come, else AIRBORNE or
-    AT_REST, how the last turn ends.
+    In order, from any call to the next. The record in loads[0] is given, with gap and rate.
     """
     load = loads[0]
-    strobe = cam.stretches[cam.strobe].start
-    for n in range(len(kind)):
-        if period[n] < 0 or period[n] >= turns:
+    if first == 0:
+        begin(cam, log, 0, rows, load)
+    add_events(cam, const, log, 0, first, last, load)
+    if last == rows:
+        end(cam, const, log, 0, rows, load)
+
+
+@inlined
+def measure_record(cam, const, log, first, last, load):
+    """The same for a whole record, which stands in a log from `first` to `last`."""
+    begin(cam, log, first, last, load)
+    add_events(cam, const, log, first, first, last, load)
+    end(cam, const, log, first, last, load)
+
+
+@inlined
+def begin(cam, log, first, last, load):
+    """What the record says before its events are gone through: its hardest impact, a rest."""
+    hardest = 0.0
+    recorded = last  # the first event of the recorded turns
+    for n in range(first, last):
+        if log.period[n] < 0:
             continue
-        since = theta[n] - strobe + (TURN if theta[n] < strobe else 0.0)
-        at = TURN * period[n] + since
-        if kind[n] == DETACHMENT:
+        recorded = min(recorded, n)
+        if log.kind[n] == IMPACT and log.period[n] < load.turns:
+            hardest = max(hardest, -log.u[n])
+    load.bounce = BOUNCE * hardest
+    load.lowest = cam.top
+    for i in range(len(cam.stretches)):
+        load.lowest = min(load.lowest, cam.stretches[i].c_min)
+    load.phase = cam.stretches[cam.strobe].start
+    load.still = 1 if begins_at_rest(cam, log, recorded, last, load) else 0
+
+
+@inlined
+def begins_at_rest(cam, log, recorded, last, load):
+    """Whether the follower rests on the cam at the first strobe, unless a detachment says so.
+
+    On the cam at its velocity, to the last bit, it may still be in a hop lower than that: then the
+    next event is a chatter, or an impact elsewhere than at an upward kink.
+    """
+    if load.gap != 0.0 or load.rate != 0.0:
+        return False
+    if recorded == last or log.kind[recorded] == DETACHMENT:
+        return True
+    i = stretch_at(cam, log.theta[recorded])
+    at_kink = log.theta[recorded] == cam.stretches[i].start and cam.stretches[i].slope_jump > 0.0
+    return log.kind[recorded] == IMPACT and at_kink
+
+
+@inlined
+def add_events(cam, const, log, oldest, first, last, load):
+    """Go through events; `oldest` is the first one of the record.
+
+    A rest ends with a detachment, or at a kink with an impact; it begins with a chatter, or with an
+    impact after which nothing bounces.
+    """
+    for n in range(first, last):
+        if log.period[n] < 0 or log.period[n] >= load.turns:
+            continue
+        kind = log.kind[n]
+        theta = log.theta[n]
+        u = log.u[n]
+        since = since_strobe(cam, theta)
+        at = TURN * log.period[n] + since
+        if kind == DETACHMENT:
             _rest_since_impact(load)
-        _until(cam, const, at, load)
-        if load.still == 1 and kind[n] != CHATTER and (load.lost < 0.0 or since < load.lost):
+        span = at - load.place
+        if load.still == 0:
+            load.airborne += span
+        if not adds_nothing(cam, const, log, oldest, n, span, load):
+            _find_extremes(cam, const, span, load)
+        if load.still == 1 and kind != CHATTER and (load.lost < 0.0 or since < load.lost):
             load.lost = since
-        i = stretch_at(cam, theta[n])
+        i = stretch_at(cam, theta)
         load.gap, load.rate = 0.0, 0.0
         load.still, load.struck = 0, 0
-        if kind[n] == IMPACT:
-            load.rate, load.struck = -const.r * u[n], 1
-            if -u[n] > load.max_impact:
-                load.max_impact = -u[n]
-                load.landing, load.landing_c = theta[n], lift_at(cam, i, theta[n])[0]
-            if -u[n] >= load.bounce and lift_at(cam, i, theta[n])[0] <= load.shut:
+        if kind == IMPACT:
+            load.rate, load.struck = -const.r * u, 1
+            if -u > load.max_impact:
+                load.max_impact = -u
+                load.landing, load.landing_c = theta, lift_at(cam, i, theta)[0]
+            if -u >= load.bounce and lift_at(cam, i, theta)[0] <= load.shut:
                 load.shut_bounces += 1
-        elif kind[n] == CHATTER:
+        elif kind == CHATTER:
             regain(load, at)
             load.still = 1
-        elif theta[n] == cam.stretches[i].start:  # a downward kink throws the follower off
+        elif theta == cam.stretches[i].start:  # a downward kink throws the follower off
             load.rate = max(-cam.stretches[i].slope_jump, 0.0)
-        load.place, load.phase = at, theta[n]
-        if load.struck == 1 and load.rate == 0.0 and _is_pressed(cam, const, i, theta[n]):
+        load.place, load.phase = at, theta
+        if load.struck == 1 and load.rate == 0.0 and _is_pressed(cam, const, i, theta):
             _rest_since_impact(load)
-    if ends == AT_REST:
+
+
+@inlined
+def end(cam, const, log, first, last, load):
+    """Go on from the last event to the end of the whole turns.
+
+    The follower rests there where the record says so; where the run broke off later, the next event
+    tells.
+    """
+    later = last
+    for n in range(last - 1, first - 1, -1):
+        if log.period[n] < load.turns:
+            break
+        later = n
+    if (later < last and log.kind[later] == DETACHMENT) or (later == last and load.resting == 1):
         _rest_since_impact(load)
-    if ends != GOES_ON:
-        _until(cam, const, TURN * turns, load)
+    span = TURN * load.turns - load.place
+    if load.still == 0:
+        load.airborne += span
+    _find_extremes(cam, const, span, load)
+
+
+@inlined
+def since_strobe(cam, theta):
+    """rad from the strobe before a phase."""
+    strobe = cam.stretches[cam.strobe].start
+    return theta - strobe + (TURN if theta < strobe else 0.0)
+
+
+@inlined
+def adds_nothing(cam, const, log, oldest, n, span, load):
+    """Whether no new extreme can lie on the way to event n, a rest or flight of `span` rad."""
+    if load.still == 0 and _stays_low(cam, const, span, load):
+        return True
+    return is_repeated(cam, log, oldest, n, span)
+
+
+@inlined
+def is_repeated(cam, log, oldest, n, span):
+    """Whether the way to event n is one of the MEMORY ways before it again, to the last bit.
+
+    An orbit that has settled goes through few ways in all.
+    """
+    for m in range(n - 1, max(oldest, n - MEMORY), -1):
+        if log.theta[m] != log.theta[n] or log.theta[m - 1] != log.theta[n - 1]:
+            continue
+        if log.u[m - 1] != log.u[n - 1] or log.period[m - 1] < 0:
+            continue
+        if log.kind[m] != log.kind[n] or log.kind[m - 1] != log.kind[n - 1]:
+            continue
+        before = TURN * log.period[m - 1] + since_strobe(cam, log.theta[m - 1])
+        if TURN * log.period[m] + since_strobe(cam, log.theta[m]) - before == span:
+            return True
+    return False
 
 
 @outlined
@@ -110,12 +229,32 @@ def _rest_since_impact(load):
 
 
 @inlined
-def _until(cam, const, at, load):
-    """The rest, or the flight, from the last event up to `at`."""
+def _find_extremes(cam, const, span, load):
+    """Count the forces of the rest, or the gap of the flight, `span` rad from the last event."""
     if load.still == 1:
-        _rest(cam, const, load.phase, at - load.place, load)
+        _rest(cam, const, load.phase, span, load)
     else:
-        _fly(cam, const, load.phase, load.gap, load.rate, at - load.place, load)
+        _fly(cam, const, load.phase, load.gap, load.rate, span, load)
+
+
+@outlined
+def _stays_low(cam, const, span, load):
+    """True where the flight of `span` rad from the last event cannot exceed the largest gap so far.
+
+    With F = G + W^2 q at its start, the energy w^2/2 + F x + W^2 x^2/2 of a rise x never grows, so
+        x <= w^2/(F + sqrt(F^2 + W^2 w^2))    for F > 0,
+    above the lowest cam. A hop within a stretch is below gap + rate s + max(gap'') s^2/2.
+    """
+    i = stretch_at(cam, load.phase)
+    f = flight_at(cam, const, i, load.phase, load.gap, load.rate)
+    limit = SURELY * load.max_gap
+    if f.force > 0.0:
+        top = f.q + f.w * f.w / (f.force + sqrt(f.force * f.force + const.W2 * f.w * f.w))
+        if top - load.lowest + ROUNDING * (abs(top) + abs(f.q)) <= limit:
+            return True
+    bend = abs(f.q2) + const.W * abs(f.w) - cam.stretches[i].accel_min
+    rise = span * (max(f.rate, 0.0) + 0.5 * span * max(bend, 0.0))
+    return span <= f.end and f.gap + rise <= limit
 
 
 @inlined
@@ -205,7 +344,6 @@ def _force(cam, const, i, theta, load):
 @outlined
 def _fly(cam, const, theta, gap, rate, span, load):
     """The gap over a flight of `span` rad from (gap, rate) at theta."""
-    load.airborne += span
     i = stretch_at(cam, theta)
     left = span
     flat = FLAT * min(span, 1.0)

@@ -22,7 +22,7 @@ from camcli.kernel.contact_search import (
 )
 from camcli.kernel.flight import BOUNCED, FREE, RELEASED, fly, leap
 from camcli.kernel.flow import displacement
-from camcli.kernel.marks import entry, inlined, outlined
+from camcli.kernel.marks import inlined, outlined
 from camcli.kernel.sticking import SKIP, find_detachment
 
 
@@ -94,13 +94,14 @@ class Log(NamedTuple):
 
 
 class Strobe(NamedTuple):
-    """Columns of the recorded periods; (rows,) each."""
+    """Columns of the recorded periods; those of an orbit are so many rows from `first` on."""
 
     q: Any  # m, where the period begins
     w: Any  # dq/dtheta there, m/rad
     impacts: Any  # int
     chatter: Any  # int, 1 where a complete chatter ended in it
     rows: int
+    first: int = 0
 
 
 class Plan(NamedTuple):
@@ -356,12 +357,12 @@ def begin_period(cam, state, plan, strobe, i, gap, rate):
     """Count the period that ends in this strobe, and record the state that begins the next."""
     period = state.period
     if 0 <= period < strobe.rows:
-        strobe.impacts[period] = state.impacts
-        strobe.chatter[period] = state.chattered
+        strobe.impacts[strobe.first + period] = state.impacts
+        strobe.chatter[strobe.first + period] = state.chattered
     period += 1
     if 0 <= period < strobe.rows:
-        strobe.q[period] = cam.stretches[i].start_c + gap
-        strobe.w[period] = cam.stretches[i].start_c1 + rate
+        strobe.q[strobe.first + period] = cam.stretches[i].start_c + gap
+        strobe.w[strobe.first + period] = cam.stretches[i].start_c1 + rate
     state.period = period
     state.impacts = 0
     state.chattered = 0
@@ -379,9 +380,3 @@ def never_returns(cam, const, i, gap, rate):
     if const.Z == 0.0:
         return w >= 0.0
     return q + 0.5 * w / const.Z > cam.top
-
-
-@entry
-def advance(cam, const, flows, states, plan, log, strobe, works):
-    """`run` for the orbit of states[0]; its work is added to works[0]."""
-    return run(cam, const, flows, states[0], plan, log, strobe, works[0])

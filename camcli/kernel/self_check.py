@@ -15,12 +15,13 @@ from camcli.kernel.bordered import tables_for
 from camcli.kernel.cam_table import ORDERS, PIECE, TERMS, TURN, Cam, Stretch
 from camcli.kernel.cells import Cells, Point, Progress, Rest, Room, Targets
 from camcli.kernel.contact_search import Tally
-from camcli.kernel.flight import FREE
+from camcli.kernel.flight import BOUNCED, FREE
 from camcli.kernel.flow import RPM, Constants, Flow, constants_of
+from camcli.kernel.follow import Run
 from camcli.kernel.forms import PLAIN, Kernel
-from camcli.kernel.loads import AIRBORNE, Loads
+from camcli.kernel.loads import Loads
 from camcli.kernel.marks import ENTRIES
-from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, Plan, State
+from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, Log, State
 from camcli.kernel.shooting import Border, correct_orbit
 from camcli.kernel.variational import Growth, Pair
 
@@ -123,13 +124,17 @@ def _fill_flows(kernel: Kernel) -> tuple:
     return _cam(kernel), _constants(), kernel.room(Flow, STRETCHES**2)
 
 
-def _advance(kernel: Kernel) -> tuple:
-    """From a flight through two turns."""
-    cam, const = _cam(kernel), _constants()
-    states = kernel.table(State, [State(gap=0.01, mode=FREE, period=-1)])
-    plan, works = Plan(-1, 2, 10_000), kernel.table(Tally, [Tally()])
-    flows, log, strobe = kernel.stretch_flows(cam, const), kernel.log(64), kernel.strobe(3)
-    return cam, const, flows, states, plan, log, strobe, works
+def _follow_orbits(kernel: Kernel) -> tuple:
+    """Two orbits, from a flight and from a rest through some turns."""
+    cam, both = _cam(kernel), [_constants(), constants_of(FAST, TOLERANCE, IMPACTS)]
+    begins = [State(gap=0.01, mode=FREE, period=-1), State(mode=BOUNCED, period=-2)]
+    runs = [Run(-1, 2, 0, 2, 1), Run(0, 3, 2, 3, 1)]
+    return (
+        cam, kernel.table(Constants, both), kernel.room(Flow, STRETCHES**2),
+        kernel.table(State, begins), kernel.table(Tally, [Tally(), Tally()]),
+        kernel.table(Run, runs), kernel.table(Loads, [Loads(), Loads(shut=BASE)]),
+        kernel.log(64), kernel.strobe(5), 0, 10_000,
+    )  # fmt: skip
 
 
 def _settle_cells(kernel: Kernel) -> tuple:
@@ -158,8 +163,11 @@ def _stretch_events(kernel: Kernel) -> tuple:
 
 
 def _measure_loads(kernel: Kernel) -> tuple:
-    loads = kernel.table(Loads, [Loads(gap=0.01, rate=-0.07)])
-    return _cam(kernel), _constants(), *_events(kernel), 2, AIRBORNE, loads
+    rows = len(EVENTS)
+    kind, period, theta, u = _events(kernel)
+    log = Log(kind, period, theta, kernel.zeros(rows), u, rows)
+    loads = kernel.table(Loads, [Loads(turns=2, gap=0.01, rate=-0.07)])
+    return _cam(kernel), _constants(), log, 0, rows, rows, loads
 
 
 def _events(kernel: Kernel) -> Iterator[Any]:
@@ -195,7 +203,7 @@ def _certify_orbit(kernel: Kernel) -> tuple:
 
 CASES: dict[str, Callable[[Kernel], tuple]] = {
     "fill_flows": _fill_flows,
-    "advance": _advance,
+    "follow_orbits": _follow_orbits,
     "settle_cells": _settle_cells,
     "stretch_events": _stretch_events,
     "measure_loads": _measure_loads,

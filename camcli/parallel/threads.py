@@ -14,7 +14,7 @@ from camcli.interrupts import look
 
 Piece = TypeVar("Piece")
 Result = TypeVar("Result")
-AHEAD = 16  # pieces per thread that may wait for the one whose turn it is
+AHEAD = 16  # pieces per thread that may wait
 
 
 def thread_count(threads: int | None) -> int:
@@ -35,9 +35,15 @@ def memory() -> float:
 
 
 def in_threads(
-    function: Callable[[Piece], Result], pieces: Sequence[Piece], threads: int | None = None
+    function: Callable[[Piece], Result],
+    pieces: Sequence[Piece],
+    threads: int | None = None,
+    ahead: int = AHEAD,
 ) -> Iterator[Result]:
-    """Yield function(piece) for every piece, in order; on an exception the rest is cancelled."""
+    """Yield function(piece) for every piece, in order; on an exception the rest is cancelled.
+
+    ahead: pieces per thread that may wait for the one whose turn it is, 2 at least.
+    """
     count = min(thread_count(threads), len(pieces))
 
     def call(piece: Piece) -> Result:
@@ -52,7 +58,7 @@ def in_threads(
     try:
         for piece in pieces:
             running.append(pool.submit(copy_context().run, call, piece))
-            if len(running) >= AHEAD * count:
+            if len(running) >= max(2, ahead) * count:
                 yield running.popleft().result()
         while running:
             yield running.popleft().result()

@@ -15,9 +15,10 @@ from typing import Any, NamedTuple, Protocol
 
 from camcli.errors import CamError, Fault, SceneError, shown
 from camcli.parallel.checkpoint import Checkpoint, refused
-from camcli.parallel.threads import in_threads
+from camcli.parallel.threads import AHEAD, in_threads, thread_count
 from camcli.piece_faults import PieceFault
 
+SHARES = 4  # calls of a thread, at least, where it takes several pieces in a call
 IN_MEMORY = 1 << 26  # bytes of pieces on disk that are in memory too
 MISFITS = (ValueError, TypeError, LookupError, AttributeError)  # of a piece that is no result
 
@@ -165,7 +166,7 @@ class Work:
             todo = [pieces[k] for k in missing]
             fresh = self.cluster.results(task, todo, lambda n, found: kept.put(missing[n], found))
         else:
-            fresh = in_threads(lambda k: kept.put(k, task(pieces[k])), missing, self.threads)
+            fresh = _fresh(kept, task, pieces, missing, self.threads)
         nth = 0
         for k in ours:
             if nth < len(missing) and missing[nth] == k:
@@ -177,6 +178,28 @@ class Work:
                 yield kept[k]
         if share and self.shard is not None:
             raise ShardDone
+
+
+def _fresh(
+    kept: Kept, task: Callable, pieces: Sequence, missing: Sequence[int], threads: int | None
+) -> Iterator:
+    """The results of missing pieces, run in threads and kept as soon as they are there.
+
+    A task that has `many` is given up to `at_once` pieces in a call of that, which returns their
+    results; but so few that no thread is left without work.
+    """
+    count = getattr(task, "at_once", 1) if missing else 1
+    share = -(-len(missing) // (SHARES * thread_count(threads)))
+    count = max(1, min(count, share))
+
+    def done(numbers: Sequence[int]) -> list:
+        own = [pieces[k] for k in numbers]
+        results = [task(own[0])] if len(own) == 1 else task.many(own)
+        return [kept.put(k, result) for k, result in zip(numbers, results, strict=True)]
+
+    parts = [missing[k : k + count] for k in range(0, len(missing), count)]
+    for results in in_threads(done, parts, threads, AHEAD // count):
+        yield from results
 
 
 def _collected(kept: Kept, running: Iterator, on_result: Callable[[Any], None]) -> Sequence:

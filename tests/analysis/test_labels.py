@@ -10,6 +10,8 @@ from conftest import settings
 from camcli.analysis import labels
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label
+from camcli.kernel.returns import find_return
+from tests.support.strobes import strobe_of
 
 
 @pytest.mark.parametrize(
@@ -32,7 +34,40 @@ def test_a_label_is_the_largest_rotation_of_what_is_read(text, symbols, name):
 
 
 def find_period(q, w, symbols):
-    return labels.find_period(np.column_stack((q, w)), symbols)
+    return find_return(strobe_of(q, w, symbols), len(q))[0]
+
+
+def by_numpy(q, w, symbols):
+    """The same of arrays: the last turns but m, shifted by m."""
+    states, n = np.column_stack((q, w)), len(q)
+    states = states / np.where(np.abs(states).max(0) > 0.0, np.abs(states).max(0), 1.0)
+    near = False
+    for m in range(1, min(64, n // 2) + 1):
+        if np.abs(states[-1] - states[-1 - m]).max() > 1e-2:
+            continue
+        window = min(n - m, max(2 * m, 16))
+        last, before = slice(n - window, n), slice(n - window - m, n - m)
+        near |= symbols[n - m :] == symbols[n - 2 * m : n - m]
+        if symbols[last] == symbols[before] and np.abs(states[last] - states[before]).max() <= 1e-7:
+            return m, False
+    return 0, near
+
+
+def test_returns_are_those_that_arrays_show():
+    """Records that repeat, nearly repeat or change their symbols, anywhere in a table."""
+    draw, seen = np.random.default_rng(5), set()
+    for _ in range(400):
+        n, period = int(draw.integers(1, 150)), int(draw.integers(1, 70))
+        q, w = draw.normal(size=(2, period))[:, np.arange(n) % period]
+        q = q + draw.choice([0.0, 1e-8, 1e-3, 0.1]) * draw.normal(size=n)
+        symbols = draw.choice([1.0, 2.0, inf], size=period)[np.arange(n) % period]
+        if draw.random() < 0.3:
+            symbols[draw.integers(0, n)] = 0.0
+        wanted = by_numpy(q, w, symbols.tolist())
+        strobe = strobe_of(q.tolist(), w.tolist(), symbols.tolist(), int(draw.integers(0, 5)))
+        assert find_return(strobe, n) == wanted
+        seen.add((wanted[0] > 0, wanted[1]))
+    assert seen == {(True, False), (False, True), (False, False)}
 
 
 def test_the_period_is_the_least_shift_of_states_and_symbols():

@@ -1,7 +1,7 @@
 """The engineer's columns against the multiple-precision oracle: its events, flights and forces."""
 
 from itertools import pairwise
-from math import pi
+from math import pi, ulp
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from scipy.optimize import minimize_scalar
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.loads import loads_of
 from camcli.kernel import backend
+from camcli.kernel import loads as kernel_loads
 from camcli.kernel.forms import PLAIN
 from tests.support.oracle import ArcsCam, Follower, Oracle
 
@@ -134,3 +135,17 @@ def test_plain_and_compiled_have_the_same_bits(chapter, rpm, monkeypatch):
         monkeypatch.setattr(backend, "current", lambda kernel=kernel: kernel)
         found.append(loads_of(chapter, rpm, record))
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("rpm", [130.0, 190.0, 345.0, 358.5, 520.0, 700.0, 745.0])
+@pytest.mark.parametrize("changes", [{}, {"damping": 5.0, "gravity": 9.81}])
+def test_every_way_that_is_passed_over_has_no_extreme(rpm, changes, monkeypatch):
+    """The loads are those of a search through every flight and every rest, but for a rounding."""
+    system = chapter_system(**changes)
+    record = Orbit(system, rpm, settings(50, 100)).run()
+    monkeypatch.setattr(backend, "current", lambda: PLAIN)
+    quick = loads_of(system, rpm, record)
+    monkeypatch.setattr(kernel_loads, "adds_nothing", lambda *_: False)
+    searched = loads_of(system, rpm, record)
+    assert quick[1:] == searched[1:]
+    assert abs(quick.max_gap_m - searched.max_gap_m) <= 2.0 * ulp(1.0 + searched.max_gap_m)

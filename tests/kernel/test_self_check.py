@@ -52,8 +52,9 @@ def test_a_case_tells_one_bit(name):
 
 def test_the_case_lands_chatters_rests_and_leaves():
     """Of the simulation: so little time is well spent."""
-    args = case_of("advance")
-    assert ENTRIES["advance"](*args) == 0
-    log, count = args[5], args[3][0].logged
-    assert set(log.kind[:count].tolist()) == {1, 2, 3}
+    args = case_of("follow_orbits")
+    assert ENTRIES["follow_orbits"](*args) == 2
+    runs, log = args[5], args[7]
+    assert set(log.kind[: runs[0].log_last].tolist()) == {1, 2, 3}
+    assert 0 < runs[1].log_first < runs[1].log_last
     assert ARRAYS.compiled

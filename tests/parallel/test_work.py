@@ -109,3 +109,31 @@ def test_shards_together_do_every_piece_once(tmp_path, total):
             Work(1, own, shard=Shard(number, total)).collect(task, range(5), PLAIN)
         done += task.pieces
     assert sorted(done) == [0, 1, 2, 3, 4]
+
+
+class Batches(Counted):
+    """A task that takes up to seven pieces at once, and notes how many it is given."""
+
+    at_once = 7
+
+    def __init__(self):
+        super().__init__()
+        self.sizes = []
+
+    def many(self, pieces):
+        self.sizes.append(len(pieces))
+        return [self(piece) for piece in pieces]
+
+
+@pytest.mark.parametrize("threads", [1, 4])
+@pytest.mark.parametrize("count", [0, 1, 5, 100, 1000])
+def test_pieces_that_are_run_together_come_back_in_order(checkpoint, threads, count):
+    """Those that are on disk are left out, and no thread goes without."""
+    list(Work(threads, checkpoint).run(Counted(), range(count // 3), PLAIN))
+    task = Batches()
+    work = Work(threads, checkpoint)
+    found = list(work.run(task, range(count), PLAIN))
+    assert found == [k * 10 for k in range(count)]
+    assert all(("0", k) in checkpoint for k in range(count))
+    assert all(2 <= size <= 7 for size in task.sizes)
+    assert len(task.sizes) >= (4 * threads if count > 100 else 0)

@@ -145,3 +145,25 @@ def test_the_digest_sees_one_bit(monkeypatch):
     monkeypatch.setattr(digest, "ORBITS", [(745.0000000000001, {}, {}, 100)])
     digest.digest(two.extend)
     assert one != two
+
+
+@pytest.mark.parametrize(("steps", "capacity"), [(200_000, 256), (1000, 256), (200_000, 3)])
+def test_orbits_that_are_run_together_are_those_of_each_alone(monkeypatch, steps, capacity):
+    """Their records, loads and states at the end, also in slices and where the log grows."""
+    machine, speeds = system(), (745.0, 190.0, 100.0, 345.0, 700.0)
+    runs = [settings(record=30 + k, transient=k % 3) for k in range(len(speeds))]
+    pairs = list(zip(speeds, runs, strict=True))
+    backend.compiled()
+    alone = [engine.Orbit(machine, rpm, run) for rpm, run in pairs]
+    wanted = [engine.run_all([orbit], loads=True)[0] for orbit in alone]
+    monkeypatch.setattr(engine, "SLICE", steps)
+    monkeypatch.setattr(engine, "FIRST_CAPACITY", capacity)
+    monkeypatch.setattr(engine, "MOST_CAPACITY", capacity)
+    together = [engine.Orbit(machine, rpm, run) for rpm, run in pairs]
+    found = engine.run_all(together, loads=True)
+    assert [parts_of(one) for one in found] == [parts_of(one) for one in wanted]
+    assert [(one.loads, one.repeats, one.near) for one in found] == [
+        (one.loads, one.repeats, one.near) for one in wanted
+    ]
+    assert [orbit.state for orbit in together] == [orbit.state for orbit in alone]
+    assert len({one.repeats for one in found}) > 1

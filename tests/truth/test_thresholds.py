@@ -30,15 +30,17 @@ from camcli.analysis.explain.attractor import Carried
 from camcli.analysis.explain.changes import changes_between
 from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Orbit
-from camcli.analysis.labels import Label, find_period, label
+from camcli.analysis.labels import Label, label
 from camcli.api.machine import machine_of
 from camcli.api.orbit_tables import read_branches
 from camcli.errors import SceneError
 from camcli.kernel.orbit_loop import IMPACT
+from camcli.kernel.returns import find_return
 from camcli.system import units_of
 from camcli.words.detach import plainly
 from camcli.words.machine import doubts, height_notes
 from tests.conftest import cam_in, settings
+from tests.support.strobes import strobe_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 RPM = 30.0 / pi  # per rad/s
@@ -304,9 +306,10 @@ def test_so_many_lines_are_drawn_over_a_picture(tmp_path):
 @pytest.mark.parametrize(("turns", "known"), [(64, True), (65, False), (130, False)])
 def test_a_label_has_at_most_64_turns(turns, known):
     """States that come back after so many turns, each with a number of impacts of its own."""
-    states = np.array([(0.2 + 0.1 * (k % turns) / turns, 1.0) for k in range(4 * turns)])
+    q = [0.2 + 0.1 * (k % turns) / turns for k in range(4 * turns)]
     symbols = [float(k % turns % 7) for k in range(4 * turns)]
-    assert find_period(states, symbols) == (turns if known else 0)
+    strobe = strobe_of(q, [1.0] * len(q), symbols)
+    assert find_return(strobe, len(q))[0] == (turns if known else 0)
     with nullcontext() if known else pytest.raises(ValueError, match="found"):
         assert len(Label.parse(f"P({turns};{':'.join(['1'] * turns)})").symbols) == turns
 
@@ -317,12 +320,7 @@ def test_a_label_has_at_most_64_turns(turns, known):
 )
 def test_so_few_impacts_or_turns_do_not_make_a_motion_aperiodic(impacts, turns, name):
     """Twice the longest period that is looked for, and two turns."""
-    counts = np.array([1] * impacts + [0] * (turns - impacts))
-    record = SimpleNamespace(
-        periods=len(counts), status=0, touches=True, impacts=counts,
-        strobe_q=np.linspace(0.2, 0.9, len(counts)), strobe_w=np.zeros(len(counts)),
-        chatter=np.zeros(len(counts), int),
-    )  # fmt: skip
+    record = SimpleNamespace(periods=turns, status=0, touches=True, hits=impacts, repeats=0)
     assert label(record) == name
 
 

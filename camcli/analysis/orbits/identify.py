@@ -57,7 +57,7 @@ def named(
     ok = record.status == Status.OK
     exponents = None
     doubtful = isinstance(name, Label) and name.repeats
-    if name in (APERIODIC, UNDECIDED) and ok and any(_returns(record, LONGEST_PERIOD)):
+    if name in (APERIODIC, UNDECIDED) and ok and record.near:
         doubtful = True
         exponents = of_record(system, rpm, record)
     if (measured or doubtful) and not (exponents and exponents.chaotic):

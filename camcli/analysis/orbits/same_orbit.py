@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camcli.kernel.returns import SAME
+
 if TYPE_CHECKING:
     from camcli.analysis.orbits.orbit import PeriodicOrbit
-
-SAME = 1e-7  # distance that counts as none: solved orbits differ by rounding, neighbours by more
-CLOSE = 1e-2  # distance of two passages of the section that suggests a period
 
 State = Sequence[float]
 
