@@ -187,7 +187,8 @@ def cycle(word: str, left: Side, right: Side) -> Cycle:
     a, b, c, d, u, v = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0  # M row by row, and s at mu = 1
     sides = [left if symbol == "L" else right for symbol in word]
     for side in sides:
-        t, det = side.trace, side.det
+        t = side.trace
+        det = side.det
         a, b, c, d = t * a + c, t * b + d, -det * a, -det * b
         u, v = t * u + v + 1.0, -det * u
     around = Side(a + d, prod(side.det for side in sides))
@@ -242,7 +243,8 @@ def attractor(left: Side, right: Side, mu: int) -> Prediction:
 
 
 def _settled(found: Cycle) -> Prediction:
-    first, period = found.multipliers[0], len(found.word)
+    first = found.multipliers[0]
+    period = len(found.word)
     square = first.real * first.real + first.imag * first.imag
     exponent = log(square) / (2.0 * period) if square > 0.0 else -inf
     return Prediction("cycle" if period > 1 else "fixed-point", period, exponent, found.word)
@@ -294,7 +296,8 @@ def _word(form: NormalForm, x: float, y: float, limit: float) -> tuple[str, Pred
 def _exponent(form: NormalForm, x: float, y: float, limit: float) -> tuple[float, float, Point]:
     """Mean growth of the log of a tangent per step, its standard error, and the last point."""
     rates = []
-    u, v = 1.0, 0.0  # the tangent, of length 1 at each renormalization
+    u = 1.0
+    v = 0.0  # the tangent, of length 1 at each renormalization
     for _ in range(BLOCKS):
         total = 0.0
         for k, after in enumerate(form.run(x, y, BLOCK, limit), 1):
@@ -306,7 +309,8 @@ def _exponent(form: NormalForm, x: float, y: float, limit: float) -> tuple[float
                 if size == 0.0:
                     return -inf, 0.0, (x, y)
                 total += log(size)
-                u, v = u / size, v / size
+                u = u / size
+                v = v / size
         rates.append(total / BLOCK)
         if not abs(x) < limit:
             break
@@ -373,12 +377,14 @@ def classify(left: Side, right: Side) -> Collision:
     cycles = tuple(cycle(word, left, right) for word in ("L", "R", "LR"))
     below, above = attractor(left, right, -1), attractor(left, right, 1)
     chaos, equal = _robust_chaos(left, right)
-    at_one, at_minus_one = left.at_one * right.at_one, left.at_minus_one * right.at_minus_one
+    at_one = left.at_one * right.at_one
+    at_minus_one = left.at_minus_one * right.at_minus_one
     parity = [  # Feigin: is the number of multipliers beyond +1, beyond -1, odd?
         Inequality(Rule.PRODUCT_AT_ONE, "", at_one),
         Inequality(Rule.PRODUCT_AT_MINUS_ONE, "", at_minus_one),
     ]
-    one_each_side, born_two = parity[0].holds, parity[1].holds
+    one_each_side = parity[0].holds
+    born_two = parity[1].holds
     for name, side in (("R", right), ("L", left)):
         if side.degenerate is not None:
             equal.insert(0, (name, side.degenerate))
@@ -452,11 +458,15 @@ def growth_at_zero(left: Side, right: Side) -> float:
 
 
 def _growth(form: NormalForm, x: float, y: float) -> float:
-    total, steps = 0.0, 0
+    total = 0.0
+    steps = 0
     while steps < AT_ZERO_STEPS and abs(total) < AT_ZERO_LOG:
         *_, (x, y) = form.run(x, y, RENORM)
         size = size_of(x, y)
         if size == 0.0:
             return -inf
-        total, steps, x, y = total + log(size), steps + RENORM, x / size, y / size
+        total = total + log(size)
+        steps = steps + RENORM
+        x = x / size
+        y = y / size
     return total / steps

@@ -27,7 +27,8 @@ def lowest(
     best = min(range(len(xs)), key=ys.__getitem__)
     if best == samples and ys[0] <= ys[-1] + TIE * abs(ys[-1]):
         best = 0  # both ends, as where the interval is a whole turn
-    value, place = ys[best], xs[best]
+    value = ys[best]
+    place = xs[best]
     tie = TIE * abs(value) if best in (0, samples) and abs(value) < inf else 0.0
     for k, y in enumerate(ys):
         left, right = max(k - 1, 0), min(k + 1, samples)
@@ -36,20 +37,26 @@ def lowest(
         refined, x = _golden(f, xs[left], xs[right])
         if refined < value - tie:
             tie = 0.0
-            value, place = refined, x
+            value = refined
+            place = x
     return value, place
 
 
 def _golden(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
     x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-    fx, fy = f(x), f(y)
+    fx = f(x)
+    fy = f(y)
     while b - a > CLOSEST:
         if fx <= fy:
-            b, y, fy = y, x, fx
+            b = y
+            y = x
+            fy = fx
             x = b - GOLDEN * (b - a)
             fx = f(x)
         else:
-            a, x, fx = x, y, fy
+            a = x
+            x = y
+            fx = fy
             y = a + GOLDEN * (b - a)
             fy = f(y)
     return (fx, x) if fx <= fy else (fy, y)
@@ -83,7 +90,9 @@ def bracket(
             break
         y = f(x)
         if y < 0.0:
-            low, f_low = x, y
+            low = x
+            f_low = y
         else:
-            high, f_high = x, y
+            high = x
+            f_high = y
     return low, high, f_low, f_high

@@ -88,7 +88,8 @@ def profile(system: System, rpm: float, points: int, base_radius: float | None) 
 
 def _places(system: System, corners: list[int], points: int) -> list[tuple[int, float]]:
     """(stretch, phase) of every row in order; the last is the end of the turn."""
-    starts, ends = Force(system).starts, Force(system).ends
+    starts = Force(system).starts
+    ends = Force(system).ends
     last = len(system.cam.stretches) - 1
     places = [(i, starts[i], 1) for i in corners]
     places += [(i - 1, ends[i - 1], 0) for i in corners if i > 0]

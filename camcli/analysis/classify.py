@@ -129,7 +129,8 @@ def classify(
 
 def _failed(value: float, rpm: float, start: Start, fault: PieceFault) -> Motion:
     """A motion of which nothing is known."""
-    nothing, count = np.empty(0), np.empty(0, int)
+    nothing = np.empty(0)
+    count = np.empty(0, int)
     record = Record(
         count, count, nothing, nothing, nothing, nothing, nothing, count, count,
         periods=0, detachments=0, resting=False, status=Status.FAULT, cost=Cost(),
@@ -157,7 +158,8 @@ def classify_at(
     turns = max(settings.record, RECORD)
     run = Orbit(system, rpm, with_turns(settings, settings.transient, turns), start)
     record = run.run()
-    followed, cost = settings.transient + turns, record.cost
+    followed = settings.transient + turns
+    cost = record.cost
     orbit, exponents = _solved(system, rpm, record)
     if record.status == Status.OK and not _certain(orbit, exponents):
         on = run.go_on(0, LONGER * turns)
@@ -165,27 +167,40 @@ def classify_at(
         cost = cost + more.cost
         orbit, exponents = _solved(system, rpm, more)
         if more.status == Status.OK:
-            run, record, followed = on, more, followed + LONGER * turns
-    holds_for, watched, rests = None, None, False
+            run = on
+            record = more
+            followed = followed + LONGER * turns
+    holds_for = None
+    watched = None
+    rests = False
     if record.status == Status.OK and orbit is None and any(record.chatter[: record.periods]):
         after = _after_rest(system, rpm, settings, record)
-        orbit, exponents, holds_for = after.orbit, after.exponents, after.holds_for
+        orbit = after.orbit
+        exponents = after.exponents
+        holds_for = after.holds_for
         if after.run is not None:
-            run, record, cost = after.run, after.record, cost + after.record.cost
+            run = after.run
+            record = after.record
+            cost = cost + after.record.cost
             followed += settings.transient + turns
     if record.status == Status.OK and orbit is None and _certain(orbit, exponents):
         seen = watch(run, rpm, settings.patience, turns)
-        watched, cost = followed + seen.turns, cost + seen.cost
+        watched = followed + seen.turns
+        cost = cost + seen.cost
         if not seen.stays:
-            record, orbit = seen.record, seen.orbit
+            record = seen.record
+            orbit = seen.orbit
             exponents = of_orbit(system, orbit) if orbit else _exponents(system, rpm, record)
         times = int(record.chatter[: record.periods].sum())
         rests = orbit is None and times > 0
         if rests and times > 1:  # often enough to be followed
             after = _after_rest(system, rpm, settings, record)
             if after.orbit is not None:
-                orbit, exponents, holds_for = after.orbit, after.exponents, after.holds_for
-                record, cost = after.record, cost + after.record.cost
+                orbit = after.orbit
+                exponents = after.exponents
+                holds_for = after.holds_for
+                record = after.record
+                cost = cost + after.record.cost
     certain = record.status == Status.OK and not rests and _certain(orbit, exponents)
     return Motion(
         value=rpm,
@@ -244,7 +259,8 @@ def _after_rest(system: System, rpm: float, settings: Settings, record: Record) 
     if found.kind == CYCLE:
         orbit = resting_orbit(system, rpm, found.states, found.symbols, found.leaves)
         return _AfterRest(orbit, of_orbit(system, orbit), record, found.holds_for)
-    start, run = found.start(system, rpm), None
+    start = found.start(system, rpm)
+    run = None
     if start is not None:
         turns = with_turns(settings, settings.transient, max(settings.record, RECORD))
         run = Orbit(system, rpm, turns, start)
@@ -333,7 +349,8 @@ def _chatter(record: Record) -> str:
     """Complete where impacts accumulate in the record, incomplete where a long burst does not."""
     if any(record.chatter[: record.periods]):
         return COMPLETE
-    before, row = inf, 0
+    before = inf
+    row = 0
     for kind, *_, u in record.events():
         if kind != IMPACT:
             continue

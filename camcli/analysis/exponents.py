@@ -76,7 +76,8 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     rows = len(record.kind)
     if rows // BATCHES < FEWEST or const.r == 0.0:
         return None
-    pairs, logs = kernel.table(Pair, [Pair()]), []
+    pairs = kernel.table(Pair, [Pair()])
+    logs = []
     growths = kernel.table(Growth, [Growth() for _ in range(BATCHES)])
     chatters = 0
     sums = [0.0] * 4  # first, area, impacts, length
@@ -108,7 +109,8 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
 
 def _standard_error(rates: list[float], weights: list[float]) -> float:
     """Of the mean of batches, weighed by their lengths."""
-    n, total = len(rates), fsum(weights)
+    n = len(rates)
+    total = fsum(weights)
     if n < 2:
         return inf
     mean = fsum(r * w for r, w in zip(rates, weights, strict=True)) / total

@@ -38,7 +38,8 @@ def natural_speed(system: System) -> NaturalSpeed:
 
     Zero where the follower has neither a spring nor anything else that presses it.
     """
-    first, f = detachment(system).first, system.follower
+    first = detachment(system).first
+    f = system.follower
     if first is not None:
         return NaturalSpeed(first.rpm, Basis.FIRST_LOSS)
     if f.stiffness > 0.0:

@@ -95,16 +95,22 @@ class ArcsCam(BaseModel):
     def parts(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
         rise, flank = self._angles()
-        c, turn = arb.pi() - radians(self.top_dwell_deg) / 2, 2 * arb.pi()
+        c = arb.pi() - radians(self.top_dwell_deg) / 2
+        turn = 2 * arb.pi()
         a, b = c - rise, c - rise + flank
-        d, e, f = turn - c, turn - b, turn - a
-        k1, k2, offset = arb(self.flank_center), arb(self.nose_center), arb(self.offset)
+        d = turn - c
+        e = turn - b
+        f = turn - a
+        k1 = arb(self.flank_center)
+        k2 = arb(self.nose_center)
+        offset = arb(self.offset)
         rho1, rho2 = k1 + self.base_radius, arb(self.nose_radius)
         base, top = self.base_radius - offset, k2 + rho2 - offset
 
         def circle(low: arb, high: arb, sign: int, kappa: arb, rho: arb, zero: arb) -> Part:
             """c = b + h - offset: a = sign kappa sin x, b = a', h^2 = rho^2 - a^2; x from zero."""
-            center, square = sign * kappa, rho * rho
+            center = sign * kappa
+            square = rho * rho
 
             def radius(theta: Any) -> Any:
                 sine, cosine = (theta - zero).sin_cos()
@@ -114,7 +120,8 @@ class ArcsCam(BaseModel):
             def slopes(theta: Any) -> list[Any]:
                 sine, cosine = (theta - zero).sin_cos()
                 a, b = center * sine, center * cosine
-                h, ab = (square - a * a).sqrt(), a * b
+                h = (square - a * a).sqrt()
+                ab = a * b
                 h1 = -ab / h  # of (h^2)' = -2 a b, and so on
                 h2 = (a * a - b * b - h1 * h1) / h
                 h3 = (4 * ab - 3 * h1 * h2) / h

@@ -29,7 +29,8 @@ class UndecidedError(Exception):
 def precision(digits: int) -> Iterator[None]:
     """Calculate with so many digits, one thread at a time."""
     with _alone:
-        before, ctx.dps = ctx.prec, digits
+        before = ctx.prec
+        ctx.dps = digits
         try:
             yield
         finally:
@@ -50,7 +51,8 @@ def decided(question: Callable[[], Answer], tried: Sequence[int] = DIGITS) -> An
 
 def coarsely(question: Callable[[], Answer]) -> Answer:
     """The answer with COARSE bits; with all that are in use where these do not tell."""
-    full, ctx.prec = ctx.prec, min(COARSE, ctx.prec)
+    full = ctx.prec
+    ctx.prec = min(COARSE, ctx.prec)
     try:
         return question()
     except UndecidedError:

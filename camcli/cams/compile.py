@@ -103,7 +103,8 @@ class Piece:
 @cache
 def _chebyshev() -> tuple[list[arb], arb_mat, arb_mat]:
     """Chebyshev nodes on [-1, 1], and matrices: values there to sum a_k T_k, a_k to powers of x."""
-    step, terms = arb.pi() / (2 * TERMS), range(TERMS)
+    step = arb.pi() / (2 * TERMS)
+    terms = range(TERMS)
     rows = [[(k * (2 * j + 1) * step).cos() * min(k + 1, 2) / TERMS for j in terms] for k in terms]
     powers = [[fmpz_poly.chebyshev_t(k)[j] for k in terms] for j in terms]
     return [((2 * j + 1) * step).cos() for j in terms], arb_mat(rows), arb_mat(powers)
@@ -111,7 +112,8 @@ def _chebyshev() -> tuple[list[arb], arb_mat, arb_mat]:
 
 def _fit(lift: Callable[[Any], Any], low: float, high: float) -> tuple[Piece, bool]:
     """The interpolating piece on [low, high], and whether its tail is negligible."""
-    center, half = (low + high) / 2, (high - low) / 2
+    center = (low + high) / 2
+    half = (high - low) / 2
     nodes, rows, powers = _chebyshev()
     values = [lift(center + half * node) for node in nodes]
     series = (rows * arb_mat([[value] for value in values])).entries()
@@ -223,7 +225,8 @@ def lift_range(cam: Cam, order: int = 0) -> tuple[float, float]:
     """
     lowest: list[tuple[float, int, float, float]] = []  # value, stretch, its phase, to the next
     for i, stretch in enumerate(cam.stretches):
-        places, size = 16 * int(stretch.piece_count), stretch.end - stretch.start
+        places = 16 * int(stretch.piece_count)
+        size = stretch.end - stretch.start
         thetas = [stretch.start + size * (k / places) for k in range(places)] + [stretch.end]
         lowest += [(lift_at(cam, i, x)[order], i, x, size / places) for x in thetas]
     low, high = min(lowest), max(lowest)
@@ -254,7 +257,8 @@ def column(cam: Cam, name: str) -> list[float]:
 
 def _cuts(parts: Sequence[Part], strobe: float) -> tuple[list[Cut], float]:
     """Every stretch in order, in doubles; the last ends at 2 pi; and the strobe as it is cut."""
-    cuts, whole = [], _without_slivers(parts)
+    cuts = []
+    whole = _without_slivers(parts)
     strobe = _at_an_edge(whole, strobe)
     for part, low, high in whole:
         if low < strobe < high:
@@ -350,7 +354,9 @@ def _radius(seventh: float) -> float:
 def corners(cam: Cam) -> list[int]:
     """Stretches that begin with a jump of c_theta or c_thetatheta."""
     size = max(abs(value) for name in ("accel_min", "accel_max") for value in column(cam, name))
-    starts, ends, kicks = column(cam, "start_c2"), column(cam, "end_c2"), column(cam, "slope_jump")
+    starts = column(cam, "start_c2")
+    ends = column(cam, "end_c2")
+    kicks = column(cam, "slope_jump")
     return [
         n
         for n in range(len(cam.stretches))

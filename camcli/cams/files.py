@@ -63,16 +63,19 @@ def decoded(data: bytes, name: str, key: str = "", table: bool = False) -> str:
         if odd is None:
             return text
         before = text[: odd.start()]
-        found, expected = f"found the control character 0x{ord(odd[0]):02x}", "expected text"
+        found = f"found the control character 0x{ord(odd[0]):02x}"
+        expected = "expected text"
         cure = "is this a binary file?"
     except UnicodeDecodeError as error:
         letters = data.decode("cp1252", "replace")
         if table and not marked and _CONTROL.search(letters) is None:
             return letters
         before = "" if marked else data[: error.start].decode("utf-8-sig")
-        found, expected = f"found byte 0x{data[error.start]:02x}", "expected UTF-8 text"
+        found = f"found byte 0x{data[error.start]:02x}"
+        expected = "expected UTF-8 text"
         cure = "save the file as UTF-8" if 0 not in data else "is this a binary file?"
         if marked:
-            found, cure = "found UTF-16 text", "save the file as UTF-8"
+            found = "found UTF-16 text"
+            cure = "save the file as UTF-8"
     line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
     raise refused(f"{name}:{line}:{column}", key, found, expected, cure)

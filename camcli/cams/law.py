@@ -137,9 +137,12 @@ class LawCam(BaseModel):
     def parts(self) -> list[Part]:
         """The smooth parts of one turn from 0 to 2 pi."""
         start = written(self.rise.start_deg) % TURN
-        rise, dwell = written(self.rise.length_deg), written(self.top_dwell_deg)
-        fall, top = min(written(self.fall.length_deg), TURN - rise - dwell), start + rise
-        low, lift = arb(self.base), arb(self.lift)
+        rise = written(self.rise.length_deg)
+        dwell = written(self.top_dwell_deg)
+        fall = min(written(self.fall.length_deg), TURN - rise - dwell)
+        top = start + rise
+        low = arb(self.base)
+        lift = arb(self.lift)
         parts = [
             *_motion(self.rise.law, start, rise, low, lift),
             *_folded(top, top + dwell, low + lift),
@@ -159,7 +162,8 @@ def _motion(law, start: Fraction, length: Fraction, low: arb, step: arb) -> Iter
 
     def later(segment: Segment, turn: int) -> Callable[[Any], Any]:
         """c = low + step s((theta - start)/beta) on the turn that begins at `turn` deg."""
-        origin, beta = radians(start - turn), radians(length)
+        origin = radians(start - turn)
+        beta = radians(length)
         return lambda theta: low + step * segment.height((theta - origin) / beta)
 
     for segment in _segments(law):
@@ -214,9 +218,13 @@ def _scca(b: Fraction, d: Fraction) -> list[Segment]:
     (1 + d)/2; then the mirror image, s(x) = 1 - s(1 - x). Zones of no width are left out.
     C_a = 4 pi^2 / ((pi^2 - 8)(b^2 - d^2) - 2 pi (pi - 2) b + pi^2) is the largest s''.
     """
-    pi, beta, delta = arb.pi(), number(b), number(d)
+    pi = arb.pi()
+    beta = number(b)
+    delta = number(d)
     curved = (pi * pi - 8) * (beta * beta - delta * delta) - 2 * pi * (pi - 2) * beta
-    ca, width, wide = 4 * pi * pi / (curved + pi * pi), beta / pi, delta / pi
+    ca = 4 * pi * pi / (curved + pi * pi)
+    width = beta / pi
+    wide = delta / pi
 
     def sine(x: Any) -> Any:
         """C_a (b/pi x - (b/pi)^2 sin(pi x/b)), zone 1."""

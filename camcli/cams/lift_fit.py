@@ -165,7 +165,8 @@ def piece(coefficients: np.ndarray, i: int, base: float = 0.0) -> Piece:
 
 def widest(values: np.ndarray, reach: np.ndarray | float) -> np.ndarray:
     """The largest of values (not negative) within `reach` knots."""
-    found, most = values, int(np.max(reach))
+    found = values
+    most = int(np.max(reach))
     for step in range(-most, most + 1):
         found = np.maximum(found, np.where(abs(step) <= reach, np.roll(values, step), 0.0))
     return found
@@ -181,11 +182,13 @@ class Factors:
             reach = min(i, len(row) - 1)
             scaled = [0.0] * len(row)  # L(i, j) D(j)
             for k in range(reach, 0, -1):
-                value, above = row[k], self.lower[i - k]
+                value = row[k]
+                above = self.lower[i - k]
                 for m in range(1, reach - k + 1):
                     value -= scaled[k + m] * above[m]
                 scaled[k] = value
-            lower, pivot = [1.0] + [0.0] * (len(row) - 1), row[0]
+            lower = [1.0] + [0.0] * (len(row) - 1)
+            pivot = row[0]
             for k in range(1, reach + 1):
                 lower[k] = scaled[k] / self.pivots[i - k]
                 pivot -= scaled[k] * lower[k]
@@ -194,7 +197,8 @@ class Factors:
 
     def solve(self, right: Sequence | np.ndarray) -> np.ndarray:
         """The solution for one right-hand side, or for every column of several."""
-        x, n = list(right), len(right)
+        x = list(right)
+        n = len(right)
         for i, row in enumerate(self.lower):
             for k in range(1, min(i, len(row) - 1) + 1):
                 x[i] = x[i] - row[k] * x[i - k]
@@ -348,7 +352,8 @@ class Smoother:
 
     def leverage(self, length: float) -> np.ndarray:
         """Diagonal of the matrix that makes the coefficients of themselves, by way of the rows."""
-        size, found = len(self.order), np.zeros(self.count)
+        size = len(self.order)
+        found = np.zeros(self.count)
         normal = np.zeros((size, size))
         for k in range(self.band + 1):
             places = np.arange(k, size)
@@ -423,7 +428,9 @@ class Errors:
     """The errors of one fit, looked at only where they are asked for."""
 
     def __init__(self, smoother: Smoother, length: np.ndarray | float):
-        self.smoother, self.given, count = smoother, length, smoother.count
+        self.smoother = smoother
+        self.given = length
+        count = smoother.count
         self.length = np.broadcast_to(length, count)  # (knots,), in knot spacings
         self.shares: Shares = {}
         if isinstance(length, float):
@@ -450,7 +457,8 @@ class Errors:
         Their squares over the degrees of freedom, the rows less the trace of the hat matrix, have a
         relative standard error of sqrt(2 / freedom).
         """
-        s, off = self.smoother, self.smoother.residuals(self.coefficients)
+        s = self.smoother
+        off = self.smoother.residuals(self.coefficients)
         moves = np.isin(s.interval, s.moving)
         left = float(s.shares[moves].sum() - self._blended(s.leverage).sum())
         squares = (s.shares * off * off)[moves]
@@ -468,7 +476,8 @@ class Errors:
     @cached_property
     def standard(self) -> np.ndarray:
         """Standard errors of c_thetatheta at every knot, m/rad2; 0 in a dwell."""
-        s, found = self.smoother, np.zeros(self.smoother.count)
+        s = self.smoother
+        found = np.zeros(self.smoother.count)
         found[s.moving] = self.noise * s.spread(self.shares, s.moving)
         return found
 
@@ -496,7 +505,8 @@ class Errors:
 
     def accuracy(self) -> Accuracy:
         """Everything about the fit as a whole."""
-        s, turn = self.smoother, self.smoother.turn
+        s = self.smoother
+        turn = self.smoother.turn
         off = np.where(turn.line > 0, np.abs(s.residuals(self.coefficients)), 0.0)
         accels = np.abs(at(self.coefficients, *s.halves) * s.per_square)
         middle = s.moving[[np.argmax(accels) // 2]]

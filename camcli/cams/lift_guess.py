@@ -84,11 +84,13 @@ def guess(data: bytes, name: str) -> Guess:
     if len(run.rows) < LEAST_RUN:
         raise _no_table(lines, name)
     refuse_too_many_rows(len(run.rows), name)
-    start, width = run.start, len(run.rows[0].cells)
+    start = run.start
+    width = len(run.rows[0].cells)
     first = start
     while first > 0 and start - first < MOST_HEADER:
         above = lines[first - 1]
-        filled, numbers = sum(bool(word) for _, word in above.cells), sum(map(bool, above.numbers))
+        filled = sum(bool(word) for _, word in above.cells)
+        numbers = sum(map(bool, above.numbers))
         if len(above.cells) != width or filled < 2 or numbers >= 2:
             break
         first -= 1
@@ -144,7 +146,8 @@ def _longest_run(lines: list[Cells]) -> Run:
         if k > start and len(line.cells) != len(lines[start].cells):
             start = k
         if k + 1 - start > end - best:
-            best, end = start, k + 1
+            best = start
+            end = k + 1
     return Run(best, lines[best:end])
 
 
@@ -163,7 +166,11 @@ class Table:
     """The rows of numbers, and which lines around them belong to them."""
 
     def __init__(self, lines: list[Cells], run: Run, angle: int, lift: int, name: str):
-        self.lines, self.run, self.angle, self.lift, self.name = lines, run, angle, lift, name
+        self.lines = lines
+        self.run = run
+        self.angle = angle
+        self.lift = lift
+        self.name = name
         self.width = len(run.rows[0].cells)
         angles = [float(row.numbers[angle]) for row in run.rows if self.is_row(row)]
         steps = [b - a for a, b in pairwise(angles)]
@@ -204,7 +211,8 @@ class Table:
 
     def _is_behind(self, k: int, line: Cells) -> bool:
         """Whether the angle of a line, the k-th below the rows, follows theirs by so many rows."""
-        angle, last = self._angle_of(line), self.angles[-1]
+        angle = self._angle_of(line)
+        last = self.angles[-1]
         if angle is None:
             return False
         turns = (0.0,) if angle >= self.angles[0] else (0.0, 360.0, 720.0)  # through zero
@@ -229,7 +237,8 @@ class Table:
         return Fault(f"{place}:{column}", "", found, "expected a number", cure)
 
     def _two_tables(self, line: Cells, what: str) -> SceneError:
-        found, expected = f"{what} at {line.numbers[self.angle]}", "expected one table in a file"
+        found = f"{what} at {line.numbers[self.angle]}"
+        expected = "expected one table in a file"
         cure = "cut the file there, a table of its own for each cam, and make a scene of each"
         return refused(f"{self.name}:{line.line}", "", found, expected, cure)
 
@@ -252,7 +261,8 @@ def _angle_column(columns: dict[int, list[float]], words: list[str], name: str) 
     """The column that only rises or only falls; by its title where there are several."""
     steady = [k for k, column in columns.items() if _steady(column)]
     if not steady:
-        found, cure = "found no column that only rises or only falls", "is the angle in the file?"
+        found = "found no column that only rises or only falls"
+        cure = "is the angle in the file?"
         raise refused(name, "", found, "expected a column of angles", cure)
     spans = [k for k in steady if abs(columns[k][-1] - columns[k][0]) > 30.0]
     titled = [k for k in steady if re.search(ANGLE, words[k])]
@@ -279,7 +289,8 @@ def _lift_columns(
     humps = [k for k, c in candidates.items() if max(c) > max(abs(c[0]), abs(c[-1]))]
     humps = humps or [k for k, c in candidates.items() if not _steady(c) and max(c) > min(c)]
     if not humps:
-        found, cure = "found no column that rises and falls again", "is the lift in the file?"
+        found = "found no column that rises and falls again"
+        cure = "is the lift in the file?"
         raise refused(name, "", found, "expected a column of lifts", cure)
     lifts = [k for k in humps if not re.search(NO_LIFT, words[k])]
     titled = [k for k in lifts if re.search(LIFT, words[k])]
@@ -311,7 +322,8 @@ def _lift_unit(found: Guess, numbers: list[float], title: str) -> None:
             found.doubt("lift", said)
         return
     if lift > LARGEST_THOU:
-        unit, why = "um", f"the largest number is {top:g}, too large for thousandths of an inch"
+        unit = "um"
+        why = f"the largest number is {top:g}, too large for thousandths of an inch"
     elif lift > LARGEST_MM:
         unit = "thou"
         said = f"as thousandths of an inch a lift of {lift * LENGTHS[unit] * MM:.4g} mm"
@@ -328,7 +340,8 @@ def _radii(found: Guess, numbers: list[float]) -> None:
 
     They are the follower's lift only if what ran on the cam was a follower like the machine's.
     """
-    least, top = min(numbers), max(numbers)
+    least = min(numbers)
+    top = max(numbers)
     if least <= RADII * top:
         return
     found.keys["subtract"] = least
@@ -389,7 +402,8 @@ def _other_lobes(
 
 def _lobes(lifts: list[float]) -> int:
     """How often the lift rises from its lowest and comes back, round the turn."""
-    low, size = min(lifts), max(lifts) - min(lifts)
+    low = min(lifts)
+    size = max(lifts) - min(lifts)
     shares = [(lift - low) / size for lift in lifts]
     up = [share > LOBE_HEIGHT for share in shares if share > LOBE_HEIGHT or share < GROUND]
     return sum(now and not before for before, now in pairwise([up[-1], *up]))

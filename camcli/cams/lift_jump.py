@@ -148,7 +148,8 @@ class Window:
         for _ in range(ROUNDS):
             left = self._left(*(self._power(phases, n) for n in powers))
             best = int(np.argmin(left))
-            least, phase = float(left[best]), float(phases[best])
+            least = float(left[best])
+            phase = float(phases[best])
             step /= FINER
             phases = phase + step * np.arange(-5, 6)
         return least, phase * self.half, order

@@ -75,7 +75,8 @@ class Turn:
         steps = [*range(-reach, 0), *range(1, reach + 1)]
         rows = np.arange(n) + np.array(steps)[:, None]
         places = self.theta[rows % n] + 360.0 * (rows // n) - self.theta
-        weights, value = np.ones(places.shape), self.lift.copy()
+        weights = np.ones(places.shape)
+        value = self.lift.copy()
         with np.errstate(divide="ignore", invalid="ignore"):  # where two phases round to one
             for weight, place, row in zip(weights, places, rows, strict=True):
                 for there in places:
@@ -144,7 +145,8 @@ def _rows(text: str, name: str, cam: TableCam) -> _Rows:
     split = splitter(rows_of_text[0][1], cam.decimal, quoted)
     titles = [word for _, word in split(head[0][1])] if head else []
     if titles and all(number(word, cam.decimal) for word in titles):
-        found, cure = "found a header of numbers", "if it is the first row, write header: false"
+        found = "found a header of numbers"
+        cure = "if it is the first row, write header: false"
         raise refused(f"{name}:{head[0][0]}", "header", found, "", cure)
     width = len(split(body[0][1])) if body else len(titles)
     chosen = [
@@ -169,7 +171,8 @@ def _rows(text: str, name: str, cam: TableCam) -> _Rows:
     for n, (line, row) in enumerate(body):
         cells = split(row)
         if len(cells) != width:
-            found, expected = f"found {len(cells)} cells", f"expected {width} as in the first row"
+            found = f"found {len(cells)} cells"
+            expected = f"expected {width} as in the first row"
             cure = "complete the row; is the comma a decimal comma?" if "," in row else "complete"
             faults.append(Fault(f"{name}:{line}", "file", found, expected, cure))
             continue
@@ -196,7 +199,8 @@ def _rows(text: str, name: str, cam: TableCam) -> _Rows:
 def refuse_too_many_rows(count: int, name: str, key: str = "") -> None:
     """Raise SceneError where a table has more rows than are read."""
     if count > MAX_ROWS:
-        found, expected = f"found {count} rows", f"expected at most {MAX_ROWS}"
+        found = f"found {count} rows"
+        expected = f"expected at most {MAX_ROWS}"
         raise refused(name, key, found, expected, "thin the table out")
 
 
@@ -208,13 +212,15 @@ def text_lines(text: str, name: str, skip: int = 0) -> list[tuple[int, str]]:
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     count = text.count("\n")
     if count > MAX_LINES:
-        found, expected = f"found {count} lines", f"expected at most {MAX_LINES}"
+        found = f"found {count} lines"
+        expected = f"expected at most {MAX_LINES}"
         raise refused(name, "file", found, expected, "thin the table out")
     lines = []
     for n, line in enumerate(text.split("\n"), 1):
         if len(line) > LONGEST_LINE:  # it would be cut into a huge number of cells
             found = f"found a line of {len(line)} characters"
-            expected, cure = f"expected at most {LONGEST_LINE}", "is this the right file?"
+            expected = f"expected at most {LONGEST_LINE}"
+            cure = "is this the right file?"
             raise refused(f"{name}:{n}:1", "file", found, expected, cure)
         content = line.partition("#")[0].rstrip()
         if n > skip and content.strip() and not re.fullmatch("sep=.", content, re.IGNORECASE):
@@ -267,7 +273,8 @@ def _column(key: str, chosen: int | str, titles: list[str], width: int, name: st
     if isinstance(chosen, int):
         if 1 <= chosen <= width:
             return chosen - 1
-        found, expected = f"found column {chosen}", f"expected 1 to {width}, as the file has them"
+        found = f"found column {chosen}"
+        expected = f"expected 1 to {width}, as the file has them"
         raise refused(name, key, found, expected, "columns count from 1")
     count = titles.count(chosen.strip())
     if count == 1:
@@ -282,22 +289,28 @@ def _column(key: str, chosen: int | str, titles: list[str], width: int, name: st
 
 def _cell(place: str, line: int, text: str, cam: TableCam, first: bool) -> Cell | Fault:
     """The number in a cell, or why there is none."""
-    found, expected = f"found '{text[:40]}'" if text else "found an empty cell", "expected a number"
+    found = f"found '{text[:40]}'" if text else "found an empty cell"
+    expected = "expected a number"
     plain = number(text, cam.decimal)
     if plain:
-        cell, found = Cell(place, line, plain, Decimal(plain)), f"found {text}"
+        cell = Cell(place, line, plain, Decimal(plain))
+        found = f"found {text}"
         if abs(cell.value) > LARGEST or (not cell.value and _decimals(cell) < 0):
-            expected, cure = "expected at most 1e9", "is it a number?"
+            expected = "expected at most 1e9"
+            cure = "is it a number?"
         elif _decimals(cell) > MOST_DECIMALS:
-            expected, cure = f"expected at most {MOST_DECIMALS} decimals", "round it"
+            expected = f"expected at most {MOST_DECIMALS} decimals"
+            cure = "round it"
         else:
             return cell
     elif number(text, "comma"):
         found = f"found a decimal comma: '{text[:40]}'"
-        expected, cure = "expected decimal points", "write decimal: comma in the section cam"
+        expected = "expected decimal points"
+        cure = "write decimal: comma in the section cam"
     elif number(text, "point"):
         found = f"found a decimal point: '{text[:40]}'"
-        expected, cure = "expected decimal commas", "write decimal: point in the section cam"
+        expected = "expected decimal commas"
+        cure = "write decimal: point in the section cam"
     elif text.lower().lstrip("+-") in ("nan", "inf", "infinity"):
         cure = "remove the row or measure it again"
     elif first:
@@ -325,7 +338,8 @@ def _decimals(cell: Cell) -> int:
 def _one_turn(rows: _Rows, cam: TableCam) -> Turn:
     """Check angles and cover of the table and lay it on the turn."""
     if len(rows.angle) < LEAST_ROWS:
-        found, expected = f"found {len(rows.angle)} rows", f"expected at least {LEAST_ROWS}"
+        found = f"found {len(rows.angle)} rows"
+        expected = f"expected at least {LEAST_ROWS}"
         raise refused(rows.name, "file", found, expected, "measure more rows")
     with localcontext() as context:
         context.prec = 60  # LARGEST with MOST_DECIMALS, and more
@@ -351,7 +365,8 @@ def _one_turn(rows: _Rows, cam: TableCam) -> Turn:
 
 def _not_ascending(before: Cell, now: Cell) -> Fault:
     if now.value == before.value:
-        found, cure = f"found the angle {now.value} again", "remove one of the two rows"
+        found = f"found the angle {now.value} again"
+        cure = "remove one of the two rows"
     else:
         found = f"found the angle {now.value} after {before.value}"
         cure = "sort the rows; add a full turn to angles that go through zero"
@@ -392,7 +407,8 @@ def _check_sizes(cells: list[Cell], lifts: list[float], quantum: float) -> None:
     elif top == bottom or top - bottom < 8.0 * quantum:  # all of them zero where the unit is tiny
         differ = f"found lifts that differ by {MM * (top - bottom):.6g} mm"
         found = f"{differ}, a few steps of the last digit"
-        expected, cure = "expected a lift curve", "write more decimals"
+        expected = "expected a lift curve"
+        cure = "write more decimals"
     else:
         return
     raise SceneError(cells[at].fault(found, expected, cure))
@@ -402,7 +418,8 @@ def _cover(
     rows: _Rows, angles: list[Decimal], spacing: Decimal, steps: list[int], lifts: list[float]
 ) -> tuple[int, bool]:
     """(rows that count, whether they go round the turn); an open end is a fault."""
-    span, last = angles[-1] - angles[0], len(angles) - 1
+    span = angles[-1] - angles[0]
+    last = len(angles) - 1
     step = max(1, gcd(*steps))
     if span > 360 + spacing / 4:
         found = f"the table covers {float(span):.10g} deg of cam, {float(span - 360):.6g} too much"
@@ -471,7 +488,8 @@ def _dwells(
     """Runs of equal lifts too long to be a rounded nose."""
     n = len(steps)
     breaks = [k for k in range(n) if steps[k] != steps[k - 1]]  # a run begins here
-    runs, moving = [], 360.0
+    runs = []
+    moving = 360.0
     for first, after in itertools.pairwise([*breaks, breaks[0] + n]):
         length = (theta[(after - 1) % n] - theta[first]) % 360.0
         if length >= DWELL_DEG and after - first >= 5:
@@ -483,7 +501,8 @@ def _dwells(
     runs = [run for run in runs if run[2] >= nose]
     off = n - sum(count for _, count, _ in runs)
     if off < LEAST_MOVING:
-        found, expected = f"found {off} rows of moving lift", f"expected at least {LEAST_MOVING}"
+        found = f"found {off} rows of moving lift"
+        expected = f"expected at least {LEAST_MOVING}"
         raise refused(name, "file", found, expected, "measure more rows")
     return [Dwell(theta[k], theta[k] + length, lift[k]) for k, _, length in runs]
 

@@ -108,7 +108,8 @@ class TableCam(BaseModel):
         self._folder = folder = Path((info.context or {}).get("folder", Path()))
         name = str(folder / self.file)
         try:
-            home, place = os.path.realpath(folder), os.path.realpath(folder / self.file)
+            home = os.path.realpath(folder)
+            place = os.path.realpath(folder / self.file)
             self._outside = "" if os.path.commonpath([home, place]) == home else place
         except ValueError:  # a name no file can have
             pass
@@ -117,7 +118,8 @@ class TableCam(BaseModel):
             cure = "copy it beside the scene, or add --set cam.allow_outside=true"
             raise refused(name, "file", found, "expected a file beside the scene", cure)
         if self.allow_outside and not (info.context or {}).get("permitted"):
-            found, expected = "found true in the scene itself", "expected it on the command line"
+            found = "found true in the scene itself"
+            expected = "expected it on the command line"
             cure = "remove it, and add --set cam.allow_outside=true"
             raise refused(name, "allow_outside", found, expected, cure)
         expected = "expected a table of angles and lifts"
@@ -146,7 +148,8 @@ class TableCam(BaseModel):
         """The fit, and what it may have changed."""
         from camcli.cams.lift_fit import Errors, Smoother, scatter
 
-        smoother, rms = Smoother(self._turn), self.smoothing
+        smoother = Smoother(self._turn)
+        rms = self.smoothing
         if rms is not None:
             return Errors(smoother, smoother.with_rms(rms))
         return Errors(smoother, smoother.balanced(scatter(self._turn)))
@@ -188,8 +191,10 @@ class TableCam(BaseModel):
         """Dwells, and between them the spline in chunks of equal pieces."""
         from camcli.cams.lift_fit import piece
 
-        smoother, coefficients = self.errors.smoother, self.errors.coefficients
-        count, moving = smoother.count, set(smoother.moving.tolist())
+        smoother = self.errors.smoother
+        coefficients = self.errors.coefficients
+        count = smoother.count
+        moving = set(smoother.moving.tolist())
         parts = []
         for moves, group in groupby(range(count), moving.__contains__):
             run = list(group)

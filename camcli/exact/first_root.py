@@ -98,7 +98,8 @@ def sharpened(f: Function, s: arb, slopes: Sequence[arb]) -> tuple[arb, arb]:
     R f2) is the interval Newton step in the room R, and the slope at x + d is f1(x) + d f2(x) +
     d^2 f3/2.
     """
-    full, x = ctx.prec, s.mid()
+    full = ctx.prec
+    x = s.mid()
     few = [full // 2 + MARGIN]
     while few[-1] > 3 * COARSE:
         few.append(few[-1] // 3 + MARGIN)

@@ -71,15 +71,19 @@ class Machine:
             self.frequency = (damped if self.over else -damped).sqrt() / (2 * m * omega)
         self.turn = 2 * arb.pi()
         self.stretches = cam if isinstance(cam, list) else stretches_of(cam)
-        self.center, self.slopes, self.width = self, self, 0.0
+        self.center = self
+        self.slopes = self
+        self.width = 0.0
 
     @classmethod
     def within_last_digit(cls, shape: Shape, follower: Follower, rpm: float) -> Machine:
         """Every machine at once whose speed rounds to rpm."""
-        center, width = cls(shape, follower, rpm), ulp(rpm) / 2
+        center = cls(shape, follower, rpm)
+        width = ulp(rpm) / 2
         speeds = arb(rpm, width)
         machine = cls(center.stretches, follower, speeds)
-        machine.center, machine.width = center, width
+        machine.center = center
+        machine.width = width
         machine.slopes = cls(center.stretches, follower, arb_series([speeds, 1], 2))
         return machine
 
@@ -190,7 +194,8 @@ def _stretches(part: Part) -> list[Stretch]:
     """A part as it is, or each of its equal polynomials."""
     if not part.pieces:
         return [Stretch(part.start, part.end, part.lift, part.level, part.slopes)]
-    count, width = len(part.pieces), (part.end - part.start) / len(part.pieces)
+    count = len(part.pieces)
+    width = (part.end - part.start) / len(part.pieces)
     edges = [part.start + k * width for k in range(count + 1)]
     return [
         Stretch(edges[k], edges[k + 1], _polynomial(piece), part.level)
@@ -202,7 +207,8 @@ def _polynomial(piece: Piece) -> Callable[[Any], Any]:
     """sum a_j x^j, x = theta - center, with the doubles of the piece taken as they are."""
 
     def lift(theta: Any) -> Any:
-        x, total = theta - arb(piece.center), arb(0)
+        x = theta - arb(piece.center)
+        total = arb(0)
         for coefficient in reversed(piece.coefficients):
             total = total * x + arb(coefficient)
         return total

@@ -58,7 +58,8 @@ class Parallelogram:
 
         The new Q is orthonormal in numbers y = x / unit.
         """
-        middle, leans = of_middle.mid(), jacobian * self.lean + drift
+        middle = of_middle.mid()
+        leans = jacobian * self.lean + drift
         lean = leans.mid()
         spread = jacobian * self.frame
         a, b, c, d = (unit.inv() * spread).mid().entries()
@@ -130,7 +131,8 @@ class Motion:
         u = -self.rate / self.machine.r if self.machine.r > 0 else u
         self._struck(u)
         if self.machine.r == 0:
-            self.order, self.resting = CORNER, below(0, self.fall)
+            self.order = CORNER
+            self.resting = below(0, self.fall)
         elif self.fall > 0:
             self.resting = self._accumulates()
         if self.resting:
@@ -138,7 +140,8 @@ class Motion:
 
     def symbol_of_turn(self, phi: arb) -> float:
         """Symbol of the turn that holds phi, if it went on from here as it did from phi on."""
-        turn, trail = self.turn_of(phi), self.trail
+        turn = self.turn_of(phi)
+        trail = self.trail
         later = [x for x, _ in trail.impacts if x >= phi and self.turn_of(x) == turn]
         ends = any(x > phi and self.turn_of(x) == turn for x in trail.chatters)
         return inf if self.chattered or ends else float(self.impacts + len(later))
@@ -166,9 +169,11 @@ class Motion:
 
     def _off(self, at: Parallelogram, order: int) -> None:
         """Begin a flight; `at` holds phi and the rate relative to the cam."""
-        self.at, self.order = at, order
+        self.at = at
+        self.order = order
         self.phi, self.rate = at.hull()
-        c, machine = self._cam(self.phi, self.i, self.n), self.machine
+        c = self._cam(self.phi, self.i, self.n)
+        machine = self.machine
         self.q, self.w = c[0], c[1] + self.rate
         self.fall = machine.G + machine.W2 * self.q + 2 * machine.Z * self.w + c[2]
         known = max(x.rel_accuracy_bits() for x in (self.phi, self.rate))
@@ -183,7 +188,10 @@ class Motion:
 
         From all states of the parallelogram, or from the one in the middle.
         """
-        phi, q, w, machine = self.phi, self.q, self.w, self.machine
+        phi = self.phi
+        q = self.q
+        w = self.w
+        machine = self.machine
         if middle:
             machine = machine.center
             phi, rate = self.at.middle.entries()

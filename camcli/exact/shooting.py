@@ -60,7 +60,8 @@ class NotProvedError(Exception):
 
     def __init__(self, step: Step, refuted: bool = False):
         super().__init__(step)
-        self.step, self.refuted = step, refuted
+        self.step = step
+        self.refuted = refuted
 
 
 class Flight(NamedTuple):

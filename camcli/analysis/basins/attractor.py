@@ -29,9 +29,11 @@ class Attractor:
     @classmethod
     def periodic_of(cls, label: str, states, symbols, multipliers=None) -> Attractor:
         """Of an orbit begun at any turn; of equal turns the one with the lowest state is first."""
-        states, symbols = tuple(states), tuple(symbols)
+        states = tuple(states)
+        symbols = tuple(symbols)
         k = rotation(symbols, lambda first: tuple(-x for x in states[first]))
-        states, symbols = states[k:] + states[:k], symbols[k:] + symbols[:k]
+        states = states[k:] + states[:k]
+        symbols = symbols[k:] + symbols[:k]
         return cls(label, len(states), states, symbols, multipliers)
 
     @classmethod

@@ -94,7 +94,8 @@ class AttractorFinder:
     def _settle(self, q, v, budget: int, on_cells, share=False) -> tuple[np.ndarray, np.ndarray]:
         outcome = np.empty(len(q), dtype=np.int16)
         turns = np.empty(len(q), dtype=np.int32)
-        left, states = [], []
+        left = []
+        states = []
         for begin in range(0, len(q), CHUNK):
             some = slice(begin, begin + CHUNK)
             begun = self.batches.states(q[some], v[some])
@@ -102,7 +103,8 @@ class AttractorFinder:
                 ends = self._run(*begun, budget, share=share)
             except ShardDone:
                 continue
-            outcome[some], turns[some] = ends.outcome, ends.turns
+            outcome[some] = ends.outcome
+            turns[some] = ends.turns
             open_ = np.flatnonzero(ends.outcome == UNDECIDED)
             left.append(begin + open_)
             states.append(np.column_stack((ends.gap, ends.rate, ends.mode))[open_])
@@ -224,7 +226,8 @@ class AttractorFinder:
 
     def _rebuild(self) -> list[int]:
         """Make the kernel's table of all that is known; turns in the boxes that decide."""
-        lift, known = np.array(self.batches.lift), enumerate(self.attractors)
+        lift = np.array(self.batches.lift)
+        known = enumerate(self.attractors)
         records = {k: one.points - lift for k, one in known if one.points is not None}
         self.boxes = None
         if records:

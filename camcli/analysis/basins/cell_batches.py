@@ -85,7 +85,8 @@ class CellBatches:
         A block of cells that raises what nobody foresaw has FAILED as the outcome of each. Raises
         ShardDone where the cells may be shared and this is one shard of many.
         """
-        gap, rate = np.asarray(gap, dtype=float), np.asarray(rate, dtype=float)
+        gap = np.asarray(gap, dtype=float)
+        rate = np.asarray(rate, dtype=float)
         mode = mode_of(gap, rate) if mode is None else mode
         task = _Task(self.system, self.rpm, self.settings, targets, budget, len(gap))
         slices = [slice(begin, begin + BLOCK) for begin in range(0, len(gap), BLOCK)]
@@ -123,7 +124,8 @@ class _Task:
     @cached_property
     def _tables(self):
         """(kernel, cam, const, flows over stretches, targets in the kernel's form)."""
-        settings, kernel = self.settings, backend.for_work(self.count, FEW)
+        settings = self.settings
+        kernel = backend.for_work(self.count, FEW)
         const = self.system.constants(self.rpm, settings.chatter_tolerance, settings.impact_budget)
         cam = self.system.cam_for(kernel)
         known = self.targets._replace(
@@ -142,7 +144,8 @@ class _Task:
         if not isinstance(found, PieceFault):
             return (*found, None)
         whole = np.zeros((len(gap), 5), np.int32)
-        whole[:, 0], whole[:, 1] = mode, FAILED
+        whole[:, 0] = mode
+        whole[:, 1] = FAILED
         return np.column_stack((gap, rate)), whole, [0, 0, 0], found
 
     def _followed(
@@ -150,7 +153,9 @@ class _Task:
     ) -> tuple[np.ndarray, np.ndarray, list[int]]:
         """((gap, rate), (mode, outcome, turns, stay, symbol), `Cost`) of a block."""
         kernel, cam, const, flows, known = self._tables
-        gap, rate, mode = gaps.tolist(), rates.tolist(), modes.tolist()
+        gap = gaps.tolist()
+        rate = rates.tolist()
+        mode = modes.tolist()
         real = (kernel.numbers(gap), kernel.numbers(rate))
         whole = (kernel.zeros(len(gap), int) for _ in range(5))
         cells = Cells(*real, kernel.numbers(mode, int), *whole)
@@ -173,7 +178,8 @@ class _Task:
 def _ends_of(targets: Targets, value: Any) -> BlockEnds:
     """What a `_Task` returned, read back; raises ValueError where it is something else."""
     real, whole, cost = stored.items(lambda part: part, 3)(value)
-    real, whole = stored.table(real, 2, "f"), stored.table(whole, 5, "i")
+    real = stored.table(real, 2, "f")
+    whole = stored.table(whole, 5, "i")
     cost = stored.items(stored.whole, 3)(cost)
     mode, outcome, turns, stay, symbol = whole.T
     if len(real) != len(whole):

@@ -39,7 +39,8 @@ def fractions(codes: np.ndarray, attractors: list[int]) -> dict[int, tuple[float
         near = _around(mine.astype(np.int16))
         edge = above & (near > 0) & (near < around)
         p = near[edge] / around[edge]
-        square, cells = fsum((p * (1.0 - p)).tolist()), max(total, 1)
+        square = fsum((p * (1.0 - p)).tolist())
+        cells = max(total, 1)
         found[code] = (int(mine.sum()) / cells, sqrt(square) / cells)
     return found
 
@@ -83,7 +84,8 @@ def entropies(codes: np.ndarray) -> dict[str, float | int]:
         return {"basin_entropy": 0.0, "boundary_entropy": 0.0, "boxes": 0, "boundary_boxes": 0}
     logs = np.array([0.0] + [log(k) for k in range(1, BOX * BOX + 1)])
     full = total > 0
-    counts, total = counts[:, full], total[full]
+    counts = counts[:, full]
+    total = total[full]
     each = logs[total] - (counts * logs[counts]).sum(axis=0) / total
     mixed = (counts > 0).sum(axis=0) > 1
     return {
@@ -142,7 +144,9 @@ def uncertainty(finder: AttractorFinder, window: Window) -> Uncertainty | None:
     error, share, count = np.array(rows).T  # a line of logarithms, weighted by the starts in doubt
     fitted = share <= SATURATED
     fitted[-FEWEST:] = True
-    x, y, weight = np.log(error[fitted]), np.log(share[fitted]), np.sqrt(count[fitted])
+    x = np.log(error[fitted])
+    y = np.log(share[fitted])
+    weight = np.sqrt(count[fitted])
     (slope, level), cov = np.polyfit(x, y, 1, w=weight, cov="unscaled")
     off = weight * (y - slope * x - level)
     misfit = fsum((off * off).tolist()) / max(1, len(x) - 2)

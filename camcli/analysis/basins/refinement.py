@@ -19,7 +19,8 @@ def refine(finder: AttractorFinder, window: Window, levels: int, on_cells: Calla
     outcome, turns = finder.settle(*window.centres(np.arange(window.count)), on_cells, share=True)
     table = outcome.reshape(window.nv, window.nq)
     level = np.zeros(table.shape, dtype=np.uint8)
-    every, computed = [turns], window.count
+    every = [turns]
+    computed = window.count
     for step in range(1, levels + 1):
         fine = window.halved(step)
         cut = np.zeros(table.shape, dtype=bool)

@@ -129,15 +129,20 @@ def _times(a, b):
 
 def _forms(maps: np.ndarray, s: float) -> np.ndarray:
     """(m, 3) coefficients A, B, C of the adapted forms, at least x^2 + y^2."""
-    m, turns = len(maps), maps.tolist()
+    m = len(maps)
+    turns = maps.tolist()
     forms = []
     for j in range(m):
-        a, b, c = 0.0, 0.0, 0.0
+        a = 0.0
+        b = 0.0
+        c = 0.0
         product = [[1.0, 0.0], [0.0, 1.0]]
         for k in range(MOST_TERMS):
             (x, y), (z, w) = product
             term = x * x + z * z, 2.0 * (x * y + z * w), y * y + w * w
-            a, b, c = a + term[0], b + term[1], c + term[2]
+            a = a + term[0]
+            b = b + term[1]
+            c = c + term[2]
             if term[0] + term[2] <= 1e-12 * (a + c):
                 break
             step = turns[(j + k) % m]
@@ -152,11 +157,15 @@ def _holds(batches: CellBatches, region: Region) -> bool:
     starts, at = rings(region)
     if len(starts) == 0:
         return True
-    gap, rate, mode = starts[:, 0], starts[:, 1], None
+    gap = starts[:, 0]
+    rate = starts[:, 1]
+    mode = None
     before = size_of(region, at, gap, rate)
     for turn in range(m):
         ends = batches.run(gap, rate, NOTHING, 1, mode)
-        gap, rate, mode = ends.gap, ends.rate, ends.mode
+        gap = ends.gap
+        rate = ends.rate
+        mode = ends.mode
         now = (at + turn + 1) % m
         wanted = np.array(region.symbols)[(at + turn) % m]
         size = size_of(region, now, gap, rate)
@@ -164,9 +173,11 @@ def _holds(batches: CellBatches, region: Region) -> bool:
             return False
     if not (size <= region.shrink * before).all():
         return False
-    periods, left = 0, 1.0
+    periods = 0
+    left = 1.0
     while left > HOME and periods * m < MOST_RETURN:
-        periods, left = periods + 1, left * region.shrink
+        periods = periods + 1
+        left = left * region.shrink
     ends = batches.run(gap, rate, NOTHING, periods * m, mode)
     return bool((size_of(region, at, ends.gap, ends.rate) <= max(HOME, left)).all())
 
@@ -178,7 +189,8 @@ def rings(region: Region) -> tuple[np.ndarray, np.ndarray]:
     square = np.concatenate(
         [np.column_stack(p) for p in ((one, side), (-side, one), (-one, -side), (side, -one))]
     )
-    found, owner = [], []
+    found = []
+    owner = []
     for j, (a, b, c) in enumerate(region.forms):
         low = sqrt(c - 0.25 * b * b / a)
         across = square[:, 1] / low  # the form is a (x + b y/2a)^2 + low^2 y^2
@@ -188,7 +200,8 @@ def rings(region: Region) -> tuple[np.ndarray, np.ndarray]:
             offset = np.column_stack((along, across)) * (ring / length)[:, None]
             found.append(region.points[j] + offset)
             owner.append(np.full(len(offset), j))
-    starts, at = np.concatenate(found), np.concatenate(owner)
+    starts = np.concatenate(found)
+    at = np.concatenate(owner)
     keep = (starts[:, 0] >= 0.0) & (region.points[at, 0] > 0.0)
     return starts[keep], at[keep]
 
@@ -207,7 +220,8 @@ def targets_of(regions, boxes=None):
         m = len(region.points) if region is not None else 0
         first = len(points)
         for j in range(m):
-            place, form = region.points[j].tolist(), region.forms[j].tolist()
+            place = region.points[j].tolist()
+            form = region.forms[j].tolist()
             link = k, first + (j + 1) % m, region.symbols[j], m
             points.append(Point(*place, *form, region.shrink, *link))
     targets = NOTHING._replace(points=points)

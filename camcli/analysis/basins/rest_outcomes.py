@@ -106,7 +106,8 @@ class RestOutcomes:
 
     def _end_of(self, found: After) -> int:
         """The attractor that a motion after a rest ends on, or FORGOTTEN."""
-        finder, batches = self.finder, self.finder.batches
+        finder = self.finder
+        batches = self.finder.batches
         if found.kind == CYCLE:
             label = Label(found.symbols)
             cycle = Attractor.periodic_of(label, found.states, found.symbols, (0j, 0j))
@@ -146,5 +147,6 @@ def record_of(batches: CellBatches, state: State, transient: int, record: int) -
     orbit = Orbit(batches.system, batches.rpm, settings, batches.start(1.0, 0.0, 0))
     begin = orbit.state
     begin.theta, begin.gap, begin.gap_rate = batches.system.strobe % TURN, *map(float, state[:2])
-    begin.mode, begin.period = int(state[2]), -transient
+    begin.mode = int(state[2])
+    begin.period = -transient
     return orbit.run()

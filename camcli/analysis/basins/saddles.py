@@ -41,7 +41,8 @@ def boundary_saddles(
 ) -> list[BoundarySaddle]:
     """The saddles between the basins of attractors, codes 1, 2, ... of the cells of a window."""
     batches = finder.batches
-    system, rpm = batches.system, batches.rpm
+    system = batches.system
+    rpm = batches.rpm
     low, high = _pairs(window, codes)
     here = finder.settle(*low.T)[0]
     for _ in range(HALVINGS):

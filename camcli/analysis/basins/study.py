@@ -176,7 +176,8 @@ def study(
 
 def _failed(question: Question, value: float, rpm: float, fault: PieceFault) -> Basins:
     """Basins of which nothing is known."""
-    status, window = int(Status.FAULT), question.window.halved(question.refine)
+    status = int(Status.FAULT)
+    window = question.window.halved(question.refine)
     codes = np.full((window.nv, window.nq), -status, np.int16)
     return Basins(
         rpm=rpm,
@@ -211,7 +212,8 @@ def basins(
     """Basins of one speed, and the finder for further questions at it."""
     batches = CellBatches(system, rpm, settings, work or Work())
     finder = AttractorFinder(batches, question.budget)
-    window, level = question.window, None
+    window = question.window
+    level = None
     finder.look_around(window)
     if question.refine:
         window, outcome, level, turns, computed = refine(finder, window, question.refine, on_cells)
@@ -316,7 +318,8 @@ class Branches:
         self, attractors: Sequence[Attractor], finder: AttractorFinder, found: dict[int, int]
     ) -> dict[int, int]:
         """Carry what is unmatched to the other speed, in both directions."""
-        found, before = dict(found), self.before
+        found = dict(found)
+        before = self.before
         for n in self.present:
             if n in found.values() or before is None:
                 continue
@@ -336,7 +339,8 @@ def carried(attractor: Attractor, own: AttractorFinder, other: AttractorFinder) 
 
 def distance(a: Attractor, b: Attractor) -> float:
     """Largest distance from a state of one to the nearest of the other, over the orbit's size."""
-    p, q = _thin(a.shown()), _thin(b.shown())
+    p = _thin(a.shown())
+    q = _thin(b.shown())
     apart = np.abs(p[:, None, :] - q[None, :, :]).max(axis=2)
     return float(max(apart.min(axis=0).max(), apart.min(axis=1).max()) / max(a.size, b.size))
 

@@ -70,7 +70,8 @@ class Lift:
     def law(self, index: int, theta: float) -> tuple[float, float, float]:
         """(c, dc/dtheta, d2c/dtheta2) of a region, its formula continued."""
         a, b, d, offset, centre, _ = self.regions[index]
-        sin, cos = math.sin(theta - centre), math.cos(theta - centre)
+        sin = math.sin(theta - centre)
+        cos = math.cos(theta - centre)
         root = math.sqrt(b * b - (d * sin) ** 2)
         slope = -d * d * sin * cos / root
         bend = (-d * d * (cos * cos - sin * sin) - slope * slope) / root
@@ -91,12 +92,17 @@ def _arcs(s: Mapping[str, Any]) -> list[Region]:
     k1, r1, k2, r2 = (s[x] for x in ("flank_center", "flank_radius", "nose_center", "nose_radius"))
     cos_centres = (k1 * k1 + k2 * k2 - (r1 - r2) ** 2) / (2.0 * k1 * k2)
     both = math.pi - math.acos(cos_centres)  # angle from a to c
-    x, y, scale = k2 * math.cos(both), k2 * math.sin(both), r1 / (r1 - r2)
+    x = k2 * math.cos(both)
+    y = k2 * math.sin(both)
+    scale = r1 / (r1 - r2)
     c = math.radians(180.0 - 0.5 * s["top_dwell_deg"])
     a = c - both
     b = a + math.atan2(scale * y, scale * (x + k1) - k1)
-    d, e, f = TWO_PI - c, TWO_PI - b, TWO_PI - a
-    base, offset = r1 - k1, s["offset"]
+    d = TWO_PI - c
+    e = TWO_PI - b
+    f = TWO_PI - a
+    base = r1 - k1
+    offset = s["offset"]
     return [
         Region(0.0, base, 0.0, offset, 0.0, a),
         Region(-k1, r1, k1, offset, a, b),
@@ -148,8 +154,12 @@ class Machine:
         seconds: float = math.inf,
         most_impacts: int = 10**9,
     ):
-        self.r, self.lift, self.omega, self.turns = follower.restitution, lift, omega, turns
-        self.k, self.b = follower.stiffness / follower.mass, follower.damping / follower.mass
+        self.r = follower.restitution
+        self.lift = lift
+        self.omega = omega
+        self.turns = turns
+        self.k = follower.stiffness / follower.mass
+        self.b = follower.damping / follower.mass
         self.load = follower.gravity + follower.preload / follower.mass
         self.period = TWO_PI / omega
         self.chatter_s = chatter * self.period
@@ -261,7 +271,8 @@ def follow(machine: Machine, method: Method, q: float | None, v: float | None) -
 
 def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
     """(whether on the cam, state) at the next contact or at the end of the run."""
-    lift, omega = machine.lift, machine.omega
+    lift = machine.lift
+    omega = machine.omega
     while at.theta < machine.end(at.turn):
         machine.check()
         turn, theta, y, u = at
@@ -271,7 +282,8 @@ def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
         region = lift.sky if above else lift.region(theta)
         stop = min(lift.regions[region].end, theta + TWO_PI, machine.end(turn))
         if above:
-            y, u = y + c - lift.top - CLEAR, u + omega * slope
+            y = y + c - lift.top - CLEAR
+            u = u + omega * slope
         flight = Flight(machine, region, theta, fall)
         span = (stop - theta) / omega
         t = 0.0
@@ -285,7 +297,8 @@ def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
         y = 0.0 if hit else max(y, 0.0)
         if above:
             c, slope, _ = lift.at(theta)
-            y, u = y + lift.top + CLEAR - c, u - omega * slope
+            y = y + lift.top + CLEAR - c
+            u = u - omega * slope
         at = State(*wrapped(turn, theta), y, u)
         if hit and not above:
             return True, at
@@ -351,10 +364,12 @@ def solve_ivp(name: str, tolerance: float, max_turn: float = math.inf) -> Method
         return state[1]
 
     contact.terminal = True  # type: ignore[attr-defined]
-    contact.direction, dip.direction = -1, 1  # type: ignore[attr-defined]
+    contact.direction = -1  # type: ignore[attr-defined]
+    dip.direction = 1  # type: ignore[attr-defined]
 
     def integrate(flight: Flight, begin, until: float, contacts: bool) -> Result:
-        machine, calls = flight.machine, 0
+        machine = flight.machine
+        calls = 0
 
         def rhs(t, state):
             nonlocal calls

@@ -211,7 +211,8 @@ def _point(method: str, value: float, limit: float) -> Point:
     if method == RK4:
         chatter = max(float(value) ** -4, TIGHTEST)
         return Point(method, f"{value} steps per turn", chatter, peers.runge_kutta_4(int(value)))
-    setting, chatter = f"tol {value:.0e}", max(value, TIGHTEST)
+    setting = f"tol {value:.0e}"
+    chatter = max(value, TIGHTEST)
     if method == HEYOKA:
         return Point(method, setting, chatter, peers.heyoka_taylor(value))
     setting += "" if limit == inf else " max_step 1/16 turn"
@@ -236,7 +237,8 @@ def run_core(system: System, case: Case, tolerance: float) -> Trace:
 def run_peer(method: peers.Method, case: Case, chatter: float, seconds: float = inf) -> Trace:
     """A peer on a case, within a budget of seconds."""
     most = 200 + MOST_IMPACTS * len(case.hits)
-    lift, omega = Lift(case.cam), omega_of(case.rpm)
+    lift = Lift(case.cam)
+    omega = omega_of(case.rpm)
     machine = peers.Machine(case.follower, lift, omega, case.turns, chatter, seconds, most)
     return peers.follow(machine, method, *case.start)
 
@@ -278,7 +280,8 @@ def measure(
 ) -> Measured:
     """The row of a case and a point, `allowed` seconds for a run."""
     name, point = piece
-    some, row = case(name), partial(Measured, name, point.method, point.setting)
+    some = case(name)
+    row = partial(Measured, name, point.method, point.setting)
     if point.method == HEYOKA and find_spec("heyoka") is None:
         return row()
     call: Callable[[float], Trace]

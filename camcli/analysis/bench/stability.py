@@ -67,11 +67,14 @@ def measure(row: Row, machines: Machines) -> Outcome:
     """Run a row; whatever it raises is an outcome too."""
     began = perf_counter()
     try:
-        observed, status = row.check(machines), OK
+        observed = row.check(machines)
+        status = OK
     except MismatchError as mismatch:
-        observed, status = str(mismatch), FAILED
+        observed = str(mismatch)
+        status = FAILED
     except Exception as error:
-        observed, status = f"{type(error).__name__}: {error}", FAILED
+        observed = f"{type(error).__name__}: {error}"
+        status = FAILED
     return Outcome(row.case, row.expected, observed, status, perf_counter() - began)
 
 
@@ -190,13 +193,15 @@ def heights(machines: Machines, *names: str) -> str:
 
     A landing is compared in height: its difference of phase times the rate of the gap there.
     """
-    seen, share = [], 0.0
+    seen = []
+    share = 0.0
     for name in names:
         stored = reference("stability")["heavy"][name]
         system = machines.example(damping=stored["damping"])
         ours = orbit(system, stored["rpm"], stored["turns"], tolerance=1e-13)
         record = fine(ours.run(), f"b = {stored['damping']:g}")
-        rows, wanted = events(record), stored["events"]
+        rows = events(record)
+        wanted = stored["events"]
         found = [  # departures, and the landing that follows each
             e
             for before, e in zip([None, *rows], rows, strict=False)
@@ -227,7 +232,8 @@ def _dropped_ball(machines: Machines) -> str:
     system = machines.example(stiffness=0.0, gravity=g, restitution=r)
     start = orbit(system, 1.0).position()[0] + h
     exact = sqrt(2.0 * h / g) * (1.0 + r) / (1.0 - r)
-    worst, rest = 0.0, 0.0
+    worst = 0.0
+    rest = 0.0
     for tolerance in (1e-3, 1e-9, 1e-15, 1e-18):
         record = run(system, 1.0, record=1, tolerance=tolerance, q=start, v=0.0)
         rest = phases(record, "chatter")[0] / (pi / 30.0)
@@ -332,7 +338,8 @@ def _fast(machines: Machines) -> str:
 
 @row(14, "k = 1e8 N/m at 50000 rpm", "as exact as the example's machine")
 def _stiff(machines: Machines) -> str:
-    stored, tolerance = case("stiff"), 1e-13
+    stored = case("stiff")
+    tolerance = 1e-13
     trace = run_core(machines.system(stored.follower, stored.cam), stored, tolerance)
     found = compare(stored, trace, tolerance)
     seen = f"{len(trace.hits)} impacts; {found.missed} missed; error {found.error:.1e} turns"
@@ -369,7 +376,8 @@ def _first_detachment(machines: Machines) -> str:
 @row(16, "114.98 rpm", "impacts of about 1e-7 m/s resolved")
 def _weak_impacts(machines: Machines) -> str:
     stored = reference("stability")["weak"]
-    omega, wanted = stored["rpm"] * pi / 30.0, stored["impacts"]
+    omega = stored["rpm"] * pi / 30.0
+    wanted = stored["impacts"]
     rows = events(run(machines.example(), stored["rpm"], record=1))
     speeds = [e.u * omega for e in rows if e.kind == "impact" and e.theta < pi]
     need(len(speeds) >= len(wanted), f"{len(speeds)} impacts")
@@ -401,7 +409,8 @@ def _on_the_strobe(machines: Machines) -> str:
     phase = phases(run(example, 700.0, record=1, transient=2000))[0]
     for strobe in (around := neighbours(phase, 8)):
         record = fine(run(machines.example(strobe), 700.0, record=50, transient=2000))
-        total, logged = int(sum(record.impacts)), len(phases(record))
+        total = int(sum(record.impacts))
+        logged = len(phases(record))
         need(total == logged and 49 <= total <= 51, f"{total} counted; {logged} logged")
     first = events(run(example, 190.0, record=1, v=-3.0))[0][:3]
     need(first == ("impact", 0, 0.0), f"first event {first}")
@@ -410,7 +419,8 @@ def _on_the_strobe(machines: Machines) -> str:
 
 @row(23, "198.5605 +- 0.01 rpm", "complete to incomplete chatter once")
 def _completion(machines: Machines) -> str:
-    machine, speeds = machines.example(), [198.5505 + 0.001 * k for k in range(21)]
+    machine = machines.example()
+    speeds = [198.5505 + 0.001 * k for k in range(21)]
     complete = [bool(run(machine, rpm, record=2).chatter[1]) for rpm in speeds]
     once = complete == sorted(complete, reverse=True) and complete[0] and not complete[-1]
     need(once, f"complete: {complete}")

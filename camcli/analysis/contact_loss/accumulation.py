@@ -136,12 +136,15 @@ def corner_hits(
             at = burst.impacts[n - 1] if len(burst.impacts) >= n else min(burst.end, FAR)
             return at - goal
 
-        e_low, e_high = excess(low), excess(high)
+        e_low = excess(low)
+        e_high = excess(high)
         if not e_low < 0.0 <= e_high:
             continue
         a, b, e_a, e_b = bracket(excess, low, high, e_low, e_high)
-        status, ends = SpeedStatus.OK, None
+        status = SpeedStatus.OK
+        ends = None
         if min(-e_a, e_b) >= AT:
-            status, ends = SpeedStatus.JUMP, (e_a + goal, e_b + goal)
+            status = SpeedStatus.JUMP
+            ends = (e_a + goal, e_b + goal)
         yield CornerHit(n, corner.name, 0.5 * (a + b), a, b, status, bursts.name, ends)
         high = b

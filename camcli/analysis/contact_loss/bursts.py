@@ -162,16 +162,20 @@ class LiftOff:
 
 def lift_off(bursts: Bursts, loss: Loss) -> LiftOff:
     """One burst simulated just above loss.opens: how it begins and where it is caught."""
-    region, place = loss.region, loss.opens.theta
+    region = loss.region
+    place = loss.opens.theta
     rpm = loss.opens.rpm * (1.0 + JUST_ABOVE)
     burst = bursts.at(rpm)
-    kind, corner = LiftOffKind.WITHIN, ""
+    kind = LiftOffKind.WITHIN
+    corner = ""
     if burst.release == inf:
         kind = LiftOffKind.UNSEEN
     elif region.begins and abs(place - region.start) < SAME_PHASE:
-        kind, corner = LiftOffKind.FLIES_OFF, region.begins
+        kind = LiftOffKind.FLIES_OFF
+        corner = region.begins
     elif region.ends and min(abs(place - region.end + x) for x in (0.0, TURN)) < SAME_PHASE:
-        kind, corner = LiftOffKind.CAUGHT, region.ends
+        kind = LiftOffKind.CAUGHT
+        corner = region.ends
     landing = burst.impacts[0] if burst.impacts else burst.end
     return LiftOff(region.name, kind, corner, rpm, burst.release, landing, burst.end)
 

@@ -178,7 +178,8 @@ def loss_range(system: System, errors: Sequence[float], rough: System) -> tuple[
     The least speed of a noisy curve lies below that of the true one, the more so the flatter it is:
     the upper end is that of one phase, where a rougher fit, whose noise is another, is weakest.
     """
-    weak, late = Force(rough), Force(system, _shared(errors, 1.0))
+    weak = Force(rough)
+    late = Force(system, _shared(errors, 1.0))
     theta = weak.lowest(lambda i, x: weak.lost(i, x)[0])[2]
     high = rpm_of(late.lost(stretch_at(system.cam, theta), theta)[0])
     return first_loss(system, errors, -1.0), high

@@ -49,15 +49,19 @@ class Force:
         """error: what is added to c_thetatheta at a phase, m/rad2."""
         f = system.follower
         self.error = error
-        self.system, self.cam, self.mass = system, system.cam, f.mass
-        self.weight, self.spring = f.gravity + f.preload / f.mass, f.stiffness / f.mass
+        self.system = system
+        self.cam = system.cam
+        self.mass = f.mass
+        self.weight = f.gravity + f.preload / f.mass
+        self.spring = f.stiffness / f.mass
         self.damper = f.damping / f.mass
         size = max(abs(c) for c in (system.cam.top, *column(system.cam, "c_min")))
         self.rounding = ROUNDING * (abs(self.weight) + self.spring * size)
         bent = max(max(abs(s.accel_min), abs(s.accel_max)) for s in system.cam.stretches)
         self.least = ROUNDING * self.damper * bent, ROUNDING * bent  # of B and C that are not 0
         self.regions = regions(system.cam)
-        self.starts, self.ends = column(self.cam, "start"), column(self.cam, "end")
+        self.starts = column(self.cam, "start")
+        self.ends = column(self.cam, "end")
         self.counts = [int(n) for n in column(self.cam, "piece_count")]
 
     def terms(self, i: int, theta: float) -> tuple[float, float, float]:
@@ -135,7 +139,9 @@ class Force:
     def curve(self, rpm: float, points: int = CURVE, hertz: Hertz | None = None) -> ForceCurve:
         """N over a turn, `points` per turn at least, and its minimum; with `hertz` the pressure."""
         omega = omega_of(rpm)
-        theta, force, pressure = [], [], []
+        theta = []
+        force = []
+        pressure = []
         for i in range(len(self.cam.stretches)):
             low, high = self.starts[i], self.ends[i]
             count = int((high - low) * (points / (self.ends[-1] - self.starts[0]))) + 1
@@ -173,7 +179,10 @@ class Hertz:
 
         Of the contact force (N) and the lift (m, m/rad, m/rad2) of the follower.
         """
-        force, c, c1, c2 = force * self.ratio, c / self.ratio, c1 / self.ratio, c2 / self.ratio
+        force = force * self.ratio
+        c = c / self.ratio
+        c1 = c1 / self.ratio
+        c2 = c2 / self.ratio
         if self.roller is None:
             radius = self.base + c + c2
         else:

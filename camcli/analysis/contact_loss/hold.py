@@ -105,8 +105,10 @@ def hold_to(
     kinds = (Quantity.HOLD_STIFFNESS, Quantity.HOLD_PRELOAD, Quantity.HOLD_BOTH)
     if any(place.reason is Reason.KINK for place in detachment(system).always):
         return [Hold(kind, HoldStatus.IMPOSSIBLE, obstacle=Obstacle.KINK) for kind in kinds]
-    need, follower = Need(system, rpm, margin, accel_error), system.follower
-    k, present = follower.stiffness, follower.preload
+    need = Need(system, rpm, margin, accel_error)
+    follower = system.follower
+    k = follower.stiffness
+    present = follower.preload
     stiff = need.least_stiffness(Quantity.HOLD_STIFFNESS, present, 0.0)
     least, i, theta = need.most(lambda p, c: p - k * c)
     preload = need.checked(Quantity.HOLD_PRELOAD, k, max(least, 0.0), least > 0.0, i, theta)
@@ -133,9 +135,13 @@ class Need:
     def __init__(
         self, system: System, rpm: float, margin: float, accel_error: Sequence[float] = (0.0,)
     ):
-        self.system, self.margin, self.accel_error = system, margin, accel_error
-        self.force, self.omega = Force(system), omega_of(rpm)
-        self.cam, self.follower = system.cam, system.follower
+        self.system = system
+        self.margin = margin
+        self.accel_error = accel_error
+        self.force = Force(system)
+        self.omega = omega_of(rpm)
+        self.cam = system.cam
+        self.follower = system.follower
         self.highest = lift_range(system.cam)[1]  # m, exact: `cam.top` is a bound on it
 
     def at(self, i: int, theta: float) -> tuple[float, float]:
@@ -143,7 +149,8 @@ class Need:
         c, c1, c2 = lift_at(self.cam, i, theta)
         share = min(int(theta / TURN * len(self.accel_error)), len(self.accel_error) - 1)
         c2 -= self.accel_error[share]
-        linear, square = self.follower.damping * c1, self.follower.mass * c2
+        linear = self.follower.damping * c1
+        square = self.follower.mass * c2
         worst = min(0.0, self.omega * (linear + self.omega * square))
         if square > 0.0 and linear < 0.0 and -linear < 2.0 * square * self.omega:
             worst = min(worst, -linear * linear / (4.0 * square))
@@ -183,9 +190,13 @@ class Need:
         """The answer with its own first detachment and least force, computed anew."""
         found = detachment(replaced(self.system, k, preload))
         always = None if found.always else inf
-        first, low, high = always, always, always
+        first = always
+        low = always
+        high = always
         if found.first:
-            first, low, high = found.first.rpm, found.first.low, found.first.high
+            first = found.first.rpm
+            low = found.first.low
+            high = found.first.high
         least = 0.0 - self.most(lambda p, c: p - self.margin - k * c - preload)[0]
         f = self.follower
         nose = k * self.highest + preload

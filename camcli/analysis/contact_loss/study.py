@@ -140,7 +140,8 @@ def detach(
     """
     turns = len(rpms) * (settle + RECORD)
     backend.for_work(turns, LITTLE_WORK)
-    found, force = detachment(system), Force(system)
+    found = detachment(system)
+    force = Force(system)
     scan = speeds = settled_motions(system, rpms, settings, settle, on_speed)
     cost = sum((speed.cost for speed in speeds), Cost())
     if 1 < len(rpms) < FEWEST:
@@ -229,7 +230,8 @@ def _past(system: System, rpm: float, settings: Settings) -> Speed:
     def measured() -> Speed:
         orbit = Orbit(system, rpm, turns)
         record = orbit.run()
-        count, loads = int(sum(record.impacts[: record.periods])), loads_of(system, rpm, record)
+        count = int(sum(record.impacts[: record.periods]))
+        loads = loads_of(system, rpm, record)
         name, _, _ = named_on(orbit, rpm, record)
         return Speed(rpm, rpm, name, count, record.status, None, None, record.cost, loads=loads)
 

@@ -132,7 +132,8 @@ def _follow(diagram: Diagram, motions: Sequence[Motion], span: Span) -> None:
             own = Span(low, high, (high - low) / POINTS[1])
         name = f"the branch through {orbit.label} at {orbit.rpm:.10g} rpm"
         piece(name, partial(_add_branch, diagram, orbit.root, own))
-    done, left = 0, MOST_LEAVING
+    done = 0
+    left = MOST_LEAVING
     while done < len(diagram.branch_points) and left > 0:
         index, event = diagram.branch_points[done]
         done += 1

@@ -44,7 +44,8 @@ class Saddle:
     """
 
     def __init__(self, carried: Carried, rpm: float, orbit: PeriodicOrbit):
-        old, shooter = orbit.root, Shooter(carried.system, rpm)
+        old = orbit.root
+        shooter = Shooter(carried.system, rpm)
         root = None if old is None else shooter.at_value(old.x, old.whole, old.turns, rpm)
         if root is None:
             raise LostError
@@ -101,7 +102,8 @@ def find_saddles(
     that it never comes near are not found. size: widths of its states.
     """
     found: list[PeriodicOrbit] = []
-    shooter, at = Shooter(system, rpm), states_of(record) / size
+    shooter = Shooter(system, rpm)
+    at = states_of(record) / size
     for turns in range(1, LONGEST + 1):
         for k in _closest_returns(at, turns):
             impacts = identify.impacts_of(record, range(k, k + turns))

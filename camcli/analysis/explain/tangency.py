@@ -128,7 +128,8 @@ class Folds:
         """The corner whose image the fold is; None for a smooth fold."""
         base, _ = self.at(fold.rpm)
         record = self.carried.motion(fold.rpm, base.leaf(fold.t), fold.n, True)
-        theta, corners = impacts_of(record)[0], corner_list(self.carried.system.cam)
+        theta = impacts_of(record)[0]
+        corners = corner_list(self.carried.system.cam)
         hit = [c for c in corners if np.abs(theta - c.theta).min(initial=inf) < AT_CORNER]
         return hit[0] if hit else None
 
@@ -139,7 +140,9 @@ def first_touch(folds: Folds, rpm: float) -> tuple[Fold, float] | None:
     Each search samples other folds, and only those that have touched before the best speed so far.
     Raises LostError where B or p cannot be followed.
     """
-    best, change, solved = None, inf, []
+    best = None
+    change = inf
+    solved = []
 
     def earlier(one: Fold, other: Fold) -> bool:
         return folds.carried.way(one.rpm) < folds.carried.way(other.rpm)
@@ -164,7 +167,8 @@ def touch(folds: Folds, fold: Fold) -> tuple[Fold, float] | None:
 
     None where it leaves p or the range of speeds first.
     """
-    now, before = _secants(folds, fold), None
+    now = _secants(folds, fold)
+    before = None
     while now is not None:
         goal = CLOSE * now.rpm
         change = goal if before is None else abs(now.rpm - before)
@@ -178,12 +182,17 @@ def touch(folds: Folds, fold: Fold) -> tuple[Fold, float] | None:
 
 def _secants(folds: Folds, fold: Fold) -> Fold | None:
     """Solve eta = 0 for the speed after n turns; the fold is looked for where it drifts to."""
-    carried, n, half, slope = folds.carried, fold.n, fold.half, fold.slope
+    carried = folds.carried
+    n = fold.n
+    half = fold.half
+    slope = fold.slope
     rpm = fold.rpm
     step = copysign(CLOSE * rpm, carried.far - carried.near)
     value, t, _ = folds.lowest(rpm, n, fold.t, half)
     for used in range(1, fold.left + 1):
-        rpm, last_value, last_t = rpm + step, value, t
+        rpm = rpm + step
+        last_value = value
+        last_t = t
         value, t, xi = folds.lowest(rpm, n, t + slope * step, half)
         outside = (rpm - carried.near) * (rpm - carried.far) > 0.0
         if outside or abs(value) > NEAR or value == last_value:

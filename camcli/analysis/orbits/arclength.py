@@ -111,7 +111,8 @@ def steps(
     it wants, and starts anew where it cuts a step short.
     """
     longest = span.spacing / span.width
-    unit, length = metric.oriented(root, along), longest
+    unit = metric.oriented(root, along)
+    length = longest
     while True:
         step = _corrected(shooter, root, unit, metric, length, span)
         if step is None or not _acceptable(shooter, step):
@@ -121,7 +122,8 @@ def steps(
                 return
             continue
         yield step
-        root, unit = step.after, metric.oriented(step.after, unit)
+        root = step.after
+        unit = metric.oriented(step.after, unit)
         length = min(longest, step.length * (GROWTH if root.steps <= QUICK else 1.0))
 
 

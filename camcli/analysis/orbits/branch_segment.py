@@ -96,7 +96,8 @@ def _follow(segment: Segment, shooter: Shooter, root: Root, along: Vector, span:
             if segment.end != Kind.LOST:
                 return
             if crossing is not None:
-                root, along = crossing.far, crossing.ahead
+                root = crossing.far
+                along = crossing.ahead
                 break
 
 
@@ -108,14 +109,17 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
     reached = step.after.value in (span.low, span.high)
     corner = corner_on(shooter, step)
     if corner is not None:
-        step, reached = step.cut(corner.root), False
+        step = step.cut(corner.root)
+        reached = False
     if corner is not None and collapses(shooter, corner.root):
         # it shrinks to an orbit of a shorter period: the 2-cycle of that orbit's corner impact
         segment.close(Kind.CORNER_IMPACT)
         return None
     graze = graze_on(shooter, step)
     if graze is not None:
-        step, reached, corner = step.cut(graze.root), False, None
+        step = step.cut(graze.root)
+        reached = False
+        corner = None
     heading = step.metric.oriented(step.after, step.unit)[-1]
     turned = (heading < 0.0) != (step.unit[-1] < 0.0)
     known = segment.begins_doubling and step.before is segment.points[0]

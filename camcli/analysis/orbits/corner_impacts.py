@@ -99,7 +99,8 @@ def _simulated(
     system, rpm = with_machine(shooter.system, shooter.at(value))
     run = with_turns(settings, SETTLE, 2 * LONGEST_PERIOD + 2)
     record = shooter.simulate(system, rpm, run, start)
-    orbit, ok = identify(system, rpm, record), record.status == Status.OK
+    orbit = identify(system, rpm, record)
+    ok = record.status == Status.OK
     if orbit is not None:
         name = orbit.label
     else:  # chaos may be very small beside a corner
@@ -115,7 +116,8 @@ def _simulated(
 def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
     """Beside an attracting orbit at this value if there is one, else beside the corner's orbit."""
     corner = section_states(shooter.system, crossing.left)[0][0]
-    best, root = -1, crossing.left
+    best = -1
+    root = crossing.left
     for guess in (crossing.left, crossing.right):
         beside = settled(shooter, shooter.moved(guess, value))
         if beside is None or not shooter.admits(beside):
@@ -123,7 +125,8 @@ def _start(shooter: Shooter, crossing: Crossing, value: float) -> Start:
         side = Side(beside.trace, beside.det)
         rank = 2 if side.stable else int(side.at_one > 0.0)  # the far side of a saddle leads away
         if rank > best:
-            best, root = rank, beside
+            best = rank
+            root = beside
     q, w = section_states(shooter.system, root)[0][0]
     shift = max(NUDGE * hypot(q - corner[0], w - corner[1]), 1e-13 * abs(q))
     return Start.at_strobe(shooter.system, shooter.at(value)[RPM], (q + shift, w))

@@ -78,7 +78,9 @@ class _Tracer:
     """One curve: the event solved for one parameter, the other being given."""
 
     def __init__(self, system: System, located: Located, plane: Plane):
-        self.system, self.located, self.plane = system, located, plane
+        self.system = system
+        self.located = located
+        self.plane = plane
         self.spans = [high - low for low, high in plane.ranges]
 
     def values(self, root: Root) -> tuple[float, float]:

@@ -98,7 +98,8 @@ def identify(
         return resting_orbit(system, rpm, states[-1:], symbols[-1:], [])
     shooter = Shooter(system, rpm)
     for m, gap in _returns(record, longest):
-        orbit, window = None, range(n - m, n)
+        orbit = None
+        window = range(n - m, n)
         lifts_off = any(kind == DETACHMENT for kind, *_ in _events(record, window))
         if not lifts_off and not any(record.chatter[k] for k in window):
             orbit = _bouncing(shooter, impacts_of(record, window), m, gap, states[-1], symbols[-m:])
@@ -138,7 +139,8 @@ def departures(record: Record) -> list[tuple[int, float]]:
 
     A blow is an impact of a follower that rested after a chatter.
     """
-    leaves, rests = [], False
+    leaves = []
+    rests = False
     for kind, period, theta, *_ in record.events():
         if kind == DETACHMENT or (kind == IMPACT and rests):
             leaves.append((period, theta))
@@ -218,8 +220,10 @@ def newton_from(shooter: Shooter, impacts: Sequence[Impact], turns: int) -> Root
     """Newton's method from the impacts of `turns` turns; None where it fails."""
     if not 0 < len(impacts) <= MOST_IMPACTS:
         return None
-    system, r = shooter.system, shooter.system.follower.restitution
-    whole, guess = [], []
+    system = shooter.system
+    r = shooter.system.follower.restitution
+    whole = []
+    guess = []
     for period, theta, u in impacts:
         turn = period - impacts[0][0] + (1 if theta < system.strobe else 0)
         whole += [stretch_at(system.cam, theta), turn]
@@ -243,17 +247,21 @@ def settled(shooter: Shooter, root: Root | None, rounds: int = 4) -> Root | None
 
 def _placed(system: System, root: Root) -> tuple[list[float], tuple[int, ...]] | None:
     """(x, whole) with every phase within the turn and its stretch renewed."""
-    x, whole = list(root.x), list(root.whole)
+    x = list(root.x)
+    whole = list(root.whole)
     stretches = system.cam.stretches
     for k in range(root.count):
-        i, theta = whole[2 * k], x[2 * k]
+        i = whole[2 * k]
+        theta = x[2 * k]
         if stretches[i].start <= theta <= stretches[i].end and theta < TURN:
             continue
         turns = 1 if theta < 0.0 else -1 if theta >= TURN else 0
-        theta, whole[2 * k + 1] = theta + turns * TURN, whole[2 * k + 1] - turns
+        theta = theta + turns * TURN
+        whole[2 * k + 1] = whole[2 * k + 1] - turns
         if not 0.0 <= theta < TURN:
             return None
-        x[2 * k], whole[2 * k] = theta, stretch_at(system.cam, theta)
+        x[2 * k] = theta
+        whole[2 * k] = stretch_at(system.cam, theta)
     return x, tuple(whole)
 
 

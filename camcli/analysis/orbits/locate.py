@@ -227,7 +227,9 @@ def beyond_both(shooter: Shooter, step: Step, test: Test, room: float) -> Root |
     ends = (0.0, test(step.before)), (step.length, test(step.after))
     if not 0.0 < min(y for _, y in ends) < room or step.length <= 0.0:
         return None
-    left, right, x = ends[0], ends[1], 0.5 * step.length
+    left = ends[0]
+    right = ends[1]
+    x = 0.5 * step.length
     for _ in range(MOST_PARABOLAS):
         root = step.at(shooter, x)
         if root is None:
@@ -333,7 +335,8 @@ def _fade(shooter: Shooter, step: Step, k: int, low: float, last: Root) -> Locat
     def rate(root: Root | None) -> float:
         return float("nan") if root is None else root.rates[k]
 
-    high, beyond = step.length, step.after
+    high = step.length
+    beyond = step.after
     while rate(beyond) < 0.0 and high < FARTHEST * step.length:
         high *= 1.5
         beyond = step.at(shooter, high) or beyond
@@ -367,8 +370,11 @@ def secant(
 
 def cross(shooter: Shooter, found: Located) -> Crossing | None:
     """The other side of a corner impact, or None where no orbit is found there."""
-    before, k, side = found.root, found.impact, found.side
-    stretches, whole = shooter.cam.stretches, list(before.whole)
+    before = found.root
+    k = found.impact
+    side = found.side
+    stretches = shooter.cam.stretches
+    whole = list(before.whole)
     i = whole[2 * k]
     turns, j = divmod(i + side, len(stretches))
     whole[2 * k], whole[2 * k + 1] = j, whole[2 * k + 1] + turns
@@ -402,7 +408,8 @@ def doubled(shooter: Shooter, found: Located) -> tuple[Root, list[float]] | None
     whole = list(root.whole)
     for k in range(root.count):
         whole += [root.whole[2 * k], root.whole[2 * k + 1] + root.turns]
-    origin, square = [*root.x[:-1], *root.x], 0.0
+    origin = [*root.x[:-1], *root.x]
+    square = 0.0
     for d in twice:
         square += d * d
     for amplitude in AMPLITUDES:

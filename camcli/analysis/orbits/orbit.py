@@ -106,7 +106,8 @@ def from_root(system: System, root: Root, verdict: int = Verdict.ADMISSIBLE) -> 
 
 def resting_orbit(system: System, rpm: float, states, symbols, leaves) -> PeriodicOrbit:
     """An orbit through rests: states at the strobes, symbols of the turns, leaves (turn, rad)."""
-    first, names = _first_turn(symbols, states), region_names(system)
+    first = _first_turn(symbols, states)
+    names = region_names(system)
     turns = _rotated(range(len(states)), first)
     thetas = tuple(theta for j in turns for turn, theta in leaves if turn == j)
     return PeriodicOrbit(
@@ -127,7 +128,8 @@ def free_orbit(system: System, rpm: float) -> PeriodicOrbit | None:
     q = -(m g + preload)/k, above the whole cam; None where the cam reaches it. The flight over one
     turn has the multipliers: trace 1 - W^2 P + B', determinant exp(-4 pi Z) (`kernel.flow`).
     """
-    f, const = system.follower, system.constants(rpm, 1.0, 1)
+    f = system.follower
+    const = system.constants(rpm, 1.0, 1)
     if f.stiffness == 0.0:
         return None
     q = -(f.mass * f.gravity + f.preload) / f.stiffness
@@ -166,7 +168,8 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
     """(states, symbols): (q, dq/dtheta) at every strobe, and the impacts in the turn after it."""
     const = constants_of(root.machine, 0.0, 0)
     since = _since_strobe(system, root)
-    states, symbols = [], []
+    states = []
+    symbols = []
     for j in range(root.turns):
         at = TURN * j
         symbols.append(float(sum(at <= place < at + TURN for place, _ in since)))

@@ -437,7 +437,8 @@ def _admit(shooting: Shooting, hull: Sequence[arb], located: Located) -> None:
 
 def _test(shooting: Shooting, located: Located) -> Test:
     """The function that is zero at an event, of the unknowns and the parameter."""
-    k, kind = located.impact, located.kind
+    k = located.impact
+    kind = located.kind
     if located.fading is not None:  # no rate is left: the linear parts have no limit
         raise NotProvedError(Step.MODEL)
 

@@ -58,7 +58,8 @@ def find(
     are kept; up to `most` starts are tried until one settles on it, then close returns of the
     simulated motions as guesses for an unstable one.
     """
-    found, shooter = OrbitsFound(), Shooter(system, rpm)
+    found = OrbitsFound()
+    shooter = Shooter(system, rpm)
     with suppress(BudgetSpentError):
         _find(found, shooter, rpm, settings, starts, label, most)
     if label is not None:
@@ -127,7 +128,8 @@ def cloud(system: System, rpm: float) -> Iterator[Start]:
 
 def halton(n: int, base: int) -> float:
     """The n-th number of the van der Corput sequence, in (0, 1)."""
-    value, share = 0.0, 1.0
+    value = 0.0
+    share = 1.0
     while n > 0:
         share /= base
         n, digit = divmod(n, base)

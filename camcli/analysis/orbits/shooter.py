@@ -174,7 +174,8 @@ class Shooter:
         out = room.out
         x = self._table(guess)
         ends = Border(self._table(row), self._table(origin), right, self.scale, self.rate)
-        machine, places = self._table(self.machine), self._table(whole, int)
+        machine = self._table(self.machine)
+        places = self._table(whole, int)
         out[STEPS_TAKEN] = 0.0
         status = self.kernel.correct_orbit(
             self._kernel_cam,
@@ -214,7 +215,8 @@ class Shooter:
 
     def at_corner(self, guess: Root, k: int, side: int) -> Root | None:
         """The root with impact k exactly at the end (side 1) or start (-1) of its stretch."""
-        x, row = list(guess.x), [0.0] * len(guess.x)
+        x = list(guess.x)
+        row = [0.0] * len(guess.x)
         stretch = self.cam.stretches[guess.whole[2 * k]]
         x[2 * k] = stretch.end if side > 0 else stretch.start
         row[2 * k] = 1.0
@@ -235,8 +237,10 @@ class Shooter:
     def verdict(self, root: Root) -> tuple[int, int, float]:
         """(verdict, impact, phase): `certify`'s code, and where the root fails (0-based, rad)."""
         place = self._room(root.count).place
-        machine, places = self._table(root.machine), self._table(root.whole, int)
-        x, rates = self._table(root.x), self._table(root.rates)
+        machine = self._table(root.machine)
+        places = self._table(root.whole, int)
+        x = self._table(root.x)
+        rates = self._table(root.rates)
         before = self._works[0].evaluations
         code = self.kernel.certify_orbit(
             self._kernel_cam, machine, root.count, root.turns, places, x, rates, self._flows, place,

@@ -49,7 +49,8 @@ class Continuum:
 
 def single_impact_roots(shooter: Shooter, value: float, turns: int) -> list[Root]:
     """Every isolated orbit of `turns` turns with one impact at this value, virtual ones too."""
-    equation, found = _Equation(shooter, value, turns), []
+    equation = _Equation(shooter, value, turns)
+    found = []
     dwells = equation.dwells(turns)
     for i in range(len(shooter.system.cam.stretches)):
         for theta in equation.roots(i):
@@ -64,7 +65,8 @@ def single_impact_roots(shooter: Shooter, value: float, turns: int) -> list[Root
 
 def continua(shooter: Shooter, value: float, turns: int) -> Iterator[Continuum]:
     """The dwells on which every phase is an orbit: the one in the middle is a motion."""
-    cam, r = shooter.system.cam, shooter.system.follower.restitution
+    cam = shooter.system.cam
+    r = shooter.system.follower.restitution
     for dwell in _Equation(shooter, value, turns).dwells(turns):
         theta = 0.5 * (dwell.start + dwell.end) % TURN
         root = Root(
@@ -82,7 +84,8 @@ class _Equation:
     def __init__(self, shooter: Shooter, value: float, turns: int):
         self.cam = shooter.system.cam
         self.const = const = constants_of(shooter.at(value), 0.0, 0)
-        self.r, self.reach = const.r, TURN * turns
+        self.r = const.r
+        self.reach = TURN * turns
         self.B, self.slope_b, self.P = flow(const, self.reach)
         self.K = self.P * (1.0 + const.r * self.slope_b) - const.r * self.B * self.B
         self.turn = (1.0 + const.r) * self.B
@@ -132,7 +135,8 @@ class _Equation:
 
     def _within(self, i: int, low: float, high: float, bend: float) -> Iterator[float]:
         """The zeros between two angles; `bend` bounds |h''|."""
-        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        middle = 0.5 * (low + high)
+        half = 0.5 * (high - low)
         h, slope, size = self._terms(i, middle)
         change = abs(slope) * half + 0.5 * bend * half * half
         if abs(h) > change or abs(h) + change <= ROUNDING * size:

@@ -173,7 +173,8 @@ def orbits(
     starts = question.starts if question.label is None else max(question.starts, MOST_STARTS)
     backend.for_work((starts + 1) * (settings.transient + RECORD), 2 * LITTLE_WORK)
     found = find(system, question.rpm, settings, question.starts, question.label)
-    span, absent = question.span, None
+    span = question.span
+    absent = None
     if question.stable is not None:
         found.orbits = [orbit for orbit in found.orbits if orbit.stable == question.stable]
     elif question.label is not None and not found.orbits and not found.continua:
@@ -213,7 +214,8 @@ def _follow_all(
     for orbit in found:
         piece(f"the branch through {orbit.label}", partial(_follow_one, diagram, orbit, span))
         on_branch()
-    known, done = len(diagram.branches), 0
+    known = len(diagram.branches)
+    done = 0
     while done < len(diagram.branch_points) and len(diagram.branches) < known + most:
         index, event = diagram.branch_points[done]
         source = diagram.bifurcations[index]
@@ -255,7 +257,8 @@ class Diagram:
     """
 
     def __init__(self, shooter: Shooter, settings: Settings):
-        self.shooter, self.settings = shooter, settings
+        self.shooter = shooter
+        self.settings = settings
         self.branches: list[Branch] = []
         self.bifurcations: list[Bifurcation] = []
         self.branch_points: list[tuple[int, Located | Crossing]] = []
@@ -298,11 +301,14 @@ class Diagram:
 
     def add_bouncing(self, segments: Sequence[Segment], origin: str) -> None:
         """A branch from one segment, or from two that begin at the same root."""
-        system, number = self.shooter.system, len(self.branches) + 1
-        roots, ends = segments[0].points, (origin, segments[0].end)
+        system = self.shooter.system
+        number = len(self.branches) + 1
+        roots = segments[0].points
+        ends = (origin, segments[0].end)
         if len(segments) == 2:
             down, up = segments
-            roots, ends = down.points[:0:-1] + up.points, (down.end, up.end)
+            roots = down.points[:0:-1] + up.points
+            ends = (down.end, up.end)
         points = tuple(from_root(system, root) for root in roots)
         self.branches.append(Branch(number, origin, points, ends))
         for segment in segments:
@@ -332,7 +338,8 @@ class Diagram:
 
     def add_sticking(self, start: PeriodicOrbit, span: Span) -> None:
         """A branch of orbits that rest on the cam, both ways from one of them."""
-        number, system = len(self.branches) + 1, self.shooter.system
+        number = len(self.branches) + 1
+        system = self.shooter.system
         down, up = (
             follow_sticking(self.shooter, self.settings, start, span, way) for way in (False, True)
         )
@@ -379,12 +386,14 @@ def _reach(
     system: System, settings: Settings, orbit: PeriodicOrbit, rpm: float
 ) -> tuple[float, str]:
     """The speed nearest to `rpm` on the orbit's branch with its label, and what ends it."""
-    shooter, up = Shooter(system, orbit.rpm), rpm > orbit.rpm
+    shooter = Shooter(system, orbit.rpm)
+    up = rpm > orbit.rpm
     low, high = sorted((rpm, orbit.rpm))
     span = Span(low, high, (high - low) / SPEEDS)
     if orbit.root is None:
         sticking = follow_sticking(shooter, settings, orbit, span, up)
-        points, end = sticking.points, sticking.end
+        points = sticking.points
+        end = sticking.end
     else:
         tangent = orbit.root.tangent
         ahead = tangent if (tangent[-1] > 0.0) == up else [-x for x in tangent]
