@@ -3,6 +3,7 @@
 import pickle
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from io import BytesIO
+from math import pi
 from multiprocessing import get_context
 
 import numpy as np
@@ -208,3 +209,27 @@ def test_a_notebook_shows_verdict_picture_and_the_beginnings_of_tables():
     assert f"<td>{table['theta_deg'][7]:.6g}</td>" in shown
     assert shown.count("<tr>") == 9
     assert len(repr(result)) < 80
+
+
+def test_a_cam_is_compiled_once_whatever_is_asked_of_it(monkeypatch):
+    """For each strobe, and -0.0 is another number than 0.0; each has the table of its own cam."""
+    built = []
+
+    def counted(shape, strobe=0.0):
+        built.append(shape)
+        return real(shape, strobe)
+
+    real = camcli.system.build
+    monkeypatch.setattr("camcli.system.build", counted)
+    own = TURNS | {"cam": {"kind": "eccentric", "base": 0.1, "lift": 0.0712345}}
+    for values in ({}, {"follower.mass": 2.0}, {"run.rpm": 200.0}):
+        scene = camcli.load_scene(None, own | values)
+        assert camcli.simulate(scene).system.follower.mass == scene.follower.mass
+        camcli.simulate(scene, profile_only=True)
+    assert len(built) == 1
+    table = camcli.simulate(camcli.load_scene(None, own | {"run.strobe_deg": 90})).system.cam
+    assert len(built) == 2
+    assert table == real(built[1], pi / 2.0)
+    for base, text in ((0.0, "0x0.0p+0"), (-0.0, "-0x0.0p+0")):
+        result = camcli.simulate(camcli.load_scene(None, own | {"cam.base": base}))
+        assert result.system.shape.base.hex() == text

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from math import radians
 from os import PathLike
+from threading import Lock
 from typing import Any
 
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.natural_speed import Basis, Chosen, NaturalSpeed, natural_speed
 from camcli.analysis.sweep import rpm_grid
+from camcli.cams import AnyCam
 from camcli.cams.compile import phase_of
 from camcli.errors import Fault, SceneError
 from camcli.scene import Axis, Scene, Varying, load_scene, resolved
 from camcli.scene.schema import Start as SceneStart
 from camcli.system import Follower, System, omega_of
 
-MOST_COMPILED = 256  # cams kept
+MOST_COMPILED = 256  # machines of a varied number that are kept
+MOST_CAMS = 32  # compiled cams that are kept in a process
 RANGES = {  # of the first loss of contact; of the natural frequency where contact is never lost
     "sweep": (0.9, 1.5, 0.5, 2.0),
     "detach": (0.9, 1.3, 0.5, 2.0),
@@ -48,7 +52,7 @@ def machine_of(scene: SceneLike) -> Machine:
     """The compiled machine of a scene, or of what `load_scene` takes, and its runs' settings."""
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     follower = Follower(*(getattr(scene.follower, f.name) for f in fields(Follower)))
-    system = System.build(follower, scene.cam, phase_of(scene.run.strobe_deg))
+    system = on_cam(scene.cam, phase_of(scene.run.strobe_deg)).with_follower(**vars(follower))
     scene, chosen = ranged(scene, system)
     run = scene.run
     settings = Settings(
@@ -60,6 +64,28 @@ def machine_of(scene: SceneLike) -> Machine:
         patience=run.patience,
     )
     return Machine(scene, system, settings, chosen)
+
+
+_on_cams: OrderedDict[tuple[str, str], System] = OrderedDict()
+_looking = Lock()
+
+
+def on_cam(cam: AnyCam, strobe: float) -> System:
+    """A system on a cam, which is compiled once for each strobe (rad) in a process.
+
+    A cam is known by its text, in which -0.0 is not 0.0, and a lift table by its hash. The
+    MOST_CAMS used last are kept. The follower is any one.
+    """
+    key = cam.model_dump_json(), repr(strobe)
+    with _looking:
+        system = _on_cams.pop(key, None)
+    if system is None:
+        system = System.build(Follower(1.0, 1.0), cam, strobe)
+    with _looking:
+        _on_cams[key] = system
+        while len(_on_cams) > MOST_CAMS:
+            _on_cams.popitem(last=False)
+    return system
 
 
 def start_of(scene: Scene, system: System, start: SceneStart, place: str) -> Start:

@@ -376,7 +376,7 @@ def test_a_branch_of_orbits(cam, tmp_path, breaking):
         ("camcli.analysis.orbits.study.both_ways", ""),
         ("camcli.analysis.orbits.proofs.prove_orbit", "--prove"),
         ("camcli.api.orbits.remarks", ""),
-        ("camcli.api.orbits.bifurcation_row", "--rpm 720:745"),
+        ("camcli.api.orbit_tables.bifurcation_row", "--rpm 720:745"),
         ("camcli.analysis.orbits.study.doubled", "--rpm 720:745"),
         ("camcli.analysis.orbits.study.curve",
          "--rpm 735:745 --curve period-doubling --in restitution"),
