@@ -18,15 +18,12 @@ from camcli.quantities import (
     FORCE,
     LENGTHS,
     LIFTS,
-    PARAMETERS,
-    RPM,
     THETA,
-    Quantity,
     Units,
-    drawn,
     labelled,
 )
 from camcli.system import System, units_of
+from camcli.words.in_print import number_text, parameter
 
 if TYPE_CHECKING:
     from camcli.analysis.contact_loss.force import ForceCurve
@@ -59,28 +56,6 @@ def axis_name(key: str) -> str:
     """The name of an axis over what is varied, a key of the scene."""
     quantity = parameter(key)
     return key if quantity is None else labelled(quantity.name, quantity.unit or "-")
-
-
-def valued(key: str, value: str, rpm: float | None = None) -> str:
-    """A value of what is varied: 700 rpm, coefficient of restitution 0.8 (at 700 rpm)."""
-    quantity = parameter(key)
-    if quantity is RPM:
-        return f"{value} rpm"
-    beside = "" if rpm is None else f" at {style.number(rpm)} rpm"
-    if quantity is None:
-        return f"{key} {value}{beside}"
-    return f"{quantity.name} {value} {drawn(quantity.unit)}".rstrip() + beside
-
-
-def one_of(key: str) -> str:
-    """What one of the things varied is called."""
-    return "speed" if parameter(key) is RPM else "value"
-
-
-def parameter(key: str) -> Quantity | None:
-    """What a key of the scene is: the speed, a constant of the follower, or neither."""
-    section, _, name = key.rpartition(".")
-    return PARAMETERS.get(name) if section in ("", "run", "follower") else None
 
 
 def padded(
@@ -146,12 +121,12 @@ def lift_axis(axis: Axis, panel: str, units: Units) -> None:
 def _count(axis: Axis, size: float) -> None:
     """Numbers in a unit of so many m."""
     if size != 1.0:
-        axis.set_major_formatter(FuncFormatter(lambda x, _: style.number(round(x / size, 9))))
+        axis.set_major_formatter(FuncFormatter(lambda x, _: number_text(round(x / size, 9))))
 
 
 def strobe_axis(axis: Axis, system: System, words: str = "") -> None:
     """The axis of stroboscopic positions."""
-    phase = style.number(round(degrees(system.strobe), 9))
+    phase = number_text(round(degrees(system.strobe), 9))
     unit_axis(axis, "stroboscopic $q$", units_of(system))
     if phase != "0":
         words = rf", $\theta$ = {phase} deg{words}"
@@ -293,8 +268,3 @@ def draw_forces(axes: Axes, curves: Sequence[ForceCurve], names: Sequence[str] =
     if low < 0.0 and any(min(curve.force_n) < 0.0 for curve in curves):
         axes.axhspan(low, 0.0, color=style.PULL, linewidth=0, zorder=0)
     axes.set(ylim=(low, high), ylabel=FORCE.label)
-
-
-def newtons(value: float, digits: int) -> str:
-    """A force for print, with a minus sign and no negative zero."""
-    return f"{round(value, 6) + 0.0:.{digits}g} N".replace("-", "−")

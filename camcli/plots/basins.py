@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from functools import partial
-from math import degrees
 from typing import Any
 
 import numpy as np
@@ -13,10 +12,18 @@ from camcli.analysis.basins.study import BELOW_CODE, UNDECIDED_CODE, Basins, Que
 from camcli.analysis.sweep import status_name
 from camcli.errors import plural
 from camcli.plots import style
-from camcli.plots.axes import axis_name, one_of, unit_axis, valued
+from camcli.plots.axes import axis_name, unit_axis
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import Q, Units, V
 from camcli.system import System, omega_of, units_of
+from camcli.words.basins import (
+    further_words,
+    picture_title,
+    saddle_words,
+    window_words,
+    windows_words,
+)
+from camcli.words.in_print import label_text, number_text, valued
 
 MOST_NAMED = 12  # attractors in the list
 CHARS, RANGE_CHARS = 60, 24  # of a label in the list
@@ -62,14 +69,13 @@ def _windows(study: Study, _: Question, system: System, key: str) -> Picture:
     shared = "v" if len(grids) > 1 else ""
     panels = {}
     for speed in grids:
-        own = valued(key, style.number(speed.value))
+        own = valued(key, number_text(speed.value))
         draw = partial(_draw_window, basins=speed, colours=colours, named=own, system=system)
         name, height = ("basins", 120.0) if len(grids) == 1 else (f"basins {own}", 66.0)
         panels[name] = Panel(draw, height, across=len(grids), y=shared)
-    ends = dict.fromkeys(style.number(grids[k].value) for k in (0, -1))
-    title = f"Basins of attraction, {valued(key, ' to '.join(ends), grids[0].rpm)}"
+    title, words = picture_title("Basins of attraction", grids, key), window_words(grids, system)
     lists = [_attractor_rows(grids, labels, colours, key), *_saddle_rows(grids)]
-    return Picture(title, panels, _words(grids, system), lists=lists)
+    return Picture(title, panels, words, lists=lists)
 
 
 def _attractor_rows(
@@ -78,14 +84,14 @@ def _attractor_rows(
     """Attractors by branch, then what belongs to none, with shares of each window."""
     one = len(grids) == 1
     say = percent if one else _short
-    at = ["share of the window"] if one else [valued(key, style.number(s.value)) for s in grids]
+    at = ["share of the window"] if one else [valued(key, number_text(s.value)) for s in grids]
     rows: list[list[Any]] = [["", "", "basin of", *at]]
     for branch in sorted(labels)[:MOST_NAMED]:
         own = [s.branches.index(branch) + 1 if branch in s.branches else 0 for s in grids]
         there = [(s, s.attractors[k - 1]) for s, k in zip(grids, own, strict=True) if k]
         inside = any(_inside(speed, attractor).any() for speed, attractor in there)
         shape = _marker(branch) if inside and there[0][1].periodic else ""
-        name = style.motion(labels[branch][0], CHARS) if one else _branch_labels(labels[branch])
+        name = label_text(labels[branch][0], CHARS) if one else _branch_labels(labels[branch])
         shares = [say(s.fractions[k]) if k else "" for s, k in zip(grids, own, strict=True)]
         away = "" if inside else "attractor outside the window"
         rows.append([_swatch(colours[branch]), shape, name, *shares, away])
@@ -110,28 +116,9 @@ def _saddle_rows(grids: Sequence[Basins]) -> list[list[list[Any]]]:
         counts[0], counts[1] = counts[0] + saddle.led, counts[1] + saddle.tried
     rows: list[list[Any]] = [["", "", "boundary: stable manifold of"]]
     for label, (some, tried) in led.items():
-        words = f"saddle {style.motion(label, RANGE_CHARS)}: {some} of {tried} motions led to it"
+        words = saddle_words(label_text(label, RANGE_CHARS), some, tried)
         rows.append([{"color": BOUNDARY, "lw": 0.8}, SADDLE, words])
     return [rows] if led else []
-
-
-def _words(grids: Sequence[Basins], system: System) -> str:
-    window, phase = grids[0].window, style.number(round(degrees(system.strobe), 9))
-    text = f"{window.nq} × {window.nv} starts (q, v) at θ = {phase} deg, orbit mapping"
-    if grids[0].level is not None:
-        share = 100.0 * sum(s.computed for s in grids) / sum(s.cells for s in grids)
-        text += f", {share:.3g} % of the cells computed (boundaries refined)"
-    if len(grids) > 1:
-        return text
-    (basins,) = grids
-    entropies = basins.entropies
-    text += f"; basin entropy {entropies['basin_entropy']:.3g}"
-    if entropies["boundary_boxes"]:
-        text += f", boundary entropy {entropies['boundary_entropy']:.3g}"
-    if basins.uncertainty is not None:
-        doubt = basins.uncertainty
-        text += f", boundary dimension {doubt.dimension:.3f} ± {doubt.error:.3f}"
-    return text
 
 
 def percent(share: tuple[float, float]) -> str:
@@ -207,20 +194,15 @@ def _range(study: Study, question: Question, system: System, key: str) -> Pictur
     edges = np.array([2.0 * values[0] - middle[0], *middle, 2.0 * values[-1] - middle[-1]])
     areas = {**colours, UNDECIDED_CODE: style.UNDECIDED, -1: "white"}
     rows: list[list[Any]] = [[_swatch(areas[code]), words] for code, words in _range_entries(study)]
-    units, window = units_of(system), question.window
-    ends = [style.number(study.speeds[k].value) for k in (0, -1)]
-    words = (
-        f"{len(study.speeds)} {one_of(key)}s, {window.nq} × {window.nv} starts each, "
-        f"q from {window.q[0] * units.per_m:g} to {units.lengths(window.q[1], 6)}, "
-        f"v from {window.v[0]:g} to {window.v[1]:g} m/s, orbit mapping"
-    ).replace("-", "−")
+    units = units_of(system)
+    words = windows_words(study, question.window, units, key)
     more: dict[str, Any] = {"study": study, "edges": edges, "colours": colours, "key": key}
     states = partial(_draw_states, units=units, **more)
     panels = {
         "fractions": Panel(partial(_draw_stack, **more), 70.0, key),
         "attractors": Panel(states, 52.0, key),
     }
-    title = f"Basin fractions, {valued(key, ' to '.join(ends), study.speeds[0].rpm)}"
+    title = picture_title("Basin fractions", study.speeds, key)
     return Picture(title, panels, words, lists=[[["", "branch of attractors"], *rows]])
 
 
@@ -240,7 +222,7 @@ def _range_entries(study: Study) -> list[tuple[int, str]]:
     named = sorted(sorted(weight, key=lambda b: (-weight[b], b))[:MOST_NAMED])
     found = [(branch, f"{branch}: {_branch_labels(labels[branch])}") for branch in named]
     if len(weight) > len(named):
-        found.append((-1, f"{len(weight) - len(named)} further attractors, in repeated colours"))
+        found.append((-1, further_words(len(weight) - len(named))))
     if any(speed.undecided or speed.troubled for speed in study.speeds):
         found.append((UNDECIDED_CODE, "undecided, or numerical trouble"))
     return found
@@ -249,7 +231,7 @@ def _range_entries(study: Study) -> list[tuple[int, str]]:
 def _branch_labels(labels: Sequence[str]) -> str:
     """The first label, and the others where it changes along the branch."""
     kinds = list(dict.fromkeys(labels))
-    shown = ", ".join(style.motion(kind, RANGE_CHARS) for kind in kinds[:LABELS])
+    shown = ", ".join(label_text(kind, RANGE_CHARS) for kind in kinds[:LABELS])
     more = len(kinds) - LABELS
     return shown if more <= 0 else f"{shown} and {plural(more, 'more label')}"
 

@@ -13,6 +13,7 @@ from camcli.analysis.bench.stability import Outcome
 from camcli.plots import style
 from camcli.plots.axes import DASHED, say
 from camcli.plots.picture import Panel, Picture
+from camcli.words.bench import cases_title
 
 ACROSS, HIGH = 3, 36.0  # panels side by side, mm of a panel
 FLOOR = 1e-17  # error drawn for none at all
@@ -48,9 +49,8 @@ def draw_precision(found: Sequence[Measured]) -> Picture:
 def draw_stability(found: Sequence[Outcome]) -> Picture:
     """Picture of the extreme cases: a bar each, as long as it took."""
     failed = sum(row.status != OK for row in found)
-    said = f"{failed} not as expected" if failed else "all as expected"
     panel = Panel(partial(_draw_rows, found=found), PER_CASE * max(3, len(found)))
-    return Picture(f"{len(found)} extreme cases, {said}", {"cases": panel})
+    return Picture(cases_title(len(found), failed), {"cases": panel})
 
 
 def _draw_rows(axes: Axes, found: Sequence[Outcome]) -> None:

@@ -307,13 +307,3 @@ def draw_real(axes: Axes, every: Sequence[Sequence[Strand]], shades: Sequence[st
         ticks = [*(-tick for tick in reversed(tens)), 0, *tens]
         axes.set_yticks(ticks, [f"{tick:g}".replace("-", "−") for tick in ticks])
         axes.set_ylabel(r"Re $\mu$ (asinh scale)")
-
-
-def pair(trace: float, det: float) -> str:
-    """The two multipliers as numbers."""
-    upper, lower = multipliers(trace, det)
-    if upper.imag:
-        text = f"{upper.real:.4g} ± {upper.imag:.4g}i"
-    else:
-        text = f"{upper.real:.4g}, {lower.real:.4g}" if upper != lower else f"{upper.real:.4g}"
-    return text.replace("-", "−")

@@ -13,11 +13,12 @@ from matplotlib.ticker import MultipleLocator
 from camcli.analysis.cam_profile import Profile
 from camcli.cams import cam_name
 from camcli.plots import style
-from camcli.plots.axes import draw_forces, lift_axis, newtons, padded, say, turn_axis, unit_axis
+from camcli.plots.axes import draw_forces, lift_axis, padded, say, turn_axis, unit_axis
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import THETA, Units, labelled
-from camcli.words.speeds import range_words
+from camcli.words.in_print import newtons, number_text
+from camcli.words.simulate import cam_words
 
 
 @dataclass(frozen=True)
@@ -39,16 +40,7 @@ def draw_profiles(cams: Sequence[Drawn]) -> Picture:
     """Picture of a cam, others beside it; outline and follower on it where they are asked for."""
     profile, units = cams[0].profile, cams[0].units
     low, high = profile.ranges["c"]
-    first, said = profile.first, "no speed marks a first detachment"
-    if first is not None and first.finite:
-        exact = 4 if cams[0].measured else 6  # digits
-        said = (
-            f"first detachment at {first.rpm:.{exact}g} rpm, {degrees(first.theta):.{exact}g} deg"
-        )
-        if cams[0].measured:
-            said += f" ({range_words(first.low, first.high)} by the error of the table)"
-    if (ratio := cams[0].outline.ratio) != 1.0:
-        said += f"; outline and curvature are those of the lobe under a rocker of {ratio:.6g}"
+    said = cam_words(profile.first, cams[0].measured, cams[0].outline.ratio)
     many = len(cams) > 1
     each = [_panels(cam, cams if many else ()) for cam in cams]
     panels = {
@@ -58,9 +50,8 @@ def draw_profiles(cams: Sequence[Drawn]) -> Picture:
         if k == 1 or name in COMPARED
     }
     if not many:
-        return Picture(
-            f"Cam with a lift of {units.lengths(high.value - low.value, 4)}", panels, said
-        )
+        title = f"Cam with a lift of {units.lengths(high.value - low.value, 4)}"
+        return Picture(title, panels, said)
     return Picture(f"Cams side by side: {', '.join(cam_name(cam.cam) for cam in cams)}", panels)
 
 
@@ -139,7 +130,7 @@ def _draw_acceleration(axes: Axes, drawn: Drawn) -> None:
 def _draw_force(axes: Axes, drawn: Drawn) -> None:
     force = drawn.profile.force
     draw_forces(axes, [force])
-    axes.set_title(f"at {style.number(force.rpm)} rpm, least {newtons(force.lowest_n, 4)}")
+    axes.set_title(f"at {number_text(force.rpm)} rpm, least {newtons(force.lowest_n, 4)}")
 
 
 def _draw_flat(axes: Axes, drawn: Drawn) -> None:

@@ -1,6 +1,5 @@
 """Picture of classified motions: impact phases, largest exponent and labels, over speed."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -16,31 +15,34 @@ from matplotlib.patches import Rectangle
 from camcli.analysis.classify import Motion
 from camcli.analysis.explain.attractor import impacts_of
 from camcli.analysis.explain.changes import Event
-from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED
-from camcli.analysis.sweep import status_name
 from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import (
     axis_name,
     corner_lines,
     number_events,
-    one_of,
     padded,
     phase_axis,
     phase_range,
     say,
     trouble_ticks,
-    valued,
 )
 from camcli.plots.critical_speeds import Numbered, event_lists, numbered
 from camcli.plots.density import PER_MM, Columns, Image
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import EXPONENT
 from camcli.system import System
+from camcli.words.classify import (
+    FORGETS,
+    OTHERS,
+    kinds_words,
+    motions_at,
+    picture_title,
+    range_text,
+    rests,
+)
 
 PHASES, GROWTH, STRIP = 72.0, 44.0, 16.0  # mm
-FORGETS = "−∞: the follower rests on the cam, which forgets every difference"
-OTHERS = (APERIODIC, UNDECIDED, CONTACT)
 BRIGHT = 0.45  # luminance from which text is black
 
 
@@ -58,8 +60,7 @@ class _Scene:
     @property
     def speeds(self) -> str:
         """Their range."""
-        ends = dict.fromkeys(style.number(self.motions[k].value) for k in (0, -1))
-        return valued(self.key, " to ".join(ends), self.motions[0].rpm)
+        return range_text(self.motions, self.key)
 
 
 def draw_classify(
@@ -78,33 +79,14 @@ def draw_classify(
     if alone:
         x, events = [float(k) for k in range(1, len(x) + 1)], ()
     scene = _Scene(rising, x, Columns.of(sorted(set(x))), numbered(events), system, key)
-    kinds = Counter(map(kind, rising))
-    words = [f"{name} ({count})" for name, count in sorted(kinds.items())]
-    troubles = Counter(status_name(m.status) for m in rising if m.status != Status.OK)
-    words += [f"not ok: {name} ({count})" for name, count in sorted(troubles.items())]
-    unknown = sum(m.exponents is None for m in rising)
-    words += [f"exponent not known for {unknown} of {len(rising)} motions"] if unknown else []
-    many = "" if alone else f"{len(set(x))} {one_of(key)}s, "
     draws = {"phases": (_draw_phases, PHASES), "exponents": (_draw_exponents, GROWTH)}
     draws["labels"] = _draw_labels, STRIP
     panels = {
         name: Panel(partial(_draw, scene=scene, draw=draw), height, key)
         for name, (draw, height) in draws.items()
     }
-    title = f"Motions at {many}{scene.speeds}"
-    return Picture(title, panels, "; ".join(words), lists=event_lists(scene.events))
-
-
-def kind(motion: Motion) -> str:
-    """In a word or two what a motion is."""
-    if motion.label in OTHERS or motion.orbit is None:
-        return motion.label if motion.label in OTHERS else UNDECIDED
-    return "periodic with rest on the cam" if rests(motion) else "periodic"
-
-
-def rests(motion: Motion) -> bool:
-    """True for a solved orbit that leaves the cam and rests on it."""
-    return motion.orbit is not None and motion.orbit.resting and bool(motion.orbit.theta)
+    title = picture_title(0 if alone else len(set(x)), scene.speeds, key)
+    return Picture(title, panels, kinds_words(rising), lists=event_lists(scene.events))
 
 
 def _draw(axes: Axes, scene: _Scene, draw: Any) -> None:
@@ -117,7 +99,7 @@ def _draw(axes: Axes, scene: _Scene, draw: Any) -> None:
     if len({motion.value for motion in scene.motions}) == 1:
         one = len(scene.motions) == 1
         axes.set_xticks([] if one else scene.x)
-        axes.set_xlabel(f"{'motion' if one else 'motions, numbered,'} at {scene.speeds}")
+        axes.set_xlabel(motions_at(one, scene.speeds))
 
 
 def _draw_phases(axes: Axes, scene: _Scene) -> None:

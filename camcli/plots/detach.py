@@ -13,15 +13,15 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from camcli.analysis.contact_loss.detachment import Loss
 from camcli.analysis.contact_loss.force import ForceCurve
-from camcli.analysis.contact_loss.hold import Hold
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.plots import style
-from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, newtons, say, turn_axis
+from camcli.plots.axes import TURN_DEG, corner_lines, draw_forces, mark, say, turn_axis
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture, Rows
-from camcli.quantities import LOADS, RPM, THETA, Units, labelled
+from camcli.quantities import LOADS, RPM, THETA, labelled
 from camcli.system import System, is_measured, units_of
-from camcli.words.speeds import range_words
+from camcli.words.detach import first_loss, force_name, picture_title, spring_name
+from camcli.words.in_print import number_text
 
 PHASES, FORCE = 62.0, 46.0  # mm
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
@@ -56,41 +56,16 @@ def draw_detach(study: ContactLoss, system: System) -> Picture:
         zoom = Panel(partial(_draw_phases, view=enlarged[0], **more), PHASES)
         panels = {"enlarged": zoom, **panels}
     if study.forces:
-        exact = 4 if measured else 6  # digits
-        names = [
-            f"{c.rpm:.{exact}g} rpm: least {newtons(c.lowest_n, 4)} "
-            f"at {degrees(c.lowest_theta):.4g} deg"
-            for c in study.forces
-        ]
+        names = [force_name(curve, measured) for curve in study.forces]
         draw = partial(_draw_forces, curves=study.forces, names=names, corners=corners)
         panels["forces"] = Panel(draw, FORCE)
     if study.springs:
         curves = [curve for _, curve in study.springs]
-        names = [_spring(*spring, units_of(system)) for spring in study.springs]
-        where = f"at {style.number(curves[0].rpm)} rpm"
+        names = [spring_name(*spring, units_of(system)) for spring in study.springs]
+        where = f"at {number_text(curves[0].rpm)} rpm"
         draw = partial(_draw_forces, curves=curves, names=names, corners=corners, where=where)
         panels["springs"] = Panel(draw, FORCE)
-    rpms = dict.fromkeys(style.number(f(s.rpm for s in study.speeds)) for f in (min, max))
-    title = f"Detachment and chattering, {' to '.join(rpms)} rpm"
-    return Picture(title, panels, _first_loss(study, measured))
-
-
-def _first_loss(study: ContactLoss, measured: bool) -> str:
-    """The sentence of the title; of a measured cam with what the error of its table leaves."""
-    first = study.detachment.first
-    if first is None:
-        never = study.detachment.never
-        return "contact is never lost" if never else "contact is lost at every speed"
-    exact = (4, 4) if measured else (12, 9)  # digits that a lift table, or any other cam, deserves
-    rpm, theta = (
-        f"{x:.{n}g}" for x, n in zip((first.rpm, degrees(first.theta)), exact, strict=True)
-    )
-    text = f"contact is first lost at {rpm} rpm, {theta} deg"
-    if measured:
-        text += f" ({range_words(first.low, first.high)} by the error of the table)"
-    if study.completion:
-        text += f"; chatter stops being complete at {study.completion[0].rpm:.4f} rpm"
-    return text
+    return Picture(picture_title(study), panels, first_loss(study, measured))
 
 
 def draw_report(
@@ -245,10 +220,3 @@ def _draw_forces(
     axes.legend(
         fontsize=style.NOTE, loc="lower left", bbox_to_anchor=(0.0, 1.1)
     )  # above the corners
-
-
-def _spring(hold: Hold | None, curve: ForceCurve, units: Units) -> str:
-    least = f"least {newtons(curve.lowest_n, 4)}"
-    if hold is None:
-        return f"present spring: {least}"
-    return f"{units.stiffnesses(hold.stiffness or 0.0, 4)}, preload {hold.preload:.4g} N: {least}"

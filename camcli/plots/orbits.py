@@ -11,7 +11,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
-from camcli.analysis.border_collision import Side
 from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.one_period import MOST_SHOWN
@@ -51,7 +50,6 @@ from camcli.plots.branch_lines import (
     draw_strands,
     events_of,
     line_look,
-    pair,
     paths,
     phases,
     positions,
@@ -65,7 +63,8 @@ from camcli.plots.simulate import GAP, Trace, angle_axis
 from camcli.quantities import PARAMETERS, THETA, Q, U, drawn, labelled
 from camcli.system import System, units_of
 from camcli.words.events import event_words
-from camcli.words.orbits import end_words
+from camcli.words.in_print import label_text, number_text, pair
+from camcli.words.orbits import curve_name, heading, nothing_found, side_words, value_text
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
@@ -108,7 +107,7 @@ def draw_orbits(
     simulated: motions over the parameter, whose impacts are drawn behind the branches.
     periods: one period of each of the first orbits of one speed.
     """
-    title, words = _heading(study)
+    title, words = heading(study)
     if not study.branches:
         return Picture(title, *_single(study, system, periods, words))
     corners = style.corner_names(system.corners)
@@ -127,33 +126,6 @@ def draw_orbits(
         shown[name] = Panel(partial(_draw_zoom, zoom=zoom, scene=scene), ZOOM, across=2)
         shown[f"{name} in words"] = Panel(partial(_write_sides, event=event), ZOOM, across=2)
     return Picture(title, shown, words, lists=lists_of(scene.branches, shades, events, parameter))
-
-
-def _heading(study: OrbitsResult) -> tuple[str, str]:
-    """Title and what stands below it."""
-    ask = study.question
-    at, name = quantity(ask.rpm, "rpm"), PARAMETERS[ask.parameter].name
-    if ask.span is None:
-        title = f"Periodic orbits at {at}"
-    else:
-        ends = f"{style.number(ask.span.low)} to {quantity(ask.span.high, ask.parameter)}"
-        title = f"Periodic orbits, {ends if ask.parameter == 'rpm' else f'{name} {ends}, {at}'}"
-    varied = ask.span is not None and ask.parameter != "rpm"
-    where = f"{name} {quantity(study.value, ask.parameter)}" if varied else at
-    count = len(study.orbits)
-    words = f"{count} orbit{'s' if count != 1 else ''} found at {where}"
-    if ask.label is not None:
-        words += f", only {style.motion(ask.label)} asked for"
-    if ask.stable is not None:
-        words += f", only {'stable' if ask.stable else 'unstable'} ones followed"
-    if study.absent is not None and study.orbits:
-        words += f", none at {quantity(study.absent.rpm, 'rpm')}"
-    return title, words
-
-
-def quantity(value: float, parameter: str) -> str:
-    """A value of the parameter with its unit."""
-    return f"{style.number(float(f'{value:.9g}'))} {drawn(PARAMETERS[parameter].unit)}".rstrip()
 
 
 # --- panels over the parameter
@@ -262,7 +234,7 @@ def _draw_real(axes: Axes, scene: _Scene) -> None:
     real = [value for branch in scene.branches for value in turning_real(branch.points)]
     for value in real[:2]:
         axes.axvline(value, color=style.GUIDE, linewidth=0.6, linestyle=DASHED)
-    said = ", ".join(quantity(float(f"{value:.6g}"), scene.parameter) for value in real[:2])
+    said = ", ".join(value_text(float(f"{value:.6g}"), scene.parameter) for value in real[:2])
     axes.set_title(f"a complex pair turns real at {said}" if real else "")
 
 
@@ -287,7 +259,7 @@ def lists_of(
         notes = [event.source.classification.replace("-", " ")]
         notes += [f"{', '.join(map(str, event.leaves))} leaves"] if event.leaves else []
         notes += [event.source.status] if event.source.status != Bracket.OK else []
-        value, on = style.number(float(f"{event.value:.9g}")), ", ".join(map(str, event.branches))
+        value, on = number_text(float(f"{event.value:.9g}")), ", ".join(map(str, event.branches))
         cells = event.name, value, on, "; ".join(filter(None, notes))
         told.append([mark_look(event.source.kind), str(event.number), *cells])
     for mine, count in ((rows, len(branches)), (told, len(events))):
@@ -297,12 +269,12 @@ def lists_of(
 
 
 def _branch_words(branch: Branch, events: Sequence[Event], parameter: str) -> str:
-    names = [style.motion(label, 22) for label in branch.labels]
+    names = [label_text(label, 22) for label in branch.labels]
     words = f"{branch.number}   {names[0]}" + (f" to {names[-1]}" if len(names) > 1 else "")
     source = [event.number for event in events if branch.number in event.leaves]
     words += f", from event {source[0]}" if source else ""
     for orbit in _lost(branch)[:1]:
-        words += f", lost at {quantity(orbit.value, parameter)}"
+        words += f", lost at {value_text(orbit.value, parameter)}"
     regions = list(dict.fromkeys(branch.points[len(branch.points) // 2].regions))
     more = f", impacts in {', '.join(regions)}" if regions and len(names) == 1 else ""
     words += more if len(words + more) <= WORDS else ""
@@ -407,20 +379,13 @@ def _write_sides(axes: Axes, event: Event) -> None:
     """The linear parts on both sides of the corner and what follows from them."""
     source = event.source
     words = [line.replace("+-", "±") for line in event_words(source) if not line.startswith(UNSAID)]
-    sides = ("before the corner (left)", source.left), ("after the corner (right)", source.right)
-    lines = [f"impact {where}: {_side(side)}" for where, side in sides if side is not None]
+    lines = side_words(source)
     lines += [re.sub(r"(?<= )-(?=\d)", "−", line) for line in words]
     text = [part for line in lines for part in textwrap.wrap(line, CHARS, subsequent_indent="  ")]
     text = text if len(text) <= LINES else [*text[: LINES - 1], "…"]
     axes.axis("off")
-    axes.set_title(f"{event.number}: {style.motion(source.label, 24)}, {event.name}", loc="left")
+    axes.set_title(f"{event.number}: {label_text(source.label, 24)}, {event.name}", loc="left")
     axes.text(0.0, 0.98, "\n".join(text), va="top", size=6.5, linespacing=1.3)
-
-
-def _side(one: Side) -> str:
-    """Trace, determinant and multipliers of one side."""
-    trace = f"{one.trace:.6g}".replace("-", "−")
-    return f"trace {trace}, determinant {one.det:.6g}, multipliers {pair(one.trace, one.det)}"
 
 
 # --- orbits of one speed
@@ -432,7 +397,7 @@ def _single(
     """Panels, words, their colour and the list of a study without branches."""
     orbits = study.orbits
     if not orbits:
-        said = _nothing(study)
+        said = nothing_found(study)
         return {"orbits": Panel(lambda axes: say(axes, said), 40.0)}, words, "black", []
     shades = colours([[orbit] for orbit in orbits])
     rows: list[list[Any]] = [["", "orbit", "", "multipliers", labelled("phases", THETA.unit)]]
@@ -441,7 +406,12 @@ def _single(
         shown = ", ".join(at if len(at) <= 6 else [*at[:5], "…"])
         leaves = "leaves at " if orbit.resting and at else ""
         verdict = "stable" if orbit.stable else "unstable"
-        cells = style.motion(orbit.label, 22), verdict, pair(orbit.trace, orbit.det), leaves + shown
+        cells = (
+            label_text(orbit.label, 22),
+            verdict,
+            pair(orbit.trace, orbit.det),
+            leaves + shown,
+        )
         rows.append([_dot(orbit, shade), *cells])
     if len(orbits) > MOST_SHOWN:
         rows.append([f"and {len(orbits) - MOST_SHOWN} more, in the tables"])
@@ -491,18 +461,6 @@ def _draw_orbit(
         axes.plot(*closed, color=shade, **line_look(orbit.stable))
     length_axis(axes.xaxis, GAP, max(trace.gap.max() for trace in traces))
     axes.set_ylabel(U.label)
-
-
-def _nothing(study: OrbitsResult) -> str:
-    absent = study.absent
-    if absent is None:
-        return "no periodic orbit was found"
-    label = style.motion(study.question.label or "orbit")
-    if absent.nearest is None:
-        ends = f"{style.number(absent.low)} to {style.number(absent.high)}"
-        return f"no {label} was found from {ends} rpm"
-    speed, end = absent.nearest
-    return f"no {label} here; it exists up to {speed:.9g} rpm: {end.replace('-', ' ')}"
 
 
 def _dot(orbit: PeriodicOrbit, shade: str) -> dict[str, Any]:
@@ -570,10 +528,7 @@ def _draw_curves(axes: Axes, curves: Sequence[Curve], second: str) -> None:
         say(axes, "no bifurcation of this kind was located")
     wanted = [style.label_colour(curve.label) for curve in curves]
     for k, (curve, colour) in enumerate(zip(curves, style.apart(wanted), strict=True)):
-        corner = f" at {curve.corner}" if curve.corner else ""
-        name = f"{curve.kind.replace('-', ' ')}{corner} of {style.motion(curve.label)}"
-        ends = {end_words(end) for end in curve.ends if end != Kind.END_OF_RANGE}
-        name += f" (ends: {'; '.join(sorted(ends))})" if ends else ""
+        name = curve_name(curve)
         dashes: Any = CURVE_STYLES[wanted[:k].count(wanted[k]) % len(CURVE_STYLES)]
         x, y = [point.first for point in curve.points], [point.second for point in curve.points]
         axes.plot(x, y, color=colour, linestyle=dashes, label=name)

@@ -13,7 +13,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from camcli.analysis.simulate import FLIGHT, STICKING, Simulation
-from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import (
     TURN_DEG,
@@ -29,7 +28,7 @@ from camcli.plots.mechanism import Outline, draw_machine
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import THETA, Q, U, Units, V, labelled
 from camcli.system import System, units_of
-from camcli.words.statuses import CAUSES
+from camcli.words.simulate import motion_title, stopped
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
 TICK = 21.0  # pt, from one tick to the next at least
@@ -158,9 +157,7 @@ def _cubic(
 
 def draw_simulation(simulation: Simulation, system: System, turns: int) -> Picture:
     """Picture of the last `turns` turns of a simulation."""
-    title = f"Time response at {style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
-    status = Status(simulation.status)
-    stopped = f"stopped ({status.text}): {CAUSES[status]}" if simulation.status != Status.OK else ""
+    title = f"Time response at {motion_title(simulation)}"
     trace = Trace.of(simulation, system, turns) if simulation.trajectory else None
 
     def panel(draw: Any, height: float, **more: Any) -> Panel:
@@ -175,7 +172,7 @@ def draw_simulation(simulation: Simulation, system: System, turns: int) -> Pictu
         "passage": panel(_draw_passage, 52.0, usual=False),
         "section": panel(_draw_section, 60.0, across=2, usual=False),
     }
-    return Picture(title, panels, stopped, style.TROUBLE)
+    return Picture(title, panels, stopped(simulation), style.TROUBLE)
 
 
 def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
@@ -311,8 +308,7 @@ def draw_frames(
         time.plot(angles, trace.cam, color=style.CAM, lw=0.8)
         for colour, state in ((style.FLIGHT, ~trace.sticks), (style.STICKING, trace.sticks)):
             time.plot(angles, trace.during(trace.q, state), color=colour)
-        title = f"{style.number(simulation.rpm)} rpm, {style.motion(simulation.label)}"
-        time.set(xlim=(low, high), title=title)
+        time.set(xlim=(low, high), title=motion_title(simulation))
         unit_axis(time.yaxis, "position", trace.units)
         time.set_xlabel(THETA.label)
         line, (dot,) = time.axvline(color=style.GUIDE, lw=0.8), time.plot([], [], "o")

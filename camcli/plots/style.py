@@ -255,17 +255,6 @@ def apart(wanted: Sequence[str]) -> list[str]:
     return [mixed(colour, *shades[k]) for colour, k in zip(wanted, places, strict=True)]
 
 
-def number(value: float) -> str:
-    """A number as it reads best: 190, 198.56, 739.378."""
-    return f"{value:.10g}".replace("-", "−")
-
-
-def motion(label: str, longest: int = 32) -> str:
-    """A label for print: P(1;∞), long ones cut."""
-    text = label.replace("inf", "∞")
-    return text if len(text) <= longest else text[: longest - 2].rstrip(":;") + "…)"
-
-
 def corner_names(corners: Sequence[float]) -> dict[str, float]:
     """Phases in deg of corners (rad) as a, b, c, ...; none where there are more than letters."""
     if len(corners) > MOST_CORNERS:

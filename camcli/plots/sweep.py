@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,9 +12,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from camcli.analysis.integrate import Settings, Start
+from camcli.analysis.integrate import Settings
 from camcli.analysis.labels import Label, period_of
-from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, status_name
+from camcli.analysis.sweep import Speed, Sweep
 from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import (
@@ -26,20 +25,19 @@ from camcli.plots.axes import (
     corner_lines,
     lift_curves,
     number_events,
-    one_of,
     padded,
     phase_axis,
     phase_range,
     say,
     strobe_axis,
     trouble_ticks,
-    valued,
 )
 from camcli.plots.critical_speeds import event_lists, numbered
 from camcli.plots.density import PER_MM, WIDE, Cloud, Columns, Image
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import EXPONENT, drawn, labelled
 from camcli.system import System, units_of
+from camcli.words.sweep import diagram_title, diagram_words
 
 if TYPE_CHECKING:
     from camcli.analysis.explain.changes import Event
@@ -150,8 +148,10 @@ def draw_sweep(
     many = {name: replace(panel, draw=partial(draw, name=name)) for name, panel in panels.items()}
     if not panels:
         many = {"speeds": Panel(lambda axes: say(axes, "nothing was recorded"), 30.0)}
-    words = _words(survey, _started(sweep, settings), sweep.key)
-    return Picture(_title(survey, sweep), many, words, lists=event_lists(found))
+    unknown, values = survey.kinds.count(UNKNOWN), survey.values.tolist()
+    words = diagram_words(sweep, settings, values, survey.status.tolist(), unknown)
+    title = diagram_title(sweep, values)
+    return Picture(title, many, words, lists=event_lists(found))
 
 
 def _draw_branch(axes: Axes, branch: Any, columns: Sequence[Sequence[float]]) -> None:
@@ -179,47 +179,6 @@ def _draw_exponents(survey: Survey, name: str, axes: Axes) -> None:
     axes.set(
         xlim=(columns.low, columns.high), xlabel=name, ylabel=labelled(EXPONENT.head, EXPONENT.unit)
     )
-
-
-def _title(survey: Survey, sweep: Sweep) -> str:
-    if not len(survey.values):
-        return "Bifurcation diagram"
-    ends = dict.fromkeys(style.number(end) for end in (survey.values.min(), survey.values.max()))
-    rpm = sweep.bare[0].rpm if sweep.bare else None
-    return f"Bifurcation diagram, {valued(sweep.key, ' to '.join(ends), rpm)}"
-
-
-def _started(sweep: Sweep, settings: Settings) -> str:
-    """How the orbits were started."""
-    turns = f"{settings.transient} turns of transient"
-    place = ", and ".join(map(_place, (settings.start, *sweep.also)))
-    if sweep.direction == FIXED or not sweep.speeds:
-        return f"each {one_of(sweep.key)} started {place}, {turns}"
-    turns += f" at each {one_of(sweep.key)}"
-    if sweep.direction == BOTH:
-        return f"carried up, then down, started {place}; {turns}"
-    first = valued(sweep.key, f"{sweep.speeds[0].value:g}")
-    return f"carried {sweep.direction} from {first}, started there {place}; {turns}"
-
-
-def _place(start: Start) -> str:
-    if start.q is None and start.v is None:
-        return "at rest on the cam"
-    q = "on the cam" if start.q is None else f"q = {start.q:g} m"
-    v = "the cam's v" if start.v is None else f"v = {start.v:g} m/s"
-    return f"at {q}, {v}"
-
-
-def _words(survey: Survey, started: str, key: str) -> str:
-    many = len(np.unique(survey.values))
-    parts = [started, f"{many} {one_of(key)}" + ("s" if many != 1 else "")]
-    troubles = Counter(map(status_name, survey.status[survey.status != Status.OK].tolist()))
-    if troubles:
-        kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
-        parts.append(f"{troubles.total()} not ok, marked at the bottom edge ({kinds})")
-    if unknown := survey.kinds.count(UNKNOWN):
-        parts.append(f"{unknown} undecided after rests, grey")
-    return "; ".join([*parts, "darker where more points fall"])
 
 
 # --- clouds of points

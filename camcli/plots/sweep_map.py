@@ -10,12 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.image import AxesImage
 
-from camcli.analysis.sweep import FIXED, Map, Speed
-from camcli.plots import style
-from camcli.plots.axes import axis_name, valued
+from camcli.analysis.sweep import Map, Speed
+from camcli.plots.axes import axis_name
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import colour_of, kind_of
 from camcli.quantities import EXPONENT, LOADS, Units, labelled
+from camcli.words.sweep import map_heading
 
 HEIGHT = 90.0  # mm
 DASHES = {"period-doubling": (0, (4, 1.5)), "fold": (0, (1, 1)), "grazing": (0, (4, 1, 1, 1))}
@@ -47,16 +47,8 @@ def draw_map(found: Map, units: Units, curves: Sequence[Curve] = ()) -> Picture:
         words = labelled(quantity.name, unit)
         draw = partial(_draw_values, found, values * scale, words, quantity is EXPONENT)
         panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual)
-    ends = [
-        valued(key, f"{style.number(values[0])} to {style.number(values[-1])}")
-        for key, values in zip(found.keys, (found.first, found.second), strict=True)
-    ]
-    words = f"{len(found.first)} × {len(found.second)} points"
-    if "rpm" not in found.keys:
-        words += f" at {style.number(found.lines[0][0].rpm)} rpm"
-    if found.direction != FIXED:
-        words += f", the state carried {found.direction} along {found.keys[0]}"
-    return Picture(f"Map of motions, {', '.join(ends)}", panels, words)
+    title, words = map_heading(found)
+    return Picture(title, panels, words)
 
 
 def cell_edges(values: Sequence[float]) -> tuple[float, float]:

@@ -1,8 +1,15 @@
 """What `cam basins` says of the starts it followed."""
 
+from collections.abc import Sequence
+from math import degrees
+
 from camcli.analysis.basins.study import Basins, Study
+from camcli.analysis.basins.window import Window
 from camcli.errors import shown
+from camcli.quantities import Units
+from camcli.system import System
 from camcli.words.after_rest import decided_notes
+from camcli.words.in_print import number_text, one_of, valued
 from camcli.words.speeds import at_speed
 from camcli.words.statuses import trouble
 
@@ -77,3 +84,51 @@ def grid_lines(speed: Basins, verbose: bool) -> list[str]:
             f"boundary dimension {doubt.dimension:.3f}"
         )
     return lines
+
+
+# --- beside the pictures
+
+
+def picture_title(what: str, speeds: Sequence[Basins], key: str) -> str:
+    """The title of a picture, with the range of what is varied."""
+    ends = dict.fromkeys(number_text(speeds[k].value) for k in (0, -1))
+    return f"{what}, {valued(key, ' to '.join(ends), speeds[0].rpm)}"
+
+
+def window_words(grids: Sequence[Basins], system: System) -> str:
+    """The starts of a window, and of one speed the measures of its boundaries."""
+    window, phase = grids[0].window, number_text(round(degrees(system.strobe), 9))
+    text = f"{window.nq} × {window.nv} starts (q, v) at θ = {phase} deg, orbit mapping"
+    if grids[0].level is not None:
+        share = 100.0 * sum(s.computed for s in grids) / sum(s.cells for s in grids)
+        text += f", {share:.3g} % of the cells computed (boundaries refined)"
+    if len(grids) > 1:
+        return text
+    (basins,) = grids
+    entropies = basins.entropies
+    text += f"; basin entropy {entropies['basin_entropy']:.3g}"
+    if entropies["boundary_boxes"]:
+        text += f", boundary entropy {entropies['boundary_entropy']:.3g}"
+    if basins.uncertainty is not None:
+        doubt = basins.uncertainty
+        text += f", boundary dimension {doubt.dimension:.3f} ± {doubt.error:.3f}"
+    return text
+
+
+def windows_words(study: Study, window: Window, units: Units, key: str) -> str:
+    """The starts of each window where something is varied."""
+    return (
+        f"{len(study.speeds)} {one_of(key)}s, {window.nq} × {window.nv} starts each, "
+        f"q from {window.q[0] * units.per_m:g} to {units.lengths(window.q[1], 6)}, "
+        f"v from {window.v[0]:g} to {window.v[1]:g} m/s, orbit mapping"
+    ).replace("-", "−")
+
+
+def saddle_words(label: str, led: int, tried: int) -> str:
+    """How many motions on a boundary were led to its saddle."""
+    return f"saddle {label}: {led} of {tried} motions led to it"
+
+
+def further_words(count: int) -> str:
+    """The attractors that the list leaves out."""
+    return f"{count} further attractors, in repeated colours"

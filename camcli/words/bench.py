@@ -20,3 +20,9 @@ def precision_notes(bad: Sequence[Measured]) -> list[str]:
 def stability_notes(bad: Sequence[Outcome]) -> list[str]:
     """Extreme cases that came out otherwise."""
     return [f"row {o.case}: expected {o.expected}: {o.observed}" for o in bad]
+
+
+def cases_title(cases: int, failed: int) -> str:
+    """The title of the extreme cases."""
+    came_out = f"{failed} not as expected" if failed else "all as expected"
+    return f"{cases} extreme cases, {came_out}"

@@ -1,12 +1,15 @@
 """What `cam classify` says of the motions it found."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from math import inf, isfinite
 
 from camcli.analysis.classify import Motion
-from camcli.analysis.labels import APERIODIC, UNDECIDED
+from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED
+from camcli.analysis.sweep import status_name
 from camcli.errors import Status, plural
 from camcli.words.after_rest import decided_notes
+from camcli.words.in_print import number_text, one_of, valued
 from camcli.words.speeds import at_speed
 from camcli.words.statuses import counted
 
@@ -70,3 +73,49 @@ def _unsolved_notes(unsolved: list[Motion], key: str) -> Iterator[str]:
                 f"in some {turns / m.chatters:.3g}; after a rest the motion is always the same "
                 "one, which could not be followed to the next rest"
             )
+
+
+# --- beside the pictures
+
+FORGETS = "−∞: the follower rests on the cam, which forgets every difference"
+OTHERS = (APERIODIC, UNDECIDED, CONTACT)
+
+
+def range_text(motions: Sequence[Motion], key: str) -> str:
+    """The values at which the motions are, from the first to the last."""
+    ends = dict.fromkeys(number_text(motions[k].value) for k in (0, -1))
+    return valued(key, " to ".join(ends), motions[0].rpm)
+
+
+def picture_title(values: int, where: str, key: str) -> str:
+    """values: how many there are, 0 where all motions are at one; where: see `range_text`."""
+    many = f"{values} {one_of(key)}s, " if values else ""
+    return f"Motions at {many}{where}"
+
+
+def motions_at(one: bool, where: str) -> str:
+    """What the axis counts where all motions are at one speed."""
+    return f"{'motion' if one else 'motions, numbered,'} at {where}"
+
+
+def kind(motion: Motion) -> str:
+    """In a word or two what a motion is."""
+    if motion.label in OTHERS or motion.orbit is None:
+        return motion.label if motion.label in OTHERS else UNDECIDED
+    return "periodic with rest on the cam" if rests(motion) else "periodic"
+
+
+def rests(motion: Motion) -> bool:
+    """True for a solved orbit that leaves the cam and rests on it."""
+    return motion.orbit is not None and motion.orbit.resting and bool(motion.orbit.theta)
+
+
+def kinds_words(motions: Sequence[Motion]) -> str:
+    """How many motions are of each kind, and of how many something is not known."""
+    kinds = Counter(map(kind, motions))
+    words = [f"{name} ({count})" for name, count in sorted(kinds.items())]
+    troubles = Counter(status_name(m.status) for m in motions if m.status != Status.OK)
+    words += [f"not ok: {name} ({count})" for name, count in sorted(troubles.items())]
+    if unknown := sum(m.exponents is None for m in motions):
+        words.append(f"exponent not known for {unknown} of {len(motions)} motions")
+    return "; ".join(words)

@@ -5,10 +5,13 @@ from math import degrees, inf
 
 from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, SettledMotion
 from camcli.analysis.contact_loss.detachment import AlwaysLost, Quantity, Reason, SpeedStatus
+from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.errors import Status
-from camcli.quantities import MM
+from camcli.quantities import MM, Units
+from camcli.words.in_print import newtons, number_text
+from camcli.words.speeds import range_words
 
 
 def sentences(result: ContactLoss) -> list[str]:
@@ -153,3 +156,45 @@ def burst_ranges(result: ContactLoss) -> list[tuple[str, float, float, int]]:
     """(bursts in words, from rpm, to rpm, speeds) of neighbouring speeds that behave alike."""
     rows = ((text, list(group)) for text, group in groupby(result.speeds, bursts_text))
     return [(text, speeds[0].rpm, speeds[-1].rpm, len(speeds)) for text, speeds in rows]
+
+
+# --- beside the pictures
+
+
+def picture_title(study: ContactLoss) -> str:
+    """The title, with the range of speeds."""
+    rpms = dict.fromkeys(number_text(f(s.rpm for s in study.speeds)) for f in (min, max))
+    return f"Detachment and chattering, {' to '.join(rpms)} rpm"
+
+
+def first_loss(study: ContactLoss, measured: bool) -> str:
+    """The sentence of the title; of a measured cam with what the error of its table leaves."""
+    first = study.detachment.first
+    if first is None:
+        never = study.detachment.never
+        return "contact is never lost" if never else "contact is lost at every speed"
+    exact = (4, 4) if measured else (12, 9)  # digits that a lift table, or any other cam, deserves
+    rpm, theta = (
+        f"{x:.{n}g}" for x, n in zip((first.rpm, degrees(first.theta)), exact, strict=True)
+    )
+    text = f"contact is first lost at {rpm} rpm, {theta} deg"
+    if measured:
+        text += f" ({range_words(first.low, first.high)} by the error of the table)"
+    if study.completion:
+        text += f"; chatter stops being complete at {study.completion[0].rpm:.4f} rpm"
+    return text
+
+
+def force_name(curve: ForceCurve, measured: bool) -> str:
+    """A contact force over the turn, by its least value."""
+    exact = 4 if measured else 6  # digits
+    at = f"{degrees(curve.lowest_theta):.4g} deg"
+    return f"{curve.rpm:.{exact}g} rpm: least {newtons(curve.lowest_n, 4)} at {at}"
+
+
+def spring_name(hold: Hold | None, curve: ForceCurve, units: Units) -> str:
+    """The same with another spring."""
+    least = f"least {newtons(curve.lowest_n, 4)}"
+    if hold is None:
+        return f"present spring: {least}"
+    return f"{units.stiffnesses(hold.stiffness or 0.0, 4)}, preload {hold.preload:.4g} N: {least}"

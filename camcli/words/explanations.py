@@ -1,7 +1,7 @@
 """Why a diagram changes, in sentences."""
 
 from collections.abc import Sequence
-from math import degrees
+from math import degrees, floor, isfinite, log10
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity
@@ -133,3 +133,32 @@ def crisis_sentences(crisis: Crisis) -> list[str]:
         fold = f"the image of an impact at corner {corner.name}" if corner else "smooth"
         said.append(f"The fold that touches is {fold}.")
     return said
+
+
+# --- beside the pictures
+
+DIGITS = 9
+
+
+def event_name(event: Event) -> str:
+    """Period doubling, corner impact at b, ..."""
+    words = event.kind.replace("-", " ").replace("+", ", ")
+    if not event.corner:
+        return words
+    is_region = not event.corner.islower()
+    return words + (" " if is_region or words.endswith("corner") else " at ") + event.corner
+
+
+def event_speed(event: Event) -> str:
+    """To DIGITS digits; fewer, with its error, where it is less certain."""
+    whole = 1 + floor(log10(event.rpm)) if event.rpm > 0.0 else 1
+    decimals = max(0, DIGITS - whole)
+    if not isfinite(event.error) or event.error < 10.0**-decimals:
+        return f"{event.rpm:.{decimals}f}"
+    decimals = max(0, -floor(log10(event.error)))
+    return f"{event.rpm:.{decimals}f} ± {event.error:.{decimals}f}"
+
+
+def unnumbered(count: int) -> str:
+    """The events that the list leaves out."""
+    return f"and {count} more, drawn without a number, listed in run.json"

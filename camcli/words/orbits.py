@@ -2,13 +2,16 @@
 
 from math import degrees
 
+from camcli.analysis.border_collision import Side
 from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
 from camcli.errors import Status
 from camcli.kernel.certify import Verdict
+from camcli.quantities import PARAMETERS, drawn
 from camcli.words.border_collision import inequality_text
 from camcli.words.events import event_words
+from camcli.words.in_print import label_text, number_text, pair
 from camcli.words.statuses import trouble
 
 NEUTRAL = "det reaches 1 where nothing dissipates: orbits are centres or saddles, none attracts"
@@ -121,3 +124,66 @@ def _rests_on(b: Bifurcation) -> str:
         for i in b.corner_impact.collision.inequalities[:2]
     ]
     return f" Rests on: {'; '.join(told)}."
+
+
+# --- beside the pictures
+
+
+def heading(study: OrbitsResult) -> tuple[str, str]:
+    """Title and what stands below it."""
+    ask = study.question
+    at, name = value_text(ask.rpm, "rpm"), PARAMETERS[ask.parameter].name
+    if ask.span is None:
+        title = f"Periodic orbits at {at}"
+    else:
+        ends = f"{number_text(ask.span.low)} to {value_text(ask.span.high, ask.parameter)}"
+        title = f"Periodic orbits, {ends if ask.parameter == 'rpm' else f'{name} {ends}, {at}'}"
+    varied = ask.span is not None and ask.parameter != "rpm"
+    where = f"{name} {value_text(study.value, ask.parameter)}" if varied else at
+    count = len(study.orbits)
+    words = f"{count} orbit{'s' if count != 1 else ''} found at {where}"
+    if ask.label is not None:
+        words += f", only {label_text(ask.label)} asked for"
+    if ask.stable is not None:
+        words += f", only {'stable' if ask.stable else 'unstable'} ones followed"
+    if study.absent is not None and study.orbits:
+        words += f", none at {value_text(study.absent.rpm, 'rpm')}"
+    return title, words
+
+
+def value_text(value: float, parameter: str) -> str:
+    """A value of the parameter with its unit."""
+    return f"{number_text(float(f'{value:.9g}'))} {drawn(PARAMETERS[parameter].unit)}".rstrip()
+
+
+def nothing_found(study: OrbitsResult) -> str:
+    """Why there is no orbit to draw."""
+    absent = study.absent
+    if absent is None:
+        return "no periodic orbit was found"
+    label = label_text(study.question.label or "orbit")
+    if absent.nearest is None:
+        ends = f"{number_text(absent.low)} to {number_text(absent.high)}"
+        return f"no {label} was found from {ends} rpm"
+    speed, end = absent.nearest
+    return f"no {label} here; it exists up to {speed:.9g} rpm: {end.replace('-', ' ')}"
+
+
+def side_words(event: Bifurcation) -> list[str]:
+    """The linear parts before and after the corner that an impact reaches."""
+    sides = ("before the corner (left)", event.left), ("after the corner (right)", event.right)
+    return [f"impact {where}: {_side(side)}" for where, side in sides if side is not None]
+
+
+def _side(one: Side) -> str:
+    """Trace, determinant and multipliers of one side."""
+    trace = f"{one.trace:.6g}".replace("-", "−")
+    return f"trace {trace}, determinant {one.det:.6g}, multipliers {pair(one.trace, one.det)}"
+
+
+def curve_name(curve: Curve) -> str:
+    """A bifurcation in two parameters: its kind, its orbit, and why it ends."""
+    corner = f" at {curve.corner}" if curve.corner else ""
+    name = f"{curve.kind.replace('-', ' ')}{corner} of {label_text(curve.label)}"
+    ends = {end_words(end) for end in curve.ends if end != Kind.END_OF_RANGE}
+    return name + (f" (ends: {'; '.join(sorted(ends))})" if ends else "")

@@ -3,9 +3,13 @@
 from math import degrees
 
 from camcli.analysis.cam_profile import Profile
+from camcli.analysis.contact_loss.detachment import CriticalSpeed
 from camcli.analysis.simulate import Simulation
-from camcli.errors import plural
+from camcli.errors import Status, plural
 from camcli.system import System, units_of
+from camcli.words.in_print import label_text, number_text
+from camcli.words.speeds import range_words
+from camcli.words.statuses import CAUSES
 
 ASSUMED = (
     "what runs on the cam moves along a line through the axis, "
@@ -59,3 +63,31 @@ def undercut_notes(profile: Profile, system: System) -> list[str]:
         f"exceed {units.lengths(bent.least_base_radius, 4)} (knife edge and roller "
         "have other limits)"
     ]
+
+
+# --- beside the pictures
+
+
+def motion_title(found: Simulation) -> str:
+    """The speed and the label."""
+    return f"{number_text(found.rpm)} rpm, {label_text(found.label)}"
+
+
+def stopped(found: Simulation) -> str:
+    """Why the record ends early; empty where it does not."""
+    status = Status(found.status)
+    return "" if status == Status.OK else f"stopped ({status.text}): {CAUSES[status]}"
+
+
+def cam_words(first: CriticalSpeed | None, measured: bool, ratio: float) -> str:
+    """Where contact is first lost on a cam, and which side of a rocker is drawn."""
+    words = "no speed marks a first detachment"
+    if first is not None and first.finite:
+        exact = 4 if measured else 6  # digits
+        at = f"{degrees(first.theta):.{exact}g} deg"
+        words = f"first detachment at {first.rpm:.{exact}g} rpm, {at}"
+        if measured:
+            words += f" ({range_words(first.low, first.high)} by the error of the table)"
+    if ratio != 1.0:
+        words += f"; outline and curvature are those of the lobe under a rocker of {ratio:.6g}"
+    return words

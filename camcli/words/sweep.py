@@ -1,8 +1,13 @@
 """What `cam sweep` says of the motions it could not tell, or decided beyond rounding."""
 
-from camcli.analysis.sweep import Map, Sweep
-from camcli.errors import plural
+from collections import Counter
+from collections.abc import Sequence
+
+from camcli.analysis.integrate import Settings, Start
+from camcli.analysis.sweep import BOTH, FIXED, Map, Sweep, status_name
+from camcli.errors import Status, plural
 from camcli.words.after_rest import decided_notes
+from camcli.words.in_print import number_text, one_of, valued
 from camcli.words.speeds import at_speed
 
 
@@ -42,3 +47,69 @@ def map_title(found: Map) -> str:
     points = sum(map(len, found.lines))
     title = f"{' x '.join(found.keys)}: {points} points"
     return title + at_speed(found.keys, found.lines[0][0].rpm)
+
+
+# --- beside the pictures
+
+
+def diagram_title(sweep: Sweep, values: Sequence[float]) -> str:
+    """The title of a diagram; values: of what is varied, at which something was computed."""
+    if not len(values):
+        return "Bifurcation diagram"
+    ends = dict.fromkeys(number_text(end) for end in (min(values), max(values)))
+    rpm = sweep.bare[0].rpm if sweep.bare else None
+    return f"Bifurcation diagram, {valued(sweep.key, ' to '.join(ends), rpm)}"
+
+
+def start_words(sweep: Sweep, settings: Settings) -> str:
+    """How the orbits were started."""
+    turns = f"{settings.transient} turns of transient"
+    place = ", and ".join(map(_place, (settings.start, *sweep.also)))
+    if sweep.direction == FIXED or not sweep.speeds:
+        return f"each {one_of(sweep.key)} started {place}, {turns}"
+    turns += f" at each {one_of(sweep.key)}"
+    if sweep.direction == BOTH:
+        return f"carried up, then down, started {place}; {turns}"
+    first = valued(sweep.key, f"{sweep.speeds[0].value:g}")
+    return f"carried {sweep.direction} from {first}, started there {place}; {turns}"
+
+
+def _place(start: Start) -> str:
+    if start.q is None and start.v is None:
+        return "at rest on the cam"
+    q = "on the cam" if start.q is None else f"q = {start.q:g} m"
+    v = "the cam's v" if start.v is None else f"v = {start.v:g} m/s"
+    return f"at {q}, {v}"
+
+
+def diagram_words(
+    sweep: Sweep,
+    settings: Settings,
+    values: Sequence[float],
+    statuses: Sequence[int],
+    unknown: int,
+) -> str:
+    """How the orbits were started, how many there are, and what is not known of some."""
+    many = len(set(values))
+    parts = [start_words(sweep, settings), plural(many, one_of(sweep.key))]
+    troubles = Counter(status_name(int(code)) for code in statuses if code != Status.OK)
+    if troubles:
+        kinds = ", ".join(f"{name} {count}" for name, count in sorted(troubles.items()))
+        parts.append(f"{troubles.total()} not ok, marked at the bottom edge ({kinds})")
+    if unknown:
+        parts.append(f"{unknown} undecided after rests, grey")
+    return "; ".join([*parts, "darker where more points fall"])
+
+
+def map_heading(found: Map) -> tuple[str, str]:
+    """The title of a map, and what stands below it."""
+    ends = [
+        valued(key, f"{number_text(values[0])} to {number_text(values[-1])}")
+        for key, values in zip(found.keys, (found.first, found.second), strict=True)
+    ]
+    words = f"{len(found.first)} × {len(found.second)} points"
+    if "rpm" not in found.keys:
+        words += f" at {number_text(found.lines[0][0].rpm)} rpm"
+    if found.direction != FIXED:
+        words += f", the state carried {found.direction} along {found.keys[0]}"
+    return f"Map of motions, {', '.join(ends)}", words

@@ -17,11 +17,12 @@ from camcli.analysis.labels import Label
 from camcli.cli.options import _millimetres
 from camcli.errors import SceneError
 from camcli.plots import style
-from camcli.plots.axes import draw_forces, newtons
+from camcli.plots.axes import draw_forces
 from camcli.plots.branch_lines import colours
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import draw_sweep
 from camcli.scene.schema import Plot
+from camcli.words.in_print import label_text, newtons
 from tests.conftest import settings
 from tests.support.picture_sizes import panel, png, speed, sweep_of
 
@@ -98,8 +99,8 @@ def test_negative_force_is_shaded(force, shaded):
 
 
 def test_labels_for_print():
-    assert style.motion("P(1;inf)") == "P(1;∞)"
-    long = style.motion("P(47;" + ":".join(["3"] * 47) + ")")
+    assert label_text("P(1;inf)") == "P(1;∞)"
+    long = label_text("P(47;" + ":".join(["3"] * 47) + ")")
     assert len(long) <= 32
     assert long.endswith("…)")
 

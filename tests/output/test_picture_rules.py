@@ -18,17 +18,15 @@ from camcli.plots.axes import (
     axis_name,
     draw_forces,
     length_axis,
-    newtons,
-    one_of,
     padded,
     phase_range,
     spread,
-    valued,
 )
-from camcli.plots.branch_lines import Strand, draw_real, pair
+from camcli.plots.branch_lines import Strand, draw_real
 from camcli.plots.orbits import _over_parameter
 from camcli.plots.picture import _rows
 from camcli.plots.sweep import enlarged_range
+from camcli.words.in_print import label_text, newtons, number_text, one_of, pair, valued
 
 
 @pytest.fixture
@@ -178,10 +176,10 @@ def test_names_and_numbers():
     assert pair(1.0, 0.25) == "0.5"
     assert pair(-2.5, 1.0) == "−2, −0.5"
     assert pair(0.6, 0.25) == "0.3 ± 0.4i"
-    assert style.number(-198.56) == "−198.56"
-    assert style.motion("P(1;inf)") == "P(1;∞)"
-    assert style.motion("P(3;3:3:2)", 10) == "P(3;3:3:2)"
-    assert style.motion("P(3;3:3:2)", 9) == "P(3;3:3…)"
+    assert number_text(-198.56) == "−198.56"
+    assert label_text("P(1;inf)") == "P(1;∞)"
+    assert label_text("P(3;3:3:2)", 10) == "P(3;3:3:2)"
+    assert label_text("P(3;3:3:2)", 9) == "P(3;3:3…)"
     assert style.corner_names([1.5, 0.5, 1.0]) == {
         "a": degrees(0.5),
         "b": degrees(1.0),

@@ -1,0 +1,52 @@
+"""Numbers, labels and values as they stand in a picture or on paper."""
+
+from camcli.analysis.border_collision import multipliers
+from camcli.quantities import PARAMETERS, RPM, Quantity, drawn
+
+
+def number_text(value: float) -> str:
+    """A number as it reads best: 190, 198.56, 739.378."""
+    return f"{value:.10g}".replace("-", "−")
+
+
+def label_text(label: str, longest: int = 32) -> str:
+    """A label for print: P(1;∞), long ones cut."""
+    text = label.replace("inf", "∞")
+    return text if len(text) <= longest else text[: longest - 2].rstrip(":;") + "…)"
+
+
+def valued(key: str, value: str, rpm: float | None = None) -> str:
+    """A value of what is varied: 700 rpm, coefficient of restitution 0.8 (at 700 rpm)."""
+    quantity = parameter(key)
+    if quantity is RPM:
+        return f"{value} rpm"
+    beside = "" if rpm is None else f" at {number_text(rpm)} rpm"
+    if quantity is None:
+        return f"{key} {value}{beside}"
+    return f"{quantity.name} {value} {drawn(quantity.unit)}".rstrip() + beside
+
+
+def one_of(key: str) -> str:
+    """What one of the things varied is called."""
+    return "speed" if parameter(key) is RPM else "value"
+
+
+def parameter(key: str) -> Quantity | None:
+    """What a key of the scene is: the speed, a constant of the follower, or neither."""
+    section, _, name = key.rpartition(".")
+    return PARAMETERS.get(name) if section in ("", "run", "follower") else None
+
+
+def newtons(value: float, digits: int) -> str:
+    """A force for print, with a minus sign and no negative zero."""
+    return f"{round(value, 6) + 0.0:.{digits}g} N".replace("-", "−")
+
+
+def pair(trace: float, det: float) -> str:
+    """The two multipliers as numbers."""
+    upper, lower = multipliers(trace, det)
+    if upper.imag:
+        text = f"{upper.real:.4g} ± {upper.imag:.4g}i"
+    else:
+        text = f"{upper.real:.4g}, {lower.real:.4g}" if upper != lower else f"{upper.real:.4g}"
+    return text.replace("-", "−")
