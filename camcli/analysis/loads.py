@@ -1,6 +1,6 @@
 """What an engineer reads off a record: lift-off, hardest impact, contact force."""
 
-from math import pi
+from math import degrees
 from typing import NamedTuple
 
 from camcli.analysis.integrate import Record, shut_lift
@@ -12,7 +12,6 @@ from camcli.kernel.orbit_loop import Log
 from camcli.system import System, omega_of
 
 EVENTS = 20_000  # of a call of the kernel: less than half a second
-DEG = 180.0 / pi
 
 
 class Loads(NamedTuple):
@@ -53,7 +52,7 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
         if since < 0.0:
             return None
         theta = system.strobe + since
-        return (theta - TURN if theta >= TURN else theta) * DEG
+        return degrees(theta - TURN if theta >= TURN else theta)
 
     return Loads(
         max_gap_m=found.max_gap,
@@ -63,7 +62,7 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
         max_contact_force_n=found.max_force * force if rested else None,
         contact_lost_deg=phase(found.lost),
         contact_regained_deg=phase(found.regained),
-        landing_deg=found.landing * DEG if landed else None,
+        landing_deg=degrees(found.landing) if landed else None,
         landing_lift_m=found.landing_c - lowest if landed else None,
         shut_bounces_per_turn=found.shut_bounces / turns,
     )

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import pi
+from math import degrees
 
 from camcli.analysis.classify import Motion, classify_at
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, with_turns
@@ -142,7 +142,7 @@ def _events(record: Record, orbit: Orbit, strobe: float) -> Iterator[tuple]:
         yield (
             (TURN * period + _since(theta, strobe)) / omega,
             period,
-            theta * (180.0 / pi),
+            degrees(theta),
             EventKind(kind).text,
             q,
             u * omega,
@@ -231,7 +231,7 @@ class _Sampler:
                 yield self._sample(p, node, j)
                 j += 1
             _, _, c1 = self._lift(s)
-            at = (TURN * p + s) / self.omega, theta * (180.0 / pi), q
+            at = (TURN * p + s) / self.omega, degrees(theta), q
             cam_now = q, c1 * self.omega
             if kind == IMPACT:
                 yield (*at, (c1 + u) * self.omega, *cam_now, FLIGHT)
@@ -261,7 +261,7 @@ class _Sampler:
             q, w = move(self.const, node.q, node.w, self.grid[j] - node.s)
         return (
             (TURN * p + self.grid[j]) / self.omega,
-            theta * (180.0 / pi),
+            degrees(theta),
             q,
             w * self.omega,
             c,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
-from math import nan, pi
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -677,7 +677,7 @@ def _impact_rows(record, omega: float) -> tuple:
     keep = (record.kind == IMPACT) & (record.period >= 0)
     return (
         record.period[keep],
-        record.theta[keep] * (180.0 / pi),
+        np.degrees(record.theta[keep]),
         record.q[keep],
         record.u[keep] * omega,
     )

@@ -152,7 +152,7 @@ def _millimetres(text: str | None, name: str) -> float | None:
     """A length with its unit."""
     if text is None:
         return None
-    match = re.fullmatch(r"\s*(\d+\.?\d*)\s*(|mm|cm|in|pt)\s*", text)
+    match = re.fullmatch(rf"\s*(\d+\.?\d*)\s*(|{'|'.join(PAPER)})\s*", text)
     if match is None:
         expected = f"expected a number and one of {', '.join(PAPER)}"
         raise SceneError(Fault(f"--{name}", "", f"found '{text}'", expected, "e.g. 85mm"))

@@ -9,7 +9,7 @@ constants stay finite numbers and a turn of any speed has an end.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal, TypeVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -24,7 +24,7 @@ from pydantic import (
 
 from camcli.cams import CAMS, AnyCam
 from camcli.errors import Fault, SceneError, shown
-from camcli.quantities import FOLLOWER, LOADS, RPM
+from camcli.quantities import FOLLOWER, LOADS, PARAMETERS, RPM
 
 SLOWEST, FASTEST = 1e-9, 1e9  # rpm
 SWITCHES = {"yes": True, "on": True, "no": False, "off": False}
@@ -121,7 +121,10 @@ Side = Annotated[int, Field(strict=True, ge=1, le=MOST_CELLS), BeforeValidator(w
 Sides = Annotated[tuple[Side, Side], BeforeValidator(items)]
 PictureFormat = Literal["png", "pdf", "svg"]
 SectionName = Literal["impacts", "strobe"]
-ParameterName = Literal["rpm", "mass", "stiffness", "damping", "gravity", "preload", "restitution"]
+if TYPE_CHECKING:
+    ParameterName = str
+else:
+    ParameterName = Literal[tuple(PARAMETERS)]
 CurveKind = Literal["period-doubling", "fold", "corner-impact", "grazing"]
 PANELS: dict[str, dict[str, tuple[str, ...]]] = {  # of each command, by what it draws
     "simulate": {
