@@ -51,8 +51,14 @@ def test_without_the_flags_the_column_is_empty_and_all_else_the_same(cam, tmp_pa
 
 
 @pytest.mark.slow
-def test_events_and_changes_of_a_range_are_listed_with_their_causes(cam, tmp_path):
-    """Corner impacts, a doubling and a crisis, on two threads."""
+def test_events_and_changes_of_a_range_are_listed_with_their_causes(cam, tmp_path, monkeypatch):
+    """Corner impacts, a doubling and a crisis, on two threads.
+
+    The crisis with a coarse sample of folds: the fine ones are those of the figures and a soak.
+    """
+    monkeypatch.setattr("camcli.analysis.explain.tangency.STARTS", 500)
+    monkeypatch.setattr("camcli.analysis.explain.tangency.SEARCHES", 2)
+    monkeypatch.setattr("camcli.analysis.explain.tangency.FOLDS", 3)
     done = cam("sweep --rpm 670:742 --points 7 --explain --threads 2 -o .", code=0)
     for said in ("Critical speeds of attractors", "739.3197802", "Changes of the diagram"):
         assert said in done.stdout
