@@ -242,12 +242,12 @@ def attractor(left: Side, right: Side, mu: int) -> Prediction:
     return Prediction("several", word=words)
 
 
-def _settled(found: Cycle) -> Prediction:
-    first = found.multipliers[0]
-    period = len(found.word)
+def _settled(one: Cycle) -> Prediction:
+    first = one.multipliers[0]
+    period = len(one.word)
     square = first.real * first.real + first.imag * first.imag
     exponent = log(square) / (2.0 * period) if square > 0.0 else -inf
-    return Prediction("cycle" if period > 1 else "fixed-point", period, exponent, found.word)
+    return Prediction("cycle" if period > 1 else "fixed-point", period, exponent, one.word)
 
 
 def size_of(x: float, y: float) -> float:
@@ -287,10 +287,10 @@ def _word(form: NormalForm, x: float, y: float, limit: float) -> tuple[str, Pred
     if not abs(points[-1][0]) < limit:
         return "", Prediction("none")
     word = repeating(_sides(points))
-    found = cycle(word, form.left, form.right) if word else None
-    if found is None or not found.stable or found.exists_for * form.mu <= 0.0:
+    one = cycle(word, form.left, form.right) if word else None
+    if one is None or not one.stable or one.exists_for * form.mu <= 0.0:
         return word, None
-    return word, _settled(found)
+    return word, _settled(one)
 
 
 def _exponent(form: NormalForm, x: float, y: float, limit: float) -> tuple[float, float, Point]:
@@ -427,7 +427,7 @@ def _robust_chaos(left: Side, right: Side) -> tuple[list[Inequality], list[tuple
             open_ends.append(("LR", along))
     swapped = right.at_one < 0.0 < left.at_one  # the side of the regular saddle comes first
     (s, saddle), (o, other) = sorted((("L", left), ("R", right)), reverse=swapped)
-    found = [
+    inequalities = [
         Inequality(Rule.BEYOND_ONE, s, saddle.trace, 1.0 + saddle.det),
         Inequality(Rule.BEYOND_MINUS_ONE, o, other.trace, -(1.0 + other.det)),
         Inequality(Rule.DET_POSITIVE, s, saddle.det),
@@ -435,14 +435,14 @@ def _robust_chaos(left: Side, right: Side) -> tuple[list[Inequality], list[tuple
         Inequality(Rule.DET_POSITIVE, o, other.det),
         Inequality(Rule.DET_BELOW_ONE, o, other.det, 1.0),
     ]
-    for k, condition in enumerate(found, 1):
+    for k, condition in enumerate(inequalities, 1):
         if not condition.holds:
-            return found[:k], open_ends
+            return inequalities[:k], open_ends
     l1, l2 = (z.real for z in saddle.multipliers)
     terms = l1 * other.trace * (l1 - 1.0), -other.det * (l1 - 1.0), l1 * l1 * (1.0 - l2)
     if unclear(*terms):
         open_ends.append((s, Equal.TANGENCY))
-    return [*found, Inequality(Rule.TRAPPING, s, fsum(terms))], open_ends
+    return [*inequalities, Inequality(Rule.TRAPPING, s, fsum(terms))], open_ends
 
 
 def growth_at_zero(left: Side, right: Side) -> float:

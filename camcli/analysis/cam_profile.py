@@ -125,9 +125,9 @@ def _curvature(force: Force, base: float | None, ratio: float, c, c1, c2) -> Cur
     needed = -_lowest(force, lambda q, _, a: q / ratio - lowest + a / ratio).value
     sharpest = None
     if base is not None:
-        found = _lowest(force, lambda q, v, a: -knife(q, v, a), -1.0)
-        if found.value > 0.0:
-            sharpest = Extreme(1.0 / found.value, found.theta)
+        sharp = _lowest(force, lambda q, v, a: -knife(q, v, a), -1.0)
+        if sharp.value > 0.0:
+            sharpest = Extreme(1.0 / sharp.value, sharp.theta)
     rows = list(zip(c, c1, c2, strict=True))
     return Curvature(
         base_radius=base,

@@ -111,14 +111,14 @@ def classify(
 
     def motions_at(value: float) -> list[Motion]:
         own, rpm, runs = setup(value)
-        found = attractors(own, rpm, runs, starts, seed)
-        return [replace(motion, value=value) for motion in found]
+        motions = attractors(own, rpm, runs, starts, seed)
+        return [replace(motion, value=value) for motion in motions]
 
     def motions_or_fault(value: float) -> list[Motion]:
-        found = attempt(f"{key} = {value!r}", lambda: motions_at(value))
-        if isinstance(found, PieceFault):
-            return [_failed(value, value if key == "rpm" else nan, settings.start, found)]
-        return found
+        result = attempt(f"{key} = {value!r}", lambda: motions_at(value))
+        if isinstance(result, PieceFault):
+            return [_failed(value, value if key == "rpm" else nan, settings.start, result)]
+        return result
 
     motions: list[Motion] = []
     for found in in_threads(motions_or_fault, values, threads):
@@ -255,17 +255,17 @@ class _AfterRest:
 
 def _after_rest(system: System, rpm: float, settings: Settings, record: Record) -> _AfterRest:
     """The true motion after the first rest of a record."""
-    found = after_first_rest(system, rpm, record)
-    if found.kind == CYCLE:
-        orbit = resting_orbit(system, rpm, found.states, found.symbols, found.leaves)
-        return _AfterRest(orbit, of_orbit(system, orbit), record, found.holds_for)
-    start = found.start(system, rpm)
+    after = after_first_rest(system, rpm, record)
+    if after.kind == CYCLE:
+        orbit = resting_orbit(system, rpm, after.states, after.symbols, after.leaves)
+        return _AfterRest(orbit, of_orbit(system, orbit), record, after.holds_for)
+    start = after.start(system, rpm)
     run = None
     if start is not None:
         turns = with_turns(settings, settings.transient, max(settings.record, RECORD))
         run = Orbit(system, rpm, turns, start)
         record = run.run()
-    holds_for = found.holds_for or HoldsFor.ROUNDING  # it wandered, and doubles went on
+    holds_for = after.holds_for or HoldsFor.ROUNDING  # it wandered, and doubles went on
     return _AfterRest(*_solved(system, rpm, record), record, holds_for, run)
 
 
@@ -311,18 +311,18 @@ def attractors(
     Each with its transient; that of the scene's start is where this start ends (`own_end`).
     """
     skip = seed * starts
-    found: list[Motion] = []
+    motions: list[Motion] = []
     for start in (settings.start, *islice(cloud(system, rpm), skip, skip + starts)):
         motion = classify_at(system, rpm, settings, start)
-        if not found:
+        if not motions:
             motion = own_end(system, settings, motion)
-        known = next((k for k, other in enumerate(found) if same_motion(motion, other)), None)
+        known = next((k for k, other in enumerate(motions) if same_motion(motion, other)), None)
         if known is None:
-            found.append(motion)
+            motions.append(motion)
         else:  # what it took was done all the same
-            found[known] = replace(found[known], cost=found[known].cost + motion.cost)
-    others = [with_transient(system, settings, motion) for motion in found[1:]]
-    return sorted([*found[:1], *others], key=_order)
+            motions[known] = replace(motions[known], cost=motions[known].cost + motion.cost)
+    others = [with_transient(system, settings, motion) for motion in motions[1:]]
+    return sorted([*motions[:1], *others], key=_order)
 
 
 def same_motion(a: Motion, b: Motion) -> bool:

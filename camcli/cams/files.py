@@ -24,8 +24,8 @@ def read_bytes(path: Path, name: str, most: int, expected: str, cure: str, key: 
 
     problem = ("", "")
     try:
-        found = os.stat(path)
-        mode = found.st_mode
+        status = os.stat(path)
+        mode = status.st_mode
         if stat.S_ISDIR(mode):
             problem = "found a folder", "name the file in it"
         elif not stat.S_ISREG(mode):
@@ -33,8 +33,8 @@ def read_bytes(path: Path, name: str, most: int, expected: str, cure: str, key: 
         else:  # without waiting, should the file have become a pipe since it was looked at
             flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
             with open(os.open(path, flags), "rb") as file:
-                data = file.read(min(most, found.st_size) + 1)
-                if found.st_size < len(data) <= most:  # it has grown
+                data = file.read(min(most, status.st_size) + 1)
+                if status.st_size < len(data) <= most:  # it has grown
                     data += file.read(most + 1 - len(data))
     except FileNotFoundError:
         problem = "no such file", cure

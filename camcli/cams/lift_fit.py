@@ -124,13 +124,13 @@ def _weights() -> list[list[int]]:
 
 def basis(t: Any, order: int = 0) -> np.ndarray:
     """Weights of the eight coefficients, or of a derivative by u, at t in [0, 1]; (..., 8)."""
-    found = []
+    columns = []
     for row in _weights():
         value = 0.0 * t
         for j in range(DEGREE, order - 1, -1):
             value = value * t + row[j] * (factorial(j) // factorial(j - order)) / factorial(DEGREE)
-        found.append(value)
-    return np.stack(found, axis=-1)
+        columns.append(value)
+    return np.stack(columns, axis=-1)
 
 
 def at(coefficients: np.ndarray, i: np.ndarray, weights: np.ndarray) -> Any:
@@ -165,11 +165,11 @@ def piece(coefficients: np.ndarray, i: int, base: float = 0.0) -> Piece:
 
 def widest(values: np.ndarray, reach: np.ndarray | float) -> np.ndarray:
     """The largest of values (not negative) within `reach` knots."""
-    found = values
+    largest = values
     most = int(np.max(reach))
     for step in range(-most, most + 1):
-        found = np.maximum(found, np.where(abs(step) <= reach, np.roll(values, step), 0.0))
-    return found
+        largest = np.maximum(largest, np.where(abs(step) <= reach, np.roll(values, step), 0.0))
+    return largest
 
 
 class Factors:
@@ -353,13 +353,13 @@ class Smoother:
     def leverage(self, length: float) -> np.ndarray:
         """Diagonal of the matrix that makes the coefficients of themselves, by way of the rows."""
         size = len(self.order)
-        found = np.zeros(self.count)
+        leverages = np.zeros(self.count)
         normal = np.zeros((size, size))
         for k in range(self.band + 1):
             places = np.arange(k, size)
             normal[places, places - k] = normal[places - k, places] = self.normal[k:, k]
-        found[self.order] = np.diagonal(self.fit(length).factors.solve(normal))
-        return found
+        leverages[self.order] = np.diagonal(self.fit(length).factors.solve(normal))
+        return leverages
 
     def residuals(self, coefficients: np.ndarray) -> np.ndarray:
         """Spline minus table, m, at every row."""
@@ -379,8 +379,8 @@ class Smoother:
         for length, share in shares.items():
             mine = right * share[:, None]
             some = np.flatnonzero(mine.any(axis=0))
-            found = self.fit(length).factors.solve(mine[np.ix_(self.order, some)])
-            whole[np.ix_(self.order, some)] += found
+            moved = self.fit(length).factors.solve(mine[np.ix_(self.order, some)])
+            whole[np.ix_(self.order, some)] += moved
         return whole
 
     def spread(self, shares: Shares, intervals: np.ndarray) -> np.ndarray:
@@ -463,9 +463,13 @@ class Errors:
         left = float(s.shares[moves].sum() - self._blended(s.leverage).sum())
         squares = (s.shares * off * off)[moves]
         squares = squares[squares < (WRONG * scatter(s.turn)) ** 2]
-        found = sqrt(float(squares.sum()) / max(left, 1.0))
+        deviation = sqrt(float(squares.sum()) / max(left, 1.0))
         rounding = s.turn.quantum / sqrt(12.0)
-        return found if found > (1.0 + SURE / sqrt(2.0 * max(left, 1.0))) * rounding else rounding
+        return (
+            deviation
+            if deviation > (1.0 + SURE / sqrt(2.0 * max(left, 1.0))) * rounding
+            else rounding
+        )
 
     @cached_property
     def changes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -477,9 +481,9 @@ class Errors:
     def standard(self) -> np.ndarray:
         """Standard errors of c_thetatheta at every knot, m/rad2; 0 in a dwell."""
         s = self.smoother
-        found = np.zeros(self.smoother.count)
-        found[s.moving] = self.noise * s.spread(self.shares, s.moving)
-        return found
+        errors = np.zeros(self.smoother.count)
+        errors[s.moving] = self.noise * s.spread(self.shares, s.moving)
+        return errors
 
     @cached_property
     def excess(self) -> np.ndarray:
@@ -499,9 +503,9 @@ class Errors:
         moves = np.zeros(self.smoother.count)
         moves[self.smoother.moving] = 1.0
         bending = self.excess / (self.ratio ** (2 / 3) * (self.ratio - 1.0))
-        found = ERRORS * self.standard + widest(bending, self.length)
+        total = ERRORS * self.standard + widest(bending, self.length)
         edge = widest(1.0 - moves, WIDTH) > 0.0  # held coefficients take no rounding: no measure
-        return (np.where(edge, widest(found, WIDTH), found) * moves).tolist()
+        return (np.where(edge, widest(total, WIDTH), total) * moves).tolist()
 
     def accuracy(self) -> Accuracy:
         """Everything about the fit as a whole."""

@@ -105,22 +105,22 @@ def guess(data: bytes, name: str) -> Guess:
     lift, others = _lift_columns(columns, words, angle, name)
     table = Table(lines, run, angle, lift, name)
     table.refuse_what_cannot_be_read()
-    found = Guess({"header": start - first})
+    guessed = Guess({"header": start - first})
     if first > 0 and lines[first].line > 1:
-        found.keys["skip_lines"] = lines[first].line - 1
-        _doubt_what_is_skipped(found, lines[:first], table)
+        guessed.keys["skip_lines"] = lines[first].line - 1
+        _doubt_what_is_skipped(guessed, lines[:first], table)
     if decimal == "comma":
-        found.keys["decimal"] = decimal
+        guessed.keys["decimal"] = decimal
     names = titles[0] if titles else []
     for key, k in (("angle_column", angle), ("lift_column", lift)):
         named = names and names[k] and names.count(names[k]) == 1
-        found.keys[key] = names[k] if named else k + 1
-    _angle_kind(found, columns[angle], words[angle])
-    _lift_unit(found, columns[lift], words[lift])
-    _radii(found, columns[lift])
-    _rocker(found, words[lift])
-    _other_lobes(found, columns, lift, [(k, names[k] if names else "") for k in others])
-    return found
+        guessed.keys[key] = names[k] if named else k + 1
+    _angle_kind(guessed, columns[angle], words[angle])
+    _lift_unit(guessed, columns[lift], words[lift])
+    _radii(guessed, columns[lift])
+    _rocker(guessed, words[lift])
+    _other_lobes(guessed, columns, lift, [(k, names[k] if names else "") for k in others])
+    return guessed
 
 
 # -- lines to a run of rows --------------------------------------------------------------------
@@ -243,11 +243,11 @@ class Table:
         return refused(f"{self.name}:{line.line}", "", found, expected, cure)
 
 
-def _doubt_what_is_skipped(found: Guess, lines: list[Cells], table: Table) -> None:
+def _doubt_what_is_skipped(guessed: Guess, lines: list[Cells], table: Table) -> None:
     """Say so where another table is among the lines above the one that is read."""
     rows = [line.line for line in lines if table.is_row(line)]
     if len(rows) >= LEAST_RUN:
-        found.doubt(
+        guessed.doubt(
             "skip_lines",
             f"lines {rows[0]} to {rows[-1]} are another table, which is not read; for a scene of "
             "it put it into a file of its own",
@@ -298,28 +298,30 @@ def _lift_columns(
     return chosen, [k for k in lifts if k != chosen]
 
 
-def _angle_kind(found: Guess, angles: list[float], title: str) -> None:
+def _angle_kind(guessed: Guess, angles: list[float], title: str) -> None:
     span = abs(angles[-1] - angles[0])
     crank = span > 400.0 or bool(re.search(CRANK, title))
-    found.keys["angle"] = "crank" if crank else "cam"
+    guessed.keys["angle"] = "crank" if crank else "cam"
     if not crank and not re.search(r"cam|nocken|\bnw", title) and span < 340.0:
-        found.doubt("angle", f"{span:g} deg of the cam, or of a crank that turns twice as fast?")
+        guessed.doubt("angle", f"{span:g} deg of the cam, or of a crank that turns twice as fast?")
 
 
-def _lift_unit(found: Guess, numbers: list[float], title: str) -> None:
+def _lift_unit(guessed: Guess, numbers: list[float], title: str) -> None:
     """The unit by the title, else by the size of the numbers."""
     top = max(numbers)
     lift = top - min(numbers) if min(numbers) > RADII * top else top
     if re.search(HUNDREDTHS, title):
-        found.keys |= {"lift": "fraction", "max_lift": 1e-5}
-        found.doubt("lift", f"hundredths of a millimetre by the title, {lift / 100:.4g} mm of lift")
+        guessed.keys |= {"lift": "fraction", "max_lift": 1e-5}
+        guessed.doubt(
+            "lift", f"hundredths of a millimetre by the title, {lift / 100:.4g} mm of lift"
+        )
         return
     unit = next((unit for words, unit in UNIT_WORDS.items() if re.search(words, title)), None)
     if unit is not None:
-        found.keys["lift"] = unit
+        guessed.keys["lift"] = unit
         if lift * LENGTHS[unit] > LARGE:
             said = f"the title says {unit}, but that is a lift of {lift * LENGTHS[unit]:.4g} m"
-            found.doubt("lift", said)
+            guessed.doubt("lift", said)
         return
     if lift > LARGEST_THOU:
         unit = "um"
@@ -331,11 +333,11 @@ def _lift_unit(found: Guess, numbers: list[float], title: str) -> None:
     else:
         unit = "mm" if lift > 1.0 else "inch" if lift > 0.05 else "m"
         why = f"the largest number is {top:g}"
-    found.keys["lift"] = unit
-    found.doubt("lift", why)
+    guessed.keys["lift"] = unit
+    guessed.doubt("lift", why)
 
 
-def _radii(found: Guess, numbers: list[float]) -> None:
+def _radii(guessed: Guess, numbers: list[float]) -> None:
     """Where all numbers are far from zero they are radii: the lift is what is more than the least.
 
     They are the follower's lift only if what ran on the cam was a follower like the machine's.
@@ -344,10 +346,10 @@ def _radii(found: Guess, numbers: list[float]) -> None:
     top = max(numbers)
     if least <= RADII * top:
         return
-    found.keys["subtract"] = least
-    unit = found.keys.get("max_lift") or LENGTHS[found.keys["lift"]]
-    found.keys["base_radius"] = float(f"{least * unit:.12g}")
-    found.doubt(
+    guessed.keys["subtract"] = least
+    unit = guessed.keys.get("max_lift") or LENGTHS[guessed.keys["lift"]]
+    guessed.keys["base_radius"] = float(f"{least * unit:.12g}")
+    guessed.doubt(
         "subtract",
         f"the numbers go from {least:g} to {top:g}, so they are radii: the least one is taken for "
         "the base circle, and what is more for the lift; that is the lift of the follower only "
@@ -355,13 +357,13 @@ def _radii(found: Guess, numbers: list[float]) -> None:
     )
 
 
-def _rocker(found: Guess, title: str) -> None:
+def _rocker(guessed: Guess, title: str) -> None:
     """On which side of a rocker the table may be from."""
     valve = bool(re.search(VALVE, title)) and not re.search(LOBE, title)
-    found.keys["rocker_ratio"] = 1
-    found.keys["measured_at"] = "valve" if valve else "lobe"
+    guessed.keys["rocker_ratio"] = 1
+    guessed.keys["measured_at"] = "valve" if valve else "lobe"
     if not valve:
-        found.doubt(
+        guessed.doubt(
             "rocker_ratio",
             "taken without a rocker; if there is one, write its ratio (lift of the valve per lift "
             "of the lobe), and measured_at: valve if the table is of the valve",
@@ -372,7 +374,7 @@ def _rocker(found: Guess, title: str) -> None:
 
 
 def _other_lobes(
-    found: Guess, columns: dict[int, list[float]], lift: int, others: Sequence[tuple[int, str]]
+    guessed: Guess, columns: dict[int, list[float]], lift: int, others: Sequence[tuple[int, str]]
 ) -> None:
     """Say so where the file has lifts of other lobes: in columns beside, or in the same one."""
     own = columns[lift]
@@ -386,14 +388,16 @@ def _other_lobes(
         differ = max(abs(a - b) for a, b in zip(shares, others_shares, strict=False))
         if len(own) == len(other) and differ < ALIKE:
             said = f"{name} is {scale / size:.4g} times this one"
-            found.doubt("lift_column", f"{said}: the same lobe in another unit, or behind a rocker")
+            guessed.doubt(
+                "lift_column", f"{said}: the same lobe in another unit, or behind a rocker"
+            )
         else:
             said = f"{name} rises and falls too, another lobe: this scene leaves it out"
             cure = f"for a scene of it copy this one and write lift_column: {title or k + 1}"
-            found.doubt("lift_column", f"{said}; {cure}")
+            guessed.doubt("lift_column", f"{said}; {cure}")
     count = _lobes(own)
     if count > 1:
-        found.doubt(
+        guessed.doubt(
             "lift_column",
             f"it rises from zero and comes back {count} times: if these are {count} cams, cut the "
             "file, a table for each, and make a scene of each",

@@ -69,8 +69,8 @@ def find_jump(turn: Turn, shares: np.ndarray, noise: float, places: Iterable[flo
 
     noise: the standard deviation of a row, m.
     """
-    found = [jump for place in places if (jump := _jump_near(turn, shares, noise, place))]
-    return max(found, key=lambda jump: jump.evidence, default=None)
+    jumps = [jump for place in places if (jump := _jump_near(turn, shares, noise, place))]
+    return max(jumps, key=lambda jump: jump.evidence, default=None)
 
 
 def _jump_near(turn: Turn, shares: np.ndarray, noise: float, place: float) -> Jump | None:

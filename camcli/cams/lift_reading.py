@@ -252,10 +252,10 @@ def splitter(
     pattern = re.compile(f"(?:^|(?<={mark}))(?:{cell})" if mark else r'"[^"]*"|\S+')
 
     def split(line: str) -> list[tuple[int, str]]:
-        found = [(m.start(), m[0]) for m in pattern.finditer(line)]
+        words = [(m.start(), m[0]) for m in pattern.finditer(line)]
         return [
             (start + len(raw) - len(raw.lstrip()) + 1, raw.strip().strip('"').strip())
-            for start, raw in found
+            for start, raw in words
         ]
 
     return split

@@ -49,13 +49,15 @@ def regions(cam: Cam) -> list[Region]:
     The last region goes on through theta = 0 to the first corner. A cam without corners is one
     region.
     """
-    found = corner_list(cam)
+    corner_at = corner_list(cam)
     count = len(cam.stretches)
-    if not found:
+    if not corner_at:
         return [Region("A1", 0.0, TURN, "", "", tuple(range(count)))]
     result = []
-    for k, (corner, after) in enumerate(zip(found, [*found[1:], found[0]], strict=True), 1):
-        end = after.theta + TURN if k == len(found) else after.theta
+    for k, (corner, after) in enumerate(
+        zip(corner_at, [*corner_at[1:], corner_at[0]], strict=True), 1
+    ):
+        end = after.theta + TURN if k == len(corner_at) else after.theta
         own = range((after.stretch - corner.stretch - 1) % count + 1)
         stretches = tuple((corner.stretch + j) % count for j in own)
         result.append(Region(f"A{k}", corner.theta, end, corner.name, after.name, stretches))

@@ -25,8 +25,8 @@ def first_root(f: Function, low: arb, high: arb, cut: arb | None = None) -> arb 
     may be a zero.
     """
     ends = [low.mid(), *([] if cut is None else [cut.mid()]), high.mid()]
-    found = coarsely(lambda: _bracket(f, ends))
-    return None if found is None else _enclosed(f, *found)
+    root = coarsely(lambda: _bracket(f, ends))
+    return None if root is None else _enclosed(f, *root)
 
 
 def _bracket(f: Function, ends: list[arb]) -> tuple[arb, arb] | None:

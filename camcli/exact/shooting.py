@@ -148,7 +148,7 @@ class Shooting:
 
     def flights(self, machine: Machine, x: Sequence[Number]) -> list[Flight]:
         """All flights between the impacts x."""
-        found = []
+        pieces = []
         for k in range(self.n):
             j = (k + 1) % self.n
             v = x[2 * k + 1]
@@ -166,8 +166,8 @@ class Shooting:
                 -(v * (1 - machine.W2 * p) + b * accel), b,
                 r * (machine.W2 * b * v - b1 * accel), r * b1,
             )  # fmt: skip
-            found.append(Flight(end_q - end_c, end_w - end_c1, start, end_accel))
-        return found
+            pieces.append(Flight(end_q - end_c, end_w - end_c1, start, end_accel))
+        return pieces
 
     def equations(self, z: Sequence[arb]) -> tuple[arb_mat, arb_mat]:
         """(E, E') at the unknowns z = x, p: (2 n, 1) and (2 n, 2 n + 1)."""
@@ -230,8 +230,8 @@ class Shooting:
             error = [arb(0)] * len(z)
             for k, size in zip(free, room, strict=True):
                 error[k] = arb(0, size)
-            found = Box(z, leaning, error, fixed, half)
-            _, slopes = self.equations(found.hull())
+            box = Box(z, leaning, error, fixed, half)
+            _, slopes = self.equations(box.hull())
             own = arb_mat([[error[k]] for k in free])
             rest = (one - inverse * _columns(slopes, free)) * own
             along = inverse * (slopes * arb_mat([[t] for t in leaning])) * eta
@@ -397,10 +397,10 @@ class Shooting:
         for _ in range(NEWTON):
             s = (s - gap(s)[1] / gap(s)[2]).mid()
         wide = 2 * abs(gap(s)[1] / gap(s)[2]).upper() + arb(2) ** (24 - ctx.prec)
-        found = s - gap(s)[1] / gap(arb(s, wide))[2]
-        if not arb(s, wide).contains_interior(found):
+        zero = s - gap(s)[1] / gap(arb(s, wide))[2]
+        if not arb(s, wide).contains_interior(zero):
             raise NotProvedError(Step.GRAZES)
-        return place, found
+        return place, zero
 
     def place(self, theta: arb, turn: int) -> Place:
         """Stretch and turn of an angle counted on from the beginning of a turn."""

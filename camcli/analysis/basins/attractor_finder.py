@@ -166,8 +166,10 @@ class AttractorFinder:
 
     def _admit_orbit(self, orbit: PeriodicOrbit) -> bool:
         """`admit` a solved orbit."""
-        found = Attractor.periodic_of(orbit.label, orbit.states, orbit.symbols, orbit.multipliers)
-        return self.admit(found)
+        attractor = Attractor.periodic_of(
+            orbit.label, orbit.states, orbit.symbols, orbit.multipliers
+        )
+        return self.admit(attractor)
 
     def admit(self, attractor: Attractor) -> bool:
         """Take up a periodic attractor unless it is known or starts about it do not come back."""

@@ -140,13 +140,13 @@ class _Task:
         """A block, or that it failed: its cells are then where they began."""
         gap, rate, mode = (np.asarray(column) for column in block)
         name = f"{len(gap)} cells at {self.rpm:.10g} rpm, from {gap[0]:.10g} m above the cam on"
-        found = attempt(name, lambda: self._followed(gap, rate, mode))
-        if not isinstance(found, PieceFault):
-            return (*found, None)
+        followed = attempt(name, lambda: self._followed(gap, rate, mode))
+        if not isinstance(followed, PieceFault):
+            return (*followed, None)
         whole = np.zeros((len(gap), 5), np.int32)
         whole[:, 0] = mode
         whole[:, 1] = FAILED
-        return np.column_stack((gap, rate)), whole, [0, 0, 0], found
+        return np.column_stack((gap, rate)), whole, [0, 0, 0], followed
 
     def _followed(
         self, gaps: np.ndarray, rates: np.ndarray, modes: np.ndarray

@@ -32,7 +32,7 @@ def fractions(codes: np.ndarray, attractors: list[int]) -> dict[int, tuple[float
     above = codes != -1
     total = int(above.sum())
     around = _around(above.astype(np.int16))
-    found = {}
+    shares = {}
     others = [int(code) for code in np.unique(codes) if code < -1 or code == 0]
     for code in [*attractors, *sorted(others, reverse=True)]:
         mine = codes == code
@@ -41,8 +41,8 @@ def fractions(codes: np.ndarray, attractors: list[int]) -> dict[int, tuple[float
         p = near[edge] / around[edge]
         square = fsum((p * (1.0 - p)).tolist())
         cells = max(total, 1)
-        found[code] = (int(mine.sum()) / cells, sqrt(square) / cells)
-    return found
+        shares[code] = (int(mine.sum()) / cells, sqrt(square) / cells)
+    return shares
 
 
 def _around(table: np.ndarray) -> np.ndarray:
@@ -56,12 +56,12 @@ def boundary(codes: np.ndarray) -> np.ndarray:
     """True for cells not below the cam of which one of the eight neighbours above is different."""
     wide = np.pad(codes, 1, constant_values=-1)
     nv, nq = codes.shape
-    found = np.zeros(codes.shape, dtype=bool)
+    differs = np.zeros(codes.shape, dtype=bool)
     for i in range(3):
         for j in range(3):
             other = wide[i : i + nv, j : j + nq]
-            found |= (other != codes) & (other != -1)
-    return found & (codes != -1)
+            differs |= (other != codes) & (other != -1)
+    return differs & (codes != -1)
 
 
 def entropies(codes: np.ndarray) -> dict[str, float | int]:

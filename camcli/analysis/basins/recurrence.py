@@ -111,8 +111,8 @@ def _clear(owner: np.ndarray, grid: Grid, region: Region) -> None:
 
 def stays_of(boxes: Boxes, tried: np.ndarray, ended: np.ndarray, stay: np.ndarray) -> list[int]:
     """Turns that decide, per attractor; of trials: box, owner of the end, longest stay."""
-    found = list(boxes.stays)
+    lengths = list(boxes.stays)
     for k in sorted(set(boxes.owner[boxes.owner > 0].tolist())):
         astray = (boxes.owner[tried] == k) & (ended != k)
-        found[k - 1] = LEAST_STAY + MARGIN * int(stay[astray].max(initial=0))
-    return found
+        lengths[k - 1] = LEAST_STAY + MARGIN * int(stay[astray].max(initial=0))
+    return lengths

@@ -46,12 +46,12 @@ def refine(finder: AttractorFinder, window: Window, levels: int, on_cells: Calla
 
 def leaves(level: np.ndarray, levels: int) -> np.ndarray:
     """Flat indices, in the finest grid, of the first corner of every cell that was not cut."""
-    found = []
+    corners = []
     for k in range(levels + 1):
         side = 1 << (levels - k)
         rows, columns = np.nonzero(level[::side, ::side] == k)
-        found.append(rows * side * level.shape[1] + columns * side)
-    return np.sort(np.concatenate(found))
+        corners.append(rows * side * level.shape[1] + columns * side)
+    return np.sort(np.concatenate(corners))
 
 
 def _marks(table: np.ndarray) -> np.ndarray:

@@ -233,14 +233,14 @@ def parted(regions: Sequence[Region | None], new: Region) -> list[Region | None]
 
     Numbers do not change: entry k is region k, the last entry the new one.
     """
-    found = list(regions)
+    apart = list(regions)
     for k, other in enumerate(regions):
         while other is not None and overlap(other, new):
-            found[k] = other = other.scaled(0.5)
+            apart[k] = other = other.scaled(0.5)
             new = new.scaled(0.5)
             if min(other.radius, new.radius) < INSEPARABLE:
                 return None
-    return [*found, new]
+    return [*apart, new]
 
 
 def overlap(a: Region, b: Region) -> bool:

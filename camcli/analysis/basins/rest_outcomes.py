@@ -104,21 +104,21 @@ class RestOutcomes:
             self.followed[place] = after_rest(batches.system, batches.rpm, theta)
         return self.followed[place]
 
-    def _end_of(self, found: After) -> int:
+    def _end_of(self, after: After) -> int:
         """The attractor that a motion after a rest ends on, or FORGOTTEN."""
         finder = self.finder
         batches = self.finder.batches
-        if found.kind == CYCLE:
-            label = Label(found.symbols)
-            cycle = Attractor.periodic_of(label, found.states, found.symbols, (0j, 0j))
+        if after.kind == CYCLE:
+            label = Label(after.symbols)
+            cycle = Attractor.periodic_of(label, after.states, after.symbols, (0j, 0j))
             finder.admit(cycle)
             known = (k for k, other in enumerate(finder.attractors) if other.is_same(cycle))
             return next(known, FORGOTTEN)
-        start = found.start(batches.system, batches.rpm)
+        start = after.start(batches.system, batches.rpm)
         if start is None:
             return FORGOTTEN
         gap, rate = batches.states([start.q], [start.v])
-        watch = int(found.kind != SETTLED)  # from one rest to the next there is no end
+        watch = int(after.kind != SETTLED)  # from one rest to the next there is no end
         for _ in range(2):  # an attractor that is not known yet is, at the second time
             targets = finder.targets._replace(watch_rests=watch)
             ends = batches.run(gap, rate, targets, finder.budget)

@@ -49,20 +49,20 @@ def boundary_saddles(
         middle = 0.5 * (low + high)
         same = (finder.settle(*middle.T)[0] == here)[:, None]
         low, high = np.where(same, middle, low), np.where(same, high, middle)
-    found: dict[int, PeriodicOrbit] = {}
+    orbits: dict[int, PeriodicOrbit] = {}
     led: list[int] = []
     settings = with_turns(batches.settings, 0, TURNS)
     for gap, rate in zip(*batches.states(*low.T), strict=True):
         record = Orbit(system, rpm, settings, batches.start(gap, rate, FREE)).run(events=True)
         states = states_of(record)
         size = np.ptp(states, axis=0) + 1e-300
-        known = _nearest(found, states / size, size)
+        known = _nearest(orbits, states / size, size)
         if known is None:
             for orbit in find_saddles(system, rpm, record, size):
-                found[len(found)] = orbit
-            known = _nearest(found, states / size, size)
+                orbits[len(orbits)] = orbit
+            known = _nearest(orbits, states / size, size)
         led += [] if known is None else [known]
-    saddles = (BoundarySaddle(o, led.count(k), len(low)) for k, o in found.items() if k in led)
+    saddles = (BoundarySaddle(o, led.count(k), len(low)) for k, o in orbits.items() if k in led)
     return sorted(saddles, key=lambda saddle: -saddle.led)
 
 
@@ -80,11 +80,11 @@ def _pairs(window: Window, codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return one, other
 
 
-def _nearest(found: dict[int, PeriodicOrbit], at: np.ndarray, size: np.ndarray) -> int | None:
+def _nearest(orbits: dict[int, PeriodicOrbit], at: np.ndarray, size: np.ndarray) -> int | None:
     """The saddle that relative states come closest to, None where none is near."""
     away = {
         k: np.abs(at[:, None] - np.array(orbit.states) / size).max(2).min()
-        for k, orbit in found.items()
+        for k, orbit in orbits.items()
     }
     best = min(away, key=lambda k: away[k], default=None)
     return best if best is not None and away[best] < NEAR else None

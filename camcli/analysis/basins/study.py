@@ -129,18 +129,18 @@ def study(
 
     def at(value: float, here: Work) -> Basins:
         own, rpm, runs = setup(value)
-        found, finder = basins(own, rpm, runs, question, work=here, on_cells=on_cells)
+        speed, finder = basins(own, rpm, runs, question, work=here, on_cells=on_cells)
         name = f"{key} = {value!r}"
         doubt = piece(
             f"the boundary at {name}",
             lambda: uncertainty(finder, question.window) if boundary else None,
         )
-        numbers = branches.number(found.attractors, finder)
+        numbers = branches.number(speed.attractors, finder)
         if saddles:
-            look = partial(boundary_saddles, finder, found.window, found.codes)
-            found = replace(found, saddles=tuple(piece(f"the saddles at {name}", look, [])))
-        found = replace(
-            found, branches=numbers, uncertainty=doubt, cost=finder.batches.cost, value=value
+            look = partial(boundary_saddles, finder, speed.window, speed.codes)
+            speed = replace(speed, saddles=tuple(piece(f"the saddles at {name}", look, [])))
+        speed = replace(
+            speed, branches=numbers, uncertainty=doubt, cost=finder.batches.cost, value=value
         )
         if exponents:
             grown = [
@@ -148,10 +148,10 @@ def study(
                     f"the exponent of {one.label} at {name}",
                     partial(largest_exponent, own, rpm, runs, one),
                 )
-                for one in found.attractors
+                for one in speed.attractors
             ]
-            found = replace(found, exponents=tuple(grown))
-        return replace(found, faults=tuple(finder.batches.faults))
+            speed = replace(speed, exponents=tuple(grown))
+        return replace(speed, faults=tuple(finder.batches.faults))
 
     for k, value in enumerate(values):
         try:
@@ -227,7 +227,7 @@ def basins(
     trouble, counts = np.unique(codes[codes < BELOW_CODE], return_counts=True)
     taken = sorted(turns[turns > 0].tolist()) or [0]
     last = len(taken) - 1
-    found = Basins(
+    result = Basins(
         rpm=rpm,
         cam_q=batches.lift[0],
         window=window,
@@ -245,7 +245,7 @@ def basins(
         cost=batches.cost,
         rests=finder.rests.decided,
     )
-    return found, finder
+    return result, finder
 
 
 def codes_of(finder: AttractorFinder, outcome: np.ndarray) -> np.ndarray:
@@ -270,8 +270,8 @@ def largest_exponent(
         return -inf
     start = Start.at_strobe(system, rpm, attractor.states[0])
     record = Orbit(system, rpm, with_turns(settings, 0, EXPONENT_RECORD), start).run()
-    found = of_record(system, rpm, record) if record.status == Status.OK else None
-    return None if found is None else found.largest
+    exponents = of_record(system, rpm, record) if record.status == Status.OK else None
+    return None if exponents is None else exponents.largest
 
 
 # --- from speed to speed
@@ -292,16 +292,16 @@ class Branches:
 
     def number(self, attractors: tuple[Attractor, ...], finder: AttractorFinder) -> tuple[int, ...]:
         """Branch of each attractor of the next speed."""
-        found = self._by_state(attractors)
-        found = self._by_motion(attractors, finder, found)
+        branch_of = self._by_state(attractors)
+        branch_of = self._by_motion(attractors, finder, branch_of)
         for k, attractor in enumerate(attractors):
-            if k not in found:
+            if k not in branch_of:
                 self.last.append(attractor)
-                found[k] = len(self.last) - 1
-            self.last[found[k]] = attractor
-        self.present = sorted(found.values())
+                branch_of[k] = len(self.last) - 1
+            self.last[branch_of[k]] = attractor
+        self.present = sorted(branch_of.values())
         self.before = finder
-        return tuple(found[k] + 1 for k in range(len(attractors)))
+        return tuple(branch_of[k] + 1 for k in range(len(attractors)))
 
     def _by_state(self, attractors: Sequence[Attractor]) -> dict[int, int]:
         if not self.last:
@@ -315,20 +315,24 @@ class Branches:
         return {k: n for k, n in pairs if far[k, n] <= NEAR and int(far[:, n].argmin()) == k}
 
     def _by_motion(
-        self, attractors: Sequence[Attractor], finder: AttractorFinder, found: dict[int, int]
+        self, attractors: Sequence[Attractor], finder: AttractorFinder, branch_of: dict[int, int]
     ) -> dict[int, int]:
         """Carry what is unmatched to the other speed, in both directions."""
-        found = dict(found)
+        branch_of = dict(branch_of)
         before = self.before
         for n in self.present:
-            if n in found.values() or before is None:
+            if n in branch_of.values() or before is None:
                 continue
             old = self.last[n]
             new = carried(old, before, finder)
             k = next((k for k, one in enumerate(attractors) if one is new), None)
-            if k is not None and k not in found and carried(attractors[k], finder, before) is old:
-                found[k] = n
-        return found
+            if (
+                k is not None
+                and k not in branch_of
+                and carried(attractors[k], finder, before) is old
+            ):
+                branch_of[k] = n
+        return branch_of
 
 
 def carried(attractor: Attractor, own: AttractorFinder, other: AttractorFinder) -> Attractor | None:

@@ -72,13 +72,13 @@ class Case:
 def case(name: str) -> Case:
     """A stored case."""
     data = reference(name)
-    found: dict[str, list[Mark]] = {"impact": [], "chatter": [], "detachment": []}
+    marks: dict[str, list[Mark]] = {"impact": [], "chatter": [], "detachment": []}
     for e in reversed(data["events"]):
         exact = Decimal(e["theta"])
         rest = float(exact - Decimal(float(exact)))
         mark = Mark(e["turn"], float(exact), rest, _bound(e["growth"]), False)
-        near = any(0.0 <= end.at - mark.at < OPTIONAL for end in found["chatter"])
-        found[e["kind"]].insert(0, mark._replace(optional=near))
+        near = any(0.0 <= end.at - mark.at < OPTIONAL for end in marks["chatter"])
+        marks[e["kind"]].insert(0, mark._replace(optional=near))
     end = data["final"]
     return Case(
         title=data["title"],
@@ -87,8 +87,8 @@ def case(name: str) -> Case:
         rpm=data["rpm"],
         turns=data["turns"],
         start=(data["start"]["q"], data["start"]["v"]),
-        hits=found["impact"],
-        rests=found["chatter"],
+        hits=marks["impact"],
+        rests=marks["chatter"],
         final=(float(end["q"]), float(end["v"]), _bound(end["growth"])),
     )
 
@@ -301,23 +301,23 @@ def measure(
             seconds = repeated(partial(call, COMPILING), repeats, seconds)
     except (ArithmeticError, ValueError):  # solve_ivp: step too small, bracket without a root
         return row(status=FAILED)
-    found = compare(some, trace, point.chatter)
+    comparison = compare(some, trace, point.chatter)
     ours = point.peer is None
-    if ours and not found.excess <= 1.0:
+    if ours and not comparison.excess <= 1.0:
         status = OVER
     elif trace.given_up:
         status = GIVEN_UP
     else:
-        status = MISSED if found.missed else INVENTED if found.extra else OK
+        status = MISSED if comparison.missed else INVENTED if comparison.extra else OK
     return row(
         seconds=seconds,
-        error=found.error,
+        error=comparison.error,
         impacts=len(trace.hits),
         evaluations=trace.evaluations,
-        missed=found.missed,
-        extra=found.extra,
-        bound=found.bound if ours else nan,
-        of_bound=found.excess if ours else nan,
+        missed=comparison.missed,
+        extra=comparison.extra,
+        bound=comparison.bound if ours else nan,
+        of_bound=comparison.excess if ours else nan,
         status=status,
     )
 
@@ -353,11 +353,11 @@ class Verdict:
     its_error_turns: float | None = None
 
 
-def verdicts(found: Sequence[Measured]) -> list[Verdict]:
+def verdicts(measured: Sequence[Measured]) -> list[Verdict]:
     """One for each case that ours was measured in, in order."""
     told = []
-    for name in dict.fromkeys(m.case for m in found):
-        here = [m for m in found if m.case == name and not isnan(m.seconds)]
+    for name in dict.fromkeys(m.case for m in measured):
+        here = [m for m in measured if m.case == name and not isnan(m.seconds)]
         peers = [m for m in here if not m.ours and m.status == OK]
         fastest = min((m for m in peers if m.error <= EXACT), key=lambda m: m.seconds, default=None)
         best = min(peers, key=lambda m: m.error, default=None)

@@ -202,14 +202,17 @@ def heights(machines: Machines, *names: str) -> str:
         record = fine(ours.run(), f"b = {stored['damping']:g}")
         rows = events(record)
         wanted = stored["events"]
-        found = [  # departures, and the landing that follows each
+        released = [  # departures, and the landing that follows each
             e
             for before, e in zip([None, *rows], rows, strict=False)
             if "detachment" in (e.kind, before and before.kind)
         ]
-        need([[e.kind, e.turn] for e in found] == [e[:2] for e in wanted], f"{len(found)} events")
+        need(
+            [[e.kind, e.turn] for e in released] == [e[:2] for e in wanted],
+            f"{len(released)} events",
+        )
         height = abs(float(Decimal(ours.position()[0]) - Decimal(stored["q"])))
-        for e, (_, _, exact) in zip(found, wanted, strict=True):
+        for e, (_, _, exact) in zip(released, wanted, strict=True):
             off = abs(float(Decimal(e.theta) - Decimal(exact)))
             if e.kind == "impact":
                 height = max(height, off * abs(e.u))
@@ -341,10 +344,12 @@ def _stiff(machines: Machines) -> str:
     stored = case("stiff")
     tolerance = 1e-13
     trace = run_core(machines.system(stored.follower, stored.cam), stored, tolerance)
-    found = compare(stored, trace, tolerance)
-    seen = f"{len(trace.hits)} impacts; {found.missed} missed; error {found.error:.1e} turns"
-    need(found.missed == found.extra == 0 and found.excess <= 1.0, seen)
-    return f"{seen}; {found.excess:.2f} of the bound at most"
+    comparison = compare(stored, trace, tolerance)
+    seen = (
+        f"{len(trace.hits)} impacts; {comparison.missed} missed; error {comparison.error:.1e} turns"
+    )
+    need(comparison.missed == comparison.extra == 0 and comparison.excess <= 1.0, seen)
+    return f"{seen}; {comparison.excess:.2f} of the bound at most"
 
 
 # --- critical speeds, corners and the strobe
@@ -357,10 +362,10 @@ def corner(machine: System, number: int) -> float:
 
 def neighbours(x: float, count: int) -> list[float]:
     """A number, and so many doubles on either side."""
-    found = [x]
+    doubles = [x]
     for _ in range(count):
-        found = [nextafter(found[0], 0.0), *found, nextafter(found[-1], 1e9)]
-    return found
+        doubles = [nextafter(doubles[0], 0.0), *doubles, nextafter(doubles[-1], 1e9)]
+    return doubles
 
 
 @row(15, "114.979326744 rpm +- 1e-5", "no impact below; detachment at b above")
@@ -435,7 +440,7 @@ def _completion(machines: Machines) -> str:
 def _graze(machines: Machines) -> str:
     machine = machines.example()
     flights = reference("stability")["grazes"]
-    found: list[float] = []
+    rates: list[float] = []
     for flight in flights:
         start = {"q": flight["q"], "v": flight["v"], "theta": radians(flight["theta_deg"])}
         record = run(machine, flight["rpm"], record=1, tolerance=1e-16, budget=4, **start)
@@ -443,11 +448,11 @@ def _graze(machines: Machines) -> str:
         near = [abs(e.u) for e in hits if abs(e.theta - flight["at"]) < 1e-4]  # rad
         ended = record.status in (Status.OK, Status.IMPACT_BUDGET)
         need(len(near) <= 1 and ended, f"{len(near)} contacts; {record.status.text}")
-        found += near
-    fastest = max(found, default=0.0)
+        rates += near
+    fastest = max(rates, default=0.0)
     need(fastest < 1e-6, f"a contact with {fastest:.1e} m/rad")
-    told = f"; fastest {fastest:.1e} m/rad" if found else ""
-    return f"{len(flights)} grazes; {len(found)} contacts{told}"
+    told = f"; fastest {fastest:.1e} m/rad" if rates else ""
+    return f"{len(flights)} grazes; {len(rates)} contacts{told}"
 
 
 @row(18, "start with q = c; u = 0", "leaves or sticks; no impact recorded")

@@ -44,12 +44,12 @@ class CornerHit:
 
 def corners_ahead(bursts: Bursts) -> list[tuple[Corner, float]]:
     """(corner, its phase unrolled from the release on, rad) in the order a burst meets them."""
-    found = []
+    ahead_of = []
     for corner in corner_list(bursts.system.cam):
         ahead = corner.theta - bursts.theta
         if abs(ahead) >= SAME_PHASE:
-            found.append((corner, corner.theta if ahead > 0.0 else corner.theta + TURN))
-    return sorted(found, key=lambda pair: pair[1])
+            ahead_of.append((corner, corner.theta if ahead > 0.0 else corner.theta + TURN))
+    return sorted(ahead_of, key=lambda pair: pair[1])
 
 
 def scan_speeds(opens: float, region: str, speeds: Sequence[SettledMotion]) -> list[float]:

@@ -58,27 +58,27 @@ def _bursts(system: System, orbit: Orbit, record: Record) -> tuple[list[Burst], 
     Phases of bursts are counted on from the record's first strobe. With restitution 0 the follower
     rests where it lands, if it is pressed on: such an impact ends a burst as a chatter does.
     """
-    found: list[Burst] = []
+    bursts: list[Burst] = []
     impacts: list[float] = []
     for kind, period, theta, _, u in record.events():
         phase = TURN * period + (theta - system.strobe) % TURN
         if kind == DETACHMENT:
-            if found and found[-1].end == inf:  # it rested unseen, below the kernel's resolution
-                found[-1].end = (found[-1].impacts or [found[-1].begin])[-1]
-            found.append(Burst(theta, phase))
+            if bursts and bursts[-1].end == inf:  # it rested unseen, below the kernel's resolution
+                bursts[-1].end = (bursts[-1].impacts or [bursts[-1].begin])[-1]
+            bursts.append(Burst(theta, phase))
         elif kind == IMPACT:
             if phase < TURN:
                 impacts.append(theta)
-            if not found:
-                found.append(Burst(inf, phase))
-            found[-1].impacts.append(phase)
+            if not bursts:
+                bursts.append(Burst(inf, phase))
+            bursts[-1].impacts.append(phase)
             if orbit.const.r * u == 0.0:
                 i = stretch_at(system.cam, theta)
                 if contact_accel(system.cam, orbit.const, i, theta)[0] < 0.0:
                     kind = CHATTER
-        if kind == CHATTER and found and found[-1].end == inf:
-            found[-1].end = phase
-    return found, impacts
+        if kind == CHATTER and bursts and bursts[-1].end == inf:
+            bursts[-1].end = phase
+    return bursts, impacts
 
 
 class Bursts:
@@ -107,10 +107,10 @@ class Bursts:
         return self._known[key]
 
     def _simulated(self, rpm: float, impacts: int) -> Burst:
-        found = Burst(inf, inf)
+        burst = Burst(inf, inf)
         start = self._rest_before(omega_of(rpm))
         if start is None:
-            return found
+            return burst
         budget = impacts or self.impact_budget  # the kernel stops where it is used up
         for turns in TURNS:
             settings = Settings(0, turns, FINEST, budget, Start(theta=start))
@@ -118,11 +118,11 @@ class Bursts:
             record = orbit.run(strobes=False)
             self.cost = self.cost + record.cost
             begun = [b for b in _bursts(self.system, orbit, record)[0] if b.release < inf]
-            found = begun[0].from_release() if begun else Burst(inf, inf)
-            found.status = record.status
-            if found.end < inf or found.status != Status.OK:
+            burst = begun[0].from_release() if begun else Burst(inf, inf)
+            burst.status = record.status
+            if burst.end < inf or burst.status != Status.OK:
                 break
-        return found
+        return burst
 
     def _rest_before(self, omega: float) -> float | None:
         """A phase (rad) shortly before the lost set where the follower rests; None: nowhere."""

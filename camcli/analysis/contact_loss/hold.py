@@ -188,15 +188,15 @@ class Need:
         self, quantity: Quantity, k: float, preload: float, needed: bool, i: int, theta: float
     ) -> Hold:
         """The answer with its own first detachment and least force, computed anew."""
-        found = detachment(replaced(self.system, k, preload))
-        always = None if found.always else inf
+        lost = detachment(replaced(self.system, k, preload))
+        always = None if lost.always else inf
         first = always
         low = always
         high = always
-        if found.first:
-            first = found.first.rpm
-            low = found.first.low
-            high = found.first.high
+        if lost.first:
+            first = lost.first.rpm
+            low = lost.first.low
+            high = lost.first.high
         least = 0.0 - self.most(lambda p, c: p - self.margin - k * c - preload)[0]
         f = self.follower
         nose = k * self.highest + preload

@@ -140,7 +140,7 @@ def detach(
     """
     turns = len(rpms) * (settle + RECORD)
     backend.for_work(turns, LITTLE_WORK)
-    found = detachment(system)
+    lost = detachment(system)
     force = Force(system)
     scan = speeds = settled_motions(system, rpms, settings, settle, on_speed)
     cost = sum((speed.cost for speed in speeds), Cost())
@@ -163,7 +163,7 @@ def detach(
                 landings.extend(corner_hits(bursts, corner, goal, low, high, impacts))
         completion.extend(completion_loss(bursts, places))
 
-    for loss in found.losses if found.first else ():
+    for loss in lost.losses if lost.first else ():
         if not loss.opens.finite:
             continue
         bursts = Bursts(system, loss.region.name, loss.opens.theta, settings.impact_budget)
@@ -172,7 +172,7 @@ def detach(
         cost = cost + bursts.cost
     past: list[Speed] = []
     with suppress(BudgetSpentError):
-        past.extend(_past(system, rpm, settings) for rpm in _past_speeds(found, rpms))
+        past.extend(_past(system, rpm, settings) for rpm in _past_speeds(lost, rpms))
     cost = sum((speed.cost for speed in past), cost)
     holds: list[Hold] = []
     if hold_speed is not None:
@@ -182,13 +182,13 @@ def detach(
         holds = piece(f"the springs that hold to {hold_speed:.10g} rpm", search, [])
     curves = [
         piece(f"the contact force at {rpm:.10g} rpm", partial(force.curve, rpm, hertz=hertz))
-        for rpm in _force_speeds(found, rpms, force_speeds)
+        for rpm in _force_speeds(lost, rpms, force_speeds)
     ]
     springs: Callable[[], list] = list
     if hold_speed is not None:
         springs = partial(list, _springs(system, hold_speed, holds))
     return ContactLoss(
-        detachment=found,
+        detachment=lost,
         lift_offs=tuple(lift_offs),
         ends=tuple(ends),
         completion=tuple(completion),
@@ -212,10 +212,10 @@ def _springs(
             yield hold, Force(replaced(system, hold.stiffness, hold.preload)).curve(rpm)
 
 
-def _past_speeds(found: Detachment, rpms: Sequence[float]) -> list[float]:
+def _past_speeds(lost: Detachment, rpms: Sequence[float]) -> list[float]:
     """Equally spaced up to the end of the range; none where contact holds all over it."""
     low, high = min(rpms), max(rpms)
-    first = found.first.rpm if found.first else (inf if found.never else low)
+    first = lost.first.rpm if lost.first else (inf if lost.never else low)
     if first > high:
         return []
     low = max(low, first)

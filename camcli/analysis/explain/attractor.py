@@ -74,9 +74,9 @@ class Carried:
         J. L. Kaplan and J. A. Yorke, Lecture Notes in Mathematics 730 (1979) 204: an attractor with
         the exponents lambda_1 > 0 > lambda_2 has the dimension 1 - lambda_1/lambda_2, 1 along it.
         """
-        found = of_record(self.system, rpm, record)
-        if found is not None and found.second < 0.0 < found.largest < inf:
-            self.crowding = min(1.0, -found.largest / found.second)
+        exponents = of_record(self.system, rpm, record)
+        if exponents is not None and exponents.second < 0.0 < exponents.largest < inf:
+            self.crowding = min(1.0, -exponents.largest / exponents.second)
 
     def states(self, rpm: float, x, turns: int) -> np.ndarray:
         """The states of `motion` after 0, 1, ..., turns turns; fewer where it ends early."""

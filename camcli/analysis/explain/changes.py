@@ -106,8 +106,8 @@ def find_events(system: System, settings: Settings, motions: Sequence[Motion]) -
     once: dict[tuple, Event] = {}  # two branches may end in the same event
     for event in events:
         once.setdefault((event.kind, event.label, event.corner, f"{event.rpm:.10g}"), event)
-    found = sorted(once.values(), key=lambda e: e.rpm)
-    return Events(found, diagram.bifurcations, diagram.branches, cost)
+    in_order = sorted(once.values(), key=lambda e: e.rpm)
+    return Events(in_order, diagram.bifurcations, diagram.branches, cost)
 
 
 def _critical(c: CriticalSpeed | CornerHit, kind: str, label: str, corner: str) -> Event:
@@ -214,17 +214,17 @@ def explain(
         for m in motions
         if m.label != UNDECIDED or m.status != Status.OK or any(m is o for o in outer)
     ]
-    found = find_events(system, settings, motions)
+    nearby = find_events(system, settings, motions)
     changes: list[Change] = []
-    events = list(found.events)
-    cost = found.cost
+    events = list(nearby.events)
+    cost = nearby.cost
     searches = 0
     for a, b in pairwise(known):
         if not changes_between(a, b):
             continue
         ends = (a.rpm, b.rpm, a.label, b.label)
         may_search = searches < MOST_CRISES
-        cause = partial(_change, system, settings, found, a, b, may_search)
+        cause = partial(_change, system, settings, nearby, a, b, may_search)
         unknown = Change(*ends, UNEXPLAINED, status=Status.FAULT)
         try:
             change = piece(f"the change from {a.rpm!r} to {b.rpm!r} rpm", cause, unknown)
@@ -234,10 +234,10 @@ def explain(
             cost = cost + change.crisis.cost
             if change.crisis.kind not in (CrisisKind.STAYS, CrisisKind.NOT_CHAOTIC):
                 searches += 1
-        events += [e for e in change.events if e not in found.events]
+        events += [e for e in change.events if e not in nearby.events]
         changes.append(change)
         on_change()
-    return Explanation(sorted(events, key=lambda e: e.rpm), changes, found.bifurcations, cost)
+    return Explanation(sorted(events, key=lambda e: e.rpm), changes, nearby.bifurcations, cost)
 
 
 def changes_between(a: Motion, b: Motion) -> bool:
@@ -256,7 +256,7 @@ def _width(motion: Motion) -> float:
 
 
 def _change(
-    system: System, settings: Settings, found: Events, a: Motion, b: Motion, may_search: bool
+    system: System, settings: Settings, nearby: Events, a: Motion, b: Motion, may_search: bool
 ) -> Change:
     """The events inside the interval, else a rest's end, a crisis, coexistence, or unexplained.
 
@@ -264,7 +264,7 @@ def _change(
     one.
     """
     ends = (a.rpm, b.rpm, a.label, b.label)
-    inside = [e for e in found.events if a.rpm - e.error <= e.rpm <= b.rpm + e.error]
+    inside = [e for e in nearby.events if a.rpm - e.error <= e.rpm <= b.rpm + e.error]
     relevant = tuple(e for e in inside if _concerns(e, a, b))
     if relevant:
         return Change(*ends, "+".join(dict.fromkeys(e.kind for e in relevant)), relevant)
@@ -272,7 +272,7 @@ def _change(
     if resting is not None:
         return Change(*ends, resting.kind, (resting,))
     spend(0)  # raises where branches may have been cut short
-    persists = tuple(m.label for m in (a, b) if m.orbit is not None and _persists(found, m, a, b))
+    persists = tuple(m.label for m in (a, b) if m.orbit is not None and _persists(nearby, m, a, b))
     chaotic = [m for m in (a, b) if m.label == APERIODIC]
     crisis = None
     if chaotic and may_search:
@@ -317,9 +317,9 @@ def _concerns(event: Event, a: Motion, b: Motion) -> bool:
     )
 
 
-def _persists(found: Events, motion: Motion, a: Motion, b: Motion) -> bool:
+def _persists(events: Events, motion: Motion, a: Motion, b: Motion) -> bool:
     """True where the motion's orbit exists and attracts on both sides of the interval."""
-    for branch in found.branches:
+    for branch in events.branches:
         own = [p.value for p in branch.points if p.label == motion.label and p.stable]
         if own and min(own) <= a.rpm and max(own) >= b.rpm:
             return True

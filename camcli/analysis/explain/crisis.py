@@ -111,14 +111,14 @@ def find_crisis(
             if side == 0.0:
                 continue
             folds = Folds(carried, bases[0], orbit, side)
-            found = first_touch(folds, calm) or first_touch(folds, carried.stays)
+            tangency = first_touch(folds, calm) or first_touch(folds, carried.stays)
         except LostError:
             lost += 1
             continue
-        if found is None:
+        if tangency is None:
             unmet.append(orbit)
         else:
-            touched.append((folds, *found))
+            touched.append((folds, *tangency))
     kind = CrisisKind.UNEXPLAINED
     rpm = carried.leaves
     error = abs(carried.leaves - carried.stays)

@@ -101,7 +101,7 @@ def find_saddles(
     The orbits are those at rpm; the record, with events, may be of another speed nearby. Orbits
     that it never comes near are not found. size: widths of its states.
     """
-    found: list[PeriodicOrbit] = []
+    saddles: list[PeriodicOrbit] = []
     shooter = Shooter(system, rpm)
     at = states_of(record) / size
     for turns in range(1, LONGEST + 1):
@@ -111,10 +111,10 @@ def find_saddles(
             if root is None:
                 continue
             orbit = from_root(system, root, shooter.verdict(root)[0])
-            known = any(same_orbit(orbit, other) for other in found)
+            known = any(same_orbit(orbit, other) for other in saddles)
             if orbit.admissible and not orbit.stable and orbit.primitive and not known:
-                found.append(orbit)
-    return sorted(found, key=lambda orbit: (orbit.turns, abs(orbit.multipliers[0])))
+                saddles.append(orbit)
+    return sorted(saddles, key=lambda orbit: (orbit.turns, abs(orbit.multipliers[0])))
 
 
 def _closest_returns(at: np.ndarray, turns: int) -> np.ndarray:

@@ -152,9 +152,9 @@ def first_touch(folds: Folds, rpm: float) -> tuple[Fold, float] | None:
         if best is not None:
             seen = [fold for fold in seen if fold.eta < BELOW]
         tried = [touch(folds, fold) for fold in seen[:FOLDS]]
-        found = [pair for pair in tried if pair is not None]
-        solved += [fold.rpm for fold, _ in found]
-        new = min(found, key=lambda pair: folds.carried.way(pair[0].rpm), default=None)
+        tangencies = [pair for pair in tried if pair is not None]
+        solved += [fold.rpm for fold, _ in tangencies]
+        new = min(tangencies, key=lambda pair: folds.carried.way(pair[0].rpm), default=None)
         if best is None and new is None:
             break
         if new is not None and (best is None or earlier(new[0], best)):

@@ -130,13 +130,13 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
     ):
         _born(shooter, segment, step)
         return None
-    for found in smooth:
-        born = parent_of(shooter, found) if found.kind == Kind.FOLD else None
-        segment.points.append(found.root)
+    for event in smooth:
+        born = parent_of(shooter, event) if event.kind == Kind.FOLD else None
+        segment.points.append(event.root)
         if born is not None:
             segment.close(Kind.PERIOD_DOUBLING, (born, None))
             return None
-        segment.events.append((found, None))
+        segment.events.append((event, None))
     if step.length > 0.0:
         segment.points.append(step.after)
     if graze is not None:
@@ -155,16 +155,16 @@ def _born(shooter: Shooter, segment: Segment, step: Step) -> None:
     segment.close(Kind.PERIOD_DOUBLING, *([] if born is None else [(born, None)]))
 
 
-def _pass_corner(shooter: Shooter, segment: Segment, found: Located) -> Crossing | None:
+def _pass_corner(shooter: Shooter, segment: Segment, event: Located) -> Crossing | None:
     """Record a corner impact and go on behind it; a nonsmooth fold or a kink ends the branch."""
-    crossing = cross(shooter, found)
+    crossing = cross(shooter, event)
     if crossing is not None and not crossing.corner:
         return crossing
     if crossing is None or crossing.turns_back or crossing.kink:
         segment.turned = crossing if crossing is not None and not crossing.kink else None
-        segment.close(Kind.CORNER_IMPACT, (found, crossing))
+        segment.close(Kind.CORNER_IMPACT, (event, crossing))
         return None
-    segment.events.append((found, crossing))
+    segment.events.append((event, crossing))
     segment.points.append(crossing.far)
     return crossing
 

@@ -124,8 +124,8 @@ def corner_on(shooter: Shooter, step: Step) -> Located | None:
         sure = _bracket(shooter, root, lambda beside: beside.theta[k] - root.theta[k])
         return Located(Kind.CORNER_IMPACT, root, max(step.reach(root), 0.0), *sure, k, side)
 
-    found = (located(k, side) for _, k, side in shooter.beyond(step.after))
-    return min(found, key=lambda f: f.reach, default=None)
+    corners = (located(k, side) for _, k, side in shooter.beyond(step.after))
+    return min(corners, key=lambda f: f.reach, default=None)
 
 
 def _on(step: Step, root: Root) -> bool:
@@ -154,14 +154,14 @@ def smooth_events(shooter: Shooter, step: Step, turned: bool, known: bool = Fals
     turned: the parameter turns round on it; known: the period doubling at its beginning, if there
     is one, has been told already.
     """
-    found = []
+    events = []
     before, after = flip_test(step.before), flip_test(step.after)
     if (before < 0.0) != (after < 0.0) and not (known and abs(before) <= AT_ONCE):
-        found.append(_root_of(shooter, step, Kind.PERIOD_DOUBLING, flip_test, before, after))
+        events.append(_root_of(shooter, step, Kind.PERIOD_DOUBLING, flip_test, before, after))
     if turned:
         sign = 1.0 if step.unit[-1] >= 0.0 else -1.0
-        found.append(_root_of(shooter, step, Kind.FOLD, lambda r: sign * r.tangent[-1], 1.0, -1.0))
-    return sorted(found, key=lambda f: f.reach)
+        events.append(_root_of(shooter, step, Kind.FOLD, lambda r: sign * r.tangent[-1], 1.0, -1.0))
+    return sorted(events, key=lambda f: f.reach)
 
 
 def _root_of(
@@ -203,9 +203,9 @@ def twice_on(shooter: Shooter, step: Step) -> Root | None:
             def inside(root: Root, k: int = k, end: float = end, side: float = side) -> float:
                 return side * (end - root.theta[k])
 
-            found = beyond_both(shooter, step, inside, CLOSE_TO_A_CORNER)
-            if found is not None:
-                return found
+            both = beyond_both(shooter, step, inside, CLOSE_TO_A_CORNER)
+            if both is not None:
+                return both
     room = CLOSE_TO_A_MULTIPLIER * (1.0 + abs(step.before.trace))
     for test in (flip_test, fold_test):
         sign = 1.0 if test(step.before) >= 0.0 else -1.0
@@ -213,9 +213,9 @@ def twice_on(shooter: Shooter, step: Step) -> Root | None:
         def outside(root: Root, of: Test = test, sign: float = sign) -> float:
             return sign * of(root)
 
-        found = beyond_both(shooter, step, outside, room)
-        if found is not None:
-            return found
+        both = beyond_both(shooter, step, outside, room)
+        if both is not None:
+            return both
     return None
 
 
@@ -283,13 +283,13 @@ def doubling_near(shooter: Shooter, beside: Root, width: float) -> Root | None:
     return secant(at, beside.value, width * size, size)
 
 
-def parent_of(shooter: Shooter, found: Located, within: float = 0.0) -> Located | None:
+def parent_of(shooter: Shooter, event: Located, within: float = 0.0) -> Located | None:
     """The period doubling from which a branch was born, where it turns round at a fold there.
 
     On the doubled branch it looks like a fold, at which both halves of the orbit are the same.
     `within`: how far from the root's parameter it may lie, where the root is past it already.
     """
-    root = found.root
+    root = event.root
     n = root.count // 2
     if root.count % 2 or root.turns % 2:
         return None
@@ -302,7 +302,7 @@ def parent_of(shooter: Shooter, found: Located, within: float = 0.0) -> Located 
     size = abs(root.value) + shooter.scale
     if parent is None or abs(parent.value - root.value) > max(SAME_VALUE * size, within):
         return None
-    return Located(Kind.PERIOD_DOUBLING, parent, found.reach, *_bracket(shooter, parent, flip_test))
+    return Located(Kind.PERIOD_DOUBLING, parent, event.reach, *_bracket(shooter, parent, flip_test))
 
 
 def graze_on(shooter: Shooter, step: Step) -> Located | None:
@@ -368,11 +368,11 @@ def secant(
     return None
 
 
-def cross(shooter: Shooter, found: Located) -> Crossing | None:
+def cross(shooter: Shooter, event: Located) -> Crossing | None:
     """The other side of a corner impact, or None where no orbit is found there."""
-    before = found.root
-    k = found.impact
-    side = found.side
+    before = event.root
+    k = event.impact
+    side = event.side
     stretches = shooter.cam.stretches
     whole = list(before.whole)
     i = whole[2 * k]
@@ -395,12 +395,12 @@ def cross(shooter: Shooter, found: Located) -> Crossing | None:
     )
 
 
-def doubled(shooter: Shooter, found: Located) -> tuple[Root, list[float]] | None:
+def doubled(shooter: Shooter, event: Located) -> tuple[Root, list[float]] | None:
     """An orbit of twice the period beside a period doubling, and the direction away from it.
 
     It leaves along the eigenvector d of -1: (x + e d, x - e d) to first order in e.
     """
-    root = found.root
+    root = event.root
     direction = _flip_vector(shooter, root)
     if direction is None:
         return None

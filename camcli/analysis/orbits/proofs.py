@@ -109,22 +109,22 @@ class Proofs:
     flank_excess: float = 0.0
 
 
-def prove(system: System, found: OrbitsResult) -> Proofs:
+def prove(system: System, study: OrbitsResult) -> Proofs:
     """Prove what `study.orbits` found: orbits are found at a speed, whatever is varied then."""
-    parameter = found.question.parameter
+    parameter = study.question.parameter
     failed = Proof(Step.FAULT)
 
     def proved(what: str, proof: Callable[[], Proof]) -> Proof:
         return piece(f"the proof of {what}", proof, failed)
 
     def ranges(branch: Branch) -> list[Range]:
-        events = [e for e in found.bifurcations if e.branch == branch.number]
+        events = [e for e in study.bifurcations if e.branch == branch.number]
         return list(prove_ranges(system, branch, events))
 
     return Proofs(
         [
             proved(f"{orbit.label} at {orbit.rpm!r} rpm", partial(prove_widely, system, orbit))
-            for orbit in found.orbits
+            for orbit in study.orbits
         ],
         [
             [
@@ -134,18 +134,18 @@ def prove(system: System, found: OrbitsResult) -> Proofs:
                 )
                 for orbit in branch.points
             ]
-            for branch in found.branches
+            for branch in study.branches
         ],
         [
             proved(
                 f"the {event.kind} at {event.value!r}",
                 partial(prove_event, system, event, parameter),
             )
-            for event in found.bifurcations
+            for event in study.bifurcations
         ],
         [
             one
-            for branch in found.branches
+            for branch in study.branches
             for one in piece(f"the proof of branch {branch.number}", partial(ranges, branch), [])
         ],
         getattr(system.shape, "flank_excess", 0.0),  # only a cam of arcs has circles to close
@@ -375,12 +375,12 @@ def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
         except UndecidedError:
             raise NotProvedError(Step.GRAZES) from None
         raise NotProvedError(Step.CONTACT, True)
-    found = of_machine(system, orbit.rpm, orbit.theta[0], widely) if orbit.theta else None
-    if found is None or found.kind != CYCLE:
+    after = of_machine(system, orbit.rpm, orbit.theta[0], widely) if orbit.theta else None
+    if after is None or after.kind != CYCLE:
         raise NotProvedError(Step.MODEL)
-    if Label(found.symbols) != orbit.label:
+    if Label(after.symbols) != orbit.label:
         raise NotProvedError(Step.NO_ORBIT, True)
-    return Proof(box=tuple(f"{theta!r}" for _, theta in found.leaves))
+    return Proof(box=tuple(f"{theta!r}" for _, theta in after.leaves))
 
 
 def _located(system: System, event: Bifurcation, located: Located) -> Proof:

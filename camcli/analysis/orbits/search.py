@@ -58,19 +58,19 @@ def find(
     are kept; up to `most` starts are tried until one settles on it, then close returns of the
     simulated motions as guesses for an unstable one.
     """
-    found = OrbitsFound()
+    result = OrbitsFound()
     shooter = Shooter(system, rpm)
     with suppress(BudgetSpentError):
-        _find(found, shooter, rpm, settings, starts, label, most)
+        _find(result, shooter, rpm, settings, starts, label, most)
     if label is not None:
-        found.orbits = [orbit for orbit in found.orbits if orbit.label == label]
-    found.orbits.sort(key=lambda orbit: (not orbit.stable, orbit.turns, orbit.symbols))
-    found.cost = shooter.cost
-    return found
+        result.orbits = [orbit for orbit in result.orbits if orbit.label == label]
+    result.orbits.sort(key=lambda orbit: (not orbit.stable, orbit.turns, orbit.symbols))
+    result.cost = shooter.cost
+    return result
 
 
 def _find(
-    found: OrbitsFound, shooter: Shooter, rpm: float, settings: Settings, starts: int,
+    result: OrbitsFound, shooter: Shooter, rpm: float, settings: Settings, starts: int,
     label: Label | None, most: int,
 ) -> None:  # fmt: skip
     """`find` into `found`, where other orbits than the label's may stand too."""
@@ -80,32 +80,32 @@ def _find(
         turns = [len(label.symbols)] if sum(label.symbols) == 1.0 else []
     free = piece("the orbit without impacts", partial(free_orbit, system, rpm))
     if free is not None and label in (None, free.label):
-        found.add(free)
+        result.add(free)
     for m in turns:
         name = f"the orbits of one impact in {m} turns at {rpm:.10g} rpm"
-        piece(name, partial(_add_single_impacts, found, shooter, rpm, m))
-    if label is None or (sum(label.symbols) > 0.0 and not found.orbits and not found.continua):
+        piece(name, partial(_add_single_impacts, result, shooter, rpm, m))
+    if label is None or (sum(label.symbols) > 0.0 and not result.orbits and not result.continua):
         run = replace(settings, record=RECORD)
         count = starts if label is None else max(starts, most)
         for k, start in enumerate((settings.start, *islice(cloud(system, rpm), count))):
             ends_on = partial(_orbit_from, shooter, rpm, run, start)
             orbit = piece(f"the motion from start {k} at {rpm:.10g} rpm", ends_on)
             if orbit is not None:
-                found.add(orbit)
+                result.add(orbit)
                 if orbit.label == label:
                     return
-    if label is None or found.continua or any(orbit.label == label for orbit in found.orbits):
+    if label is None or result.continua or any(orbit.label == label for orbit in result.orbits):
         return
     if 0.0 < sum(label.symbols) < inf:
-        tries = partial(_try_returns, shooter, rpm, settings, max(starts, 4), label, found)
+        tries = partial(_try_returns, shooter, rpm, settings, max(starts, 4), label, result)
         piece(f"the search for {label} among close returns", tries)
 
 
-def _add_single_impacts(found: OrbitsFound, shooter: Shooter, rpm: float, turns: int) -> None:
+def _add_single_impacts(result: OrbitsFound, shooter: Shooter, rpm: float, turns: int) -> None:
     """Orbits with one impact in so many turns."""
-    found.continua += continua(shooter, rpm, turns)
+    result.continua += continua(shooter, rpm, turns)
     for root in single_impact_roots(shooter, rpm, turns):
-        found.add(from_root(shooter.system, root, shooter.verdict(root)[0]))
+        result.add(from_root(shooter.system, root, shooter.verdict(root)[0]))
 
 
 def _orbit_from(shooter: Shooter, rpm: float, run: Settings, start: Start) -> PeriodicOrbit | None:
@@ -138,7 +138,7 @@ def halton(n: int, base: int) -> float:
 
 
 def _try_returns(
-    shooter: Shooter, rpm: float, settings: Settings, starts: int, label: Label, found: OrbitsFound
+    shooter: Shooter, rpm: float, settings: Settings, starts: int, label: Label, result: OrbitsFound
 ) -> None:
     """Newton's method from the closest returns with the label's symbols."""
     system = shooter.system
@@ -152,7 +152,7 @@ def _try_returns(
         root = newton_from(shooter, impacts, len(label.symbols))
         if root is not None:
             orbit = from_root(system, root, shooter.verdict(root)[0])
-            if orbit.label == label and found.add(orbit) and orbit.admissible:
+            if orbit.label == label and result.add(orbit) and orbit.admissible:
                 return
 
 

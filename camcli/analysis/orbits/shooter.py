@@ -224,11 +224,11 @@ class Shooter:
 
     def beyond(self, root: Root) -> list[tuple[float, int, int]]:
         """(rad beyond, impact, +1 at the end or -1 at the start) of impacts off their stretch."""
-        found = []
+        places = []
         for k, theta in enumerate(root.theta):
             stretch = self.cam.stretches[root.whole[2 * k]]
-            found += [(stretch.start - theta, k, -1), (theta - stretch.end, k, 1)]
-        return [place for place in found if place[0] > 0.0]
+            places += [(stretch.start - theta, k, -1), (theta - stretch.end, k, 1)]
+        return [place for place in places if place[0] > 0.0]
 
     def admits(self, root: Root) -> bool:
         """True for a motion, False for a root that is none."""

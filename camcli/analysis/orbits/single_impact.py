@@ -50,7 +50,7 @@ class Continuum:
 def single_impact_roots(shooter: Shooter, value: float, turns: int) -> list[Root]:
     """Every isolated orbit of `turns` turns with one impact at this value, virtual ones too."""
     equation = _Equation(shooter, value, turns)
-    found = []
+    solved = []
     dwells = equation.dwells(turns)
     for i in range(len(shooter.system.cam.stretches)):
         for theta in equation.roots(i):
@@ -59,8 +59,8 @@ def single_impact_roots(shooter: Shooter, value: float, turns: int) -> list[Root
             v = equation.rate(i, theta)
             root = shooter.at_value([theta, v, value], (i, 0), turns, value)
             if root is not None and abs(root.theta[0] - theta) < 1e-6:
-                found.append(root)
-    return found
+                solved.append(root)
+    return solved
 
 
 def continua(shooter: Shooter, value: float, turns: int) -> Iterator[Continuum]:
@@ -114,15 +114,15 @@ class _Equation:
         """The regions at one level on which h vanishes to rounding."""
         if not abs(self.B) > FOCUS * self.reach:
             return []
-        found = []
+        intervals = []
         for region in regions(self.cam):
             first, *_ = own = [self.cam.stretches[i] for i in region.stretches]
             flat = all(one.start_c1 == one.accel_min == one.accel_max == 0.0 for one in own)
             h, _, size = self._terms(region.stretches[0], first.start)
             if flat and abs(h) <= ROUNDING * size:
                 rate = self.rate(region.stretches[0], first.start)
-                found.append(Continuum(turns, region.start, region.end, rate))
-        return found
+                intervals.append(Continuum(turns, region.start, region.end, rate))
+        return intervals
 
     def roots(self, i: int) -> Iterator[float]:
         """Every zero of h on stretch i, ends included, in ascending order."""

@@ -100,8 +100,8 @@ def _orbit_at(
     """The orbit at another value of the parameter; if it rests, what a run from it settles on."""
     system, rpm = with_machine(shooter.system, shooter.at(value))
     if orbit.free:
-        found = free_orbit(system, rpm)
-        return None if found is None else replace(found, value=value)
+        airborne = free_orbit(system, rpm)
+        return None if airborne is None else replace(airborne, value=value)
     return _settled_on(shooter, settings, orbit, value)
 
 
@@ -115,8 +115,8 @@ def _settled_on(
     start = Start.at_strobe(system, rpm, state if lifted else None)
     longest = max(LONGEST, orbit.turns)
     record = shooter.simulate(system, rpm, with_turns(settings, SETTLE, 2 * longest + 2), start)
-    found = identify(system, rpm, record, longest)
-    return None if found is None else replace(found, rpm=rpm, value=value)
+    ends_on = identify(system, rpm, record, longest)
+    return None if ends_on is None else replace(ends_on, rpm=rpm, value=value)
 
 
 def _same_motion(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:

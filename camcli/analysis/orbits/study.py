@@ -205,13 +205,13 @@ def orbits(
 
 
 def _follow_all(
-    diagram: Diagram, found: Sequence[PeriodicOrbit], span: Span, most: int, on_branch: Tick
+    diagram: Diagram, orbits: Sequence[PeriodicOrbit], span: Span, most: int, on_branch: Tick
 ) -> None:
     """Branches through the orbits found, then up to `most` that leave from events on them."""
     # each point of a branch of resting orbits is a simulation
-    runs = sum(orbit.resting for orbit in found) * (span.width / span.spacing + BRACKETS)
+    runs = sum(orbit.resting for orbit in orbits) * (span.width / span.spacing + BRACKETS)
     backend.for_work(RUN * runs)
-    for orbit in found:
+    for orbit in orbits:
         piece(f"the branch through {orbit.label}", partial(_follow_one, diagram, orbit, span))
         on_branch()
     known = len(diagram.branches)
@@ -238,16 +238,16 @@ def _follow_one(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
 
 def _curves(system: System, bifurcations: Sequence[Bifurcation], question: Question) -> list[Curve]:
     """Every located bifurcation of the kind asked for, continued; the same curve only once."""
-    found: dict[tuple, Curve | None] = {}
+    curves: dict[tuple, Curve | None] = {}
     plane = question.plane
     for b in bifurcations if plane is not None else ():
         key = (b.label, b.corner, f"{b.value:.9g}")
-        if plane and b.kind == question.curve and b.located is not None and key not in found:
+        if plane and b.kind == question.curve and b.located is not None and key not in curves:
             follow_on = partial(curve, system, b.located, plane, b.label, b.corner)
             name = f"the curve of the {b.kind} at {b.value:.10g}"
             with suppress(BudgetSpentError):
-                found[key] = piece(name, follow_on)
-    return [one for one in found.values() if one is not None]
+                curves[key] = piece(name, follow_on)
+    return [one for one in curves.values() if one is not None]
 
 
 class Diagram:
@@ -374,9 +374,9 @@ def _look_around(
     low, high = ends or (rpm * (1.0 - AROUND), rpm * (1.0 + AROUND))
     speeds = [low + (high - low) * (k / (SPEEDS - 1)) for k in range(SPEEDS)]
     for speed in sorted(speeds, key=lambda x: abs(x - rpm)):
-        found = find(system, speed, settings, FEW_STARTS, label, FEW_STARTS)
-        if found.orbits:
-            orbit = found.orbits[0]
+        around = find(system, speed, settings, FEW_STARTS, label, FEW_STARTS)
+        if around.orbits:
+            orbit = around.orbits[0]
             return Absence(rpm, low, high, orbit, _reach(system, settings, orbit, rpm))
         spend(0)  # raises where the search at this speed did not come to its end
     return Absence(rpm, low, high)
