@@ -24,9 +24,10 @@ from camcli.analysis.integrate import (
     run_all,
     with_turns,
 )
-from camcli.analysis.labels import APERIODIC, UNDECIDED, from_plain, passages, to_plain
+from camcli.analysis.labels import APERIODIC, UNDECIDED, from_plain, sections, to_plain
 from camcli.analysis.loads import Loads, loads_of
-from camcli.analysis.orbits.same_orbit import SAME, distance, size_of
+from camcli.analysis.orbits.orbit import PeriodicOrbit
+from camcli.analysis.orbits.same_orbit import SAME, distances, size_of
 from camcli.analysis.patience import forgets_too_much, named_on
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -572,19 +573,24 @@ def true_motion(
     orbit = motion.orbit
     if orbit is None:
         return motion, record, end
-    states, symbols = passages(record)
-    size = size_of(orbit.states)
-    places = [
-        next((k for k, s in enumerate(orbit.states) if distance(state, s, size) <= SAME), -1)
-        for state in states
-    ]
-    shown = all(k >= 0 and orbit.symbols[k] == s for k, s in zip(places, symbols, strict=True))
-    if shown:
+    if _shows(record, orbit):
         return motion, record, end
     starts = [start_at(system, rpm, state) for state in orbit.states]
-    turns = [Orbit(system, rpm, with_turns(settings, 0, 1), one).run() for one in starts]
+    one_turn = with_turns(settings, 0, 1)
+    turns = run_all([Orbit(system, rpm, one_turn, one) for one in starts])
     n = record.periods
     return motion, _joined([turns[k % orbit.turns] for k in range(n)]), starts[n % orbit.turns]
+
+
+def _shows(record: Record, orbit: PeriodicOrbit) -> bool:
+    """Whether each turn of a record is one of the orbit: its state, then, and its symbol."""
+    states, symbols = sections(record)
+    own, size = np.array(orbit.states), size_of(orbit.states)
+    near = np.array([distances(states, state, size) <= SAME for state in own])
+    if not near.any(axis=0).all():
+        return False
+    first = near.argmax(axis=0).tolist()
+    return all(orbit.symbols[k] == symbol for k, symbol in zip(first, symbols, strict=True))
 
 
 def start_at(system: System, rpm: float, state: Sequence[float]) -> Start:

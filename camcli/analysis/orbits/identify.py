@@ -139,13 +139,10 @@ def departures(record: Record) -> list[tuple[int, float]]:
 
     A blow is an impact of a follower that rested after a chatter.
     """
-    leaves = []
-    rests = False
-    for kind, period, theta, *_ in record.events():
-        if kind == DETACHMENT or (kind == IMPACT and rests):
-            leaves.append((period, theta))
-        rests = kind == CHATTER
-    return leaves
+    rested = record.kind[:-1] == CHATTER
+    after_rest = np.concatenate(([False], rested))[: len(record.kind)]
+    leaves = (record.kind == DETACHMENT) | ((record.kind == IMPACT) & after_rest)
+    return list(zip(record.period[leaves].tolist(), record.theta[leaves].tolist(), strict=True))
 
 
 def largest_growth(system: System, rpm: float, record: Record, window: range) -> float:
