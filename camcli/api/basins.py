@@ -332,7 +332,7 @@ def _repeated(scene: Scene) -> tuple[Scene, int]:
 COMMAND = Command(
     run=basins,
     tables=(ATTRACTORS, BASINS, SADDLES),
-    artefacts=("attractors.csv", "basins.csv", "saddles.csv", "basins.png"),
+    files=("basins.png",),
     size=_size,
     drawing=lambda scene: Drawing(110e3, 270e6, 75.0),
     sample=_sample,

@@ -287,8 +287,6 @@ RESULTS: dict[str, Callable] = {
 COMMAND = Command(
     run=bench,
     tables=HEADS,
-    artefacts=(
-        "precision.csv", "stability.csv", "scale.csv", "precision.png", "stability.png",
-    ),
+    files=("precision.png", "stability.png"),
     keeps_pieces=lambda scene: True,
 )  # fmt: skip

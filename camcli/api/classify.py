@@ -206,7 +206,7 @@ def _sample(scene: Scene, n: int) -> Scene:
 COMMAND = Command(
     run=classify,
     tables=(CLASSIFY, CORNERS),
-    artefacts=("classify.csv", "corners.csv", "classify.png"),
+    files=("classify.png",),
     size=_size,
     drawing=lambda scene: Drawing(130e3, 230e6, 24.0),
     sample=_sample,

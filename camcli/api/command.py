@@ -127,9 +127,8 @@ class Command:
         The API function.
     tables
         The heads of its tables: a CSV file each.
-    artefacts
-        The names of all files that it may write. Files of other people with these names are looked
-        for before any work is done.
+    files
+        The names of the other files that it may write: pictures, pages, other forms of a table.
     size, drawing
         How much a scene asks for.
     beside
@@ -154,8 +153,8 @@ class Command:
     """
 
     run: Callable[..., Result]
-    artefacts: tuple[str, ...]
     tables: tuple[Head, ...] = ()
+    files: tuple[str, ...] = ()
     size: Callable[[Scene], Size] = one_run
     drawing: Callable[[Scene], Drawing] = lambda scene: Drawing(200e3, 100e6, 5.0)
     beside: Callable[[Scene], float] = no_bytes
@@ -172,6 +171,14 @@ class Command:
     def name(self) -> str:
         """The name of the command, and of its section in a scene."""
         return self.run.__name__
+
+    @property
+    def artefacts(self) -> tuple[str, ...]:
+        """The names of all files that it may write.
+
+        Files of other people with these names are looked for before any work is done.
+        """
+        return (*(f"{head.name}.csv" for head in self.tables), *self.files)
 
     @property
     def pictures(self) -> tuple[str, ...]:

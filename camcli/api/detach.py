@@ -313,10 +313,7 @@ def _check(scene: Scene) -> None:
 COMMAND = Command(
     run=detach,
     tables=(DETACH, ACCUMULATION, CORNER_HITS, FORCES, PAST, TOLERANCE),
-    artefacts=(
-        "detach.csv", "accumulation.csv", "corner_hits.csv", "force.csv", "speeds.csv",
-        "tolerance.csv", "detach.png", "report.pdf",
-    ),
+    files=("detach.png", "report.pdf"),
     size=_size,
     drawing=lambda scene: Drawing(400e3, 90e6, 5.0),
     beside=lambda scene: REPORT if scene.detach.report else 0.0,

@@ -745,7 +745,7 @@ def _size(scene: Scene) -> Size:
 
 COMMAND = Command(
     run=explore,
-    artefacts=("explore.html",),
+    files=("explore.html",),
     size=_size,
     drawing=lambda scene: Drawing(0.0, 60e6, 0.0),
     not_foreseen=plan.explore,

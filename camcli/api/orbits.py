@@ -390,10 +390,7 @@ def _size(scene: Scene) -> Size:
 COMMAND = Command(
     run=orbits,
     tables=(BRANCHES, EVENTS, CURVE, IMPACTS._replace(more={}), STROBE._replace(more={})),
-    artefacts=(
-        "branch.csv", "bifurcations.csv", "curve.csv", "impacts.csv", "strobe.csv", "orbits.png",
-        "curve.png",
-    ),
+    files=("orbits.png", "curve.png"),
     size=_size,
     drawing=lambda scene: Drawing(400e3, 120e6, 5.0),
     sample=None,

@@ -317,9 +317,9 @@ def _sample(scene: Scene, n: int) -> Scene:
 COMMAND = Command(
     run=simulate,
     tables=(TRAJECTORY, EVENTS, PROFILE),
-    artefacts=(
-        "trajectory.csv", "events.csv", "profile.csv", "profile_2.csv", "profile_3.csv",
-        "simulate.png", "profile.png", "simulate.gif", "simulate.mp4",
+    files=(
+        "profile_2.csv", "profile_3.csv", "simulate.png", "profile.png", "simulate.gif",
+        "simulate.mp4",
     ),
     size=_size,
     drawing=_drawing,

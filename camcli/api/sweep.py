@@ -326,10 +326,7 @@ def _sample(scene: Scene, n: int) -> Scene:
 COMMAND = Command(
     run=sweep,
     tables=(IMPACTS, STROBE, SPEEDS, CORNERS, MAP),
-    artefacts=(
-        "impacts.csv", "strobe.csv", "impacts.npz", "strobe.npz", "speeds.csv", "corners.csv",
-        "sweep.png", "map.csv", "map.png",
-    ),
+    files=("impacts.npz", "strobe.npz", "sweep.png", "map.png"),
     size=_size,
     drawing=_drawing,
     sample=_sample,
