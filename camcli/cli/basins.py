@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from camcli.cli.options import CLUSTER, SHARD, VARY, Request, flag, given, numbers, option
-from camcli.cli.report import THEORY, table
+from camcli.cli.report import MORE, table
 from camcli.errors import Fault, SceneError, shown
 from camcli.quantities import Q, V
 
@@ -126,7 +126,7 @@ def show(result: Result, verbose: bool) -> None:
     for line in grid_lines(speed, verbose):
         print(line)
     if not verbose:
-        print(THEORY)
+        print(MORE)
 
 
 def _show_range(found: Study, key: str) -> None:

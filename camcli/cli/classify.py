@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import VARY, Request, flag, given, numbers, option, refuse_idle
-from camcli.cli.report import THEORY, pair, table
+from camcli.cli.report import MORE, pair, say, table
 from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from camcli.analysis.classify import Motion
     from camcli.analysis.explain.changes import Explanation
     from camcli.api.result import Result
+
+NARROW = 32  # characters of a label beside others
 
 
 def classify(
@@ -95,10 +97,10 @@ def show(result: Result, verbose: bool) -> None:
     table(title, columns.split(", "), rows, "classify.csv", hidden=0 if verbose else 2)
     if explanation is not None:
         show_explanation(explanation, verbose)
-    for line in remarks(motions, key):
-        print(f"- {line}")
+    for line in remarks(motions, key, verbose):
+        say(line, "- ")
     if not verbose:
-        print(THEORY)
+        print(MORE)
 
 
 def _range_row(group: list[Motion]) -> list[str]:
@@ -132,19 +134,19 @@ def show_explanation(explanation: Explanation, verbose: bool) -> None:
     from camcli.words.speeds import speed_text
 
     rows = [
-        [speed_text(e.rpm, e.error), f"{e.kind} {e.corner}".strip(), shown(e.label),
+        [speed_text(e.rpm, e.error), f"{e.kind} {e.corner}".strip(), shown(e.label, NARROW),
          f"{e.error:.0e}", e.classification]
         for e in explanation.events
     ]  # fmt: skip
     columns, hidden = ["rpm", "event", "motion", "error", "class"], 0 if verbose else 2
     table("Critical speeds of attractors", columns, rows, hidden=hidden)
     rows = [
-        [f"{c.low:.10g} - {c.high:.10g}", shown(c.before), shown(c.after), c.cause]
+        [f"{c.low:.10g} - {c.high:.10g}", *(shown(x, NARROW) for x in (c.before, c.after)), c.cause]
         for c in explanation.changes
     ]
     table("Changes of the diagram", ["rpm", "from", "to", "cause"], rows)
     for c in explanation.changes:
-        print(f"- {change_line(c, explanation.events)}")
+        say(change_line(c, explanation.events, verbose), "- ")
 
 
 def _border_collision(request: Request, trace: str | None, det: str | None) -> int:

@@ -6,7 +6,7 @@ from math import degrees, isnan
 from typing import TYPE_CHECKING, Any
 
 from camcli.cli.options import Request, flag, given, numbers, option
-from camcli.cli.report import THEORY, table
+from camcli.cli.report import MORE, table
 from camcli.errors import Fault, SceneError, shown
 from camcli.quantities import RPM, THETA, headed
 
@@ -99,7 +99,7 @@ def show(result: Result, verbose: bool) -> None:
     for line in plainly(result.values) + (theory(result.values) if verbose else []):
         print(f"- {line}")
     if not verbose:
-        print(THEORY)
+        print(MORE)
 
 
 def _show_theory(result: Result) -> None:

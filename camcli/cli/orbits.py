@@ -6,7 +6,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from camcli.cli.options import VARY, Request, Values, flag, given, numbers, option, refuse_idle
-from camcli.cli.report import THEORY, pair, table
+from camcli.cli.report import MORE, pair, say, table
 from camcli.quantities import THETA, headed
 
 if TYPE_CHECKING:
@@ -160,10 +160,10 @@ def show(result: Result, verbose: bool) -> None:
                 for p in c.points[:: max(1, len(c.points) // 12)]
             ],
         )
-    for line in remarks(found):
-        print(f"- {line}")
+    for line in remarks(found, verbose):
+        say(line, "- ")
     if not verbose:
-        print(THEORY)
+        print(MORE)
 
 
 def _phases(orbit: PeriodicOrbit) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 Row = Sequence[str]
 FILE_WIDTH = 140  # columns of a table that no person watches
 SHOWN = 40  # rows of one that may be long
-THEORY = "(theory: --verbose, or run.json)"
+MORE = "(more: --verbose, or run.json)"
 
 
 def table(
@@ -23,19 +24,34 @@ def table(
 
     whole: the file that has all rows of one that may be long.
     """
+    from rich import box
     from rich.console import Console
     from rich.table import Table
 
     if whole and len(rows) > SHOWN:
         title, rows = f"{title}, the first {SHOWN} (all of them in {whole})", rows[:SHOWN]
-    grid = Table(title=title, title_justify="left")
+    grid = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
     count = len(columns) - hidden
     for k, column in enumerate(columns[:count]):
         grid.add_column(column, justify="left" if k == 0 else "right", overflow="fold")
     for row in rows:
-        grid.add_row(*row[:count])
+        grid.add_row(*(cell or "-" for cell in row[:count]))
     person = Console().is_terminal
-    Console(width=None if person else FILE_WIDTH).print(grid)
+    console = Console(width=None if person else FILE_WIDTH)
+    console.print(f"\n{title}", style="bold", markup=False, highlight=False)
+    console.print(grid)
+
+
+def say(text: str, mark: str = "") -> None:
+    """Print a sentence; on a terminal its lines are broken between words, indented by the mark."""
+    if not sys.stdout.isatty():
+        print(f"{mark}{text}")
+        return
+    from rich.console import Console
+
+    width = Console().width
+    print(fill(text, width, initial_indent=mark, subsequent_indent=" " * (len(mark) or 2),
+               break_long_words=False, break_on_hyphens=False))  # fmt: skip
 
 
 def pair(values: Sequence[complex], digits: int) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from camcli.cli.exit_codes import DONE, INTERNAL, NUMERICS, note
 from camcli.cli.options import Request, Values, given, numbers
-from camcli.cli.report import progress_bar
+from camcli.cli.report import progress_bar, say
 from camcli.errors import Fault, SceneError, shown
 from camcli.kernel.backend import Stopwatch, stopwatch
 from camcli.kernel.code_cache import News, cache_dir
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 Show = Callable[["Result", bool], None]  # bool: whether to print the theory too
 MOST_SHARDS = 100_000
+ANSWERING = ("simulate", "detach")  # commands that are asked whether contact holds
 MOST_PIECES = 5  # named in the line on a fault
 MOST_DIGITS = 30  # of --points; a longer number is nonsense, and slow to read
 LEFT_BY_INIT = {  # words in the comments of a scene that cam init wrote
@@ -275,18 +276,19 @@ def _say(result: Result, record: Mapping[str, Any], request: Request, show: Show
     if request.json:
         print(to_text(record), end="")
     else:
-        if record["verdict"]:
-            print(" ".join(record["verdict"]))
+        if result.command in ANSWERING:
+            for sentence in record["verdict"]:
+                say(sentence)
         show(result, request.verbose)
-        print(f"{request.folder(result.command)}/: {', '.join([*record['artefacts'], RECORD])}")
+        say(f"{request.folder(result.command)}/: {', '.join([*record['artefacts'], RECORD])}")
         if result.system and result.cost.impacts:
             from camcli.words.cost import cost_line
 
-            print(cost_line(record["cost"], record["error"]))
+            say(cost_line(record["cost"], record["error"]))
         if "lift_table" in record["error"]:
             from camcli.words.lift_table import bound_line
 
-            print(bound_line(record["error"]["lift_table"]))
+            say(bound_line(record["error"]["lift_table"]))
     for text in () if request.quiet and result.complete else result.notes:
         note(text)
 

@@ -20,8 +20,24 @@ def motions_title(motions: list[Motion], key: str, ranges: int) -> str:
     return f"{title}, {plural(ranges, 'range')} of one label"
 
 
-def remarks(motions: list[Motion], key: str = "rpm") -> list[str]:
-    """Sentences: the sum rule, sticking, what is undecided."""
+def remarks(motions: list[Motion], key: str = "rpm", verbose: bool = True) -> list[str]:
+    """Sentences on what is undecided; verbose: and on exponents, rests and how long was watched."""
+    said = _on_exponents(motions) if verbose else []
+    said += decided_notes((m.holds_for for m in motions), "motions")
+    if verbose:
+        unsolved = [m for m in motions if m.orbit is None and m.status == Status.OK]
+        said += _unsolved_notes(unsolved, key)
+    undecided = [m.value for m in motions if m.label == UNDECIDED and m.fault is None]
+    if undecided:
+        said.append(
+            f"undecided at {counted(undecided, key)}: no orbit up to 64 turns could be solved and "
+            "no positive exponent shown, or a rest is forgotten before the next one"
+        )
+    return said
+
+
+def _on_exponents(motions: list[Motion]) -> list[str]:
+    """Sentences: the sum rule, and what a rest does to exponents."""
     said = []
     known = [m.exponents for m in motions if m.exponents]
     defects = [abs(e.defect) for e in known if isfinite(e.largest) and isfinite(e.second)]
@@ -34,14 +50,6 @@ def remarks(motions: list[Motion], key: str = "rpm") -> list[str]:
         said.append(
             "where the follower rests on the cam both exponents are -inf: every difference between "
             "two motions is forgotten"
-        )
-    said += decided_notes((m.holds_for for m in motions), "motions")
-    said += _unsolved_notes([m for m in motions if m.orbit is None and m.status == Status.OK], key)
-    undecided = [m.value for m in motions if m.label == UNDECIDED and m.fault is None]
-    if undecided:
-        said.append(
-            f"undecided at {counted(undecided, key)}: no orbit up to 64 turns could be solved and "
-            "no positive exponent shown, or a rest is forgotten before the next one"
         )
     return said
 

@@ -112,6 +112,17 @@ def way(hold: Hold) -> str:
     return f"{'more' if hold.more else 'less'} preload on the same spring"
 
 
+def spring_name(hold: Hold) -> str:
+    """The same in two words, for a table."""
+    if hold.quantity is Quantity.HOLD_STIFFNESS:
+        return "stiffer spring" if hold.more else "softer spring"
+    if hold.quantity is Quantity.HOLD_BOTH:
+        return "another spring"
+    if hold.status is HoldStatus.NOT_NEEDED:
+        return "no preload"
+    return "more preload" if hold.more else "less preload"
+
+
 def spring(hold: Hold) -> str:
     """A spring that holds, or why none does."""
     alone = hold.quantity is Quantity.HOLD_STIFFNESS

@@ -2,11 +2,11 @@
 
 from math import degrees
 
-from camcli.analysis.orbits.corner_impacts import OneSide
+from camcli.analysis.orbits.corner_impacts import CornerImpact, OneSide
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.kernel.cam_table import TURN
-from camcli.words.border_collision import collision_words
+from camcli.words.border_collision import KINDS, collision_words
 
 
 def event_words(b: Bifurcation) -> list[str]:
@@ -25,6 +25,17 @@ def event_words(b: Bifurcation) -> list[str]:
     below, above = _side_words(b.corner_impact.below), _side_words(b.corner_impact.above)
     sides = [f"Just below it {below}.", f"Just above it {above}."]
     return [*collision_words(b.corner_impact.collision), *sides]
+
+
+def corner_line(found: CornerImpact) -> str:
+    """The class of a corner impact, and whether simulations on both sides agree with it."""
+    kind = found.collision.kind
+    seen = {
+        True: "; simulations on both sides agree",
+        False: "; a simulation does NOT agree",
+        None: "",
+    }[found.agrees]
+    return f"{kind}, {KINDS[kind]}{seen}"
 
 
 def _side_words(side: OneSide) -> str:

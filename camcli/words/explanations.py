@@ -15,7 +15,7 @@ from camcli.analysis.explain.changes import (
 from camcli.analysis.explain.crisis import Crisis, CrisisKind
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.study import Bifurcation
-from camcli.errors import Status
+from camcli.errors import Status, shown
 from camcli.words.events import event_words
 from camcli.words.speeds import speed_text
 from camcli.words.statuses import CAUSES
@@ -83,9 +83,12 @@ def change_sentence(change: Change, events: Sequence[Event]) -> str:
     )
 
 
-def change_line(change: Change, events: Sequence[Event]) -> str:
-    """The range of a change, its cause, and the sentence on it."""
+def change_line(change: Change, events: Sequence[Event], verbose: bool = True) -> str:
+    """The range of a change, its cause, and where that is; verbose: and how that was found."""
     place = f"{change.low:.10g} to {change.high:.10g} rpm"
+    if not verbose:
+        where = [f"at {speed_text(e.rpm, e.error)} rpm, {shown(e.label)}" for e in change.events]
+        return f"{place}: {'; '.join([change.cause, *where])}"
     return f"{place}, {change.cause}: {change_sentence(change, events)}"
 
 

@@ -10,7 +10,7 @@ from camcli.errors import Status
 from camcli.kernel.certify import Verdict
 from camcli.quantities import PARAMETERS, drawn
 from camcli.words.border_collision import inequality_text
-from camcli.words.events import event_words
+from camcli.words.events import corner_line, event_words
 from camcli.words.in_print import label_text, number_text, pair
 from camcli.words.statuses import trouble
 
@@ -64,8 +64,8 @@ def curve_title(number: int, curve: Curve) -> str:
     return f"Curve {number}: {curve.kind} of {curve.label}{corner}"
 
 
-def remarks(result: OrbitsResult) -> list[str]:
-    """Sentences: absent labels, virtual orbits, corner impacts, what is impossible."""
+def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
+    """Sentences: absent labels, virtual orbits, corner impacts; verbose: with what they rest on."""
     said = []
     absent = result.absent
     if absent is not None:
@@ -94,13 +94,16 @@ def remarks(result: OrbitsResult) -> list[str]:
     for b in result.bifurcations:
         if words := event_words(b):
             event = f"{b.kind} of {b.label} at {b.value:.10g}"
-            events.setdefault(event, f": {' '.join(words)}{_rests_on(b)}")
+            told = f": {' '.join(words)}{_rests_on(b)}"
+            if b.corner_impact is not None and not verbose:
+                told = f": {corner_line(b.corner_impact)}"
+            events.setdefault(event, told)
     said += [event + words for event, words in events.items()]
     if result.proofs is not None:
         from camcli.words.proofs import proof_sentences  # it imports ball arithmetic
 
         said += proof_sentences(result)
-    if result.branches:
+    if result.branches and verbose:
         largest = max(orbit.det for branch in result.branches for orbit in branch.points)
         said.append(
             "Neimark-Sacker bifurcations are impossible: det = r^(2 impacts) exp(-b T/m) is at "

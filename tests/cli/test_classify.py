@@ -54,7 +54,7 @@ def test_the_low_range_is_explained(cam, tmp_path):
 
 
 def test_columns_and_exponents_of_one_speed(cam, tmp_path):
-    done = cam("classify --rpm 700 --no-plot -o out", code=0)
+    done = cam("classify --rpm 700 --no-plot --verbose -o out", code=0)
     (row,) = rows(tmp_path / "out" / "classify.csv")
     assert list(row) == [
         "rpm", "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period", "status",
@@ -74,7 +74,7 @@ def test_columns_and_exponents_of_one_speed(cam, tmp_path):
 )
 def test_what_a_record_shows_of_rare_complete_chatters(cam, tmp_path, record, shown):
     """At 631.43 rpm one in some 200 turns, with chaos in between: in the record or after it."""
-    words = ("--rpm", "631.43", "--set", f"run.record={record}", "--no-plot", "-o", "out")
+    words = ("--rpm", "631.43", "--set", f"run.record={record}", "--no-plot", "-v", "-o", "out")
     done = cam("classify", *words)
     assert shown in done.stdout
     (motion,) = json.loads((tmp_path / "out" / "run.json").read_text())["result"]["motions"]

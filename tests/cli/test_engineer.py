@@ -77,7 +77,7 @@ def test_a_range_that_is_not_given_comes_from_the_machine(cam, begun, command):
 def test_a_run_begins_with_a_verdict(cam, begun):
     short = ("--no-plot", "--set", "run.transient=5", "--set", "run.record=5", "--points", "5")
     done = cam("detach -c lobe.yaml", *short, "--hold-to 5000", code=0)
-    verdict = done.stdout.splitlines()[0]
+    verdict = done.stdout.partition("\n\n")[0]
     speed, error = (float(x) for x in verdict.split("up to ")[1].split(" rpm")[0].split(" +- "))
     low, high = json.loads((begun / "out/detach/run.json").read_text())["error"]["lift_table"][
         "first_detachment_rpm"
@@ -89,19 +89,21 @@ def test_a_run_begins_with_a_verdict(cam, begun):
     assert "; or another spring: " in verdict
 
     done = cam("detach -c lobe.yaml", *short, "--hold-to 1000")
-    assert "The present spring holds up to 1000 rpm" in done.stdout.splitlines()[0]
+    assert "The present spring holds up to 1000 rpm" in done.stdout.splitlines()[1]
     assert "a softer spring with the same preload" in done.stdout
 
     solid = "--set spring.solid_at=0.0101 --set detach.machines=1"
     some = f"{solid} --tolerance follower.mass=5%"
     done = cam("detach -c lobe.yaml", *short, f"--hold-to 5000 {some}")
     assert "impossible" in done.stdout
-    assert "With more preload" not in done.stdout.splitlines()[0]
-    assert "solid_at is the present one's" in done.stdout.splitlines()[0]
+    assert "With more preload" not in done.stdout.partition("\n\n")[0]
+    assert "solid_at is the present one's" in done.stdout.partition("\n\n")[0]
 
     done = cam("sweep -c lobe.yaml", *short)
-    assert done.stdout.startswith(f"Contact holds up to {speed:.0f} +- ")
-    assert " rpm, the follower lands at up to " in done.stdout.splitlines()[0]
+    assert "Contact holds" not in done.stdout  # said where it is asked for
+    (holds,) = json.loads((begun / "out/sweep/run.json").read_text())["verdict"]
+    assert holds.startswith(f"Contact holds up to {speed:.0f} +- ")
+    assert " rpm, the follower lands at up to " in holds
     done = cam("simulate -c lobe.yaml --rpm 100", *short[:-2])
     assert done.stdout.startswith("At 100 rpm of the cam contact holds")
     done = cam("detach --set follower.preload=-200", *short)
@@ -285,7 +287,7 @@ def test_tolerances_give_the_chance_and_the_worst_case(cam, tmp_path):
     (tmp_path / "valve.yaml").write_text(json.dumps({**VALVE, "run": {"rpm": 3000.0}}))
     words = "detach -c valve.yaml --no-plot --hold-to 4500 --tolerance follower.mass=12%"
     done = cam(words, "--set detach.machines=20 --set detach.margin_n=0")
-    assert "(follower.mass 12 %) contact holds up to " in done.stdout.splitlines()[0]
+    assert "(follower.mass 12 %) contact holds up to " in done.stdout.partition("\n\n")[0]
     rows = (tmp_path / "out/detach/tolerance.csv").read_text()
     assert rows == "".join(found.tables["tolerance"].csv())
 

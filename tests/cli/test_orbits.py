@@ -16,7 +16,7 @@ QUICK = "--set orbits.starts=0 --set run.transient=50"
 @pytest.mark.slow
 def test_the_bare_command(cam, tmp_path):
     """Branches, bifurcations, sentences and pictures of the example's range."""
-    done = cam("orbits -o out", QUICK, code=0)
+    done = cam("orbits -o out --verbose", QUICK, code=0)
     found = {(row["label"], row["kind"], row["corner"]): row
              for row in rows(tmp_path / "out" / "bifurcations.csv")}  # fmt: skip
     corner = found["P(1;1)", "corner-impact", "b"]
