@@ -112,7 +112,7 @@ def way(hold: Hold) -> str:
     return f"{'more' if hold.more else 'less'} preload on the same spring"
 
 
-def spring_name(hold: Hold) -> str:
+def short_way(hold: Hold) -> str:
     """The same in two words, for a table."""
     if hold.quantity is Quantity.HOLD_STIFFNESS:
         return "stiffer spring" if hold.more else "softer spring"

@@ -7,7 +7,7 @@ from typing import Any
 
 from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, THETA, headed
 from camcli.system import decimals, units_of
-from camcli.words.detach import spring_name
+from camcli.words.detach import short_way
 from camcli.words.machine import crank_of, digits_of
 
 ROUNDING = 1e-9  # N
@@ -54,7 +54,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     ratio = result.system.rocker_ratio
     where = "" if ratio == 1.0 else f", at the valve; on the lobe {ratio:.6g} times as large"
     springs = [
-        [spring_name(h), _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, digits=4),
+        [short_way(h), _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, digits=4),
          _cell(h.nose_n, digits=4),
          "never" if h.detaches == inf else _cell(h.detaches, digits=exact), h.status]
         for h in found.holds
