@@ -13,7 +13,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from camcli.analysis.orbits.curves import Curve
+from camcli.analysis.orbits.curves import Curve, Plane
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import OrbitsResult
 from camcli.api.rows import BIFURCATIONS, KIND, SIDES, bifurcation_row, multiplier_columns
@@ -38,7 +38,6 @@ from camcli.quantities import (
     Quantity,
     V,
 )
-from camcli.scene import Orbits
 from camcli.system import omega_of
 
 if TYPE_CHECKING:
@@ -158,7 +157,7 @@ def bifurcations_table(found: OrbitsResult, keys: Keys) -> Table:
     return Table.of_rows(columns, lambda: rows)
 
 
-def curve_table(curves: list[Curve], section: Orbits, keys: Keys) -> Table:
+def curve_table(curves: list[Curve], plane: Plane, keys: Keys) -> Table:
     """Bifurcations in two parameters, a row per point of each curve.
 
     A point of a smooth kind has no sides: the orbit's own trace and determinant stand for both.
@@ -175,7 +174,7 @@ def curve_table(curves: list[Curve], section: Orbits, keys: Keys) -> Table:
                 right = point.right or orbit
                 yield (*named, point.first, point.second, thetas, *left, *right)
 
-    first, second = names[section.parameter], names[section.curve_in]
+    first, second = (names[name] for name in plane.names)
     return Table.of_rows(CURVE.names(first, second), rows)
 
 

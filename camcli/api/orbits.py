@@ -7,19 +7,15 @@ from functools import partial
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
-from pydantic import ValidationError
-
 from camcli.analysis.integrate import Cost
-from camcli.analysis.labels import Label
-from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.curves import Plane
 from camcli.analysis.orbits.one_period import periods_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
 from camcli.api.command import Command, Drawing, Size
-from camcli.api.machine import Machine, machine_of, with_arguments, with_values
+from camcli.api.machine import Machine, machine_of, with_arguments
+from camcli.api.orbit_question import question_of, varied_by
 from camcli.api.orbit_tables import (
     BRANCHES,
     CURVE,
@@ -35,12 +31,11 @@ from camcli.api.rows import (
     STROBE,
     blocks,
 )
-from camcli.errors import Fault, SceneError
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
 from camcli.piece_faults import gather, gathering, piece
-from camcli.quantities import FOLLOWER, PARAMETERS
-from camcli.scene import Axis, Orbits, Scene
+from camcli.quantities import PARAMETERS
+from camcli.scene import Scene
 from camcli.system import omega_of
 from camcli.words import plan
 from camcli.words.border_collision import inequality_record
@@ -51,8 +46,6 @@ from camcli.words.statuses import trouble
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.proofs import Proof, Proofs, Range
-
-AROUND = 0.1  # relative range of a parameter where none is given
 
 
 def orbits(
@@ -109,10 +102,10 @@ def orbits(
     machine = machine_of(with_arguments(scene, "orbits", prove=prove))
     scene, system = machine.scene, machine.system
     simulated = None
-    asked = _spelt_out(scene)
-    section = asked.orbits
-    question = _question(asked)
-    keys = {_constant(axis): axis.key for axis in section.vary}
+    section = scene.orbits
+    varied = varied_by(scene)
+    question = question_of(scene, varied)
+    keys = {one.name: one.key for one in varied if one.key}
     with stopwatch() as watch, gathering() as faults:
         tick = ticks(progress, "branches", question.branches + 2)
         with budget_of(scene, progress) as budget:
@@ -126,13 +119,14 @@ def orbits(
             gather(simulated.faults)
         summary = piece("the summary", lambda: _summary(found), {})
         notes = piece("the notes", lambda: notes_of(found), []) + trouble(budget.status)
-        tables = _tables(found, simulated, section, keys)
+        tables = _tables(found, simulated, keys)
         single = [] if found.branches else found.orbits
         periods = piece("the orbits in time", lambda: periods_of(single, system), [])
 
     pictures = {"orbits": drawn_by("orbits.draw_orbits", found, system, simulated, periods)}
-    if section.curve is not None:
-        pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, section.curve_in)
+    if question.plane is not None:
+        _, second = question.plane.names
+        pictures["curve"] = drawn_by("orbits.draw_curves", found.curves, second)
     return Result(
         command="orbits",
         scene=scene,
@@ -149,9 +143,7 @@ def orbits(
     )
 
 
-def _tables(
-    found: OrbitsResult, simulated: Sweep | None, section: Orbits, keys: Keys
-) -> dict[str, Table]:
+def _tables(found: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[str, Table]:
     """The tables by name; one that cannot be made is left out."""
     makes = {
         "branch": partial(branch_table, found, keys),
@@ -162,100 +154,11 @@ def _tables(
         for head in (IMPACTS, STROBE):
             rows = partial(blocks, simulated, head.name)
             makes[head.name] = partial(Table, head.names(key), rows)
-    if section.curve is not None:
-        makes["curve"] = partial(curve_table, found.curves, section, keys)
+    plane = found.question.plane
+    if plane is not None:
+        makes["curve"] = partial(curve_table, found.curves, plane, keys)
     made = {name: piece(f"{name}.csv", make) for name, make in makes.items()}
     return {name: table for name, table in made.items() if table is not None}
-
-
-def _spelt_out(scene: Scene) -> Scene:
-    """The scene with `orbits.vary` written out as the keys that `_question` reads.
-
-    The first axis is what varies along a branch: parameter, range and rpm. The second axis is the
-    second parameter of a curve: curve_in and curve_range. Where a curve is asked for with a single
-    axis, and that axis is not the speed, it is the second parameter: the branches vary the speed.
-    Raises SceneError for a number that a branch cannot vary.
-    """
-    section = scene.orbits
-    axes = list(section.vary)
-    for axis in axes:
-        if _constant(axis) not in PARAMETERS:
-            expected = f"rpm or a constant of the follower: {', '.join(FOLLOWER)}"
-            cure = "cam sweep and cam classify vary any number"
-            raise _refusal("vary", f"found {axis.key}", expected, cure)
-    if section.curve is None and len(axes) > 1:
-        found = f"found {axes[0].key} and {axes[1].key}"
-        cure = "leave one out, or add --curve KIND"
-        raise _refusal("vary", found, "one number along a branch", cure)
-    changed: dict[str, Any] = {}
-    if section.curve is not None and axes and (len(axes) > 1 or _constant(axes[0]) != "rpm"):
-        second = axes.pop()
-        changed["curve_in"] = _constant(second)
-        changed["curve_range"] = tuple(sorted((second.start, second.stop)))
-    for axis in axes:
-        changed["parameter"] = _constant(axis)
-        changed["range"] = tuple(sorted((axis.start, axis.stop)))
-        if axis.path == "run.rpm":
-            low, high = changed["range"]
-        else:  # the orbits are looked for at the scene's speed
-            low = high = scene.run.rpm
-        ends = {"start": low, "stop": high, "num": axis.num}
-        changed["rpm"] = section.rpm.model_copy(update=ends)
-    return with_values(scene, "orbits", **changed)
-
-
-def _constant(axis: Axis) -> str:
-    """What an axis varies, as `parameter` names it."""
-    return "rpm" if axis.path == "run.rpm" else axis.path.removeprefix("follower.")
-
-
-def _question(scene: Scene) -> Question:
-    """What the section `orbits` asks; raises SceneError where it contradicts itself."""
-    section = scene.orbits
-    parameter = section.parameter
-    curve = section.curve
-    low, high = sorted((section.rpm.start, section.rpm.stop))
-    at = section.at
-    if at is None:
-        at = scene.run.rpm if low <= scene.run.rpm <= high else 0.5 * (low + high)
-    label = None
-    if section.label is not None:
-        try:
-            label = Label.parse(section.label)
-        except ValueError as error:
-            expected = "P(m;s1:...:sm) with one count or inf for each of the m turns"
-            raise _refusal("label", str(error), expected, "quote it: 'P(3;3:3:2)'") from None
-    if parameter == "rpm" and low < high and not low <= at <= high:
-        found = f"found rpm = {at!r} where orbits are looked for"
-        expected = f"a value from {low!r} to {high!r}, the range followed"
-        raise _refusal("at", found, expected, "choose another range, or --at")
-    if parameter != "rpm":
-        low, high = _range(scene, parameter, "range")
-    plane = None
-    if curve is not None:
-        second = section.curve_in
-        if second in (parameter, "rpm"):
-            found = f"found {second} as the second parameter"
-            cure = f"another one than {parameter}"
-            raise _refusal("curve_in", found, "a constant of the follower", cure)
-        if low == high:
-            raise _refusal("rpm", "found one speed", "a range for a curve", "give --rpm LO:HI")
-        # `range` is that of the second parameter where the first one is the speed
-        key = "range" if section.curve_range is None and parameter == "rpm" else "curve_range"
-        ranges = (low, high), _range(scene, second, key)
-        num = section.vary[1].num if len(section.vary) > 1 else section.rpm.num
-        plane = Plane((parameter, second), ranges, max(2, num // 4))
-    return Question(
-        rpm=at,
-        parameter=parameter,
-        span=Span(low, high, (high - low) / max(1, section.rpm.num - 1)) if low < high else None,
-        label=label,
-        branches=section.branches,
-        starts=section.starts,
-        stable={"any": None, "stable": True, "unstable": False}[section.stability],
-        curve=curve,
-        plane=plane,
-    )
 
 
 def _simulated(machine: Machine, question: Question, count: int) -> Sweep:
@@ -272,39 +175,6 @@ def _simulated(machine: Machine, question: Question, count: int) -> Sweep:
     if key == "rpm":
         return sweep(system, values, machine.settings, key=key)
     return sweep(system, values, machine.settings, key=key, setup=setup)
-
-
-def _refusal(key: str, found: str, expected: str, cure: str) -> SceneError:
-    return SceneError(Fault("", f"orbits.{key}", found, f"expected {expected}", cure))
-
-
-def _range(scene: Scene, name: str, key: str) -> tuple[float, float]:
-    """The range of a constant that orbits.key asks for, or one around the scene's value.
-
-    Raises SceneError for a range without this value, and for constants that no follower has.
-    """
-    value = getattr(scene.follower, name)
-    given = getattr(scene.orbits, key)
-    if given is None:
-        if value == 0.0:
-            found = f"found no range for {name}, which is 0"
-            raise _refusal(key, found, "LO:HI", "give one, e.g. --range 0:2")
-        low, high = sorted((value * (1.0 - AROUND), value * (1.0 + AROUND)))
-        return low, min(high, 1.0) if name == "restitution" else high
-    low, high = given
-    found = f"found {low!r} to {high!r}"
-    if not low < high:
-        raise _refusal(key, found, "the lower end first, two different ends", "exchange them")
-    for end in given:
-        try:
-            type(scene.follower).model_validate({**dict(scene.follower), name: end})
-        except ValidationError as error:
-            expected = f"{name} as in a scene: {error.errors()[0]['msg']}"
-            raise _refusal(key, found, expected, "correct the range") from None
-    if not low <= value <= high:
-        expected = f"a range that holds {name} = {value!r} of the scene"
-        raise _refusal(key, found, expected, "choose another range")
-    return given
 
 
 def _summary(result: OrbitsResult) -> dict[str, Any]:

@@ -185,3 +185,25 @@ def test_orbits_may_be_looked_for_at_the_ends_of_the_range(cam, tmp_path, at):
         row["rpm"] for row in json.loads((tmp_path / "run.json").read_text())["result"]["orbits"]
     }
     assert shown == float(at)
+
+
+def test_a_curve_over_speeds_is_the_same_however_they_are_given(cam, tmp_path):
+    """--vary rpm names the first number alone; the second has a range about the scene's value."""
+    few = "--curve corner-impact --points 4 --set orbits.starts=2 --no-plot"
+    cam(f"orbits --rpm 670:680 {few} -o one", code=0)
+    cam(f"orbits --vary rpm=670:680 {few} -o other", code=0)
+    one, other = (tmp_path / name / "curve.csv" for name in ("one", "other"))
+    assert len(one.read_text().splitlines()) > 2
+    assert other.read_bytes() == one.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("--vary follower.mass=2:3", "orbits.vary: found 2.0 to 3.0, expected a range that holds"),
+        ("--parameter mass --range 2:3", "orbits.range: found 2.0 to 3.0, expected a range that"),
+        ("--curve fold --vary follower.mass=1:2 --vary rpm=600:700", "orbits.vary: found rpm as"),
+    ],
+)
+def test_a_range_is_refused_where_it_was_given(cam, line, said):
+    assert said in cam(f"orbits {line}", code=2).stderr

@@ -1,0 +1,199 @@
+"""What the section `orbits` of a scene asks, as the analysis takes it.
+
+What is varied may be said in two ways: `vary` names keys of the scene, `parameter` and `range`, and
+of a curve `curve_in` and `curve_range`, name constants of the follower. Both become the same
+`Varied`: from there on nobody asks which it was, but for the columns of the tables.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from pydantic import ValidationError
+
+from camcli.analysis.labels import Label
+from camcli.analysis.orbits.arclength import Span
+from camcli.analysis.orbits.curves import Plane
+from camcli.analysis.orbits.study import Question
+from camcli.errors import Fault, SceneError
+from camcli.quantities import FOLLOWER, PARAMETERS
+from camcli.scene import Axis, Scene
+
+AROUND = 0.1  # relative range of a constant where none is given
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A number and its range: along a branch, or the second one of a curve.
+
+    name: rpm or a constant of the follower. num: values across the range, at least. key: the key
+    of the scene where `vary` names it, which is then the name of the first column; else empty.
+    """
+
+    name: str
+    low: float
+    high: float
+    num: int
+    key: str = ""
+
+
+def varied_by(scene: Scene) -> list[Varied]:
+    """What the section `orbits` varies: along a branch, and of a curve its second number.
+
+    Raises SceneError for a number that a branch cannot vary, and for a range that no follower has.
+    """
+    section = scene.orbits
+    if not section.vary:
+        first = _first_by_name(scene)
+        return [first] if section.curve is None else [first, _second_by_name(scene, first)]
+    named = [_by_key(axis) for axis in section.vary]
+    if section.curve is None:
+        if len(named) > 1:
+            found = f"found {named[0].key} and {named[1].key}"
+            cure = "leave one out, or add --curve KIND"
+            raise _refusal("vary", found, "one number along a branch", cure)
+    elif len(named) == 1 and named[0].name == "rpm":
+        named = [named[0], _second_by_name(scene, named[0])]
+    elif len(named) == 1:  # the branches vary the speed
+        named = [_speeds(scene), replace(named[0], num=section.rpm.num)]
+    for one in named:
+        if one.key and one.name != "rpm":
+            _check(scene, one, "vary")
+    if len(named) > 1:
+        _refuse_as_second(named[1].name, named[0], "vary")
+    return named
+
+
+def question_of(scene: Scene, varied: list[Varied]) -> Question:
+    """What the section `orbits` asks; raises SceneError where it contradicts itself."""
+    section, first = scene.orbits, varied[0]
+    at = _speed_of_orbits(scene, first)
+    label = None
+    if section.label is not None:
+        try:
+            label = Label.parse(section.label)
+        except ValueError as error:
+            expected = "P(m;s1:...:sm) with one count or inf for each of the m turns"
+            raise _refusal("label", str(error), expected, "quote it: 'P(3;3:3:2)'") from None
+    if first.name == "rpm" and first.low < first.high and not first.low <= at <= first.high:
+        found = f"found rpm = {at!r} where orbits are looked for"
+        expected = f"a value from {first.low!r} to {first.high!r}, the range followed"
+        raise _refusal("at", found, expected, "choose another range, or --at")
+    plane = None
+    if len(varied) > 1:
+        second = varied[1]
+        if first.low == first.high:
+            raise _refusal("rpm", "found one speed", "a range for a curve", "give --rpm LO:HI")
+        names, ranges = (first.name, second.name), ((first.low, first.high), _ends(second))
+        plane = Plane(names, ranges, max(2, second.num // 4))
+    step = (first.high - first.low) / max(1, first.num - 1)
+    return Question(
+        rpm=at,
+        parameter=first.name,
+        span=Span(first.low, first.high, step) if first.low < first.high else None,
+        label=label,
+        branches=section.branches,
+        starts=section.starts,
+        stable={"any": None, "stable": True, "unstable": False}[section.stability],
+        curve=section.curve,
+        plane=plane,
+    )
+
+
+def _ends(varied: Varied) -> tuple[float, float]:
+    return varied.low, varied.high
+
+
+def _speed_of_orbits(scene: Scene, first: Varied) -> float:
+    """The speed at which orbits are looked for."""
+    at = scene.orbits.at
+    if at is not None:
+        return at
+    if first.key and first.name != "rpm":
+        return scene.run.rpm
+    speeds = first if first.name == "rpm" else _speeds(scene)
+    if speeds.low <= scene.run.rpm <= speeds.high:
+        return scene.run.rpm
+    return 0.5 * (speeds.low + speeds.high)
+
+
+def _speeds(scene: Scene) -> Varied:
+    """The speeds of `rpm`."""
+    section = scene.orbits.rpm
+    low, high = sorted((section.start, section.stop))
+    return Varied("rpm", low, high, section.num)
+
+
+def _by_key(axis: Axis) -> Varied:
+    """A number that `vary` names."""
+    name = "rpm" if axis.path == "run.rpm" else axis.path.removeprefix("follower.")
+    if name not in PARAMETERS:
+        expected = f"rpm or a constant of the follower: {', '.join(FOLLOWER)}"
+        cure = "cam sweep and cam classify vary any number"
+        raise _refusal("vary", f"found {axis.key}", expected, cure)
+    low, high = sorted((axis.start, axis.stop))
+    return Varied(name, low, high, axis.num, axis.key)
+
+
+def _first_by_name(scene: Scene) -> Varied:
+    """What `parameter` and `range` vary along a branch."""
+    speeds, name = _speeds(scene), scene.orbits.parameter
+    return speeds if name == "rpm" else _constant(scene, name, "range", speeds.num)
+
+
+def _second_by_name(scene: Scene, first: Varied) -> Varied:
+    """The second number of a curve, by `curve_in` and its range.
+
+    That is `range` where the first number is the speed, which has a range of its own.
+    """
+    section = scene.orbits
+    _refuse_as_second(section.curve_in, first, "curve_in")
+    key = "range" if section.curve_range is None and first.name == "rpm" else "curve_range"
+    return _constant(scene, section.curve_in, key, first.num)
+
+
+def _refuse_as_second(name: str, first: Varied, key: str) -> None:
+    """Raise SceneError for what cannot be the second number of a curve."""
+    if name in (first.name, "rpm"):
+        found, cure = f"found {name} as the second parameter", f"another one than {first.name}"
+        raise _refusal(key, found, "a constant of the follower", cure)
+
+
+def _constant(scene: Scene, name: str, key: str, num: int) -> Varied:
+    """A constant of the follower over the range orbits.key, or one around the scene's value."""
+    given = getattr(scene.orbits, key)
+    if given is not None:
+        low, high = given
+        varied = Varied(name, low, high, num)
+        _check(scene, varied, key)
+        return varied
+    value = getattr(scene.follower, name)
+    if value == 0.0:
+        found = f"found no range for {name}, which is 0"
+        raise _refusal(key, found, "LO:HI", "give one, e.g. --range 0:2")
+    low, high = sorted((value * (1.0 - AROUND), value * (1.0 + AROUND)))
+    return Varied(name, low, min(high, 1.0) if name == "restitution" else high, num)
+
+
+def _check(scene: Scene, varied: Varied, key: str) -> None:
+    """Raise SceneError for a range without the scene's value, or that no follower has.
+
+    key: of the section, where the range stands.
+    """
+    value = getattr(scene.follower, varied.name)
+    found = f"found {varied.low!r} to {varied.high!r}"
+    if not varied.low < varied.high:
+        raise _refusal(key, found, "the lower end first, two different ends", "exchange them")
+    for end in _ends(varied):
+        try:
+            type(scene.follower).model_validate({**dict(scene.follower), varied.name: end})
+        except ValidationError as error:
+            expected = f"{varied.name} as in a scene: {error.errors()[0]['msg']}"
+            raise _refusal(key, found, expected, "correct the range") from None
+    if not varied.low <= value <= varied.high:
+        expected = f"a range that holds {varied.name} = {value!r} of the scene"
+        raise _refusal(key, found, expected, "choose another range")
+
+
+def _refusal(key: str, found: str, expected: str, cure: str) -> SceneError:
+    return SceneError(Fault("", f"orbits.{key}", found, f"expected {expected}", cure))
