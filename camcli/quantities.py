@@ -167,6 +167,7 @@ PRESSURE = Quantity("pressure_pa", "Pa", "Hertz pressure", head="Hertz")
 
 # --- the motion
 
+TIME = Quantity("t_s", "s", "time", "time from the first recorded turn")
 Q = Quantity("q_m", "m", "position $q$", "position of the follower", head="q")
 V = Quantity("v_m_per_s", "m/s", "velocity $v$", "velocity of the follower", head="v")
 U = Quantity(

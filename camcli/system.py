@@ -34,6 +34,11 @@ def omega_of(rpm: float) -> float:
     return rpm * RAD_PER_S
 
 
+def turns_per_second(rpm: float) -> float:
+    """Revolutions per second from revolutions per minute."""
+    return rpm / 60.0
+
+
 def rpm_of(omega: float) -> float:
     """Revolutions per minute from rad/s."""
     return omega * RPM

@@ -39,7 +39,7 @@ from camcli.plots.sweep_map import cell_edges
 from camcli.quantities import FOLLOWER, drawn
 from camcli.scene import Axis, Scene
 from camcli.scene.schema import RpmRange
-from camcli.system import Follower, System, omega_of, units_of
+from camcli.system import Follower, System, omega_of, turns_per_second, units_of
 from camcli.words import plan
 from camcli.words.events import event_words
 from camcli.words.explore import BASIN_AXES, BASINS, MAP, NO_MOTION, basin_shares
@@ -562,7 +562,7 @@ def _motion_data(found: Explored) -> dict[str, Any]:
     """The motions one after the other, each with its number of rows, events and points."""
     rows, events, motions = [], [], []
     for motion, simulation in zip(found.motions, found.simulations, strict=True):
-        per_second = motion.rpm / 60.0
+        per_second = turns_per_second(motion.rpm)
         last = motion.turns * (1.0 + 1e-12)
         seconds, _, q, v, _, _, contact = map(np.array, zip(*simulation.trajectory, strict=True))
         t = seconds * per_second  # turns

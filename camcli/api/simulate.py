@@ -17,7 +17,7 @@ from camcli.api.result import Progress, Result, drawn_by
 from camcli.errors import Status
 from camcli.kernel.backend import stopwatch
 from camcli.output.tables import Table
-from camcli.quantities import FORCE, LIFTS, THETA, TURN, U_MINUS, U_PLUS, Head, Q, Quantity, V
+from camcli.quantities import FORCE, LIFTS, THETA, TIME, TURN, U_MINUS, U_PLUS, Head, Q, Quantity, V
 from camcli.scene import Scene
 from camcli.system import System, omega_of, units_of
 from camcli.words import plan
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from camcli.analysis.simulate import Simulation
     from camcli.plots.picture import Picture
 
-TIME = Quantity("t_s", "s", "time", "time from the first recorded turn")
 TRAJECTORY = Head(
     "trajectory",
     "the motion; an impact has two rows, just before and just after",

@@ -13,6 +13,7 @@ from camcli.analysis.bench.stability import Outcome
 from camcli.plots import style
 from camcli.plots.axes import DASHED, say
 from camcli.plots.picture import Panel, Picture
+from camcli.quantities import TIME, labelled
 from camcli.words.bench import cases_title
 
 ACROSS, HIGH = 3, 36.0  # panels side by side, mm of a panel
@@ -58,7 +59,7 @@ def _draw_rows(axes: Axes, found: Sequence[Outcome]) -> None:
     colours = [style.PERIODS[0] if row.status == OK else style.TROUBLE for row in found]
     axes.barh(range(len(found)), [row.seconds for row in found], 0.6, color=colours)
     axes.set_yticks(range(len(found)), [row.case for row in found])
-    axes.set(xscale="log", xlabel="time (s)", ylim=(len(found) - 0.4, -0.6))
+    axes.set(xscale="log", xlabel=TIME.label, ylim=(len(found) - 0.4, -0.6))
     axes.grid(True, axis="x", color=style.CAM_BODY, linewidth=0.5, zorder=0)
     axes.set_axisbelow(True)
 
@@ -70,7 +71,7 @@ def _draw_case(axes: Axes, name: str, drawn: Sequence[Measured]) -> None:
     axes.set(xscale="log", yscale="log", xlim=(min(times) / 2.0, max(times) * 2.0))
     axes.set_ylim(min(errors) / 4.0, max(1.0, *errors) * 3.0)
     axes.set_title(case(name).title, loc="left")
-    axes.set(xlabel="time of a run (s)", ylabel="largest error (turns)")
+    axes.set(xlabel=labelled("time of a run", TIME.unit), ylabel=labelled("largest error", "turns"))
     axes.xaxis.set_major_locator(LogLocator(base=100.0, numticks=8))
     axes.yaxis.set_major_locator(LogLocator(base=1e4, numticks=8))
     for axis in (axes.xaxis, axes.yaxis):

@@ -26,8 +26,8 @@ from camcli.plots.axes import (
 )
 from camcli.plots.mechanism import Outline, draw_machine
 from camcli.plots.picture import Panel, Picture
-from camcli.quantities import THETA, Q, U, Units, V, labelled
-from camcli.system import System, units_of
+from camcli.quantities import THETA, TIME, Q, U, Units, V, labelled
+from camcli.system import System, turns_per_second, units_of
 from camcli.words.simulate import motion_title, stopped
 
 STEPS = (30, 60, 90, 180, 360)  # degrees between ticks; beyond, several turns
@@ -70,7 +70,7 @@ class Trace:
     @classmethod
     def of(cls, simulation: Simulation, system: System, turns: int) -> Trace:
         """The last turns of a simulation that has a trajectory."""
-        rows, per_second = simulation.trajectory, simulation.rpm / 60.0
+        rows, per_second = simulation.trajectory, turns_per_second(simulation.rpm)
         first = floor(rows[0][0] * per_second + BLINK)
         last = max(ceil(rows[-1][0] * per_second - BLINK), first + 1)
         first = max(last - turns, first)
@@ -201,7 +201,7 @@ def _draw_motion(axes: Axes, trace: Trace, simulation: Simulation) -> None:
             axes.text(x, 0.985, name, transform=axes.get_xaxis_transform(), va="top", **look)
     rate = 6.0 * simulation.rpm  # deg/s
     to_s, to_deg = lambda x: (x - trace.origin) / rate, lambda t: t * rate + trace.origin
-    axes.secondary_xaxis("top", functions=(to_s, to_deg)).set_xlabel("time (s)")
+    axes.secondary_xaxis("top", functions=(to_s, to_deg)).set_xlabel(TIME.label)
 
 
 def _draw_contact(axes: Axes, trace: Trace, values: np.ndarray, named: bool = False) -> None:
