@@ -98,5 +98,5 @@ def test_a_method_that_is_not_installed_is_told(statuses, monkeypatch):
     monkeypatch.setattr(bench_module, "_measured", lambda *_: measured)
     monkeypatch.setattr(bench_module, "_table", lambda *_: None)
     monkeypatch.setattr(bench_module, "RESULTS", {"precision": lambda rows: ({}, [])})
-    notes = bench_module.bench(None, part="precision").notes
+    notes = bench_module.bench(load_scene(None, {"bench.part": "precision"})).notes
     assert (bench_module.NO_HEYOKA in notes) == ("absent" in statuses)

@@ -43,7 +43,7 @@ def measured(piece, **_):
 def errors(monkeypatch):
     monkeypatch.setattr(precision, "measure", measured)
     values = {"bench.cases": [*CASES], "bench.methods": [*METHODS], "bench.quick": True}
-    return bench(camcli.load_scene(None, values), part="precision")
+    return bench(camcli.load_scene(None, {**values, "bench.part": "precision"}))
 
 
 def test_a_panel_per_case_shows_the_rows_of_precision(errors):
@@ -101,7 +101,7 @@ def test_a_bar_per_extreme_case_is_as_long_as_it_took(monkeypatch):
 
     monkeypatch.setattr(stability, "ROWS", rows)
     monkeypatch.setattr(stability, "measure", measure)
-    result = bench(camcli.load_scene(), part="stability")
+    result = bench(camcli.load_scene(None, {"bench.part": "stability"}))
     _, axes = camcli.plot(result).axes
     bars = [a for a in axes.patches if isinstance(a, Rectangle)]
     names = [text.get_text() for text in axes.get_yticklabels()]
