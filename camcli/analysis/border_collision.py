@@ -266,14 +266,14 @@ def _follow(form: NormalForm, start: Point, measure: bool) -> Prediction:
     """What an orbit ends on; the exponent of an aperiodic one is measured if `measure`."""
     limit = ESCAPED / min(1.0, *(abs(s.at_one) or 1.0 for s in (form.left, form.right)))
     *_, (x, y) = form.run(*start, TRANSIENT, limit)
-    word, settled = _word(form, x, y, limit)
-    if settled or not (measure or word):
-        return settled or Prediction("undecided")
+    word, prediction = _word(form, x, y, limit)
+    if prediction or not (measure or word):
+        return prediction or Prediction("undecided")
     size = size_of(x, y)
     exponent, spread, (x, y) = _exponent(form, x, y, limit)
-    word, settled = _word(form, x, y, limit)
-    if settled:
-        return settled
+    word, prediction = _word(form, x, y, limit)
+    if prediction:
+        return prediction
     if word:
         kind = "none" if size_of(x, y) > GROWN * size else "undecided"
     else:

@@ -110,8 +110,8 @@ def classify(
     backend.for_work(turns)
 
     def motions_at(value: float) -> list[Motion]:
-        own, rpm, runs = setup(value)
-        motions = attractors(own, rpm, runs, starts, seed)
+        varied, rpm, runs = setup(value)
+        motions = attractors(varied, rpm, runs, starts, seed)
         return [replace(motion, value=value) for motion in motions]
 
     def motions_or_fault(value: float) -> list[Motion]:

@@ -263,7 +263,7 @@ class Smoother:
 
         Beside a run of equal rows the lift is hidden about as far as it takes to climb TOE digits.
         """
-        held: dict[int, float] = {}
+        levels: dict[int, float] = {}
         scale = self.count / 360.0
         for dwell in self.turn.dwells:
             off = self.turn.theta[abs(self.turn.lift - dwell.level) > TOE * self.turn.quantum]
@@ -273,8 +273,8 @@ class Smoother:
             high = dwell.end * scale - max(MARGIN, after)
             run = range(int(low + CENTER) + 1, int(np.floor(high + CENTER)) + 1)
             if len(run) >= WIDTH:
-                held.update((j % self.count, dwell.level) for j in run)
-        return held
+                levels.update((j % self.count, dwell.level) for j in run)
+        return levels
 
     def _equations(self, first: np.ndarray, factors: np.ndarray, values: np.ndarray):
         """Normal equations of sum over k of factors[., k] x[first + k] = values: band, right."""

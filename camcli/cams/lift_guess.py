@@ -320,16 +320,16 @@ def _lift_unit(guessed: Guess, numbers: list[float], title: str) -> None:
     if unit is not None:
         guessed.keys["lift"] = unit
         if lift * LENGTHS[unit] > LARGE:
-            said = f"the title says {unit}, but that is a lift of {lift * LENGTHS[unit]:.4g} m"
-            guessed.doubt("lift", said)
+            reason = f"the title says {unit}, but that is a lift of {lift * LENGTHS[unit]:.4g} m"
+            guessed.doubt("lift", reason)
         return
     if lift > LARGEST_THOU:
         unit = "um"
         why = f"the largest number is {top:g}, too large for thousandths of an inch"
     elif lift > LARGEST_MM:
         unit = "thou"
-        said = f"as thousandths of an inch a lift of {lift * LENGTHS[unit] * MM:.4g} mm"
-        why = f"the largest number is {top:g}: {said}, as mm one of {lift / MM:.4g} m"
+        reason = f"as thousandths of an inch a lift of {lift * LENGTHS[unit] * MM:.4g} mm"
+        why = f"the largest number is {top:g}: {reason}, as mm one of {lift / MM:.4g} m"
     else:
         unit = "mm" if lift > 1.0 else "inch" if lift > 0.05 else "m"
         why = f"the largest number is {top:g}"
@@ -377,25 +377,25 @@ def _other_lobes(
     guessed: Guess, columns: dict[int, list[float]], lift: int, others: Sequence[tuple[int, str]]
 ) -> None:
     """Say so where the file has lifts of other lobes: in columns beside, or in the same one."""
-    own = columns[lift]
-    size = max(own) - min(own)
+    lifts = columns[lift]
+    size = max(lifts) - min(lifts)
     for k, title in others:
         other = columns[k]
         scale = max(other) - min(other)
         name = f"column {k + 1}" + (f" '{shown(title, 40)}'" if title else "")
-        shares = [(a - min(own)) / size for a in own]
+        shares = [(a - min(lifts)) / size for a in lifts]
         others_shares = [(b - min(other)) / scale for b in other]
         differ = max(abs(a - b) for a, b in zip(shares, others_shares, strict=False))
-        if len(own) == len(other) and differ < ALIKE:
-            said = f"{name} is {scale / size:.4g} times this one"
+        if len(lifts) == len(other) and differ < ALIKE:
+            reason = f"{name} is {scale / size:.4g} times this one"
             guessed.doubt(
-                "lift_column", f"{said}: the same lobe in another unit, or behind a rocker"
+                "lift_column", f"{reason}: the same lobe in another unit, or behind a rocker"
             )
         else:
-            said = f"{name} rises and falls too, another lobe: this scene leaves it out"
+            reason = f"{name} rises and falls too, another lobe: this scene leaves it out"
             cure = f"for a scene of it copy this one and write lift_column: {title or k + 1}"
-            guessed.doubt("lift_column", f"{said}; {cure}")
-    count = _lobes(own)
+            guessed.doubt("lift_column", f"{reason}; {cure}")
+    count = _lobes(lifts)
     if count > 1:
         guessed.doubt(
             "lift_column",

@@ -58,7 +58,7 @@ def regions(cam: Cam) -> list[Region]:
         zip(corner_at, [*corner_at[1:], corner_at[0]], strict=True), 1
     ):
         end = after.theta + TURN if k == len(corner_at) else after.theta
-        own = range((after.stretch - corner.stretch - 1) % count + 1)
-        stretches = tuple((corner.stretch + j) % count for j in own)
+        indices = range((after.stretch - corner.stretch - 1) % count + 1)
+        stretches = tuple((corner.stretch + j) % count for j in indices)
         result.append(Region(f"A{k}", corner.theta, end, corner.name, after.name, stretches))
     return result

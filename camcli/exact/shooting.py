@@ -232,8 +232,8 @@ class Shooting:
                 error[k] = arb(0, size)
             box = Box(z, leaning, error, fixed, half)
             _, slopes = self.equations(box.hull())
-            own = arb_mat([[error[k]] for k in free])
-            rest = (one - inverse * _columns(slopes, free)) * own
+            errors = arb_mat([[error[k]] for k in free])
+            rest = (one - inverse * _columns(slopes, free)) * errors
             along = inverse * (slopes * arb_mat([[t] for t in leaning])) * eta
             image = (rest - off - along).entries()
             if all(error[k].contains_interior(x) for k, x in zip(free, image, strict=True)):

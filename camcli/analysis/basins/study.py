@@ -128,8 +128,8 @@ def study(
     shared = False
 
     def at(value: float, here: Work) -> Basins:
-        own, rpm, runs = setup(value)
-        speed, finder = basins(own, rpm, runs, question, work=here, on_cells=on_cells)
+        varied, rpm, runs = setup(value)
+        speed, finder = basins(varied, rpm, runs, question, work=here, on_cells=on_cells)
         name = f"{key} = {value!r}"
         doubt = piece(
             f"the boundary at {name}",
@@ -137,8 +137,8 @@ def study(
         )
         numbers = branches.number(speed.attractors, finder)
         if saddles:
-            look = partial(boundary_saddles, finder, speed.window, speed.codes)
-            speed = replace(speed, saddles=tuple(piece(f"the saddles at {name}", look, [])))
+            search = partial(boundary_saddles, finder, speed.window, speed.codes)
+            speed = replace(speed, saddles=tuple(piece(f"the saddles at {name}", search, [])))
         speed = replace(
             speed, branches=numbers, uncertainty=doubt, cost=finder.batches.cost, value=value
         )
@@ -146,7 +146,7 @@ def study(
             grown = [
                 piece(
                     f"the exponent of {one.label} at {name}",
-                    partial(largest_exponent, own, rpm, runs, one),
+                    partial(largest_exponent, varied, rpm, runs, one),
                 )
                 for one in speed.attractors
             ]
@@ -335,10 +335,12 @@ class Branches:
         return branch_of
 
 
-def carried(attractor: Attractor, own: AttractorFinder, other: AttractorFinder) -> Attractor | None:
+def carried(
+    attractor: Attractor, finder: AttractorFinder, other: AttractorFinder
+) -> Attractor | None:
     """The attractor of another speed on which this one's state ends, velocity kept."""
     q, w = attractor.states[0]
-    return other.destination(q, w * own.batches.omega)
+    return other.destination(q, w * finder.batches.omega)
 
 
 def distance(a: Attractor, b: Attractor) -> float:

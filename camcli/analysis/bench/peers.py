@@ -289,8 +289,8 @@ def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
         t = 0.0
         hit = False
         if y <= 0.0:
-            part = SHORT * machine.period if fall == math.inf else PART * fall
-            t, y, u, _ = method(flight, (t, y, u), min(part, span), False)
+            step = SHORT * machine.period if fall == math.inf else PART * fall
+            t, y, u, _ = method(flight, (t, y, u), min(step, span), False)
         if t < span:
             t, y, u, hit = method(flight, (t, y, u), span, True)
         theta = theta + omega * t if hit else stop

@@ -355,7 +355,7 @@ class Verdict:
 
 def verdicts(measured: Sequence[Measured]) -> list[Verdict]:
     """One for each case that ours was measured in, in order."""
-    told = []
+    results = []
     for name in dict.fromkeys(m.case for m in measured):
         here = [m for m in measured if m.case == name and not isnan(m.seconds)]
         peers = [m for m in here if not m.ours and m.status == OK]
@@ -369,5 +369,5 @@ def verdicts(measured: Sequence[Measured]) -> list[Verdict]:
             if best is not None:
                 others["most_exact_other"] = f"{best.method} {best.setting}"
                 others["its_error_turns"] = best.error
-            told.append(Verdict(name, ours.seconds, ours.error, ours.of_bound, **others))
-    return told
+            results.append(Verdict(name, ours.seconds, ours.error, ours.of_bound, **others))
+    return results

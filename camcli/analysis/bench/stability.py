@@ -221,9 +221,9 @@ def heights(machines: Machines, *names: str) -> str:
         steps = record.cost.evaluations
         share = max(share, height / (HALF_ULP * (4.0 + SIGMAS * sqrt(2.0 * steps / 3.0))))
         seen.append(f"{height:.1e} m in {steps} steps")
-    told = f"{share:.2f} of the limit at most: {'; '.join(seen)}"
-    need(share <= 1.0, told)
-    return told
+    words = f"{share:.2f} of the limit at most: {'; '.join(seen)}"
+    need(share <= 1.0, words)
+    return words
 
 
 # --- no spring, no force
@@ -264,15 +264,15 @@ def _no_spring_needed(machines: Machines) -> str:
     # away needs no spring
     words = "detach --no-plot --json --points 2 --set cam.offset=0.7"
     light = json.loads(said(f"{words} --rpm 110:120 --hold-to 120"))["result"]
-    told = "; ".join(light["words"])
-    need("not held even at standstill" in told, f"said: {told}")
+    sentences = "; ".join(light["words"])
+    need("not held even at standstill" in sentences, f"said: {sentences}")
     alone, preload, _ = light["hold"]
     need("a spring does not press" in alone["words"], f"of stiffness: {alone['words']}")
     need(preload["status"] == "ok" and preload["preload"] > 0.0, f"preload {preload['status']}")
     weight = "--set follower.gravity=1000 --set follower.stiffness=0"
-    held = json.loads(said(f"{words} --rpm 20:30 --hold-to 30 {weight}"))["result"]["hold"]
-    needless = all(answer["status"] == "not-needed" for answer in held)
-    last = held[-1]["words"]
+    springs = json.loads(said(f"{words} --rpm 20:30 --hold-to 30 {weight}"))["result"]["hold"]
+    needless = all(answer["status"] == "not-needed" for answer in springs)
+    last = springs[-1]["words"]
     need(needless and last == "no spring is needed", f"with a weight: {last}")
     return f"'not held even at standstill'; 'a spring does not press'; '{last}'"
 
@@ -451,8 +451,8 @@ def _graze(machines: Machines) -> str:
         rates += near
     fastest = max(rates, default=0.0)
     need(fastest < 1e-6, f"a contact with {fastest:.1e} m/rad")
-    told = f"; fastest {fastest:.1e} m/rad" if rates else ""
-    return f"{len(flights)} grazes; {len(rates)} contacts{told}"
+    ending = f"; fastest {fastest:.1e} m/rad" if rates else ""
+    return f"{len(flights)} grazes; {len(rates)} contacts{ending}"
 
 
 @row(18, "start with q = c; u = 0", "leaves or sticks; no impact recorded")

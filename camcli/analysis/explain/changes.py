@@ -121,8 +121,8 @@ def _follow(diagram: Diagram, motions: Sequence[Motion], span: Span) -> None:
         orbit = motion.orbit
         if orbit is None or orbit.root is None or seeds >= MOST_SEEDS:
             continue
-        held = partial(diagram.holds, orbit.root)
-        if piece(f"the comparison of {orbit.label}", held, instead=True):
+        covered = partial(diagram.holds, orbit.root)
+        if piece(f"the comparison of {orbit.label}", covered, instead=True):
             continue
         seeds += 1
         own = span
@@ -320,7 +320,7 @@ def _concerns(event: Event, a: Motion, b: Motion) -> bool:
 def _persists(events: Events, motion: Motion, a: Motion, b: Motion) -> bool:
     """True where the motion's orbit exists and attracts on both sides of the interval."""
     for branch in events.branches:
-        own = [p.value for p in branch.points if p.label == motion.label and p.stable]
-        if own and min(own) <= a.rpm and max(own) >= b.rpm:
+        values = [p.value for p in branch.points if p.label == motion.label and p.stable]
+        if values and min(values) <= a.rpm and max(values) >= b.rpm:
             return True
     return False

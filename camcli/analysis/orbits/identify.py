@@ -124,9 +124,9 @@ def _returns(record: Record, longest: int) -> Iterator[tuple[int, float]]:
 
 def _events(record: Record, window: range) -> Iterator[tuple[int, int, float, float]]:
     """(kind, period, theta, u) of what was logged in these turns."""
-    own = slice(*np.searchsorted(record.period, (window.start, window.stop)))
+    rows = slice(*np.searchsorted(record.period, (window.start, window.stop)))
     columns = record.kind, record.period, record.theta, record.u
-    return zip(*(column[own].tolist() for column in columns), strict=True)
+    return zip(*(column[rows].tolist() for column in columns), strict=True)
 
 
 def impacts_of(record: Record, window: range) -> list[Impact]:

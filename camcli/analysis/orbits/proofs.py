@@ -212,9 +212,9 @@ def shooting_of(system: System, root: Root) -> Shooting:
     """The exact equations of a root; raises NotProvedError."""
     if root.count > MOST_IMPACTS:
         raise NotProvedError(Step.MODEL)
-    own, rpm = with_machine(system, root.machine)
+    changed, rpm = with_machine(system, root.machine)
     name = next(name for name, k in PARAMETERS.items() if k == root.parameter)
-    empty = Shooting(system.shape, own.follower, rpm, name, (), root.turns)
+    empty = Shooting(system.shape, changed.follower, rpm, name, (), root.turns)
     places = []
     for k, theta in enumerate(root.theta):
         stretch = system.cam.stretches[root.whole[2 * k]]
@@ -490,18 +490,18 @@ def prove_ranges(system: System, branch: Branch, events: Sequence[Bifurcation]) 
 
 def _sections(branch: Branch, events: Sequence[Bifurcation]) -> Iterator[list[PeriodicOrbit]]:
     """Pieces of three points or more between events, in the order of the parameter."""
-    piece = list[PeriodicOrbit]()
+    section = list[PeriodicOrbit]()
     for a, b in pairwise(branch.points):
         if a.root is None or b.root is None:
             continue
-        piece = piece or [a]
+        section = section or [a]
         if a.root.whole == b.root.whole:
-            piece.append(b)
+            section.append(b)
         if _event_at(b, events) or a.root.whole != b.root.whole or b is branch.points[-1]:
-            up = piece[-1].value > piece[0].value
-            if len(piece) > 2 and all((q.value > p.value) == up for p, q in pairwise(piece)):
-                yield piece if up else piece[::-1]
-            piece = []
+            up = section[-1].value > section[0].value
+            if len(section) > 2 and all((q.value > p.value) == up for p, q in pairwise(section)):
+                yield section if up else section[::-1]
+            section = []
 
 
 def _event_at(point: PeriodicOrbit, events: Sequence[Bifurcation]) -> Bifurcation | None:
@@ -585,16 +585,16 @@ def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable
     the stability of the piece.
     """
     fixed = _given(located, root)
-    own = replace(located, root=root)
+    moved = replace(located, root=root)
     if root.whole != located.root.whole:  # the side behind a corner
-        own = replace(own, side=-located.side)
+        moved = replace(moved, side=-located.side)
     guess = [arb(x) for x in root.x]
     failure = NotProvedError(Step.SINGULAR)
     for reach in REACHES:
         try:
             width = arb(reach * abs(inner.x[fixed] - root.x[fixed]))
-            exact, box = shooting.zero(guess, fixed, _test(shooting, own), width)
-            _admit(shooting, box.hull(), own)
+            exact, box = shooting.zero(guess, fixed, _test(shooting, moved), width)
+            _admit(shooting, box.hull(), moved)
             trace, det = shooting.trace_det(box.hull())
             if located.kind not in (Kind.PERIOD_DOUBLING, Kind.FOLD):
                 _prove_stability(shooting, box, stable)

@@ -179,9 +179,9 @@ def orbits(
         found.orbits = [orbit for orbit in found.orbits if orbit.stable == question.stable]
     elif question.label is not None and not found.orbits and not found.continua:
         ends = None if span is None or question.parameter != "rpm" else (span.low, span.high)
-        look = partial(_look_around, system, settings, question.rpm, question.label, ends)
+        search = partial(_look_around, system, settings, question.rpm, question.label, ends)
         with suppress(BudgetSpentError):
-            absent = piece("the search at other speeds", look)
+            absent = piece("the search at other speeds", search)
         if ends is not None and absent is not None and absent.orbit is not None:
             found.orbits = [absent.orbit]
             question = replace(question, rpm=absent.orbit.rpm)
