@@ -26,7 +26,7 @@ from camcli.cams.compile import Shape
 from camcli.system import Follower, System
 
 if TYPE_CHECKING:
-    from camcli.exact.motion import Motion
+    from camcli.exact.motion import BallMotion
 
 SETTLED, WANDERS, CYCLE, UNKNOWN = "settled", "wanders", "cycle", "unknown"
 LAST_DIGIT_DIGITS = (60,)  # for balls of 1e-16
@@ -112,12 +112,12 @@ def of_shape(
 
     Other starts at a speed, and a sweep the other way, come to the same rest: it is followed once.
     """
-    from camcli.exact.machine import Machine
-    from camcli.exact.motion import EndlessError, Motion
+    from camcli.exact.machine import BallMachine
+    from camcli.exact.motion import BallMotion, EndlessError
 
     def followed() -> After:
-        make = Machine.within_last_digit if every else Machine
-        return _followed(Motion(make(shape, follower, rpm), strobe, theta))
+        make = BallMachine.within_last_digit if every else BallMachine
+        return _followed(BallMotion(make(shape, follower, rpm), strobe, theta))
 
     try:
         return decided(followed, LAST_DIGIT_DIGITS if every else DIGITS)
@@ -125,7 +125,7 @@ def of_shape(
         return After(UNKNOWN)
 
 
-def _followed(motion: Motion) -> After:
+def _followed(motion: BallMotion) -> After:
     """Follow a motion until its states repeat, or for LONGEST turns."""
     trail = motion.trail
     states: list[State] = []
@@ -148,7 +148,7 @@ def _followed(motion: Motion) -> After:
     return After(kind, len(states), (states[-1],), (trail.symbols[len(states) - 1],))
 
 
-def cycle(motion: Motion) -> After | None:
+def cycle(motion: BallMotion) -> After | None:
     """The motion since an earlier departure at the phase of the last one, if there was one."""
     trail = motion.trail
     last = trail.leaves[-1]

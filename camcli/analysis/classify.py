@@ -41,7 +41,7 @@ LONGER = 8  # times the record, where neither a period nor an exponent was certa
 
 
 @dataclass(frozen=True)
-class Motion:
+class ClassifiedMotion:
     """What one start leads to.
 
     value: the speed (rpm), or that of what is varied instead; label: P(m;...), contact, aperiodic
@@ -95,7 +95,7 @@ def classify(
     on_speed: Callable[[], None] = lambda: None,
     setup: Callable[[float], Setup] | None = None,
     key: str = "rpm",
-) -> list[Motion]:
+) -> list[ClassifiedMotion]:
     """The motions from settings.start and `starts` of a cloud, speed by speed in order.
 
     Each with the length of its transient; `seed` chooses other starts of the cloud. The values are
@@ -109,25 +109,25 @@ def classify(
     turns = len(values) * (starts + 1) * (settings.transient + settings.record)
     backend.for_work(turns)
 
-    def motions_at(value: float) -> list[Motion]:
+    def motions_at(value: float) -> list[ClassifiedMotion]:
         varied, rpm, runs = setup(value)
         motions = attractors(varied, rpm, runs, starts, seed)
         return [replace(motion, value=value) for motion in motions]
 
-    def motions_or_fault(value: float) -> list[Motion]:
+    def motions_or_fault(value: float) -> list[ClassifiedMotion]:
         result = attempt(f"{key} = {value!r}", lambda: motions_at(value))
         if isinstance(result, PieceFault):
             return [_failed(value, value if key == "rpm" else nan, settings.start, result)]
         return result
 
-    motions: list[Motion] = []
+    motions: list[ClassifiedMotion] = []
     for found in in_threads(motions_or_fault, values, threads):
         motions += found
         on_speed()
     return motions
 
 
-def _failed(value: float, rpm: float, start: Start, fault: PieceFault) -> Motion:
+def _failed(value: float, rpm: float, start: Start, fault: PieceFault) -> ClassifiedMotion:
     """A motion of which nothing is known."""
     nothing = np.empty(0)
     count = np.empty(0, int)
@@ -135,7 +135,7 @@ def _failed(value: float, rpm: float, start: Start, fault: PieceFault) -> Motion
         count, count, nothing, nothing, nothing, nothing, nothing, count, count,
         periods=0, detachments=0, resting=False, status=Status.FAULT, cost=Cost(),
     )  # fmt: skip
-    return Motion(
+    return ClassifiedMotion(
         value, rpm, start, UNDECIDED, None, None, nan, "", None, Status.FAULT, Cost(), record,
         fault=fault,
     )  # fmt: skip
@@ -143,7 +143,7 @@ def _failed(value: float, rpm: float, start: Start, fault: PieceFault) -> Motion
 
 def classify_at(
     system: System, rpm: float, settings: Settings, start: Start | None = None
-) -> Motion:
+) -> ClassifiedMotion:
     """The motion from a start (settings.start unless given), after settings.transient turns.
 
     Periodic means: Newton's iteration from the end of the record converges to an admissible,
@@ -202,7 +202,7 @@ def classify_at(
                 record = after.record
                 cost = cost + after.record.cost
     certain = record.status == Status.OK and not rests and _certain(orbit, exponents)
-    return Motion(
+    return ClassifiedMotion(
         value=rpm,
         rpm=rpm,
         start=start,
@@ -269,7 +269,7 @@ def _after_rest(system: System, rpm: float, settings: Settings, record: Record) 
     return _AfterRest(*_solved(system, rpm, record), record, holds_for, run)
 
 
-def own_end(system: System, settings: Settings, motion: Motion) -> Motion:
+def own_end(system: System, settings: Settings, motion: ClassifiedMotion) -> ClassifiedMotion:
     """The motion with the orbit that its start ends on, where that can be told, and its transient.
 
     On the way from a rest to an orbit without rests an error of rounding may grow beyond all
@@ -305,13 +305,13 @@ def own_end(system: System, settings: Settings, motion: Motion) -> Motion:
 
 def attractors(
     system: System, rpm: float, settings: Settings, starts: int, seed: int
-) -> list[Motion]:
+) -> list[ClassifiedMotion]:
     """The different motions reached from the scene's start and a cloud, in a fixed order.
 
     Each with its transient; that of the scene's start is where this start ends (`own_end`).
     """
     skip = seed * starts
-    motions: list[Motion] = []
+    motions: list[ClassifiedMotion] = []
     for start in (settings.start, *islice(cloud(system, rpm), skip, skip + starts)):
         motion = classify_at(system, rpm, settings, start)
         if not motions:
@@ -325,14 +325,14 @@ def attractors(
     return sorted([*motions[:1], *others], key=_order)
 
 
-def same_motion(a: Motion, b: Motion) -> bool:
+def same_motion(a: ClassifiedMotion, b: ClassifiedMotion) -> bool:
     """The same solved orbit, or the same word for what is not solved."""
     if a.orbit is not None and b.orbit is not None:
         return same_orbit(a.orbit, b.orbit)
     return a.label == b.label and a.orbit is None and b.orbit is None
 
 
-def _order(motion: Motion):
+def _order(motion: ClassifiedMotion):
     orbit = motion.orbit
     state = (0.0, 0.0) if orbit is None else orbit.states[0]
     return (orbit is None, motion.period, motion.label, state)
@@ -361,7 +361,9 @@ def _chatter(record: Record) -> str:
     return NONE
 
 
-def with_transient(system: System, settings: Settings, motion: Motion) -> Motion:
+def with_transient(
+    system: System, settings: Settings, motion: ClassifiedMotion
+) -> ClassifiedMotion:
     """The motion with the length of its transient, from a run logged from the start.
 
     Counted in turns until the state at the strobe stays at the solved orbit.
@@ -371,13 +373,15 @@ def with_transient(system: System, settings: Settings, motion: Motion) -> Motion
     return _reached(motion, _from_start(system, settings, motion, False))
 
 
-def _from_start(system: System, settings: Settings, motion: Motion, events: bool) -> Record:
+def _from_start(
+    system: System, settings: Settings, motion: ClassifiedMotion, events: bool
+) -> Record:
     """The transient of a motion, and some turns more."""
     run = with_turns(settings, 0, settings.transient + 2 * LONGEST_PERIOD)
     return Orbit(system, motion.rpm, run, motion.start).run(events=events)
 
 
-def _reached(motion: Motion, record: Record) -> Motion:
+def _reached(motion: ClassifiedMotion, record: Record) -> ClassifiedMotion:
     """The motion with its transient, where it reaches its orbit in a record from the start."""
     orbit = motion.orbit
     motion = replace(motion, cost=motion.cost + record.cost)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import degrees
 
-from camcli.analysis.classify import Motion, classify_at
+from camcli.analysis.classify import ClassifiedMotion, classify_at
 from camcli.analysis.integrate import Cost, Orbit, Record, Settings, with_turns
 from camcli.analysis.labels import APERIODIC, period_of
 from camcli.analysis.orbits.identify import TOO_LARGE, named
@@ -40,7 +40,7 @@ class Simulation:
     corners: list[float]
     cost: Cost
     one_of_many: int | None  # turn of the record, see `one_of_many_from`
-    ends: Motion | None = None  # where the record alone looks aperiodic: what it leads to
+    ends: ClassifiedMotion | None = None  # where the record alone looks aperiodic: what it leads to
 
     @property
     def repeats(self) -> int:
@@ -93,7 +93,7 @@ def simulate(
 
 def _named(
     system: System, rpm: float, settings: Settings, orbit: Orbit, record: Record
-) -> tuple[str, Motion | None]:
+) -> tuple[str, ClassifiedMotion | None]:
     """The label, and what `classify` finds where the record alone cannot tell.
 
     It cannot where it looks aperiodic, nor where rounding decides what follows a rest.

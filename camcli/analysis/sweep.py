@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from camcli.analysis.after_rest import HoldsFor
-from camcli.analysis.classify import Motion, classify_at
+from camcli.analysis.classify import ClassifiedMotion, classify_at
 from camcli.analysis.integrate import (
     AtSpeeds,
     Cost,
@@ -564,7 +564,7 @@ def true_motion(
     start: Start | None,
     record: Record,
     end: Start,
-) -> tuple[Motion, Record, Start]:
+) -> tuple[ClassifiedMotion, Record, Start]:
     """What `classify` names, a record of as many turns that shows it, and where that ends.
 
     The record itself where each of its turns is of the orbit named, or where none is.

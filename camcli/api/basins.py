@@ -8,7 +8,7 @@ import numpy as np
 
 from camcli.analysis.after_rest import CYCLE, SETTLED
 from camcli.analysis.basins.refinement import leaves
-from camcli.analysis.basins.study import Basins, Question, Study, study
+from camcli.analysis.basins.study import Basins, BasinsQuestion, Study, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
@@ -97,7 +97,7 @@ def basins(
     machine = machine_of(scene)
     scene, section, system = machine.scene, machine.scene.basins, machine.system
     window = Window(section.q, section.v, *section.cells)
-    question = Question(window, section.budget, section.refine)
+    question = BasinsQuestion(window, section.budget, section.refine)
     key, values, setup = span_of(machine, section)
     total = window.count * len(values)
     done = 0
@@ -234,7 +234,7 @@ def _cells(grid: Basins, refine: int) -> Iterator[Block]:
         yield q_m, v_m_per_s, grid.codes[rows, columns]
 
 
-def _summary(result: Study, question: Question) -> dict[str, Any]:
+def _summary(result: Study, question: BasinsQuestion) -> dict[str, Any]:
     """What run.json keeps beside the tables."""
     return {
         "method": "orbit",
@@ -244,7 +244,7 @@ def _summary(result: Study, question: Question) -> dict[str, Any]:
     }
 
 
-def _record(speed: Basins, question: Question) -> dict[str, Any]:
+def _record(speed: Basins, question: BasinsQuestion) -> dict[str, Any]:
     doubt = speed.uncertainty
     return {
         "value": speed.value,

@@ -46,7 +46,7 @@ class Throughput:
 
 PARTS: dict[str, Any] = {
     "precision": precision.Measured,
-    "stability": stability.Outcome,
+    "stability": stability.RowOutcome,
     "scale": Throughput,
 }
 CASE = Quantity("case", "", "case", "what is measured")
@@ -265,7 +265,7 @@ def _precision_result(rows: Sequence[precision.Measured]) -> tuple[Any, list[str
     return result, precision_notes(bad)
 
 
-def _stability_result(rows: Sequence[stability.Outcome]) -> tuple[Any, list[str]]:
+def _stability_result(rows: Sequence[stability.RowOutcome]) -> tuple[Any, list[str]]:
     bad = [o for o in rows if o.status != stability.OK]
     return {"rows": len(rows), "failed": [o.case for o in bad]}, stability_notes(bad)
 

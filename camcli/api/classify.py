@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
-from camcli.analysis.classify import Motion
+from camcli.analysis.classify import ClassifiedMotion
 from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
 from camcli.analysis.sweep import status_name
@@ -147,7 +147,9 @@ def classify(
     )
 
 
-def _summary(motions: list[Motion], explanation: Explanation | None, key: str) -> dict[str, Any]:
+def _summary(
+    motions: list[ClassifiedMotion], explanation: Explanation | None, key: str
+) -> dict[str, Any]:
     return {
         "words": remarks(motions, key),
         "motions": [_motion(m) for m in motions],
@@ -155,7 +157,7 @@ def _summary(motions: list[Motion], explanation: Explanation | None, key: str) -
     }
 
 
-def _row(m: Motion) -> tuple:
+def _row(m: ClassifiedMotion) -> tuple:
     stable = None if m.stable is None else int(m.stable)
     exponent = None if m.exponents is None else m.exponents.largest
     impacts = None if m.fault is not None else m.impacts
@@ -163,7 +165,7 @@ def _row(m: Motion) -> tuple:
     return *named, status_name(m.status), m.holds_for, m.watched
 
 
-def _motion(m: Motion) -> dict[str, Any]:
+def _motion(m: ClassifiedMotion) -> dict[str, Any]:
     e = m.exponents
     return {
         "value": m.value, "rpm": m.rpm, "label": m.label, "period": m.period,

@@ -15,12 +15,12 @@ from camcli.output.tables import Table
 from camcli.piece_faults import piece
 
 if TYPE_CHECKING:
-    from camcli.analysis.classify import Motion
+    from camcli.analysis.classify import ClassifiedMotion
     from camcli.analysis.explain.changes import Explanation
 
 
 def explanation_of(
-    machine: Machine, motions: list[Motion], progress: Progress | None
+    machine: Machine, motions: list[ClassifiedMotion], progress: Progress | None
 ) -> Explanation:
     """The changes of the motion from the scene's own start, as far as run.work_budget goes.
 

@@ -66,7 +66,7 @@ NONE: Columns = (np.empty(0), np.empty(0))
 
 
 @dataclass(frozen=True)
-class Motion:
+class PageMotion:
     """One motion of the page, as `cam simulate` computes it from this start.
 
     origin: `fixed`, `up` or `down` for a sweep, `solved` for an orbit, `start` for a start of the
@@ -106,7 +106,7 @@ class Motion:
 class Explored:
     """What the page shows: motions with their simulations, and the results they come from."""
 
-    motions: list[Motion]
+    motions: list[PageMotion]
     simulations: list[Simulation]
     parts: Mapping[str, Result]  # see `parts_of`
 
@@ -188,7 +188,7 @@ def explore(
         motions += _starts(machine, parts["basins"], turns) if "basins" in parts else []
         motions += _points(machine, parts["map"], turns) if "map" in parts else []
         tick = ticks(progress, "motions", len(motions))
-        pairs: list[tuple[Motion, Simulation]] = []
+        pairs: list[tuple[PageMotion, Simulation]] = []
         for motion in motions:
             name = f"the motion {motion.label} at {motion.rpm:.10g} rpm ({motion.origin})"
             simulation = piece(name, partial(_simulated, machine, motion, samples))
@@ -223,7 +223,7 @@ def explore(
     )
 
 
-def _simulated(machine: Machine, motion: Motion, samples: int) -> Simulation:
+def _simulated(machine: Machine, motion: PageMotion, samples: int) -> Simulation:
     """A motion of the page; samples: rows per turn, at least."""
     start = Start(motion.q, motion.v, motion.system.strobe)
     settings = replace(with_turns(machine.settings, 0, motion.turns + 1), start=start)
@@ -367,9 +367,9 @@ def _orbits_scene(scene: Scene) -> Scene:
     return with_values(scene, "orbits", rpm=rpm, at=at, parameter="rpm", range=None, curve=None)
 
 
-def _attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) -> list[Motion]:
+def _attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) -> list[PageMotion]:
     """The motions of the sweeps by speed, each that is not there already."""
-    found: dict[float, list[Motion]] = {}
+    found: dict[float, list[PageMotion]] = {}
     for direction, result in sweeps:
         for motion in _of_sweep(machine, result, direction, max(1, min(LONGEST, turns))):
             known = found.setdefault(motion.rpm, [])
@@ -379,7 +379,7 @@ def _attractors(machine: Machine, sweeps: list[tuple[str, Result]], turns: int) 
     return [motion for rpm in sorted(found) for motion in found[rpm]]
 
 
-def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> Iterator[Motion]:
+def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> Iterator[PageMotion]:
     """The last turns of every speed that has any; `most`: turns shown."""
     speeds = result.values[0].speeds
     points = MOST_POINTS // len(speeds)
@@ -393,7 +393,7 @@ def _of_sweep(machine: Machine, result: Result, direction: str, most: int) -> It
         period = period_of(label)
         turns = min(recorded, period if 0 < period <= most else most)
         kept = turn >= recorded - (period or recorded)
-        yield Motion(
+        yield PageMotion(
             speed.rpm, label, direction, *_start(machine, speed.rpm, q[-turns], v[-turns]), turns,
             turns == period,
             True if period else None,
@@ -413,12 +413,12 @@ def _start(machine: Machine, rpm: float, q: float, v: float) -> tuple[float | No
     return float(max(q, c)), float(v)
 
 
-def _solved(machine: Machine, result: Result, known: list[Motion]) -> list[Motion]:
+def _solved(machine: Machine, result: Result, known: list[PageMotion]) -> list[PageMotion]:
     """The orbits of the branches that no sweep has found, one per step of the sweep and branch."""
     span, solved = machine.scene.sweep.rpm, result.values
     step = abs(span.stop - span.start) / max(1, span.num - 1)
     speeds = np.array([motion.rpm for motion in known])
-    found: list[Motion] = []
+    found: list[PageMotion] = []
     lines = [branch.points for branch in solved.branches]
     if solved.question.span is None:
         lines = [(orbit,) for orbit in solved.orbits]
@@ -441,7 +441,7 @@ def _solved(machine: Machine, result: Result, known: list[Motion]) -> list[Motio
             turns = period_of(orbit.label)
             strobes = np.array(state[:1]), np.array(state[1:])
             found.append(
-                Motion(
+                PageMotion(
                     orbit.rpm, orbit.label, "solved", *start, turns, True, orbit.stable, None,
                     machine.system, NONE, strobes,
                 )
@@ -455,7 +455,7 @@ def _some(count: int) -> list[int]:
     return [(2 * k + 1) * count // (2 * most) for k in range(most)]
 
 
-def _starts(machine: Machine, result: Result, turns: int) -> Iterator[Motion]:
+def _starts(machine: Machine, result: Result, turns: int) -> Iterator[PageMotion]:
     """Motions from a grid of starts in the window of the basins, by the attractor they reach."""
     section = machine.scene.basins
     cells = dict(result.tables["basins"])
@@ -466,13 +466,13 @@ def _starts(machine: Machine, result: Result, turns: int) -> Iterator[Motion]:
         if codes[k] == -1:
             continue  # below the cam
         start = float(cells["q_m"][k]), float(cells["v_m_per_s"][k])
-        yield Motion(
+        yield PageMotion(
             section.rpm.start, names.get(codes[k], UNDECIDED), "start", *start, turns,
             False, None, None, machine.system, place=start,
         )  # fmt: skip
 
 
-def _points(machine: Machine, result: Result, most: int) -> Iterator[Motion]:
+def _points(machine: Machine, result: Result, most: int) -> Iterator[PageMotion]:
     """Motions at a grid of points of the map, from where their records end."""
     found, axes = result.values[0], result.scene.sweep.vary
     setup = Varied(machine, axes)
@@ -486,7 +486,7 @@ def _points(machine: Machine, result: Result, most: int) -> Iterator[Motion]:
             system, rpm, _ = setup(*place)
             turns = period if 0 < period <= most else most
             constants = zip(axes, place, strict=True)
-            yield Motion(
+            yield PageMotion(
                 rpm, speed.label, "map", speed.end.q, speed.end.v, turns, turns == period,
                 True if period else None, speed.exponent, system, place=place,
                 sets={axis.key: x for axis, x in constants if axis.path != "run.rpm"},

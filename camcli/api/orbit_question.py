@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Plane
-from camcli.analysis.orbits.study import Question
+from camcli.analysis.orbits.study import OrbitsQuestion
 from camcli.errors import Fault, SceneError
 from camcli.quantities import FOLLOWER, PARAMETERS
 from camcli.scene import Axis, Scene
@@ -64,7 +64,7 @@ def varied_by(scene: Scene) -> list[Varied]:
     return named
 
 
-def question_of(scene: Scene, varied: list[Varied]) -> Question:
+def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
     """What the section `orbits` asks; raises SceneError where it contradicts itself."""
     section, first = scene.orbits, varied[0]
     at = _speed_of_orbits(scene, first)
@@ -87,7 +87,7 @@ def question_of(scene: Scene, varied: list[Varied]) -> Question:
         names, ranges = (first.name, second.name), ((first.low, first.high), _ends(second))
         plane = Plane(names, ranges, max(2, second.num // 4))
     step = (first.high - first.low) / max(1, first.num - 1)
-    return Question(
+    return OrbitsQuestion(
         rpm=at,
         parameter=first.name,
         span=Span(first.low, first.high, step) if first.low < first.high else None,

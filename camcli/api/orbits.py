@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits.one_period import periods_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.study import Bifurcation, OrbitsResult, Question
+from camcli.analysis.orbits.study import Bifurcation, OrbitsQuestion, OrbitsResult
 from camcli.analysis.orbits.study import orbits as run
 from camcli.analysis.sweep import Setup, Sweep, rpm_grid, sweep
 from camcli.api.command import Command, Drawing, Size
@@ -161,7 +161,7 @@ def _tables(found: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[st
     return {name: table for name, table in made.items() if table is not None}
 
 
-def _simulated(machine: Machine, question: Question, count: int) -> Sweep:
+def _simulated(machine: Machine, question: OrbitsQuestion, count: int) -> Sweep:
     """Motions from the scene's start over the range of the parameter."""
     span = question.span
     assert span is not None

@@ -230,13 +230,13 @@ def _draw_profiles(
     machines: Sequence[Machine], results: Sequence[Profile], bases: Sequence[float | None]
 ) -> Picture:
     """The cams side by side; bases: radii of their base circles, m."""
-    from camcli.plots.cam_profile import Drawn, draw_profiles
+    from camcli.plots.cam_profile import CamDrawing, draw_profiles
     from camcli.plots.mechanism import Outline
 
     units, drawn = units_of(machines[0].system), []
     for machine, found, base in zip(machines, results, bases, strict=True):
         cam = machine.scene.cam
-        drawn.append(Drawn(found, Outline.of(machine.system, base, cam), cam, units))
+        drawn.append(CamDrawing(found, Outline.of(machine.system, base, cam), cam, units))
     return draw_profiles(drawn)
 
 

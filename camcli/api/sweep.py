@@ -44,7 +44,7 @@ from camcli.words.statuses import status_notes, trouble
 from camcli.words.sweep import map_notes, sweep_notes
 
 if TYPE_CHECKING:
-    from camcli.analysis.classify import Motion
+    from camcli.analysis.classify import ClassifiedMotion
     from camcli.analysis.explain.changes import Explanation
 
 MAP = Head(
@@ -137,7 +137,7 @@ def sweep(
             on_speed=ticks(progress, "speeds", len(values) * (1 + len(section.also))),
         )
         gather(found.faults)
-        motions: list[Motion] = []
+        motions: list[ClassifiedMotion] = []
         explanation: Explanation | None = None
         if section.explain:
             motions, explanation = _explained(machine, found, progress, work)
@@ -201,7 +201,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
 
 def _explained(
     machine: Machine, found: Sweep, progress: Progress | None, work: Work
-) -> tuple[list[Motion], Explanation]:
+) -> tuple[list[ClassifiedMotion], Explanation]:
     """The motions from the scene's own start, and the causes of their changes."""
     from camcli.analysis.classify import classify
     from camcli.api.explanation import explanation_of
@@ -222,7 +222,7 @@ def _result(
     machine: Machine,
     found: Sweep,
     branches: list[BranchColumns],
-    motions: list[Motion],
+    motions: list[ClassifiedMotion],
     explanation: Explanation | None,
 ) -> Result:
     """What was found, without its time and its faults."""

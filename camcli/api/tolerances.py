@@ -8,7 +8,7 @@ from random import Random
 from statistics import median
 from typing import Any
 
-from camcli.analysis.contact_loss.detachment import Quantity as Critical
+from camcli.analysis.contact_loss.detachment import CriticalQuantity as Critical
 from camcli.analysis.contact_loss.detachment import first_loss
 from camcli.analysis.contact_loss.hold import Hold, replaced
 from camcli.analysis.contact_loss.study import ContactLoss

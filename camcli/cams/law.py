@@ -160,7 +160,7 @@ def written(value: float) -> Fraction:
 def _motion(law, start: Fraction, length: Fraction, low: arb, step: arb) -> Iterator[Part]:
     """Parts of a motion from c = low to low + step over `length` deg."""
 
-    def later(segment: Segment, turn: int) -> Callable[[Any], Any]:
+    def later(segment: LawSegment, turn: int) -> Callable[[Any], Any]:
         """c = low + step s((theta - start)/beta) on the turn that begins at `turn` deg."""
         origin = radians(start - turn)
         beta = radians(length)
@@ -184,7 +184,7 @@ def _folded(low: Fraction, high: Fraction, level, later=None) -> Iterator[Part]:
 
 
 @dataclass(frozen=True)
-class Segment:
+class LawSegment:
     """A smooth part of a law, start <= x <= end; `height` is s(x), analytic beyond both."""
 
     start: Fraction
@@ -192,7 +192,7 @@ class Segment:
     height: Callable[[Any], Any]
 
 
-def _segments(law: str | SccaLaw) -> list[Segment]:
+def _segments(law: str | SccaLaw) -> list[LawSegment]:
     """The smooth parts of a law on 0 <= x <= 1."""
     if isinstance(law, SccaLaw):
         b = written(law.scca.b)
@@ -208,10 +208,10 @@ def _segments(law: str | SccaLaw) -> list[Segment]:
             total = total * x + terms.get(n, 0)
         return total
 
-    return [Segment(Fraction(0), Fraction(1), height)]
+    return [LawSegment(Fraction(0), Fraction(1), height)]
 
 
-def _scca(b: Fraction, d: Fraction) -> list[Segment]:
+def _scca(b: Fraction, d: Fraction) -> list[LawSegment]:
     """The sine-constant-cosine acceleration law of widths b, c = 1 - b - d, d.
 
     s'' = C_a times: sin(pi x/b) up to b/2; 1 up to (1 - d)/2; cos(pi (x - (1 - d)/2)/d) up to
@@ -247,8 +247,8 @@ def _scca(b: Fraction, d: Fraction) -> list[Segment]:
         return lambda x: 1 - height(1 - x)
 
     if b == d and b + d == 1:  # cycloidal: one sine throughout
-        return [Segment(Fraction(0), Fraction(1), sine)]
+        return [LawSegment(Fraction(0), Fraction(1), sine)]
     edges = (Fraction(0), b / 2, (1 - d) / 2, (1 + d) / 2, 1 - b / 2, Fraction(1))
     heights = (sine, constant, cosine, mirrored(constant), mirrored(sine))
     zones = zip(pairwise(edges), heights, strict=True)
-    return [Segment(start, end, height) for (start, end), height in zones if end > start]
+    return [LawSegment(start, end, height) for (start, end), height in zones if end > start]

@@ -58,7 +58,7 @@ class Guess:
         self.unsure[key] = f"{self.unsure[key]}; {why}" if key in self.unsure else why
 
 
-class Cells(NamedTuple):
+class CutLine(NamedTuple):
     """A line cut into cells."""
 
     line: int  # of the file, from 1
@@ -66,11 +66,11 @@ class Cells(NamedTuple):
     numbers: list[str]  # '' where a cell is none
 
 
-class Run(NamedTuple):
+class NumberRun(NamedTuple):
     """Lines of numbers with equally many cells, one after the other."""
 
     start: int  # index of its first line
-    rows: list[Cells]
+    rows: list[CutLine]
 
 
 def guess(data: bytes, name: str) -> Guess:
@@ -103,7 +103,7 @@ def guess(data: bytes, name: str) -> Guess:
     }
     angle = _angle_column(columns, words, name)
     lift, others = _lift_columns(columns, words, angle, name)
-    table = Table(lines, run, angle, lift, name)
+    table = GuessedTable(lines, run, angle, lift, name)
     table.refuse_what_cannot_be_read()
     guessed = Guess({"header": start - first})
     if first > 0 and lines[first].line > 1:
@@ -126,17 +126,17 @@ def guess(data: bytes, name: str) -> Guess:
 # -- lines to a run of rows --------------------------------------------------------------------
 
 
-def _cut(text: list[tuple[int, str]], decimal: str) -> list[Cells]:
+def _cut(text: list[tuple[int, str]], decimal: str) -> list[CutLine]:
     """The cells of every line, with decimal points or commas."""
     quoted = any(has_quoted_comma(line) for _, line in text)
     lines = []
     for n, line in text:
         cells = splitter(line, decimal, quoted)(line)
-        lines.append(Cells(n, cells, [number(word, decimal) for _, word in cells]))
+        lines.append(CutLine(n, cells, [number(word, decimal) for _, word in cells]))
     return lines
 
 
-def _longest_run(lines: list[Cells]) -> Run:
+def _longest_run(lines: list[CutLine]) -> NumberRun:
     """The longest run of rows of numbers."""
     best = start = end = 0
     for k, line in enumerate(lines):
@@ -148,10 +148,10 @@ def _longest_run(lines: list[Cells]) -> Run:
         if k + 1 - start > end - best:
             best = start
             end = k + 1
-    return Run(best, lines[best:end])
+    return NumberRun(best, lines[best:end])
 
 
-def _no_table(lines: list[Cells], name: str) -> SceneError:
+def _no_table(lines: list[CutLine], name: str) -> SceneError:
     """The fault of a file without a table; it names the first row that is nearly one."""
     found = f"found no {LEAST_RUN} rows of numbers one after the other"
     for line in lines:
@@ -162,10 +162,10 @@ def _no_table(lines: list[Cells], name: str) -> SceneError:
     return refused(name, "", found, "expected a table of angles and lifts", "is it the file?")
 
 
-class Table:
+class GuessedTable:
     """The rows of numbers, and which lines around them belong to them."""
 
-    def __init__(self, lines: list[Cells], run: Run, angle: int, lift: int, name: str):
+    def __init__(self, lines: list[CutLine], run: NumberRun, angle: int, lift: int, name: str):
         self.lines = lines
         self.run = run
         self.angle = angle
@@ -198,7 +198,7 @@ class Table:
             if before - now > self.reach and now >= self.angles[0]:
                 raise self._two_tables(self.run.rows[k], "the angle begins again")
 
-    def is_row(self, line: Cells) -> bool:
+    def is_row(self, line: CutLine) -> bool:
         """Whether both cells that count are numbers."""
         same = len(line.cells) == self.width
         return same and bool(line.numbers[self.angle] and line.numbers[self.lift])
@@ -209,7 +209,7 @@ class Table:
         most = self.reach * (self.run.start - k)
         return angle is not None and 0.0 < self.angles[0] - angle <= most
 
-    def _is_behind(self, k: int, line: Cells) -> bool:
+    def _is_behind(self, k: int, line: CutLine) -> bool:
         """Whether the angle of a line, the k-th below the rows, follows theirs by so many rows."""
         angle = self._angle_of(line)
         last = self.angles[-1]
@@ -218,13 +218,13 @@ class Table:
         turns = (0.0,) if angle >= self.angles[0] else (0.0, 360.0, 720.0)  # through zero
         return any(0.0 < angle + turn - last <= self.reach * (k + 1) for turn in turns)
 
-    def _angle_of(self, line: Cells) -> float | None:
+    def _angle_of(self, line: CutLine) -> float | None:
         """The angle in a line, rising, where it has one."""
         if self.angle >= len(line.numbers) or not line.numbers[self.angle]:
             return None
         return self.sign * float(line.numbers[self.angle])
 
-    def _fault(self, line: Cells) -> Fault:
+    def _fault(self, line: CutLine) -> Fault:
         """What is wrong with a line among the rows, or below them."""
         place = f"{self.name}:{line.line}"
         cure = "correct the row or remove it, or begin the line with # if it is a comment"
@@ -236,14 +236,14 @@ class Table:
         found = f"found '{shown(text, 40)}'" if text else "found an empty cell"
         return Fault(f"{place}:{column}", "", found, "expected a number", cure)
 
-    def _two_tables(self, line: Cells, what: str) -> SceneError:
+    def _two_tables(self, line: CutLine, what: str) -> SceneError:
         found = f"{what} at {line.numbers[self.angle]}"
         expected = "expected one table in a file"
         cure = "cut the file there, a table of its own for each cam, and make a scene of each"
         return refused(f"{self.name}:{line.line}", "", found, expected, cure)
 
 
-def _doubt_what_is_skipped(guessed: Guess, lines: list[Cells], table: Table) -> None:
+def _doubt_what_is_skipped(guessed: Guess, lines: list[CutLine], table: GuessedTable) -> None:
     """Say so where another table is among the lines above the one that is read."""
     rows = [line.line for line in lines if table.is_row(line)]
     if len(rows) >= LEAST_RUN:

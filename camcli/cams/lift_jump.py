@@ -77,7 +77,7 @@ def _jump_near(turn: Turn, shares: np.ndarray, noise: float, place: float) -> Ju
     """The jump near a place that the widest of the windows shows."""
     coarse = 0.5 * turn.spacing
     for half in WINDOWS:
-        window = Window(turn, shares, place, half)
+        window = RowsAbout(turn, shares, place, half)
         if window.freedom < FREEDOM:
             continue
         reach = min(REACH, half / 3.0)
@@ -95,7 +95,7 @@ def _jump_near(turn: Turn, shares: np.ndarray, noise: float, place: float) -> Ju
     return None
 
 
-class Window:
+class RowsAbout:
     """The rows about a place, less a polynomial; angles in deg from the place."""
 
     def __init__(self, turn: Turn, shares: np.ndarray, place: float, half: float):

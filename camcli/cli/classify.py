@@ -11,7 +11,7 @@ from camcli.errors import Fault, SceneError, shown
 
 if TYPE_CHECKING:
     from camcli.analysis.border_collision import Collision, Side
-    from camcli.analysis.classify import Motion
+    from camcli.analysis.classify import ClassifiedMotion
     from camcli.analysis.explain.changes import Explanation
     from camcli.api.result import Result
 
@@ -103,7 +103,7 @@ def show(result: Result, verbose: bool) -> None:
         print(MORE)
 
 
-def _range_row(group: list[Motion]) -> list[str]:
+def _range_row(group: list[ClassifiedMotion]) -> list[str]:
     from camcli.words.labels import motion
 
     a, b = group[0], group[-1]
@@ -116,7 +116,7 @@ def _range_row(group: list[Motion]) -> list[str]:
     ]  # fmt: skip
 
 
-def _exponent(group: list[Motion]) -> str:
+def _exponent(group: list[ClassifiedMotion]) -> str:
     found = [m.exponents for m in group if m.exponents is not None]
     if not found:
         return ""

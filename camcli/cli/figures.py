@@ -25,7 +25,7 @@ from camcli.cli.run import check_before, compute, exit_code, fault_lines, open_f
 from camcli.errors import Fault, SceneError, plural
 from camcli.interrupts import came, look
 from camcli.output.digest import CHAOTIC, REGULAR, SOLVED, Drift, caption, digest, drifts
-from camcli.output.gallery import Shown, page
+from camcli.output.gallery import GalleryFigure, page
 from camcli.output.program import program_hash
 from camcli.output.run_folder import RECORD, run_folder, unchanged
 from camcli.parallel import thread_count
@@ -498,17 +498,17 @@ def _write_faults(out: Path, faults: Sequence[PieceFault]) -> None:
     tell_faults(records, out / FAULTS)
 
 
-def _entry(figure: Figure, folder: Path) -> Shown:
+def _entry(figure: Figure, folder: Path) -> GalleryFigure:
     """A figure as the page shows it; one that fails there has its name alone."""
-    bare = Shown(figure.name, figure.name, "", figure.shown_command, "", folder)
+    bare = GalleryFigure(figure.name, figure.name, "", figure.shown_command, "", folder)
     return piece(f"the entry of {figure.name} in index.html", partial(_shown, figure, folder), bare)
 
 
-def _shown(figure: Figure, folder: Path) -> Shown:
+def _shown(figure: Figure, folder: Path) -> GalleryFigure:
     about, state = figure.scene.figure, read(State, folder / STATE)
     assert about is not None
     text = figure.path.read_text(encoding="utf-8-sig")
-    shown = Shown(figure.name, about.title, "", figure.shown_command, text, folder)
+    shown = GalleryFigure(figure.name, about.title, "", figure.shown_command, text, folder)
     if state is None:
         return shown
     try:

@@ -22,7 +22,7 @@ from camcli.system import Follower
 
 
 @dataclass(frozen=True)
-class Stretch:
+class BallStretch:
     """A smooth part of the cam between two angles (rad) of the turn."""
 
     start: arb
@@ -42,14 +42,18 @@ class Stretch:
         return derivatives(self.lift, theta, order)
 
 
-class Machine:
+class BallMachine:
     """The follower's constants per rad of cam angle, W^2, Z, G and r, and the cam's stretches.
 
     center: the machine itself, or of many machines (`within_last_digit`) the one in the middle.
     """
 
     def __init__(
-        self, cam: Shape | list[Stretch], follower: Follower, rpm: Any, share: Fraction | int = 0
+        self,
+        cam: Shape | list[BallStretch],
+        follower: Follower,
+        rpm: Any,
+        share: Fraction | int = 0,
     ):
         """At the speed rpm (1 + share). The constants may be doubles, balls or series of balls."""
         m, k, b, g, load, self.r = (balls.number(x) for x in vars(follower).values())
@@ -76,7 +80,7 @@ class Machine:
         self.width = 0.0
 
     @classmethod
-    def within_last_digit(cls, shape: Shape, follower: Follower, rpm: float) -> Machine:
+    def within_last_digit(cls, shape: Shape, follower: Follower, rpm: float) -> BallMachine:
         """Every machine at once whose speed rounds to rpm."""
         center = cls(shape, follower, rpm)
         width = ulp(rpm) / 2
@@ -185,20 +189,20 @@ def _quotient_of_quotient(x: Any) -> Any:
     return at.hypgeom_1f1(1, 3) / 2 + at.hypgeom_1f1(2, 4) * (x - at) / 6
 
 
-def stretches_of(shape: Shape) -> list[Stretch]:
+def stretches_of(shape: Shape) -> list[BallStretch]:
     """The smooth parts of a cam, in the digits in use."""
     return [stretch for part in shape.parts() for stretch in _stretches(part)]
 
 
-def _stretches(part: Part) -> list[Stretch]:
+def _stretches(part: Part) -> list[BallStretch]:
     """A part as it is, or each of its equal polynomials."""
     if not part.pieces:
-        return [Stretch(part.start, part.end, part.lift, part.level, part.slopes)]
+        return [BallStretch(part.start, part.end, part.lift, part.level, part.slopes)]
     count = len(part.pieces)
     width = (part.end - part.start) / len(part.pieces)
     edges = [part.start + k * width for k in range(count + 1)]
     return [
-        Stretch(edges[k], edges[k + 1], _polynomial(piece), part.level)
+        BallStretch(edges[k], edges[k + 1], _polynomial(piece), part.level)
         for k, piece in enumerate(part.pieces)
     ]
 

@@ -14,7 +14,7 @@ from flint import arb, arb_mat, ctx
 from camcli.cams.balls import UndecidedError, below, coarsely
 from camcli.cams.compile import SMALLEST_KICK
 from camcli.exact.first_root import Function, first_root, sharpened
-from camcli.exact.machine import Machine
+from camcli.exact.machine import BallMachine
 
 BEFORE = 1e-6  # rad: so long before a departure, as doubles know it, the follower rests
 MOST_STRETCHES = 10_000  # of one flight
@@ -95,7 +95,7 @@ class Trail:
     leaves: list[arb] = field(default_factory=list)
 
 
-class Motion:
+class BallMotion:
     """A follower that rests on the cam before its first departure, then moves on by `step`."""
 
     rate: arb  # relative to the cam, m/rad
@@ -103,7 +103,7 @@ class Motion:
     w: arb  # dq/dtheta, m/rad
     fall: arb  # -gap'' as the flight begins, m/rad^2
 
-    def __init__(self, machine: Machine, strobe: float, theta: float):
+    def __init__(self, machine: BallMachine, strobe: float, theta: float):
         """Up to the departure near theta, seen through the strobe phase; both in rad, [0, 2 pi)."""
         self.machine = machine
         self.turn = machine.turn

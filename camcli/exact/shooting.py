@@ -23,7 +23,7 @@ from flint import arb, arb_mat, arb_series, ctx
 from camcli.cams.balls import UndecidedError, head, slope
 from camcli.cams.compile import Shape
 from camcli.exact.first_root import first_root
-from camcli.exact.machine import Machine, Stretch, stretches_of
+from camcli.exact.machine import BallMachine, BallStretch, stretches_of
 from camcli.system import Follower
 
 NEWTON = 12  # steps towards the middle of a box
@@ -37,7 +37,7 @@ Gap = Callable[[arb], list[Any]]  # s -> gap after s rad of a flight, and deriva
 Test = Callable[[list[Number]], Number]  # of the unknowns z = x, p as series
 
 
-class Step(StrEnum):
+class ProofStep(StrEnum):
     """The step of a proof that failed; `camcli.words.proofs` says it in words."""
 
     NO_ORBIT = "no-orbit"
@@ -58,13 +58,13 @@ class Step(StrEnum):
 class NotProvedError(Exception):
     """The proof failed; `step` says where, `refuted` that the contrary was shown."""
 
-    def __init__(self, step: Step, refuted: bool = False):
+    def __init__(self, step: ProofStep, refuted: bool = False):
         super().__init__(step)
         self.step = step
         self.refuted = refuted
 
 
-class Flight(NamedTuple):
+class BallFlight(NamedTuple):
     """Flight k: gap and rate as it meets the cam, the derivatives of E1, E2 by either impact."""
 
     gap: Number
@@ -119,18 +119,18 @@ class Shooting:
     turns: int
 
     @cached_property
-    def stretches(self) -> list[Stretch]:
+    def stretches(self) -> list[BallStretch]:
         return stretches_of(self.shape)
 
     @property
     def n(self) -> int:
         return len(self.places)
 
-    def machine(self, p: Number) -> Machine:
+    def machine(self, p: Number) -> BallMachine:
         """At a value of the parameter."""
         if self.parameter == "rpm":
-            return Machine(self.stretches, self.follower, p)
-        return Machine(self.stretches, replace(self.follower, **{self.parameter: p}), self.rpm)
+            return BallMachine(self.stretches, self.follower, p)
+        return BallMachine(self.stretches, replace(self.follower, **{self.parameter: p}), self.rpm)
 
     def lift(self, place: Place, theta: Number, order: int = 2) -> list[Number]:
         """c and derivatives at theta, an angle of the turn, or a series of angles."""
@@ -146,7 +146,7 @@ class Shooting:
         turns = self.places[j][1] - self.places[k][1] + (self.turns if k == self.n - 1 else 0)
         return x[2 * j] - x[2 * k] + 2 * arb.pi() * turns
 
-    def flights(self, machine: Machine, x: Sequence[Number]) -> list[Flight]:
+    def flights(self, machine: BallMachine, x: Sequence[Number]) -> list[BallFlight]:
         """All flights between the impacts x."""
         pieces = []
         for k in range(self.n):
@@ -166,7 +166,7 @@ class Shooting:
                 -(v * (1 - machine.W2 * p) + b * accel), b,
                 r * (machine.W2 * b * v - b1 * accel), r * b1,
             )  # fmt: skip
-            pieces.append(Flight(end_q - end_c, end_w - end_c1, start, end_accel))
+            pieces.append(BallFlight(end_q - end_c, end_w - end_c1, start, end_accel))
         return pieces
 
     def equations(self, z: Sequence[arb]) -> tuple[arb_mat, arb_mat]:
@@ -197,7 +197,7 @@ class Shooting:
         try:
             return self._krawczyk([x.mid() for x in guess], fixed, arb(half).mid())
         except (ZeroDivisionError, ValueError, UndecidedError):
-            raise NotProvedError(Step.SINGULAR) from None
+            raise NotProvedError(ProofStep.SINGULAR) from None
 
     def _krawczyk(self, z: list[arb], fixed: int, half: arb) -> Box:
         """`box` from a guess that is exact numbers: Newton's method, then Krawczyk's operator.
@@ -241,7 +241,7 @@ class Shooting:
                     error[k] = x
                 return Box(z, leaning, error, fixed, half)
             room = [2 * max(size, abs(x).upper()) for size, x in zip(room, image, strict=True)]
-        raise NotProvedError(Step.SINGULAR)
+        raise NotProvedError(ProofStep.SINGULAR)
 
     def along(self, hull: Sequence[arb], fixed: int) -> list[Number]:
         """The unknowns as series in the given one: with the derivatives of the whole branch."""
@@ -250,7 +250,7 @@ class Shooting:
         try:
             tangent = _columns(slopes, free).solve(_columns(slopes, [fixed])).entries()
         except ZeroDivisionError:
-            raise NotProvedError(Step.SINGULAR) from None
+            raise NotProvedError(ProofStep.SINGULAR) from None
         slopes_of = dict(zip(free, (-t for t in tangent), strict=True))
         return [arb_series([x, slopes_of.get(k, 1)], 2) for k, x in enumerate(hull)]
 
@@ -277,7 +277,7 @@ class Shooting:
         around = self.box(box.middle, fixed, wide)
         root = at - off / slope(test(self.along(around.hull(), fixed)))
         if not arb(at, wide.mid()).contains_interior(root):
-            raise NotProvedError(Step.CROSSING)
+            raise NotProvedError(ProofStep.CROSSING)
         middle = list(box.middle)
         middle[fixed] = root.mid()
         return self.box(middle, fixed, root.rad() + least**2), around
@@ -318,16 +318,16 @@ class Shooting:
             inside = stretch.start < theta and theta < stretch.end
             if not inside and k not in ends:
                 outside = theta < stretch.start or theta > stretch.end
-                raise NotProvedError(Step.ELSEWHERE, bool(outside))
+                raise NotProvedError(ProofStep.ELSEWHERE, bool(outside))
             if k != fading and not hull[2 * k + 1] > 0:
-                raise NotProvedError(Step.PULLS, bool(hull[2 * k + 1] < 0))
+                raise NotProvedError(ProofStep.PULLS, bool(hull[2 * k + 1] < 0))
         for k in range(self.n):
             try:
                 self._clear(machine, hull, k, touch[1] if touch and touch[0] == k else None, fading)
             except UndecidedError:
-                raise NotProvedError(Step.GRAZES) from None
+                raise NotProvedError(ProofStep.GRAZES) from None
 
-    def gap(self, machine: Machine, z: Sequence[Number], k: int, place: Place) -> Gap:
+    def gap(self, machine: BallMachine, z: Sequence[Number], k: int, place: Place) -> Gap:
         """s -> gap to a stretch after s rad of flight k, and its derivatives up to the second."""
         c, c1, _ = self.lift(self.places[k], z[2 * k])
         w = c1 + z[2 * k + 1]
@@ -340,7 +340,7 @@ class Shooting:
         return gap
 
     def _clear(
-        self, machine: Machine, x: Sequence[arb], k: int, touch: arb | None, fading: int | None
+        self, machine: BallMachine, x: Sequence[arb], k: int, touch: arb | None, fading: int | None
     ) -> None:
         """Show that the gap is above zero during flight k, or raise; a touch is passed over."""
         following = (k + 1) % self.n
@@ -399,7 +399,7 @@ class Shooting:
         wide = 2 * abs(gap(s)[1] / gap(s)[2]).upper() + arb(2) ** (24 - ctx.prec)
         zero = s - gap(s)[1] / gap(arb(s, wide))[2]
         if not arb(s, wide).contains_interior(zero):
-            raise NotProvedError(Step.GRAZES)
+            raise NotProvedError(ProofStep.GRAZES)
         return place, zero
 
     def place(self, theta: arb, turn: int) -> Place:
@@ -441,4 +441,4 @@ def _positive(gap: Gap, low: arb, high: arb) -> None:
     """Show that a gap above zero at `low` stays there up to `high`, or raise."""
     low, high = low.lower(), high.upper()
     if low < high and first_root(gap, low, high) is not None:
-        raise NotProvedError(Step.CONTACT, True)
+        raise NotProvedError(ProofStep.CONTACT, True)

@@ -19,7 +19,7 @@ MOST_ROWS, MOST_COLUMNS = 20, 10
 
 
 @dataclass(frozen=True)
-class Shown:
+class GalleryFigure:
     """One figure as the page shows it; without `files` it is not computed yet."""
 
     name: str
@@ -49,7 +49,7 @@ class Shown:
         return [quote(f"{self.name}/{file}") for file in self.files if file.endswith(".png")]
 
 
-def page(figures: Sequence[Shown]) -> str:
+def page(figures: Sequence[GalleryFigure]) -> str:
     """The page."""
     template = Template((files("camcli.output") / "gallery.html").read_text(encoding="utf-8"))
     groups = groupby(figures, lambda p: re.sub(r"(?<=\d)[a-z]$", "", p.name))
@@ -63,12 +63,12 @@ def page(figures: Sequence[Shown]) -> str:
     return template.substitute(contents=contents, first=first, figures=articles)
 
 
-def _thumbnail(p: Shown) -> str:
+def _thumbnail(p: GalleryFigure) -> str:
     image = f'<img src="{p.pictures[0]}" loading="lazy" alt="">' if p.pictures else ""
     return f'<li><a href="#{p.id}">{image}{p.heading}</a></li>\n'
 
 
-def _article(p: Shown) -> str:
+def _article(p: GalleryFigure) -> str:
     none = "This command draws no picture." if p.files else "Not computed yet."
     pages = [quote(f"{p.name}/{file}") for file in p.files if file.endswith(".html")]
     words = escape(p.caption or p.title)
@@ -87,7 +87,7 @@ def _article(p: Shown) -> str:
 """
 
 
-def _image(p: Shown, source: str) -> str:
+def _image(p: GalleryFigure, source: str) -> str:
     """A picture with its size and its caption in words."""
     try:
         with open(p.folder / Path(source).name, "rb") as png:
@@ -99,7 +99,7 @@ def _image(p: Shown, source: str) -> str:
     return f'<img src="{source}" width="{wide}" height="{high}" loading="lazy"\nalt="{words}">'
 
 
-def _figure(p: Shown, source: str) -> str:
+def _figure(p: GalleryFigure, source: str) -> str:
     return f"""<figure>
 <a href="{source}">{_image(p, source)}</a>
 <figcaption>{escape(p.caption or p.title)}</figcaption>
@@ -107,14 +107,14 @@ def _figure(p: Shown, source: str) -> str:
 """
 
 
-def _printed(p: Shown) -> str:
+def _printed(p: GalleryFigure) -> str:
     """Printed numbers beside what was computed."""
     columns = ("number", "printed", "computed")
     rows = [dict(zip(columns, (n, *pair), strict=True)) for n, pair in p.printed.items()]
     return _table(rows, f"Printed numbers of {p.name}") if rows else ""
 
 
-def _numbers(p: Shown) -> str:
+def _numbers(p: GalleryFigure) -> str:
     """What its run.json says, links to its files, and its cost."""
     try:
         path = p.folder / "run.json"

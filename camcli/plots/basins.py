@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-from camcli.analysis.basins.study import BELOW_CODE, UNDECIDED_CODE, Basins, Question, Study
+from camcli.analysis.basins.study import BELOW_CODE, UNDECIDED_CODE, Basins, BasinsQuestion, Study
 from camcli.analysis.sweep import status_name
 from camcli.errors import plural
 from camcli.plots import style
@@ -35,7 +35,9 @@ BOUNDARY = "black"
 SADDLE: dict[str, Any] = {"marker": "x", "ms": 5.0, "mec": BOUNDARY, "mew": 1.2, "ls": "None"}
 
 
-def draw_basins(study: Study, question: Question, system: System, key: str = "rpm") -> Picture:
+def draw_basins(
+    study: Study, question: BasinsQuestion, system: System, key: str = "rpm"
+) -> Picture:
     """Picture of the basins of a few speeds; of fractions and attractors over a range of them.
 
     key: what is varied, where that is another number.
@@ -56,7 +58,7 @@ def _swatch(colour: str) -> dict[str, Any]:
 # --- the windows of a few speeds
 
 
-def _windows(study: Study, _: Question, system: System, key: str) -> Picture:
+def _windows(study: Study, _: BasinsQuestion, system: System, key: str) -> Picture:
     """The basins of the speeds side by side; their attractors by branch."""
     grids = study.grids
     labels = _labels(grids)
@@ -187,7 +189,7 @@ def _marker(number: int) -> dict[str, Any]:
 # --- a range of speeds
 
 
-def _range(study: Study, question: Question, system: System, key: str) -> Picture:
+def _range(study: Study, question: BasinsQuestion, system: System, key: str) -> Picture:
     """Fractions stacked over what is varied, and where the attractors are."""
     colours, values = branch_colours(study), np.array([s.value for s in study.speeds])
     middle = 0.5 * (values[1:] + values[:-1])  # edges: halfway from each value to the next

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullLocator
 
 from camcli.analysis.bench.precision import GIVEN_UP, INVENTED, MISSED, OK, OVER, Measured, case
-from camcli.analysis.bench.stability import Outcome
+from camcli.analysis.bench.stability import RowOutcome
 from camcli.plots import style
 from camcli.plots.axes import DASHED, say
 from camcli.plots.picture import Panel, Picture
@@ -47,14 +47,14 @@ def draw_precision(found: Sequence[Measured]) -> Picture:
     return Picture("Work and precision: error against time, lower left is better", panels)
 
 
-def draw_stability(found: Sequence[Outcome]) -> Picture:
+def draw_stability(found: Sequence[RowOutcome]) -> Picture:
     """Picture of the extreme cases: a bar each, as long as it took."""
     failed = sum(row.status != OK for row in found)
     panel = Panel(partial(_draw_rows, found=found), PER_CASE * max(3, len(found)))
     return Picture(cases_title(len(found), failed), {"cases": panel})
 
 
-def _draw_rows(axes: Axes, found: Sequence[Outcome]) -> None:
+def _draw_rows(axes: Axes, found: Sequence[RowOutcome]) -> None:
     """Bars from the first case down, those that failed in their own colour."""
     colours = [style.PERIODS[0] if row.status == OK else style.TROUBLE for row in found]
     axes.barh(range(len(found)), [row.seconds for row in found], 0.6, color=colours)

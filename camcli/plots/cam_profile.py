@@ -22,7 +22,7 @@ from camcli.words.simulate import cam_words
 
 
 @dataclass(frozen=True)
-class Drawn:
+class CamDrawing:
     """A cam to draw; `cam` is the scene's, of which a measured one shows its rows."""
 
     profile: Profile
@@ -36,7 +36,7 @@ class Drawn:
         return self.cam.kind == "table"
 
 
-def draw_profiles(cams: Sequence[Drawn]) -> Picture:
+def draw_profiles(cams: Sequence[CamDrawing]) -> Picture:
     """Picture of a cam, others beside it; outline and follower on it where they are asked for."""
     profile, units = cams[0].profile, cams[0].units
     low, high = profile.ranges["c"]
@@ -55,10 +55,10 @@ def draw_profiles(cams: Sequence[Drawn]) -> Picture:
     return Picture(f"Cams side by side: {', '.join(cam_name(cam.cam) for cam in cams)}", panels)
 
 
-Draw = Callable[[Axes, Drawn], None]
+Draw = Callable[[Axes, CamDrawing], None]
 
 
-def _panels(cam: Drawn, among: Sequence[Drawn]) -> dict[str, Panel]:
+def _panels(cam: CamDrawing, among: Sequence[CamDrawing]) -> dict[str, Panel]:
     """The panels of a cam; among others those that are compared are a column."""
     profile, outline = cam.profile, cam.outline
     theta, slope = np.degrees(profile.theta), np.asarray(profile.c1)
@@ -76,7 +76,7 @@ def _panels(cam: Drawn, among: Sequence[Drawn]) -> dict[str, Panel]:
     return panels
 
 
-def _draw(axes: Axes, draw: Draw, cam: Drawn, among: Sequence[Drawn]) -> None:
+def _draw(axes: Axes, draw: Draw, cam: CamDrawing, among: Sequence[CamDrawing]) -> None:
     draw(axes, cam)
     corners = {name: degrees(theta) for name, theta in cam.profile.corners.items()}
     few = len(corners) <= style.MOST_CORNERS
@@ -92,11 +92,11 @@ def _curve(axes: Axes, profile: Profile, values: Sequence[float], colour: str = 
     axes.plot(np.degrees(profile.theta), values, color=colour)
 
 
-def _name(axes: Axes, drawn: Drawn, panel: str) -> None:
+def _name(axes: Axes, drawn: CamDrawing, panel: str) -> None:
     lift_axis(axes.yaxis, panel, drawn.units)
 
 
-def _draw_lift(axes: Axes, drawn: Drawn) -> None:
+def _draw_lift(axes: Axes, drawn: CamDrawing) -> None:
     profile, cam = drawn.profile, drawn.cam
     name = "cam" if drawn.measured else None
     axes.plot(np.degrees(profile.theta), profile.c, color=style.CAM, label=name)
@@ -107,12 +107,12 @@ def _draw_lift(axes: Axes, drawn: Drawn) -> None:
         axes.plot(theta, c, ".", color=style.MEASURED, ms=2.0, zorder=3, label=rows)
 
 
-def _draw_slope(axes: Axes, drawn: Drawn) -> None:
+def _draw_slope(axes: Axes, drawn: CamDrawing) -> None:
     _curve(axes, drawn.profile, drawn.profile.c1)
     _name(axes, drawn, "velocity")
 
 
-def _draw_acceleration(axes: Axes, drawn: Drawn) -> None:
+def _draw_acceleration(axes: Axes, drawn: CamDrawing) -> None:
     profile = drawn.profile
     _curve(axes, profile, profile.c2)
     _name(axes, drawn, "acceleration")
@@ -127,13 +127,13 @@ def _draw_acceleration(axes: Axes, drawn: Drawn) -> None:
     axes.fill_between(*band, color=style.DOUBT, lw=0, label=words, zorder=0.4)
 
 
-def _draw_force(axes: Axes, drawn: Drawn) -> None:
+def _draw_force(axes: Axes, drawn: CamDrawing) -> None:
     force = drawn.profile.force
     draw_forces(axes, [force])
     axes.set_title(f"at {number_text(force.rpm)} rpm, least {newtons(force.lowest_n, 4)}")
 
 
-def _draw_flat(axes: Axes, drawn: Drawn) -> None:
+def _draw_flat(axes: Axes, drawn: CamDrawing) -> None:
     """What a flat face sees of the cam."""
     bent = drawn.profile.curvature
     colour = style.TROUBLE if bent.undercut else style.CAM
@@ -144,7 +144,7 @@ def _draw_flat(axes: Axes, drawn: Drawn) -> None:
     axes.set_title(f"flat face{': undercut' * bent.undercut}, {needs}", color=colour)
 
 
-def _draw_knife(axes: Axes, drawn: Drawn) -> None:
+def _draw_knife(axes: Axes, drawn: CamDrawing) -> None:
     """What a knife edge or a roller sees of the cam."""
     bent = drawn.profile.curvature
     if bent.knife is None:

@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Rectangle
 
-from camcli.analysis.classify import Motion
+from camcli.analysis.classify import ClassifiedMotion
 from camcli.analysis.explain.attractor import impacts_of
-from camcli.analysis.explain.changes import Event
+from camcli.analysis.explain.changes import CriticalEvent
 from camcli.errors import Status
 from camcli.plots import style
 from camcli.plots.axes import (
@@ -50,7 +50,7 @@ BRIGHT = 0.45  # luminance from which text is black
 class _Scene:
     """Motions in ascending order, where each is drawn, and what the panels share."""
 
-    motions: list[Motion]
+    motions: list[ClassifiedMotion]
     x: list[float]
     columns: Columns
     events: list[Numbered]
@@ -64,9 +64,9 @@ class _Scene:
 
 
 def draw_classify(
-    motions: Sequence[Motion],
+    motions: Sequence[ClassifiedMotion],
     system: System | None = None,
-    events: Sequence[Event] = (),
+    events: Sequence[CriticalEvent] = (),
     key: str = "rpm",
 ) -> Picture:
     """Picture of classified motions over what is varied, with the corners of the system.
@@ -174,7 +174,9 @@ def _draw_labels(axes: Axes, scene: _Scene) -> None:
             _name(axes, motion, *box, colour)
 
 
-def _name(axes: Axes, motion: Motion, corner: Any, wide: float, high: float, colour: str) -> None:
+def _name(
+    axes: Axes, motion: ClassifiedMotion, corner: Any, wide: float, high: float, colour: str
+) -> None:
     """The label, else the period, in the middle of a rectangle where there is room."""
     frame, (left, right) = axes.get_window_extent(), axes.get_xlim()
     light = sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), to_rgb(colour), strict=True))

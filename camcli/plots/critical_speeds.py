@@ -11,16 +11,16 @@ from camcli.words.explanations import event_name, event_speed, unnumbered
 from camcli.words.in_print import label_text
 
 if TYPE_CHECKING:  # a picture without events needs nothing of the explanations
-    from camcli.analysis.explain.changes import Event
+    from camcli.analysis.explain.changes import CriticalEvent
 
 SINGLE, MOST = 20, 44  # events in one list, and in two
 MINOR = ("corner-hit", "accumulation-at-corner", "itinerary")  # change no attractor's kind
 LONG, SHORT = 40, 16  # letters of a motion in one list, and in one of two
 
-Numbered = tuple[int | None, "Event"]
+Numbered = tuple[int | None, "CriticalEvent"]
 
 
-def numbered(events: Sequence[Event]) -> list[Numbered]:
+def numbered(events: Sequence[CriticalEvent]) -> list[Numbered]:
     """In ascending order; beyond MOST, the last of the minor ones stay without a number."""
     order = sorted(events, key=lambda event: event.rpm)
     chosen = {id(event) for event in sorted(order, key=lambda e: e.kind in MINOR)[:MOST]}

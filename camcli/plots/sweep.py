@@ -40,7 +40,7 @@ from camcli.system import System, units_of
 from camcli.words.sweep import diagram_title, diagram_words
 
 if TYPE_CHECKING:
-    from camcli.analysis.explain.changes import Event
+    from camcli.analysis.explain.changes import CriticalEvent
 
 ENLARGED_SHARE = 0.4  # of the speeds, for a panel of their own
 ENLARGED_PART, FEW = 0.3, 10  # of the positions, where most of more speeds than a few are
@@ -59,7 +59,7 @@ KINDS = {  # colours, see `kind_of`
 
 
 @dataclass(frozen=True)
-class Survey:
+class DrawnSpeeds:
     """Speeds in their own order, what their points come to; None for what was not recorded."""
 
     values: np.ndarray
@@ -70,7 +70,7 @@ class Survey:
     strobe: Cloud | None
 
     @classmethod
-    def of(cls, speeds: Sequence[Speed]) -> Survey:
+    def of(cls, speeds: Sequence[Speed]) -> DrawnSpeeds:
         """Pass over all speeds once."""
         clouds, found = {name: Cloud(len(speeds)) for name in SECTIONS}, set()
         rows, kinds = [], []
@@ -118,7 +118,7 @@ def draw_sweep(
     sweep: Sweep,
     system: System,
     settings: Settings,
-    events: Sequence[Event] = (),
+    events: Sequence[CriticalEvent] = (),
     branches: Sequence[Any] = (),
     zooms: Sequence[tuple[float, float]] = (),
 ) -> Picture:
@@ -128,7 +128,7 @@ def draw_sweep(
     with values, stable, phases and q; `zooms` are parts of the range, enlarged. The speeds are read
     twice, one at a time.
     """
-    survey, found = Survey.of(sweep.speeds), numbered(events)
+    survey, found = DrawnSpeeds.of(sweep.speeds), numbered(events)
     panels = cloud_panels(survey, sweep, system, zooms)
     if np.isfinite(survey.exponents).any():
         draw_strip = partial(_draw_exponents, survey, axis_name(sweep.key))
@@ -168,7 +168,7 @@ def _draw_branch(axes: Axes, branch: Any, columns: Sequence[Sequence[float]]) ->
                       scalex=False, label=f"solved, {what}")  # fmt: skip
 
 
-def _draw_exponents(survey: Survey, name: str, axes: Axes) -> None:
+def _draw_exponents(survey: DrawnSpeeds, name: str, axes: Axes) -> None:
     """The largest exponent over what is varied, in the colour of the motion; none at rest."""
     columns = Columns.of(survey.values)
     axes.axhline(0.0, color=style.GUIDE, lw=0.6)
@@ -195,7 +195,9 @@ class _View:
     across: int = 1
 
 
-def _views(survey: Survey, zooms: Sequence[tuple[float, float]], lift: float) -> dict[str, _View]:
+def _views(
+    survey: DrawnSpeeds, zooms: Sequence[tuple[float, float]], lift: float
+) -> dict[str, _View]:
     """The whole range; phases enlarged where most have few; parts of the range."""
     if survey.impacts is None and survey.strobe is None:
         return {}
@@ -223,7 +225,7 @@ def _views(survey: Survey, zooms: Sequence[tuple[float, float]], lift: float) ->
 
 
 def cloud_panels(
-    survey: Survey, sweep: Sweep, system: System, zooms: Sequence[tuple[float, float]] = ()
+    survey: DrawnSpeeds, sweep: Sweep, system: System, zooms: Sequence[tuple[float, float]] = ()
 ) -> dict[str, Panel]:
     """Panels of what was recorded, from one pass over the speeds."""
     views, kinds = _views(survey, zooms, system.lift), sorted(set(survey.kinds))

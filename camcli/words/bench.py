@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from camcli.analysis.bench.precision import Measured
-from camcli.analysis.bench.stability import Outcome
+from camcli.analysis.bench.stability import RowOutcome
 
 NO_HEYOKA = "heyoka is not installed, its points are left out: pip install 'camcli[bench]'"
 
@@ -17,7 +17,7 @@ def precision_notes(bad: Sequence[Measured]) -> list[str]:
     ]
 
 
-def stability_notes(bad: Sequence[Outcome]) -> list[str]:
+def stability_notes(bad: Sequence[RowOutcome]) -> list[str]:
     """Extreme cases that came out otherwise."""
     return [f"row {o.case}: expected {o.expected}: {o.observed}" for o in bad]
 

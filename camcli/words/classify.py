@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from math import inf, isfinite
 
-from camcli.analysis.classify import Motion
+from camcli.analysis.classify import ClassifiedMotion
 from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED
 from camcli.analysis.sweep import status_name
 from camcli.errors import Status, plural
@@ -14,13 +14,13 @@ from camcli.words.speeds import at_speed
 from camcli.words.statuses import counted
 
 
-def motions_title(motions: list[Motion], key: str, ranges: int) -> str:
+def motions_title(motions: list[ClassifiedMotion], key: str, ranges: int) -> str:
     """The title of the ranges in which all motions have one label."""
     title = plural(len(motions), "motion") + at_speed([key], motions[0].rpm)
     return f"{title}, {plural(ranges, 'range')} of one label"
 
 
-def remarks(motions: list[Motion], key: str = "rpm", verbose: bool = True) -> list[str]:
+def remarks(motions: list[ClassifiedMotion], key: str = "rpm", verbose: bool = True) -> list[str]:
     """Sentences on what is undecided; verbose: and on exponents, rests and how long was watched."""
     said = _on_exponents(motions) if verbose else []
     said += decided_notes((m.holds_for for m in motions), "motions")
@@ -36,7 +36,7 @@ def remarks(motions: list[Motion], key: str = "rpm", verbose: bool = True) -> li
     return said
 
 
-def _on_exponents(motions: list[Motion]) -> list[str]:
+def _on_exponents(motions: list[ClassifiedMotion]) -> list[str]:
     """Sentences: the sum rule, and what a rest does to exponents."""
     said = []
     known = [m.exponents for m in motions if m.exponents]
@@ -54,7 +54,7 @@ def _on_exponents(motions: list[Motion]) -> list[str]:
     return said
 
 
-def _unsolved_notes(unsolved: list[Motion], key: str) -> Iterator[str]:
+def _unsolved_notes(unsolved: list[ClassifiedMotion], key: str) -> Iterator[str]:
     """What the records of motions without an orbit show of complete chatters.
 
     A rest forgets all, so a chaotic motion that comes to one repeats itself from there on, however
@@ -89,7 +89,7 @@ FORGETS = "−∞: the follower rests on the cam, which forgets every difference
 OTHERS = (APERIODIC, UNDECIDED, CONTACT)
 
 
-def range_text(motions: Sequence[Motion], key: str) -> str:
+def range_text(motions: Sequence[ClassifiedMotion], key: str) -> str:
     """The values at which the motions are, from the first to the last."""
     ends = dict.fromkeys(number_text(motions[k].value) for k in (0, -1))
     return valued(key, " to ".join(ends), motions[0].rpm)
@@ -106,19 +106,19 @@ def motions_at(one: bool, where: str) -> str:
     return f"{'motion' if one else 'motions, numbered,'} at {where}"
 
 
-def kind(motion: Motion) -> str:
+def kind(motion: ClassifiedMotion) -> str:
     """In a word or two what a motion is."""
     if motion.label in OTHERS or motion.orbit is None:
         return motion.label if motion.label in OTHERS else UNDECIDED
     return "periodic with rest on the cam" if rests(motion) else "periodic"
 
 
-def rests(motion: Motion) -> bool:
+def rests(motion: ClassifiedMotion) -> bool:
     """True for a solved orbit that leaves the cam and rests on it."""
     return motion.orbit is not None and motion.orbit.resting and bool(motion.orbit.theta)
 
 
-def kinds_words(motions: Sequence[Motion]) -> str:
+def kinds_words(motions: Sequence[ClassifiedMotion]) -> str:
     """How many motions are of each kind, and of how many something is not known."""
     kinds = Counter(map(kind, motions))
     words = [f"{name} ({count})" for name, count in sorted(kinds.items())]

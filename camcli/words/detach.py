@@ -4,7 +4,12 @@ from itertools import groupby
 from math import degrees, inf
 
 from camcli.analysis.contact_loss.bursts import LiftOff, LiftOffKind, SettledMotion
-from camcli.analysis.contact_loss.detachment import AlwaysLost, Quantity, Reason, SpeedStatus
+from camcli.analysis.contact_loss.detachment import (
+    AlwaysLost,
+    CriticalQuantity,
+    Reason,
+    SpeedStatus,
+)
 from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.contact_loss.study import ContactLoss
@@ -103,9 +108,9 @@ def _lift_off(seen: LiftOff, place: float) -> str:
 
 def way(hold: Hold) -> str:
     """What is done about the present spring."""
-    if hold.quantity is Quantity.HOLD_STIFFNESS:
+    if hold.quantity is CriticalQuantity.HOLD_STIFFNESS:
         return f"a {'stiffer' if hold.more else 'softer'} spring with the same preload"
-    if hold.quantity is Quantity.HOLD_BOTH:
+    if hold.quantity is CriticalQuantity.HOLD_BOTH:
         return "another spring"
     if hold.status is HoldStatus.NOT_NEEDED:
         return "the same spring without preload"
@@ -114,9 +119,9 @@ def way(hold: Hold) -> str:
 
 def short_way(hold: Hold) -> str:
     """The same in two words, for a table."""
-    if hold.quantity is Quantity.HOLD_STIFFNESS:
+    if hold.quantity is CriticalQuantity.HOLD_STIFFNESS:
         return "stiffer spring" if hold.more else "softer spring"
-    if hold.quantity is Quantity.HOLD_BOTH:
+    if hold.quantity is CriticalQuantity.HOLD_BOTH:
         return "another spring"
     if hold.status is HoldStatus.NOT_NEEDED:
         return "no preload"
@@ -125,7 +130,7 @@ def short_way(hold: Hold) -> str:
 
 def spring(hold: Hold) -> str:
     """A spring that holds, or why none does."""
-    alone = hold.quantity is Quantity.HOLD_STIFFNESS
+    alone = hold.quantity is CriticalQuantity.HOLD_STIFFNESS
     if hold.obstacle is Obstacle.KINK:
         return "impossible: at a downward kink the cam throws the follower off at any speed"
     if hold.obstacle is Obstacle.SOLID:
@@ -147,7 +152,7 @@ def spring(hold: Hold) -> str:
             "spring's; is the speed of --hold-to right?"
         )
     stiffness, preload = f"stiffness {hold.stiffness:.10g} N/m", f"preload {hold.preload:.10g} N"
-    if hold.quantity is Quantity.HOLD_PRELOAD:
+    if hold.quantity is CriticalQuantity.HOLD_PRELOAD:
         return f"{preload}, stiffness as it is"
     return f"{stiffness}, preload as it is" if alone else f"{stiffness} and {preload}"
 

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from math import degrees, floor, isfinite, log10
 
 from camcli.analysis.contact_loss.accumulation import CornerHit
-from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity
+from camcli.analysis.contact_loss.detachment import CriticalQuantity, CriticalSpeed
 from camcli.analysis.explain.changes import (
     BASIN,
     MOST_CRISES,
     UNEXPLAINED,
-    Change,
-    Event,
+    CriticalEvent,
+    LabelChange,
 )
 from camcli.analysis.explain.crisis import Crisis, CrisisKind
 from camcli.analysis.orbits.kinds import Kind
@@ -21,7 +21,7 @@ from camcli.words.speeds import speed_text
 from camcli.words.statuses import CAUSES
 
 
-def event_sentence(event: Event) -> str:
+def event_sentence(event: CriticalEvent) -> str:
     """What happens at a critical speed."""
     source = event.source
     if isinstance(source, Bifurcation):
@@ -31,9 +31,9 @@ def event_sentence(event: Event) -> str:
     if isinstance(source, CornerHit):
         return f"impact {source.impact} after lift-off lands on corner {source.corner}"
     if isinstance(source, CriticalSpeed):
-        if source.quantity is Quantity.FIRST_DETACHMENT:
+        if source.quantity is CriticalQuantity.FIRST_DETACHMENT:
             return f"the contact force reaches zero at {degrees(source.theta):.6g} deg"
-        if source.quantity is Quantity.ACCUMULATION:
+        if source.quantity is CriticalQuantity.ACCUMULATION:
             return f"impacts accumulate exactly at corner {source.region}"
         return "the chatter ends where the next one begins: it is complete no longer"
     if source is None:
@@ -52,7 +52,7 @@ def _bifurcation(b: Bifurcation) -> str:
     return ": ".join(filter(None, (what, " ".join(event_words(b)))))
 
 
-def change_sentence(change: Change, events: Sequence[Event]) -> str:
+def change_sentence(change: LabelChange, events: Sequence[CriticalEvent]) -> str:
     """Why the diagram changes, among all events of the range; or what was tried."""
     tried = [] if change.crisis is None else crisis_sentences(change.crisis)
     if change.cause == BASIN:
@@ -83,7 +83,7 @@ def change_sentence(change: Change, events: Sequence[Event]) -> str:
     )
 
 
-def change_line(change: Change, events: Sequence[Event], verbose: bool = True) -> str:
+def change_line(change: LabelChange, events: Sequence[CriticalEvent], verbose: bool = True) -> str:
     """The range of a change, its cause, and where that is; verbose: and how that was found."""
     place = f"{change.low:.10g} to {change.high:.10g} rpm"
     if not verbose:
@@ -92,7 +92,7 @@ def change_line(change: Change, events: Sequence[Event], verbose: bool = True) -
     return f"{place}, {change.cause}: {change_sentence(change, events)}"
 
 
-def _coexists(label: str, events: Sequence[Event]) -> str:
+def _coexists(label: str, events: Sequence[CriticalEvent]) -> str:
     """The orbit exists on both sides: what changes is the basin; and where it really ends."""
     ends = [f"{e.kind} at {e.rpm:.10g} rpm" for e in events if e.label == label]
     where = ", ".join(ends) or "nowhere in the range"
@@ -143,7 +143,7 @@ def crisis_sentences(crisis: Crisis) -> list[str]:
 DIGITS = 9
 
 
-def event_name(event: Event) -> str:
+def event_name(event: CriticalEvent) -> str:
     """Period doubling, corner impact at b, ..."""
     words = event.kind.replace("-", " ").replace("+", ", ")
     if not event.corner:
@@ -152,7 +152,7 @@ def event_name(event: Event) -> str:
     return words + (" " if is_region or words.endswith("corner") else " at ") + event.corner
 
 
-def event_speed(event: Event) -> str:
+def event_speed(event: CriticalEvent) -> str:
     """To DIGITS digits; fewer, with its error, where it is less certain."""
     whole = 1 + floor(log10(event.rpm)) if event.rpm > 0.0 else 1
     decimals = max(0, DIGITS - whole)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from camcli.analysis.after_rest import HoldsFor
 from camcli.analysis.orbits.study import OrbitsResult
-from camcli.exact.shooting import Step
+from camcli.exact.shooting import ProofStep
 from camcli.words.border_collision import LEFT
 
 WHOSE = {  # machines that a proof of an orbit is about
@@ -12,19 +12,19 @@ WHOSE = {  # machines that a proof of an orbit is about
     HoldsFor.EXACT_DATA: ", exactly these data",
 }
 FAILED = {
-    Step.NO_ORBIT: "there is no orbit of these impacts where the numbers say",
-    Step.SINGULAR: "no box could be shown to hold exactly one orbit",
-    Step.ELSEWHERE: "an impact lies outside the smooth region it is said to be in",
-    Step.PULLS: "an impact would have to pull",
-    Step.CONTACT: "the cam is met between two impacts",
-    Step.GRAZES: "a flight is too near to grazing to exclude a contact",
-    Step.NEUTRAL: "a multiplier is too near to the unit circle",
-    Step.CROSSING: "the crossing condition could not be shown",
-    Step.NUMBER: "the value lies outside the error that is claimed for it",
-    Step.BOXES: "more boxes would be needed than are tried",
-    Step.WORK_BUDGET: "the budget of work was used up",
-    Step.FAULT: "it failed in a way that nobody foresaw",
-    Step.MODEL: "it rests on the cam in a way that is not followed exactly",
+    ProofStep.NO_ORBIT: "there is no orbit of these impacts where the numbers say",
+    ProofStep.SINGULAR: "no box could be shown to hold exactly one orbit",
+    ProofStep.ELSEWHERE: "an impact lies outside the smooth region it is said to be in",
+    ProofStep.PULLS: "an impact would have to pull",
+    ProofStep.CONTACT: "the cam is met between two impacts",
+    ProofStep.GRAZES: "a flight is too near to grazing to exclude a contact",
+    ProofStep.NEUTRAL: "a multiplier is too near to the unit circle",
+    ProofStep.CROSSING: "the crossing condition could not be shown",
+    ProofStep.NUMBER: "the value lies outside the error that is claimed for it",
+    ProofStep.BOXES: "more boxes would be needed than are tried",
+    ProofStep.WORK_BUDGET: "the budget of work was used up",
+    ProofStep.FAULT: "it failed in a way that nobody foresaw",
+    ProofStep.MODEL: "it rests on the cam in a way that is not followed exactly",
 }
 
 

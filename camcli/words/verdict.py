@@ -89,7 +89,7 @@ def _springs(result: Any) -> Iterator[str]:
         return
     rpm, margin = result.scene.detach.hold_to, result.values.margin
     asked = f"up to {rpm:g} rpm of the cam with {margin:.3g} N to spare"
-    if any(h.quantity is loss.Quantity.HOLD_PRELOAD and not h.more for h in holds):
+    if any(h.quantity is loss.CriticalQuantity.HOLD_PRELOAD and not h.more for h in holds):
         yield f"The present spring holds {asked}"
         return
     springs = [
@@ -126,6 +126,6 @@ def _tolerances(result: Any) -> Iterator[str]:
 def spring_words(hold: Hold, units: Units) -> str:
     """What a spring has that the present one has not."""
     stiffness, preload = units.stiffnesses(hold.stiffness or 0.0), f"{hold.preload:.4g} N"
-    if hold.quantity is loss.Quantity.HOLD_BOTH:
+    if hold.quantity is loss.CriticalQuantity.HOLD_BOTH:
         return f"{stiffness} with {preload} of preload"
-    return preload if hold.quantity is loss.Quantity.HOLD_PRELOAD else stiffness
+    return preload if hold.quantity is loss.CriticalQuantity.HOLD_PRELOAD else stiffness

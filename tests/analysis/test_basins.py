@@ -6,7 +6,7 @@ import pytest
 from camcli.analysis.basins import attractor_finder, cell_batches
 from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
-from camcli.analysis.basins.study import Question, basins, study
+from camcli.analysis.basins.study import BasinsQuestion, basins, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.classify import classify_at
 from camcli.analysis.integrate import Orbit
@@ -20,7 +20,7 @@ WINDOW = Window((0.1, 0.9), (-50.0, 50.0), 40, 40)
 
 
 def mapped(system, rpm, window=WINDOW, **more):
-    return basins(system, rpm, settings(), Question(window, **more))[0]
+    return basins(system, rpm, settings(), BasinsQuestion(window, **more))[0]
 
 
 def labels(result):
@@ -141,7 +141,7 @@ def test_refined_basins_are_those_of_the_full_grid(chapter):
 def test_numbers_of_attractors_stay_from_speed_to_speed(chapter):
     """P(1;2) is born above 355 rpm; a cycle of 26 turns becomes P(3), which doubles its period."""
     speeds = [355.0, 358.5, 360.0, 360.5]
-    result = study(chapter, speeds, settings(), Question(WINDOW.with_cells(8, 8)))
+    result = study(chapter, speeds, settings(), BasinsQuestion(WINDOW.with_cells(8, 8)))
     named = [
         dict(zip(s.branches, [a.label for a in s.attractors], strict=True)) for s in result.speeds
     ]
@@ -154,7 +154,7 @@ def test_numbers_of_attractors_stay_from_speed_to_speed(chapter):
 
 def test_the_boundary_is_the_stable_manifold_of_the_saddle_found(chapter):
     """Beside it, along its unstable direction, starts land on different attractors."""
-    asked = Question(WINDOW.with_cells(12, 12))
+    asked = BasinsQuestion(WINDOW.with_cells(12, 12))
     (speed,) = study(chapter, [358.5], settings(), asked, saddles=True).speeds
     (saddle,) = speed.saddles
     orbit, (grows, shrinks) = saddle.orbit, saddle.orbit.multipliers

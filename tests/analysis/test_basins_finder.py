@@ -12,8 +12,8 @@ from camcli.analysis.basins import region as region_module
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches
-from camcli.analysis.basins.region import Region, _holds, overlap, parted, rings, size_of
-from camcli.analysis.basins.study import Question, basins
+from camcli.analysis.basins.region import CaptureRegion, _holds, overlap, parted, rings, size_of
+from camcli.analysis.basins.study import BasinsQuestion, basins
 from camcli.analysis.basins.window import Window
 from camcli.kernel.cells import FORGOTTEN, UNDECIDED
 from tests.conftest import settings
@@ -62,7 +62,7 @@ def test_a_region_does_not_hold_with_other_impacts_or_a_faster_return(finder, mo
 def test_regions_are_shrunk_until_apart():
     def region(x):
         forms = np.array([[1.0, 0.0, 1.0]])
-        return Region(np.array([[x, 0.0]]), forms, (1,), 0.5, 1.0, 0.5, True)
+        return CaptureRegion(np.array([[x, 0.0]]), forms, (1,), 0.5, 1.0, 0.5, True)
 
     one, two = region(0.0), region(1.5)
     assert overlap(one, two)
@@ -76,7 +76,7 @@ def test_regions_are_shrunk_until_apart():
 def test_half_widths_are_the_extents_of_the_ellipses():
     """A x^2 + B x y + C y^2 = 1, sampled by rays."""
     forms = np.array([[4.0, 1.5, 1.0], [2.0, -0.3, 50.0]])
-    region = Region(np.zeros((2, 2)), forms, (1, 1), 0.5, 1.0, 0.5, True)
+    region = CaptureRegion(np.zeros((2, 2)), forms, (1, 1), 0.5, 1.0, 0.5, True)
     angle = np.linspace(0.0, 2.0 * np.pi, 100_001)
     x, y = np.cos(angle), np.sin(angle)
     for (a, b, c), widths in zip(forms, region.half_widths(), strict=True):
@@ -153,13 +153,13 @@ def test_recurrence_of_records_and_their_boxes(finder):
 def test_rests_are_asked_once_and_what_no_ball_decides_is_undecided(chapter, monkeypatch):
     asked, real = [], after_rest_module.after_rest
     monkeypatch.setattr(rest_outcomes, "after_rest", lambda *a: asked.append(a[2]) or real(*a))
-    whole, finder = basins(chapter, 358.25, settings(), Question(WINDOW))
+    whole, finder = basins(chapter, 358.25, settings(), BasinsQuestion(WINDOW))
     assert whole.undecided == 0
     assert len(asked) == len(set(asked)) >= 1
     assert len(finder.rests.states) <= 8
     unknown = after_rest_module.After(after_rest_module.UNKNOWN)
     monkeypatch.setattr(rest_outcomes, "after_rest", lambda *a: unknown)
-    result, _ = basins(chapter, 358.25, settings(), Question(WINDOW))
+    result, _ = basins(chapter, 358.25, settings(), BasinsQuestion(WINDOW))
     assert labels(whole)[:2] == labels(result) == ["P(1;2)", "P(3;3:3:2)"]
     assert labels(whole)[2].startswith("P(36;inf:")
     undecided = result.codes.ravel() == 0
@@ -173,7 +173,7 @@ def test_rests_are_asked_once_and_what_no_ball_decides_is_undecided(chapter, mon
 @pytest.mark.parametrize(("rpm", "known", "cycle"), [(358.3, 2, "P(28;"), (362.0, 1, "P(230;")])
 def test_cycles_through_rests_are_attractors(chapter, rpm, known, cycle):
     """At 358.3 rpm beside P(3;3:3:2), at 362 rpm instead of it."""
-    result, _ = basins(chapter, rpm, settings(), Question(WINDOW.with_cells(6, 6)))
+    result, _ = basins(chapter, rpm, settings(), BasinsQuestion(WINDOW.with_cells(6, 6)))
     assert labels(result)[:known] == ["P(1;2)", "P(3;3:3:2)"][:known]
     assert labels(result)[known].startswith(f"{cycle}inf:")
     assert len(labels(result)) == known + 1
@@ -182,7 +182,7 @@ def test_cycles_through_rests_are_attractors(chapter, rpm, known, cycle):
 @pytest.mark.parametrize("rpm", [523.62, 640.0])
 def test_what_comes_to_a_rest_again_and_again_is_never_aperiodic(chapter, rpm):
     """However long it wanders in between: it is one cycle, here of thousands of turns."""
-    result, finder = basins(chapter, rpm, settings(), Question(WINDOW.with_cells(6, 6)))
+    result, finder = basins(chapter, rpm, settings(), BasinsQuestion(WINDOW.with_cells(6, 6)))
     assert labels(result) == []
     assert result.undecided == result.cells
     assert {end.kind for _, end in result.rests} == {after_rest_module.WANDERS}

@@ -6,7 +6,7 @@ from math import pi
 import pytest
 
 from camcli.analysis.bench import stability
-from camcli.analysis.bench.peers import Trace, heyoka_taylor, runge_kutta_4, solve_ivp
+from camcli.analysis.bench.peers import PeerTrace, heyoka_taylor, runge_kutta_4, solve_ivp
 from camcli.analysis.bench.precision import OK, case, compare, run_core, run_peer
 from camcli.api.bench import machines
 from camcli.scene.schema import CASES
@@ -74,7 +74,7 @@ def test_missed_and_invented_impacts_are_counted():
     late = replace(trace, hits=[(p, x + 2e-6 * pi, u) for p, x, u in trace.hits])
     assert compare(some, less).missed == 2
     assert compare(some, more).extra == 1
-    assert compare(some, Trace()).missed == len(some.hits)
+    assert compare(some, PeerTrace()).missed == len(some.hits)
     assert compare(some, late).error == pytest.approx(1e-6, rel=1e-6)
     assert compare(some, late).excess > 1.0
 

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from camcli.analysis.explain.attractor import Carried
+from camcli.analysis.explain.attractor import CarriedAttractor
 from camcli.analysis.explain.changes import (
-    Event,
+    CriticalEvent,
     Events,
     _change,
     _concerns,
@@ -47,7 +47,7 @@ def reads_well(found):
 def test_trace_and_determinant_of_the_map_are_those_of_the_orbit(damping, strobe_deg):
     """The product of saltation matrices at the strobe, beside the solved orbit's own."""
     system = chapter_system(strobe_deg, damping=damping)
-    carried = Carried(system, RUN, 750.0, 750.3, 500)
+    carried = CarriedAttractor(system, RUN, 750.0, 750.3, 500)
     saddles = find_saddles(system, 750.0, carried.run(750.0, True), carried.size)
     assert len(saddles) >= 10
     for orbit in saddles:
@@ -75,7 +75,7 @@ def small_system(times):
 def test_a_saddle_has_its_directions_in_any_unit_of_length():
     found = []
     for times in (1.0, 2.0**-20):  # m and some um
-        carried = Carried(small_system(times), RUN, 750.0, 750.3, 500)
+        carried = CarriedAttractor(small_system(times), RUN, 750.0, 750.3, 500)
         saddles = find_saddles(carried.system, 750.0, carried.run(750.0, True), carried.size)
         own = [Saddle(carried, 750.01, orbit) for orbit in saddles[:12]]
         found.append([(x.orbit.label, x.mu, *(x.x / times), *x.leaf(0.5) / times) for x in own])
@@ -185,7 +185,7 @@ def test_an_event_concerns_what_doubles_from_its_orbit(turns, of_motions, concer
     )
     source = Bifurcation.__new__(Bifurcation)
     object.__setattr__(source, "orbit", SimpleNamespace(turns=turns, stable=False))
-    assert _concerns(Event(705.0, 0.0, "fold", "another", source=source), a, b) == concerns
+    assert _concerns(CriticalEvent(705.0, 0.0, "fold", "another", source=source), a, b) == concerns
 
 
 @pytest.mark.parametrize(
@@ -236,7 +236,7 @@ def test_coarser_samples_of_folds_find_the_crisis_within_their_error(chapter, mo
 def test_an_event_belongs_to_an_interval_that_its_error_reaches():
     before, after = motion(700.0, "P(1;1)"), motion(710.0, "P(2;1:1)")
     for place, inside in ((710.5, True), (711.5, False), (699.5, True)):
-        event = Event(place, 1.0, "period-doubling", "P(1;1)")
+        event = CriticalEvent(place, 1.0, "period-doubling", "P(1;1)")
         events = Events([event], [], [], Cost())
         change = _change(chapter_system(), RUN, events, before, after, False)
         assert (event in change.events) == inside

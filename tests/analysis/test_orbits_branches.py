@@ -12,7 +12,7 @@ from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.shooter import Shooter, with_machine
-from camcli.analysis.orbits.study import Question, orbits
+from camcli.analysis.orbits.study import OrbitsQuestion, orbits
 from tests.conftest import chapter_system, settings
 from tests.support import oracle
 from tests.support.orbit_oracle import (
@@ -40,7 +40,7 @@ CHAPTER = {"mass": 1.221, "stiffness": 1430.8, "restitution": 0.8}
 @cache
 def _studied(rpm, parameter, span, label, transient, changes):
     wanted = None if label is None else Label.parse(label)
-    question = Question(rpm, parameter, Span(*span), wanted, starts=1)
+    question = OrbitsQuestion(rpm, parameter, Span(*span), wanted, starts=1)
     return orbits(chapter_system(**dict(changes)), settings(transient=transient), question)
 
 

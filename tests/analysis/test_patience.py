@@ -13,7 +13,7 @@ from camcli.analysis.basins.attractor_finder import AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.classify import COMPLETE, classify_at
 from camcli.analysis.explain import changes
-from camcli.analysis.explain.changes import BASIN, Change, Events, _change
+from camcli.analysis.explain.changes import BASIN, Events, LabelChange, _change
 from camcli.analysis.integrate import Cost, Orbit
 from camcli.analysis.labels import APERIODIC, UNDECIDED
 from camcli.analysis.sweep import SURE, rpm_grid, sweep
@@ -130,7 +130,7 @@ def test_an_undecided_motion_between_two_is_passed_over(chapter, monkeypatch):
     """Chaos that rests too rarely to be followed hides no crisis behind it."""
     nothing = Events([], [], [], Cost())
     monkeypatch.setattr(changes, "find_events", lambda *words: nothing)
-    monkeypatch.setattr(changes, "_change", lambda s, r, f, a, b, may: Change(
+    monkeypatch.setattr(changes, "_change", lambda s, r, f, a, b, may: LabelChange(
         a.rpm, b.rpm, a.label, b.label, "unexplained"
     ))  # fmt: skip
     names = (UNDECIDED, APERIODIC, UNDECIDED, APERIODIC, UNDECIDED, "P(1;1)", "P(1;1)")

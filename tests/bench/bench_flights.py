@@ -20,7 +20,15 @@ import scipy.integrate
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from camcli.analysis.bench.machine import reference
-from camcli.analysis.bench.peers import TWO_PI, BudgetError, Lift, Machine, State, fly, solve_ivp
+from camcli.analysis.bench.peers import (
+    TWO_PI,
+    BudgetError,
+    Lift,
+    PeerMachine,
+    PeerState,
+    fly,
+    solve_ivp,
+)
 from tests.support.random_flights import (
     INVENTED,
     MISSED,
@@ -61,8 +69,8 @@ def careful(lift: Lift, f: Flight) -> float | None:
     """DOP853 as in the precision part; phase of the contact."""
     omega = f.rpm * pi / 30
     c, c1, _ = lift.at(f.theta)
-    machine = Machine(f.system.follower, lift, omega, TURNS + 1.0, 0.0, SLOWEST)
-    start = State(0, f.theta, max(f.q - c, 0.0), (f.w - c1) * omega)
+    machine = PeerMachine(f.system.follower, lift, omega, TURNS + 1.0, 0.0, SLOWEST)
+    start = PeerState(0, f.theta, max(f.q - c, 0.0), (f.w - c1) * omega)
     try:
         hit, end = fly(machine, solve_ivp("dop853", TOLERANCE, 1.0 / 16.0), start)
     except (BudgetError, ArithmeticError, ValueError):

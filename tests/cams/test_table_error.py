@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import camcli
-from camcli.analysis.contact_loss.detachment import Quantity
+from camcli.analysis.contact_loss.detachment import CriticalQuantity
 from camcli.api.detach import _critical_rows
 from camcli.api.detach import _summary as summary
 from camcli.api.explore import _machine_data
@@ -70,9 +70,11 @@ def test_the_table_and_the_summary_have_the_range(found, left):
 def test_chatter_on_a_table_has_no_bracket_that_anybody_knows(found):
     """A bracket of the computation alone would promise too much."""
     first = found.values.detachment.first
-    loss = replace(first, quantity=Quantity.COMPLETION_LOSS, low=3500.0, rpm=3501.0, high=3502.0)
+    loss = replace(
+        first, quantity=CriticalQuantity.COMPLETION_LOSS, low=3500.0, rpm=3501.0, high=3502.0
+    )
     widened = with_ranges(replace(found.values, completion=(loss,)), found.system)
-    *_, row = [row for row in _critical_rows(widened) if row[0] == Quantity.COMPLETION_LOSS]
+    *_, row = [row for row in _critical_rows(widened) if row[0] == CriticalQuantity.COMPLETION_LOSS]
     assert row[3:] == (3501.0, omega_of(3501.0), None, None)
     (told,) = [c for c in plain(summary(widened))["critical_speeds"] if c["rpm"] == 3501.0]
     assert (told["low_rpm"], told["high_rpm"]) == (None, None)

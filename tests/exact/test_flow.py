@@ -13,7 +13,7 @@ from flint import arb, arb_series
 from mpmath import mp, mpf
 
 from camcli.cams.balls import UndecidedError, head, precision, slope
-from camcli.exact.machine import Machine, Stretch
+from camcli.exact.machine import BallMachine, BallStretch
 from camcli.system import Follower
 
 DIGITS = 60
@@ -35,7 +35,7 @@ REGIMES = {
     "hardly a spring, overdamped": (1e-12, 3.0),
 }
 PARAMETERS = ("rpm", "mass", "stiffness", "damping")
-NO_CAM: list[Stretch] = []
+NO_CAM: list[BallStretch] = []
 
 
 def follower_of(regime: str) -> Follower:
@@ -43,11 +43,11 @@ def follower_of(regime: str) -> Follower:
     return Follower(1.0, stiffness, damping, 9.81, 0.5, 0.8)
 
 
-def machine_of(follower: Follower, parameter: str = "rpm", value=RPM) -> Machine:
+def machine_of(follower: Follower, parameter: str = "rpm", value=RPM) -> BallMachine:
     """With a constant, or the speed, replaced by a ball or a series."""
     if parameter == "rpm":
-        return Machine(NO_CAM, follower, value)
-    return Machine(NO_CAM, replace(follower, **{parameter: value}), RPM)
+        return BallMachine(NO_CAM, follower, value)
+    return BallMachine(NO_CAM, replace(follower, **{parameter: value}), RPM)
 
 
 def value_of(follower: Follower, parameter: str) -> float:
@@ -152,10 +152,10 @@ def test_speeds_that_read_the_same_move_apart_alike():
     """`Machine.within_last_digit` of a ball without a spring: (q, w) at its ends."""
     follower = Follower(0.01, 0.0, 0.0, 9.81, 0.0, 0.5)
     with precision(DIGITS):
-        machine = Machine.within_last_digit(NO_CAM, follower, 1225.0)
+        machine = BallMachine.within_last_digit(NO_CAM, follower, 1225.0)
         drift = machine.drift(arb(0.001), arb(0.002), arb(3.0)).entries()
         ends = [
-            Machine(NO_CAM, follower, arb(1225.0) + side * machine.width).move(
+            BallMachine(NO_CAM, follower, arb(1225.0) + side * machine.width).move(
                 arb(0.001), arb(0.002), arb(3.0)
             )
             for side in (-1, 1)

@@ -16,8 +16,8 @@ from camcli.cams.balls import DIGITS, UndecidedError, decided, precision
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
 from camcli.exact.first_root import first_root
-from camcli.exact.machine import Machine
-from camcli.exact.motion import Motion, Parallelogram
+from camcli.exact.machine import BallMachine
+from camcli.exact.motion import BallMotion, Parallelogram
 from camcli.kernel.cam_table import lift_at, stretch_at
 from camcli.kernel.orbit_loop import EventKind
 from camcli.scene import load_scene
@@ -39,8 +39,8 @@ def law_cam(rise: str, fall: str) -> LawCam:
     )  # fmt: skip
 
 
-def followed(machine: Machine, theta: float, turns: int, strobe: float = 0.0) -> Motion:
-    motion = Motion(machine, strobe, theta)
+def followed(machine: BallMachine, theta: float, turns: int, strobe: float = 0.0) -> BallMotion:
+    motion = BallMotion(machine, strobe, theta)
     while len(motion.trail.states) < turns:
         motion.step()
     return motion
@@ -52,7 +52,7 @@ def test_every_event_is_the_oracles(name):
     case = FLIGHTS[name]
     follower = Follower(**{**CHAPTER, **case["changes"]})
     with precision(200):
-        trail = followed(Machine(ARCS, follower, case["rpm"]), CORNER_B, case["turns"]).trail
+        trail = followed(BallMachine(ARCS, follower, case["rpm"]), CORNER_B, case["turns"]).trail
         theirs = [(kind, arb(phi), arb(u)) for kind, phi, u in case["events"]]
         same_events(trail, theirs, case["turns"], arb(0, "1e-25"))
 
@@ -65,7 +65,7 @@ def test_the_references_of_the_bench_are_proved(name):
     case = reference(name)
     cam = (ArcsCam if case["cam"]["kind"] == "arcs" else EccentricCam)(**case["cam"])
     with precision(100):
-        machine = Machine(cam, Follower(**case["follower"]), case["rpm"])
+        machine = BallMachine(cam, Follower(**case["follower"]), case["rpm"])
         omega = arb(case["rpm"]) * arb.pi() / 30
         start = float(case["events"][0]["theta"])
         trail = followed(machine, start, case["turns"]).trail
@@ -82,7 +82,7 @@ def test_a_low_hop_across_a_corner_lands_within_eight_roundings(rpm, chapter):
     record = Orbit(chapter, rpm, settings(0, 1, tolerance=1e-15)).run()
     ours = [theta for kind, _, theta, *_ in record.events() if kind == EventKind.IMPACT]
     with precision(60):
-        motion = Motion(Machine(chapter.shape, chapter.follower, rpm), 0.0, CORNER_B)
+        motion = BallMotion(BallMachine(chapter.shape, chapter.follower, rpm), 0.0, CORNER_B)
         while len(motion.trail.leaves) < 2:
             motion.step()
         theirs = [phi for phi, _ in motion.trail.impacts if phi < motion.trail.leaves[1]]
@@ -137,7 +137,7 @@ def same_events(trail, theirs, turns, near):
 def test_cams_are_the_kernels_and_continuous(shape):
     system = System.build(Follower(1.0, 1000.0), shape)
     with precision(100):
-        stretches = Machine(shape, system.follower, 100.0).stretches
+        stretches = BallMachine(shape, system.follower, 100.0).stretches
         for one, after in zip(stretches, [*stretches[1:], stretches[0]], strict=True):
             theta = float(one.start * 0.37 + one.end * 0.63)
             c = one.derivatives(arb(theta), 2)
@@ -197,9 +197,9 @@ def test_threads_do_not_share_a_precision():
 
     def follow(digits):
         with precision(digits):
-            phi, _ = followed(Machine(ARCS, Follower(**CHAPTER), 358.0), CORNER_B, 5).trail.impacts[
-                -1
-            ]
+            phi, _ = followed(
+                BallMachine(ARCS, Follower(**CHAPTER), 358.0), CORNER_B, 5
+            ).trail.impacts[-1]
             found[digits] = phi.rad() < 10.0 ** (20 - digits)
 
     threads = [Thread(target=follow, args=(digits,)) for digits in (60, 100, 150, 200)]
@@ -241,9 +241,11 @@ def test_a_parallelogram_holds_the_image_of_all_its_points():
 def test_all_machines_of_a_speed_hold_each_of_them(rpm):
     """Impacts of the speeds half a digit off lie in those of all speeds that round so."""
     with precision(60):
-        every = Motion(Machine.within_last_digit(ARCS, Follower(**CHAPTER), rpm), 0.0, CORNER_B)
+        every = BallMotion(
+            BallMachine.within_last_digit(ARCS, Follower(**CHAPTER), rpm), 0.0, CORNER_B
+        )
         beside = [
-            Motion(Machine(ARCS, Follower(**CHAPTER), rpm, share), 0.0, CORNER_B)
+            BallMotion(BallMachine(ARCS, Follower(**CHAPTER), rpm, share), 0.0, CORNER_B)
             for share in (Fraction("5e-17"), Fraction("-5e-17"))
         ]
         for _ in range(40):
@@ -275,7 +277,7 @@ def agrees_with_the_kernel(system: System, rpm: float):
     tape = Orbit(system, rpm, settings(0, 5)).run()
     _, theta = departures(tape)[0]
     with precision(100):
-        motion = followed(Machine(system.shape, system.follower, rpm), theta, 3)
+        motion = followed(BallMachine(system.shape, system.follower, rpm), theta, 3)
         mine = [(motion.phase(phi), float(u)) for phi, u in motion.trail.impacts]
     rows = zip(tape.kind, tape.theta, tape.u, strict=True)
     hits = iter([(at, u) for kind, at, u in rows if kind == EventKind.IMPACT])

@@ -24,7 +24,7 @@ from camcli.analysis.orbits.single_impact import single_impact_roots
 from camcli.cams.compile import Piece
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
-from camcli.exact.shooting import Step
+from camcli.exact.shooting import ProofStep
 from camcli.kernel.certify import ADMISSIBLE, Verdict
 from camcli.scene import load_scene
 from camcli.system import Follower, System
@@ -88,7 +88,7 @@ def test_an_impact_that_fades_at_a_graze_is_enclosed():
         assert -top in value
         assert value.delta < 1e-25
         moved_ahead = replace(event, value=event.value * (1 + 1e-9))
-        assert prove_event(result.system, moved_ahead, "preload").step == Step.NUMBER
+        assert prove_event(result.system, moved_ahead, "preload").step == ProofStep.NUMBER
 
 
 def test_what_holds_for_the_data_need_not_hold_within_their_last_digit(high):
@@ -126,7 +126,9 @@ def test_a_virtual_orbit_is_refuted(high):
     for orbit in high.values.virtual:
         proof = prove_orbit(SYSTEM, orbit)
         assert proof.refuted
-        assert proof.step == (Step.PULLS if orbit.verdict is Verdict.PULLS else Step.CONTACT)
+        assert proof.step == (
+            ProofStep.PULLS if orbit.verdict is Verdict.PULLS else ProofStep.CONTACT
+        )
 
 
 def test_an_orbit_beyond_its_grazing_is_refuted(three):
@@ -138,17 +140,17 @@ def test_an_orbit_beyond_its_grazing_is_refuted(three):
         root = Shooter(SYSTEM, value).moved(graze.orbit.root, value)
         proof = prove_orbit(SYSTEM, from_root(SYSTEM, root))
         assert proof.proved == proved
-        assert proved or (proof.step, proof.refuted) == (Step.CONTACT, True)
+        assert proved or (proof.step, proof.refuted) == (ProofStep.CONTACT, True)
 
 
 def test_numbers_that_are_not_the_orbits_are_refused(high):
     orbit = orbit_of(high, "P(1;1)")
     assert prove_orbit(SYSTEM, orbit).proved
-    assert prove_orbit(SYSTEM, moved(orbit, 1e-9)).step == Step.NO_ORBIT
-    assert prove_orbit(SYSTEM, replace(orbit, trace=2.0)).step == Step.NEUTRAL
+    assert prove_orbit(SYSTEM, moved(orbit, 1e-9)).step == ProofStep.NO_ORBIT
+    assert prove_orbit(SYSTEM, replace(orbit, trace=2.0)).step == ProofStep.NEUTRAL
     event = high.values.bifurcations[0]
     assert prove_event(SYSTEM, event).proved
-    assert prove_event(SYSTEM, replace(event, value=event.value + 1e-8)).step == Step.NUMBER
+    assert prove_event(SYSTEM, replace(event, value=event.value + 1e-8)).step == ProofStep.NUMBER
 
 
 def test_an_event_is_none_where_its_test_function_crosses_nothing(high):

@@ -17,9 +17,9 @@ from mpmath import mp
 from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.compile import Part
 from camcli.exact.first_root import sharpened
-from camcli.exact.machine import Machine, Stretch
-from camcli.exact.motion import BLOW, Motion, Trail
-from camcli.exact.shooting import NotProvedError, Shooting, Step
+from camcli.exact.machine import BallMachine, BallStretch
+from camcli.exact.motion import BLOW, BallMotion, Trail
+from camcli.exact.shooting import NotProvedError, ProofStep, Shooting
 from camcli.system import Follower
 
 FOLLOWER = Follower(mass=1.0, stiffness=1.0, restitution=0.8)
@@ -105,7 +105,7 @@ def test_a_cam_that_is_met_just_before_the_landing_is_refused():
     assert abs(hull[0] - phase) < 1e-14
     with pytest.raises(NotProvedError) as refused:
         equations.admissible(hull)
-    assert refused.value.step in (Step.CONTACT, Step.GRAZES)
+    assert refused.value.step in (ProofStep.CONTACT, ProofStep.GRAZES)
     shallow = shooting(Cam(phase, height=1e-6 * incoming))  # at most 0.003 u s high
     shallow.admissible(shallow.box(guess(), 2).hull())
 
@@ -116,7 +116,7 @@ def test_a_rate_that_may_be_zero_or_negative_is_refused():
     for rate, refuted in ((arb(0, 1e-3), False), (arb(-1), True)):
         with pytest.raises(NotProvedError) as refused:
             equations.admissible([hull[0], rate, hull[2]])
-        assert (refused.value.step, refused.value.refuted) == (Step.PULLS, refuted)
+        assert (refused.value.step, refused.value.refuted) == (ProofStep.PULLS, refuted)
 
 
 def test_an_impact_outside_its_stretch_is_refused():
@@ -126,7 +126,7 @@ def test_an_impact_outside_its_stretch_is_refused():
     for theta, refuted in ((edge + arb(0, 1e-3), False), (edge + 0.01, True)):
         with pytest.raises(NotProvedError) as refused:
             equations.admissible([theta, *hull[1:]])
-        assert (refused.value.step, refused.value.refuted) == (Step.ELSEWHERE, refuted)
+        assert (refused.value.step, refused.value.refuted) == (ProofStep.ELSEWHERE, refuted)
 
 
 def test_a_zero_of_a_test_function_must_lie_in_its_reach():
@@ -140,7 +140,7 @@ def test_a_zero_of_a_test_function_must_lie_in_its_reach():
     assert box.hull()[2].contains(arb(at))
     with pytest.raises(NotProvedError) as refused:  # the zero is known less well than the reach
         equations.zero(guess(), 2, lambda z: crosses(z) + arb(0, 1e-6), arb(1e-7))
-    assert refused.value.step == Step.CROSSING
+    assert refused.value.step == ProofStep.CROSSING
     with pytest.raises(NotProvedError):  # never zero, its slope is zero at the end of Newton's way
         equations.zero(guess(), 2, lambda z: (z[-1] - at) * (z[-1] - at) + 1, arb(0.01))
 
@@ -206,17 +206,21 @@ def test_the_closed_form_of_the_orbit_is_a_motion():
     assert phase == pi / 2.0
 
 
-def chatter(restitution: float, dip: float, rate: float = 0.01) -> tuple[Motion, float]:
+def chatter(restitution: float, dip: float, rate: float = 0.01) -> tuple[BallMotion, float]:
     """A motion after an impact, and where its chatter ends by summing the hops.
 
     gap'' = -1 but for the fall of the first hop, where it is -dip; then hops shrink by r.
     """
     deepest = arb(dip).union(arb(1))
-    cam = Stretch(arb(0), arb(6), lambda theta: theta, arb(0),
+    cam = BallStretch(arb(0), arb(6), lambda theta: theta, arb(0),
                   lambda theta: [arb(0, 1), arb(0, 1), deepest - 1, arb(0, 1)])  # fmt: skip
     follower = Follower(mass=1.0, stiffness=0.0, gravity=1.0, restitution=restitution)
-    motion = Motion.__new__(Motion)
-    motion.machine, motion.trail, motion.chattered = Machine([cam], follower, 30.0 / pi), Trail(), 0
+    motion = BallMotion.__new__(BallMotion)
+    motion.machine, motion.trail, motion.chattered = (
+        BallMachine([cam], follower, 30.0 / pi),
+        Trail(),
+        0,
+    )
     motion.follower = follower
     motion.phi, motion.rate, motion.fall = arb(1), arb(rate), arb(1)
     motion.turn, motion.strobe, motion.i, motion.n = motion.machine.turn, arb(0), 0, 0
@@ -247,7 +251,7 @@ def test_a_chatter_whose_hops_need_not_shrink_is_refused(restitution, dip):
     stretch = motion.machine.stretches[0]
     lowest = arb(dip).union(arb(1)) - 1
     changed = replace(stretch, slopes=lambda theta: [arb(0, 1), arb(0, 1), lowest, arb(0, 1)])
-    motion.machine = Machine([changed], replace(FOLLOWER, stiffness=0.0, gravity=1.0,
+    motion.machine = BallMachine([changed], replace(FOLLOWER, stiffness=0.0, gravity=1.0,
                                                 restitution=restitution), 30.0 / pi)  # fmt: skip
     assert not motion._accumulates()
     assert motion.trail.chatters == []
@@ -263,7 +267,7 @@ def test_a_hop_over_a_bump_is_not_taken_for_concave(bump, cut):
         return [arb(0), arb(0), arb(0).union(-bump) if middle else arb(0), arb(0)]
 
     (stretch,) = motion.machine.stretches
-    motion.machine = Machine([replace(stretch, slopes=slopes)], motion.follower, 30.0 / pi)
+    motion.machine = BallMachine([replace(stretch, slopes=slopes)], motion.follower, 30.0 / pi)
     motion.q, motion.w, motion.order = arb(0), motion.rate, BLOW
     low, hop = motion._opening()
     assert (low == 0 and hop is not None) == cut

@@ -7,14 +7,14 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from camcli.analysis.basins.attractor import Attractor
-from camcli.analysis.basins.study import Question, study
+from camcli.analysis.basins.study import BasinsQuestion, study
 from camcli.analysis.basins.window import Window
 from camcli.plots import style
 from camcli.plots.basins import area_colours, draw_basins, percent
 from tests.conftest import settings
 from tests.support.picture_sizes import count, label_of, pixels, words
 
-QUESTION = Question(Window((0.1, 0.9), (-50.0, 50.0), 30, 30))
+QUESTION = BasinsQuestion(Window((0.1, 0.9), (-50.0, 50.0), 30, 30))
 
 
 @pytest.fixture(scope="module")

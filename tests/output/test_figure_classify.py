@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from camcli.analysis.classify import classify_at
-from camcli.analysis.explain.changes import Event
+from camcli.analysis.explain.changes import CriticalEvent
 from camcli.analysis.exponents import Exponents
 from camcli.plots import style
 from camcli.plots.axes import CROWDED, number_events
@@ -25,7 +25,7 @@ def motions(chapter):
 
 
 def event(rpm, kind="corner-hit", label="P(1;inf)", error=1e-10, **more):
-    return Event(rpm, error, kind, label, **more)
+    return CriticalEvent(rpm, error, kind, label, **more)
 
 
 def test_a_motion_that_is_not_solved_is_undecided(motions):

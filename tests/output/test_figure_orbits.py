@@ -11,7 +11,7 @@ from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Curve, CurvePoint
 from camcli.analysis.orbits.shooter import PARAMETERS as VARIED
-from camcli.analysis.orbits.study import Absence, OrbitsResult, Question, orbits
+from camcli.analysis.orbits.study import Absence, OrbitsQuestion, OrbitsResult, orbits
 from camcli.plots.branch_lines import phases, strands
 from camcli.plots.orbits import LONGEST, axis_name, draw_curves, draw_orbits
 from tests.conftest import settings
@@ -21,10 +21,10 @@ pytestmark = pytest.mark.slow
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 QUESTIONS = {
-    "doubling": Question(700.0, span=Span(672.0, 756.0, 2.8)),
-    "fold": Question(358.5, span=Span(350.0, 385.0, 0.6)),
-    "resting": Question(190.0, span=Span(110.0, 205.0, 5.0)),
-    "one speed": Question(358.5),
+    "doubling": OrbitsQuestion(700.0, span=Span(672.0, 756.0, 2.8)),
+    "fold": OrbitsQuestion(358.5, span=Span(350.0, 385.0, 0.6)),
+    "resting": OrbitsQuestion(190.0, span=Span(110.0, 205.0, 5.0)),
+    "one speed": OrbitsQuestion(358.5),
 }
 
 
@@ -35,10 +35,10 @@ def found(chapter):
 
 def test_where_an_absent_label_exists_is_said(chapter, found):
     for span in (None, Span(600.0, 700.0, 1.0)):
-        nothing = OrbitsResult(Question(700.0, span=span), 700.0, [], [], [], [], [], Cost())
+        nothing = OrbitsResult(OrbitsQuestion(700.0, span=span), 700.0, [], [], [], [], [], Cost())
         assert "no periodic orbit was found" in words(draw_orbits(nothing, chapter))
     near = Absence(700.0, 650.0, 750.0, None, (712.3, "corner-impact"))
-    absent = replace(nothing, question=Question(700.0, label="P(4;1)"), absent=near)
+    absent = replace(nothing, question=OrbitsQuestion(700.0, label="P(4;1)"), absent=near)
     said = "no P(4;1) here; it exists up to 712.3 rpm: corner impact"
     assert said in words(draw_orbits(absent, chapter))
     assert "none at 700 rpm" in draw_orbits(replace(found["doubling"], absent=near), chapter).words

@@ -8,7 +8,7 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from camcli.analysis.explain.changes import Event
+from camcli.analysis.explain.changes import CriticalEvent
 from camcli.analysis.integrate import Cost
 from camcli.analysis.sweep import Sweep
 from camcli.errors import Status
@@ -56,7 +56,7 @@ def test_no_impacts_at_all_is_said_in_the_panel(drawn):
 @pytest.mark.slow
 def test_events_are_listed_and_make_the_picture_taller(drawn):
     speeds = speed(700.0, [150.0], [2.0]), speed(760.0, [151.0], [2.1])
-    picture = drawn(*speeds, events=[Event(739.3, 1e-10, "fold", "P(1;1)")])
+    picture = drawn(*speeds, events=[CriticalEvent(739.3, 1e-10, "fold", "P(1;1)")])
     assert tall(picture) > drawn(*speeds).figure().get_figheight() * 25.4 + 5
     assert {"fold", "739.300000", "1"} <= set(words(picture))
 

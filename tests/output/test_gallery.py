@@ -8,7 +8,7 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from camcli.output.gallery import MOST_ROWS, Shown, _table, page
+from camcli.output.gallery import MOST_ROWS, GalleryFigure, _table, page
 
 VOID = {"meta", "img"}
 BLOCKS = {"p", "pre", "ul", "dl", "div", "table", "h2"}  # what ends a paragraph by itself
@@ -60,7 +60,7 @@ def picture(out, name, **more):
         "title": 'Impacts <b> & "more"', "caption": "What <it> $shows", "command": "cam sweep",
         "scene": "run: {rpm: 1} # <i> &lt; $x",
     }  # fmt: skip
-    return Shown(name=name, folder=out / name, **{**texts, **more})
+    return GalleryFigure(name=name, folder=out / name, **{**texts, **more})
 
 
 @pytest.fixture

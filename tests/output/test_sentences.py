@@ -12,10 +12,10 @@ from types import SimpleNamespace as Made
 import pytest
 
 from camcli.analysis.border_collision import Equal, Rule
-from camcli.analysis.explain.changes import BASIN, UNEXPLAINED, Change, Event
+from camcli.analysis.explain.changes import BASIN, UNEXPLAINED, CriticalEvent, LabelChange
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, Meeting
 from camcli.analysis.integrate import Cost
-from camcli.analysis.orbits.proofs import Proof, Proofs, Step
+from camcli.analysis.orbits.proofs import Proof, Proofs, ProofStep
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.api.sweep import ranges
 from camcli.errors import Status
@@ -54,7 +54,7 @@ def test_a_speed_has_the_decimals_of_its_error(rpm, error, text):
     [
         (CAUSES, set(Status) - {Status.OK}),
         (CURES, set(Status) - {Status.OK}),
-        (FAILED, set(Step)),
+        (FAILED, set(ProofStep)),
         (VERDICTS, set(Verdict)),
         (EQUALITIES, set(Equal) - {Equal.TANGENCY}),
         (LEFT, set(Rule)),
@@ -210,7 +210,7 @@ def test_remarks_on_orbits():
 
 
 def test_remarks_on_proofs():
-    step, text = Step.NUMBER, "the value lies outside the error that is claimed for it"
+    step, text = ProofStep.NUMBER, "the value lies outside the error that is claimed for it"
     solved = [Made(label="P(1;1)", rpm=701.25), Made(label="P(1;2)", rpm=701.25)]
     range_ = Made(branch=4, label="P(1;1)", stable=True, low="[1]", high="[2]", boxes=7,
                   failed_step=None)  # fmt: skip
@@ -282,19 +282,22 @@ def test_crises():
     assert said(met) == [*runs, *tail, "The fold that touches is smooth."]
     corner = crisis(CrisisKind.INTERIOR, met=meetings[:1], corner=Made(name="c"))
     assert said(corner)[-1] == "The fold that touches is the image of an impact at corner c."
-    assert event_sentence(Event(1.0, 0.1, "interior-crisis", "x", source=met)) == " ".join(
+    assert event_sentence(CriticalEvent(1.0, 0.1, "interior-crisis", "x", source=met)) == " ".join(
         said(met)
     )
 
 
 def test_changes():
     ends = (700.0, 702.0, "P(1;1)", "aperiodic")
-    events = [Event(700.5, 0.1, "fold", "P(1;1)"), Event(701.5, 0.1, "grazing", "P(2;2)")]
+    events = [
+        CriticalEvent(700.5, 0.1, "fold", "P(1;1)"),
+        CriticalEvent(701.5, 0.1, "grazing", "P(2;2)"),
+    ]
     stays = crisis(CrisisKind.STAYS)
     stayed = crisis_sentences(stays)[0]
 
     def told(cause, **more):
-        return change_sentence(Change(*ends, cause, **more), events)
+        return change_sentence(LabelChange(*ends, cause, **more), events)
 
     assert told(BASIN, persists=("P(1;1)", "P(3;1)")) == (
         "P(1;1) exists and attracts on both sides, the start changes basins; P(1;1) changes at: "

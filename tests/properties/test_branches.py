@@ -21,7 +21,7 @@ from camcli.analysis.orbits.locate import (
     beyond_both,
     smooth_events,
 )
-from camcli.analysis.orbits.study import Question, orbits
+from camcli.analysis.orbits.study import OrbitsQuestion, orbits
 from camcli.cams.eccentric import EccentricCam
 from camcli.cams.law import LawCam
 from camcli.system import Follower, System
@@ -69,7 +69,7 @@ def same(point, event):
 
 def study(system, rpm, low, high, parameter="rpm", points=30, label=None, starts=3):
     wanted = None if label is None else Label.parse(label)
-    question = Question(
+    question = OrbitsQuestion(
         rpm, parameter, Span(low, high, (high - low) / points), wanted, starts=starts
     )
     with budgeted(ENOUGH, lambda done, limit: None):

@@ -29,7 +29,7 @@ from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.orbit import from_root
 from camcli.analysis.orbits.shooter import Shooter
 from camcli.analysis.orbits.single_impact import single_impact_roots
-from camcli.analysis.orbits.study import Question, orbits
+from camcli.analysis.orbits.study import OrbitsQuestion, orbits
 from camcli.cams.eccentric import EccentricCam
 from camcli.kernel.certify import PULLS
 from camcli.scene import load_scene
@@ -108,7 +108,7 @@ def answer(config, low, high, at, label=None):
     scene = load_scene(CONFIGS / config)
     system = System.build(Follower(**scene.follower.model_dump()), scene.cam)
     span = Span(low, high, (high - low) / 20)
-    question = Question(at, span=span, label=label, starts=0)
+    question = OrbitsQuestion(at, span=span, label=label, starts=0)
     return orbits(system, Settings(600, 1, 1e-9, 10**6, Start()), question)
 
 
@@ -146,7 +146,9 @@ def test_the_balls_fold_and_period_doubling(r, n):
     fold, doubling = critical(r, n)
     low, high, start = (rpm_of(x) for x in (0.98 * fold, 1.02 * doubling, 0.5 * (fold + doubling)))
     span = Span(low, high, (high - low) / 20)
-    question = Question(start, span=span, label=Label([1, *[0] * (n - 1)]), branches=0, starts=0)
+    question = OrbitsQuestion(
+        start, span=span, label=Label([1, *[0] * (n - 1)]), branches=0, starts=0
+    )
     found = orbits(ball(r), Settings(20, 1, 1e-9, 10**6, Start()), question)
     at = {event.kind: event.value for event in found.bifurcations}
     assert at["fold"] == pytest.approx(rpm_of(fold), rel=TIGHT)

@@ -14,8 +14,8 @@ import camcli
 from camcli.analysis.orbits import proofs
 from camcli.analysis.orbits.proofs import prove_event
 from camcli.cams.balls import UndecidedError, below, precision
-from camcli.exact.machine import Machine
-from camcli.exact.motion import Motion
+from camcli.exact.machine import BallMachine
+from camcli.exact.motion import BallMotion
 from camcli.scene import load_scene
 from tests.support.kernel_runs import ORACLE_CAM
 
@@ -105,7 +105,7 @@ def test_the_multipliers_turn_real():
 
 def phase_of_hit(n, rpm):
     """Phase of the n-th impact after the first departure, rad."""
-    motion = Motion(Machine(SYSTEM.shape, SYSTEM.follower, rpm), SYSTEM.strobe, B)
+    motion = BallMotion(BallMachine(SYSTEM.shape, SYSTEM.follower, rpm), SYSTEM.strobe, B)
     while len(motion.trail.impacts) < n:
         motion.step()
     return motion.trail.impacts[n - 1][0]
@@ -115,7 +115,7 @@ def phase_of_hit(n, rpm):
 def test_the_nth_impact_lands_on_c(n):
     """Before it the n-th impact comes before the corner, after it later: certain at both ends."""
     with precision(proofs.DIGITS[0]):
-        corner = next(s.end for s in Machine(SYSTEM.shape, SYSTEM.follower, 1.0).stretches
+        corner = next(s.end for s in BallMachine(SYSTEM.shape, SYSTEM.follower, 1.0).stretches
                       if abs(s.end - C) < 1e-9)  # fmt: skip
         low, high = (arb(HITS[n]) + side * arb("1e-6") for side in (-1, 1))
         assert phase_of_hit(n, low) < corner < phase_of_hit(n, high)

@@ -17,7 +17,7 @@ from camcli.analysis.bench.machine import events, orbit
 from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.compile import column
 from camcli.exact.first_root import first_root
-from camcli.exact.machine import Machine
+from camcli.exact.machine import BallMachine
 from camcli.kernel.sticking import contact_accel
 from camcli.scene import load_scene
 from camcli.system import Follower, System
@@ -86,7 +86,7 @@ def near_graze(name: str, rng: np.random.Generator) -> Flight | None:
     back = 10 ** rng.uniform(-2, 0.2) / (1 + system.constants(rpm, 0.0, 1).Z)
     begin = theta - back + (2 * pi if theta < back else 0)
     with precision(40):
-        machine = Machine(system.shape, system.follower, rpm)
+        machine = BallMachine(system.shape, system.follower, rpm)
         c = machine.stretches[part_of(machine, theta)].derivatives(arb(theta), 2)
         q, w, accel, _ = machine.move(c[0] + offset, c[1], arb(0))
         if not accel > c[2]:
@@ -115,7 +115,7 @@ def low_hop(name: str, rng: np.random.Generator) -> Flight | None:
     return Flight(system, rpm, degrees, q, w + lift * 10 ** rng.uniform(-9, -1), True)
 
 
-def part_of(machine: Machine, theta: float) -> int:
+def part_of(machine: BallMachine, theta: float) -> int:
     """Index of the machine's stretch that holds theta."""
     return next(k for k, part in enumerate(machine.stretches) if part.end > theta)
 
@@ -133,7 +133,7 @@ def true_contact(f: Flight) -> tuple[arb, arb] | None:
 
     Raises UndecidedError near a double zero of the gap.
     """
-    machine = Machine(f.system.shape, f.system.follower, f.rpm)
+    machine = BallMachine(f.system.shape, f.system.follower, f.rpm)
     theta, w, end = arb(f.theta), arb(f.w), TURNS * machine.turn
     i = next(k for k, part in enumerate(machine.stretches) if part.end > theta)
     begin, low = machine.stretches[i].end, arb(0)

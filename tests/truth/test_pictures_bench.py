@@ -97,7 +97,7 @@ def test_a_bar_per_extreme_case_is_as_long_as_it_took(monkeypatch):
 
     def measure(row, machines):
         status = "failed" if row.case == wrong else "ok"
-        return stability.Outcome(row.case, row.expected, "seen", status, took[row.case])
+        return stability.RowOutcome(row.case, row.expected, "seen", status, took[row.case])
 
     monkeypatch.setattr(stability, "ROWS", rows)
     monkeypatch.setattr(stability, "measure", measure)

@@ -26,7 +26,7 @@ from camcli.analysis.border_collision import Side
 from camcli.analysis.classify import _chatter
 from camcli.analysis.contact_loss.detachment import detachment
 from camcli.analysis.contact_loss.hold import hold_to
-from camcli.analysis.explain.attractor import Carried
+from camcli.analysis.explain.attractor import CarriedAttractor
 from camcli.analysis.explain.changes import changes_between
 from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Orbit
@@ -390,11 +390,11 @@ def test_an_exponent_takes_four_impacts_in_each_of_twenty_batches(turns, known):
 
 def test_sixteen_states_outside_the_box_have_left_it():
     carried = SimpleNamespace(box=(np.array([0.0, 0.0]), np.array([1.0, 1.0])))
-    carried.outside = lambda states: Carried.outside(carried, states)
+    carried.outside = lambda states: CarriedAttractor.outside(carried, states)
     for count, left in ((15, False), (16, True)):
         q = np.array([0.5] * 100 + [1.5] * count)
         record = SimpleNamespace(strobe_q=q, strobe_w=np.full(len(q), 0.5))
-        assert Carried.has_left(carried, record) == left
+        assert CarriedAttractor.has_left(carried, record) == left
 
 
 def spread(width: float) -> SimpleNamespace:

@@ -15,7 +15,7 @@ import numpy as np
 from camcli.analysis.basins import recurrence
 from camcli.analysis.basins.attractor import Attractor
 from camcli.analysis.basins.cell_batches import NOTHING, CellBatches, Ends, mode_of
-from camcli.analysis.basins.region import Region, parted, region_of, targets_of
+from camcli.analysis.basins.region import CaptureRegion, parted, region_of, targets_of
 from camcli.analysis.basins.rest_outcomes import RestOutcomes
 from camcli.analysis.basins.window import Window
 from camcli.analysis.integrate import Orbit, with_turns
@@ -44,7 +44,7 @@ class AttractorFinder:
     batches: CellBatches
     budget: int
     attractors: list[Attractor] = field(default_factory=list)
-    regions: list[Region | None] = field(default_factory=list)
+    regions: list[CaptureRegion | None] = field(default_factory=list)
     targets: Targets = NOTHING
     boxes: recurrence.Boxes | None = None
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camcli.analysis.basins.region import Region
+from camcli.analysis.basins.region import CaptureRegion
 from camcli.kernel.cells import Targets
 
 SIDE = 96  # boxes along each side of the visited range
@@ -83,7 +83,9 @@ def meet(a: np.ndarray, b: np.ndarray) -> bool:
     return bool(np.isin(grid.boxes(a), grid.boxes(b)).any())
 
 
-def boxes_of(records: dict[int, np.ndarray], regions: list[Region | None], count: int) -> Boxes:
+def boxes_of(
+    records: dict[int, np.ndarray], regions: list[CaptureRegion | None], count: int
+) -> Boxes:
     """Boxes visited by each record and those around them, but none near a periodic attractor.
 
     `records` maps the index of an attractor to its states (gap, rate).
@@ -100,7 +102,7 @@ def boxes_of(records: dict[int, np.ndarray], regions: list[Region | None], count
     return Boxes(grid, owner, [1 << 40] * count)
 
 
-def _clear(owner: np.ndarray, grid: Grid, region: Region) -> None:
+def _clear(owner: np.ndarray, grid: Grid, region: CaptureRegion) -> None:
     table = owner.reshape(grid.side, grid.side)
     for point, half in zip(region.points, region.half_widths(), strict=True):
         x = (point[0] + np.array([-half[0], half[0]]) - grid.gap) * grid.per_gap

@@ -37,7 +37,7 @@ MOST_RETURN = 2_000  # turns
 
 
 @dataclass(frozen=True)
-class Region:
+class CaptureRegion:
     """Ellipses about the points: columns gap, rate (m, m/rad), A, B, C of the form, per point."""
 
     points: np.ndarray  # (m, 2)
@@ -48,7 +48,7 @@ class Region:
     rho: float
     returns: bool  # rings of starts were seen to come back
 
-    def scaled(self, factor: float) -> Region:
+    def scaled(self, factor: float) -> CaptureRegion:
         """Ellipses smaller by a factor."""
         return replace(self, forms=self.forms / (factor * factor), radius=self.radius * factor)
 
@@ -59,7 +59,7 @@ class Region:
         return np.sqrt(np.column_stack((c / det, a / det)))
 
 
-def region_of(batches: CellBatches, attractor: Attractor) -> Region | None:
+def region_of(batches: CellBatches, attractor: Attractor) -> CaptureRegion | None:
     """The largest region that holds; None where the differences say that the orbit repels."""
     c, c1 = batches.lift
     points = np.array(attractor.states) - np.array([c, c1])
@@ -73,7 +73,7 @@ def region_of(batches: CellBatches, attractor: Attractor) -> Region | None:
     shrink = 0.5 * (1.0 + (0.5 * (1.0 + rho)) ** 2)
     s = exp_decay(-natural_log(0.5 * (1.0 + rho)) / len(points))
     forms = _forms(maps, s) / attractor.size**2
-    region = Region(points, forms, symbols, shrink, 1.0, rho, False)
+    region = CaptureRegion(points, forms, symbols, shrink, 1.0, rho, False)
     with np.errstate(over="ignore", invalid="ignore"):  # of a cycle that stretches beyond all
         round_enough = _discriminant(forms) > ROUND * forms[:, 0] * forms[:, 2]
     radius = WIDEST if round_enough.all() else 0.0
@@ -151,7 +151,7 @@ def _forms(maps: np.ndarray, s: float) -> np.ndarray:
     return np.array(forms)
 
 
-def _holds(batches: CellBatches, region: Region) -> bool:
+def _holds(batches: CellBatches, region: CaptureRegion) -> bool:
     """True where rings of starts in every ellipse stay, shrink over a period and come home."""
     m = len(region.points)
     starts, at = rings(region)
@@ -182,7 +182,7 @@ def _holds(batches: CellBatches, region: Region) -> bool:
     return bool((size_of(region, at, ends.gap, ends.rate) <= max(HOME, left)).all())
 
 
-def rings(region: Region) -> tuple[np.ndarray, np.ndarray]:
+def rings(region: CaptureRegion) -> tuple[np.ndarray, np.ndarray]:
     """(starts, their points' indices): deterministic rings in every ellipse, not below the cam."""
     side = (np.arange(DIRECTIONS // 4) + 0.5) / (DIRECTIONS // 8) - 1.0
     one = np.ones_like(side)
@@ -206,7 +206,7 @@ def rings(region: Region) -> tuple[np.ndarray, np.ndarray]:
     return starts[keep], at[keep]
 
 
-def size_of(region: Region, at, gap, rate):
+def size_of(region: CaptureRegion, at, gap, rate):
     """The form about points `at` of states."""
     x, y = gap - region.points[at, 0], rate - region.points[at, 1]
     a, b, c = region.forms[at].T
@@ -228,7 +228,9 @@ def targets_of(regions, boxes=None):
     return targets if boxes is None else boxes.fill(targets)
 
 
-def parted(regions: Sequence[Region | None], new: Region) -> list[Region | None] | None:
+def parted(
+    regions: Sequence[CaptureRegion | None], new: CaptureRegion
+) -> list[CaptureRegion | None] | None:
     """All regions, the new one and those it overlaps shrunk until apart; None where they are one.
 
     Numbers do not change: entry k is region k, the last entry the new one.
@@ -243,7 +245,7 @@ def parted(regions: Sequence[Region | None], new: Region) -> list[Region | None]
     return [*apart, new]
 
 
-def overlap(a: Region, b: Region) -> bool:
+def overlap(a: CaptureRegion, b: CaptureRegion) -> bool:
     """True where the boxes around two regions' ellipses meet."""
     apart = np.abs(a.points[:, None, :] - b.points[None, :, :])
     reach = a.half_widths()[:, None, :] + b.half_widths()[None, :, :]

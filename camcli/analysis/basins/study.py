@@ -16,7 +16,7 @@ from camcli.analysis.basins.attractor_finder import BELOW, AttractorFinder
 from camcli.analysis.basins.cell_batches import CellBatches
 from camcli.analysis.basins.measures import Uncertainty, entropies, fractions, uncertainty
 from camcli.analysis.basins.refinement import refine
-from camcli.analysis.basins.region import Region
+from camcli.analysis.basins.region import CaptureRegion
 from camcli.analysis.basins.saddles import BoundarySaddle, boundary_saddles
 from camcli.analysis.basins.window import Window
 from camcli.analysis.exponents import of_multiplier, of_record
@@ -36,7 +36,7 @@ THINNED = 400  # states of an aperiodic attractor compared
 
 
 @dataclass(frozen=True)
-class Question:
+class BasinsQuestion:
     """What is asked at every speed; budget in turns."""
 
     window: Window
@@ -58,7 +58,7 @@ class Basins:
     codes: np.ndarray  # (nv, nq) int16; empty where there are more than WINDOWS speeds
     level: np.ndarray | None
     attractors: tuple[Attractor, ...]  # attractor k has code k + 1
-    regions: tuple[Region | None, ...]
+    regions: tuple[CaptureRegion | None, ...]
     stays: tuple[int, ...]  # turns in its boxes that decide, for aperiodic attractors
     fractions: dict[int, tuple[float, float]]  # (fraction, standard error) by code
     undecided: int  # cells that met no attractor within the budget
@@ -103,7 +103,7 @@ def study(
     system: System,
     values: Sequence[float],
     settings: Settings,
-    question: Question,
+    question: BasinsQuestion,
     *,
     setup: Callable[[float], Setup] | None = None,
     boundary: bool = False,
@@ -174,7 +174,7 @@ def study(
     return Study(tuple(speeds), sum((speed.cost for speed in speeds), Cost()))
 
 
-def _failed(question: Question, value: float, rpm: float, fault: PieceFault) -> Basins:
+def _failed(question: BasinsQuestion, value: float, rpm: float, fault: PieceFault) -> Basins:
     """Basins of which nothing is known."""
     status = int(Status.FAULT)
     window = question.window.halved(question.refine)
@@ -204,7 +204,7 @@ def basins(
     system: System,
     rpm: float,
     settings: Settings,
-    question: Question,
+    question: BasinsQuestion,
     *,
     work: Work | None = None,
     on_cells: Callable[[int], None] = lambda cells: None,

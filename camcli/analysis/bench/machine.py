@@ -13,7 +13,7 @@ from camcli.kernel.orbit_loop import EventKind
 from camcli.system import Follower, System
 
 
-class Event(NamedTuple):
+class LoggedEvent(NamedTuple):
     """A logged event."""
 
     kind: str
@@ -68,9 +68,9 @@ def run(system: System, rpm: float, **wanted) -> Record:
     return orbit(system, rpm, **wanted).run()
 
 
-def events(record: Record, first: int = 0) -> list[Event]:
+def events(record: Record, first: int = 0) -> list[LoggedEvent]:
     """Every logged event; `first`: 1 for a start off the strobe."""
-    return [Event(EventKind(k).text, p + first, *place) for k, p, *place in record.events()]
+    return [LoggedEvent(EventKind(k).text, p + first, *place) for k, p, *place in record.events()]
 
 
 def phases(record: Record, kind: str = "impact") -> list[float]:

@@ -35,7 +35,7 @@ PER_HOP = 8  # fixed steps of a short flight, at least
 CHECKED = 256  # evaluations of solve_ivp from one look at the clock to the next
 
 
-class Region(NamedTuple):
+class PeerPiece(NamedTuple):
     """A smooth piece: c = a cos x + sqrt(b^2 - d^2 sin^2 x) - offset, x = theta - centre.
 
     A circle of radius b about a point at distance a = d, a dwell (a = d = 0), a harmonic (d = 0).
@@ -61,11 +61,11 @@ class Lift:
             self.regions = _arcs(section)
         else:  # c = base + lift (1 - cos theta)/2: one region, of two turns
             half = 0.5 * section["lift"]
-            self.regions = [Region(-half, section["base"] + half, 0.0, 0.0, 0.0, 2.0 * TWO_PI)]
+            self.regions = [PeerPiece(-half, section["base"] + half, 0.0, 0.0, 0.0, 2.0 * TWO_PI)]
         self.breaks = [region.end for region in self.regions[:-1]]
         self.top = self.at(math.pi)[0]
         self.sky = len(self.regions)  # index of the region above the cam
-        self.regions.append(Region(0.0, self.top + CLEAR, 0.0, 0.0, 0.0, math.inf))
+        self.regions.append(PeerPiece(0.0, self.top + CLEAR, 0.0, 0.0, 0.0, math.inf))
 
     def law(self, index: int, theta: float) -> tuple[float, float, float]:
         """(c, dc/dtheta, d2c/dtheta2) of a region, its formula continued."""
@@ -87,7 +87,7 @@ class Lift:
         return self.law(self.region(theta), theta)
 
 
-def _arcs(s: Mapping[str, Any]) -> list[Region]:
+def _arcs(s: Mapping[str, Any]) -> list[PeerPiece]:
     """Three tangent circles; neighbours touch on the line through their centres."""
     k1, r1, k2, r2 = (s[x] for x in ("flank_center", "flank_radius", "nose_center", "nose_radius"))
     cos_centres = (k1 * k1 + k2 * k2 - (r1 - r2) ** 2) / (2.0 * k1 * k2)
@@ -104,13 +104,13 @@ def _arcs(s: Mapping[str, Any]) -> list[Region]:
     base = r1 - k1
     offset = s["offset"]
     return [
-        Region(0.0, base, 0.0, offset, 0.0, a),
-        Region(-k1, r1, k1, offset, a, b),
-        Region(k2, r2, k2, offset, c, c),
-        Region(0.0, k2 + r2, 0.0, offset, 0.0, d),
-        Region(k2, r2, k2, offset, d, e),
-        Region(-k1, r1, k1, offset, f, f),
-        Region(0.0, base, 0.0, offset, 0.0, TWO_PI + a),
+        PeerPiece(0.0, base, 0.0, offset, 0.0, a),
+        PeerPiece(-k1, r1, k1, offset, a, b),
+        PeerPiece(k2, r2, k2, offset, c, c),
+        PeerPiece(0.0, k2 + r2, 0.0, offset, 0.0, d),
+        PeerPiece(k2, r2, k2, offset, d, e),
+        PeerPiece(-k1, r1, k1, offset, f, f),
+        PeerPiece(0.0, base, 0.0, offset, 0.0, TWO_PI + a),
     ]
 
 
@@ -119,7 +119,7 @@ class BudgetError(Exception):
 
 
 @dataclass
-class Trace:
+class PeerTrace:
     """What a method found: impacts (turn, theta, u), rests (turn, theta), the end (q, v)."""
 
     hits: list[tuple[int, float, float]] = field(default_factory=list)
@@ -129,7 +129,7 @@ class Trace:
     given_up: bool = False
 
 
-class State(NamedTuple):
+class PeerState(NamedTuple):
     """Whole turns and theta in [0, 2 pi), gap y (m), its rate u (m/s)."""
 
     turn: int
@@ -138,7 +138,7 @@ class State(NamedTuple):
     u: float
 
 
-class Machine:
+class PeerMachine:
     """A follower on a cam at one speed (rad/s) over `turns`, and the budget of one run.
 
     chatter: its tolerance, turns; seconds: of the processor (a busy machine changes nothing).
@@ -165,7 +165,7 @@ class Machine:
         self.chatter_s = chatter * self.period
         self.deadline = process_time() + seconds
         self.most_impacts = most_impacts
-        self.trace = Trace()
+        self.trace = PeerTrace()
 
     def check(self) -> None:
         """Raise BudgetError where the budget is used up."""
@@ -178,7 +178,7 @@ class Machine:
         omega = self.omega
         return -self.k * c - self.b * omega * slope - self.load - omega * omega * bend
 
-    def fall_time(self, at: State) -> float:
+    def fall_time(self, at: PeerState) -> float:
         """Seconds until the gap closes at the present relative acceleration, inf at a departure."""
         a = self.pushed(self.lift.region(at.theta), at.theta) - self.k * at.y - self.b * at.u
         if a >= 0.0 or at.y == at.u == 0.0:
@@ -190,7 +190,7 @@ class Machine:
         """Where the run ends, as an angle counted from the beginning of a turn."""
         return (self.turns - turn) * TWO_PI
 
-    def rest(self, turn: int, theta: float) -> State | None:
+    def rest(self, turn: int, theta: float) -> PeerState | None:
         """State in which a follower at rest on the cam leaves it; None: it rests to the end."""
         while turn < self.turns:
             region = self.lift.region(theta)
@@ -198,7 +198,7 @@ class Machine:
             leave = self._pulled_off(region, theta, high)
             turn, theta = wrapped(turn, high if leave is None else leave)
             if leave is not None:
-                return State(turn, theta, 0.0, 0.0) if turn < self.turns else None
+                return PeerState(turn, theta, 0.0, 0.0) if turn < self.turns else None
         return None
 
     def _pulled_off(self, region: int, low: float, high: float) -> float | None:
@@ -210,7 +210,7 @@ class Machine:
                 return root(lambda theta: self.pushed(region, theta), left, right)
         return None
 
-    def rebound(self, turn: int, theta: float, u: float) -> State | None:
+    def rebound(self, turn: int, theta: float, u: float) -> PeerState | None:
         """State after an impact: thrown up, or where the rest ends that closes a chatter."""
         self.check()
         self.trace.hits.append((turn, theta, u))
@@ -221,14 +221,14 @@ class Machine:
                 turn, theta = wrapped(turn, theta + self.omega * left)
                 self.trace.rests.append((turn, theta))
                 return self.rest(turn, theta)
-        return State(turn, theta, 0.0, -self.r * u)
+        return PeerState(turn, theta, 0.0, -self.r * u)
 
 
 @dataclass(frozen=True)
-class Flight:
+class PeerFlight:
     """A flight over one region from theta; fall: s, of a ballistic flight."""
 
-    machine: Machine
+    machine: PeerMachine
     region: int
     theta: float
     fall: float
@@ -242,17 +242,17 @@ class Flight:
 Result = tuple[float, float, float, bool]  # t, y, u at the end, and whether it is a contact
 # (flight, (t, y, u) to begin with, last t, whether to look for a contact): y > 0 where it is looked
 # for
-Method = Callable[[Flight, tuple[float, float, float], float, bool], Result]
+Method = Callable[[PeerFlight, tuple[float, float, float], float, bool], Result]
 
 
-def follow(machine: Machine, method: Method, q: float | None, v: float | None) -> Trace:
+def follow(machine: PeerMachine, method: Method, q: float | None, v: float | None) -> PeerTrace:
     """Follow the follower from (q, v) at theta = 0; None: at rest on the cam."""
     trace = machine.trace
     c, slope, _ = machine.lift.law(0, 0.0)
-    state: State | None = (
+    state: PeerState | None = (
         machine.rest(0, 0.0)
         if q is None or v is None
-        else State(0, 0.0, q - c, v - machine.omega * slope)
+        else PeerState(0, 0.0, q - c, v - machine.omega * slope)
     )
     try:
         while state is not None:
@@ -269,7 +269,7 @@ def follow(machine: Machine, method: Method, q: float | None, v: float | None) -
     return trace
 
 
-def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
+def fly(machine: PeerMachine, method: Method, at: PeerState) -> tuple[bool, PeerState]:
     """(whether on the cam, state) at the next contact or at the end of the run."""
     lift = machine.lift
     omega = machine.omega
@@ -284,7 +284,7 @@ def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
         if above:
             y = y + c - lift.top - CLEAR
             u = u + omega * slope
-        flight = Flight(machine, region, theta, fall)
+        flight = PeerFlight(machine, region, theta, fall)
         span = (stop - theta) / omega
         t = 0.0
         hit = False
@@ -299,7 +299,7 @@ def fly(machine: Machine, method: Method, at: State) -> tuple[bool, State]:
             c, slope, _ = lift.at(theta)
             y = y + lift.top + CLEAR - c
             u = u - omega * slope
-        at = State(*wrapped(turn, theta), y, u)
+        at = PeerState(*wrapped(turn, theta), y, u)
         if hit and not above:
             return True, at
     return False, at
@@ -321,7 +321,7 @@ def root(function: Callable[..., float], low: float, high: float, *args: tuple) 
 def runge_kutta_4(steps: int) -> Method:
     """The classical method of order four: so many fixed steps per turn, contacts inside a step."""
 
-    def step(flight: Flight, t: float, y: float, u: float, h: float) -> tuple[float, float]:
+    def step(flight: PeerFlight, t: float, y: float, u: float, h: float) -> tuple[float, float]:
         flight.machine.trace.evaluations += 4
         k1 = flight.accel(t, y, u)
         u2 = u + 0.5 * h * k1
@@ -333,7 +333,7 @@ def runge_kutta_4(steps: int) -> Method:
         y_after = y + h / 6.0 * (u + 2.0 * (u2 + u3) + u4)
         return y_after, u + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
 
-    def integrate(flight: Flight, begin, until: float, contacts: bool) -> Result:
+    def integrate(flight: PeerFlight, begin, until: float, contacts: bool) -> Result:
         t, y, u = begin
         h = min(flight.machine.period / steps, flight.fall / PER_HOP)
         while t < until:
@@ -367,7 +367,7 @@ def solve_ivp(name: str, tolerance: float, max_turn: float = math.inf) -> Method
     contact.direction = -1  # type: ignore[attr-defined]
     dip.direction = 1  # type: ignore[attr-defined]
 
-    def integrate(flight: Flight, begin, until: float, contacts: bool) -> Result:
+    def integrate(flight: PeerFlight, begin, until: float, contacts: bool) -> Result:
         machine = flight.machine
         calls = 0
 
@@ -405,7 +405,7 @@ def solve_ivp(name: str, tolerance: float, max_turn: float = math.inf) -> Method
 def heyoka_taylor(tolerance: float) -> Method:
     """heyoka's Taylor series with a terminal event."""
 
-    def integrate(flight: Flight, begin, until: float, contacts: bool) -> Result:
+    def integrate(flight: PeerFlight, begin, until: float, contacts: bool) -> Result:
         machine = flight.machine
         taylor, state, pars = _taylor_integrator(tolerance, contacts)
         a, b, d, offset, centre, _ = machine.lift.regions[flight.region]

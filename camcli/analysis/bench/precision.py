@@ -18,7 +18,7 @@ import numpy as np
 
 from camcli.analysis.bench import peers
 from camcli.analysis.bench.machine import Machines, orbit, reference
-from camcli.analysis.bench.peers import Lift, Trace
+from camcli.analysis.bench.peers import Lift, PeerTrace
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import CHATTER, IMPACT
 from camcli.system import Follower, System, omega_of
@@ -34,7 +34,7 @@ ROUNDING = 2.0**-52
 ALLOWANCE = 8  # roundings of ours in one event; how far one goes is `growth`, from the reference
 
 
-class Mark(NamedTuple):
+class ReferenceEvent(NamedTuple):
     """An event of the reference: phase as two doubles (rad), our bound (turns)."""
 
     turn: int
@@ -63,8 +63,8 @@ class Case:
     rpm: float
     turns: int
     start: tuple[float | None, float | None]
-    hits: Sequence[Mark]
-    rests: Sequence[Mark]  # accumulations
+    hits: Sequence[ReferenceEvent]
+    rests: Sequence[ReferenceEvent]  # accumulations
     final: tuple[float, float, float]  # q, v, and our bound there
 
 
@@ -72,11 +72,11 @@ class Case:
 def case(name: str) -> Case:
     """A stored case."""
     data = reference(name)
-    marks: dict[str, list[Mark]] = {"impact": [], "chatter": [], "detachment": []}
+    marks: dict[str, list[ReferenceEvent]] = {"impact": [], "chatter": [], "detachment": []}
     for e in reversed(data["events"]):
         exact = Decimal(e["theta"])
         rest = float(exact - Decimal(float(exact)))
-        mark = Mark(e["turn"], float(exact), rest, _bound(e["growth"]), False)
+        mark = ReferenceEvent(e["turn"], float(exact), rest, _bound(e["growth"]), False)
         near = any(0.0 <= end.at - mark.at < OPTIONAL for end in marks["chatter"])
         marks[e["kind"]].insert(0, mark._replace(optional=near))
     end = data["final"]
@@ -114,7 +114,7 @@ class Agreement:
     bound: float  # where the largest error is
 
 
-def compare(case: Case, trace: Trace, tolerance: float = 0.0) -> Agreement:
+def compare(case: Case, trace: PeerTrace, tolerance: float = 0.0) -> Agreement:
     """Errors of a run, and how they stand to the bound at a chatter tolerance (turns).
 
     An impact and one of the reference are the same where each is the nearest to the other. Impacts
@@ -186,7 +186,7 @@ TIGHTEST = 1e-9  # turns: the peers' chatter tolerance is their tolerance, at le
 MOST_IMPACTS = 20  # times those of the reference, before a run is given up
 
 
-class Point(NamedTuple):
+class MethodSetting(NamedTuple):
     """A method with one setting, and its chatter tolerance in turns."""
 
     method: str
@@ -195,7 +195,7 @@ class Point(NamedTuple):
     peer: peers.Method | None  # None: ours
 
 
-def points(methods: Sequence[str], quick: bool) -> list[Point]:
+def points(methods: Sequence[str], quick: bool) -> list[MethodSetting]:
     """All points of one case, in order."""
     return [
         _point(method, value, limit)
@@ -205,28 +205,30 @@ def points(methods: Sequence[str], quick: bool) -> list[Point]:
     ]
 
 
-def _point(method: str, value: float, limit: float) -> Point:
+def _point(method: str, value: float, limit: float) -> MethodSetting:
     if method == CORE:
-        return Point(method, f"chatter {value:.0e}", value, None)
+        return MethodSetting(method, f"chatter {value:.0e}", value, None)
     if method == RK4:
         chatter = max(float(value) ** -4, TIGHTEST)
-        return Point(method, f"{value} steps per turn", chatter, peers.runge_kutta_4(int(value)))
+        return MethodSetting(
+            method, f"{value} steps per turn", chatter, peers.runge_kutta_4(int(value))
+        )
     setting = f"tol {value:.0e}"
     chatter = max(value, TIGHTEST)
     if method == HEYOKA:
-        return Point(method, setting, chatter, peers.heyoka_taylor(value))
+        return MethodSetting(method, setting, chatter, peers.heyoka_taylor(value))
     setting += "" if limit == inf else " max_step 1/16 turn"
-    return Point(method, setting, chatter, peers.solve_ivp(method, value, limit))
+    return MethodSetting(method, setting, chatter, peers.solve_ivp(method, value, limit))
 
 
-def run_core(system: System, case: Case, tolerance: float) -> Trace:
+def run_core(system: System, case: Case, tolerance: float) -> PeerTrace:
     """Our own kernel at a chatter tolerance in turns, every event logged."""
     q, v = case.start
     ours = orbit(system, case.rpm, case.turns, tolerance=tolerance, q=q, v=v)
     record = ours.run(strobes=False)
     q, w = ours.position()
     rows = record.events()
-    return Trace(
+    return PeerTrace(
         hits=[(p, x, u * ours.omega) for k, p, x, _, u in rows if k == IMPACT],
         rests=[(p, x) for k, p, x, *_ in rows if k == CHATTER],
         final=(q, w * ours.omega),
@@ -234,12 +236,12 @@ def run_core(system: System, case: Case, tolerance: float) -> Trace:
     )
 
 
-def run_peer(method: peers.Method, case: Case, chatter: float, seconds: float = inf) -> Trace:
+def run_peer(method: peers.Method, case: Case, chatter: float, seconds: float = inf) -> PeerTrace:
     """A peer on a case, within a budget of seconds."""
     most = 200 + MOST_IMPACTS * len(case.hits)
     lift = Lift(case.cam)
     omega = omega_of(case.rpm)
-    machine = peers.Machine(case.follower, lift, omega, case.turns, chatter, seconds, most)
+    machine = peers.PeerMachine(case.follower, lift, omega, case.turns, chatter, seconds, most)
     return peers.follow(machine, method, *case.start)
 
 
@@ -276,7 +278,7 @@ class Measured:
 
 
 def measure(
-    piece: tuple[str, Point], *, machines: Machines, allowed: float, repeats: int
+    piece: tuple[str, MethodSetting], *, machines: Machines, allowed: float, repeats: int
 ) -> Measured:
     """The row of a case and a point, `allowed` seconds for a run."""
     name, point = piece
@@ -284,7 +286,7 @@ def measure(
     row = partial(Measured, name, point.method, point.setting)
     if point.method == HEYOKA and find_spec("heyoka") is None:
         return row()
-    call: Callable[[float], Trace]
+    call: Callable[[float], PeerTrace]
     if point.peer is None:
         system = machines.system(some.follower, some.cam)
         backend.compiled()
@@ -340,7 +342,7 @@ EXACT = 1e-9  # turns: the error at which times are compared
 
 
 @dataclass(frozen=True)
-class Verdict:
+class CaseVerdict:
     """Of one case: our tightest setting, the fastest peer to reach EXACT, the most exact one."""
 
     case: str
@@ -353,7 +355,7 @@ class Verdict:
     its_error_turns: float | None = None
 
 
-def verdicts(measured: Sequence[Measured]) -> list[Verdict]:
+def verdicts(measured: Sequence[Measured]) -> list[CaseVerdict]:
     """One for each case that ours was measured in, in order."""
     results = []
     for name in dict.fromkeys(m.case for m in measured):
@@ -369,5 +371,5 @@ def verdicts(measured: Sequence[Measured]) -> list[Verdict]:
             if best is not None:
                 others["most_exact_other"] = f"{best.method} {best.setting}"
                 others["its_error_turns"] = best.error
-            results.append(Verdict(name, ours.seconds, ours.error, ours.of_bound, **others))
+            results.append(CaseVerdict(name, ours.seconds, ours.error, ours.of_bound, **others))
     return results

@@ -40,7 +40,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class RowOutcome:
     """A row of stability.csv."""
 
     case: str
@@ -63,7 +63,7 @@ def row(number: int, what: str, expected: str) -> Callable[[Check], Check]:
     return enter
 
 
-def measure(row: Row, machines: Machines) -> Outcome:
+def measure(row: Row, machines: Machines) -> RowOutcome:
     """Run a row; whatever it raises is an outcome too."""
     began = perf_counter()
     try:
@@ -75,7 +75,7 @@ def measure(row: Row, machines: Machines) -> Outcome:
     except Exception as error:
         observed = f"{type(error).__name__}: {error}"
         status = FAILED
-    return Outcome(row.case, row.expected, observed, status, perf_counter() - began)
+    return RowOutcome(row.case, row.expected, observed, status, perf_counter() - began)
 
 
 def need(holds: bool, seen: str) -> None:

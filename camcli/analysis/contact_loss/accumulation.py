@@ -13,7 +13,7 @@ from math import inf
 
 from camcli.analysis.bracketing import bracket
 from camcli.analysis.contact_loss.bursts import JUST_ABOVE, Bursts, SettledMotion
-from camcli.analysis.contact_loss.detachment import CriticalSpeed, Quantity, SpeedStatus
+from camcli.analysis.contact_loss.detachment import CriticalQuantity, CriticalSpeed, SpeedStatus
 from camcli.cams.regions import SAME_PHASE, Corner, corner_list
 from camcli.errors import Status
 from camcli.kernel.cam_table import TURN
@@ -85,7 +85,9 @@ def reaching(
         return min(bursts.at(rpm).end, FAR) - goal
 
     for _, where in _changes(bursts, excess, speeds):
-        yield CriticalSpeed(Quantity.ACCUMULATION, corner.name, corner.theta, *where, bursts.name)
+        yield CriticalSpeed(
+            CriticalQuantity.ACCUMULATION, corner.name, corner.theta, *where, bursts.name
+        )
 
 
 def completion_loss(bursts: Bursts, speeds: Sequence[float]) -> Iterator[CriticalSpeed]:
@@ -97,7 +99,9 @@ def completion_loss(bursts: Bursts, speeds: Sequence[float]) -> Iterator[Critica
 
     for last, where in _changes(bursts, excess, speeds):
         theta = bursts.at(last).release  # where the chatter ends at the last complete speed
-        yield CriticalSpeed(Quantity.COMPLETION_LOSS, bursts.name, theta, *where, bursts.name)
+        yield CriticalSpeed(
+            CriticalQuantity.COMPLETION_LOSS, bursts.name, theta, *where, bursts.name
+        )
 
 
 def _changes(

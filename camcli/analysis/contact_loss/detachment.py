@@ -17,7 +17,7 @@ from camcli.kernel.cam_table import TURN, stretch_at
 from camcli.system import System, omega_of, rpm_of
 
 
-class Quantity(StrEnum):
+class CriticalQuantity(StrEnum):
     """What a critical speed is about, as in detach.csv."""
 
     FIRST_DETACHMENT = "first_detachment"
@@ -51,7 +51,7 @@ class CriticalSpeed:
     `burst`: the region in which the burst begins whose end the speed is about, if any.
     """
 
-    quantity: Quantity
+    quantity: CriticalQuantity
     region: str
     theta: float
     rpm: float
@@ -116,21 +116,21 @@ def detachment(system: System) -> Detachment:
         return Detachment(None, losses, always)
     least = min(opens.rpm for opens in finite)
     first = next(opens for opens in finite if opens.rpm <= least * (1.0 + NARROW))
-    return Detachment(replace(first, quantity=Quantity.FIRST_DETACHMENT), losses, ())
+    return Detachment(replace(first, quantity=CriticalQuantity.FIRST_DETACHMENT), losses, ())
 
 
 def _loss(force: Force, region: Region) -> Loss:
     lost = cache(force.lost)  # it is asked for three times at the same samples
     omega, i, theta = force.lowest(lambda i, x: lost(i, x)[0], region.stretches)
-    opens = _critical(force, Quantity.OPENS, region, i, theta, omega)
+    opens = _critical(force, CriticalQuantity.OPENS, region, i, theta, omega)
     late, j, place = force.lowest(lambda i, x: -lost(i, x)[0], region.stretches)
     back = force.lowest(lambda i, x: lost(i, x)[1], region.stretches)[0]
     late = -late if -late <= back else inf  # where it opens again before, it is never filled
-    return Loss(region, i, opens, _critical(force, Quantity.FILLS, region, j, place, late))
+    return Loss(region, i, opens, _critical(force, CriticalQuantity.FILLS, region, j, place, late))
 
 
 def _critical(
-    force: Force, quantity: Quantity, region: Region, i: int, theta: float, omega: float
+    force: Force, quantity: CriticalQuantity, region: Region, i: int, theta: float, omega: float
 ) -> CriticalSpeed:
     """The speed with N checked on both sides of it."""
     if omega in (0.0, inf):
@@ -140,7 +140,7 @@ def _critical(
     low, high = rpm * (1.0 - NARROW), rpm * (1.0 + NARROW)
     below, above = (force.newton(i, theta, omega_of(side)) for side in (low, high))
     good = below > 0.0 >= above
-    if quantity == Quantity.OPENS:
+    if quantity == CriticalQuantity.OPENS:
         good = good and force.stays_positive(region, low)
     status = SpeedStatus.OK if good else SpeedStatus.UNRESOLVED
     return CriticalSpeed(quantity, region.name, theta, rpm, low, high, status)

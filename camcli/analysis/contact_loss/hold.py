@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import inf
 
-from camcli.analysis.contact_loss.detachment import Quantity, Reason, detachment
+from camcli.analysis.contact_loss.detachment import CriticalQuantity, Reason, detachment
 from camcli.analysis.contact_loss.force import Force
 from camcli.cams.compile import lift_range
 from camcli.kernel.cam_table import TURN, lift_at
@@ -58,7 +58,7 @@ class Hold:
     is another one. If less would do, the present spring holds.
     """
 
-    quantity: Quantity
+    quantity: CriticalQuantity
     status: HoldStatus
     stiffness: float | None = None
     preload: float | None = None
@@ -102,16 +102,20 @@ def hold_to(
     accel_error: bounds on the error of a measured c_thetatheta, m/rad2, in equal shares of a turn.
     solid: height q (m) at which the present spring is solid; more preload brings it nearer.
     """
-    kinds = (Quantity.HOLD_STIFFNESS, Quantity.HOLD_PRELOAD, Quantity.HOLD_BOTH)
+    kinds = (
+        CriticalQuantity.HOLD_STIFFNESS,
+        CriticalQuantity.HOLD_PRELOAD,
+        CriticalQuantity.HOLD_BOTH,
+    )
     if any(place.reason is Reason.KINK for place in detachment(system).always):
         return [Hold(kind, HoldStatus.IMPOSSIBLE, obstacle=Obstacle.KINK) for kind in kinds]
     need = Need(system, rpm, margin, accel_error)
     follower = system.follower
     k = follower.stiffness
     present = follower.preload
-    stiff = need.least_stiffness(Quantity.HOLD_STIFFNESS, present, 0.0)
+    stiff = need.least_stiffness(CriticalQuantity.HOLD_STIFFNESS, present, 0.0)
     least, i, theta = need.most(lambda p, c: p - k * c)
-    preload = need.checked(Quantity.HOLD_PRELOAD, k, max(least, 0.0), least > 0.0, i, theta)
+    preload = need.checked(CriticalQuantity.HOLD_PRELOAD, k, max(least, 0.0), least > 0.0, i, theta)
     preload = replace(preload, more=least > present)
     lower = (least - present) / k if preload.more and k > 0.0 else 0.0
     height = need.highest + lower  # of the new spring at the nose, on the old one's scale
@@ -120,7 +124,7 @@ def hold_to(
             preload, status=HoldStatus.IMPOSSIBLE, obstacle=Obstacle.SOLID,
             missing_n=height - solid,
         )  # fmt: skip
-    both = need.least_stiffness(Quantity.HOLD_BOTH, 0.0, precompression)
+    both = need.least_stiffness(CriticalQuantity.HOLD_BOTH, 0.0, precompression)
     return [stiff, preload, both]
 
 
@@ -161,7 +165,7 @@ class Need:
         value, i, theta = self.force.lowest(lambda i, x: -f(*self.at(i, x)))
         return -value, i, theta
 
-    def least_stiffness(self, quantity: Quantity, fixed: float, reach: float) -> Hold:
+    def least_stiffness(self, quantity: CriticalQuantity, fixed: float, reach: float) -> Hold:
         """Least k with k (c + reach) + fixed >= P everywhere; the preload is fixed + k reach."""
 
         def per_lift(p: float, c: float) -> float:
@@ -185,7 +189,13 @@ class Need:
         )  # fmt: skip
 
     def checked(
-        self, quantity: Quantity, k: float, preload: float, needed: bool, i: int, theta: float
+        self,
+        quantity: CriticalQuantity,
+        k: float,
+        preload: float,
+        needed: bool,
+        i: int,
+        theta: float,
     ) -> Hold:
         """The answer with its own first detachment and least force, computed anew."""
         lost = detachment(replaced(self.system, k, preload))

@@ -30,7 +30,7 @@ def impacts_of(record: Record) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return record.theta[kept], record.u[kept], record.period[kept]
 
 
-class Carried:
+class CarriedAttractor:
     """The attractor that the scene's start settles on at `near`, carried towards `far` (rpm).
 
     stays, leaves: the last speed known at which a run stays in the box, and the first at which one

@@ -12,7 +12,7 @@ from math import pi
 
 import numpy as np
 
-from camcli.analysis.classify import COMPLETE, Motion
+from camcli.analysis.classify import COMPLETE, ClassifiedMotion
 from camcli.analysis.contact_loss.accumulation import CornerHit
 from camcli.analysis.contact_loss.detachment import CriticalSpeed
 from camcli.analysis.contact_loss.study import detach
@@ -25,8 +25,7 @@ from camcli.analysis.orbits.branch_segment import both_ways
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Crossing
 from camcli.analysis.orbits.shooter import Root, Shooter
-from camcli.analysis.orbits.sticking_orbits import Change as RestChange
-from camcli.analysis.orbits.sticking_orbits import follow_sticking
+from camcli.analysis.orbits.sticking_orbits import MotionChange, follow_sticking
 from camcli.analysis.orbits.study import Bifurcation, Branch, Diagram
 from camcli.analysis.sweep import rpm_grid
 from camcli.errors import Status
@@ -50,7 +49,7 @@ UNEXPLAINED, BASIN = "unexplained", "basin"
 
 
 @dataclass(frozen=True)
-class Event:
+class CriticalEvent:
     """One critical speed: rpm +- error, the kind of event, and the motion it happens to.
 
     source: what was solved. A bifurcation of a branch, a critical speed or a landing on a corner of
@@ -64,20 +63,20 @@ class Event:
     corner: str = ""
     classification: str = ""
     status: str = "ok"
-    source: Bifurcation | CriticalSpeed | CornerHit | Crisis | RestChange | None = None
+    source: Bifurcation | CriticalSpeed | CornerHit | Crisis | MotionChange | None = None
 
 
 @dataclass(frozen=True)
 class Events:
     """Events of attractors in ascending speed, all bifurcations found, and the branches."""
 
-    events: list[Event]
+    events: list[CriticalEvent]
     bifurcations: list[Bifurcation]
     branches: list[Branch]
     cost: Cost
 
 
-def find_events(system: System, settings: Settings, motions: Sequence[Motion]) -> Events:
+def find_events(system: System, settings: Settings, motions: Sequence[ClassifiedMotion]) -> Events:
     """Follow every attracting orbit among the motions; study detachment where there is rest."""
     low, high = min(m.rpm for m in motions), max(m.rpm for m in motions)
     spacing = (high - low) / max(1, len(motions) - 1)
@@ -86,7 +85,7 @@ def find_events(system: System, settings: Settings, motions: Sequence[Motion]) -
     with suppress(BudgetSpentError):
         _follow(diagram, motions, Span(low, high, max(spacing, (high - low) / POINTS[0])))
     events = [
-        Event(b.value, b.error, b.kind, b.label, b.corner, b.classification, b.status, b)
+        CriticalEvent(b.value, b.error, b.kind, b.label, b.corner, b.classification, b.status, b)
         for b in diagram.bifurcations
         if of_attractor(b)
     ]
@@ -103,18 +102,20 @@ def find_events(system: System, settings: Settings, motions: Sequence[Motion]) -
             more += [_critical(c, COMPLETION, CHATTER, c.region) for c in study.completion]
             more += [_critical(hit, HIT, CHATTER, hit.corner) for hit in study.hits]
         events += [e for e in more if low <= e.rpm <= high]
-    once: dict[tuple, Event] = {}  # two branches may end in the same event
+    once: dict[tuple, CriticalEvent] = {}  # two branches may end in the same event
     for event in events:
         once.setdefault((event.kind, event.label, event.corner, f"{event.rpm:.10g}"), event)
     in_order = sorted(once.values(), key=lambda e: e.rpm)
     return Events(in_order, diagram.bifurcations, diagram.branches, cost)
 
 
-def _critical(c: CriticalSpeed | CornerHit, kind: str, label: str, corner: str) -> Event:
-    return Event(c.rpm, 0.5 * (c.high - c.low), kind, label, corner, status=c.status, source=c)
+def _critical(c: CriticalSpeed | CornerHit, kind: str, label: str, corner: str) -> CriticalEvent:
+    return CriticalEvent(
+        c.rpm, 0.5 * (c.high - c.low), kind, label, corner, status=c.status, source=c
+    )
 
 
-def _follow(diagram: Diagram, motions: Sequence[Motion], span: Span) -> None:
+def _follow(diagram: Diagram, motions: Sequence[ClassifiedMotion], span: Span) -> None:
     """The branches of the attracting orbits, and those that leave them at events."""
     seeds = 0
     for motion in sorted(motions, key=lambda m: (m.impacts, m.rpm)):
@@ -160,7 +161,7 @@ def of_attractor(b: Bifurcation) -> bool:
 
 
 @dataclass(frozen=True)
-class Change:
+class LabelChange:
     """Between two neighbouring speeds (rpm) the motion changes from label `before` to `after`.
 
     cause: the kinds of its events with + between, `basin` (both attractors exist on both sides, the
@@ -174,7 +175,7 @@ class Change:
     before: str
     after: str
     cause: str
-    events: tuple[Event, ...] = ()
+    events: tuple[CriticalEvent, ...] = ()
     persists: tuple[str, ...] = ()
     crisis: Crisis | None = None
     may_search: bool = True
@@ -188,8 +189,8 @@ class Explanation:
     status: WORK_BUDGET where something was left out.
     """
 
-    events: list[Event]
-    changes: list[Change]
+    events: list[CriticalEvent]
+    changes: list[LabelChange]
     bifurcations: list[Bifurcation]
     cost: Cost
     status: Status = Status.OK
@@ -198,7 +199,7 @@ class Explanation:
 def explain(
     system: System,
     settings: Settings,
-    motions: Sequence[Motion],
+    motions: Sequence[ClassifiedMotion],
     on_change: Callable[[], None] = lambda: None,
 ) -> Explanation:
     """Every critical speed of the attractors among `motions`, and every change with its cause.
@@ -215,7 +216,7 @@ def explain(
         if m.label != UNDECIDED or m.status != Status.OK or any(m is o for o in outer)
     ]
     nearby = find_events(system, settings, motions)
-    changes: list[Change] = []
+    changes: list[LabelChange] = []
     events = list(nearby.events)
     cost = nearby.cost
     searches = 0
@@ -225,11 +226,11 @@ def explain(
         ends = (a.rpm, b.rpm, a.label, b.label)
         may_search = searches < MOST_CRISES
         cause = partial(_change, system, settings, nearby, a, b, may_search)
-        unknown = Change(*ends, UNEXPLAINED, status=Status.FAULT)
+        unknown = LabelChange(*ends, UNEXPLAINED, status=Status.FAULT)
         try:
             change = piece(f"the change from {a.rpm!r} to {b.rpm!r} rpm", cause, unknown)
         except BudgetSpentError:
-            change = Change(*ends, UNEXPLAINED, status=Status.WORK_BUDGET)
+            change = LabelChange(*ends, UNEXPLAINED, status=Status.WORK_BUDGET)
         if change.crisis is not None:
             cost = cost + change.crisis.cost
             if change.crisis.kind not in (CrisisKind.STAYS, CrisisKind.NOT_CHAOTIC):
@@ -240,7 +241,7 @@ def explain(
     return Explanation(sorted(events, key=lambda e: e.rpm), changes, nearby.bifurcations, cost)
 
 
-def changes_between(a: Motion, b: Motion) -> bool:
+def changes_between(a: ClassifiedMotion, b: ClassifiedMotion) -> bool:
     """Another label, or a chaotic attractor of another size."""
     if a.label != b.label:
         return not (a.chatter == b.chatter == COMPLETE and a.period == b.period)
@@ -249,15 +250,20 @@ def changes_between(a: Motion, b: Motion) -> bool:
     return a.label == APERIODIC and enlarged
 
 
-def _width(motion: Motion) -> float:
+def _width(motion: ClassifiedMotion) -> float:
     """Width of the range of impact phases of the record, rad."""
     theta = impacts_of(motion.record)[0]
     return float(np.ptp(theta)) if len(theta) else 0.0
 
 
 def _change(
-    system: System, settings: Settings, nearby: Events, a: Motion, b: Motion, may_search: bool
-) -> Change:
+    system: System,
+    settings: Settings,
+    nearby: Events,
+    a: ClassifiedMotion,
+    b: ClassifiedMotion,
+    may_search: bool,
+) -> LabelChange:
     """The events inside the interval, else a rest's end, a crisis, coexistence, or unexplained.
 
     A chaotic attractor is carried from the speed where it is the smaller one, or where there is
@@ -267,10 +273,10 @@ def _change(
     inside = [e for e in nearby.events if a.rpm - e.error <= e.rpm <= b.rpm + e.error]
     relevant = tuple(e for e in inside if _concerns(e, a, b))
     if relevant:
-        return Change(*ends, "+".join(dict.fromkeys(e.kind for e in relevant)), relevant)
+        return LabelChange(*ends, "+".join(dict.fromkeys(e.kind for e in relevant)), relevant)
     resting = _rest_ends(system, settings, a, b)
     if resting is not None:
-        return Change(*ends, resting.kind, (resting,))
+        return LabelChange(*ends, resting.kind, (resting,))
     spend(0)  # raises where branches may have been cut short
     persists = tuple(m.label for m in (a, b) if m.orbit is not None and _persists(nearby, m, a, b))
     chaotic = [m for m in (a, b) if m.label == APERIODIC]
@@ -281,18 +287,22 @@ def _change(
         if crisis.met:
             corner = crisis.corner.name if crisis.corner else ""
             label = f"chaos, {crisis.met[0].orbit.label}"
-            event = Event(crisis.rpm, crisis.error, crisis.kind, label, corner, source=crisis)
-            return Change(*ends, crisis.kind, (event,), persists, crisis)
+            event = CriticalEvent(
+                crisis.rpm, crisis.error, crisis.kind, label, corner, source=crisis
+            )
+            return LabelChange(*ends, crisis.kind, (event,), persists, crisis)
     # Chaos that ends beside a stable orbit is no change of basins, unless it is seen to live on.
     if chaotic:
         lives = crisis is not None and crisis.kind is CrisisKind.STAYS
     else:
         lives = bool(persists)
     cause = BASIN if lives and UNDECIDED not in (a.label, b.label) else UNEXPLAINED
-    return Change(*ends, cause, (), persists, crisis, may_search)
+    return LabelChange(*ends, cause, (), persists, crisis, may_search)
 
 
-def _rest_ends(system: System, settings: Settings, a: Motion, b: Motion) -> Event | None:
+def _rest_ends(
+    system: System, settings: Settings, a: ClassifiedMotion, b: ClassifiedMotion
+) -> CriticalEvent | None:
     """Where an orbit that rests on the cam ends, followed from either side into the interval."""
     for motion, other in ((a, b), (b, a)):
         orbit = motion.orbit
@@ -302,11 +312,13 @@ def _rest_ends(system: System, settings: Settings, a: Motion, b: Motion) -> Even
         span = Span(a.rpm, b.rpm, b.rpm - a.rpm)
         leg = follow_sticking(shooter, settings, orbit, span, other.rpm > motion.rpm)
         for change in leg.changes[-1:]:
-            return Event(change.value, change.error, change.kind, orbit.label, source=change)
+            return CriticalEvent(
+                change.value, change.error, change.kind, orbit.label, source=change
+            )
     return None
 
 
-def _concerns(event: Event, a: Motion, b: Motion) -> bool:
+def _concerns(event: CriticalEvent, a: ClassifiedMotion, b: ClassifiedMotion) -> bool:
     """True where the event belongs to one of the two motions or to what doubles from it."""
     labels = {a.label, b.label}
     if event.label in labels or not isinstance(event.source, Bifurcation):
@@ -317,7 +329,9 @@ def _concerns(event: Event, a: Motion, b: Motion) -> bool:
     )
 
 
-def _persists(events: Events, motion: Motion, a: Motion, b: Motion) -> bool:
+def _persists(
+    events: Events, motion: ClassifiedMotion, a: ClassifiedMotion, b: ClassifiedMotion
+) -> bool:
     """True where the motion's orbit exists and attracts on both sides of the interval."""
     for branch in events.branches:
         values = [p.value for p in branch.points if p.label == motion.label and p.stable]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from math import inf
 
-from camcli.analysis.explain.attractor import LEAST, Carried, states_of
+from camcli.analysis.explain.attractor import LEAST, CarriedAttractor, states_of
 from camcli.analysis.explain.saddles import LostError, find_saddles, inner_side
 from camcli.analysis.explain.tangency import Fold, Folds, first_touch
 from camcli.analysis.integrate import Cost, Settings, StartError
@@ -87,7 +87,7 @@ def find_crisis(
     That end is the side on which the attractor is the smaller one, or exists at all: the start of
     the scene settles on it there. Raises StartError for a start below the cam.
     """
-    carried = Carried(system, settings, near, far, turns)
+    carried = CarriedAttractor(system, settings, near, far, turns)
     first, last = carried.ends
     chaotic = label(first) == APERIODIC
     if not chaotic or not carried.has_left(last):

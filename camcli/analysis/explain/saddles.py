@@ -10,7 +10,7 @@ from math import exp, log
 import numpy as np
 
 from camcli.analysis.differences import IDENTITY, flown, since_first_strobe, struck
-from camcli.analysis.explain.attractor import LEAST, Carried, impacts_of, states_of
+from camcli.analysis.explain.attractor import LEAST, CarriedAttractor, impacts_of, states_of
 from camcli.analysis.integrate import Record, StartError
 from camcli.analysis.orbits import identify
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
@@ -43,7 +43,7 @@ class Saddle:
     where Newton's method fails, or the root is no motion.
     """
 
-    def __init__(self, carried: Carried, rpm: float, orbit: PeriodicOrbit):
+    def __init__(self, carried: CarriedAttractor, rpm: float, orbit: PeriodicOrbit):
         old = orbit.root
         shooter = Shooter(carried.system, rpm)
         root = None if old is None else shooter.at_value(old.x, old.whole, old.turns, rpm)
@@ -68,7 +68,7 @@ class Saddle:
         return self.x + first * exp(t) * self.axes[:, 0]
 
 
-def monodromy(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> np.ndarray:
+def monodromy(carried: CarriedAttractor, rpm: float, x: np.ndarray, turns: int) -> np.ndarray:
     """Derivative of the map over so many turns at x: flights and saltation matrices in turn.
 
     Its determinant is r^2 for each impact times exp(-2 Z) for each rad. Raises LostError where the
@@ -126,7 +126,7 @@ def _closest_returns(at: np.ndarray, turns: int) -> np.ndarray:
     return order[np.sort(first)[:TRIES]]
 
 
-def inner_side(carried: Carried, rpm: float, orbit: PeriodicOrbit) -> float:
+def inner_side(carried: CarriedAttractor, rpm: float, orbit: PeriodicOrbit) -> float:
     """+-1: the side of the saddle whose W^u stays in the box where the other one leads out.
 
     0 where neither does clearly, or the orbit is no saddle with a real multiplier above 1, of which
@@ -150,7 +150,7 @@ def inner_side(carried: Carried, rpm: float, orbit: PeriodicOrbit) -> float:
     return 1.0 if above < below else -1.0
 
 
-def _outside(carried: Carried, rpm: float, x: np.ndarray, turns: int) -> int:
+def _outside(carried: CarriedAttractor, rpm: float, x: np.ndarray, turns: int) -> int:
     """How many states of the motion from x lie outside the box."""
     try:
         return carried.outside(carried.states(rpm, x, turns))

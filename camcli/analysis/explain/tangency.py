@@ -14,7 +14,7 @@ from math import copysign, inf, log
 import numpy as np
 
 from camcli.analysis.bracketing import lowest
-from camcli.analysis.explain.attractor import Carried, impacts_of
+from camcli.analysis.explain.attractor import CarriedAttractor, impacts_of
 from camcli.analysis.explain.saddles import AFTER, ON_MANIFOLD, LostError, Saddle
 from camcli.analysis.integrate import StartError
 from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -63,7 +63,7 @@ class Fold:
 class Folds:
     """The folds of W^u(base) over W^s(saddle); side: +-1, the attractor's side of the saddle."""
 
-    carried: Carried
+    carried: CarriedAttractor
     base: PeriodicOrbit
     saddle: PeriodicOrbit
     side: float
@@ -206,7 +206,7 @@ def _secants(folds: Folds, fold: Fold) -> Fold | None:
     return None
 
 
-def width(carried: Carried, rpm: float, change: float, solved: list[float]) -> float:
+def width(carried: CarriedAttractor, rpm: float, change: float, solved: list[float]) -> float:
     """Error of the earliest tangency (rpm): how much earlier a fold not sampled may touch.
 
     A tangency that is solved is one, so the crisis is there or earlier. How much earlier, the

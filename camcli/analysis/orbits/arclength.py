@@ -70,7 +70,7 @@ class Metric:
 
 
 @dataclass(frozen=True)
-class Step:
+class BranchStep:
     """From `before` along the unit direction to `after`, `length` away."""
 
     before: Root
@@ -91,20 +91,20 @@ class Step:
         """Distance of a root from the beginning, along the step."""
         return self.metric.dot(self.unit, np.subtract(root.x, self.before.x))
 
-    def cut(self, root: Root) -> Step:
+    def cut(self, root: Root) -> BranchStep:
         """The part of the step up to a root on it."""
-        return Step(self.before, self.unit, root, self.reach(root), self.metric)
+        return BranchStep(self.before, self.unit, root, self.reach(root), self.metric)
 
-    def rest(self, root: Root) -> Step:
+    def rest(self, root: Root) -> BranchStep:
         """The part of the step behind a root on it."""
         unit = self.metric.oriented(root, self.unit)
         length = self.metric.dot(unit, np.subtract(self.after.x, root.x))
-        return Step(root, unit, self.after, length, self.metric)
+        return BranchStep(root, unit, self.after, length, self.metric)
 
 
 def steps(
     shooter: Shooter, root: Root, along: Vector, metric: Metric, span: Span
-) -> Iterator[Step | None]:
+) -> Iterator[BranchStep | None]:
     """Steps from a root in the direction `along`, for ever; None where no step succeeds.
 
     No step leaves the range: one that would ends at its bound. The caller stops at the end of what
@@ -129,7 +129,7 @@ def steps(
 
 def _corrected(
     shooter: Shooter, root: Root, unit: np.ndarray, metric: Metric, length: float, span: Span
-) -> Step | None:
+) -> BranchStep | None:
     """One step of predictor and corrector, `length` along the unit tangent; None where it fails.
 
     The corrector keeps the distance from the root along the tangent. Where the predictor leaves the
@@ -142,14 +142,14 @@ def _corrected(
         after = shooter.correct(guess, root.whole, root.turns, row, root.x, length)
         if after is None or not span.holds(after.value):
             return None
-        return Step(root, unit, after, length, metric)
+        return BranchStep(root, unit, after, length, metric)
     bound = span.low if end < span.low else span.high
     share = (bound - root.value) / (end - root.value)
     after = shooter.at_value(root.x + share * length * unit, root.whole, root.turns, bound)
-    return None if after is None else Step(root, unit, after, length, metric).cut(after)
+    return None if after is None else BranchStep(root, unit, after, length, metric).cut(after)
 
 
-def _acceptable(shooter: Shooter, step: Step) -> bool:
+def _acceptable(shooter: Shooter, step: BranchStep) -> bool:
     """True where the branch is resolved by the step."""
     before, after = step.before, step.after
     if after.steps > MOST_NEWTON or step.length <= 0.0:

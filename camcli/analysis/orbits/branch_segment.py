@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from camcli.analysis.integrate import BudgetSpentError
-from camcli.analysis.orbits.arclength import Metric, Span, Step, steps
+from camcli.analysis.orbits.arclength import BranchStep, Metric, Span, steps
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import (
     Crossing,
@@ -26,7 +26,7 @@ POINTS_PER_SPACING = 30  # times the range over the spacing: a branch longer tha
 
 
 @dataclass
-class Segment:
+class BranchSegment:
     """Points in order, events in order, and the reason for the end (a kind of event, or `lost`).
 
     turned: a nonsmooth fold, from which another branch leaves. begins_doubling: the first point is
@@ -45,7 +45,7 @@ class Segment:
         self.events += events
 
 
-def both_ways(shooter: Shooter, root: Root, span: Span) -> tuple[Segment, Segment]:
+def both_ways(shooter: Shooter, root: Root, span: Span) -> tuple[BranchSegment, BranchSegment]:
     """The segments down and up from a root, by the parameter's sign."""
     up = np.array(root.tangent if root.tangent[-1] >= 0.0 else [-x for x in root.tangent])
     here = doubling_at(shooter, root)
@@ -59,9 +59,9 @@ def both_ways(shooter: Shooter, root: Root, span: Span) -> tuple[Segment, Segmen
 
 def follow(
     shooter: Shooter, root: Root, along: Vector, span: Span, begins_doubling: bool = False
-) -> Segment:
+) -> BranchSegment:
     """Follow a branch from `root` in the direction `along` to the end of range or of motion."""
-    segment = Segment(points=[root], begins_doubling=begins_doubling)
+    segment = BranchSegment(points=[root], begins_doubling=begins_doubling)
     name = f"the branch of {root.count} impacts in {root.turns} turns from {root.value:.10g} on"
     try:
         failed = piece(name, lambda: _follow(segment, shooter, root, along, span), instead=True)
@@ -73,7 +73,9 @@ def follow(
     return segment
 
 
-def _follow(segment: Segment, shooter: Shooter, root: Root, along: Vector, span: Span) -> None:
+def _follow(
+    segment: BranchSegment, shooter: Shooter, root: Root, along: Vector, span: Span
+) -> None:
     metric = Metric.of(root, span.width)
     most = POINTS_PER_SPACING * span.width / span.spacing
     while True:
@@ -101,7 +103,9 @@ def _follow(segment: Segment, shooter: Shooter, root: Root, along: Vector, span:
                 break
 
 
-def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Crossing | None:
+def _advance(
+    shooter: Shooter, segment: BranchSegment, step: BranchStep, span: Span
+) -> Crossing | None:
     """Take a step up to the first thing that cuts it; closes the segment where the branch ends."""
     if collapses(shooter, step.after):
         _born(shooter, segment, step)
@@ -148,14 +152,14 @@ def _advance(shooter: Shooter, segment: Segment, step: Step, span: Span) -> Cros
     return None
 
 
-def _born(shooter: Shooter, segment: Segment, step: Step) -> None:
+def _born(shooter: Shooter, segment: BranchSegment, step: BranchStep) -> None:
     """The step led past the period doubling where the branch was born, onto the single orbit."""
     far = 2.0 * abs(step.after.value - step.before.value)
     born = parent_of(shooter, Located(Kind.FOLD, step.after, step.length, 0.0, Bracket.OK), far)
     segment.close(Kind.PERIOD_DOUBLING, *([] if born is None else [(born, None)]))
 
 
-def _pass_corner(shooter: Shooter, segment: Segment, event: Located) -> Crossing | None:
+def _pass_corner(shooter: Shooter, segment: BranchSegment, event: Located) -> Crossing | None:
     """Record a corner impact and go on behind it; a nonsmooth fold or a kink ends the branch."""
     crossing = cross(shooter, event)
     if crossing is not None and not crossing.corner:
@@ -169,7 +173,7 @@ def _pass_corner(shooter: Shooter, segment: Segment, event: Located) -> Crossing
     return crossing
 
 
-def _closes(segment: Segment, step: Step) -> bool:
+def _closes(segment: BranchSegment, step: BranchStep) -> bool:
     """True where the step passes the first point again in the same direction."""
     first = segment.points[0]
     if len(segment.points) < 5 or step.after.whole != first.whole:

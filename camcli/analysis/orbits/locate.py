@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from math import ulp
 
 from camcli.analysis.bracketing import bracket
-from camcli.analysis.orbits.arclength import Step
+from camcli.analysis.orbits.arclength import BranchStep
 from camcli.analysis.orbits.identify import settled
 from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.orbit import section_states
@@ -107,7 +107,7 @@ def collapses(shooter: Shooter, root: Root) -> bool:
     return shortest_period(section_states(shooter.system, root)[0]) < root.turns
 
 
-def corner_on(shooter: Shooter, step: Step) -> Located | None:
+def corner_on(shooter: Shooter, step: BranchStep) -> Located | None:
     """The first place on the step where an impact reaches the end of its region."""
 
     def located(k: int, side: int) -> Located:
@@ -128,11 +128,11 @@ def corner_on(shooter: Shooter, step: Step) -> Located | None:
     return min(corners, key=lambda f: f.reach, default=None)
 
 
-def _on(step: Step, root: Root) -> bool:
+def _on(step: BranchStep, root: Root) -> bool:
     return -1e-9 * step.length <= step.reach(root) <= step.length
 
 
-def _before_corner(shooter: Shooter, step: Step, k: int, side: int) -> Root:
+def _before_corner(shooter: Shooter, step: BranchStep, k: int, side: int) -> Root:
     """The last root on the step before impact k, beyond its region at the end, is so."""
     stretch = shooter.cam.stretches[step.before.whole[2 * k]]
     corner = stretch.end if side > 0 else stretch.start
@@ -148,7 +148,9 @@ def _before_corner(shooter: Shooter, step: Step, k: int, side: int) -> Root:
     return step.at(shooter, low) or step.before
 
 
-def smooth_events(shooter: Shooter, step: Step, turned: bool, known: bool = False) -> list[Located]:
+def smooth_events(
+    shooter: Shooter, step: BranchStep, turned: bool, known: bool = False
+) -> list[Located]:
     """Period doublings and folds on a step, in order.
 
     turned: the parameter turns round on it; known: the period doubling at its beginning, if there
@@ -165,7 +167,7 @@ def smooth_events(shooter: Shooter, step: Step, turned: bool, known: bool = Fals
 
 
 def _root_of(
-    shooter: Shooter, step: Step, kind: Kind, test: Test, before: float, after: float
+    shooter: Shooter, step: BranchStep, kind: Kind, test: Test, before: float, after: float
 ) -> Located:
     """The place on a step where `test` changes sign; UNRESOLVED where the orbit is lost there."""
     sign = 1.0 if before < 0.0 else -1.0
@@ -189,7 +191,7 @@ def _root_of(
     return Located(kind, root, reach, *sure)
 
 
-def twice_on(shooter: Shooter, step: Step) -> Root | None:
+def twice_on(shooter: Shooter, step: BranchStep) -> Root | None:
     """A root inside a step on which the branch passes an event and comes back, or None.
 
     There a test function has the other sign than at both ends of the step: cut at this root, each
@@ -219,7 +221,7 @@ def twice_on(shooter: Shooter, step: Step) -> Root | None:
     return None
 
 
-def beyond_both(shooter: Shooter, step: Step, test: Test, room: float) -> Root | None:
+def beyond_both(shooter: Shooter, step: BranchStep, test: Test, room: float) -> Root | None:
     """Where a test that is positive at both ends of a step is negative in between.
 
     Looked for only where an end is within `room` of zero, by successive parabolas.
@@ -305,7 +307,7 @@ def parent_of(shooter: Shooter, event: Located, within: float = 0.0) -> Located 
     return Located(Kind.PERIOD_DOUBLING, parent, event.reach, *_bracket(shooter, parent, flip_test))
 
 
-def graze_on(shooter: Shooter, step: Step) -> Located | None:
+def graze_on(shooter: Shooter, step: BranchStep) -> Located | None:
     """Where on the step the orbit ceases to be a motion; its end must be none."""
     if shooter.admits(step.after):
         return None
@@ -325,7 +327,7 @@ def graze_on(shooter: Shooter, step: Step) -> Located | None:
     return Located(Kind.GRAZING, last, low, error, Bracket.OK, impact, phase=phase)
 
 
-def _fade(shooter: Shooter, step: Step, k: int, low: float, last: Root) -> Located:
+def _fade(shooter: Shooter, step: BranchStep, k: int, low: float, last: Root) -> Located:
     """Where impact k, slow at `last`, fades: u = 0, on the step or a little beyond it.
 
     There the certificate is lost to rounding some way before u = 0, so it says only that the impact

@@ -29,15 +29,19 @@ from camcli.analysis.orbits.shooter import PARAMETERS, Root, with_machine
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.cams.balls import UndecidedError, below, number, precision, slope
 from camcli.exact.first_root import first_root
-from camcli.exact.machine import Machine
-from camcli.exact.motion import EndlessError, Motion
-from camcli.exact.shooting import Box, NotProvedError, Number, Shooting, Step, Test
+from camcli.exact.machine import BallMachine
+from camcli.exact.motion import BallMotion, EndlessError
+from camcli.exact.shooting import Box, NotProvedError, Number, ProofStep, Shooting, Test
 from camcli.piece_faults import piece
 from camcli.system import Follower, System
 
 DIGITS = 60, 240  # the second ones where the first do not suffice
 CHANGE_DIGITS = 150
-MORE_DIGITS = {Step.SINGULAR, Step.GRAZES, Step.NEUTRAL}  # steps that more digits may decide
+MORE_DIGITS = {
+    ProofStep.SINGULAR,
+    ProofStep.GRAZES,
+    ProofStep.NEUTRAL,
+}  # steps that more digits may decide
 SHOWN = 30  # digits of an enclosure as text
 AGREES = 1e-10  # of 1 rad and the largest rate: numbers so near to the orbit are its own
 ROUNDING = 1e-13  # relative error of the parameter that the numbers of an orbit may stand for
@@ -65,7 +69,7 @@ class Proof:
     holds_for: the machines that the proof is about.
     """
 
-    step: Step | None = None
+    step: ProofStep | None = None
     refuted: bool = False
     box: tuple[str, ...] = ()
     value: str = ""
@@ -92,7 +96,7 @@ class Range:
     low: str
     high: str
     boxes: int = 0
-    failed_step: Step | None = None
+    failed_step: ProofStep | None = None
 
 
 @dataclass(frozen=True)
@@ -112,7 +116,7 @@ class Proofs:
 def prove(system: System, study: OrbitsResult) -> Proofs:
     """Prove what `study.orbits` found: orbits are found at a speed, whatever is varied then."""
     parameter = study.question.parameter
-    failed = Proof(Step.FAULT)
+    failed = Proof(ProofStep.FAULT)
 
     def proved(what: str, proof: Callable[[], Proof]) -> Proof:
         return piece(f"the proof of {what}", proof, failed)
@@ -167,7 +171,7 @@ def prove_orbit(
     if orbit.root is None and parameter != "rpm":
         follower = replace(system.follower, **{parameter: orbit.value})
         system = replace(system, follower=follower)
-    failure = NotProvedError(Step.MODEL)
+    failure = NotProvedError(ProofStep.MODEL)
     for digits in DIGITS:
         try:
             _spend(len(orbit.theta))
@@ -175,7 +179,7 @@ def prove_orbit(
                 if orbit.root is not None:
                     return _bouncing(system, orbit.root, orbit.stable, half)
                 if half and parameter != "rpm":
-                    raise NotProvedError(Step.MODEL)
+                    raise NotProvedError(ProofStep.MODEL)
                 return (_free if orbit.free else _resting)(system, orbit, bool(half))
         except NotProvedError as failed:
             failure = failed
@@ -205,13 +209,13 @@ def _spend(impacts: int) -> None:
     try:
         spend(BOXED * max(1, impacts))
     except BudgetSpentError:
-        raise NotProvedError(Step.WORK_BUDGET) from None
+        raise NotProvedError(ProofStep.WORK_BUDGET) from None
 
 
 def shooting_of(system: System, root: Root) -> Shooting:
     """The exact equations of a root; raises NotProvedError."""
     if root.count > MOST_IMPACTS:
-        raise NotProvedError(Step.MODEL)
+        raise NotProvedError(ProofStep.MODEL)
     changed, rpm = with_machine(system, root.machine)
     name = next(name for name, k in PARAMETERS.items() if k == root.parameter)
     empty = Shooting(system.shape, changed.follower, rpm, name, (), root.turns)
@@ -233,7 +237,7 @@ def _bouncing(system: System, root: Root, stable: bool, half: float) -> Proof:
         size = rate if k % 2 else 1.0
         allowed = AGREES * size + ROUNDING * abs(root.value) * abs(box.tangent[k])
         if not abs(hull[k] - claimed) < allowed:
-            raise NotProvedError(Step.NO_ORBIT)
+            raise NotProvedError(ProofStep.NO_ORBIT)
     shooting.admissible(hull)
     _prove_stability(shooting, box, stable)
     return Proof(box=_texts(hull[:-1]))
@@ -251,7 +255,7 @@ def _prove_stability(shooting: Shooting, box: Box, stable: bool) -> None:
         about = shooting.trace_det(box.at(arb(0)))
         trace, det = (x + slope(y) * arb(0, box.half) for x, y in zip(about, slopes, strict=True))
     if _decided(trace, det) != (1 if stable else -1):
-        raise NotProvedError(Step.NEUTRAL, _decided(trace, det) != 0)
+        raise NotProvedError(ProofStep.NEUTRAL, _decided(trace, det) != 0)
 
 
 def _decided(trace: arb, det: arb) -> int:
@@ -261,11 +265,11 @@ def _decided(trace: arb, det: arb) -> int:
     return -1 if det > 1 or trace > 1 + det or trace < -(1 + det) else 0
 
 
-def _machine(system: System, rpm: float, widely: bool) -> Machine:
+def _machine(system: System, rpm: float, widely: bool) -> BallMachine:
     """The machine, or all whose speed rounds to this one."""
     if widely:
-        return Machine.within_last_digit(system.shape, system.follower, rpm)
-    return Machine(system.shape, system.follower, rpm)
+        return BallMachine.within_last_digit(system.shape, system.follower, rpm)
+    return BallMachine(system.shape, system.follower, rpm)
 
 
 def _free(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
@@ -273,13 +277,13 @@ def _free(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
     machine = _machine(system, orbit.rpm, widely)
     try:
         if not _clears(machine, system.follower):
-            raise NotProvedError(Step.CONTACT, True)
+            raise NotProvedError(ProofStep.CONTACT, True)
     except UndecidedError:
-        raise NotProvedError(Step.GRAZES) from None
+        raise NotProvedError(ProofStep.GRAZES) from None
     _, b1, p = machine.flow(machine.turn)
     trace, det = 1 - machine.W2 * p + b1, (-2 * machine.Z * machine.turn).exp()
     if not (orbit.stable and det < 1 and abs(trace) < 1 + det):
-        raise NotProvedError(Step.NEUTRAL)
+        raise NotProvedError(ProofStep.NEUTRAL)
     return Proof(box=_texts([_balance(system.follower)]))
 
 
@@ -288,7 +292,7 @@ def _balance(f: Follower) -> arb:
     return -(number(f.mass) * number(f.gravity) + number(f.preload)) / number(f.stiffness)
 
 
-def _clears(machine: Machine, follower: Follower) -> bool:
+def _clears(machine: BallMachine, follower: Follower) -> bool:
     """Whether the balance lies above the whole cam; raises UndecidedError."""
     q = _balance(follower)
     for stretch in machine.stretches:
@@ -322,7 +326,7 @@ def _change(system: System, event: Bifurcation, parameter: str) -> Proof:
             break
         width *= 4
     else:
-        raise NotProvedError(Step.CROSSING)
+        raise NotProvedError(ProofStep.CROSSING)
     for _ in range(HALVINGS):
         middle = ((low + high) / 2).mid()
         kept = keeps(middle)
@@ -336,7 +340,7 @@ def _change(system: System, event: Bifurcation, parameter: str) -> Proof:
 def _agree(value: arb, event: Bifurcation) -> None:
     """Refuse a value outside the error that is claimed for it."""
     if not abs(value - event.value) < max(event.error, LEAST_ERROR * abs(event.value)):
-        raise NotProvedError(Step.NUMBER)
+        raise NotProvedError(ProofStep.NUMBER)
 
 
 def _keeps(system: System, parameter: str, orbit: PeriodicOrbit, p: arb, kind: Kind) -> bool:
@@ -347,12 +351,12 @@ def _keeps(system: System, parameter: str, orbit: PeriodicOrbit, p: arb, kind: K
     constants: dict[str, Any] = {**vars(system.follower), "rpm": orbit.rpm, parameter: p}
     rpm = constants.pop("rpm")
     follower = Follower(**constants)
-    machine = Machine(system.shape, follower, rpm)
+    machine = BallMachine(system.shape, follower, rpm)
     if orbit.free:
         return _clears(machine, follower)
     start = orbit.theta[0] if orbit.theta and kind != Kind.DETACHMENT else 0.0
     try:
-        motion = Motion(machine, system.strobe, start)
+        motion = BallMotion(machine, system.strobe, start)
     except EndlessError:
         return not orbit.theta
     if kind == Kind.DETACHMENT:
@@ -369,17 +373,17 @@ def _resting(system: System, orbit: PeriodicOrbit, widely: bool) -> Proof:
     """Follow the motion after a rest until it repeats; its multipliers are zero."""
     if orbit.label == CONTACT:
         try:
-            Motion(_machine(system, orbit.rpm, widely), system.strobe, 0.0)
+            BallMotion(_machine(system, orbit.rpm, widely), system.strobe, 0.0)
         except EndlessError:  # the cam presses on it all along
             return Proof()
         except UndecidedError:
-            raise NotProvedError(Step.GRAZES) from None
-        raise NotProvedError(Step.CONTACT, True)
+            raise NotProvedError(ProofStep.GRAZES) from None
+        raise NotProvedError(ProofStep.CONTACT, True)
     after = of_machine(system, orbit.rpm, orbit.theta[0], widely) if orbit.theta else None
     if after is None or after.kind != CYCLE:
-        raise NotProvedError(Step.MODEL)
+        raise NotProvedError(ProofStep.MODEL)
     if Label(after.symbols) != orbit.label:
-        raise NotProvedError(Step.NO_ORBIT, True)
+        raise NotProvedError(ProofStep.NO_ORBIT, True)
     return Proof(box=tuple(f"{theta!r}" for _, theta in after.leaves))
 
 
@@ -396,12 +400,12 @@ def _located(system: System, event: Bifurcation, located: Located) -> Proof:
         hull = shooting.box(guess, fixed).hull()
         shooting.admissible(hull, fading=located.fading)
         if slope(shooting.along(hull, fixed)[-1]).contains(0):  # then it fades on neither side
-            raise NotProvedError(Step.CROSSING)
+            raise NotProvedError(ProofStep.CROSSING)
     value = hull[-1]
     _agree(value, event)
     signs = _corner_signs(shooting, hull, located) if event.kind == Kind.CORNER_IMPACT else ()
     if 0 in (sign for _, sign in signs):
-        raise NotProvedError(Step.CROSSING)
+        raise NotProvedError(ProofStep.CROSSING)
     return replace(_enclosed(value, _texts(hull[:-1])), signs=signs)
 
 
@@ -440,7 +444,7 @@ def _test(shooting: Shooting, located: Located) -> Test:
     k = located.impact
     kind = located.kind
     if located.fading is not None:  # no rate is left: the linear parts have no limit
-        raise NotProvedError(Step.MODEL)
+        raise NotProvedError(ProofStep.MODEL)
 
     def test(z: list[Number]) -> Number:
         if kind == Kind.CORNER_IMPACT:
@@ -534,7 +538,7 @@ def _ranges(
     middle = points[len(points) // 2]
     roots = [p.root for p in points if p.root is not None]
     if len(roots) < len(points):
-        raise NotProvedError(Step.MODEL)
+        raise NotProvedError(ProofStep.MODEL)
     shooting = shooting_of(system, roots[len(roots) // 2])
     fixed = _leaning(roots[0], roots[-1])
     ends: list[End] = []
@@ -542,7 +546,7 @@ def _ranges(
     for at, inner in ((points[0], points[1]), (points[-1], points[-2])):
         event = _event_at(at, events)
         if at.root is None or inner.root is None:
-            raise NotProvedError(Step.MODEL)
+            raise NotProvedError(ProofStep.MODEL)
         if event is None or event.located is None:
             ends.append(_plain(shooting, at.root))
             continue
@@ -589,7 +593,7 @@ def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable
     if root.whole != located.root.whole:  # the side behind a corner
         moved = replace(moved, side=-located.side)
     guess = [arb(x) for x in root.x]
-    failure = NotProvedError(Step.SINGULAR)
+    failure = NotProvedError(ProofStep.SINGULAR)
     for reach in REACHES:
         try:
             width = arb(reach * abs(inner.x[fixed] - root.x[fixed]))
@@ -599,7 +603,9 @@ def _about(shooting: Shooting, root: Root, inner: Root, located: Located, stable
             if located.kind not in (Kind.PERIOD_DOUBLING, Kind.FOLD):
                 _prove_stability(shooting, box, stable)
             elif not (det < 1 and (-trace if located.kind == Kind.FOLD else trace) < 1 + det):
-                raise NotProvedError(Step.NEUTRAL)  # nothing but the multiplier -1, or 1, may cross
+                raise NotProvedError(
+                    ProofStep.NEUTRAL
+                )  # nothing but the multiplier -1, or 1, may cross
             side = 1 if inner.x[fixed] > root.x[fixed] else -1
             orbit = shooting.box(box.at((side * box.half / 2).mid()), fixed).hull()
         except NotProvedError as failed:
@@ -641,7 +647,7 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
             if boxes and before is not None:
                 orbit = shooting.box([*box.at(at - box.middle[fixed])], fixed).hull()
             if not (box.holds(orbit) and (before is None or before.holds(orbit))):
-                raise NotProvedError(Step.SINGULAR)
+                raise NotProvedError(ProofStep.SINGULAR)
         except NotProvedError:
             width = width / 2
             if not abs(width) > least:
@@ -656,9 +662,9 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
         done = float((1 + abs(at - begun) / first).log() / (1 + abs(end - begun) / first).log())
         if whole:
             if not box.holds(stop.orbit):
-                raise NotProvedError(Step.SINGULAR)
+                raise NotProvedError(ProofStep.SINGULAR)
             return boxes + sum(1 for one in (start, stop) if one.box is not None)
-    raise NotProvedError(Step.BOXES)
+    raise NotProvedError(ProofStep.BOXES)
 
 
 def _texts(values: Sequence[arb]) -> tuple[str, ...]:

@@ -92,7 +92,7 @@ def with_machine(system: System, machine: Sequence[float]) -> tuple[System, floa
     return replace(system, follower=follower), rpm
 
 
-class Room(NamedTuple):
+class ShootingRoom(NamedTuple):
     """What the kernel writes to, for orbits of so many impacts."""
 
     tables: Tables
@@ -121,7 +121,7 @@ class Shooter:
         self._kernel_cam = system.cam_for(self.kernel)
         self._flows = self.kernel.room(Flow, len(system.cam.stretches) ** 2)
         self._works = self.kernel.room(Tally, 1)
-        self._rooms: dict[int, Room] = {}
+        self._rooms: dict[int, ShootingRoom] = {}
 
     def at(self, value: float) -> tuple[float, ...]:
         """The machine with the parameter replaced."""
@@ -146,11 +146,11 @@ class Shooter:
         self.simulated = self.simulated + record.cost
         return record
 
-    def _room(self, n: int) -> Room:
+    def _room(self, n: int) -> ShootingRoom:
         """The tables for orbits of n impacts, allocated when they are first asked for."""
         if n not in self._rooms:
             zeros = self.kernel.zeros
-            self._rooms[n] = Room(tables_for(n, zeros), zeros(n), zeros(3), zeros(2))
+            self._rooms[n] = ShootingRoom(tables_for(n, zeros), zeros(n), zeros(3), zeros(2))
         return self._rooms[n]
 
     def _table(self, values, kind=float):

@@ -29,7 +29,7 @@ Same = Callable[[PeriodicOrbit, PeriodicOrbit | None], bool]
 
 
 @dataclass(frozen=True)
-class Change:
+class MotionChange:
     """Where the motion changes: kind of event, bracket of the parameter.
 
     orbit: the last one before; beyond: what a run settles on behind it.
@@ -47,7 +47,7 @@ class StickingSegment:
     """Points in order, changes in order; `end`: what ends the branch."""
 
     points: list[PeriodicOrbit]
-    changes: list[Change] = field(default_factory=list)
+    changes: list[MotionChange] = field(default_factory=list)
     end: Kind = Kind.END_OF_RANGE
 
 
@@ -131,7 +131,7 @@ def _same_departures(orbit: PeriodicOrbit, other: PeriodicOrbit | None) -> bool:
 
 def _change(
     shooter: Shooter, settings: Settings, last: PeriodicOrbit, beyond: float, same: Same
-) -> Change:
+) -> MotionChange:
     """Bracket the value at which the motion is no longer the `same`, and name the change."""
     up = beyond > last.value
     size = abs(beyond - last.value) + shooter.scale
@@ -151,7 +151,7 @@ def _change(
     if after is None:
         after = _settled_on(shooter, settings, last, at(high))
     error = max(abs(high - low), 4.0 * ulp(abs(at(low)) + size))
-    return Change(_kind(before, after), at(low), error, before, after)
+    return MotionChange(_kind(before, after), at(low), error, before, after)
 
 
 def _kind(last: PeriodicOrbit, after: PeriodicOrbit | None) -> Kind:

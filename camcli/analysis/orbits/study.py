@@ -13,7 +13,7 @@ from camcli.analysis.border_collision import Side
 from camcli.analysis.integrate import BudgetSpentError, Cost, Settings, spend
 from camcli.analysis.labels import Label
 from camcli.analysis.orbits.arclength import Span
-from camcli.analysis.orbits.branch_segment import Segment, both_ways, follow
+from camcli.analysis.orbits.branch_segment import BranchSegment, both_ways, follow
 from camcli.analysis.orbits.corner_impacts import CornerImpact, corner_impact
 from camcli.analysis.orbits.curves import Curve, Plane, curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
@@ -23,7 +23,7 @@ from camcli.analysis.orbits.same_orbit import same_orbit
 from camcli.analysis.orbits.search import MOST_STARTS, RECORD, find
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.analysis.orbits.single_impact import Continuum
-from camcli.analysis.orbits.sticking_orbits import BRACKETS, RUN, Change, follow_sticking
+from camcli.analysis.orbits.sticking_orbits import BRACKETS, RUN, MotionChange, follow_sticking
 from camcli.cams.regions import corner_list
 from camcli.kernel import backend
 from camcli.kernel.backend import LITTLE_WORK
@@ -42,7 +42,7 @@ Tick = Callable[[], None]
 
 
 @dataclass(frozen=True)
-class Question:
+class OrbitsQuestion:
     """What to find and follow.
 
     rpm: where orbits are looked for; parameter and span: what is varied (None: nothing); label:
@@ -150,7 +150,7 @@ class OrbitsResult:
     every phase of which there is an orbit; proofs: where they were asked for.
     """
 
-    question: Question
+    question: OrbitsQuestion
     value: float
     orbits: list[PeriodicOrbit]
     virtual: list[PeriodicOrbit]
@@ -164,7 +164,7 @@ class OrbitsResult:
 
 
 def orbits(
-    system: System, settings: Settings, question: Question, on_branch: Tick = lambda: None
+    system: System, settings: Settings, question: OrbitsQuestion, on_branch: Tick = lambda: None
 ) -> OrbitsResult:
     """Find, follow and classify; `on_branch` is called after each branch.
 
@@ -236,7 +236,9 @@ def _follow_one(diagram: Diagram, orbit: PeriodicOrbit, span: Span) -> None:
         diagram.add_bouncing(both_ways(shooter, root, span), "found")
 
 
-def _curves(system: System, bifurcations: Sequence[Bifurcation], question: Question) -> list[Curve]:
+def _curves(
+    system: System, bifurcations: Sequence[Bifurcation], question: OrbitsQuestion
+) -> list[Curve]:
     """Every located bifurcation of the kind asked for, continued; the same curve only once."""
     curves: dict[tuple, Curve | None] = {}
     plane = question.plane
@@ -299,7 +301,7 @@ class Diagram:
         self.add_bouncing([segment], source.kind)
         self.bifurcations[index] = replace(source, continues=len(self.branches))
 
-    def add_bouncing(self, segments: Sequence[Segment], origin: str) -> None:
+    def add_bouncing(self, segments: Sequence[BranchSegment], origin: str) -> None:
         """A branch from one segment, or from two that begin at the same root."""
         system = self.shooter.system
         number = len(self.branches) + 1
@@ -355,7 +357,7 @@ class Diagram:
         ]  # fmt: skip
 
 
-def _corner_of(system: System, change: Change) -> str:
+def _corner_of(system: System, change: MotionChange) -> str:
     """The corner at which the follower leaves the cam on one side of the change only."""
     here = change.orbit.theta
     there = () if change.beyond is None else change.beyond.theta
