@@ -104,9 +104,12 @@ class Units(NamedTuple):
         return unit, 1.0
 
     def head(self, quantity: Quantity) -> str:
-        """The head of a column on the screen: `loft (mm)`."""
+        """The head of a column on the screen: `loft (mm)`; of a rate only what is counted."""
+        name = quantity.head or quantity.name
+        if quantity.unit.startswith("1/"):
+            return name
         unit, _ = self.shown(quantity.unit)
-        return headed(quantity.head or quantity.name, unit)
+        return headed(name, unit)
 
 
 METRES = Units("m", 1.0, "N/m")

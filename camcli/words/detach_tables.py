@@ -1,16 +1,25 @@
 """Tables on the loss of contact: titles, heads and rows of text."""
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from math import degrees, inf
 from typing import Any
 
+from camcli.analysis.loads import Loads
 from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, THETA, headed
 from camcli.system import decimals, units_of
 from camcli.words.detach import short_way
 from camcli.words.machine import crank_of, digits_of
 
 ROUNDING = 1e-9  # N
+DIGITS = {  # of the loads that are shown
+    "max_gap_m": 3,
+    "max_impact_m_per_s": 3,
+    "landing_deg": 4,
+    "landing_lift_m": 3,
+    "shut_bounces_per_turn": 3,
+}
 
 
 def spacing(speeds: Sequence[float]) -> float:
@@ -28,19 +37,19 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     def speed(rpm: float, form: str) -> list[str]:
         return [f"{x * rpm:{form}}" for x in (1.0, crank) if x]
 
+    def load(loads: Loads, column: str) -> str:
+        _, scale = units.shown(LOADS[column].unit)
+        return _cell(getattr(loads, column), scale, DIGITS[column])
+
     def between(low: float | None, high: float | None) -> str:
         return "" if low is None or high is None else f"{_zero(low):.4g} to {high:.4g}"
 
     past = [
-        [*speed(s.rpm, f".{seen}f"), _cell(x.max_gap_m, units.per_m), _cell(x.max_impact_m_per_s),
-         _cell(x.landing_deg, digits=4), _cell(x.landing_lift_m, units.per_m),
-         _cell(x.shut_bounces_per_turn), between(x.min_contact_force_n, x.max_contact_force_n)]
+        [*speed(s.rpm, f".{seen}f"), *map(partial(load, s.loads), DIGITS),
+         between(s.loads.min_contact_force_n, s.loads.max_contact_force_n)]
         for s in found.past
-        for x in (s.loads,)
     ]  # fmt: skip
-    lands = ("max_gap_m", "max_impact_m_per_s", "landing_deg", "landing_lift_m")
-    loads = [units.head(LOADS[column]) for column in lands]
-    loads += [LOADS["shut_bounces_per_turn"].head, units.head(LOADS["max_contact_force_n"])]
+    loads = [units.head(LOADS[column]) for column in (*DIGITS, "max_contact_force_n")]
     _, pressures = units.shown(PRESSURE.unit)
     forces = [
         [*speed(f.rpm, f".{exact}g"), _cell(_zero(f.lowest_n), digits=4),
