@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from math import inf
 
 import numpy as np
@@ -18,6 +19,7 @@ from camcli.kernel.returns import CLOSE, LONGEST_PERIOD
 
 CONTACT, APERIODIC, UNDECIDED = "contact", "aperiodic", "undecided"  # labels without symbols
 MOST_SYMBOLS = 1_000_000  # of a label in a file
+REMEMBERED = 1024  # labels
 FEWEST_IMPACTS = 16  # in the record, to call it aperiodic
 FEWEST_TURNS = 2 * LONGEST_PERIOD + 2  # in it, so that the longest period would show twice
 
@@ -124,7 +126,13 @@ def label(record: Record) -> str:
         return APERIODIC if long_enough else UNDECIDED
     last = slice(record.periods - record.repeats, record.periods)
     impacts, chatter = record.impacts[last].tolist(), record.chatter[last].tolist()
-    return Label([inf if c else float(s) for s, c in zip(impacts, chatter, strict=True)])
+    return _labelled(tuple(inf if c else float(s) for s, c in zip(impacts, chatter, strict=True)))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _labelled(symbols: tuple[float, ...]) -> Label:
+    """The label of these symbols: neighbours in a sweep have the same."""
+    return Label(symbols)
 
 
 def returns(states: np.ndarray, longest: int) -> Iterator[tuple[int, float]]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from camcli.analysis.exponents import Exponents, of_record
 from camcli.analysis.integrate import Cost, Orbit, Record
-from camcli.analysis.labels import FEWEST_TURNS, UNDECIDED
+from camcli.analysis.labels import FEWEST_TURNS, UNDECIDED, label
 from camcli.analysis.orbits.identify import identify, named
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.errors import Status
@@ -83,17 +83,35 @@ def forgets_too_much(record: Record) -> bool:
 
 
 def named_on(
-    orbit: Orbit, rpm: float, record: Record, measured: bool = False
+    orbit: Orbit,
+    rpm: float,
+    record: Record,
+    measured: bool = False,
+    longer: Record | None = None,
 ) -> tuple[str, Exponents | None, Record]:
     """(label, exponents, record): what a motion is called, and the record that this was told by.
 
     orbit: at the end of the record. A record that is too short to name anything is put aside: the
-    turns after it are named in its place. measured: see `identify.named`.
+    turns after it are named in its place (longer: those of `turns_after`, where they are at hand).
+    measured: see `identify.named`.
     """
     name, exponents = named(orbit.system, rpm, record, measured)
-    short = record.periods < FEWEST_TURNS and record.status == Status.OK
-    if name != UNDECIDED or not short:
+    if name != UNDECIDED or not _is_short(record):
         return name, exponents, record
-    longer = orbit.go_on(0, FEWEST_TURNS).run()
+    longer = turns_after(orbit).run() if longer is None else longer
     name, exponents = named(orbit.system, rpm, longer, measured)
     return name, exponents, longer
+
+
+def turns_after(orbit: Orbit) -> Orbit:
+    """The orbit from the end of a record on, over as many turns as a label takes."""
+    return orbit.go_on(0, FEWEST_TURNS)
+
+
+def names_nothing(record: Record) -> bool:
+    """Whether a record is too short to name anything, and shows no period."""
+    return _is_short(record) and label(record) == UNDECIDED
+
+
+def _is_short(record: Record) -> bool:
+    return record.periods < FEWEST_TURNS and record.status == Status.OK

@@ -28,7 +28,7 @@ from camcli.analysis.labels import APERIODIC, UNDECIDED, from_plain, sections, t
 from camcli.analysis.loads import Loads, loads_of
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.analysis.orbits.same_orbit import SAME, distances, size_of
-from camcli.analysis.patience import forgets_too_much, named_on
+from camcli.analysis.patience import forgets_too_much, named_on, names_nothing, turns_after
 from camcli.errors import Status
 from camcli.kernel import backend
 from camcli.kernel.cam_table import lift_at
@@ -441,12 +441,12 @@ class _Task:
         if len(values) == 1:
             return [self(values[0])]
         begun = [self._begun(value, self.start) for value in values]
-        records = attempt("", lambda: _records([x for x in begun if isinstance(x, _Begun)]))
-        if isinstance(records, PieceFault):  # one of them is guilty
+        done = attempt("", lambda: _run([x for x in begun if isinstance(x, _Begun)]))
+        if isinstance(done, PieceFault):  # one of them is guilty
             return [self(value) for value in values]
-        found, own = [], iter(records)
+        found, own = [], iter(done)
         for value, one in zip(values, begun, strict=True):
-            found.append(self._ended(value, one, next(own)) if isinstance(one, _Begun) else one)
+            found.append(self._ended(value, one, *next(own)) if isinstance(one, _Begun) else one)
         return found
 
     def _at(self, value: float, start: Start | None) -> Speed:
@@ -472,9 +472,11 @@ class _Task:
             return self._failed(value, rpm, orbit)
         return _Begun(name, system, rpm, settings, start, orbit)
 
-    def _ended(self, value: float, one: _Begun, record: Record) -> Speed:
-        """The speed of an orbit that is at its end, or that it failed."""
-        found = attempt(one.name, lambda: self._measured(value, one, record))
+    def _ended(
+        self, value: float, one: _Begun, record: Record, longer: Record | None = None
+    ) -> Speed:
+        """The speed of an orbit that is at its end, or that it failed; longer: see `named_on`."""
+        found = attempt(one.name, lambda: self._measured(value, one, record, longer))
         return self._failed(value, one.rpm, found) if isinstance(found, PieceFault) else found
 
     def _failed(self, value: float, rpm: float, fault: PieceFault) -> Speed:
@@ -486,7 +488,7 @@ class _Task:
         status = Status.FAULT
         return Speed(value, rpm, UNDECIDED, None, status, impacts, strobe, Cost(), fault=fault)
 
-    def _measured(self, value: float, one: _Begun, record: Record) -> Speed:
+    def _measured(self, value: float, one: _Begun, record: Record, longer: Record | None) -> Speed:
         """Name what a speed ends on.
 
         Where rounding decides the record after a rest, the true motion is followed if `follow` asks
@@ -503,7 +505,7 @@ class _Task:
         name, exponents = UNDECIDED, None
         forgets = forgets_too_much(record)
         if not forgets:
-            name, exponents, told = named_on(orbit, rpm, record, self.lyapunov)
+            name, exponents, told = named_on(orbit, rpm, record, self.lyapunov, longer)
             forgets = forgets_too_much(told)
         if forgets and not self.follow:
             name, exponents, known = UNDECIDED, None, False
@@ -549,11 +551,22 @@ class _Begun:
     orbit: Orbit
 
 
-def _records(begun: Sequence[_Begun]) -> list[Record]:
-    """The records of orbits, those on one cam together."""
+def _run(begun: Sequence[_Begun]) -> list[tuple[Record, Record | None]]:
+    """The records of orbits, and the turns after those that are too short to name anything."""
+    records = _together([one.orbit for one in begun], loads=True)
+    short = [k for k, record in enumerate(records) if names_nothing(record)]
+    longer: dict[int, Record] = {}
+    if short:
+        after = _together([turns_after(begun[k].orbit) for k in short], loads=False)
+        longer = dict(zip(short, after, strict=True))
+    return [(record, longer.get(k)) for k, record in enumerate(records)]
+
+
+def _together(orbits: Sequence[Orbit], loads: bool) -> list[Record]:
+    """The records of orbits, those on one cam in one call."""
     records: list[Record] = []
-    for _, members in groupby(begun, lambda one: id(one.system.cam)):
-        records += run_all([one.orbit for one in members], loads=True)
+    for _, members in groupby(orbits, lambda orbit: id(orbit.system.cam)):
+        records += run_all(list(members), loads=loads)
     return records
 
 

@@ -1,5 +1,6 @@
 """A periodic orbit as the user sees it: label, phases, section states, multipliers, verdict."""
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -168,13 +169,14 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
     """(states, symbols): (q, dq/dtheta) at every strobe, and the impacts in the turn after it."""
     const = constants_of(root.machine, 0.0, 0)
     since = _since_strobe(system, root)
+    places = [place for place, _ in since]
     states = []
     symbols = []
     for j in range(root.turns):
         at = TURN * j
-        symbols.append(float(sum(at <= place < at + TURN for place, _ in since)))
-        before = [pair for pair in since if pair[0] <= at]
-        place, k = before[-1] if before else since[-1]
+        symbols.append(float(bisect_left(places, at + TURN) - bisect_left(places, at)))
+        before = bisect_right(places, at)
+        place, k = since[before - 1]  # of the period before where none is before
         ago = at - place if before else at - place + TURN * root.turns
         c, c1, _ = lift(system.cam, root.whole[2 * k], root.theta[k])
         states.append(move(const, c, c1 + root.x[2 * k + 1], ago))
@@ -184,9 +186,10 @@ def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]
 def _since_strobe(system: System, root: Root) -> list[tuple[float, int]]:
     """(rad since the first strobe, impact) of every impact in one period, ascending."""
     since = []
+    strobe = system.strobe
     for k, theta in enumerate(root.theta):
-        turns = root.whole[2 * k + 1] + (-1 if theta < system.strobe else 0)
-        place = TURN * root.whole[2 * k + 1] + (theta - system.strobe)
+        turns = root.whole[2 * k + 1] + (-1 if theta < strobe else 0)
+        place = TURN * root.whole[2 * k + 1] + (theta - strobe)
         since.append((place - TURN * root.turns * (turns // root.turns), k))
     return sorted(since)
 
