@@ -29,12 +29,12 @@ def basins_notes(found: Study, budget: int) -> list[str]:
     if not any(speed.computed for speed in found.speeds):
         notes.append("no start of this window lies above the cam: raise basins.q")
     ends = (end.holds_for for speed in found.speeds for _, end in speed.rests)
-    notes += decided_notes(ends, "departures")
+    notes += decided_notes(ends, "departure")
     if cells := sum(speed.undecided for speed in found.speeds):
         total = sum(speed.cells for speed in found.speeds)
         notes.append(
-            f"undecided: {cells} of {total} cells met no attractor within {budget} turns; "
-            "raise basins.budget, or the motion is a long transient or has no attractor"
+            f"{cells} of {total} cells are undecided: they met no attractor within {budget} turns; "
+            "raise basins.budget, unless the motion has no attractor"
         )
     for code in sorted({code for speed in found.speeds for code in speed.troubled}):
         cells = sum(speed.troubled.get(code, 0) for speed in found.speeds)

@@ -19,7 +19,7 @@ def precision_notes(bad: Sequence[Measured]) -> list[str]:
 
 def stability_notes(bad: Sequence[RowOutcome]) -> list[str]:
     """Extreme cases that came out otherwise."""
-    return [f"row {o.case}: expected {o.expected}: {o.observed}" for o in bad]
+    return [f"row {o.case}: expected {o.expected}, but: {o.observed}" for o in bad]
 
 
 def cases_title(cases: int, failed: int) -> str:

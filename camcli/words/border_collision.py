@@ -76,7 +76,7 @@ def collision_words(found: Collision) -> list[str]:
     said += [f"Equal within rounding: {equality_words(*one)}." for one in found.equal]
     if found.growth is not None and abs(found.growth.left) <= DECIDED:
         grows = f"The growth at the event, {found.growth.left:.2g} per step,"
-        said.append(f"{grows} is too small to exclude danger.")
+        said.append(f"{grows} is too small to exclude that the event is dangerous.")
     said += [f"{SIDES[-1]}, {_ends(found.below)}.", f"{SIDES[1]}, {_ends(found.above)}."]
     return said + _two_cycle(found.cycles[2]) + _no_theorem(found)
 
@@ -84,13 +84,17 @@ def collision_words(found: Collision) -> list[str]:
 def _ends(found: Prediction) -> str:
     known = found.exponent is not None
     measured = f"{found.exponent:.4g} +- {found.spread:.1g} per step" if known else ""
+    exponent = f", largest exponent {measured}" if known else ""
     return {
         "none": "nothing bounded attracts",
         "fixed-point": f"the fixed point {found.word} attracts",
         "cycle": f"the cycle {found.word} of period {found.period} attracts",
-        "chaos": f"a chaotic attractor, largest exponent {measured}",
+        "chaos": f"there is a chaotic attractor{exponent}",
         "several": f"several attract: {found.word}",
-        "undecided": f"not decided, orbits stay bounded: {found.word or 'no period'}, {measured}",
+        "undecided": (
+            "what attracts is not decided: orbits stay bounded, "
+            f"{found.word or 'without a period'}{exponent}"
+        ),
     }[found.kind]
 
 

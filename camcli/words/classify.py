@@ -23,15 +23,16 @@ def motions_title(motions: list[ClassifiedMotion], key: str, ranges: int) -> str
 def remarks(motions: list[ClassifiedMotion], key: str = "rpm", verbose: bool = True) -> list[str]:
     """Sentences on what is undecided; verbose: and on exponents, rests and how long was watched."""
     said = _on_exponents(motions) if verbose else []
-    said += decided_notes((m.holds_for for m in motions), "motions")
+    said += decided_notes((m.holds_for for m in motions), "motion")
     if verbose:
         unsolved = [m for m in motions if m.orbit is None and m.status == Status.OK]
         said += _unsolved_notes(unsolved, key)
     undecided = [m.value for m in motions if m.label == UNDECIDED and m.fault is None]
     if undecided:
         said.append(
-            f"undecided at {counted(undecided, key)}: no orbit up to 64 turns could be solved and "
-            "no positive exponent shown, or a rest is forgotten before the next one"
+            f"the motion at {counted(undecided, key)} is undecided: no orbit up to 64 turns could "
+            "be solved and no positive exponent be shown, or doubles lose the motion between one "
+            "rest and the next"
         )
     return said
 
@@ -43,13 +44,13 @@ def _on_exponents(motions: list[ClassifiedMotion]) -> list[str]:
     defects = [abs(e.defect) for e in known if isfinite(e.largest) and isfinite(e.second)]
     if defects:
         said.append(
-            "sum of the exponents minus (2 ln r) impacts per turn + b T/m: at most "
-            f"{max(defects):.1g} over {len(defects)} motions"
+            f"the exponents of {plural(len(defects), 'motion')} add up to (2 ln r) impacts per "
+            f"turn - b T/m within {max(defects):.1g}"
         )
     if any(e.largest == -inf for e in known):
         said.append(
-            "where the follower rests on the cam both exponents are -inf: every difference between "
-            "two motions is forgotten"
+            "where the follower rests on the cam, both exponents are -inf: it forgets every "
+            "difference between two motions"
         )
     return said
 
@@ -63,7 +64,7 @@ def _unsolved_notes(unsolved: list[ClassifiedMotion], key: str) -> Iterator[str]
     never = [m.watched for m in unsolved if m.label == APERIODIC and m.watched is not None]
     if never:
         yield (
-            f"aperiodic was shown over {min(never)} turns or more, in which the motion neither "
+            f"a motion called aperiodic was followed for {min(never)} turns or more, and neither "
             "settled nor rested: what would end it is rarer than once in "
             f"{max(1, min(never) // 3)} turns (95 %)"
         )
@@ -71,15 +72,15 @@ def _unsolved_notes(unsolved: list[ClassifiedMotion], key: str) -> Iterator[str]
         if m.chatters and m.watched is not None:
             yield (
                 f"{key} = {m.value:.10g}: the first complete chatter comes after {m.watched} "
-                "turns; after a rest the motion is always the same one, which could not be "
-                "followed to the next rest"
+                "turns; after a rest the motion is always the same, and it could not be followed "
+                "to the next rest"
             )
         elif m.chatters:
             turns = m.record.periods
             yield (
                 f"{key} = {m.value:.10g}: complete chatter in {m.chatters} of {turns} turns, one "
-                f"in some {turns / m.chatters:.3g}; after a rest the motion is always the same "
-                "one, which could not be followed to the next rest"
+                f"in some {turns / m.chatters:.3g}; after a rest the motion is always the same, "
+                "and it could not be followed to the next rest"
             )
 
 

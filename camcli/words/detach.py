@@ -33,7 +33,7 @@ def plainly(result: ContactLoss) -> list[str]:
         said.append("contact is never lost: the contact force stays positive at every speed")
     if first is not None:
         if first.rpm > max(rpms):
-            said.append(f"contact is held at every speed up to {max(rpms):.10g} rpm, all asked for")
+            said.append(f"contact is held at every speed asked for, up to {max(rpms):.10g} rpm")
         elif first.rpm < min(rpms):
             beyond = " and above" if len(rpms) > 1 else ""
             said.append(f"contact is lost at every speed asked for, {min(rpms):.10g} rpm{beyond}")
@@ -50,16 +50,16 @@ def theory(result: ContactLoss) -> list[str]:
     if never and result.detachment.first is not None:
         said.append(f"contact is never lost in {', '.join(never)}, at any speed")
     said += [
-        f"at {f.rpm:.10g} rpm, a little above the opening of {f.region}: "
+        f"at {f.rpm:.10g} rpm, a little above the opening of {f.region}, "
         + _lift_off(f, places[f.region])
         for f in result.lift_offs
     ]
     for hit in result.ended:
         before, after = map(degrees, hit.ends or (inf, inf))
         said.append(
-            f"impact {hit.impact} of the burst from {hit.burst} ends at {hit.rpm:.10g} rpm before "
-            f"it lands on {hit.corner}: it was at {before:.6g} deg, the next contact is at "
-            f"{after:.6g} deg"
+            f"at {hit.rpm:.10g} rpm impact {hit.impact} of the burst from {hit.burst} vanishes "
+            f"before it reaches {hit.corner}: it was at {before:.6g} deg, and the next contact is "
+            f"at {after:.6g} deg"
         )
     return said + [
         f"at {c.rpm:.10g} rpm the end of the burst from {c.burst} jumps over {c.region}"
@@ -85,23 +85,26 @@ def _always(place: AlwaysLost) -> str:
     if place.value == 0.0:
         force, cure = "zero", "a preload, weight or a spring"
     return (
-        f"contact is not held even at standstill: the contact force is {force} at {at}; give it "
-        f"{cure}"
+        f"contact is not held even at standstill: the contact force is {force} at {at}; give "
+        f"the follower {cure}"
     )
 
 
 def _lift_off(seen: LiftOff, place: float) -> str:
     """place: the phase (deg) at which the region opens."""
-    lands = "not within two turns"
+    lands = "does not land within two turns"
     if seen.landing < inf:
-        lands = f"{degrees(seen.landing) - place:.3g} deg after"
+        lands = f"lands {degrees(seen.landing) - place:.3g} deg after it"
     if seen.rest < inf:
-        lands += f", at rest again {degrees(seen.rest) - place:.3g} deg after it"
-    released = f"released {place - degrees(seen.release):.3g} deg before"
+        lands += f", and rests again {degrees(seen.rest) - place:.3g} deg after it"
+    released = f"the follower is released {place - degrees(seen.release):.3g} deg before"
+    corner = seen.corner
     return {
-        LiftOffKind.FLIES_OFF: f"flies off at {seen.corner}: the force drops there; lands {lands}",
-        LiftOffKind.CAUGHT: f"{released} {seen.corner}, where the force fades; caught {lands}",
-        LiftOffKind.WITHIN: f"{released} the weakest phase, lands {lands}",
+        LiftOffKind.FLIES_OFF: (
+            f"the follower flies off at {corner}, where the force drops: it {lands}"
+        ),
+        LiftOffKind.CAUGHT: f"{released} {corner}, where the force fades: it {lands}",
+        LiftOffKind.WITHIN: f"{released} the weakest phase: it {lands}",
         LiftOffKind.UNSEEN: "no lift-off was seen: contact is lost at no phase after a rest",
     }[seen.kind]
 
@@ -135,7 +138,7 @@ def spring(hold: Hold) -> str:
         return "impossible: at a downward kink the cam throws the follower off at any speed"
     if hold.obstacle is Obstacle.SOLID:
         deep = f"{(hold.missing_n or 0.0) * MM:.3g} mm before the highest lift"
-        return f"impossible: compressed so far the spring is solid {deep}"
+        return f"impossible: the spring, compressed so far, is solid {deep}"
     if hold.obstacle is not None:
         lacking = f"{hold.missing_n:.6g} N are missing"
         what = lacking if hold.obstacle is Obstacle.LIFT else "the spring would pull"

@@ -40,7 +40,6 @@ def corner_line(found: CornerImpact) -> str:
 
 def _side_words(side: OneSide) -> str:
     """What a simulation shows, and whether that was predicted."""
-    verdict = {True: "as", False: "NOT as", None: "beside what was"}[side.agrees]
     predicted = {
         "none": "nothing attracts nearby",
         "fixed-point": "an orbit of the same period",
@@ -49,5 +48,7 @@ def _side_words(side: OneSide) -> str:
         "several": f"several: {side.predicted.word}",
         "undecided": "not decided",
     }[side.predicted.kind]
-    shown = f"stays near, {side.label}" if side.stays else f"leaves for {side.label}"
-    return f"a simulation {shown}, {verdict} predicted ({predicted})"
+    shown = f"stays near it on {side.label}" if side.stays else f"leaves for {side.label}"
+    if side.agrees is None:
+        return f"a simulation {shown}, which the prediction ({predicted}) does not decide"
+    return f"a simulation {shown}, {'as' if side.agrees else 'NOT as'} predicted ({predicted})"

@@ -35,11 +35,13 @@ def event_sentence(event: CriticalEvent) -> str:
             return f"the contact force reaches zero at {degrees(source.theta):.6g} deg"
         if source.quantity is CriticalQuantity.ACCUMULATION:
             return f"impacts accumulate exactly at corner {source.region}"
-        return "the chatter ends where the next one begins: it is complete no longer"
+        return "the chatter ends where the next one begins: it is no longer complete"
     if source is None:
         return event.kind
-    after = "nothing found" if source.beyond is None else source.beyond.label
-    return f"{event.label} ends ({event.kind}), beyond it a run settles on {after}"
+    end = f"{event.label} ends ({event.kind})"
+    if source.beyond is None:
+        return f"{end}, and what a run beyond it settles on is not known"
+    return f"{end}, and a run beyond it settles on {source.beyond.label}"
 
 
 def _bifurcation(b: Bifurcation) -> str:
@@ -58,16 +60,17 @@ def change_sentence(change: LabelChange, events: Sequence[CriticalEvent]) -> str
     if change.cause == BASIN:
         if change.persists:
             return "; ".join(_coexists(label, events) for label in change.persists)
-        lives = "the chaotic attractor lives on at both speeds, the start changes basins."
+        lives = "the chaotic attractor lives on at both speeds: the start changes basins."
         return " ".join([lives, *tried])
     if change.status != Status.OK:
         return f"{change.status.text}: {CAUSES[change.status]}"
     if change.cause == UNEXPLAINED:
-        said = "tried: bifurcations of solved branches, none lies in it; branches through it, "
-        said += "none is stable"
+        said = "no bifurcation of a solved branch lies between them, and no branch through both is "
+        said += "stable"
         if change.persists:
-            beside = ", ".join(change.persists)
-            said = f"{beside} attracts on both sides; whether the chaos beside it lives on at both "
+            beside = " and ".join(change.persists)
+            attracts = "attracts" if len(change.persists) == 1 else "attract"
+            said = f"{beside} {attracts} at both speeds; whether the chaos beside lives on at both "
             said += "is not known"
         if tried:
             said = " ".join([f"{said}.", *tried])
@@ -95,11 +98,8 @@ def change_line(change: LabelChange, events: Sequence[CriticalEvent], verbose: b
 def _coexists(label: str, events: Sequence[CriticalEvent]) -> str:
     """The orbit exists on both sides: what changes is the basin; and where it really ends."""
     ends = [f"{e.kind} at {e.rpm:.10g} rpm" for e in events if e.label == label]
-    where = ", ".join(ends) or "nowhere in the range"
-    return (
-        f"{label} exists and attracts on both sides, the start changes basins; {label} changes at: "
-        f"{where}"
-    )
+    where = f"changes at: {', '.join(ends)}" if ends else "does not change in the range"
+    return f"{label} exists and attracts at both speeds: the start changes basins; {label} {where}"
 
 
 def crisis_sentences(crisis: Crisis) -> list[str]:
@@ -119,7 +119,8 @@ def crisis_sentences(crisis: Crisis) -> list[str]:
         f"Saddles seen: {crisis.inside} in the attractor, {crisis.beyond} beyond it.",
     ]
     if crisis.lost:
-        said.append(f"{crisis.lost} of them could not be followed and are left out.")
+        are = "is" if crisis.lost == 1 else "are"
+        said.append(f"{crisis.lost} of them could not be followed and {are} left out.")
     for meeting in crisis.met:
         orbit, at = meeting.orbit, f"at {speed_text(meeting.rpm, meeting.error)} rpm"
         if meeting is crisis.met[0]:
@@ -133,8 +134,8 @@ def crisis_sentences(crisis: Crisis) -> list[str]:
     said += [f"{orbit.label} {unmet}" for orbit in crisis.unmet]
     if crisis.met:
         corner = crisis.corner
-        fold = f"the image of an impact at corner {corner.name}" if corner else "smooth"
-        said.append(f"The fold that touches is {fold}.")
+        fold = f"the image of an impact at corner {corner.name}" if corner else "a smooth fold"
+        said.append(f"What touches the manifold is {fold}.")
     return said
 
 

@@ -10,7 +10,7 @@ BASIN_AXES = [
     labelled("position q at the strobe", Q.unit),
     labelled("velocity v at the strobe", V.unit),
 ]
-NO_MOTION = "no whole turn of any motion was recorded: no page to show"
+NO_MOTION = "no whole turn of any motion was recorded: there is no page to show"
 
 
 def basin_shares(rpm: float, shares: Iterable[tuple[str, float]]) -> str:

@@ -63,9 +63,9 @@ def bound_line(record: Mapping[str, Any]) -> str:
     low, high = (inf if rpm is None else rpm for rpm in record["first_detachment_rpm"])
     share = 100.0 * record["bound"] / record["accel"]
     text = (
-        f"c_thetatheta of the table: within {record['bound']:.2g} m/rad2, {share:.2g} % of its "
-        f"largest ({record['standard']:.2g} standard error of its noise, {record['bending']:.2g} "
-        f"by smoothing; every digit at its worst: {record['worst']:.2g}); "
+        f"the table gives c_thetatheta within {record['bound']:.2g} m/rad2, {share:.2g} % of its "
+        f"largest (standard error of its noise {record['standard']:.2g}, smoothing "
+        f"{record['bending']:.2g}; with every digit at its worst {record['worst']:.2g}); "
     )
     if low == inf:
         return text + "contact is never lost"

@@ -70,7 +70,7 @@ def doubts(scene: Any) -> Iterator[str]:
         lift = getattr(cam, "lift", 0.0)
         top = getattr(cam, "base", 0.0) + lift
     if lift > LARGE_LIFT and follower.mass < LARGE_MASS:
-        yield f"warning: a lift of {lift * MM:.4g} mm; is it in m, or cam.lift the file's unit?"
+        yield f"warning: a lift of {lift * MM:.4g} mm; is it in m, or is cam.lift the file's unit?"
     radius = getattr(cam, "base_radius", None)
     if radius is not None and radius > LARGE_RADIUS:
         yield f"warning: a base radius of {radius:.4g} m; is it in m?"
@@ -80,7 +80,7 @@ def doubts(scene: Any) -> Iterator[str]:
     if follower.preload < 0.0:
         yield (
             f"warning: a preload of {follower.preload:.4g} N pulls the follower off the cam at "
-            "q = 0; positive presses"
+            "q = 0; a positive one presses"
         )
 
 
@@ -100,6 +100,7 @@ def lossless_notes(scene: Any) -> list[str]:
     """A warning where the motion loses no energy."""
     if scene.follower.restitution == 1.0 and scene.follower.damping == 0.0:
         return [
-            "warning: restitution 1 and no damping: nothing dissipates, no orbit attracts another"
+            "warning: restitution 1 and no damping: nothing dissipates, so no orbit attracts "
+            "another"
         ]
     return []

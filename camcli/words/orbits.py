@@ -43,7 +43,7 @@ def notes(found: OrbitsResult) -> list[str]:
     for branch in found.branches:
         if Kind.LOST in branch.ends:
             value = branch.points[0 if branch.ends[0] == Kind.LOST else -1].value
-            beyond = f"beyond {value:.10g}: unresolved there"
+            beyond = f"beyond {value:.10g}, where it is unresolved"
             said.append(f"branch {branch.number} could not be followed {beyond}")
         if Kind.FAULT in branch.ends:
             value = branch.points[0 if branch.ends[0] == Kind.FAULT else -1].value
@@ -76,13 +76,13 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
         else:
             speed, cause = absent.nearest
             nearest = f"the nearest speed at which it was found is {speed:.13g} rpm"
-            said.append(f"{text}; {nearest} ({cause.replace('-', ' ')})")
+            said.append(f"{text}; {nearest}, where it ends: {cause.replace('-', ' ')}")
     elif not result.orbits and not result.continua:
-        said.append(f"no periodic orbit found at {result.question.rpm:.10g} rpm")
+        said.append(f"no periodic orbit was found at {result.question.rpm:.10g} rpm")
     said += [
-        f"{c.label} exists with the impact anywhere from {degrees(c.start):.8g} to "
-        f"{degrees(c.end):.8g} deg, a dwell: a continuum of orbits, none isolated, none attracting "
-        "(both multipliers 1)"
+        f"{c.label} exists with its impact anywhere from {degrees(c.start):.8g} to "
+        f"{degrees(c.end):.8g} deg, a dwell: a continuum of orbits, of which none is isolated "
+        "and none attracts (both multipliers are 1)"
         for c in result.continua
     ]
     if result.virtual:
@@ -126,7 +126,7 @@ def _rests_on(b: Bifurcation) -> str:
         f"{inequality_text(i)} {'holds' if i.holds else 'fails'} ({i.left:.6g})"
         for i in b.corner_impact.collision.inequalities[:2]
     ]
-    return f" Rests on: {'; '.join(told)}."
+    return f" The class rests on: {'; '.join(told)}."
 
 
 # --- beside the pictures

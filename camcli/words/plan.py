@@ -2,7 +2,7 @@
 
 from camcli.scene import Scene
 
-EXPLAINING = "what --explain takes is not known before: 5 to 15 s for many a change"
+EXPLAINING = "how long --explain takes is not known before the run: 5 to 15 s for many a change"
 LESS_OF_A_SWEEP = "--set sweep.tables=npz writes less"
 
 # --- how much is asked for
@@ -51,7 +51,7 @@ def sweep(scene: Scene) -> list[str]:
     if scene.sweep.explain:
         notes.append(EXPLAINING)
     if scene.sweep.adaptive:
-        notes.append("how many speeds --adaptive adds is not known before")
+        notes.append("how many speeds --adaptive adds is not known before the run")
     return notes
 
 
@@ -64,17 +64,17 @@ def detach(scene: Scene) -> list[str]:
 
 def orbits(scene: Scene) -> list[str]:
     """Of periodic orbits."""
-    return ["how many branches there are, and so the time, is not known before"]
+    return ["how many branches there are, and so the time, is not known before the run"]
 
 
 def basins(scene: Scene) -> list[str]:
     """Of basins."""
     notes = []
     if scene.basins.refine:
-        notes.append("what --refine adds at boundaries is not known before")
+        notes.append("what --refine adds at boundaries is not known before the run")
     if scene.basins.count > 1:
         notes.append(
-            "a speed in the middle stands for all, though those with chaos take many times as long"
+            "a speed in the middle stands for all, but speeds with chaos take many times as long"
         )
     return notes
 
@@ -86,7 +86,7 @@ def classify(scene: Scene) -> list[str]:
 
 def explore(scene: Scene) -> list[str]:
     """Of the page."""
-    return ["the orbits come on top: how many are solved is not known before"]
+    return ["the orbits come on top: how many are solved is not known before the run"]
 
 
 # --- of a plan itself
@@ -99,7 +99,7 @@ def of_a_shard(number: int, total: int) -> str:
 
 def cut_off(seconds: float) -> str:
     """Why there is no forecast."""
-    return f"a small part took {seconds:g} s: how long it takes is not known before"
+    return f"a small part took {seconds:g} s: how long it takes is not known before the run"
 
 
 def budget_ends(work: int, seconds: float) -> str:

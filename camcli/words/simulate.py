@@ -31,7 +31,7 @@ def rounding_notes(turn: int | None) -> list[str]:
     if turn < 0:
         place = f"{plural(-turn, 'turn')} before the record"
     return [
-        f"from {place} on this is one of many motions that rounding allows: an error of the last "
+        f"from {place} on, this is one of many motions that rounding allows: an error of the last "
         "digit has grown beyond five digits of a turn (the label is that of the true motion, where "
         "that could be told)"
     ]

@@ -37,11 +37,11 @@ def chosen_speeds(section: str, chosen: Chosen) -> str:
     if chosen.low == chosen.high:
         speeds = f"{chosen.low:g} rpm"
     if chosen.by is None:
-        why = "that of run.rpm"
+        why = "as run.rpm is"
     else:
         why = {
-            Basis.FIRST_LOSS: f"from the first loss of contact at {chosen.by.rpm:.5g} rpm",
-            Basis.NATURAL: f"from the natural frequency, {chosen.by.rpm:.5g} per minute",
+            Basis.FIRST_LOSS: f"chosen from the first loss of contact at {chosen.by.rpm:.5g} rpm",
+            Basis.NATURAL: f"chosen from the natural frequency, {chosen.by.rpm:.5g} per minute",
             Basis.FALL: "where the cam accelerates as the follower falls",
         }[chosen.by.basis]
-    return f"note: {section}.rpm is not given: {speeds} of the cam, {why}"
+    return f"note: {section}.rpm is not given: it is {speeds} of the cam, {why}"

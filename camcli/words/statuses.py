@@ -7,19 +7,19 @@ from camcli.errors import Status, plural
 NAMED = 5  # values named in a note; of the others only the number is told
 CAUSES = {
     Status.LOG_FULL: "the event log was too small",
-    Status.IMPACT_BUDGET: "as many impacts in one turn as run.impact_budget",
+    Status.IMPACT_BUDGET: "one turn had as many impacts as run.impact_budget allows",
     Status.NO_RETURN: "the follower left the cam and nothing brings it back",
     Status.UNRESOLVED: "a contact is closer to grazing than double precision can tell",
     Status.PAUSED: "the work was interrupted",
-    Status.WORK_BUDGET: "the budget of work was used up, the rest is left out",
-    Status.FAULT: "an exception that nobody foresaw, which cost this piece alone",
+    Status.WORK_BUDGET: "the budget of work was used up, and the rest is left out",
+    Status.FAULT: "an exception that nobody foresaw cost this piece alone",
 }
 CURES = {
     Status.LOG_FULL: "this is a fault of the program",
     Status.IMPACT_BUDGET: (
         "raise run.impact_budget, raise run.chatter_tolerance, or lower restitution"
     ),
-    Status.NO_RETURN: "give it a spring, gravity or a preload",
+    Status.NO_RETURN: "give the follower a spring, gravity or a preload",
     Status.UNRESOLVED: ("move the speed by a relative 1e-12, or treat both outcomes as possible"),
     Status.PAUSED: "run the same command again",
     Status.WORK_BUDGET: "raise run.work_budget",

@@ -13,12 +13,12 @@ from camcli.words.speeds import at_speed
 
 def sweep_notes(found: Sweep) -> list[str]:
     """How many motions were decided in ball arithmetic, and how many are not known, drawn grey."""
-    notes = decided_notes((speed.holds_for for speed in found.bare), "speeds")
+    notes = decided_notes((speed.holds_for for speed in found.bare), "speed")
     count = sum(not speed.known for speed in found.bare)
     if count:
         notes.append(
-            f"{count} of {len(found.speeds)} undecided: after a rest rounding decides, and the "
-            "true motion could not be told; grey in the picture"
+            f"{count} of {len(found.speeds)} motions are undecided, and grey in the picture: "
+            "after a rest rounding decides, and the true motion could not be told"
         )
     return notes
 
@@ -26,12 +26,12 @@ def sweep_notes(found: Sweep) -> list[str]:
 def map_notes(found: Map, followed: bool) -> list[str]:
     """The same of a map; followed: whether what rounding decides was followed beyond it."""
     speeds = list(found.speeds)
-    notes = decided_notes((speed.holds_for for speed in speeds), "points")
+    notes = decided_notes((speed.holds_for for speed in speeds), "point")
     count = sum(not speed.known for speed in speeds)
     if not count:
         return notes
-    text = f"{count} of {len(speeds)} points undecided, grey: rounding decides after a rest"
-    cure = "; sweep.decide (--decide) follows each beyond rounding, some seconds for one"
+    text = f"{count} of {len(speeds)} points are undecided, and grey: after a rest rounding decides"
+    cure = "; sweep.decide (--decide) follows each beyond rounding, which takes some seconds"
     return [text + ("" if followed else cure), *notes]
 
 

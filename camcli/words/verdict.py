@@ -50,7 +50,7 @@ def _at_one_speed(result: Any, crank: float) -> str:
     """What one motion did."""
     speed = _speed(result.scene.run.rpm, None, None, crank)
     if "events" not in result.tables:
-        return f"The cam, and the force on it at {speed}."
+        return f"This is the cam alone, with the contact force at {speed}."
     landing = max((-u for u in result.tables["events"]["u_minus_m_per_s"] if u < 0.0), default=0.0)
     if landing == 0.0:
         flies = "flight" in result.tables["trajectory"]["contact"]

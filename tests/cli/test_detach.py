@@ -22,7 +22,7 @@ def bare(tmp_path_factory):
 @pytest.mark.parametrize(("budget", "table"), [(200_000, "accumulation"), (800_000, "corner_hits")])
 def test_a_budget_of_work_keeps_what_was_found(bare, cam, tmp_path, budget, table):
     done = cam("detach --no-plot --set", f"run.work_budget={budget}", "-o part", code=3)
-    assert "the budget of work was used up, the rest is left out; raise" in done.stderr
+    assert "the budget of work was used up, and the rest is left out; raise" in done.stderr
     result = json.loads((tmp_path / "part" / "run.json").read_text())["result"]
     assert result["status"] == "work-budget"
     for name in ("detach", "accumulation", "corner_hits"):
@@ -97,7 +97,7 @@ PULLS += " --set follower.preload=100 --set follower.stiffness=1900"
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--rpm 50:60 --set detach.force_rpm=[90]", "held at every speed up to 60 rpm"),
+        ("--rpm 50:60 --set detach.force_rpm=[90]", "held at every speed asked for, up to 60 rpm"),
         ("--rpm 120:125", "lost at every speed asked for"),
         ("--set follower.stiffness=0", "the contact force is zero at"),
         ("--set follower.preload=-200 --hold-to 150", "not held even at standstill"),

@@ -66,7 +66,7 @@ def test_what_writes_no_run_takes_its_options_too(cam, begun):
 @pytest.mark.parametrize("command", ["sweep", "detach", "orbits", "classify", "basins"])
 def test_a_range_that_is_not_given_comes_from_the_machine(cam, begun, command):
     done = cam(f"{command} -c lobe.yaml --dry-run", code=0)
-    words = done.stderr.partition(f"note: {command}.rpm is not given: ")[2].split()
+    words = done.stderr.partition(f"note: {command}.rpm is not given: it is ")[2].split()
     assert 2300 < float(words[0]) < 3500  # about the loss of contact, not another machine
     if command == "orbits":
         for given in ("-c lobe.yaml --rpm 100:200", ""):
@@ -117,7 +117,7 @@ def test_a_wrong_unit_or_sign_is_doubted(cam, begun):
     )
     radii = "cam.file=radii.csv cam.header=0 cam.angle_column=1 cam.lift_column=2"
     for sets, said in (
-        ("cam.rocker_ratio=26.4", "a lift of 264 mm; is it in m, or cam.lift the file's unit?"),
+        ("cam.rocker_ratio=26.4", "a lift of 264 mm; is it in m, or is cam.lift the file's unit?"),
         ("cam.base_radius=36", "a base radius of 36 m"),
         ("follower.preload=-5", "a preload of -5 N pulls the follower off the cam"),
         (radii, "the smallest lift of the table is 18 mm; if these are radii"),

@@ -36,7 +36,7 @@ def test_points_that_rounding_decides_are_counted_and_decided_as_a_sweep_does(ca
     words = "--vary follower.restitution=0.8:0.8 --points 2,1"
     done = cam("sweep", speeds, words)
     assert {row["label"] for row in rows(tmp_path / "out/sweep/map.csv")} == {"undecided"}
-    assert "2 of 2 points undecided" in done.stderr
+    assert "2 of 2 points are undecided" in done.stderr
     assert "--decide" in done.stderr
     assert "undecided" not in cam("sweep", speeds, f"{words} --decide").stderr
     cam("sweep", speeds, "--points 2 -o sweep")

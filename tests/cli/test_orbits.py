@@ -39,7 +39,7 @@ def test_the_bare_command(cam, tmp_path):
     corners = [b for b in result["bifurcations"] if b["kind"] == "corner-impact"]
     assert all(b["prediction_agrees"] and b["inequalities"] and b["words"] for b in corners)
     assert "Neimark-Sacker bifurcations are impossible" in done.stdout
-    assert "Rests on: " in done.stdout
+    assert "The class rests on: " in done.stdout
     assert (tmp_path / "out" / "orbits.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -78,7 +78,7 @@ def test_a_page_without_a_motion_is_refused_with_the_reason(cam):
     assert "no motion at any speed (the follower left the cam and nothing brings it back)" in (
         done.stderr
     )
-    assert "give it a spring, gravity or a preload" in done.stderr
+    assert "give the follower a spring, gravity or a preload" in done.stderr
 
 
 BASINS = [

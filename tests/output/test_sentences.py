@@ -75,18 +75,17 @@ def test_what_was_counted():
 
 def test_what_was_decided_after_a_rest():
     found = ["last-digit"] * 2 + ["exact-data"] * 3 + ["rounding"] * 4 + [None, ""]
-    assert decided_notes(found, "speeds") == [
-        "speeds decided in ball arithmetic after a rest: 2 for every speed that rounds to the "
-        "given one (proved), 3 for the data exactly as they are, not for every speed that rounds "
-        "so",
-        "speeds on an attractor that rounding chose: 4; where their own start ends could not be "
+    assert decided_notes(found, "speed") == [
+        "after a rest ball arithmetic decided 5 speeds: 2 for every speed that rounds to the given "
+        "one (proved), 3 for the data exactly as they are, not for every speed that rounds to them",
+        "after a rest rounding chose the attractor of 4 speeds: the exact motion could not be "
         "followed so far",
     ]
-    assert decided_notes(["rounding"], "points") == [
-        "points on an attractor that rounding chose: 1; where their own start ends could not be "
+    assert decided_notes(["rounding"], "point") == [
+        "after a rest rounding chose the attractor of 1 point: the exact motion could not be "
         "followed so far"
     ]
-    assert decided_notes([None], "points") == []
+    assert decided_notes([None], "point") == []
 
 
 def test_troubles_are_told_kind_by_kind():
@@ -141,20 +140,20 @@ def test_remarks_on_motions():
         motion(8.0, "undecided", orbit=None, fault=object(), status=Status.FAULT),
     ]
     assert of_motions(motions, "rpm") == [
-        "sum of the exponents minus (2 ln r) impacts per turn + b T/m: at most 3e-07 over 2 "
-        "motions",
-        "where the follower rests on the cam both exponents are -inf: every difference between two "
-        "motions is forgotten",
-        "motions decided in ball arithmetic after a rest: 1 for every speed that rounds to the "
-        "given one (proved)",
-        "aperiodic was shown over 6001 turns or more, in which the motion neither settled nor "
+        "the exponents of 2 motions add up to (2 ln r) impacts per turn - b T/m within 3e-07",
+        "where the follower rests on the cam, both exponents are -inf: it forgets every difference "
+        "between two motions",
+        "after a rest ball arithmetic decided 1 motion: 1 for every speed that rounds to the given "
+        "one (proved)",
+        "a motion called aperiodic was followed for 6001 turns or more, and neither settled nor "
         "rested: what would end it is rarer than once in 2000 turns (95 %)",
         "rpm = 6: the first complete chatter comes after 700 turns; after a rest the motion is "
-        "always the same one, which could not be followed to the next rest",
+        "always the same, and it could not be followed to the next rest",
         "rpm = 7.5: complete chatter in 4 of 90 turns, one in some 22.5; after a rest the motion "
-        "is always the same one, which could not be followed to the next rest",
-        "undecided at 2 speeds (6, 7.5 rpm): no orbit up to 64 turns could be solved and no "
-        "positive exponent shown, or a rest is forgotten before the next one",
+        "is always the same, and it could not be followed to the next rest",
+        "the motion at 2 speeds (6, 7.5 rpm) is undecided: no orbit up to 64 turns could be solved "
+        "and no positive exponent be shown, or doubles lose the motion between one rest and the "
+        "next",
     ]
     assert of_motions([motion(1.0)]) == []
     assert of_motions([motion(5.0, "aperiodic", orbit=None, watched=2)])[0].endswith(
@@ -174,18 +173,18 @@ def orbits(**more):
 def test_remarks_on_orbits():
     dwell = Made(label="P(1;1)", start=0.5, end=0.75)
     absent = Made(rpm=702.5, low=640.0, high=760.0, nearest=None)
-    assert orbits() == ["no periodic orbit found at 701.25 rpm"]
+    assert orbits() == ["no periodic orbit was found at 701.25 rpm"]
     assert orbits(absent=absent) == [
         "P(2;1:1) was not found at 702.5 rpm, nor at 24 speeds from 640 to 760 rpm"
     ]
     absent.nearest = (739.125, "period-doubling")
     assert orbits(absent=absent) == [
         "P(2;1:1) was not found at 702.5 rpm; the nearest speed at which it was found is 739.125 "
-        "rpm (period doubling)"
+        "rpm, where it ends: period doubling"
     ]
     assert orbits(continua=[dwell]) == [  # orbits there are, though none by itself
-        "P(1;1) exists with the impact anywhere from 28.64789 to 42.971835 deg, a dwell: a "
-        "continuum of orbits, none isolated, none attracting (both multipliers 1)"
+        "P(1;1) exists with its impact anywhere from 28.64789 to 42.971835 deg, a dwell: a "
+        "continuum of orbits, of which none is isolated and none attracts (both multipliers are 1)"
     ]
     solved = Made(label="P(1;1)", rpm=701.25)
     assert orbits(orbits=[solved], virtual=[1, 2, 3]) == [
@@ -274,14 +273,14 @@ def test_crises():
     meetings = Meeting(first, 740.25, 0.004), Meeting(later, 740.3125, 0.02)
     met = crisis(CrisisKind.INTERIOR, met=meetings, unmet=(never,), lost=1)
     tail = [
-        "1 of them could not be followed and are left out.",
+        "1 of them could not be followed and is left out.",
         "The attractor meets the stable manifold of P(1;1) (larger multiplier 1.5) at 740.250 rpm.",
         "P(2;1) would be met later, at 740.31 rpm.",
         "P(3;1) leads out, but no fold was seen to touch its stable manifold.",
     ]
-    assert said(met) == [*runs, *tail, "The fold that touches is smooth."]
+    assert said(met) == [*runs, *tail, "What touches the manifold is a smooth fold."]
     corner = crisis(CrisisKind.INTERIOR, met=meetings[:1], corner=Made(name="c"))
-    assert said(corner)[-1] == "The fold that touches is the image of an impact at corner c."
+    assert said(corner)[-1] == "What touches the manifold is the image of an impact at corner c."
     assert event_sentence(CriticalEvent(1.0, 0.1, "interior-crisis", "x", source=met)) == " ".join(
         said(met)
     )
@@ -300,26 +299,25 @@ def test_changes():
         return change_sentence(LabelChange(*ends, cause, **more), events)
 
     assert told(BASIN, persists=("P(1;1)", "P(3;1)")) == (
-        "P(1;1) exists and attracts on both sides, the start changes basins; P(1;1) changes at: "
-        "fold at 700.5 rpm; P(3;1) exists and attracts on both sides, the start changes basins; "
-        "P(3;1) changes at: nowhere in the range"
+        "P(1;1) exists and attracts at both speeds: the start changes basins; P(1;1) changes at: "
+        "fold at 700.5 rpm; P(3;1) exists and attracts at both speeds: the start changes basins; "
+        "P(3;1) does not change in the range"
     )
-    lives = "the chaotic attractor lives on at both speeds, the start changes basins."
+    lives = "the chaotic attractor lives on at both speeds: the start changes basins."
     assert told(BASIN) == lives
     assert told(BASIN, crisis=stays) == f"{lives} {stayed}"
     assert told(UNEXPLAINED, status=Status.WORK_BUDGET) == (
         f"work-budget: {CAUSES[Status.WORK_BUDGET]}"
     )
     tried = (
-        "tried: bifurcations of solved branches, none lies in it; branches through it, none is "
-        "stable"
+        "no bifurcation of a solved branch lies between them, and no branch through both is stable"
     )
     first = "; crises are looked for in the first 3 changes only"
     assert told(UNEXPLAINED) == tried
     assert told(UNEXPLAINED, may_search=False) == tried + first
     assert told(UNEXPLAINED, crisis=stays) == f"{tried}. {stayed}"
     assert told(UNEXPLAINED, persists=("P(1;1)", "P(3;1)")) == (
-        "P(1;1), P(3;1) attracts on both sides; whether the chaos beside it lives on at both is "
+        "P(1;1) and P(3;1) attract at both speeds; whether the chaos beside lives on at both is "
         "not known"
     )
     assert told("fold+grazing", events=tuple(events)) == "fold; grazing"

@@ -282,5 +282,5 @@ def test_undecided_cells_are_those_of_all_speeds():
     ]
     assert min(open_) > 0
     assert result.notes[-1].startswith(
-        f"undecided: {sum(open_)} of 96 cells met no attractor within 6 turns; "
+        f"{sum(open_)} of 96 cells are undecided: they met no attractor within 6 turns; "
     )

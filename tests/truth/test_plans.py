@@ -165,8 +165,8 @@ def test_speeds_that_a_scene_leaves_open():
     assert (window.q, window.v) == ((0.01, figures(0.01 + 3.0 * 0.02)), (-fast, fast))
     _, chosen = ranged(scene, machine_of(scene).system)
     assert chosen_speeds("sweep", chosen["sweep"]) == (
-        f"note: sweep.rpm is not given: {figures(0.9 * lost):g} to {figures(1.5 * lost):g} rpm of "
-        f"the cam, from the first loss of contact at {lost:.5g} rpm"
+        f"note: sweep.rpm is not given: it is {figures(0.9 * lost):g} to {figures(1.5 * lost):g} "
+        f"rpm of the cam, chosen from the first loss of contact at {lost:.5g} rpm"
     )
     # the spring does not press at the lowest lift: contact is never held, and the speeds are those
     # of the natural frequency

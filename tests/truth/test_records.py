@@ -593,7 +593,7 @@ def test_classify():
     assert list(table) == columns
     never = [m["watched_turns"] for m in result.summary["motions"] if m["label"] == "aperiodic"]
     (over, rarer) = re.search(
-        r"aperiodic was shown over (\d+) turns .* is rarer than once in (\d+) turns",
+        r"aperiodic was followed for (\d+) turns .* is rarer than once in (\d+) turns",
         " ".join(result.summary["words"]),
     ).groups()
     assert int(over) == min(never)

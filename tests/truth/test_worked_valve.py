@@ -376,8 +376,8 @@ def test_a_measured_cam_in_degrees_of_the_crank(tmp_path):
     assert near(fit[4], 1e6 * abs(off[largest]))
     assert abs(off[int(fit[5]) - 2]) == pytest.approx(abs(off[largest]), rel=1e-6)
     bound, share, standard, bending, worst = re.search(
-        r"within (\S+) m/rad2, (\S+) % of its largest \((\S+) standard error of its noise, (\S+) "
-        r"by smoothing; every digit at its worst: (\S+)\)",
+        r"within (\S+) m/rad2, (\S+) % of its largest \(standard error of its noise (\S+), "
+        r"smoothing (\S+); with every digit at its worst (\S+)\)",
         done.stdout.replace("\n", " "),
     ).groups()
     assert near(share, 100.0 * found["bound"] / found["accel"])
