@@ -93,6 +93,11 @@ def test_sentences_on_results_are_made_in_words(package):
         ('def f():\n    found = "found no such file"\n    g(found)', ["found no such file"]),
         ('def f(cure: str):\n    raise Fault(cure)\nf("look at it again")', []),
         ('def f(cure: str):\n    print(cure)\nf("look at it again")', ["look at it again"]),
+        ('A = "side of the event"\nB = [Quantity(A, "what is measured")]', []),
+        (
+            'A = "side of the event"\nB = [f(A, "what is measured")]',
+            ["side of the event", "what is measured"],
+        ),
         ('piece("the motion at 7 rpm", f)\nx = "{}, {}: {}"', []),
     ],
 )

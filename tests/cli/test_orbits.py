@@ -142,7 +142,7 @@ def test_a_curve_of_what_does_not_happen_is_no_success(cam):
 def test_a_continuum_on_a_dwell_is_said_to_be_one(cam, tmp_path):
     """Elastic and undamped: P(1;1) at any phase of either dwell, and no orbit at their ends."""
     done = cam("orbits --rpm 700 --set follower.restitution=1 --no-plot -o out", QUICK)
-    assert "P(1;1) exists with the impact anywhere from 160 to 200 deg" in done.stdout
+    assert "P(1;1) exists with its impact anywhere from 160 to 200 deg" in done.stdout
     assert not [row for row in rows(tmp_path / "out" / "branch.csv") if row["label"] == "P(1;1)"]
     result = json.loads((tmp_path / "out" / "run.json").read_text())["result"]
     ends = [(c["from_deg"], c["to_deg"]) for c in result["continua"]]

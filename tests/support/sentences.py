@@ -9,25 +9,29 @@ SENTENCE = re.compile(r"(?:(?:a|[A-Za-z][a-z'-]+|{})[,:;]? ){2}(?:a|[A-Za-z][a-z
 WORD = re.compile(r"[A-Za-z]{2}")  # values alone are no sentence
 # what makes a fault of its arguments, or names a piece of work where it fails
 TOLD_BY = {"Fault", "SceneError", "piece", "attempt"}
+# what says of its arguments what a column or a table is
+DESCRIBED_BY = {"Quantity", "Head", "_replace"}
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 def sentences(source: str) -> Iterator[tuple[int, str]]:
     """(line, text) of each string of a module that reads like a sentence.
 
-    Values in it are written {}. Left out are docstrings, what a __repr__ says to programmers, and
-    what belongs to a fault or names a piece: what is raised, the arguments of TOLD_BY and of
-    functions that hand theirs on to it, and what is assigned to a name in these arguments.
+    Values in it are written {}. Left out are docstrings, what a __repr__ says to programmers, what
+    describes a column or a table, and what belongs to a fault or names a piece: what is raised, the
+    arguments of TOLD_BY and of functions that hand theirs on to it, and what is assigned to a name
+    in these arguments.
     """
     tree = ast.parse(source)
     functions = [node for node in ast.walk(tree) if isinstance(node, Function)]
     left_out = set(_docstrings(tree))
-    told_by = TOLD_BY | {one.name for one in functions if _hands_on(one)}
+    told_by = TOLD_BY | DESCRIBED_BY | {one.name for one in functions if _hands_on(one)}
     for function in functions:
         if function.name == "__repr__":
             left_out |= set(ast.walk(function))
         left_out |= _told(function, told_by)
     left_out |= {node for one in ast.walk(tree) if _tells(one, told_by) for node in ast.walk(one)}
+    left_out |= _described(tree)
     for node in ast.walk(tree):
         if isinstance(node, ast.JoinedStr):
             left_out |= {part for part in node.values if isinstance(part, ast.Constant)}
@@ -87,3 +91,14 @@ def _told(function: Function, told_by: set[str]) -> set[ast.AST]:
             if names & {n.id for t in targets for n in ast.walk(t) if isinstance(n, ast.Name)}:
                 told |= set(ast.walk(one))
     return told
+
+
+def _described(tree: ast.Module) -> set[ast.AST]:
+    """Statements of a module that describe columns, with what they name."""
+    described = [one for one in tree.body if any(_tells(n, DESCRIBED_BY) for n in ast.walk(one))]
+    names = {n.id for one in described for n in ast.walk(one) if isinstance(n, ast.Name)}
+    for one in tree.body:
+        targets = one.targets if isinstance(one, ast.Assign) else []
+        if names & {target.id for target in targets if isinstance(target, ast.Name)}:
+            described.append(one)
+    return {node for one in described if isinstance(one, ast.Assign) for node in ast.walk(one)}
