@@ -11,7 +11,7 @@ from camcli.errors import Fault, SceneError
 from camcli.kernel.cam_table import Cam
 from camcli.kernel.flow import RAD_PER_S, Constants, constants_of
 from camcli.kernel.forms import Kernel
-from camcli.quantities import METRES, MILLIMETRES, Units
+from camcli.quantities import FOLLOWER, METRES, MILLIMETRES, Units
 
 RPM = 30.0 / pi  # in a radian per second
 SMALL_LIFT = 0.1  # m: lengths of a smaller cam are printed in mm
@@ -118,9 +118,8 @@ class System:
 
     def machine(self, rpm: float) -> list[float]:
         """The follower's constants and the speed as the kernel's table (`kernel.flow`)."""
-        f = self.follower
-        values = (rpm, f.mass, f.stiffness, f.damping, f.gravity, f.preload, f.restitution)
-        return [float(value) for value in values]
+        constants = (getattr(self.follower, name) for name in FOLLOWER)
+        return [float(rpm), *map(float, constants)]
 
 
 def decimals(width: float) -> int:

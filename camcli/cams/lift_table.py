@@ -39,6 +39,11 @@ Flag = Annotated[bool, Field(strict=True)]
 MAX_BYTES = 10_000_000
 CHUNK = 8  # pieces of a stretch: its bounds are tighter than those of a whole flank
 
+if TYPE_CHECKING:
+    LiftUnit = str
+else:
+    LiftUnit = Literal[(*LENGTHS, "fraction")]
+
 
 class TableCam(BaseModel):
     """A measured lift table in a text file beside the scene."""
@@ -63,9 +68,7 @@ class TableCam(BaseModel):
     angle: Literal["cam", "crank"] = Field(
         description="degrees of the cam, or of a crank that turns twice as fast"
     )
-    lift: Literal["m", "mm", "um", "inch", "thou", "fraction"] = Field(
-        description="unit of the lift; thou: 0.001 inch; fraction: of max_lift"
-    )
+    lift: LiftUnit = Field(description="unit of the lift; thou: 0.001 inch; fraction: of max_lift")
     subtract: Annotated[Number, Field(ge=-1e6, le=1e6)] = Field(
         0.0, description="number of the table at zero lift: of radii that of the base circle"
     )

@@ -50,9 +50,9 @@ def orbits(
     --at X        where they are found; from the scene's start, a cloud of starts and, with one
                   impact, from the closed equation, which gives all of them
     --label L     only this orbit, 'P(3;3:3:2)'; an unstable one is sought among close returns
-    --vary KEY=LO:HI  a branch in this key at the speed --rpm X, --points at least. KEY:
-                  follower.restitution, .damping, .gravity, .stiffness, .preload or .mass, or rpm.
-                  With --curve once for the second parameter, or twice
+    --vary KEY=LO:HI  a branch in this key at the speed --rpm X, --points at least. KEY: rpm, or a
+                  constant of the follower as follower.restitution. With --curve once for the
+                  second parameter, or twice
     --parameter NAME --range LO:HI is short for --vary follower.NAME=LO:HI, the column at the end
     --branches N  how many branches that leave from bifurcations are followed too
     --curve KIND  continue the bifurcations of a kind in rpm and --in NAME over --range, or in
