@@ -30,9 +30,12 @@ import numpy as np
 from camcli.analysis.bench.machine import orbit
 from camcli.analysis.bench.peers import heyoka_taylor, solve_ivp
 from camcli.analysis.bench.precision import Case, case, run_peer
+from camcli.analysis.integrate import Settings
+from camcli.analysis.sweep import rpm_grid, sweep
 from camcli.api.bench import machines
 from camcli.kernel import backend
 from camcli.kernel.orbit_loop import EventKind
+from camcli.parallel import Work
 from camcli.system import Follower
 
 CHATTER = 1e-9  # turns, everybody's tolerance
@@ -47,6 +50,7 @@ PEERS = {  # the published setting of RK45 on this cam has steps of 1 ms
 }
 METHODS = ("core", "c", *PEERS)
 SPEEDS, SWEPT = 401, 1000  # of the sweep 660 to 760 rpm, and its turns
+WHOLE = {"sweep": 1, "sweep 2": 2}  # threads of the whole sweep beside C's bare orbits
 
 
 def c_kernel(folder: Path) -> Callable[..., int] | None:
@@ -106,6 +110,22 @@ def swept(method: str, some: Case, plain: Callable[..., int] | None) -> Callable
     return lambda turns: sum(call(turns // SPEEDS) for call in calls)
 
 
+def whole_sweep(threads: int) -> Callable[[int], int]:
+    """The same with all that `cam sweep` makes of it: records, labels and every column of loads.
+
+    Without patience, which is turns that C does not run.
+    """
+    system = machines().system(case("periodic").follower, case("periodic").cam)
+    speeds, work = rpm_grid(660.0, 760.0, SPEEDS), Work(threads=threads)
+
+    def run(turns: int) -> int:
+        each = turns // SPEEDS
+        settings = Settings(each - each * 2 // 5, each * 2 // 5, CHATTER, 1_000_000, patience=0)
+        return sweep(system, speeds, settings, work=work).cost.impacts
+
+    return run
+
+
 def measure(
     title: str, calls: dict[str, Callable[[int], int]], turns: dict[str, int], repeats: int
 ) -> None:
@@ -120,13 +140,13 @@ def measure(
             began = perf_counter()
             impacts[method] = call(turns[method])
             times[method].append((perf_counter() - began) / turns[method])
-    head = f"{'method':8}{'first call s':>14}{'impacts/s':>12}{'turns/s':>12}{'x core':>9}"
+    base = next(iter(calls))
+    head = f"{'method':8}{'first call s':>14}{'impacts/s':>12}{'turns/s':>12}{'x ' + base:>9}"
     print(f"\n{title}\n{head}")
     for method in calls:
         one = median(times[method])
         rate = impacts[method] / turns[method] / one
-        base = times.get("core", times[method])
-        ratio = median(a / b for a, b in zip(times[method], base, strict=True))
+        ratio = median(a / b for a, b in zip(times[method], times[base], strict=True))
         print(f"{method:8}{first[method]:14.2f}{rate:12.0f}{1.0 / one:12.0f}{ratio:9.2f}")
 
 
@@ -152,6 +172,11 @@ def main() -> None:
         turns = dict.fromkeys(fast, SPEEDS * max(1, round(SWEPT * options.scale)))
         calls = {method: swept(method, some, plain) for method in fast}
         measure(f"sweep of {SPEEDS} speeds from rest", calls, turns, options.repeats)
+        turns |= dict.fromkeys(WHOLE, SPEEDS * max(5, round(SWEPT * options.scale)))
+        calls = {m: call for m, call in calls.items() if m == "c"}
+        calls |= {name: whole_sweep(threads) for name, threads in WHOLE.items()}
+        title = f"the whole sweep of {SPEEDS} speeds, all columns, over bare orbits in C"
+        measure(title, calls, turns, options.repeats)
 
 
 if __name__ == "__main__":
