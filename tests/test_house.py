@@ -105,6 +105,35 @@ def test_what_reads_like_a_sentence(source, texts):
     assert [text for _, text in sentences(source)] == texts
 
 
+IN_SI = ("analysis", "exact", "parallel", "kernel", "system.py")  # rad, m/s, N
+
+
+@pytest.mark.parametrize("place", IN_SI)
+def test_names_in_deg_and_rpm_are_left_to_those_who_read_and_show(place):
+    """Phases are in rad there. A machine's speed has the bare name rpm: its double is the datum."""
+    root = ROOT / "camcli" / place
+    files = [root] if root.is_file() else sorted(root.rglob("*.py"))
+    assert files
+    named = {str(path.relative_to(ROOT)): in_shown_units(path.read_text()) for path in files}
+    assert {path: names for path, names in named.items() if names} == {}
+
+
+def in_shown_units(source: str) -> list[str]:
+    """Names of variables, arguments, attributes and functions that end in _deg or _rpm."""
+    names = [
+        getattr(node, part)
+        for node in ast.walk(ast.parse(source))
+        for part in ("id", "attr", "arg", "name")
+        if isinstance(getattr(node, part, None), str)
+    ]
+    return sorted({name for name in names if name.endswith(("_deg", "_rpm"))})
+
+
+def test_a_name_in_deg_is_seen_wherever_it_stands():
+    source = "def a_deg(b_deg, *, c=1):\n    d_deg = b_deg.e_deg\n    f(g_rpm=d_deg, h_n=2)"
+    assert in_shown_units(source) == ["a_deg", "b_deg", "d_deg", "e_deg", "g_rpm"]
+
+
 def test_ci_runs_the_command_of_the_readme():
     command = "python3 -m venv .venv && .venv/bin/pip install -q -e '.[test]' && .venv/bin/pytest"
     assert command in (ROOT / "README.md").read_text()

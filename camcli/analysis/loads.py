@@ -1,6 +1,5 @@
 """What an engineer reads off a record: lift-off, hardest impact, contact force."""
 
-from math import degrees
 from typing import NamedTuple
 
 from camcli.analysis.integrate import Record, shut_lift
@@ -19,9 +18,9 @@ class Loads(NamedTuple):
 
     max_gap_m: the largest q - c; airborne_fraction: share of the time off the cam;
     max_impact_m_per_s: the largest |u|; contact forces over the time at rest on the cam, N;
-    contact_lost_deg, contact_regained_deg: the first phase after the strobe at which the follower
-    leaves from rest, and the last at which it comes to rest; landing_deg, landing_lift_m: phase of
-    the hardest impact, and lift above the lowest there; shut_bounces_per_turn: impacts, a
+    contact_lost, contact_regained: the first phase (rad) after the strobe at which the follower
+    leaves from rest, and the last at which it comes to rest; landing, landing_lift_m: phase (rad)
+    of the hardest impact, and lift above the lowest there; shut_bounces_per_turn: impacts, a
     tenth as hard as the hardest or harder, where the cam is within a hundredth of its lift above
     its lowest.
     """
@@ -31,9 +30,9 @@ class Loads(NamedTuple):
     max_impact_m_per_s: float | None = None
     min_contact_force_n: float | None = None
     max_contact_force_n: float | None = None
-    contact_lost_deg: float | None = None
-    contact_regained_deg: float | None = None
-    landing_deg: float | None = None
+    contact_lost: float | None = None
+    contact_regained: float | None = None
+    landing: float | None = None
     landing_lift_m: float | None = None
     shut_bounces_per_turn: float | None = None
 
@@ -52,7 +51,7 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
         if since < 0.0:
             return None
         theta = system.strobe + since
-        return degrees(theta - TURN if theta >= TURN else theta)
+        return theta - TURN if theta >= TURN else theta
 
     return Loads(
         max_gap_m=found.max_gap,
@@ -60,9 +59,9 @@ def loads_of(system: System, rpm: float, record: Record) -> Loads:
         max_impact_m_per_s=found.max_impact * omega,
         min_contact_force_n=max(found.min_force, 0.0) * force if rested else None,
         max_contact_force_n=found.max_force * force if rested else None,
-        contact_lost_deg=phase(found.lost),
-        contact_regained_deg=phase(found.regained),
-        landing_deg=degrees(found.landing) if landed else None,
+        contact_lost=phase(found.lost),
+        contact_regained=phase(found.regained),
+        landing=found.landing if landed else None,
         landing_lift_m=found.landing_c - lowest if landed else None,
         shut_bounces_per_turn=found.shut_bounces / turns,
     )

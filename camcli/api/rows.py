@@ -27,6 +27,7 @@ from camcli.quantities import (
     Quantity,
     V,
 )
+from camcli.words.loads import load_row
 
 if TYPE_CHECKING:
     from camcli.analysis.orbits.study import Bifurcation
@@ -88,7 +89,7 @@ def blocks(found: Sweep, section: str) -> Iterator[Block]:
 def speed_row(speed: Speed) -> tuple:
     """A row of speeds.csv."""
     named = speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
-    return speed.value, *named, *speed.loads, speed.holds_for, speed.watched
+    return speed.value, *named, *load_row(speed.loads), speed.holds_for, speed.watched
 
 
 def multiplier_columns(pair: tuple[complex, complex]) -> list[float]:

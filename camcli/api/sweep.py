@@ -39,6 +39,7 @@ from camcli.quantities import (
 from camcli.scene import Scene
 from camcli.system import units_of
 from camcli.words import plan
+from camcli.words.loads import load_row
 from camcli.words.machine import height_notes
 from camcli.words.statuses import status_notes, trouble
 from camcli.words.sweep import map_notes, sweep_notes
@@ -178,7 +179,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
                 impacts = None if count is None else count / turns
                 named = speed.label, period, impacts, speed.exponent
                 ends = status_name(speed.status), speed.holds_for, speed.watched
-                yield speed.value, second, *named, *speed.loads, *ends
+                yield speed.value, second, *named, *load_row(speed.loads), *ends
 
     return Result(
         command="sweep",

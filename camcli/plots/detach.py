@@ -22,6 +22,7 @@ from camcli.quantities import LOADS, RPM, THETA, labelled
 from camcli.system import System, is_measured, units_of
 from camcli.words.detach import first_loss, force_name, picture_title, spring_name
 from camcli.words.in_print import number_text
+from camcli.words.loads import load
 
 PHASES, FORCE = 62.0, 46.0  # mm
 FOLD = 1e-6  # deg, before the leading lift-off, where the axis of phases begins
@@ -86,7 +87,7 @@ def draw_report(
         unit, scale = units.shown(LOADS[name].unit)
         said = labelled(LOADS[name].name, unit)
         points = [(first.rpm, 0.0)] if first and study.past else []
-        points += [(s.rpm, scale * (getattr(s.loads, name) or 0.0)) for s in study.past]
+        points += [(s.rpm, scale * (load(s.loads, name) or 0.0)) for s in study.past]
         draw = partial(_draw_load, points=points, said=said)
         panels[name] = Panel(draw, FORCE, across=2)
     panels |= {name: panel for name, panel in drawn.items() if name == "springs"}

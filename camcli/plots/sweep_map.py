@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from camcli.plots.axes import axis_name
 from camcli.plots.picture import Panel, Picture
 from camcli.plots.sweep import colour_of, kind_of
 from camcli.quantities import EXPONENT, LOADS, Units, labelled
+from camcli.words.loads import load
 from camcli.words.sweep import map_heading
 
 HEIGHT = 90.0  # mm
@@ -40,8 +40,7 @@ def draw_map(found: Map, units: Units, curves: Sequence[Curve] = ()) -> Picture:
 
     panels = {"kind": Panel(partial(over, partial(_draw_kinds, found, rows)), HEIGHT)}
     for name, quantity in {"exponents": EXPONENT, **LOADS}.items():
-        of = attrgetter("exponent" if quantity is EXPONENT else f"loads.{name}")
-        values = np.array([[of(speed) for speed in row] for row in rows], dtype=float)
+        values = np.array([[_value(speed, name) for speed in row] for row in rows], dtype=float)
         unit, scale = units.shown(quantity.unit)
         usual = quantity is EXPONENT and bool(np.isfinite(values).any())
         words = labelled(quantity.name, unit)
@@ -49,6 +48,11 @@ def draw_map(found: Map, units: Units, curves: Sequence[Curve] = ()) -> Picture:
         panels[name] = Panel(partial(over, draw), HEIGHT, usual=usual)
     title, words = map_heading(found)
     return Picture(title, panels, words)
+
+
+def _value(speed: Speed, name: str) -> float | None:
+    """The exponent of a point, or one of its loads."""
+    return speed.exponent if name == "exponents" else load(speed.loads, name)
 
 
 def cell_edges(values: Sequence[float]) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from camcli.analysis.loads import Loads
 from camcli.quantities import FOLLOWER, FORCE, LOADS, PRESSURE, RPM, THETA, headed
 from camcli.system import decimals, units_of
 from camcli.words.detach import short_way
+from camcli.words.loads import load
 from camcli.words.machine import crank_of, digits_of
 
 ROUNDING = 1e-9  # N
@@ -37,15 +38,15 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     def speed(rpm: float, form: str) -> list[str]:
         return [f"{x * rpm:{form}}" for x in (1.0, crank) if x]
 
-    def load(loads: Loads, column: str) -> str:
+    def shown(loads: Loads, column: str) -> str:
         _, scale = units.shown(LOADS[column].unit)
-        return _cell(getattr(loads, column), scale, DIGITS[column])
+        return _cell(load(loads, column), scale, DIGITS[column])
 
     def between(low: float | None, high: float | None) -> str:
         return "" if low is None or high is None else f"{_zero(low):.4g} to {high:.4g}"
 
     past = [
-        [*speed(s.rpm, f".{seen}f"), *map(partial(load, s.loads), DIGITS),
+        [*speed(s.rpm, f".{seen}f"), *map(partial(shown, s.loads), DIGITS),
          between(s.loads.min_contact_force_n, s.loads.max_contact_force_n)]
         for s in found.past
     ]  # fmt: skip
