@@ -12,7 +12,7 @@ import pytest
 import camcli
 from camcli.api.command import command_of
 
-TURNS = {"run.transient": 30, "run.record": 20}
+TURNS = {"run.transient": 30, "run.record": 20, "run.patience": 0}
 SMALL = {
     "simulate": {"run.rpm": 190.0},
     "sweep": {"sweep.rpm.num": 5},

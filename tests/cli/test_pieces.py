@@ -18,7 +18,7 @@ from camcli.analysis import sweep
 from camcli.errors import Fault, SceneError
 from tests.conftest import rows
 
-FEW = "--no-plot --set run.transient=5 --set run.record=10"
+FEW = "--no-plot --set run.transient=5 --set run.record=10 --set run.patience=0"
 
 
 @pytest.fixture

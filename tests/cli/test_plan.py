@@ -85,7 +85,7 @@ def test_a_plan_is_right_within_a_factor_of_two_and_writes_nothing(
 
 
 MEASURED = {
-    "sweep": f"sweep --points 101 {TURNS}",
+    "sweep": f"sweep --points 101 {TURNS} --set run.patience=0",
     "sweep, nothing drawn": "sweep --points 201 --no-plot",
     "map": f"sweep --rpm 690:745 --vary follower.mass=1:2 --points 10,10 {TURNS}",
     "simulate finely": "simulate --points 30000 --set run.record=4",
@@ -93,7 +93,7 @@ MEASURED = {
     "orbits": "orbits --rpm 700:712 --points 11 --set orbits.starts=2",
     "basins": "basins --cells 30",
     "classify": f"classify --points 11 {TURNS}",
-    "explore": f"explore --points 101 {TURNS} --set orbits.starts=2",
+    "explore": f"explore --points 101 {TURNS} --set run.patience=0 --set orbits.starts=2",
 }
 CHILD = """
 import re, sys
