@@ -8,7 +8,7 @@ import pytest
 
 import camcli
 from camcli.analysis.loads import Loads
-from camcli.analysis.orbits.shooter import PARAMETERS as PLACES
+from camcli.analysis.orbits.shooter import PLACES
 from camcli.api import ANALYSES, bench
 from camcli.api.command import columns_of, command_of
 from camcli.cams.lift_table import TableCam

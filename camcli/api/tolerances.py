@@ -8,8 +8,7 @@ from random import Random
 from statistics import median
 from typing import Any
 
-from camcli.analysis.contact_loss.detachment import CriticalQuantity as Critical
-from camcli.analysis.contact_loss.detachment import first_loss
+from camcli.analysis.contact_loss.detachment import CriticalQuantity, first_loss
 from camcli.analysis.contact_loss.hold import Hold, replaced
 from camcli.analysis.contact_loss.study import ContactLoss
 from camcli.api.lift_table import accel_errors
@@ -30,9 +29,9 @@ FIRST_LOSS = Quantity("first_detachment_rpm", "rpm", "first detachment", "speed 
 HELD = {
     spring: Quantity(f"{spring}_rpm", "rpm", "holds to", f"speed to which it holds with {words}")
     for spring, words in (
-        (Critical.HOLD_STIFFNESS, "the spring of another stiffness"),
-        (Critical.HOLD_PRELOAD, "the spring of another preload"),
-        (Critical.HOLD_BOTH, "the spring of both"),
+        (CriticalQuantity.HOLD_STIFFNESS, "the spring of another stiffness"),
+        (CriticalQuantity.HOLD_PRELOAD, "the spring of another preload"),
+        (CriticalQuantity.HOLD_BOTH, "the spring of both"),
     )
 }
 TOLERANCE = Head(

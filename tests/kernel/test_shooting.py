@@ -5,7 +5,7 @@ import random
 import numpy as np
 import pytest
 
-from camcli.analysis.orbits.shooter import PARAMETERS, Shooter
+from camcli.analysis.orbits.shooter import PLACES, Shooter
 from camcli.kernel import backend, shooting
 from camcli.kernel.bordered import BLOCK, ROWS, WIDE, Tables, solve_bordered
 from camcli.kernel.cam_table import stretch_at
@@ -30,12 +30,12 @@ def assembled(n, blocks):
     return J, E
 
 
-@pytest.mark.parametrize("parameter", PARAMETERS)
+@pytest.mark.parametrize("parameter", PLACES)
 def test_the_column_of_the_parameter(parameter):
     """It only steers the continuation, but the tangent should be that of the branch."""
     constants = {"damping": 2.0, "gravity": 9.81, "preload": 10.0}
     shooter = Shooter(chapter_system(**constants), 700.0, parameter)
-    stretch, value = stretch_at(shooter.system.cam, 2.71), shooter.machine[PARAMETERS[parameter]]
+    stretch, value = stretch_at(shooter.system.cam, 2.71), shooter.machine[PLACES[parameter]]
     root = shooter.at_value([2.71, 0.9, value], (stretch, 0), 1, value)
     h = 1e-4 * value
     sides = [shooter.at_value(root.x, root.whole, 1, value + s * h) for s in (-1, 1)]

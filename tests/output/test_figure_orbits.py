@@ -10,7 +10,7 @@ import camcli
 from camcli.analysis.integrate import Cost
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.curves import Curve, CurvePoint
-from camcli.analysis.orbits.shooter import PARAMETERS as VARIED
+from camcli.analysis.orbits.shooter import PLACES
 from camcli.analysis.orbits.study import Absence, OrbitsQuestion, OrbitsResult, orbits
 from camcli.plots.branch_lines import phases, strands
 from camcli.plots.orbits import LONGEST, axis_name, draw_curves, draw_orbits
@@ -56,7 +56,7 @@ NAMES = {
 
 
 def test_every_parameter_has_a_name_and_a_unit(chapter, found):
-    for parameter in VARIED:
+    for parameter in PLACES:
         ask = replace(QUESTIONS["doubling"], parameter=parameter)
         title = draw_orbits(replace(found["doubling"], question=ask), chapter).title
         name, unit = NAMES[parameter]

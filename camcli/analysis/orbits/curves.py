@@ -15,7 +15,7 @@ from camcli.analysis.integrate import BudgetSpentError
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import MOST_SECANTS, Located, cross, doubling_near, secant
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
-from camcli.analysis.orbits.shooter import PARAMETERS, Root, Shooter, with_machine
+from camcli.analysis.orbits.shooter import PLACES, Root, Shooter, with_machine
 from camcli.system import System
 
 SMALLEST = 1e-4  # of the spacing: a step below it ends the curve
@@ -85,13 +85,13 @@ class _Tracer:
 
     def values(self, root: Root) -> tuple[float, float]:
         """Both parameters of a root."""
-        first, second = (root.machine[PARAMETERS[name]] for name in self.plane.names)
+        first, second = (root.machine[PLACES[name]] for name in self.plane.names)
         return first, second
 
     def shooter(self, root: Root, free: int, value: float) -> Shooter:
         """A shooter that solves for parameter `free`, the other one being `value`."""
         machine = list(root.machine)
-        machine[PARAMETERS[self.plane.names[1 - free]]] = value
+        machine[PLACES[self.plane.names[1 - free]]] = value
         system, rpm = with_machine(self.system, machine)
         return Shooter(system, rpm, self.plane.names[free])
 
@@ -178,7 +178,7 @@ class _Tracer:
         values = self.values(root)
         orbit = from_root(self.system, root)
         if self.located.kind == Kind.CORNER_IMPACT:
-            free = 0 if PARAMETERS[self.plane.names[0]] == root.parameter else 1
+            free = 0 if PLACES[self.plane.names[0]] == root.parameter else 1
             shooter = self.shooter(root, free, values[1 - free])
             crossing = None
             with suppress(BudgetSpentError):

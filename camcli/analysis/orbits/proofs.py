@@ -25,7 +25,7 @@ from camcli.analysis.labels import CONTACT, Label
 from camcli.analysis.orbits.kinds import Kind
 from camcli.analysis.orbits.locate import Located
 from camcli.analysis.orbits.orbit import PeriodicOrbit
-from camcli.analysis.orbits.shooter import PARAMETERS, Root, with_machine
+from camcli.analysis.orbits.shooter import PLACES, Root, with_machine
 from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.cams.balls import UndecidedError, below, number, precision, slope
 from camcli.exact.first_root import first_root
@@ -217,7 +217,7 @@ def shooting_of(system: System, root: Root) -> Shooting:
     if root.count > MOST_IMPACTS:
         raise NotProvedError(ProofStep.MODEL)
     changed, rpm = with_machine(system, root.machine)
-    name = next(name for name, k in PARAMETERS.items() if k == root.parameter)
+    name = next(name for name, k in PLACES.items() if k == root.parameter)
     empty = Shooting(system.shape, changed.follower, rpm, name, (), root.turns)
     places = []
     for k, theta in enumerate(root.theta):

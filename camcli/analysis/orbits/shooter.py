@@ -26,10 +26,10 @@ from camcli.kernel.flow import (
 )
 from camcli.kernel.forms import plain
 from camcli.kernel.shooting import STEP, STEPS_TAKEN, TRACE, Border
-from camcli.quantities import PARAMETERS as VARIED
+from camcli.quantities import PARAMETERS
 from camcli.system import System, omega_of
 
-PARAMETERS = {name: place for place, name in enumerate(VARIED)}  # places in `kernel.flow`'s table
+PLACES = {name: place for place, name in enumerate(PARAMETERS)}  # in the table of `kernel.flow`
 Vector = Sequence[float] | np.ndarray  # theta_1, v_1, ..., theta_n, v_n, parameter
 # Compiled evaluations that take as long as Newton's step of one impact, and as a plain evaluation.
 SOLVED, FLOWN = 600, 400
@@ -87,7 +87,7 @@ class Root:
 def with_machine(system: System, machine: Sequence[float]) -> tuple[System, float]:
     """The system with the constants of a kernel's table, and its speed in rpm."""
     rpm, *constants = machine
-    names = [name for name in PARAMETERS if name != "rpm"]
+    names = [name for name in PLACES if name != "rpm"]
     follower = replace(system.follower, **dict(zip(names, constants, strict=True)))
     return replace(system, follower=follower), rpm
 
@@ -110,7 +110,7 @@ class Shooter:
     def __init__(self, system: System, rpm: float, parameter: str = "rpm"):
         self.system = system
         self.machine = tuple(system.machine(rpm))
-        self.parameter = PARAMETERS[parameter]
+        self.parameter = PLACES[parameter]
         self.scale = SMALL * _natural(self.parameter, self.machine[MASS], omega_of(rpm))
         top = system.cam.top
         lift = top - min(stretch.c_min for stretch in system.cam.stretches)
