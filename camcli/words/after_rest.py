@@ -17,11 +17,13 @@ DECIDED = {
 def decided_notes(found: Iterable[str | None], what: str) -> list[str]:
     """Sentences on the machines that answers after a rest hold for; what: one of them."""
     counts = Counter(filter(None, found))
-    parts = [f"{counts[name]} {text}" for name, text in DECIDED.items() if counts[name]]
+    parts = [(counts[name], text) for name, text in DECIDED.items() if counts[name]]
     notes = []
     if parts:
-        decided = plural(sum(counts[name] for name in DECIDED), what)
-        notes.append(f"after a rest ball arithmetic decided {decided}: {', '.join(parts)}")
+        decided = plural(sum(count for count, _ in parts), what)
+        each = ": " + ", ".join(f"{count} {text}" for count, text in parts)
+        each = f" {parts[0][1]}" if len(parts) == 1 else each
+        notes.append(f"after a rest ball arithmetic decided {decided}{each}")
     if chosen := counts[HoldsFor.ROUNDING]:
         notes.append(
             f"after a rest rounding chose the attractor of {plural(chosen, what)}: the exact "

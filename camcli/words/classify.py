@@ -49,8 +49,8 @@ def _on_exponents(motions: list[ClassifiedMotion]) -> list[str]:
         )
     if any(e.largest == -inf for e in known):
         said.append(
-            "where the follower rests on the cam, both exponents are -inf: it forgets every "
-            "difference between two motions"
+            "where the follower rests on the cam, both exponents are -inf: a rest wipes out "
+            "every difference between two motions"
         )
     return said
 

@@ -92,13 +92,12 @@ def _always(place: AlwaysLost) -> str:
 
 def _lift_off(seen: LiftOff, place: float) -> str:
     """place: the phase (deg) at which the region opens."""
-    lands = "does not land within two turns"
+    corner, lands = seen.corner, "does not land within two turns"
     if seen.landing < inf:
-        lands = f"lands {degrees(seen.landing) - place:.3g} deg after it"
+        lands = f"lands {degrees(seen.landing) - place:.3g} deg after {corner or 'that phase'}"
     if seen.rest < inf:
         lands += f", and rests again {degrees(seen.rest) - place:.3g} deg after it"
     released = f"the follower is released {place - degrees(seen.release):.3g} deg before"
-    corner = seen.corner
     return {
         LiftOffKind.FLIES_OFF: (
             f"the follower flies off at {corner}, where the force drops: it {lands}"

@@ -141,9 +141,9 @@ def test_remarks_on_motions():
     ]
     assert of_motions(motions, "rpm") == [
         "the exponents of 2 motions add up to (2 ln r) impacts per turn - b T/m within 3e-07",
-        "where the follower rests on the cam, both exponents are -inf: it forgets every difference "
-        "between two motions",
-        "after a rest ball arithmetic decided 1 motion: 1 for every speed that rounds to the given "
+        "where the follower rests on the cam, both exponents are -inf: a rest wipes out every "
+        "difference between two motions",
+        "after a rest ball arithmetic decided 1 motion for every speed that rounds to the given "
         "one (proved)",
         "a motion called aperiodic was followed for 6001 turns or more, and neither settled nor "
         "rested: what would end it is rarer than once in 2000 turns (95 %)",
