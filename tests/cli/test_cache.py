@@ -64,7 +64,7 @@ def test_there_are_words_for_all_news():
     assert set(NEWS) == set(News)
 
 
-CHEAP = "fill_flows"  # the entry of a simulation that is compiled soonest; all are kept alike
+CHEAP = "stretch_events"  # the entry of a simulation that is compiled soonest; all are kept alike
 
 
 DAMAGES = {
