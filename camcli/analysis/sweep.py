@@ -625,8 +625,11 @@ def _joined(turns: Sequence[Record]) -> Record:
     columns["period"] = np.repeat(np.arange(len(turns)), [own.sum() for own in logged])
     for name in ("strobe_q", "strobe_w", "impacts", "chatter"):
         columns[name] = np.array([getattr(turn, name)[0] for turn in turns])
-    sums = {"hits": sum(turn.hits for turn in turns), "chatters": sum(t.chatters for t in turns)}
-    unknown = {"repeats": 0, "near": False, "loads": None}
+    sums: dict[str, Any] = {
+        "hits": sum(turn.hits for turn in turns),
+        "chatters": sum(t.chatters for t in turns),
+    }
+    unknown: dict[str, Any] = {"repeats": 0, "near": False, "loads": None}
     return replace(turns[-1], **columns, **sums, **unknown, periods=len(turns))
 
 

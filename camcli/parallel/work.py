@@ -181,7 +181,7 @@ class Work:
 
 
 def _fresh(
-    kept: Kept, task: Callable, pieces: Sequence, missing: Sequence[int], threads: int | None
+    kept: Kept, task: Any, pieces: Sequence, missing: Sequence[int], threads: int | None
 ) -> Iterator:
     """The results of missing pieces, run in threads and kept as soon as they are there.
 
