@@ -5,7 +5,6 @@ from math import log, pi, sqrt
 import numpy as np
 import pytest
 
-from camcli.analysis.basins import measures
 from camcli.analysis.basins.attractor_finder import BELOW
 from camcli.analysis.basins.measures import BOX, boundary, entropies, fractions, uncertainty
 from camcli.analysis.basins.refinement import leaves, refine
@@ -69,7 +68,7 @@ def test_entropies_of_boxes_with_known_shares():
     assert found["basin_entropy"] == pytest.approx(box / 5)
 
 
-def test_uncertainty_exponents_of_a_line_and_of_a_cantor_set(monkeypatch):
+def test_uncertainty_exponents_of_a_line_and_of_a_cantor_set():
     """Stripes over the gaps of the middle-third set: dimension 1 + log 2/log 3."""
     smooth = uncertainty(Painted(lambda q, v: np.where(v < 0.3 + 0.2 * q, 0, 1)), UNIT)
     assert smooth.exponent == pytest.approx(1.0, abs=4.0 * smooth.error)
@@ -83,8 +82,7 @@ def test_uncertainty_exponents_of_a_line_and_of_a_cantor_set(monkeypatch):
     assert smooth.error == pytest.approx(1.0 / sqrt(square), rel=1e-9)  # 1/sqrt(n) of log n
     for nothing in (0, -1):  # no boundary; nothing decided
         assert uncertainty(Painted(lambda q, v, n=nothing: np.full(len(q), n)), UNIT) is None
-    monkeypatch.setattr(measures, "STARTS", 60_000)
-    cantor = uncertainty(Painted(lambda q, v: gap_level(q) % 2), UNIT)
+    cantor = uncertainty(Painted(lambda q, v: gap_level(q) % 2), UNIT, 60_000)
     assert cantor.exponent == pytest.approx(1.0 - log(2.0) / log(3.0), abs=0.04)
 
 

@@ -18,7 +18,7 @@ from camcli.analysis.explain.changes import (
 )
 from camcli.analysis.explain.crisis import CrisisKind, find_crisis
 from camcli.analysis.explain.saddles import Saddle, find_saddles, monodromy
-from camcli.analysis.explain.tangency import FEW, RANK, UNSAMPLED, width
+from camcli.analysis.explain.tangency import FEW, RANK, UNSAMPLED, Sampling, width
 from camcli.analysis.integrate import Cost, Orbit, Start, with_turns
 from camcli.analysis.orbits.study import Bifurcation
 from camcli.kernel.orbit_loop import IMPACT
@@ -225,10 +225,9 @@ def test_the_error_of_a_tangency_holds_as_often_as_is_said(alpha):
 
 @pytest.mark.soak
 @pytest.mark.parametrize("starts", [2000, 1000, 500, 250])
-def test_coarser_samples_of_folds_find_the_crisis_within_their_error(chapter, monkeypatch, starts):
+def test_coarser_samples_of_folds_find_the_crisis_within_their_error(chapter, starts):
     """682.2046 rpm, by runs of millions of turns; and the error is no more than ten of 1e-4."""
-    monkeypatch.setattr("camcli.analysis.explain.tangency.STARTS", starts)
-    found = find_crisis(chapter, RUN, 682.0, 694.0)
+    found = find_crisis(chapter, RUN, 682.0, 694.0, sampling=Sampling(starts))
     assert found.kind is CrisisKind.BOUNDARY
     assert abs(found.rpm - 682.2046) < found.error < 1e-3
 

@@ -1,10 +1,13 @@
 """cam sweep --lyapunov and --explain as a shell sees them."""
 
 import json
+from functools import partial
 from math import inf, log
 
 import pytest
 
+from camcli.analysis.explain.crisis import find_crisis
+from camcli.analysis.explain.tangency import Sampling
 from tests.conftest import rows
 
 SMALL = "--set run.transient=200 --set run.record=130"
@@ -90,9 +93,8 @@ def test_a_crisis_beside_an_undecided_motion_is_explained(cam, tmp_path, monkeyp
 
     The fold that touches first is among the few lowest, so the others are not looked for here.
     """
-    monkeypatch.setattr("camcli.analysis.explain.tangency.SEARCHES", 1)
-    monkeypatch.setattr("camcli.analysis.explain.tangency.STARTS", 500)
-    monkeypatch.setattr("camcli.analysis.explain.tangency.FOLDS", 2)
+    few = partial(find_crisis, sampling=Sampling(starts=500, searches=1, solved=2))
+    monkeypatch.setattr("camcli.analysis.explain.changes.find_crisis", few)
     words = "--rpm 361.1:361.192 --points 2 --explain --no-plot"
     cam(f"sweep {words} --set run.transient=300 --set run.record=130", code=0)
     record = json.loads((tmp_path / "out/sweep/run.json").read_text())["result"]

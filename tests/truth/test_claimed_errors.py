@@ -14,12 +14,11 @@ import pytest
 from mpmath import mp, mpf
 
 import camcli
-from camcli.analysis.basins import measures
 from camcli.analysis.basins.measures import fractions, uncertainty
 from camcli.analysis.basins.window import Window
 from camcli.analysis.border_collision import NormalForm, Side, attractor
-from camcli.analysis.explain import tangency
 from camcli.analysis.explain.crisis import find_crisis
+from camcli.analysis.explain.tangency import Sampling
 from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Orbit
 from camcli.api.machine import machine_of
@@ -180,14 +179,13 @@ BOUNDARIES: dict[str, tuple[Callable, float]] = {
 
 @pytest.mark.parametrize("starts", [2000, 8192])
 @pytest.mark.parametrize("name", BOUNDARIES)
-def test_standard_errors_of_uncertainty_exponents(name, starts, monkeypatch):
+def test_standard_errors_of_uncertainty_exponents(name, starts):
     """Of 20 windows; a Cantor set's shares wave about their power law, and saturate."""
-    monkeypatch.setattr(measures, "STARTS", starts)
     painted, truth = BOUNDARIES[name]
     unit, found = Window((0.0, 1.0), (0.0, 1.0), 16, 16), []
     for a, b in np.random.default_rng(9).uniform(0.0, 1.0, (20, 2)):
         finder = Painted(lambda q, v, a=a, b=b: painted(q, v, a, b))
-        one = uncertainty(finder, unit)
+        one = uncertainty(finder, unit, starts)
         found.append((one.exponent - truth, one.error))
     off, claimed = np.array(found).T
     assert 0.1 < sqrt(np.mean(off**2) / np.mean(claimed**2)) < 2.0
@@ -201,13 +199,12 @@ CRISES = {740.1065: (740.0, 740.3), 361.1673: (361.0, 361.3), 682.2047: (681.5, 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("known", CRISES)
-def test_a_crisis_lies_within_its_error(known, monkeypatch):
+def test_a_crisis_lies_within_its_error(known):
     """Of half as many starts beside twice as many, and what runs of millions of turns showed."""
-    monkeypatch.setattr(tangency, "STARTS", 2000)
-    coarse = find_crisis(chapter_system(), settings(300, 1), *CRISES[known])
-    monkeypatch.setattr(tangency, "STARTS", 9001)
-    monkeypatch.setattr(tangency, "FOLDS", 12)
-    fine = find_crisis(chapter_system(), settings(300, 1), *CRISES[known])
+    coarse, fine = (
+        find_crisis(chapter_system(), settings(300, 1), *CRISES[known], sampling=sampling)
+        for sampling in (Sampling(starts=2000), Sampling(starts=9001, solved=12))
+    )
     for found in (coarse, fine):
         assert found.met
         assert abs(found.rpm - fine.rpm) <= found.error <= 1e-5 * found.rpm

@@ -19,7 +19,6 @@ import pytest
 
 import camcli
 from camcli.analysis import border_collision
-from camcli.analysis.basins import measures
 from camcli.analysis.basins.measures import uncertainty
 from camcli.analysis.basins.window import Window
 from camcli.analysis.border_collision import Side
@@ -324,7 +323,7 @@ def test_so_few_impacts_or_turns_do_not_make_a_motion_aperiodic(impacts, turns, 
     assert label(record) == name
 
 
-def test_an_uncertainty_exponent_takes_ten_starts_at_three_errors(monkeypatch):
+def test_an_uncertainty_exponent_takes_ten_starts_at_three_errors():
     """Starts in doubt by a rule: within a share of the window from its middle line, or nowhere."""
     unit, wanted = Window((0.0, 1.0), (0.0, 1.0), 16, 16), {}
 
@@ -347,10 +346,9 @@ def test_an_uncertainty_exponent_takes_ten_starts_at_three_errors(monkeypatch):
         ([0, 0, 0, 0, 0, 0, 10, 10], False),
     ):
         assert (uncertainty(Counted(counts), unit) is not None) == known
-    monkeypatch.setattr(measures, "STARTS", 1000)
     for first, fitted in ((250, True), (251, False)):  # of 1000: a quarter
         counts = [first, 128, 64, 32, 16, 0, 0, 0]
-        wanted[fitted] = uncertainty(Counted(counts), unit).exponent
+        wanted[fitted] = uncertainty(Counted(counts), unit, 1000).exponent
     assert wanted[False] == pytest.approx(1.0)  # 128 to 16 are halves of one another
     assert 0.9 < wanted[True] < 0.999
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from camcli.analysis.basins.attractor_finder import AttractorFinder
 
 BOX = 5  # cells along a box of the entropies
-STARTS = 8192
+STARTS = 8192  # each with two others beside it, for every error
 FINEST, COARSEST = 11, 4  # errors of a start are 2^-n of the window's sides
 LEAST = 10  # starts in doubt, for an error to count
 SATURATED = 0.25  # share in doubt, beyond which it grows with the error by no power any more
@@ -112,7 +112,9 @@ class Uncertainty:
         return 2.0 - self.exponent
 
 
-def uncertainty(finder: AttractorFinder, window: Window) -> Uncertainty | None:
+def uncertainty(
+    finder: AttractorFinder, window: Window, starts: int = STARTS
+) -> Uncertainty | None:
     """How the share of starts in doubt falls with the error of the start.
 
     S. W. McDonald, C. Grebogi, E. Ott, J. A. Yorke, Fractal basin boundaries, Physica D 17 (1985).
@@ -122,7 +124,7 @@ def uncertainty(finder: AttractorFinder, window: Window) -> Uncertainty | None:
     not count. None where fewer than FEWEST errors leave at least LEAST starts in doubt. Errors that
     leave more than SATURATED of them in doubt are not fitted, but for the FEWEST finest.
     """
-    n = np.arange(STARTS)
+    n = np.arange(starts)
     x = (0.5 + n / PLASTIC) % 1.0
     y = (0.5 + n / (PLASTIC * PLASTIC)) % 1.0
     (q0, q1), (v0, v1) = window.q, window.v

@@ -15,7 +15,7 @@ from math import inf
 
 from camcli.analysis.explain.attractor import LEAST, CarriedAttractor, states_of
 from camcli.analysis.explain.saddles import LostError, find_saddles, inner_side
-from camcli.analysis.explain.tangency import Fold, Folds, first_touch
+from camcli.analysis.explain.tangency import USUAL, Fold, Folds, Sampling, first_touch
 from camcli.analysis.integrate import Cost, Settings, StartError
 from camcli.analysis.labels import APERIODIC, label
 from camcli.analysis.orbits.orbit import PeriodicOrbit
@@ -80,7 +80,12 @@ class Crisis:
 
 
 def find_crisis(
-    system: System, settings: Settings, near: float, far: float, turns: int = TURNS
+    system: System,
+    settings: Settings,
+    near: float,
+    far: float,
+    turns: int = TURNS,
+    sampling: Sampling = USUAL,
 ) -> Crisis:
     """The crisis between two speeds (rpm) of the attractor carried from `near`.
 
@@ -110,7 +115,7 @@ def find_crisis(
             side = inner_side(carried, calm, orbit)
             if side == 0.0:
                 continue
-            folds = Folds(carried, bases[0], orbit, side)
+            folds = Folds(carried, bases[0], orbit, side, sampling)
             tangency = first_touch(folds, calm) or first_touch(folds, carried.stays)
         except LostError:
             lost += 1

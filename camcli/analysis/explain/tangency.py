@@ -10,6 +10,7 @@ until W^s is straight there. Where the speed no longer moves, it is solved.
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import copysign, inf, log
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,13 +21,10 @@ from camcli.analysis.integrate import StartError
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.cams.regions import Corner, corner_list
 
-STARTS = 4000  # along the whole of W^u(B)
 NEAR = 0.05  # relative: |eta| and |xi| within which coordinates about p mean something
 REFINED = 60  # lowest minima among the starts that are refined
 COARSE = 2  # samples of the window in which a minimum is refined at first
 WINDOW = 12  # samples of the window in which a fold is followed
-SEARCHES = 5  # samples of folds, each at the earliest tangency so far
-FOLDS = 6  # lowest folds solved in each
 SECANTS = 150  # steps for one fold
 TOUCH = 1e-6  # relative: an eta that counts as none
 BELOW = -1e-7  # relative: a fold lower than this at a tangency has touched earlier
@@ -40,6 +38,21 @@ FEW = 4  # tangencies: fewer may be of neighbouring folds
 DOUBT = 1.0 / 16.0  # of the errors do not hold
 LIFETIMES = 3.0  # runs leave within so many mean lifetimes but for one in twenty (e^-3)
 AT_CORNER = 1e-6  # rad: an impact so near a corner is at it
+
+
+class Sampling(NamedTuple):
+    """How thoroughly folds are looked for.
+
+    starts: motions that begin along the whole of W^u(B); searches: samples of folds, each at the
+    earliest tangency so far; solved: how many of the lowest folds are solved in each.
+    """
+
+    starts: int = 4000
+    searches: int = 5
+    solved: int = 6
+
+
+USUAL = Sampling()
 
 
 @dataclass(frozen=True)
@@ -67,6 +80,7 @@ class Folds:
     base: PeriodicOrbit
     saddle: PeriodicOrbit
     side: float
+    sampling: Sampling = USUAL
 
     def at(self, rpm: float) -> tuple[Saddle, Saddle]:
         """B and p at this speed; raises LostError where either cannot be followed to it."""
@@ -89,7 +103,7 @@ class Folds:
     def sample(self, rpm: float, shift: float) -> list[Fold]:
         """The REFINED lowest folds at this speed, the lowest first.
 
-        STARTS motions begin on the unstable manifold of the base, evenly spaced in t over one
+        Motions begin on the unstable manifold of the base, evenly spaced in t over one
         period of it (mu times as far from the base), or over two where mu is negative.
         A fold is where the height eta about the saddle has a minimum over t. `shift` moves all
         starts by a share of their spacing, so that another search sees other folds.
@@ -97,9 +111,9 @@ class Folds:
         pair = self.at(rpm)
         mu = pair[0].mu
         periods = 1 if mu > 0.0 else 2
-        gap = log(abs(mu)) * periods / STARTS
+        gap = log(abs(mu)) * periods / self.sampling.starts
         n = AFTER + int(self.base.turns * log(1.0 / ON_MANIFOLD) / log(abs(mu)))
-        t = gap * (np.arange(STARTS) + shift)
+        t = gap * (np.arange(self.sampling.starts) + shift)
         places = np.array([self.places(rpm, pair, x, n) for x in t])
         eta = np.where((np.abs(places) < NEAR).all(2), places[..., 0], inf)
         low = (eta[1:-1] < inf) & (eta[1:-1] <= eta[:-2]) & (eta[1:-1] <= eta[2:])
@@ -147,11 +161,12 @@ def first_touch(folds: Folds, rpm: float) -> tuple[Fold, float] | None:
     def earlier(one: Fold, other: Fold) -> bool:
         return folds.carried.way(one.rpm) < folds.carried.way(other.rpm)
 
-    for k in range(SEARCHES):
-        seen = folds.sample(rpm, k / SEARCHES)
+    searches = folds.sampling.searches
+    for k in range(searches):
+        seen = folds.sample(rpm, k / searches)
         if best is not None:
             seen = [fold for fold in seen if fold.eta < BELOW]
-        tried = [touch(folds, fold) for fold in seen[:FOLDS]]
+        tried = [touch(folds, fold) for fold in seen[: folds.sampling.solved]]
         tangencies = [pair for pair in tried if pair is not None]
         solved += [fold.rpm for fold, _ in tangencies]
         new = min(tangencies, key=lambda pair: folds.carried.way(pair[0].rpm), default=None)
