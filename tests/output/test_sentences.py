@@ -6,15 +6,20 @@ half of a sentence is seen.
 
 from __future__ import annotations
 
-from math import inf, nan
+import re
+from math import inf, nan, radians
 from types import SimpleNamespace as Made
 
 import pytest
 
 from camcli.analysis.border_collision import Equal, Rule
+from camcli.analysis.contact_loss.accumulation import CornerHit
+from camcli.analysis.contact_loss.detachment import CriticalQuantity, CriticalSpeed, SpeedStatus
+from camcli.analysis.contact_loss.hold import ABSURD, Hold, HoldStatus, Obstacle
 from camcli.analysis.explain.changes import BASIN, UNEXPLAINED, CriticalEvent, LabelChange
 from camcli.analysis.explain.crisis import Crisis, CrisisKind, Meeting
 from camcli.analysis.integrate import Cost
+from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.proofs import Proof, Proofs, ProofStep
 from camcli.analysis.sweep import Speed, Sweep
 from camcli.api.sweep import ranges
@@ -23,8 +28,9 @@ from camcli.kernel.certify import Verdict
 from camcli.words.after_rest import decided_notes
 from camcli.words.border_collision import EQUALITIES, LEFT
 from camcli.words.classify import remarks as of_motions
+from camcli.words.detach import spring
 from camcli.words.explanations import change_sentence, crisis_sentences, event_sentence
-from camcli.words.orbits import VERDICTS
+from camcli.words.orbits import VERDICTS, notes
 from camcli.words.orbits import remarks as of_orbits
 from camcli.words.proofs import FAILED, proof_sentences
 from camcli.words.speeds import speed_text
@@ -321,3 +327,78 @@ def test_changes():
         "not known"
     )
     assert told("fold+grazing", events=tuple(events)) == "fold; grazing"
+
+
+def numbers(text: str) -> list[float]:
+    """Of a sentence, in its order."""
+    return [float(x) for x in re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]\d+)?", text)]
+
+
+def critical(quantity: CriticalQuantity) -> CriticalSpeed:
+    return CriticalSpeed(quantity, "B7", radians(123.5), 711.0, 710.0, 712.0, SpeedStatus.OK)
+
+
+@pytest.mark.parametrize(
+    ("source", "said", "told"),
+    [
+        (CornerHit(3, "d", 711.0, 710.0, 712.0, SpeedStatus.OK, "A2"), [3.0], "corner d"),
+        (critical(CriticalQuantity.FIRST_DETACHMENT), [123.5], "zero"),
+        (critical(CriticalQuantity.ACCUMULATION), [], "corner B7"),
+        (critical(CriticalQuantity.COMPLETION_LOSS), [], "complete"),
+        (Made(beyond=None), [], "P(2;inf:3) ends (grazing)"),
+        (Made(beyond=Made(label="P(5;4)")), [], "settles on P(5;4)"),
+        (None, [], "grazing"),
+    ],
+)
+def test_what_happens_at_a_critical_speed(source, said, told):
+    text = event_sentence(CriticalEvent(711.0, 0.5, Kind.GRAZING, "P(2;inf:3)", source=source))
+    assert told in text
+    if said:
+        assert numbers(text) == said
+
+
+def test_notes_on_orbits_name_the_end_that_was_lost():
+    """The first point where the beginning was lost, the last where the end was."""
+    points = (Made(value=701.25), Made(value=702.5), Made(value=703.75))
+    events = [
+        Made(status=status, kind="fold", label="P(1;2)", value=700.125 + k)
+        for k, status in enumerate((Bracket.OK, Bracket.UNRESOLVED))
+    ]
+    branches = [
+        Made(number=4, ends=(Kind.LOST, Kind.FOLD), points=points),
+        Made(number=5, ends=(Kind.FOLD, Kind.LOST), points=points),
+        Made(number=6, ends=(Kind.FAULT, Kind.FOLD), points=points),
+        Made(number=7, ends=(Kind.FOLD, Kind.FAULT), points=points),
+        Made(number=8, ends=(Kind.FOLD, Kind.FOLD), points=points),
+    ]
+    for curves, more in (([], 1), ([Made(points=())], 1), ([Made(points=points)], 0)):
+        found = Made(bifurcations=events, branches=branches, curves=curves,
+                     question=Made(curve="fold"))  # fmt: skip
+        said = notes(found)
+        assert "701.125" in said[0]
+        assert "P(1;2)" in said[0]
+        seen = [set(numbers(text)) for text in said[1:]]
+        ends = [{4.0, 701.25}, {5.0, 703.75}, {6.0, 701.25}, {7.0, 703.75}]
+        assert all(any(end <= some for some in seen) for end in ends)
+        assert not any(8.0 in some for some in seen)
+        assert sum("curve to continue" in text for text in said) == more
+
+
+@pytest.mark.parametrize(
+    ("hold", "said", "told"),
+    [
+        ({"obstacle": Obstacle.SOLID, "missing_n": 0.00125}, [1.25], "mm before"),
+        ({"obstacle": Obstacle.LIFT, "missing_n": 321.5}, [321.5, 123.5, 0.0], "N are missing"),
+        ({"obstacle": Obstacle.PULL, "missing_n": 321.5}, [123.5, 0.0], "would pull"),
+        ({"status": HoldStatus.ABSURD, "nose_n": 54321.0}, [54320.0, ABSURD], "highest lift"),
+        ({"status": HoldStatus.NOT_NEEDED}, [], "no preload is needed"),
+    ],
+)
+def test_why_no_spring_is_named(hold, said, told):
+    """Of more preload; of stiffness alone it says that no preload helps."""
+    of = {"status": HoldStatus.IMPOSSIBLE, "theta": radians(123.5), **hold}
+    text = spring(Hold(CriticalQuantity.HOLD_PRELOAD, **of))
+    assert told in text
+    assert numbers(text)[: len(said)] == said
+    alone = spring(Hold(CriticalQuantity.HOLD_STIFFNESS, **of))
+    assert ("stiffness alone" in alone) == ("N are" in told or "pull" in told)
