@@ -67,7 +67,7 @@ def machine_of(scene: SceneLike) -> Machine:
 
 
 _on_cams: OrderedDict[tuple[str, str], System] = OrderedDict()
-_looking = Lock()
+_on_cams_lock = Lock()
 
 
 def on_cam(cam: AnyCam, strobe: float) -> System:
@@ -77,11 +77,11 @@ def on_cam(cam: AnyCam, strobe: float) -> System:
     MOST_CAMS used last are kept. The follower is any one.
     """
     key = cam.model_dump_json(), repr(strobe)
-    with _looking:
+    with _on_cams_lock:
         system = _on_cams.pop(key, None)
     if system is None:
         system = System.build(Follower(1.0, 1.0), cam, strobe)
-    with _looking:
+    with _on_cams_lock:
         _on_cams[key] = system
         while len(_on_cams) > MOST_CAMS:
             _on_cams.popitem(last=False)
