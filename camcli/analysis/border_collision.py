@@ -20,15 +20,17 @@ from math import fsum, inf, log, prod, sqrt
 
 LONGEST_WORD = 64
 TRANSIENT = 1_000  # steps before an orbit's symbols are read
-WINDOW = 4 * LONGEST_WORD  # symbols that must repeat
+REPEATED_SYMBOLS = 4 * LONGEST_WORD  # symbols that must repeat
 BLOCKS, BLOCK = 16, 512  # of the record an exponent is measured on
 ESCAPED = 1e9  # times |mu| and the farthest fixed point, virtual or not: counts as infinity
-NEAR = 1e-3  # relative distance of a start from an unstable cycle
+BESIDE_CYCLE = 1e-3  # relative distance of a start from an unstable cycle
 RINGS = (1.0, 4.0, 16.0, 64.0)  # radii of further starts, in |mu|
 GROWN = 10.0  # by this factor over a record whose symbols repeat: it is on its way to infinity
-SURE, FLOOR = 3.0, 1e-3  # standard errors, and amount, by which chaos has its exponent above zero
+SURE_OF_CHAOS = 3.0  # standard errors by which chaos has its exponent above zero
+FLOOR = 1e-3  # amount by which it has
 RENORM = 16  # steps between two renormalisations of a tangent
-ROUNDING = 2.0**-49  # of the sum of the terms: a sum below this share of it may have either sign
+# of the sum of the terms: a sum below this share of it may have either sign
+SUM_ROUNDING = 2.0**-49
 THEOREM = 7  # conditions for robust chaos
 AT_ZERO_STEPS, AT_ZERO_LOG = 20_000, 30.0  # orbits at mu = 0: steps, and the log that decides
 DECIDED = AT_ZERO_LOG / AT_ZERO_STEPS  # a smaller growth at mu = 0 is not told from none
@@ -38,7 +40,7 @@ Point = tuple[float, float]
 
 def unclear(*terms: float) -> bool:
     """True where the sum of the terms is zero within the rounding of the terms."""
-    return abs(fsum(terms)) <= ROUNDING * fsum(map(abs, terms))
+    return abs(fsum(terms)) <= SUM_ROUNDING * fsum(map(abs, terms))
 
 
 def multipliers(trace: float, det: float) -> tuple[complex, complex]:
@@ -257,7 +259,9 @@ def size_of(x: float, y: float) -> float:
 
 def _starts(cycles: list[Cycle]) -> Iterator[Point]:
     yield 0.0, 0.0
-    around = [(point, NEAR * (1.0 + size_of(*point))) for one in cycles for point in one.points]
+    around = [
+        (point, BESIDE_CYCLE * (1.0 + size_of(*point))) for one in cycles for point in one.points
+    ]
     for (x, y), radius in [*around, *(((0.0, 0.0), ring) for ring in RINGS)]:
         yield from ((x + radius, y), (x - radius, y), (x, y + radius), (x, y - radius))
 
@@ -277,13 +281,13 @@ def _follow(form: NormalForm, start: Point, measure: bool) -> Prediction:
     if word:
         kind = "none" if size_of(x, y) > GROWN * size else "undecided"
     else:
-        kind = "chaos" if exponent > max(SURE * spread, FLOOR) else "undecided"
+        kind = "chaos" if exponent > max(SURE_OF_CHAOS * spread, FLOOR) else "undecided"
     return Prediction(kind, 0, exponent, word, spread)
 
 
 def _word(form: NormalForm, x: float, y: float, limit: float) -> tuple[str, Prediction | None]:
     """The word an orbit repeats, and its end: a cycle that exists here and attracts, or none."""
-    points = list(form.run(x, y, WINDOW, limit)) if abs(x) < limit else [(inf, y)]
+    points = list(form.run(x, y, REPEATED_SYMBOLS, limit)) if abs(x) < limit else [(inf, y)]
     if not abs(points[-1][0]) < limit:
         return "", Prediction("none")
     word = repeating(_sides(points))

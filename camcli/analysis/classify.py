@@ -22,11 +22,11 @@ from camcli.analysis.integrate import (
     refuse_below,
     with_turns,
 )
-from camcli.analysis.labels import APERIODIC, LONGEST_PERIOD, UNDECIDED, passages
+from camcli.analysis.labels import APERIODIC, FEWEST_TURNS, LONGEST_PERIOD, UNDECIDED, passages
 from camcli.analysis.orbits.identify import TOO_LARGE, identify, largest_growth
 from camcli.analysis.orbits.orbit import PeriodicOrbit, resting_orbit
 from camcli.analysis.orbits.same_orbit import SAME, distance_to, same_orbit
-from camcli.analysis.orbits.search import RECORD, cloud
+from camcli.analysis.orbits.search import cloud
 from camcli.analysis.patience import watch
 from camcli.errors import Status
 from camcli.kernel import backend
@@ -155,7 +155,7 @@ def classify_at(
     even that is not certain, it is undecided.
     """
     start = settings.start if start is None else start
-    turns = max(settings.record, RECORD)
+    turns = max(settings.record, FEWEST_TURNS)
     run = Orbit(system, rpm, with_turns(settings, settings.transient, turns), start)
     record = run.run()
     followed = settings.transient + turns
@@ -262,7 +262,7 @@ def _after_rest(system: System, rpm: float, settings: Settings, record: Record) 
     start = after.start(system, rpm)
     run = None
     if start is not None:
-        turns = with_turns(settings, settings.transient, max(settings.record, RECORD))
+        turns = with_turns(settings, settings.transient, max(settings.record, FEWEST_TURNS))
         run = Orbit(system, rpm, turns, start)
         record = run.run()
     holds_for = after.holds_for or HoldsFor.ROUNDING  # it wandered, and doubles went on

@@ -31,7 +31,7 @@ RANGES = {  # of the first loss of contact; of the natural frequency where conta
 PAST = 1.05  # one speed, of the first loss of contact
 HIGH, FAST = 2.0, 4.0  # of the lift above it, and of lift times omega: windows of starts
 LEAST_LIFT = 1e-12  # of |c|: a window of a smaller lift is so high
-ROUNDING = 4e-16  # relative: two roundings, of pi/180 and of the product
+ANGLE_ROUNDING = 4e-16  # relative: two roundings, of pi/180 and of the product
 SLOWEST = 1e-300  # m/s, where lift times omega is no double
 
 
@@ -96,7 +96,7 @@ def start_of(scene: Scene, system: System, start: SceneStart, place: str) -> Sta
     """
     degrees = start.theta_deg % 360.0
     theta = radians(degrees)
-    at_strobe = abs(theta - system.strobe) <= ROUNDING * system.strobe
+    at_strobe = abs(theta - system.strobe) <= ANGLE_ROUNDING * system.strobe
     if at_strobe or degrees == scene.run.strobe_deg:
         theta = system.strobe
     return Start(start.q, start.v, theta, place)

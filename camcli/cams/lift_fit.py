@@ -51,7 +51,7 @@ CENTER = 3  # coefficient j weighs most at u = j - CENTER
 MOST_KNOTS, LEAST_KNOTS = 720, 32
 TOE = 8  # last digits: the lift of x^3 climbs them in 2.5 times the length hidden below half of one
 LONGEST_RUN = 8  # rows of one lift that count as one together
-MARGIN = 1.0  # knot spacings of a dwell's ends where coefficients stay free
+FREE_SPACINGS = 1.0  # knot spacings of a dwell's ends where coefficients stay free
 PENALTY = np.array([[1.0, -4.0, 6.0, -4.0, 1.0]])
 THIRD = 2.0 ** (1 / 3)
 LENGTHS = [0.5 * 2**octave * step for octave in range(6) for step in (1.0, THIRD, THIRD * THIRD)]
@@ -59,17 +59,17 @@ AHEAD = THIRD * THIRD  # twice a length it shows how a length bends the cam, wit
 BALANCE, QUIET = 6.0, 3.0  # standard errors: a corner of c_thetatheta bends by 4 of them, and by 2
 TINY = 1e-300
 SLOPE = 0.5  # of the length along the turn
-HALVINGS = 20  # of the logarithm of the length
+LENGTH_HALVINGS = 20  # of the logarithm of the length
 SAMPLE = 600  # rows that estimate the noise
 TRIMMED = 0.6230  # mean square of the nine tenths of a normal distribution nearest its mean
 ERRORS = 3.0  # standard errors in the bound
 LEAST_RATIO, SMOOTH = 1.28, 4.0  # growth of the bending with twice the length, that is counted on
 WRONG = 6.0  # standard deviations: so far off is a row that is wrong, no noise
-SURE = 2.0  # standard errors by which residuals are more than rounding
+SURE_OF_NOISE = 2.0  # standard errors by which residuals are more than rounding
 APART, PLACES = 6, 6  # knots between, and the most places where bending asks whether it is a jump
 JUMPS = {1: "c_theta", 2: "c_thetatheta"}  # by the order of the derivative
 BESIDE = 2.0  # deg: so close to a dwell's end it is that end
-NEAR = 2.0  # smoothing lengths around a phase in which bending counts there
+BENDING_REACH = 2.0  # smoothing lengths around a phase in which bending counts there
 
 Rows = list[list[float]]
 Shares = dict[float, np.ndarray]  # of fits by their smoothing length, at every knot
@@ -269,8 +269,8 @@ class Smoother:
             off = self.turn.theta[abs(self.turn.lift - dwell.level) > TOE * self.turn.quantum]
             before = min((dwell.start - off) % 360.0, default=0.0) * scale
             after = min((off - dwell.end) % 360.0, default=0.0) * scale
-            low = dwell.start * scale + max(MARGIN, before)
-            high = dwell.end * scale - max(MARGIN, after)
+            low = dwell.start * scale + max(FREE_SPACINGS, before)
+            high = dwell.end * scale - max(FREE_SPACINGS, after)
             run = range(int(low + CENTER) + 1, int(np.floor(high + CENTER)) + 1)
             if len(run) >= WIDTH:
                 levels.update((j % self.count, dwell.level) for j in run)
@@ -320,7 +320,9 @@ class Smoother:
         good = np.ones(self.count, bool)
         for x in LENGTHS:
             limit = BALANCE * sigma * self.spread({x: np.ones(self.count)}, knots)
-            good &= widest(self.change(AHEAD * x), NEAR * x) <= widest(limit, NEAR * x)
+            good &= widest(self.change(AHEAD * x), BENDING_REACH * x) <= widest(
+                limit, BENDING_REACH * x
+            )
             if not good.any():
                 break
             length[good] = x
@@ -336,7 +338,7 @@ class Smoother:
         low, high = LENGTHS[0], LENGTHS[-1]
         if self.rms(self.fit(low).coefficients) >= wanted:
             return low
-        for _ in range(HALVINGS):
+        for _ in range(LENGTH_HALVINGS):
             middle = sqrt(low * high)
             if self.rms(self.fit(middle).coefficients) < wanted:
                 low = middle
@@ -467,7 +469,7 @@ class Errors:
         rounding = s.turn.quantum / sqrt(12.0)
         return (
             deviation
-            if deviation > (1.0 + SURE / sqrt(2.0 * max(left, 1.0))) * rounding
+            if deviation > (1.0 + SURE_OF_NOISE / sqrt(2.0 * max(left, 1.0))) * rounding
             else rounding
         )
 
@@ -494,7 +496,7 @@ class Errors:
     @cached_property
     def ratio(self) -> np.ndarray:
         """How the bending about every knot grows when the length doubles."""
-        change, more = (widest(value, NEAR * self.length) for value in self.changes)
+        change, more = (widest(value, BENDING_REACH * self.length) for value in self.changes)
         return np.clip(more / np.maximum(change, TINY), LEAST_RATIO, SMOOTH)
 
     @cached_property

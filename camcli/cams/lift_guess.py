@@ -43,7 +43,7 @@ LEAP = (
     0.5  # of a column's range: an angle that falls back by more goes through zero, or begins anew
 )
 MOST_LEAPS = 20
-REACH = 1.5  # spacings of the rows: how far the next angle may be
+NEXT_ANGLE = 1.5  # spacings of the rows: how far the next angle may be
 
 
 @dataclass
@@ -176,7 +176,7 @@ class GuessedTable:
         steps = [b - a for a, b in pairwise(angles)]
         self.sign = 1.0 if 2 * sum(step > 0.0 for step in steps) > len(steps) else -1.0
         self.angles = [self.sign * angle for angle in angles]  # they rise
-        self.reach = REACH * median(map(abs, steps))
+        self.reach = NEXT_ANGLE * median(map(abs, steps))
 
     def refuse_what_cannot_be_read(self) -> None:
         """Raise SceneError where a row, or a line below the rows, cannot be read.

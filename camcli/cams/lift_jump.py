@@ -37,13 +37,13 @@ LENGTHS = LEAST * 1.3 ** np.arange(6)  # deg, where the search for the length of
 WINDOWS = (27.0, 18.0, 12.0, 8.0)  # deg to either side; far away the polynomial does not reach
 FREEDOM = 3  # degrees of freedom, at least
 JUMP_TERMS = 4  # the three coefficients and the phase
-REACH = 3.0  # deg to either side of a place, and at most a third of a window
+JUMP_REACH = 3.0  # deg to either side of a place, and at most a third of a window
 STEPS = 0.25, 0.5  # deg, of the first grid, for a jump and a change; no less than half a row's
-FINER, ROUNDS = 4.0, 5  # grids, each so much finer than the one before
+FINER, GRIDS = 4.0, 5  # grids, each so much finer than the one before
 NOISE = 2.0  # largest variance left by a jump, over that of the rows
 PLAIN = 4.0  # standard errors of a jump that is worth a search for changes
 ENOUGH = 20.0  # of 144 tables without a jump none had more than 12
-SAME = 1e-10  # share of a column that is rounding beside others
+DEPENDENT = 1e-10  # share of a column that is rounding beside others
 
 
 class Jump(NamedTuple):
@@ -80,7 +80,7 @@ def _jump_near(turn: Turn, shares: np.ndarray, noise: float, place: float) -> Ju
         window = RowsAbout(turn, shares, place, half)
         if window.freedom < FREEDOM:
             continue
-        reach = min(REACH, half / 3.0)
+        reach = min(JUMP_REACH, half / 3.0)
         left, p, order = min(window.best_jump(n, reach, max(coarse, STEPS[0])) for n in (2, 1))
         variance = max(left / window.freedom, turn.quantum**2 / 12.0)
         size, error = window.size_of_jump(order, p, sqrt(variance))
@@ -135,7 +135,7 @@ class RowsAbout:
             size = (column * column).sum(axis=-1)
             for other in 2 * used:
                 column = column - (column * other).sum(axis=-1, keepdims=True) * other
-            counts = (column * column).sum(axis=-1) > SAME * size
+            counts = (column * column).sum(axis=-1) > DEPENDENT * size
             used.append(np.where(counts[:, None], _unit(column), 0.0))
             left = left - (used[-1] * self.lift).sum(axis=-1) ** 2
         return np.maximum(left, 0.0)
@@ -145,7 +145,7 @@ class RowsAbout:
         powers = (order + 2, order + 1, order)
         step /= self.half
         phases = np.arange(-reach / self.half, reach / self.half + 0.5 * step, step)
-        for _ in range(ROUNDS):
+        for _ in range(GRIDS):
             left = self._left(*(self._power(phases, n) for n in powers))
             best = int(np.argmin(left))
             least = float(left[best])
@@ -164,7 +164,7 @@ class RowsAbout:
         # steps of phase and of length to the choices of the next round, about the best one
         phase_steps = np.repeat(np.arange(-3, 4), 7)
         length_steps = np.tile(np.arange(-3, 4), 7)
-        for _ in range(ROUNDS):
+        for _ in range(GRIDS):
             ends = self._power(phases + lengths, 3)
             left = self._left(self._power(phases, 4), self._power(phases, 3), ends)
             best = int(np.argmin(left))

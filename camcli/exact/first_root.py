@@ -14,8 +14,8 @@ from camcli.cams.balls import COARSE, UndecidedError, coarsely
 
 Function = Callable[[arb], list[arb]]  # x -> [value, slope, second derivative, ...]
 LEAST_BITS = 400  # cutting gives up, too near a double zero, at half of the digits or at these
-NEWTON = 30  # steps
-MARGIN = 24  # bits more than what the order of the next step makes of them
+NEWTON_STEPS = 30  # steps
+SPARE_BITS = 24  # bits more than what the order of the next step makes of them
 
 
 def first_root(f: Function, low: arb, high: arb, cut: arb | None = None) -> arb | None:
@@ -62,7 +62,7 @@ def _bracket(f: Function, ends: list[arb]) -> tuple[arb, arb] | None:
 def _enclosed(f: Function, a: arb, b: arb) -> arb:
     """The only zero between a, where f is positive or zero, and b, where it is negative."""
     x = ((a + b) / 2).mid()
-    for _ in range(NEWTON):
+    for _ in range(NEWTON_STEPS):
         value, slope, second = f(x)[:3]
         if value > 0:
             a = x
@@ -100,15 +100,15 @@ def sharpened(f: Function, s: arb, slopes: Sequence[arb]) -> tuple[arb, arb]:
     """
     full = ctx.prec
     x = s.mid()
-    few = [full // 2 + MARGIN]
+    few = [full // 2 + SPARE_BITS]
     while few[-1] > 3 * COARSE:
-        few.append(few[-1] // 3 + MARGIN)
+        few.append(few[-1] // 3 + SPARE_BITS)
     try:
         for ctx.prec in reversed(few):
             x = (x + _step(*f(x))).mid()
     finally:
         ctx.prec = full
-    for _ in range(NEWTON):
+    for _ in range(NEWTON_STEPS):
         value, slope, second = f(x)
         step = -value / slope
         if not step * step * abs(second) > value.rad():

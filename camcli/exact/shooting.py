@@ -26,9 +26,9 @@ from camcli.exact.first_root import first_root
 from camcli.exact.machine import BallMachine, BallStretch, stretches_of
 from camcli.system import Follower
 
-NEWTON = 12  # steps towards the middle of a box
+MIDDLE_STEPS = 12  # steps towards the middle of a box
 INFLATIONS = 8  # boxes tried, each twice as wide as what came out of the last one
-HALVINGS = 60  # of an interval at either end of a flight
+END_HALVINGS = 60  # of an interval at either end of a flight
 MOST_STRETCHES = 10_000  # of one flight
 
 Number = Any  # a ball, or a series of two coefficients: a number and its derivative
@@ -207,7 +207,7 @@ class Shooting:
         """
         free = [k for k in range(len(z)) if k != fixed]
         small = arb(2) ** (16 - ctx.prec)
-        for _ in range(NEWTON):
+        for _ in range(MIDDLE_STEPS):
             value, slopes = self.equations(z)
             inverse = _columns(slopes, free).mid().inv().mid()
             step = (inverse * value).entries()
@@ -263,7 +263,7 @@ class Shooting:
         of the reach, so that the zero is simple: the interval Newton method shows both.
         """
         box = self.box(guess, fixed)
-        for _ in range(NEWTON):
+        for _ in range(MIDDLE_STEPS):
             value = test(self.along(box.hull(), fixed))
             step = (head(value) / slope(value)).mid()
             box.middle[fixed] = (box.middle[fixed] - step).mid()
@@ -394,7 +394,7 @@ class Shooting:
         place = self.place(hull[2 * k] + s, self.places[k][1])
         gap = self.gap(self.machine(hull[-1]), hull, k, place)
         s = s.mid()
-        for _ in range(NEWTON):
+        for _ in range(MIDDLE_STEPS):
             s = (s - gap(s)[1] / gap(s)[2]).mid()
         wide = 2 * abs(gap(s)[1] / gap(s)[2]).upper() + arb(2) ** (24 - ctx.prec)
         zero = s - gap(s)[1] / gap(arb(s, wide))[2]
@@ -430,7 +430,7 @@ def _beyond_touch(gap: Gap, low: arb, touch: arb, room: arb) -> arb:
 
 def _shrunk(s: arb, holds: Callable[[arb], bool]) -> arb:
     """The first of s, s/2, s/4, ... for which something holds; raises UndecidedError."""
-    for _ in range(HALVINGS):
+    for _ in range(END_HALVINGS):
         if holds(s):
             return s
         s = (s / 2).mid()

@@ -191,7 +191,7 @@ def test_what_comes_to_a_rest_again_and_again_is_never_aperiodic(chapter, rpm):
 
 def test_a_record_that_rests_is_no_aperiodic_attractor(chapter, monkeypatch):
     """At 640 rpm no orbit of 300 turns from rest comes to a rest, but longer ones do."""
-    monkeypatch.setattr(finder_module, "RECORD", 3000)
+    monkeypatch.setattr(finder_module, "APERIODIC_TURNS", 3000)
     finder = AttractorFinder(CellBatches(chapter, 640.0, settings()), 100)
     monkeypatch.setattr(finder.batches, "run", unended(finder.batches))
     assert not finder._recognise(0.0, 0.0, 3)

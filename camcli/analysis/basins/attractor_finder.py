@@ -31,8 +31,8 @@ FIRST_STARTS = 10  # along each side of the window
 FIRST_TURNS = 200
 CANDIDATES = 16  # undecided states looked at in one round
 ROUNDS = 64
-SETTLE = 2_000  # turns before a period is looked for
-RECORD = 32_768  # turns of an aperiodic record
+ATTRACTOR_SETTLE = 2_000  # turns before a period is looked for
+APERIODIC_TURNS = 32_768  # turns of an aperiodic record
 TRIAL = 1_000  # turns of a trial from a box
 BELOW = -9  # outcome of a cell below the cam; further ones are the kernel's
 
@@ -157,7 +157,7 @@ class AttractorFinder:
     def identify(self, gap: float, rate: float, mode: float) -> bool:
         """Solve the orbit that a state settles on, or recognise chaos; True where it is new."""
         batches = self.batches
-        settings = with_turns(batches.settings, SETTLE, 1)
+        settings = with_turns(batches.settings, ATTRACTOR_SETTLE, 1)
         start = batches.start(gap, rate, int(mode))
         one = solve_from(batches.system, batches.rpm, settings, start)
         if one is None:
@@ -191,11 +191,11 @@ class AttractorFinder:
         settled meanwhile is taken up as the orbit that it is on.
         """
         batches = self.batches
-        patience = max(RECORD, batches.settings.patience)
+        patience = max(APERIODIC_TURNS, batches.settings.patience)
         ends = batches.run([gap], [rate], self.targets, patience, [mode])
         if ends.outcome[0] != UNDECIDED:
             return False
-        settings = with_turns(batches.settings, 0, RECORD)
+        settings = with_turns(batches.settings, 0, APERIODIC_TURNS)
         start = batches.start(float(ends.gap[0]), float(ends.rate[0]), int(ends.mode[0]))
         run = Orbit(batches.system, batches.rpm, settings, start)
         record = run.run(events=False)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from camcli.analysis.basins.attractor_finder import AttractorFinder
 
 BOX = 5  # cells along a box of the entropies
-STARTS = 8192  # each with two others beside it, for every error
+UNCERTAINTY_STARTS = 8192  # each with two others beside it, for every error
 FINEST, COARSEST = 11, 4  # errors of a start are 2^-n of the window's sides
 LEAST = 10  # starts in doubt, for an error to count
 SATURATED = 0.25  # share in doubt, beyond which it grows with the error by no power any more
@@ -113,7 +113,7 @@ class Uncertainty:
 
 
 def uncertainty(
-    finder: AttractorFinder, window: Window, starts: int = STARTS
+    finder: AttractorFinder, window: Window, starts: int = UNCERTAINTY_STARTS
 ) -> Uncertainty | None:
     """How the share of starts in doubt falls with the error of the start.
 

@@ -18,7 +18,7 @@ from camcli.kernel.cells import Targets
 SIDE = 96  # boxes along each side of the visited range
 NEW = 0.02  # share of the second half's turns in boxes the first half has not seen
 LEAST_STAY, MOST_STAY = 16, 500  # turns
-MARGIN = 2  # times the longest stay of a trial that went elsewhere
+STAY_MARGIN = 2  # times the longest stay of a trial that went elsewhere
 NEIGHBOURS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
 
 
@@ -116,5 +116,5 @@ def stays_of(boxes: Boxes, tried: np.ndarray, ended: np.ndarray, stay: np.ndarra
     lengths = list(boxes.stays)
     for k in sorted(set(boxes.owner[boxes.owner > 0].tolist())):
         astray = (boxes.owner[tried] == k) & (ended != k)
-        lengths[k - 1] = LEAST_STAY + MARGIN * int(stay[astray].max(initial=0))
+        lengths[k - 1] = LEAST_STAY + STAY_MARGIN * int(stay[astray].max(initial=0))
     return lengths

@@ -26,7 +26,7 @@ from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT
 if TYPE_CHECKING:
     from camcli.analysis.basins.attractor_finder import AttractorFinder
 
-SAME = 1e-9  # of the cam's top (m, m/rad): two states after one departure differ less
+SAME_OUTCOME = 1e-9  # of the cam's top (m, m/rad): two states after one departure differ less
 AFTER = 3  # turns after a chatter in which a departure is looked for
 MOST_RESTS = 64  # states after rests that are looked into; further ones are followed on
 
@@ -45,12 +45,12 @@ class RestOutcomes:
     @property
     def near(self) -> float:
         """m and m/rad within which two states are one."""
-        return SAME * max(abs(float(self.finder.batches.system.cam.top)), 1e-3)
+        return SAME_OUTCOME * max(abs(float(self.finder.batches.system.cam.top)), 1e-3)
 
     @property
     def decided(self) -> tuple[tuple[float, After], ...]:
         """Departures (rad) that were followed in ball arithmetic, and what they lead to."""
-        return tuple((place * SAME, end) for place, end in sorted(self.followed.items()))
+        return tuple((place * SAME_OUTCOME, end) for place, end in sorted(self.followed.items()))
 
     def fill(self, targets: Targets) -> Targets:
         """The kernel's table with what is known."""
@@ -99,7 +99,7 @@ class RestOutcomes:
         theta = departure(batches, start, turns)
         if theta is None:
             return After(UNKNOWN)
-        place = round(theta / SAME)
+        place = round(theta / SAME_OUTCOME)
         if place not in self.followed:
             self.followed[place] = after_rest(batches.system, batches.rpm, theta)
         return self.followed[place]

@@ -22,9 +22,9 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.kernel.flight import FREE
 
 STARTS = 24  # pairs of neighbouring cells, spread over all boundaries
-HALVINGS = 60  # of the way between two starts: neighbouring doubles are reached before
+START_HALVINGS = 60  # of the way between two starts: neighbouring doubles are reached before
 TURNS = 100  # followed: a saddle with a multiplier of 1.4 lets go after as many
-NEAR = 1e-3  # relative: a motion that comes so near to a saddle was led to it
+LED_TO = 1e-3  # relative: a motion that comes so near to a saddle was led to it
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def boundary_saddles(
     rpm = batches.rpm
     low, high = _pairs(window, codes)
     here = finder.settle(*low.T)[0]
-    for _ in range(HALVINGS):
+    for _ in range(START_HALVINGS):
         middle = 0.5 * (low + high)
         same = (finder.settle(*middle.T)[0] == here)[:, None]
         low, high = np.where(same, middle, low), np.where(same, high, middle)
@@ -87,4 +87,4 @@ def _nearest(orbits: dict[int, PeriodicOrbit], at: np.ndarray, size: np.ndarray)
         for k, orbit in orbits.items()
     }
     best = min(away, key=lambda k: away[k], default=None)
-    return best if best is not None and away[best] < NEAR else None
+    return best if best is not None and away[best] < LED_TO else None

@@ -31,7 +31,7 @@ from camcli.system import System
 UNDECIDED_CODE, BELOW_CODE = 0, -1  # kernel statuses (2, 3, 4) with a minus sign are trouble
 EXPONENT_RECORD = 4000  # turns of an aperiodic attractor
 WINDOWS = 3  # speeds whose cells are kept, to be drawn beside one another
-NEAR = 0.3  # of an orbit's size: states of one attractor at neighbouring speeds are nearer
+SAME_BRANCH = 0.3  # of an orbit's size: states of one attractor at neighbouring speeds are nearer
 THINNED = 400  # states of an aperiodic attractor compared
 
 
@@ -312,7 +312,7 @@ class Branches:
                 if new.label == old.label:
                     far[k, n] = distance(new, old)
         pairs = ((k, int(far[k].argmin())) for k in range(len(attractors)))
-        return {k: n for k, n in pairs if far[k, n] <= NEAR and int(far[:, n].argmin()) == k}
+        return {k: n for k, n in pairs if far[k, n] <= SAME_BRANCH and int(far[:, n].argmin()) == k}
 
     def _by_motion(
         self, attractors: Sequence[Attractor], finder: AttractorFinder, branch_of: dict[int, int]

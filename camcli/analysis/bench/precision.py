@@ -30,7 +30,7 @@ GIVEN_UP, FAILED, ABSENT = "given-up", "failed", "not-installed"
 # --- cases
 
 OPTIONAL = 1e-3  # turns before an accumulation: impacts there are not asked of anybody
-ROUNDING = 2.0**-52
+ULP = 2.0**-52
 ALLOWANCE = 8  # roundings of ours in one event; how far one goes is `growth`, from the reference
 
 
@@ -95,7 +95,7 @@ def case(name: str) -> Case:
 
 def _bound(growth: float) -> float:
     """What is promised of ours: a few roundings in every event, as far as the motion takes them."""
-    return ALLOWANCE * ROUNDING * growth
+    return ALLOWANCE * ULP * growth
 
 
 # --- a run against the reference

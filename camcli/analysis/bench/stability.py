@@ -22,7 +22,7 @@ from camcli.analysis.labels import label
 from camcli.errors import Status
 from camcli.system import System
 
-LONGEST = 60.0  # s, beyond which a command is stopped
+COMMAND_TIME = 60.0  # s, beyond which a command is stopped
 Check = Callable[[Machines], str]
 
 
@@ -99,7 +99,9 @@ def said(words: str, *texts: str, code: int = 0) -> str:
     """What `cam WORDS` printed; it must end with the code and its messages have these texts."""
     with TemporaryDirectory(prefix="cam-bench-") as folder:
         given = [sys.executable, "-m", "camcli", *words.split()]
-        done = subprocess.run(given, cwd=folder, capture_output=True, text=True, timeout=LONGEST)
+        done = subprocess.run(
+            given, cwd=folder, capture_output=True, text=True, timeout=COMMAND_TIME
+        )
     heard = done.stderr.strip() or "nothing"
     need(done.returncode == code, f"exit {done.returncode}: {heard}")
     need(all(text in heard for text in texts), f"said: {heard}")

@@ -27,7 +27,7 @@ from camcli.system import System, omega_of
 FINEST = 1e-13  # fraction of a turn, error of the accumulation phase: what doubles still resolve
 STEP_BACK = radians(0.5)  # any rest before the lost set will do
 TURNS = (0, 2)  # strobes passed by a burst: most end in the turn they began
-RECORD = 2  # turns of a settled motion: bursts begin in the first, may end in the second
+BURST_TURNS = 2  # turns of a settled motion: bursts begin in the first, may end in the second
 JUST_ABOVE = 1e-6  # relative: beyond the speed at which a region opens, for its burst
 
 
@@ -216,7 +216,9 @@ def settled_motions(
 ) -> list[SettledMotion]:
     """Every speed from rest: `settle` turns, then one turn looked at."""
     force = Force(system)
-    turns = Settings(settle, RECORD, settings.chatter_tolerance, settings.impact_budget, Start())
+    turns = Settings(
+        settle, BURST_TURNS, settings.chatter_tolerance, settings.impact_budget, Start()
+    )
     result = []
 
     def motion_at(rpm: float) -> SettledMotion:

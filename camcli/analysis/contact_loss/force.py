@@ -22,7 +22,7 @@ from camcli.kernel.sticking import find_detachment
 from camcli.system import System, omega_of
 
 PER_PIECE = 48  # samples per polynomial piece, which is short enough for a minimum or two
-ROUNDING = 2.0**-49  # of A, B and C, relative: the table's lift is exact to some 4 ulp
+FORCE_ROUNDING = 2.0**-49  # of A, B and C, relative: the table's lift is exact to some 4 ulp
 CURVE = 720  # points of a force curve: half a degree, finer than any picture
 
 
@@ -56,9 +56,12 @@ class Force:
         self.spring = f.stiffness / f.mass
         self.damper = f.damping / f.mass
         size = max(abs(c) for c in (system.cam.top, *column(system.cam, "c_min")))
-        self.rounding = ROUNDING * (abs(self.weight) + self.spring * size)
+        self.rounding = FORCE_ROUNDING * (abs(self.weight) + self.spring * size)
         bent = max(max(abs(s.accel_min), abs(s.accel_max)) for s in system.cam.stretches)
-        self.least = ROUNDING * self.damper * bent, ROUNDING * bent  # of B and C that are not 0
+        self.least = (
+            FORCE_ROUNDING * self.damper * bent,
+            FORCE_ROUNDING * bent,
+        )  # of B and C that are not 0
         self.regions = regions(system.cam)
         self.starts = column(self.cam, "start")
         self.ends = column(self.cam, "end")

@@ -18,7 +18,7 @@ from camcli.kernel.cam_table import TURN, lift_at
 from camcli.system import System, omega_of
 
 SLIGHT = 1e-12  # relative: a force that is missing by no more is rounding of the sums above
-MARGIN = 0.1  # of the largest force the spring must give: the margin where none is stated
+USUAL_MARGIN = 0.1  # of the largest force the spring must give: the margin where none is stated
 ABSURD = 20.0  # times the force of the present spring at the nose: no spring for its place
 
 
@@ -76,7 +76,7 @@ class Hold:
 
 def usual_margin(system: System, rpm: float, accel_error: Sequence[float] = (0.0,)) -> float:
     """The margin where none is stated: a share of the largest force the spring must give, N."""
-    return max(0.0, MARGIN * Need(system, rpm, 0.0, accel_error).most(lambda p, c: p)[0])
+    return max(0.0, USUAL_MARGIN * Need(system, rpm, 0.0, accel_error).most(lambda p, c: p)[0])
 
 
 def usual_precompression(system: System) -> float:

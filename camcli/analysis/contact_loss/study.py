@@ -15,7 +15,7 @@ from camcli.analysis.contact_loss.accumulation import (
     scan_speeds,
 )
 from camcli.analysis.contact_loss.bursts import (
-    RECORD,
+    BURST_TURNS,
     Bursts,
     LiftOff,
     SettledMotion,
@@ -138,7 +138,7 @@ def detach(
     None: as usual (`hold`). solid: height (m) at which the present spring is solid. hertz: the
     contact, for the pressure along the force curves.
     """
-    turns = len(rpms) * (settle + RECORD)
+    turns = len(rpms) * (settle + BURST_TURNS)
     backend.for_work(turns, LITTLE_WORK)
     lost = detachment(system)
     force = Force(system)

@@ -13,10 +13,10 @@ from camcli.analysis.integrate import Cost, Orbit, Record, Settings, Start, with
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.system import System
 
-MARGIN = 0.05  # of the box, in widths of all states seen at both ends
+BOX_MARGIN = 0.05  # of the box, in widths of all states seen at both ends
 LEAST = 16  # states outside the box that count as leaving: fewer may be a transient
-HALVINGS = 16  # of the interval of speeds
-SETTLE = 1000  # turns from the scene's start before the attractor is recorded
+SPEED_HALVINGS = 16  # of the interval of speeds
+FIRST_SETTLE = 1000  # turns from the scene's start before the attractor is recorded
 
 
 def states_of(record: Record) -> np.ndarray:
@@ -46,13 +46,13 @@ class CarriedAttractor:
         self.far = self.leaves = far
         self.cost = Cost()
         self.crowding = 1.0
-        orbit = Orbit(system, near, with_turns(settings, max(settings.transient, SETTLE), 1))
+        orbit = Orbit(system, near, with_turns(settings, max(settings.transient, FIRST_SETTLE), 1))
         orbit.run()
         self.start = orbit.as_start()
         self.ends = self.run(near), self.run(far)
         first, last = (states_of(record) for record in self.ends)
         self.size = np.ptp(np.concatenate((first, last)), axis=0) + 1e-300
-        self.box = first.min(0) - MARGIN * self.size, first.max(0) + MARGIN * self.size
+        self.box = first.min(0) - BOX_MARGIN * self.size, first.max(0) + BOX_MARGIN * self.size
 
     def run(self, rpm: float, events: bool = False) -> Record:
         """The record of the attractor at this speed, from the state it has at the near end."""
@@ -96,8 +96,8 @@ class CarriedAttractor:
         return abs(rpm - self.near)
 
     def narrow(self) -> None:
-        """Halve the bracket HALVINGS times; the far run must have left the box."""
-        for _ in range(HALVINGS):
+        """Halve the bracket SPEED_HALVINGS times; the far run must have left the box."""
+        for _ in range(SPEED_HALVINGS):
             middle = 0.5 * (self.stays + self.leaves)
             if self.has_left(self.run(middle)):
                 self.leaves = middle

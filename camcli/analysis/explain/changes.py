@@ -33,7 +33,9 @@ from camcli.piece_faults import piece
 from camcli.system import System
 
 FEW_IMPACTS = 4  # up to which an orbit is followed through the whole range
-REACH = 4.0  # spacings that one of more impacts is followed: beyond, it is unstable soon
+FOLLOWED_SPACINGS = (
+    4.0  # spacings that one of more impacts is followed: beyond, it is unstable soon
+)
 POINTS = (400, 40)  # in the whole range and in such a part of it
 MOST_LEAVING = 8  # branches followed that leave from events on attractors
 MOST_SEEDS = 12  # orbits followed; windows in chaos have no end
@@ -128,7 +130,7 @@ def _follow(diagram: Diagram, motions: Sequence[ClassifiedMotion], span: Span) -
         seeds += 1
         own = span
         if orbit.impacts > FEW_IMPACTS:
-            reach = REACH * span.spacing
+            reach = FOLLOWED_SPACINGS * span.spacing
             low, high = max(span.low, orbit.rpm - reach), min(span.high, orbit.rpm + reach)
             own = Span(low, high, (high - low) / POINTS[1])
         name = f"the branch through {orbit.label} at {orbit.rpm:.10g} rpm"

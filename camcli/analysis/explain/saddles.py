@@ -19,7 +19,7 @@ from camcli.analysis.orbits.shooter import Shooter
 from camcli.kernel.cam_table import TURN
 from camcli.system import System
 
-LONGEST = 8  # turns of the saddles looked for
+LONGEST_SADDLE = 8  # turns of the saddles looked for
 TRIES = 40  # close returns tried for each number of turns
 RETURN = 0.05  # sizes of the attractor: ends of a close return lie nearer
 SAME_STATE = 1e-9  # sizes of the attractor: nearer ends are an orbit at rest
@@ -27,7 +27,7 @@ CELLS = 64  # of the attractor's size: one close return is tried in each cell
 PARALLEL = 1e-9  # relative area between the two axes below which they are one
 ON_MANIFOLD = 1e-4  # relative: distance from the orbit at which a start lies on W^u
 SMALL = 1e-6  # relative: the same for starts that are only to leave on their own side
-STARTS = 60  # on each side, over one turn of the multiplier
+SIDE_STARTS = 60  # on each side, over one turn of the multiplier
 AFTER = 55  # turns after a start has grown to the size of the attractor
 CLEARLY = 10  # times as many states outside on the side that leads out
 
@@ -96,7 +96,7 @@ def monodromy(carried: CarriedAttractor, rpm: float, x: np.ndarray, turns: int) 
 def find_saddles(
     system: System, rpm: float, record: Record, size: np.ndarray
 ) -> list[PeriodicOrbit]:
-    """Unstable orbits of up to LONGEST turns: Newton's method from close returns of a record.
+    """Unstable orbits of up to LONGEST_SADDLE turns, solved from close returns of a record.
 
     The orbits are those at rpm; the record, with events, may be of another speed nearby. Orbits
     that it never comes near are not found. size: widths of its states.
@@ -104,7 +104,7 @@ def find_saddles(
     saddles: list[PeriodicOrbit] = []
     shooter = Shooter(system, rpm)
     at = states_of(record) / size
-    for turns in range(1, LONGEST + 1):
+    for turns in range(1, LONGEST_SADDLE + 1):
         for k in _closest_returns(at, turns):
             impacts = identify.impacts_of(record, range(k, k + turns))
             root = identify.newton_from(shooter, impacts, turns)
@@ -141,8 +141,8 @@ def inner_side(carried: CarriedAttractor, rpm: float, orbit: PeriodicOrbit) -> f
         return 0.0
     turns = AFTER + int(orbit.turns * log(1.0 / SMALL) / log(saddle.mu))
     above, below = 0, 0
-    for k in range(STARTS):
-        t = k / STARTS * log(saddle.mu)
+    for k in range(SIDE_STARTS):
+        t = k / SIDE_STARTS * log(saddle.mu)
         above += _outside(carried, rpm, saddle.leaf(t, SMALL), turns)
         below += _outside(carried, rpm, saddle.leaf(t, -SMALL), turns)
     if max(above, below) <= max(LEAST, CLEARLY * min(above, below)):

@@ -21,15 +21,15 @@ from camcli.analysis.integrate import StartError
 from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.cams.regions import Corner, corner_list
 
-NEAR = 0.05  # relative: |eta| and |xi| within which coordinates about p mean something
+NEAR_SADDLE = 0.05  # relative: |eta| and |xi| within which coordinates about p mean something
 REFINED = 60  # lowest minima among the starts that are refined
 COARSE = 2  # samples of the window in which a minimum is refined at first
-WINDOW = 12  # samples of the window in which a fold is followed
+FOLD_SAMPLES = 12  # samples of the window in which a fold is followed
 SECANTS = 150  # steps for one fold
 TOUCH = 1e-6  # relative: an eta that counts as none
 BELOW = -1e-7  # relative: a fold lower than this at a tangency has touched earlier
 STRAIGHT = 1e-5  # relative: xi within which W^s is straight
-CLOSE = 1e-9  # of the speed: first step of the secants, and a step that ends them
+SPEED_STEP = 1e-9  # of the speed: first step of the secants, and a step that ends them
 MOST = 5.0  # times the last step: the longest next one
 LEAST_GROWTH = 1.5  # by which the window shrinks at least when n grows by a period
 RANK = 5  # tangencies that tell the error, counted from the earliest
@@ -115,18 +115,18 @@ class Folds:
         n = AFTER + int(self.base.turns * log(1.0 / ON_MANIFOLD) / log(abs(mu)))
         t = gap * (np.arange(self.sampling.starts) + shift)
         places = np.array([self.places(rpm, pair, x, n) for x in t])
-        eta = np.where((np.abs(places) < NEAR).all(2), places[..., 0], inf)
+        eta = np.where((np.abs(places) < NEAR_SADDLE).all(2), places[..., 0], inf)
         low = (eta[1:-1] < inf) & (eta[1:-1] <= eta[:-2]) & (eta[1:-1] <= eta[2:])
         minima = [(int(k) + 1, int(turns)) for k, turns in np.argwhere(low)]
         folds = []
         for k, turns in sorted(minima, key=lambda at: (eta[at], at[1], at[0]))[:REFINED]:
             value, x, _ = self.lowest(rpm, turns, t[k], gap, COARSE)
-            if abs(value) < NEAR:
+            if abs(value) < NEAR_SADDLE:
                 folds.append(Fold(rpm, turns, x, 0.5 * gap, value))
         return sorted(folds, key=lambda fold: (fold.eta, fold.n, fold.t))
 
     def lowest(
-        self, rpm: float, n: int, t: float, half: float, samples: int = WINDOW
+        self, rpm: float, n: int, t: float, half: float, samples: int = FOLD_SAMPLES
     ) -> tuple[float, float, float]:
         """(eta, t, xi) of the lowest eta within t +- half after n turns."""
         pair = self.at(rpm)
@@ -185,7 +185,7 @@ def touch(folds: Folds, fold: Fold) -> tuple[Fold, float] | None:
     now = _secants(folds, fold)
     before = None
     while now is not None:
-        goal = CLOSE * now.rpm
+        goal = SPEED_STEP * now.rpm
         change = goal if before is None else abs(now.rpm - before)
         if abs(now.xi) <= STRAIGHT or (before is not None and change <= goal):
             return now, change
@@ -202,7 +202,7 @@ def _secants(folds: Folds, fold: Fold) -> Fold | None:
     half = fold.half
     slope = fold.slope
     rpm = fold.rpm
-    step = copysign(CLOSE * rpm, carried.far - carried.near)
+    step = copysign(SPEED_STEP * rpm, carried.far - carried.near)
     value, t, _ = folds.lowest(rpm, n, fold.t, half)
     for used in range(1, fold.left + 1):
         rpm = rpm + step
@@ -210,13 +210,13 @@ def _secants(folds: Folds, fold: Fold) -> Fold | None:
         last_t = t
         value, t, xi = folds.lowest(rpm, n, t + slope * step, half)
         outside = (rpm - carried.near) * (rpm - carried.far) > 0.0
-        if outside or abs(value) > NEAR or value == last_value:
+        if outside or abs(value) > NEAR_SADDLE or value == last_value:
             return None
-        if abs(step) >= CLOSE * rpm:
+        if abs(step) >= SPEED_STEP * rpm:
             slope = (t - last_t) / step
         most = MOST * abs(step)
         step = min(max(-value * step / (value - last_value), -most), most)
-        if abs(value) <= TOUCH and abs(step) <= CLOSE * rpm:
+        if abs(value) <= TOUCH and abs(step) <= SPEED_STEP * rpm:
             return Fold(rpm, n, t, half, value, xi, slope, fold.left - used)
     return None
 
@@ -242,7 +242,7 @@ def width(carried: CarriedAttractor, rpm: float, change: float, solved: list[flo
     before. An error with a probability, not a bound.
     """
     off = sorted(carried.way(other) for other in solved)
-    apart = [b for a, b in pairwise(off) if b - a > CLOSE * rpm][: RANK - 1]
+    apart = [b for a, b in pairwise(off) if b - a > SPEED_STEP * rpm][: RANK - 1]
     runs = max(abs(rpm - carried.stays), abs(rpm - carried.leaves))
     error = LIFETIMES * runs
     if 0 < len(apart) < FEW - 1:

@@ -20,11 +20,11 @@ MOST_NEWTON = 7  # steps of the corrector, beyond which the predictor is halved
 QUICK = 4  # steps of the corrector that let the next step grow
 GROWTH = 1.6
 TURNED = 0.9  # least cosine between the tangents of neighbouring points
-STEEP = 100.0  # trace beyond which its change says nothing: an impact fades
+STEEP_TRACE = 100.0  # trace beyond which its change says nothing: an impact fades
 OVERSHOOT = 0.02  # rad beyond the end of a smooth region
 PHASE = 5.0  # rad, of an impact, that counts as much as the whole range of the parameter
 TRACE_CHANGE = 0.3  # of 1 + |trace|, from point to point
-SMALLEST = 1e-10  # step in the metric below which a branch is given up
+SMALLEST_STEP = 1e-10  # step in the metric below which a branch is given up
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def steps(
         step = _corrected(shooter, root, unit, metric, length, span)
         if step is None or not _acceptable(shooter, step):
             length *= 0.5
-            if length < SMALLEST:
+            if length < SMALLEST_STEP:
                 yield None
                 return
             continue
@@ -159,4 +159,4 @@ def _acceptable(shooter: Shooter, step: BranchStep) -> bool:
     if any(far > OVERSHOOT for far, _, _ in shooter.beyond(after)):
         return False
     change = abs(after.trace - before.trace)
-    return abs(before.trace) >= STEEP or change <= TRACE_CHANGE * (1.0 + abs(before.trace))
+    return abs(before.trace) >= STEEP_TRACE or change <= TRACE_CHANGE * (1.0 + abs(before.trace))

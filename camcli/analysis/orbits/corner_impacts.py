@@ -25,9 +25,9 @@ from camcli.kernel.flow import RPM
 
 ASIDE = 1e-6  # relative change of the parameter at which the simulation looks
 NUDGE = 1e-3  # of the orbit's way from the corner, the start beside a known orbit
-REACH = 3e-2  # relative distance from the corner's orbit that still counts as beside it
+BESIDE_CORNER = 3e-2  # relative distance from the corner's orbit that still counts as beside it
 CLOSER, SHRINKS = 64.0, 8.0  # a second look so much closer, and how much nearer it must stay
-SETTLE = 3000  # turns; multipliers near 1 are common at a corner
+CORNER_SETTLE = 3000  # turns; multipliers near 1 are common at a corner
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def corner_impact(shooter: Shooter, crossing: Crossing, settings: Settings) -> C
     def one(side: int) -> OneSide:
         predicted = collision.above if mu * side > 0 else collision.below
         value, name, far = _simulated(shooter, crossing, settings, side * ASIDE)
-        stays = far <= REACH
+        stays = far <= BESIDE_CORNER
         agrees = _agree(predicted, name, stays, root.turns)
         if agrees is False and stays:  # what shrinks with the distance is of the corner's making
             _, _, nearer = _simulated(shooter, crossing, settings, side * ASIDE / CLOSER)
@@ -97,7 +97,7 @@ def _simulated(
     value = at + aside * max(abs(at), shooter.scale)
     start = _start(shooter, crossing, value)
     system, rpm = with_machine(shooter.system, shooter.at(value))
-    run = with_turns(settings, SETTLE, 2 * LONGEST_PERIOD + 2)
+    run = with_turns(settings, CORNER_SETTLE, 2 * LONGEST_PERIOD + 2)
     record = shooter.simulate(system, rpm, run, start)
     orbit = identify(system, rpm, record)
     ok = record.status == Status.OK

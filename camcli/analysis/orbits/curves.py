@@ -18,9 +18,9 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.shooter import PLACES, Root, Shooter, with_machine
 from camcli.system import System
 
-SMALLEST = 1e-4  # of the spacing: a step below it ends the curve
-LONGEST = 40  # times the steps across the range: a curve longer than that is given up
-FARTHEST = 10.0  # steps by which the free parameter may change in one
+SMALLEST_SHARE = 1e-4  # of the spacing: a step below it ends the curve
+LONGEST_CURVE = 40  # times the steps across the range: a curve longer than that is given up
+FREE_STEPS = 10.0  # steps by which the free parameter may change in one
 MOST_TURNED = 0.5  # rad by which an impact may move in one step
 
 
@@ -119,7 +119,7 @@ class _Tracer:
         roots = [start]
         slope = [0.0, sign]  # direction of the last step, in shares of the two ranges
         share = 1.0  # of a whole step
-        while len(roots) < LONGEST * self.plane.steps:
+        while len(roots) < LONGEST_CURVE * self.plane.steps:
             given = 1 if abs(slope[1]) >= abs(slope[0]) else 0
             here = self.values(roots[-1])
             low, high = self.plane.ranges[given]
@@ -134,7 +134,7 @@ class _Tracer:
                 return roots[1:], Kind.WORK_BUDGET, ""
             if isinstance(after, Kind):
                 share *= 0.5
-                if share < SMALLEST:
+                if share < SMALLEST_SHARE:
                     return roots[1:], after, ""
                 continue
             share = min(1.0, 1.5 * share)
@@ -164,7 +164,7 @@ class _Tracer:
             return Kind.LOST
         change = abs(self.values(after)[free] - here[free]) / self.spans[free]
         turned = max(abs(a - b) for a, b in zip(after.theta, last.theta, strict=True))
-        if change > FARTHEST * step or turned > MOST_TURNED:
+        if change > FREE_STEPS * step or turned > MOST_TURNED:
             return Kind.LOST
         shooter = self.shooter(after, free, value)
         if any(k != self.located.impact for _, k, _ in shooter.beyond(after)):

@@ -38,7 +38,7 @@ from camcli.system import System
 
 CLOSED = 1e-12  # relative distance of two passages of an orbit that rests on the way
 DRIFT = 3.0  # how much farther than the last two passages a solved orbit may lie from the record
-MOST_IMPACTS = 2000  # in one period of an orbit to be solved
+MOST_SOLVED = 2000  # in one period of an orbit to be solved
 TOO_LARGE = 7e10  # growth of a phase error that leaves five digits of a turn
 
 Impact = tuple[int, float, float]  # period, theta (rad), incoming u (m/rad)
@@ -215,7 +215,7 @@ def _solved(shooter: Shooter, impacts: Sequence[Impact], m: int) -> PeriodicOrbi
 
 def newton_from(shooter: Shooter, impacts: Sequence[Impact], turns: int) -> Root | None:
     """Newton's method from the impacts of `turns` turns; None where it fails."""
-    if not 0 < len(impacts) <= MOST_IMPACTS:
+    if not 0 < len(impacts) <= MOST_SOLVED:
         return None
     system = shooter.system
     r = shooter.system.follower.restitution

@@ -32,7 +32,7 @@ AT_ONCE = 1e-10  # a test function this small at the first point of a branch is 
 HALVES = 0.05  # rad, between the halves of an orbit that is about to be a single one
 SAME_VALUE = 1e-6  # relative distance of the parameters of a fold and of its period doubling
 ERRORS = (1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # relative half widths tried for a bracket
-FARTHEST = 4.0  # steps ahead that the end of a fading impact is looked for
+FADING_STEPS = 4.0  # steps ahead that the end of a fading impact is looked for
 RATE_ERROR = 4e-15  # of a landing rate, relative to the lift per rad: some 18 roundings
 CLOSE_TO_A_CORNER = 0.05  # rad: nearer, an impact may be past its corner within a step
 CLOSE_TO_A_MULTIPLIER = 0.15  # of 1 + |trace|: half of what the trace may change by in a step
@@ -339,7 +339,7 @@ def _fade(shooter: Shooter, step: BranchStep, k: int, low: float, last: Root) ->
 
     high = step.length
     beyond = step.after
-    while rate(beyond) < 0.0 and high < FARTHEST * step.length:
+    while rate(beyond) < 0.0 and high < FADING_STEPS * step.length:
         high *= 1.5
         beyond = step.at(shooter, high) or beyond
     root = last

@@ -44,19 +44,21 @@ MORE_DIGITS = {
 }  # steps that more digits may decide
 SHOWN = 30  # digits of an enclosure as text
 AGREES = 1e-10  # of 1 rad and the largest rate: numbers so near to the orbit are its own
-ROUNDING = 1e-13  # relative error of the parameter that the numbers of an orbit may stand for
+PARAMETER_ROUNDING = (
+    1e-13  # relative error of the parameter that the numbers of an orbit may stand for
+)
 LEAST_ERROR = 1e-11  # relative: an event's value is trusted to it at most
 INSIDE = 1e-9  # rad within a stretch of the kernel's table, to find the exact one
 WIDENINGS = 16  # by a factor of four
-HALVINGS = 40  # of the bracket of a change: some twelve digits more
-MOST_IMPACTS = 64  # in one period
+CHANGE_HALVINGS = 40  # of the bracket of a change: some twelve digits more
+MOST_PROVED = 64  # in one period
 REACHES = (0.3, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the way to the next point: boxes about events
 MOST_BOXES = 2400  # of one range, over the number of impacts
-STEEP = 4.0  # times the mean slope: near a fold, or where a doubled orbit is born
+STEEP_SLOPE = 4.0  # times the mean slope: near a fold, or where a doubled orbit is born
 SLOWEST = 0.2  # of them may be spent before the first progress
 OVERLAP = 1.01  # of a box with the next one
 BOXED = 20_000  # evaluations of the gap that take as long as a box, for each of its impacts
-NARROWEST = 1e-12  # of a range: a box this narrow that fails ends the proof
+NARROWEST_BOX = 1e-12  # of a range: a box this narrow that fails ends the proof
 
 
 @dataclass(frozen=True)
@@ -214,7 +216,7 @@ def _spend(impacts: int) -> None:
 
 def shooting_of(system: System, root: Root) -> Shooting:
     """The exact equations of a root; raises NotProvedError."""
-    if root.count > MOST_IMPACTS:
+    if root.count > MOST_PROVED:
         raise NotProvedError(ProofStep.MODEL)
     changed, rpm = with_machine(system, root.machine)
     name = next(name for name, k in PLACES.items() if k == root.parameter)
@@ -235,7 +237,7 @@ def _bouncing(system: System, root: Root, stable: bool, half: float) -> Proof:
     rate = max(abs(v) for v in root.x[1:-1:2])
     for k, claimed in enumerate(root.x[:-1]):
         size = rate if k % 2 else 1.0
-        allowed = AGREES * size + ROUNDING * abs(root.value) * abs(box.tangent[k])
+        allowed = AGREES * size + PARAMETER_ROUNDING * abs(root.value) * abs(box.tangent[k])
         if not abs(hull[k] - claimed) < allowed:
             raise NotProvedError(ProofStep.NO_ORBIT)
     shooting.admissible(hull)
@@ -327,7 +329,7 @@ def _change(system: System, event: Bifurcation, parameter: str) -> Proof:
         width *= 4
     else:
         raise NotProvedError(ProofStep.CROSSING)
-    for _ in range(HALVINGS):
+    for _ in range(CHANGE_HALVINGS):
         middle = ((low + high) / 2).mid()
         kept = keeps(middle)
         if kept is None:
@@ -566,12 +568,12 @@ def _leaning(first: Root, last: Root) -> int:
     """The unknown along which the boxes between two roots lean: the parameter's index, or another.
 
     Another one only where the branch is steep at an end: the unknown that changes most changes
-    STEEP times as fast there, by the parameter, as on the mean.
+    STEEP_SLOPE times as fast there, by the parameter, as on the mean.
     """
     *changes, span = [abs(a - b) for a, b in zip(first.x, last.x, strict=True)]
     most = max(range(len(changes)), key=changes.__getitem__)
     for root in (first, last):
-        if abs(root.tangent[most]) * span > STEEP * changes[most] * abs(root.tangent[-1]):
+        if abs(root.tangent[most]) * span > STEEP_SLOPE * changes[most] * abs(root.tangent[-1]):
             return most
     return 2 * first.count
 
@@ -625,7 +627,7 @@ def _chain(shooting: Shooting, start: End, stop: End, fixed: int, stable: bool) 
     end = stop.orbit[fixed].mid()
     at = begun  # so far the way is covered
     width = (end - at) / 16
-    least = abs(width) * 16 * NARROWEST
+    least = abs(width) * 16 * NARROWEST_BOX
     guess = [x.mid() for x in start.orbit]
     orbit = start.orbit  # the one that the last box and the next one share
     before = start.box

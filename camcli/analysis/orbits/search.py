@@ -19,11 +19,10 @@ from camcli.piece_faults import piece
 from camcli.system import System
 
 MOST_SINGLE = 6  # turns of the single-impact orbits looked for unasked
-WINDOW = 6.0  # heights and velocities (per rad) of the cloud of starts, in lifts of the cam
+CLOUD_LIFTS = 6.0  # heights and velocities (per rad) of the cloud of starts, in lifts of the cam
 MOST_STARTS = 64  # motions tried for one label
 MOST_RETURNS = 200  # close returns tried for one label
 RETURN = 0.3  # relative distance of the ends of a close return
-RECORD = FEWEST_TURNS
 
 
 @dataclass
@@ -85,7 +84,7 @@ def _find(
         name = f"the orbits of one impact in {m} turns at {rpm:.10g} rpm"
         piece(name, partial(_add_single_impacts, result, shooter, rpm, m))
     if label is None or (sum(label.symbols) > 0.0 and not result.orbits and not result.continua):
-        run = replace(settings, record=RECORD)
+        run = replace(settings, record=FEWEST_TURNS)
         count = starts if label is None else max(starts, most)
         for k, start in enumerate((settings.start, *islice(cloud(system, rpm), count))):
             ends_on = partial(_orbit_from, shooter, rpm, run, start)
@@ -114,10 +113,10 @@ def _orbit_from(shooter: Shooter, rpm: float, run: Settings, start: Start) -> Pe
 
 
 def cloud(system: System, rpm: float) -> Iterator[Start]:
-    """Starts at the strobe spread over WINDOW lifts: Halton's points in bases 2 and 3."""
+    """Starts at the strobe spread over CLOUD_LIFTS lifts: Halton's points in bases 2 and 3."""
     cam = system.cam
     strobe = cam.stretches[cam.strobe]
-    reach = WINDOW * (cam.top - min(stretch.start_c for stretch in cam.stretches))
+    reach = CLOUD_LIFTS * (cam.top - min(stretch.start_c for stretch in cam.stretches))
     n = 0
     while True:
         n += 1
@@ -142,7 +141,7 @@ def _try_returns(
 ) -> None:
     """Newton's method from the closest returns with the label's symbols."""
     system = shooter.system
-    run = replace(settings, transient=0, record=settings.transient + RECORD)
+    run = replace(settings, transient=0, record=settings.transient + FEWEST_TURNS)
     tries: list[tuple[float, list[Impact]]] = []
     for start in (settings.start, *islice(cloud(system, rpm), starts)):
         record = shooter.simulate(system, rpm, run, start)

@@ -20,10 +20,10 @@ from camcli.cams.regions import regions
 from camcli.kernel.cam_table import TURN, lift, stretch_at
 from camcli.kernel.flow import constants_of, flow
 
-ROUNDING = 1e-15
+EQUATION_ROUNDING = 1e-15  # of the terms of h: some five ulp, below which it is zero
 FOCUS = 1e-6  # B over the flight's length below which v is not taken from it
 END = 1e-9  # rad from the end of a dwell at which a root of the next stretch is the dwell's own
-NARROWEST = 1e-13  # rad: closer roots count as one, on the verge of a fold
+SAME_ROOT = 1e-13  # rad: closer roots count as one, on the verge of a fold
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class _Equation:
             first, *_ = own = [self.cam.stretches[i] for i in region.stretches]
             flat = all(one.start_c1 == one.accel_min == one.accel_max == 0.0 for one in own)
             h, _, size = self._terms(region.stretches[0], first.start)
-            if flat and abs(h) <= ROUNDING * size:
+            if flat and abs(h) <= EQUATION_ROUNDING * size:
                 rate = self.rate(region.stretches[0], first.start)
                 intervals.append(Continuum(turns, region.start, region.end, rate))
         return intervals
@@ -139,9 +139,9 @@ class _Equation:
         half = 0.5 * (high - low)
         h, slope, size = self._terms(i, middle)
         change = abs(slope) * half + 0.5 * bend * half * half
-        if abs(h) > change or abs(h) + change <= ROUNDING * size:
+        if abs(h) > change or abs(h) + change <= EQUATION_ROUNDING * size:
             return  # no zero, or nothing but zeros: a dwell on which any phase would do
-        if abs(slope) <= bend * half and half >= NARROWEST:
+        if abs(slope) <= bend * half and half >= SAME_ROOT:
             yield from self._within(i, low, middle, bend)
             yield from self._within(i, middle, high, bend)
         elif abs(slope) <= bend * half:

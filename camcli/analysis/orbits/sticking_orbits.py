@@ -20,9 +20,9 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit, free_orbit
 from camcli.analysis.orbits.shooter import Shooter, with_machine
 from camcli.piece_faults import piece
 
-SETTLE = 40  # turns from the orbit at the neighbouring speed
-LONGEST = 8  # periods longer than the orbit's own are not looked for
-RUN = SETTLE + 2 * LONGEST + 2  # turns simulated for one point, at least
+RESTING_SETTLE = 40  # turns from the orbit at the neighbouring speed
+LONGEST_RESTING = 8  # periods longer than the orbit's own are not looked for
+RUN = RESTING_SETTLE + 2 * LONGEST_RESTING + 2  # turns simulated for one point, at least
 BRACKETS = 80  # runs in which the changes of a branch are bracketed, about
 
 Same = Callable[[PeriodicOrbit, PeriodicOrbit | None], bool]
@@ -113,8 +113,10 @@ def _settled_on(
     state = orbit.states[0]
     lifted = state[0] > system.cam.stretches[system.cam.strobe].start_c
     start = Start.at_strobe(system, rpm, state if lifted else None)
-    longest = max(LONGEST, orbit.turns)
-    record = shooter.simulate(system, rpm, with_turns(settings, SETTLE, 2 * longest + 2), start)
+    longest = max(LONGEST_RESTING, orbit.turns)
+    record = shooter.simulate(
+        system, rpm, with_turns(settings, RESTING_SETTLE, 2 * longest + 2), start
+    )
     ends_on = identify(system, rpm, record, longest)
     return None if ends_on is None else replace(ends_on, rpm=rpm, value=value)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from camcli.analysis.border_collision import Side
 from camcli.analysis.integrate import BudgetSpentError, Cost, Settings, spend
-from camcli.analysis.labels import Label
+from camcli.analysis.labels import FEWEST_TURNS, Label
 from camcli.analysis.orbits.arclength import Span
 from camcli.analysis.orbits.branch_segment import BranchSegment, both_ways, follow
 from camcli.analysis.orbits.corner_impacts import CornerImpact, corner_impact
@@ -20,7 +20,7 @@ from camcli.analysis.orbits.kinds import Bracket, Kind
 from camcli.analysis.orbits.locate import Crossing, Located, doubled
 from camcli.analysis.orbits.orbit import PeriodicOrbit, from_root
 from camcli.analysis.orbits.same_orbit import same_orbit
-from camcli.analysis.orbits.search import MOST_STARTS, RECORD, find
+from camcli.analysis.orbits.search import MOST_STARTS, find
 from camcli.analysis.orbits.shooter import Root, Shooter
 from camcli.analysis.orbits.single_impact import Continuum
 from camcli.analysis.orbits.sticking_orbits import BRACKETS, RUN, MotionChange, follow_sticking
@@ -171,7 +171,7 @@ def orbits(
     Within an `integrate.Budget` that is spent, the rest is left out.
     """
     starts = question.starts if question.label is None else max(question.starts, MOST_STARTS)
-    backend.for_work((starts + 1) * (settings.transient + RECORD), 2 * LITTLE_WORK)
+    backend.for_work((starts + 1) * (settings.transient + FEWEST_TURNS), 2 * LITTLE_WORK)
     found = find(system, question.rpm, settings, question.starts, question.label)
     span = question.span
     absent = None
