@@ -39,6 +39,13 @@ from camcli.piece_faults import (
     piece,
 )
 from camcli.scene import Scene, default_scene_path, load_scene
+from camcli.words.figures import (
+    caption_lacks,
+    computed_line,
+    drift_line,
+    drift_verdict,
+    more_drifts,
+)
 
 NAME = "figures"
 # shared options that mean nothing here
@@ -48,7 +55,6 @@ NEW, UNCHANGED, CHECK = "new", "unchanged", "check"
 WHOLE = (DONE, NUMERICS)  # exit codes of a run whose artefacts are whole
 COMMANDS = (*ANALYSES, "bench")  # what a figure can be
 READS = {"explore": ("sweep", "orbits", "basins")}  # commands that read others' sections
-PORTABILITY = "portability broke"
 FAULTS = "faults.json"  # of pieces: figures, pages, comparisons that nobody foresaw to fail
 MOST_DRIFTS = 12  # of a figure shown to people
 LARGE = 1_000_000  # bytes: a larger table does not stay, its digest does
@@ -474,16 +480,8 @@ def _drifts(asked: Sequence[Figure], out: Path) -> list[Drift]:
 
 def verdict(drifted: Sequence[Drift]) -> str:
     """One line on what the drifts mean together."""
-    if not drifted:
-        return "every number is the reference's"
-    figures = plural(len({drift.figure for drift in drifted}), "figure")
-    words = f"{plural(len(drifted), 'number')} drifted in {figures}"
-    broken = sum(drift.portability for drift in drifted)
-    if broken == len(drifted):
-        words += f": {PORTABILITY}: only chaotic motions and last bits differ"
-    elif broken:
-        words += f", {broken} of them where bits should agree on every machine ({PORTABILITY})"
-    return words
+    figures = len({drift.figure for drift in drifted})
+    return drift_verdict(len(drifted), figures, sum(drift.portability for drift in drifted))
 
 
 # --- what is shown
@@ -514,7 +512,7 @@ def _shown(figure: Figure, folder: Path) -> GalleryFigure:
     try:
         said = caption(about.shows, state.values)
     except KeyError as name:
-        said = f"(The caption names {name}, which this run does not have.)"
+        said = caption_lacks(name)
     return replace(
         shown,
         caption=said,
@@ -550,21 +548,9 @@ def _show(request, asked, why, done, drifted: list[Drift] | None, out, seconds) 
     for name in dict.fromkeys(drift.figure for drift in drifted or ()):
         mine = [drift for drift in drifted or () if drift.figure == name]
         for drift in mine[:MOST_DRIFTS]:
-            print(_sentence(drift))
+            print(drift_line(drift, drift.group == CHAOTIC))
         if len(mine) > MOST_DRIFTS:
-            print(f"{name}: and {len(mine) - MOST_DRIFTS} more (--json has all of them)")
+            print(more_drifts(name, len(mine) - MOST_DRIFTS))
     if drifted is not None:
         print(verdict(drifted))
-    print(f"{out}/index.html: {len(done)} of {len(asked)} figures computed in {seconds:.3g} s")
-
-
-def _sentence(d: Drift) -> str:
-    """A drift as a line."""
-    was, now = ("nothing" if value is None else str(value) for value in (d.reference, d.found))
-    where = f"{d.figure}: {d.name}" + (" (chaotic)" if d.group == CHAOTIC else "")
-    text = f"{where}: reference {was}, found {now}"
-    if d.by is not None:
-        text += f", off by {d.by:.6g}"
-        if d.reference:
-            text += f" ({abs(d.by / d.reference):.2g} of it)"
-    return text + (f": {PORTABILITY}" if d.portability else "")
+    print(computed_line(f"{out}/index.html", len(done), len(asked), seconds))

@@ -26,12 +26,19 @@ from camcli.output.program import program_hash
 from camcli.output.run_folder import RECORD, run_folder, unchanged
 from camcli.scene import Scene, load_scene
 from camcli.scene.schema import PictureFormat
+from camcli.words.rerun import (
+    CHANGED,
+    MISSING,
+    ONLY_PICTURES,
+    OTHER,
+    OTHER_PROGRAM,
+    SAME,
+    rerun_title,
+)
 
 HOME = option("Where the files are that the scene names.", "DIR")
 REPEATED = (*SCENE, "dry_run")  # these stand in the record
 WITHOUT = (*REPEATED, "no_plot", "verbose", *DRAWING)  # the record says whether it drew
-SAME, OTHER, MISSING = "same bytes", "other bytes", "not made"
-CHANGED = "same bytes, but not those of the file beside the record"
 MOST_BYTES = 64 * 10**6  # of a run.json
 EXPECTED, CURE = "expected the run.json of a run", "give that of a folder made with -o"
 ARTEFACT = StringConstraints(pattern=r"^[a-zA-Z0-9_-]{1,64}\.[a-z]{1,8}$")
@@ -79,17 +86,17 @@ def rerun(
         said = {"command": found.command, "same": not differ, "artefacts": verdicts}
         print(json.dumps(said, indent=2))
     else:
-        title = f"cam {found.command} again: {'bytes differ' if differ else 'the same bytes'}"
+        title = rerun_title(found.command, not differ)
         table(title, ["artefact", "verdict"], [list(row) for row in verdicts.items()])
     if differ and found.program_sha256 != program_hash():
-        note("the record is of another version of this program")
+        note(OTHER_PROGRAM)
     if made["piece_faults"]:
         tell_faults(made["piece_faults"], None if request.out is None else out / RECORD)
         return INTERNAL
     if any(not name.endswith(".png") for name in differ):
         return NUMERICS
     if differ and not changed:
-        note("only pictures differ: their bytes are the same on the same installation alone")
+        note(ONLY_PICTURES)
     return DONE if result.complete else NUMERICS
 
 

@@ -17,8 +17,7 @@ from camcli.plots.axes import draw_forces, lift_axis, padded, say, turn_axis, un
 from camcli.plots.mechanism import Outline, machine_panels
 from camcli.plots.picture import Panel, Picture
 from camcli.quantities import THETA, Units, labelled
-from camcli.words.in_print import newtons, number_text
-from camcli.words.simulate import cam_words
+from camcli.words.simulate import cam_title, cam_words, flat_face_title, force_title, roller_title
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ def draw_profiles(cams: Sequence[CamDrawing]) -> Picture:
         if k == 1 or name in COMPARED
     }
     if not many:
-        title = f"Cam with a lift of {units.lengths(high.value - low.value, 4)}"
+        title = cam_title(high.value - low.value, units)
         return Picture(title, panels, said)
     return Picture(f"Cams side by side: {', '.join(cam_name(cam.cam) for cam in cams)}", panels)
 
@@ -130,7 +129,7 @@ def _draw_acceleration(axes: Axes, drawn: CamDrawing) -> None:
 def _draw_force(axes: Axes, drawn: CamDrawing) -> None:
     force = drawn.profile.force
     draw_forces(axes, [force])
-    axes.set_title(f"at {number_text(force.rpm)} rpm, least {newtons(force.lowest_n, 4)}")
+    axes.set_title(force_title(force))
 
 
 def _draw_flat(axes: Axes, drawn: CamDrawing) -> None:
@@ -140,8 +139,7 @@ def _draw_flat(axes: Axes, drawn: CamDrawing) -> None:
     _curve(axes, drawn.profile, bent.flat, colour)
     less = "" if bent.base_radius is not None else "\nless the base radius"
     unit_axis(axes.yaxis, f"radius of curvature{less}", drawn.units)
-    needs = f"needs a base radius above {drawn.units.lengths(bent.least_base_radius, 4)}"
-    axes.set_title(f"flat face{': undercut' * bent.undercut}, {needs}", color=colour)
+    axes.set_title(flat_face_title(bent, drawn.units), color=colour)
 
 
 def _draw_knife(axes: Axes, drawn: CamDrawing) -> None:
@@ -151,10 +149,7 @@ def _draw_knife(axes: Axes, drawn: CamDrawing) -> None:
         say(axes, "unknown without the base radius\n(--base-radius)")
     else:
         _curve(axes, drawn.profile, bent.knife)
-    largest = (
-        "" if bent.roller is None else f" of at most {drawn.units.lengths(bent.roller.value, 4)}"
-    )
-    axes.set_title(f"knife edge, or roller{largest}: pitch curve")
+    axes.set_title(roller_title(bent, drawn.units))
     axes.set_ylabel(labelled("curvature", "1/m"))
 
 

@@ -64,7 +64,14 @@ from camcli.quantities import PARAMETERS, THETA, Q, U, drawn, labelled
 from camcli.system import System, units_of
 from camcli.words.events import event_words
 from camcli.words.in_print import label_text, number_text, pair
-from camcli.words.orbits import curve_name, heading, nothing_found, side_words, value_text
+from camcli.words.orbits import (
+    branch_words,
+    curve_name,
+    heading,
+    nothing_found,
+    side_words,
+    value_text,
+)
 
 PHASE, STROBE, PLANE, LIFT, ZOOM = 70.0, 40.0, 66.0, 32.0, 56.0  # mm, heights of the panels
 ROOM = 0.02  # of the range of the parameter, beyond it
@@ -269,15 +276,8 @@ def lists_of(
 
 
 def _branch_words(branch: Branch, events: Sequence[Event], parameter: str) -> str:
-    names = [label_text(label, 22) for label in branch.labels]
-    words = f"{branch.number}   {names[0]}" + (f" to {names[-1]}" if len(names) > 1 else "")
     source = [event.number for event in events if branch.number in event.leaves]
-    words += f", from event {source[0]}" if source else ""
-    for orbit in _lost(branch)[:1]:
-        words += f", lost at {value_text(orbit.value, parameter)}"
-    regions = list(dict.fromkeys(branch.points[len(branch.points) // 2].regions))
-    more = f", impacts in {', '.join(regions)}" if regions and len(names) == 1 else ""
-    words += more if len(words + more) <= WORDS else ""
+    words = branch_words(branch, parameter, source[0] if source else None, WORDS)
     return textwrap.shorten(words, WORDS, placeholder="…") if len(words) > WORDS else words
 
 

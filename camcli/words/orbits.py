@@ -5,7 +5,7 @@ from math import degrees
 from camcli.analysis.border_collision import Side
 from camcli.analysis.orbits.curves import Curve
 from camcli.analysis.orbits.kinds import Bracket, Kind
-from camcli.analysis.orbits.study import Bifurcation, OrbitsResult
+from camcli.analysis.orbits.study import Bifurcation, Branch, OrbitsResult
 from camcli.errors import Status
 from camcli.kernel.certify import Verdict
 from camcli.quantities import PARAMETERS, drawn
@@ -190,3 +190,19 @@ def curve_name(curve: Curve) -> str:
     name = f"{curve.kind.replace('-', ' ')}{corner} of {label_text(curve.label)}"
     ends = {end_words(end) for end in curve.ends if end != Kind.END_OF_RANGE}
     return name + (f" (ends: {'; '.join(sorted(ends))})" if ends else "")
+
+
+def branch_words(branch: Branch, parameter: str, source: int | None, longest: int) -> str:
+    """A branch in the list: number, orbits, the event it leaves from, where it is lost.
+
+    Its regions are left out where the words would be longer than so many characters.
+    """
+    names = [label_text(label, 22) for label in branch.labels]
+    words = f"{branch.number}   {names[0]}" + (f" to {names[-1]}" if len(names) > 1 else "")
+    words += "" if source is None else f", from event {source}"
+    lost = [branch.points[-k] for k in (0, 1) if branch.ends[k] == Kind.LOST]
+    if lost:
+        words += f", lost at {value_text(lost[0].value, parameter)}"
+    regions = list(dict.fromkeys(branch.points[len(branch.points) // 2].regions))
+    more = f", impacts in {', '.join(regions)}" if regions and len(names) == 1 else ""
+    return words + (more if len(words + more) <= longest else "")

@@ -2,12 +2,14 @@
 
 from math import degrees
 
-from camcli.analysis.cam_profile import Profile
+from camcli.analysis.cam_profile import Curvature, Profile
 from camcli.analysis.contact_loss.detachment import CriticalSpeed
+from camcli.analysis.contact_loss.force import ForceCurve
 from camcli.analysis.simulate import Simulation
 from camcli.errors import Status, plural
+from camcli.quantities import Units
 from camcli.system import System, units_of
-from camcli.words.in_print import label_text, number_text
+from camcli.words.in_print import label_text, newtons, number_text
 from camcli.words.speeds import range_words
 from camcli.words.statuses import CAUSES
 
@@ -91,3 +93,25 @@ def cam_words(first: CriticalSpeed | None, measured: bool, ratio: float) -> str:
     if ratio != 1.0:
         words += f"; outline and curvature are those of the lobe under a rocker of {ratio:.6g}"
     return words
+
+
+def cam_title(lift: float, units: Units) -> str:
+    """The title of a cam."""
+    return f"Cam with a lift of {units.lengths(lift, 4)}"
+
+
+def force_title(curve: ForceCurve) -> str:
+    """The speed of a contact force, and its least value."""
+    return f"at {number_text(curve.rpm)} rpm, least {newtons(curve.lowest_n, 4)}"
+
+
+def flat_face_title(bent: Curvature, units: Units) -> str:
+    """What a flat face needs of the cam."""
+    face = "flat face: undercut" if bent.undercut else "flat face"
+    return f"{face}, needs a base radius above {units.lengths(bent.least_base_radius, 4)}"
+
+
+def roller_title(bent: Curvature, units: Units) -> str:
+    """What a knife edge or a roller sees of the cam."""
+    largest = "" if bent.roller is None else f" of at most {units.lengths(bent.roller.value, 4)}"
+    return f"knife edge, or roller{largest}: pitch curve"

@@ -1,0 +1,48 @@
+"""What `cam figures` says of numbers that are not the reference's."""
+
+from typing import Any
+
+from camcli.errors import plural
+
+PORTABILITY = "portability broke"
+
+
+def drift_verdict(numbers: int, figures: int, broken: int) -> str:
+    """What the drifts mean together; broken: numbers that another machine's bits would explain."""
+    if not numbers:
+        return "every number is the reference's"
+    words = f"{plural(numbers, 'number')} drifted in {plural(figures, 'figure')}"
+    if broken == numbers:
+        words += f": {PORTABILITY}: only chaotic motions and last bits differ"
+    elif broken:
+        words += f", {broken} of them where bits should agree on every machine ({PORTABILITY})"
+    return words
+
+
+def drift_line(drift: Any, chaotic: bool) -> str:
+    """A number, what the reference has, and what was found; drift: of `output.digest`."""
+    was, now = (
+        "nothing" if value is None else str(value) for value in (drift.reference, drift.found)
+    )
+    where = f"{drift.figure}: {drift.name}" + (" (chaotic)" if chaotic else "")
+    text = f"{where}: reference {was}, found {now}"
+    if drift.by is not None:
+        text += f", off by {drift.by:.6g}"
+        if drift.reference:
+            text += f" ({abs(drift.by / drift.reference):.2g} of it)"
+    return text + (f": {PORTABILITY}" if drift.portability else "")
+
+
+def more_drifts(figure: str, count: int) -> str:
+    """The drifts of a figure that are not listed."""
+    return f"{figure}: and {count} more (--json has all of them)"
+
+
+def computed_line(page: str, done: int, asked: int, seconds: float) -> str:
+    """How much was computed, and where to look."""
+    return f"{page}: {done} of {asked} figures computed in {seconds:.3g} s"
+
+
+def caption_lacks(name: object) -> str:
+    """What stands for a caption with a number that the run does not have."""
+    return f"(The caption names {name}, which this run does not have.)"
