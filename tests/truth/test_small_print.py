@@ -1,0 +1,90 @@
+"""Promises in small print: thresholds, units of a start, names in a list, a rest above the cam."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace as Made
+
+import numpy as np
+import pytest
+
+import camcli
+from camcli.analysis import patience
+from camcli.analysis.basins.measures import uncertainty
+from camcli.analysis.basins.window import Window
+from camcli.analysis.integrate import Settings, Start
+from camcli.analysis.orbits.orbit import free_orbit
+from camcli.analysis.orbits.proofs import prove_orbit
+from camcli.cams.eccentric import EccentricCam
+from camcli.errors import Status
+from camcli.plots import basins
+from camcli.system import Follower, System
+from camcli.words.sweep import start_words
+
+
+@pytest.mark.parametrize(("mean", "calm"), [(-0.31, True), (-0.29, False), (0.3, False)])
+def test_a_motion_calms_where_its_exponent_is_below_zero_by_three_errors(monkeypatch, mean, calm):
+    found = Made(largest=mean, spread=0.1)
+    monkeypatch.setattr(patience, "of_record", lambda *_: found)
+    assert patience._calms(Made(system=None), 700.0, None) == calm
+    monkeypatch.setattr(patience, "of_record", lambda *_: None)
+    assert not patience._calms(Made(system=None), 700.0, None)
+
+
+def test_the_error_of_an_exponent_grows_with_the_misfit_of_its_line():
+    """Weighted least squares in its own words: sqrt(cov misfit), with n - 2 degrees of freedom."""
+
+    class Finder:
+        def settle(self, q, v):
+            return np.where((q > 0.5) | ((q < 0.02) & (q > 0.0)), 1, 0), None
+
+    found = uncertainty(Finder(), Window((0.0, 1.0), (0.0, 1.0), 4, 4), 4000)
+    error, share, count = np.array(found.rows).T
+    x, y, w = np.log(error), np.log(share), count
+    mx, my = np.sum(w * x) / np.sum(w), np.sum(w * y) / np.sum(w)
+    sxx = np.sum(w * (x - mx) ** 2)
+    slope = np.sum(w * (x - mx) * (y - my)) / sxx
+    misfit = np.sum(w * (y - my - slope * (x - mx)) ** 2) / (len(x) - 2)
+    assert misfit > 1.2
+    assert found.exponent == pytest.approx(slope, rel=1e-9)
+    assert found.error == pytest.approx(np.sqrt(misfit / sxx), rel=1e-9)
+
+
+def test_a_start_is_told_with_its_units():
+    settings = Settings(3, 5, 1e-9, 10, Start(0.25, 1.5))
+    sweep = camcli.sweep(camcli.load_scene(None, {"sweep.rpm.num": 1, "run.record": 2})).values[0]
+    also = (Start(None, -2.5), Start(0.75, None), Start())
+    said = start_words(replace(sweep, also=also), settings)
+    for text in ("q = 0.25 m, v = 1.5 m/s", "on the cam, v = -2.5 m/s", "q = 0.75 m, the cam's v",
+                 "at rest on the cam"):  # fmt: skip
+        assert text in said
+
+
+def test_cells_without_an_attractor_are_listed_by_what_happened_to_them():
+    """Their codes are those of the statuses with a minus sign; cells below the cam come last."""
+    shares = {-int(status): (0.01 * int(status), 0.0) for status in Status if status >= 2}
+    speed = Made(branches=(), attractors=(), fractions={0: (0.25, 0.01), **shares},
+                 codes=np.array([-1, 0]))  # fmt: skip
+    rows = [row[2:] for row in basins._attractor_rows([speed], {}, {}, "rpm")][1:]
+    assert rows[0][0] == "undecided"
+    assert rows[-1] == ["none: below the cam"]
+    wanted = {status.text: int(status) for status in Status if status >= 2}
+    found = {name: float(said.split()[0]) for name, said in rows[1:-1]}
+    assert found == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("strobe_deg", [0.0, 100.0])
+@pytest.mark.parametrize(("above", "proved"), [(1e-6, True), (-1e-6, False), (-1e-3, False)])
+def test_a_follower_at_rest_above_the_cam_is_proved_where_it_clears_its_top(
+    strobe_deg, above, proved
+):
+    """It rests at -preload/k; the cam's top is 0.03 m, inside a piece."""
+    cam = EccentricCam(kind="eccentric", base=0.01, lift=0.02)
+
+    def system(height: float) -> System:
+        follower = Follower(1.0, 1000.0, damping=5.0, preload=-1000.0 * height)
+        return System.build(follower, cam, strobe_deg)
+
+    orbit = free_orbit(system(0.04), 700.0)
+    assert prove_orbit(system(0.04), orbit).proved
+    assert prove_orbit(system(0.03 + above), orbit).proved == proved
