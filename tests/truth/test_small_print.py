@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf, log, pi
 from types import SimpleNamespace as Made
 
 import numpy as np
 import pytest
 
 import camcli
-from camcli.analysis import patience
+from camcli.analysis import natural_speed, patience
 from camcli.analysis.basins.measures import uncertainty
 from camcli.analysis.basins.window import Window
+from camcli.analysis.exponents import sum_rule
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.orbits.orbit import free_orbit
 from camcli.analysis.orbits.proofs import prove_orbit
@@ -19,6 +21,7 @@ from camcli.cams.eccentric import EccentricCam
 from camcli.errors import Status
 from camcli.plots import basins
 from camcli.system import Follower, System
+from camcli.words.speeds import chosen_speeds, range_words
 from camcli.words.sweep import start_words
 
 
@@ -88,3 +91,40 @@ def test_a_follower_at_rest_above_the_cam_is_proved_where_it_clears_its_top(
     orbit = free_orbit(system(0.04), 700.0)
     assert prove_orbit(system(0.04), orbit).proved
     assert prove_orbit(system(0.03 + above), orbit).proved == proved
+
+
+@pytest.mark.parametrize(
+    ("follower", "wanted"),
+    [
+        ({"stiffness": 1800.0, "gravity": 9.81}, (1800.0 / 0.5) ** 0.5),  # the natural frequency
+        ({"stiffness": 0.0, "gravity": 9.0, "preload": 3.0}, ((9.0 + 3.0 / 0.5) / 0.02) ** 0.5),
+        ({"stiffness": 0.0, "gravity": 9.0, "preload": -7.0}, 0.0),  # nothing presses it
+    ],
+)
+def test_the_speed_of_a_machine_that_never_loses_contact_for_the_first_time(
+    monkeypatch, follower, wanted
+):
+    """Of its spring; without one where the cam accelerates by all that presses the follower."""
+    monkeypatch.setattr(natural_speed, "detachment", lambda _: Made(first=None))
+    cam = EccentricCam(kind="eccentric", base=0.01, lift=0.02)
+    found = natural_speed.natural_speed(System.build(Follower(0.5, **follower), cam))
+    assert found.rpm == pytest.approx(wanted * 30.0 / pi, rel=1e-12)
+    said = chosen_speeds("orbits", natural_speed.Chosen(123.0, 456.0, found))
+    assert "orbits.rpm" in said
+    assert "123 to 456 rpm" in said
+    assert (f"{found.rpm:.5g}" in said) == (follower["stiffness"] > 0.0)
+    assert " 77 rpm" in chosen_speeds("basins", natural_speed.Chosen(77.0, 77.0, None))
+
+
+def test_the_ends_of_a_range_have_the_digits_of_its_width():
+    assert range_words(4110.9, 4378.2) == "4111 to 4378 rpm"
+    assert range_words(4111.234, 4111.279) == "4111.234 to 4111.279 rpm"
+    assert "4111 rpm on" in range_words(4111.3, inf)
+    assert range_words(inf, inf) == "never"
+
+
+def test_the_sum_of_exponents_without_restitution():
+    const = Made(r=0.0, Z=0.25)
+    assert sum_rule(const, 1.5) == -inf
+    assert sum_rule(const, 0.0) == pytest.approx(-pi)
+    assert sum_rule(Made(r=0.5, Z=0.25), 1.5) == pytest.approx(3.0 * log(0.5) - pi)
