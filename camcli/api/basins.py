@@ -12,6 +12,7 @@ from camcli.analysis.basins.study import Basins, BasinsQuestion, Study, study
 from camcli.analysis.basins.window import Window
 from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
+from camcli.analysis.throw import throw
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.machine import machine_of, span_of, with_values
 from camcli.api.result import Progress, Result, drawn_by
@@ -124,7 +125,7 @@ def basins(
         )
         gather(fault for speed in found.speeds for fault in speed.faults)
         summary = piece("the summary", lambda: _summary(found, question), {})
-    heights = height_notes(system, max((speed.rpm for speed in found.speeds), default=0.0))
+    heights = height_notes(throw(system, max((speed.rpm for speed in found.speeds), default=0.0)))
     tables = {"attractors": _attractors_table(found, key)}
     if found.grids:
         at = (key,) if len(found.grids) > 1 else ()

@@ -9,6 +9,7 @@ from camcli.analysis.classify import ClassifiedMotion
 from camcli.analysis.classify import classify as run
 from camcli.analysis.integrate import Cost
 from camcli.analysis.sweep import status_name
+from camcli.analysis.throw import throw
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.explanation import corners_table, explained, explanation_of
 from camcli.api.machine import machine_of, refuse_to_explain, span_of
@@ -127,7 +128,7 @@ def classify(
     draw = drawn_by("classify.draw_classify", motions, machine.system, events, key)
     troubled = [(m.value, m.status) for m in motions if m.status != Status.OK]
     cut = trouble(explanation.status) if explanation else []
-    heights = height_notes(machine.system, max((m.rpm for m in motions), default=0.0))
+    heights = height_notes(throw(machine.system, max((m.rpm for m in motions), default=0.0)))
     return Result(
         command="classify",
         scene=machine.scene,

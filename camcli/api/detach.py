@@ -181,11 +181,10 @@ def _write_report(result: Result, system: System, file: BinaryIO) -> None:
     from camcli.plots.mechanism import Outline
     from camcli.words.detach_tables import answers
     from camcli.words.machine import machine, report_title
-    from camcli.words.verdict import verdict
 
     scene, cam = result.scene, result.scene.cam
     base = getattr(scene.contact, "base_radius", None) or getattr(cam, "base_radius", None)
-    words = " ".join(verdict(result, result.error.get("lift_table")))
+    words = " ".join(result.verdict)
     lists = [machine(result)]
     for title, heads, rows in answers(result):
         few = rows[:: 1 + (len(rows) - 1) // FEW]

@@ -128,9 +128,13 @@ class Result:
     @cached_property
     def verdict(self) -> list[str]:
         """The answer in sentences; see above."""
+        from camcli.analysis.contact_loss.detachment import detachment
         from camcli.words.verdict import verdict
 
-        return [] if self.system is None else verdict(self, self.error.get("lift_table"))
+        if self.system is None:
+            return []
+        contact = None if self.command == "simulate" else detachment(self.system)
+        return verdict(self, contact, self.error.get("lift_table"))
 
     def save(self, folder: str | Path, *, plot: bool = True) -> Mapping[str, Any]:
         """Write the files of the command `cam COMMAND -o folder`, byte for byte.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from camcli.analysis.cam_profile import Extreme
 from camcli.analysis.integrate import Cost
+from camcli.analysis.throw import throw
 from camcli.api.command import Command, Drawing, Size, sample
 from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine, machine_of, with_arguments
@@ -146,7 +147,7 @@ def simulate(
         cost=found.cost,
         seconds=watch.seconds,
         notes=(
-            *height_notes(system, found.rpm),
+            *height_notes(throw(system, found.rpm)),
             *rounding_notes(found.one_of_many),
             *end_notes(found),
             *trouble(found.status),

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from camcli.analysis.labels import period_of
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
 from camcli.analysis.sweep import sweep as run
+from camcli.analysis.throw import throw
 from camcli.api.command import Command, Drawing, Size, fewer, sample
 from camcli.api.machine import Machine, Varied, machine_of, refuse_to_explain, span_of, start_of
 from camcli.api.orbit_tables import BranchColumns, read_branches, read_curves
@@ -252,7 +253,7 @@ def _result(
     own = machine.system, machine.settings
     draw = drawn_by("sweep.draw_sweep", found, *own, events, branches, zooms)
     troubled = [(speed.value, speed.status) for speed in found.troubled]
-    heights = height_notes(machine.system, max((s.rpm for s in found.bare), default=0.0))
+    heights = height_notes(throw(machine.system, max((s.rpm for s in found.bare), default=0.0)))
     return Result(
         command="sweep",
         scene=scene,

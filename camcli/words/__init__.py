@@ -1,1 +1,1 @@
-"""Words of the program: quantities with their symbols and units, and sentences made from values."""
+"""Sentences on results, each made from values in the module of its subject; and tables of text."""

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from math import inf
 from typing import Any
 
-from camcli.analysis.throw import throw_height
+from camcli.analysis.throw import Throw
 from camcli.cams import cam_name
 from camcli.cams.compile import lift_range
 from camcli.quantities import FOLLOWER, MM
-from camcli.system import System, units_of
+from camcli.system import units_of
 
 RADII = 0.05  # of the largest lift: a smallest lift above it is that of a radius
 LARGE_LIFT, LARGE_MASS = 0.1, 1.0  # m, kg: no follower so light moves so far
@@ -84,15 +84,14 @@ def doubts(scene: Any) -> Iterator[str]:
         )
 
 
-def height_notes(system: System, rpm: float) -> list[str]:
+def height_notes(throw: Throw) -> list[str]:
     """A warning where the cam throws the follower absurdly high."""
-    low, top = lift_range(system.cam)
-    height = throw_height(system, rpm)
-    if not ABSURD * (top - low) < height < inf:
+    if not ABSURD * throw.lift < throw.height < inf:
         return []
     return [
-        f"warning: at {rpm:.10g} rpm the cam throws the follower {height:.3g} m up, "
-        f"{height / (top - low):.3g} times its lift: a model of rigid bodies means little there"
+        f"warning: at {throw.rpm:.10g} rpm the cam throws the follower {throw.height:.3g} m up, "
+        f"{throw.height / throw.lift:.3g} times its lift: a model of rigid bodies means little "
+        "there"
     ]
 
 

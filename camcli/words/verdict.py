@@ -13,12 +13,17 @@ from camcli.words.detach_tables import spacing
 from camcli.words.machine import crank_of
 
 
-def verdict(result: Any, lift_table: Mapping[str, Any] | None) -> list[str]:
-    """Sentences on a `Result`; `lift_table`: what run.json says of the error of a measured cam."""
+def verdict(
+    result: Any, found: loss.Detachment | None, lift_table: Mapping[str, Any] | None
+) -> list[str]:
+    """Sentences on a `Result`.
+
+    found: where contact is lost, None where only one motion is told; lift_table: what run.json says
+    of the error of a measured cam.
+    """
     crank = crank_of(result.scene)
-    if result.command == "simulate":
+    if found is None:
         return [_at_one_speed(result, crank)]
-    found = loss.detachment(result.system)
     if found.always:
         kink = found.always[0].reason is loss.Reason.KINK
         why = "the cam's slope drops" if kink else "the spring does not press even at standstill"

@@ -30,6 +30,7 @@ from camcli.analysis.explain.changes import changes_between
 from camcli.analysis.exponents import of_record
 from camcli.analysis.integrate import Orbit
 from camcli.analysis.labels import Label, label
+from camcli.analysis.throw import throw
 from camcli.api.machine import machine_of
 from camcli.api.orbit_tables import read_branches
 from camcli.errors import SceneError
@@ -111,7 +112,7 @@ def dissipates_nothing(tmp_path, **follower: float) -> bool:
 
 def thrown(rpm: float, **follower: float) -> bool:
     system = machine_of(made(ROUND, preload=0.0, stiffness=0.0, **follower)).system
-    return bool(height_notes(system, rpm))
+    return bool(height_notes(throw(system, rpm)))
 
 
 def undercut(radius: float) -> bool:
