@@ -59,9 +59,8 @@ def test_events_and_changes_of_a_range_are_listed_with_their_causes(cam, tmp_pat
 
     The crisis with a coarse sample of folds: the fine ones are those of the figures and a soak.
     """
-    monkeypatch.setattr("camcli.analysis.explain.tangency.STARTS", 500)
-    monkeypatch.setattr("camcli.analysis.explain.tangency.SEARCHES", 2)
-    monkeypatch.setattr("camcli.analysis.explain.tangency.FOLDS", 3)
+    coarse = partial(find_crisis, sampling=Sampling(starts=500, searches=2, solved=3))
+    monkeypatch.setattr("camcli.analysis.explain.changes.find_crisis", coarse)
     done = cam("sweep --rpm 670:742 --points 7 --explain --threads 2 -o .", code=0)
     for said in ("Critical speeds of attractors", "739.3197802", "Changes of the diagram"):
         assert said in done.stdout

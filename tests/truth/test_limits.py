@@ -82,7 +82,7 @@ def test_so_many_changes_are_searched_for_a_crisis(monkeypatch, most):
 
 @pytest.mark.parametrize(("most", "yes"), [(1, True), (0, False)])
 def test_an_orbit_of_so_many_impacts_is_proved(monkeypatch, most, yes):
-    monkeypatch.setattr(proofs, "MOST_IMPACTS", most)
+    monkeypatch.setattr(proofs, "MOST_PROVED", most)
     rpm = {"start": 700.0, "stop": 700.0, "num": 1}
     scene = camcli.load_scene(None, {"orbits.rpm": rpm, "orbits.starts": 0})
     branch = camcli.orbits(scene, prove=True).tables["branch"]

@@ -83,14 +83,15 @@ def monodromy(carried: CarriedAttractor, rpm: float, x: np.ndarray, turns: int) 
     if record.periods < turns:
         raise LostError
     theta, u, period = impacts_of(record)
-    matrix = IDENTITY
+    matrix = np.eye(2)
     last = 0.0
     for turn, phase, rate in zip(period.tolist(), theta.tolist(), u.tolist(), strict=True):
         angle = since_first_strobe(system, turn, phase)
         if angle < TURN * turns:
-            matrix = struck(system, const, phase, rate, flown(const, angle - last, matrix))
+            hop = flown(const, angle - last, IDENTITY)
+            matrix = np.reshape(struck(system, const, phase, rate, hop), (2, 2)) @ matrix
             last = angle
-    return np.reshape(flown(const, TURN * turns - last, matrix), (2, 2))
+    return np.reshape(flown(const, TURN * turns - last, IDENTITY), (2, 2)) @ matrix
 
 
 def find_saddles(
