@@ -88,8 +88,9 @@ def monodromy(carried: CarriedAttractor, rpm: float, x: np.ndarray, turns: int) 
     for turn, phase, rate in zip(period.tolist(), theta.tolist(), u.tolist(), strict=True):
         angle = since_first_strobe(system, turn, phase)
         if angle < TURN * turns:
-            hop = flown(const, angle - last, IDENTITY)
-            matrix = np.reshape(struck(system, const, phase, rate, hop), (2, 2)) @ matrix
+            flight = np.reshape(flown(const, angle - last, IDENTITY), (2, 2))
+            impact = np.reshape(struck(system, const, phase, rate, IDENTITY), (2, 2))
+            matrix = impact @ flight @ matrix
             last = angle
     return np.reshape(flown(const, TURN * turns - last, IDENTITY), (2, 2)) @ matrix
 
