@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, log, pi
+from math import inf, log, log2, pi
 from types import SimpleNamespace as Made
 
 import numpy as np
 import pytest
 
 import camcli
-from camcli.analysis import natural_speed, patience
+from camcli.analysis import after_rest, natural_speed, patience
 from camcli.analysis.basins.measures import uncertainty
 from camcli.analysis.basins.window import Window
 from camcli.analysis.exponents import sum_rule
@@ -128,3 +128,31 @@ def test_the_sum_of_exponents_without_restitution():
     assert sum_rule(const, 1.5) == -inf
     assert sum_rule(const, 0.0) == pytest.approx(-pi)
     assert sum_rule(Made(r=0.5, Z=0.25), 1.5) == pytest.approx(3.0 * log(0.5) - pi)
+
+
+class Ball(float):
+    """A number that is known exactly."""
+
+    def rad(self) -> float:
+        return 0.0
+
+
+@pytest.mark.parametrize(("q", "w"), [(1e-3, 1.0), (1.0, 1e-3), (1e3, 1.0)])
+def test_states_settle_relative_to_the_largest_of_each_coordinate(q, w):
+    """Both halve their distance from a state of any size turn by turn, and are close alike."""
+    states = [(Ball(q * (1.0 + 0.5**k)), Ball(w * (1.0 + 0.5**k))) for k in range(80)]
+    trail = Made(states=states, symbols=[1.0] * 80, impacts=[])
+    found = after_rest._followed(Made(trail=trail))
+    assert found.kind == after_rest.SETTLED
+    assert abs(found.turns + log2(2.0 * after_rest.CLOSE)) <= 2.0
+
+
+@pytest.mark.parametrize(("num", "refused"), [(2_500_000, False), (2_500_001, True)])
+def test_motions_of_classify_are_speeds_times_all_starts(num, refused):
+    """The scene's start and three more at each speed: ten million at most."""
+    values = {"classify.rpm": {"start": 600.0, "stop": 700.0, "num": num}, "classify.starts": 3}
+    if not refused:
+        assert camcli.load_scene(None, values).classify.starts == 3
+        return
+    with pytest.raises(camcli.SceneError, match="10000004 motions"):
+        camcli.load_scene(None, values)
