@@ -59,7 +59,7 @@ def test_events_and_changes_of_a_range_are_listed_with_their_causes(cam, tmp_pat
 
     The crisis with a coarse sample of folds: the fine ones are those of the figures and a soak.
     """
-    coarse = partial(find_crisis, sampling=Sampling(starts=500, searches=2, solved=3))
+    coarse = partial(find_crisis, sampling=Sampling(starts=500, searches=3, solved=4))
     monkeypatch.setattr("camcli.analysis.explain.changes.find_crisis", coarse)
     done = cam("sweep --rpm 670:742 --points 7 --explain --threads 2 -o .", code=0)
     for said in ("Critical speeds of attractors", "739.3197802", "Changes of the diagram"):
