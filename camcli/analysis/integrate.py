@@ -417,8 +417,13 @@ def _initial(cam: Cam, omega: float, settings: Settings, start: Start) -> State:
             Fault("", f"{start.place}.q", found, expected, "raise it, or null for rest")
         )
     on_strobe = i == cam.strobe and theta == cam.stretches[i].start
+    # On the cam with a rate into it, the follower lands at once; with none or one off the cam it is
+    # where an impact leaves it.
     mode = FREE if gap > 0.0 or rate < 0.0 else BOUNCED
-    return State(theta, gap, rate, mode, i, -settings.transient - (0 if on_strobe else 1))
+    period = -settings.transient
+    if not on_strobe:
+        period -= 1  # the turn that the start cuts short
+    return State(theta=theta, gap=gap, gap_rate=rate, mode=mode, stretch=i, period=period)
 
 
 def refuse_below(

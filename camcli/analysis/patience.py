@@ -44,20 +44,20 @@ def watch(orbit: Orbit, rpm: float, patience: int, recorded: int) -> Watched:
     """
     turns, cost = 0, Cost()
     while turns < patience:
-        part = orbit.go_on(0, min(LOOK, patience - turns))
-        record = part.run(events=False)
+        ahead = orbit.go_on(0, min(LOOK, patience - turns))
+        record = ahead.run(events=False)
         cost = cost + record.cost
         rests = np.flatnonzero(record.chatter[: record.periods])
         if len(rests):
-            first = int(rests[0])
+            first = int(rests[0])  # the chatter ends in this turn; it may begin in the one before
             shown = orbit.go_on(max(0, first - 1), recorded).run()
             settled = identify(orbit.system, rpm, shown)
             return Watched(turns + first + 1, shown, settled, False, cost + shown.cost)
         turns += record.periods
         if record.status != Status.OK:
             return Watched(turns, record, None, False, cost)
-        orbit = part
-        if turns == patience or record.repeats:
+        orbit = ahead
+        if turns == patience or record.repeats:  # out of patience, or it looks periodic
             end = orbit.go_on(0, recorded).run()
             cost = cost + end.cost
             settled = identify(orbit.system, rpm, end)

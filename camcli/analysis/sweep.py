@@ -596,7 +596,11 @@ def true_motion(
 
 
 def _shows(record: Record, orbit: PeriodicOrbit) -> bool:
-    """Whether each turn of a record is one of the orbit: its state, then, and its symbol."""
+    """Whether every turn of a record is a turn of the orbit.
+
+    It is where it begins at one of the orbit's states, within SAME, and has the symbol of that
+    turn. The order of the turns is not asked: the map that leads from one to the next is the same.
+    """
     states, symbols = sections(record)
     own, size = np.array(orbit.states), size_of(orbit.states)
     near = np.array([distances(states, state, size) <= SAME for state in own])

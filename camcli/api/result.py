@@ -201,15 +201,16 @@ class Result:
 
         binary = self.command == "sweep" and self.scene.sweep.tables == "npz"
         for name, table in self.tables.items():
-            if binary and name != "speeds":
+            if binary and name != "speeds":  # which is small, and has texts
                 made(f"{name}.npz", folder.write, table.npz)
             else:
                 made(f"{name}.csv", folder.write, table.write_csv)
         form = self.scene.plot
         files = {f"{name}.{kind}": (name, kind) for name in self.pictures for kind in form.formats}
         kept = {} if plot else folder.keep_pictures(list(files), scene_hash(self.scene))
-        for file, (name, kind) in files.items() if plot else ():
-            made(file, folder.write_whole, partial(self._draw, name, kind))
+        if plot:
+            for file, (name, kind) in files.items():
+                made(file, folder.write_whole, partial(self._draw, name, kind))
         for name, fill in self.files.items():
             made(name, folder.write_whole, fill)
         folder.claim([*folder.hashes, "run.json"])

@@ -72,9 +72,9 @@ def follow_orbits(cam, consts, flows, states, works, runs, loads, log, strobe, b
 @outlined
 def finish(cam, const, state, one, log, strobe, load):
     """What the record of an orbit shows at its end."""
-    one.periods = max(0, min(state.period, one.turns))
+    one.periods = max(0, min(state.period, one.turns))  # the period is below 0 in the transient
     one.resting = 1 if state.mode == RESTING or is_thrown_off(cam, state) else 0
-    if strobe.rows == 0:
+    if strobe.rows == 0:  # nothing was recorded
         return
     for k in range(strobe.first, strobe.first + one.periods):
         one.impacts += strobe.impacts[k]

@@ -118,19 +118,23 @@ class Trace:
 
 
 def _fine(t: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times that are dense enough for a smooth curve, and the rows they come after.
+    """Times that are dense enough for a smooth curve, and the row that each of them comes after.
 
-    The rows themselves are among them, a jump twice, and every corner of the cam from both sides.
+    The rows themselves are among them; an impact has two rows at one time, so that time is there
+    twice. So is every corner of the cam that lies between the rows, once on either side of it.
     """
-    parts = max(2, min(FINER, MOST_POINTS // len(t)))
-    segment = np.repeat(np.arange(len(t)), [*np.full(len(t) - 1, parts), 1])
+    parts = max(2, min(FINER, MOST_POINTS // len(t)))  # from each row to the next
+    points = np.full(len(t), parts)
+    points[-1] = 1  # the last row stands alone
+    segment = np.repeat(np.arange(len(t)), points)
     share = np.append(np.tile(np.arange(parts) / parts, len(t) - 1), 0.0)
     fine = t[segment] + share * np.append(np.diff(t), 0.0)[segment]
-    inside = corners[(corners > t[0]) & (corners < t[-1])]
-    inside = np.sort(np.concatenate([inside - ASIDE * t[-1], inside + ASIDE * t[-1]]))
-    place = np.searchsorted(fine, inside, side="right")
-    after = np.searchsorted(t, inside, side="right") - 1
-    return np.insert(fine, place, inside), np.insert(segment, place, after)
+    aside = ASIDE * t[-1]  # some roundings of the largest time
+    inside = corners[(corners - aside >= t[0]) & (corners < t[-1])]  # no side before the first row
+    sides = np.sort(np.concatenate([inside - aside, inside + aside]))
+    place = np.searchsorted(fine, sides, side="right")
+    after = np.searchsorted(t, sides, side="right") - 1
+    return np.insert(fine, place, sides), np.insert(segment, place, after)
 
 
 def _cubic(

@@ -123,16 +123,20 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
 
 
 def _path(data: Any, detail: Mapping[str, Any]) -> Path:
-    """A location without the names of union members, which are no keys of the data."""
+    """A location without the names of union members, which are no keys of the data.
+
+    pydantic says of a cam ("cam", its kind, key, ...), and names models of other unions likewise.
+    """
     path: list[str] = []
-    location, ends = detail["loc"], detail["type"] in ("missing", "extra_forbidden")
+    location = detail["loc"]
+    last_may_be_absent = detail["type"] in ("missing", "extra_forbidden")
     for number, key in enumerate(location):
         if number == 1 and location[0] == "cam" and isinstance(data, dict):
             continue  # the kind of cam
         item = isinstance(data, list) and isinstance(key, int) and key < len(data)
         if item or (isinstance(data, dict) and key in data):
             data = data[key]
-        elif not (ends and number == len(location) - 1):
+        elif not (last_may_be_absent and number == len(location) - 1):
             continue
         path.append(str(key))
     return tuple(path)

@@ -334,6 +334,26 @@ def test_what_is_drawn_between_rows_comes_after_the_right_one():
     assert slopes[moves] == pytest.approx(3.0 * fine[moves] ** 2, abs=1e-12)
 
 
+CORNERS = {"b": 150.1793714951576, "c": 160.0, "e": 209.8206285048424}  # deg
+
+
+@pytest.mark.parametrize("corner", CORNERS)
+@pytest.mark.parametrize("record", [3, 9, 20])
+def test_nothing_is_drawn_before_the_first_row_where_the_strobe_lies_on_a_corner(corner, record):
+    """Rounding may put the corner before the row at the strobe: in flight a curve would begin there
+    far off, where the last cubic of the turn is."""
+    values = {"run.rpm": 700, "run.transient": 30, "run.record": record, "simulate.plot_turns": 2,
+              "run.strobe_deg": CORNERS[corner]}  # fmt: skip
+    result = camcli.simulate(camcli.load_scene(None, values))
+    found = result.values[0] if isinstance(result.values, tuple) else result.values
+    trace, rows = Trace.of(found, result.system, 2), result.tables["trajectory"]
+    last = rows["t_s"] * 700.0 / 60.0 >= record - 2 - 1e-9
+    q = rows["q_m"][last]
+    reach = 0.01 * np.ptp(q)  # between two rows of a flight of 256 samples a turn
+    assert q.min() - reach <= np.nanmin(trace.q)
+    assert np.nanmax(trace.q) <= q.max() + reach
+
+
 @pytest.mark.parametrize("strobe_deg", [0.0, 100.0, 200.0, 300.0])
 def test_every_corner_of_every_turn_shown_is_among_the_points(strobe_deg):
     """From both sides, wherever the strobe is."""

@@ -95,10 +95,12 @@ def completion_loss(bursts: Bursts, speeds: Sequence[float]) -> Iterator[Critica
 
     def excess(rpm: float) -> float:
         burst = bursts.at(rpm)
-        return min(burst.end, FAR) - burst.release - TURN if burst.release < inf else FAR
+        if burst.release == inf:  # contact is never lost at this speed
+            return FAR
+        return min(burst.end, FAR) - burst.release - TURN  # below 0: at rest before the next one
 
     for last, where in _changes(bursts, excess, speeds):
-        theta = bursts.at(last).release  # where the chatter ends at the last complete speed
+        theta = bursts.at(last).release  # at the last complete speed the burst ends here too
         yield CriticalSpeed(
             CriticalQuantity.COMPLETION_LOSS, bursts.name, theta, *where, bursts.name
         )

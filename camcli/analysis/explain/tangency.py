@@ -135,8 +135,8 @@ class Folds:
             return self.places(rpm, pair, t + half * y, n)[n, 0]
 
         value, y = lowest(eta, -1.0, 1.0, samples)
-        t = t + half * y
-        return float(value), t, float(self.places(rpm, pair, t, n)[n, 1])
+        at = t + half * y
+        return float(value), at, float(self.places(rpm, pair, at, n)[n, 1])
 
     def corner(self, fold: Fold) -> Corner | None:
         """The corner whose image the fold is; None for a smooth fold."""
