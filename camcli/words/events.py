@@ -11,7 +11,7 @@ from camcli.words.border_collision import KINDS, collision_words
 
 def event_words(b: Bifurcation) -> list[str]:
     """Sentences on one event: how an orbit grazes, what a corner impact does, what lies beyond."""
-    if b.located is None:
+    if b.located is None:  # of an orbit that rests: a run on the other side tells what comes
         return [f"beyond it a run settles on {b.beyond or 'nothing that could be solved'}."]
     if b.kind == Kind.GRAZING:
         found = b.located
