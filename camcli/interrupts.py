@@ -31,7 +31,12 @@ _compiling: list[None] = []
 
 
 def install() -> None:
-    """Take over the signals of this process, which must be a command's; ignored ones stay so."""
+    """Take over the signals of this process, which must be a command's; ignored ones stay so.
+
+    What another command in this process was told of signals is over.
+    """
+    global _came, _ending
+    _came = _ending = False
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
     for number in ENDING:

@@ -188,13 +188,17 @@ def figures(
                 store.write_text("index.html", [page([_entry(f, out / f.name) for f in known])])
                 store.commit()
         drifted = _drifts(asked, out) if check else []
+        captions = {f"the caption of {f.name}": partial(_lacks, f, out) for f in asked}
+        lacking = [text for name in captions for text in piece(name, captions[name], [])]
     states = {f.name: state for f in asked if (state := read(State, out / f.name / STATE))}
     if update_reference and len(states) == len(asked):
         update(asked, known, states)
         note(f"{asked[0].reference_path.parent}/: references of {plural(len(asked), 'figure')}")
     _show(request, asked, why, done, drifted if check else None, out, perf_counter() - began)
     codes = {state.exit for state in (*states.values(), *done.values())}
-    codes |= {NUMERICS} if drifted else set()
+    for text in lacking:
+        note(text)
+    codes |= {NUMERICS} if drifted or lacking else set()
     if faults:
         _write_faults(out, faults)
         codes.add(INTERNAL)
@@ -494,6 +498,19 @@ def _write_faults(out: Path, faults: Sequence[PieceFault]) -> None:
         store.write_text(FAULTS, [json.dumps(records, indent=1) + "\n"])
         store.commit()
     tell_faults(records, out / FAULTS)
+
+
+def _lacks(figure: Figure, out: Path) -> list[str]:
+    """A sentence where the caption of a finished figure names a number that its run lacks."""
+    state = read(State, out / figure.name / STATE)
+    if state is None:
+        return []
+    assert figure.scene.figure is not None
+    try:
+        caption(figure.scene.figure.shows, state.values)
+    except KeyError as name:
+        return [f"{figure.path}: figure.shows: {caption_lacks(name)}"]
+    return []
 
 
 def _entry(figure: Figure, folder: Path) -> GalleryFigure:

@@ -281,6 +281,8 @@ def _prepare(folder: Path) -> list[Path]:
         except FileNotFoundError:  # another run has removed a folder above it
             continue
         except (FileExistsError, NotADirectoryError):
+            if not os.path.lexists(folder):  # another run has removed it meanwhile
+                continue
             raise _refused(folder, "found a file where the folder should be") from None
         except OSError as error:
             raise _refused(folder, f"found no way to create it ({error.strerror})") from None

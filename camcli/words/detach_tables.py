@@ -43,7 +43,11 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
         return _cell(load(loads, column), scale, DIGITS[column])
 
     def between(low: float | None, high: float | None) -> str:
-        return "" if low is None or high is None else f"{_zero(low):.4g} to {high:.4g}"
+        if low is None or high is None:
+            return ""
+        return f"{_zero(low) * per_newton:.4g} to {high * per_newton:.4g}"
+
+    newtons, per_newton = units.shown(FORCE.unit)
 
     past = [
         [*speed(s.rpm, f".{seen}f"), *map(partial(shown, s.loads), DIGITS),
@@ -53,19 +57,19 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
     loads = [units.head(LOADS[column]) for column in (*DIGITS, "max_contact_force_n")]
     _, pressures = units.shown(PRESSURE.unit)
     forces = [
-        [*speed(f.rpm, f".{exact}g"), _cell(_zero(f.lowest_n), digits=4),
-         _cell(degrees(f.lowest_theta), digits=4), _cell(f.highest(f.force_n)[0], digits=4),
+        [*speed(f.rpm, f".{exact}g"), _cell(_zero(f.lowest_n), per_newton, 4),
+         _cell(degrees(f.lowest_theta), digits=4), _cell(f.highest(f.force_n)[0], per_newton, 4),
          *([_cell(f.highest(f.pressure_pa)[0], pressures)] if f.pressure_pa else [])]
         for f in found.forces
     ]  # fmt: skip
-    kept = [headed("least", FORCE.unit), headed("at", THETA.unit), headed("largest", FORCE.unit)]
+    kept = [headed("least", newtons), headed("at", THETA.unit), headed("largest", newtons)]
     if found.forces and found.forces[0].pressure_pa:
         kept.append(units.head(PRESSURE))
     ratio = result.system.rocker_ratio
     where = "" if ratio == 1.0 else f", at the valve; on the lobe {ratio:.6g} times as large"
     springs = [
-        [short_way(h), _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, digits=4),
-         _cell(h.nose_n, digits=4),
+        [short_way(h), _cell(h.stiffness, 1.0 / units.per_m, 4), _cell(h.preload, per_newton, 4),
+         _cell(h.nose_n, per_newton, 4),
          "never" if h.detaches == inf else _cell(h.detaches, digits=exact), h.status]
         for h in found.holds
         if h.stiffness is not None
@@ -76,7 +80,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
          [*names, *kept], forces),
         ("Springs that hold contact",
          ["spring", units.head(FOLLOWER["stiffness"]), units.head(FOLLOWER["preload"]),
-          headed("at full lift", FORCE.unit), headed("holds to", RPM.unit), "status"], springs),
+          headed("at full lift", newtons), headed("holds to", RPM.unit), "status"], springs),
     ]  # fmt: skip
     return [(title, heads, rows) for title, heads, rows in tables if rows]
 

@@ -79,17 +79,17 @@ def expected(rpm, **changes):
     hits = [(-float(e.u_minus), float(e.theta)) for e in events if e.kind == "impact"]
     lifts = [float(cam.c(mpf(theta))) - LOWEST for _, theta in hits]
     hardest, at = max(hits)
-    degrees = {kind: [float(e.theta) * 180 / pi for e in events if e.kind == kind]
-               for kind in ("chatter", "detachment")}  # fmt: skip
+    phases = {kind: [float(e.theta) for e in events if e.kind == kind]
+              for kind in ("chatter", "detachment")}  # fmt: skip
     return (
         max(map(gap, long)),
         sum(b - a for a, b, _ in flights) / (2 * pi * TURNS),
         hardest,
         max(force(-1), 0.0),
         force(1),
-        min(degrees["detachment"]),
-        max(degrees["chatter"], default=None),
-        at * 180 / pi,
+        min(phases["detachment"]),
+        max(phases["chatter"], default=None),
+        at,
         lifts[hits.index((hardest, at))],
         sum(
             lift <= 0.01 * LIFT and hits[k][0] >= 0.1 * max(hits[: k + 1])[0]

@@ -1,8 +1,10 @@
 """`kind: law` and `kind: eccentric`: handbooks, joints, the compiled table against closed forms."""
 
 import random
+from fractions import Fraction
 from itertools import pairwise
 from math import pi, ulp
+from typing import get_args
 
 import pytest
 from mpmath import cos, mp, mpf
@@ -11,7 +13,7 @@ from pydantic import ValidationError
 from camcli.cams.balls import precision
 from camcli.cams.compile import build, column, corners, phase_of
 from camcli.cams.eccentric import EccentricCam
-from camcli.cams.law import LawCam
+from camcli.cams.law import POLYNOMIALS, LawCam, LawName
 from camcli.cams.regions import corner_list
 from camcli.kernel.cam_table import higher, lift, lift_at, stretch_at
 from tests.support.law_oracle import LAWS, OWN, OWN_LAW
@@ -20,6 +22,13 @@ BASE, LIFT = -0.013, 0.05  # m
 RISE, DWELL, FALL = 100.0, 40.0, 120.0  # deg
 EVERY = {**LAWS, "scca": OWN_LAW}
 SCCA = {"scca": OWN}
+
+
+def test_every_law_has_its_oracle_and_rises_by_one():
+    assert {*get_args(LawName)} == {*LAWS}
+    assert all(sum(map(Fraction, terms.values())) == 1 for terms in POLYNOMIALS.values())
+
+
 CORNERS = {  # deg after the start of the rise
     "constant-velocity": [0, 100, 140, 260],
     "constant-acceleration": [0, 50, 100, 140, 200, 260],

@@ -45,7 +45,7 @@ def test_a_failed_row_is_exit_code_3(cam, tmp_path, monkeypatch):
     assert (first["case"], first["observed"], first["status"]) == ("1: r = 0; b", "'two'", "failed")
     assert second["status"] == "ok"
     said = cam("bench stability --no-plot -o .").stderr
-    assert 'stability: row 1: r = 0, b: expected one: "two"' in said
+    assert 'stability: row 1: r = 0, b: expected one, but: "two"' in said
 
 
 def test_scale(cam, tmp_path, monkeypatch):
@@ -82,7 +82,7 @@ def test_the_records_of_a_bench_hold_every_row():
     ]
     result, trouble = RESULTS["stability"](outcomes)
     assert result == {"rows": 3, "failed": [1]}
-    assert trouble == ["row 1: expected e1: o1"]
+    assert trouble == ["row 1: expected e1, but: o1"]
 
 
 def vars_of(row):

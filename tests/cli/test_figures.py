@@ -236,9 +236,11 @@ def test_a_caption_has_the_numbers_of_the_run(run, home):
     assert caption("{x y|.1f} of {rows}, {label}", values) == "1.2 of 3, P(1;∞)"
     with pytest.raises(KeyError, match="'z'"):
         caption("{z}", values)
-    for shows, said in (("at {label}", "at P(1;∞)"), ("{no such} speed", "The caption names")):
+    lacking = "The caption names"
+    for shows, said, code in (("at {label}", "at P(1;∞)", 0), ("{no such} speed", lacking, 3)):
         write(home / "scenes", "1.1", "simulate", RUN, more=f', shows: "{shows}"', shows=False)
-        run()
+        done = run(code=code)
+        assert (lacking in done.stderr) == (code == 3)
         assert said in (home / "out" / "index.html").read_text()
 
 

@@ -10,8 +10,10 @@ import sys
 import threading
 from hashlib import sha256
 
+import grimp
 import pytest
 
+from camcli.api import ANALYSES
 from camcli.errors import SceneError
 from camcli.output.program import PICTURES, RESULTS, program_hash
 from camcli.output.run_folder import run_folder
@@ -189,6 +191,13 @@ def test_the_program_is_what_can_change_a_number():
     assert {"kernel", "cams", "analysis", "exact", "parallel"} <= folders
     assert not {"cli", "plots", "output"} & folders
     assert program_hash() != program_hash(pictures=True)
+    graph = grimp.build_graph("camcli", exclude_type_checking_imports=True)
+    used = set()
+    for command in ANALYSES:
+        used |= graph.find_upstream_modules(f"camcli.api.{command}")
+    parts = {name.split(".")[1] for name in used if "." in name}
+    known = {name.removesuffix(".py") for name in (*RESULTS, *PICTURES)}
+    assert parts - known == {"interrupts"}  # which only ends a run
 
 
 PAIRS, RUNS = 150, 3

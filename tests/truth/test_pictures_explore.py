@@ -70,6 +70,11 @@ def test_the_machine_is_that_of_the_scene(page):
     assert {*data} == {
         "source", "kind", "follower", "strobe_deg", "corners", "speeds", "outline", "cam",
         "motions", "rows", "events", "points", "branches", "bifurcations", "planes", "measured",
+        "units",
+    }  # fmt: skip
+    assert data["units"] == {
+        "mass": "kg", "stiffness": "N/m", "damping": "N s/m", "gravity": "m/s²", "preload": "N",
+        "restitution": "",
     }  # fmt: skip
     assert data["measured"] == ""  # a law is known exactly
     for key, value in data["follower"].items():
