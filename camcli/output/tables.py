@@ -30,6 +30,14 @@ Block = Sequence[Any]  # one entry a column: a list, a range or an array; or one
 ROWS = 1 << 12  # rows that become a block at a time
 CHUNK = 1 << 20  # bytes
 KINDS = {float, int, str, type(None)}
+TEXTS = frozenset(  # columns that are text in every table that has them
+    [
+        "case", "classification", "contact", "corner", "direction", "event", "expected",
+        "holds_for", "kind", "label", "method", "observed", "proved", "quantity", "region",
+        "status",
+    ]
+)  # fmt: skip
+MAY_BE_EMPTY = frozenset({"stable", "watched_turns"})  # whole numbers, NaN where not known
 SAME_FORM, EXPONENT = 1e-4, 1e16  # magnitudes between which JSON and Python write a number alike
 
 
@@ -37,7 +45,9 @@ class Table(Columns):
     """Named columns of equal length, made anew from the result each time they are read.
 
     ``table["rpm"]`` is a column as a NumPy array: numbers as float64 or int64, with NaN where a
-    number is not known, texts as strings; columns of an empty table are float64.
+    number is not known, texts as strings. What a column is does not depend on what is in it: a
+    label is a string and a flag that may be empty, as ``stable``, is float64 in an empty table too;
+    other columns of an empty table are float64.
     ``table.columns`` are the names, as in the CSV file, and ``table.rows`` is how many rows it has.
 
     It is a Mapping of these columns, so that ``dict(table)`` has them all, and a dict because
@@ -82,7 +92,8 @@ class Table(Columns):
         if column not in self.columns:
             raise unknown("column", column, self.columns)
         k = self.columns.index(column)
-        return _joined([np.asarray(_missing(_spread(block, k))) for block in self.blocks()])
+        parts = [np.asarray(_missing(_spread(block, k))) for block in self.blocks()]
+        return _typed(column, _joined(parts))
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All columns as arrays; the rows are made once, not once for each column."""
@@ -92,7 +103,8 @@ class Table(Columns):
         for block in self.blocks():
             for k, part in enumerate(parts):
                 part.append(np.asarray(_missing(_spread(block, k))))
-        return dict(zip(self.columns, map(_joined, parts), strict=True))
+        joined = zip(self.columns, map(_joined, parts), strict=True)
+        return {column: _typed(column, values) for column, values in joined}
 
     def __contains__(self, column: object) -> bool:
         return column in self.columns
@@ -229,6 +241,17 @@ class Named(dict[str, Any]):
 def unknown(kind: str, name: object, known: Iterable[str]) -> KeyError:
     """The error for a name that is not one of those known."""
     return KeyError(f"found no {kind} {name!r}; there are {', '.join(known) or 'none'}")
+
+
+def _typed(column: str, values: np.ndarray) -> np.ndarray:
+    """Values with the type that their column always has."""
+    import numpy as np
+
+    if column in TEXTS and values.dtype.kind == "f":  # no row has a text
+        return np.full(len(values), "")
+    if column in MAY_BE_EMPTY:
+        return values.astype(float)
+    return values
 
 
 def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:

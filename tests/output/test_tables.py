@@ -113,3 +113,18 @@ def test_a_block_of_single_values_is_one_row():
     found = np.load(io.BytesIO(file.getvalue()), allow_pickle=False)
     for k, column in enumerate(table.columns):
         assert [row[k] for row in rows] == table[column].tolist() == found[column].tolist()
+
+
+def test_the_type_of_a_column_does_not_depend_on_what_is_in_it():
+    def kinds(*rows):
+        table = Table.of_rows(("label", "stable", "watched_turns", "rpm"), lambda: iter(rows))
+        assert {name: table[name].dtype.kind for name in table} == {
+            name: values.dtype.kind for name, values in table.arrays().items()
+        }
+        return [table[name].dtype.kind for name in table]
+
+    always = ["U", "f", "f", "f"]
+    assert kinds() == always
+    assert kinds(("P(1;1)", 1, None, 700.0)) == always
+    assert kinds((None, None, None, 700.0)) == always
+    assert kinds(("aperiodic", None, 21000, 745.0), ("P(1;1)", 1, None, 700.0)) == always
