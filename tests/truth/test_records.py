@@ -585,7 +585,7 @@ def test_classify():
         assert row["impacts"] == (np.inf if rests else pytest.approx(per_turn, abs=wide))
         assert row["stable"] == 1.0 or (chaos and np.isnan(row["stable"]))
         assert row["lyapunov_per_period"] == pytest.approx(exponent, abs=wide)
-        assert np.isnan(row["holds_for"])
+        assert row["holds_for"] == ""
         assert np.isnan(row["watched_turns"]) != chaos
     assert [row["rpm"] for row in rows] == rpms
     columns = ["rpm", "label", "period", "impacts", "chatter", "stable", "lyapunov_per_period",
