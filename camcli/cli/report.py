@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -37,7 +38,8 @@ def table(
     for row in rows:
         grid.add_row(*(cell or "-" for cell in row[:count]))
     person = Console().is_terminal
-    console = Console(width=None if person else FILE_WIDTH)
+    chosen = person or os.environ.get("COLUMNS", "").isdecimal()
+    console = Console(width=None if chosen else FILE_WIDTH)
     console.print(f"\n{title}", style="bold", markup=False, highlight=False)
     console.print(grid)
 
