@@ -21,6 +21,7 @@ from camcli.cams.compile import phase_of
 from camcli.scene import load_scene
 from camcli.system import Follower, System
 
+os.environ.pop("COLUMNS", None)  # tables are as wide as where no person watches
 NUMBA = tuple(int(part) for part in version("numba").split(".")[:2])
 own_way = pytest.mark.skipif(
     NUMBA < (0, 62), reason="this numba compiles the kernel by its public functions"
