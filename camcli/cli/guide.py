@@ -47,8 +47,8 @@ def guide(
 
 
 def _show(text: str) -> None:
-    """Print a page: on a terminal set in its width and paged, else as Markdown."""
-    if not sys.stdout.isatty():
+    """Print a page: set and paged where a person sits at a terminal, else as Markdown."""
+    if not (sys.stdout.isatty() and sys.stdin.isatty()):  # a pager would wait for a key
         print(text, end="")
         return
     from rich.console import Console

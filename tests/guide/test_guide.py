@@ -28,6 +28,7 @@ REFERENCE = written()
 PROSE = [topic for topic in PATHS if topic not in REFERENCE]
 BLOCK = re.compile(r"(?:<!-- ([^>]*) -->\n)?```(\w+)\n(.*?)```", re.DOTALL)
 WHOLE = bool({"CAMCLI_NO_SKIPS", "CAMCLI_SOAK"} & os.environ.keys())
+LOOP = re.compile(r"(for|if) ")  # the first word of a block that is one command of the shell
 LONG = "long"  # blocks that CI runs; the quick suite runs all others, without their pictures
 
 
@@ -48,7 +49,7 @@ def flat(text: str) -> str:
 def run_shell(text: str, folder: Path) -> str:
     """What a block of shell prints; commands of cam run in this process where they can."""
     printed = ""
-    for line in text.replace("\\\n", " ").splitlines() if "for " not in text else [text]:
+    for line in text.replace("\\\n", " ").splitlines() if not LOOP.match(text) else [text]:
         words = re.sub(r"\$CONFIGS", str(ROOT / "configs"), line.partition("  #")[0])
         words = re.sub(r"(?<= )configs/", f"{ROOT}/configs/", words)
         if not words.strip() or "pip install" in words:
