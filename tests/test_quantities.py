@@ -13,6 +13,7 @@ from camcli.api import ANALYSES, bench
 from camcli.api.command import columns_of, command_of
 from camcli.cams.lift_table import TableCam
 from camcli.kernel import flow
+from camcli.output.tables import MAY_BE_EMPTY, TEXTS
 from camcli.quantities import (
     FOLLOWER,
     LENGTHS,
@@ -153,3 +154,7 @@ def test_every_column_of_a_run_is_told_in_its_order(name):
         assert [c for c in dict.fromkeys(found) if c in order] == [
             c for c in order if c in found
         ], table
+
+
+def test_columns_that_have_a_type_of_their_own_are_columns():
+    assert {one.column for _, one in COLUMNS} >= TEXTS | MAY_BE_EMPTY

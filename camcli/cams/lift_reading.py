@@ -485,7 +485,10 @@ def _turn(
 def _dwells(
     name: str, theta: list[float], lift: list[float], steps: list[int], quantum: float
 ) -> list[Dwell]:
-    """Runs of equal lifts too long to be a rounded nose."""
+    """Runs of equal lifts too long to be a rounded nose.
+
+    steps: the lifts in last digits, whole numbers that are equal where the rows are.
+    """
     n = len(steps)
     breaks = [k for k in range(n) if steps[k] != steps[k - 1]]  # a run begins here
     runs = []
@@ -495,9 +498,11 @@ def _dwells(
         if length >= DWELL_DEG and after - first >= 5:
             runs.append((first, after - first, length))
             moving -= length
+    # A parabola as high as the lift over half of what moves: it is flat within a last digit for
+    # 2 sqrt(quantum / curvature).
     half = 0.5 * moving / DEG
     curvature = 2.0 * (max(lift) - min(lift)) / (half * half)
-    nose = 4.0 * sqrt(quantum / curvature) * DEG  # twice what rounds flat on a parabola
+    nose = 4.0 * sqrt(quantum / curvature) * DEG  # twice that
     runs = [run for run in runs if run[2] >= nose]
     off = n - sum(count for _, count, _ in runs)
     if off < LEAST_MOVING:

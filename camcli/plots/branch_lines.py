@@ -248,7 +248,10 @@ def draw_plane(axes: Axes, largest: float, sizes: Collection[float] = ()) -> Non
 
 
 def draw_paths(axes: Axes, lines: Sequence[Strand], colour: str) -> None:
-    """Paths in the plane with an arrow each for a rising parameter."""
+    """Paths in the plane, each with an arrow half-way that points along a rising parameter.
+
+    A path that does not move is a dot; one too short in what is seen of it has no arrow.
+    """
     half = axes.get_xlim()[1]
     for line in lines:
         mu = np.asarray(line.y)

@@ -44,7 +44,7 @@ def basins_notes(found: Study, budget: int) -> list[str]:
 
 def grid_title(speed: Basins) -> str:
     """The title of the attractors of one speed."""
-    return f"{speed.rpm:.10g} rpm, orbit mapping"
+    return f"{speed.rpm:.10g} rpm"
 
 
 def grids_title(found: Study, key: str) -> str:
@@ -98,7 +98,7 @@ def picture_title(what: str, speeds: Sequence[Basins], key: str) -> str:
 def window_words(grids: Sequence[Basins], system: System) -> str:
     """The starts of a window, and of one speed the measures of its boundaries."""
     window, phase = grids[0].window, number_text(round(degrees(system.strobe), 9))
-    text = f"{window.nq} × {window.nv} starts (q, v) at θ = {phase} deg, orbit mapping"
+    text = f"{window.nq} × {window.nv} starts (q, v) at θ = {phase} deg"
     if grids[0].level is not None:
         share = 100.0 * sum(s.computed for s in grids) / sum(s.cells for s in grids)
         text += f", {share:.3g} % of the cells computed (boundaries refined)"
@@ -120,7 +120,7 @@ def windows_words(study: Study, window: Window, units: Units, key: str) -> str:
     return (
         f"{len(study.speeds)} {one_of(key)}s, {window.nq} × {window.nv} starts each, "
         f"q from {window.q[0] * units.per_m:g} to {units.lengths(window.q[1], 6)}, "
-        f"v from {window.v[0]:g} to {window.v[1]:g} m/s, orbit mapping"
+        f"v from {window.v[0]:g} to {window.v[1]:g} m/s"
     ).replace("-", "−")
 
 

@@ -241,7 +241,7 @@ def test_the_page_of_basins_names_every_colour_and_its_share(name):
             }
         page.says(f"Basin fractions, stiffness {STIFF:.10g} to 1430.8 N/m at 361 rpm")
         page.says("4 values, 6 × 5 starts each, q from 0.1 to")
-        page.says("0.9 m, v from −50 to 50 m/s, orbit mapping")
+        page.says("0.9 m, v from −50 to 50 m/s")
         return
     for number, label, fraction, error in columns:
         row = next(
@@ -273,7 +273,7 @@ def test_the_page_of_basins_names_every_colour_and_its_share(name):
         assert 0 in attractors["attractor"]
     strobe = values.get("run.strobe_deg", machine.strobe_deg)
     wide, high = (values["basins.cells"][k] * 2 ** values.get("basins.refine", 0) for k in (0, 1))
-    page.says(f"{wide} × {high} starts (q, v) at θ = {strobe:g} deg, orbit mapping")
+    page.says(f"{wide} × {high} starts (q, v) at θ = {strobe:g} deg")
     if name == "chapter":
         (led,), (tried,) = (result.tables["saddles"][column] for column in ("led", "tried"))
         page.row(f"saddle P(1;2): {led} of {tried} motions led to it")

@@ -120,7 +120,7 @@ def test_basins(tmp_path):
     line = "basins --cells 20,12 --refine 1 --no-plot --verbose -o out"
     said, out, result = screen(tmp_path, line)
     (speed,), found = result["speeds"], rows(out / "attractors.csv")
-    shown = table(said, "358.5 rpm, orbit mapping")
+    shown = table(said, "358.5 rpm")
     assert len(shown) == len(found) > 1
     for (label, number, q, v, share), row in zip(shown, found, strict=True):
         assert (label, number) == (row["label"], row["attractor"])

@@ -1,1 +1,1 @@
-"""Which attractor a start lands on: attractors, cell mapping, boundaries, speeds."""
+"""Which attractor a start lands on: attractors, cells, boundaries, speeds."""

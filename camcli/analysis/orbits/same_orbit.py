@@ -38,9 +38,10 @@ def distances(a: np.ndarray, b: np.ndarray, size: State) -> np.ndarray:
 def close_returns(
     states: np.ndarray, turns: int, size: State, within: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(first turns, distances) of the motions that come back, so many turns later, within `within`.
+    """From which states a motion comes back after `turns` turns, and how near it comes.
 
-    states: (n, 2), of consecutive turns.
+    states: (n, 2), of consecutive turns. Returns the indices of the states whose relative distance
+    from the state `turns` later is at most `within`, and these distances.
     """
     apart = distances(states[turns:], states[:-turns], size)
     first = np.flatnonzero(apart <= within)
