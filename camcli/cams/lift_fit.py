@@ -61,6 +61,7 @@ TINY = 1e-300
 SLOPE = 0.5  # of the length along the turn
 LENGTH_HALVINGS = 20  # of the logarithm of the length
 SAMPLE = 600  # rows that estimate the noise
+COARSE = 1.5  # times: so much less is seen of bending as large as the scatter, two degrees higher
 TRIMMED = 0.6230  # mean square of the nine tenths of a normal distribution nearest its mean
 ERRORS = 3.0  # standard errors in the bound
 LEAST_RATIO, SMOOTH = 1.28, 4.0  # growth of the bending with twice the length, that is counted on
@@ -81,15 +82,31 @@ def scatter(turn: Turn) -> float:
     The scatter is the least of three estimates from polynomials of rising degree: where the lift
     itself bends between rows, the higher ones see less of it.
     """
+    return max(turn.quantum / sqrt(12.0), min(_scatters(turn)))
+
+
+def bends_between_rows(turn: Turn) -> bool:
+    """Whether the rows lie too far apart for the lift.
+
+    Scatter is the same for polynomials of every degree, bending is less for higher ones.
+    """
+    low, high, _ = _scatters(turn)
+    return low > COARSE * high
+
+
+def _scatters(turn: Turn) -> list[float]:
+    """Standard deviation of the rows that move from polynomials of degree 3, 5 and 7, m."""
     level = (np.roll(turn.lift, 1) == turn.lift) & (np.roll(turn.lift, -1) == turn.lift)
     moving = np.flatnonzero((turn.line > 0) & ~level)
     moving = moving[:: 1 + len(moving) // SAMPLE]
-    estimates = [0.0] if len(moving) == 0 else []
-    for reach in (2, 3, 4) if len(moving) else ():
+    if len(moving) == 0:
+        return [0.0, 0.0, 0.0]
+    estimates = []
+    for reach in (2, 3, 4):
         off, weights = turn.deviations(reach)
         squares = np.sort((off * off / (1.0 + (weights * weights).sum(axis=0)))[moving])
         estimates.append(sqrt(float(squares[: int(0.9 * len(moving)) + 1].mean()) / TRIMMED))
-    return max(turn.quantum / sqrt(12.0), min(estimates))
+    return estimates
 
 
 def _shares(lift: np.ndarray) -> np.ndarray:
@@ -405,6 +422,8 @@ class Accuracy:
     knots: int
     lift: float  # highest minus lowest row
     quantum: float  # step of the last digit
+    spacing_deg: float  # median, between rows
+    bends_between_rows: bool  # the rows lie too far apart for the lift
     noise: float  # standard deviation of a row: of the rounding, or more where rows scatter more
     rms: float  # deviation of the fit from the rows that move
     largest: float
@@ -524,6 +543,8 @@ class Errors:
             knots=s.count,
             lift=float(max(turn.lift) - min(turn.lift)),
             quantum=turn.quantum,
+            spacing_deg=turn.spacing,
+            bends_between_rows=bends_between_rows(turn),
             noise=self.noise,
             rms=s.rms(self.coefficients),
             largest=float(max(off)),

@@ -36,9 +36,13 @@ def cautions(accuracy: Accuracy) -> list[str]:
     words = []
     rounding = accuracy.quantum / sqrt(12.0)
     if accuracy.noise > 1.5 * rounding:
+        off = f"by {UM * accuracy.noise:.3g} um"
+        times = f"{accuracy.noise / rounding:.3g} times the rounding of its digits"
         words.append(
-            f"warning: the table scatters by {UM * accuracy.noise:.3g} um, "
-            f"{accuracy.noise / rounding:.2g} times the rounding of its digits"
+            f"warning: the rows are {accuracy.spacing_deg:.3g} deg apart, too far for this cam: "
+            f"the lift bends between them, and the smooth cam is off {off}, {times}; give more rows"
+            if accuracy.bends_between_rows
+            else f"warning: the table scatters {off}, {times}"
         )
     if accuracy.largest > 6.0 * accuracy.noise:
         words.append(

@@ -1,6 +1,7 @@
 """Lift tables that cannot be used: every fault says where, what and what to do."""
 
 import os
+from random import Random
 
 import pytest
 
@@ -126,6 +127,23 @@ def test_a_spike_is_named_and_a_smaller_one_warned_of(tmp_path, line, off):
     if line == 182:
         cam = scene(tmp_path, changed(line, f"{deg},{float(lift) + 0.0009:.4f}", FINE)).cam
         assert any(f"line {line} of the table" in text for text in cautions(cam.accuracy))
+
+
+@pytest.mark.parametrize("law", [polynomial, cycloidal])
+@pytest.mark.parametrize(("step", "um"), [(5, 0), (6, 0), (1, 10), (3, 10), (5, 50)])
+def test_rows_too_far_apart_are_told_from_rows_that_scatter(tmp_path, law, step, um):
+    """Exact rows of a flank of 70 deg, or rows with normal noise."""
+    rng, lobe = Random(2), Lobe(law)
+    rows = [(deg, 1e3 * lobe.at(deg)[0]) for deg in range(0, 360, step)]
+    text = "deg,lift\n" + "\n".join(
+        f"{deg},{lift + (rng.gauss(0.0, 1e-3 * um) if lift else 0.0):.4f}" for deg, lift in rows
+    )
+    (said,) = (words for words in cautions(scene(tmp_path, text).cam.accuracy) if "times" in words)
+    if um:
+        assert said.startswith("warning: the table scatters by ")
+        assert float(said.split()[5]) == pytest.approx(um, rel=0.4)
+    else:
+        assert said.startswith(f"warning: the rows are {step} deg apart, too far for this cam")
 
 
 @pytest.mark.parametrize("law", [polynomial, cycloidal, lambda x: (x, 0.0), lambda x: (x * x, 2.0)])
