@@ -113,11 +113,14 @@ def of_shape(
     Other starts at a speed, and a sweep the other way, come to the same rest: it is followed once.
     """
     from camcli.exact.machine import BallMachine
-    from camcli.exact.motion import BallMotion, EndlessError
+    from camcli.exact.motion import EndlessError
+    from camcli.exact.quick_motion import QuickMotion, Table
+
+    table = Table(shape, follower, strobe, rpm)
 
     def followed() -> After:
         make = BallMachine.within_last_digit if every else BallMachine
-        return _followed(BallMotion(make(shape, follower, rpm), strobe, theta))
+        return _followed(QuickMotion(make(shape, follower, rpm), strobe, theta, table))
 
     try:
         return decided(followed, LAST_DIGIT_DIGITS if every else DIGITS)

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 from camcli.kernel.cam_table import Cam, Stretch
 from camcli.kernel.cells import settle_cells
 from camcli.kernel.certify import certify_orbit
+from camcli.kernel.enclosed_landing import enclose_landing
 from camcli.kernel.flow import Constants, Flow, fill_flows
 from camcli.kernel.follow import follow_orbits
 from camcli.kernel.loads import measure_loads
@@ -38,6 +39,7 @@ class Kernel:
     settle_cells: Callable
     stretch_events: Callable
     measure_loads: Callable
+    enclose_landing: Callable
 
     def numbers(self, values: Any, kind: type = float) -> Any:
         """A column of floats or ints; it may be `values` itself."""
@@ -110,13 +112,6 @@ def row_of(kind: type[Row], row: Any) -> Row:
     return kind(*row.item())
 
 
-def rows_of(kind: type[Row], rows: Any) -> list[Row]:
-    """`row_of` each of these rows of a table: reading them one by one is slow."""
-    if isinstance(rows, list):
-        return [copy(row) for row in rows]
-    return [kind(*values) for values in rows.tolist()]
-
-
 @cache
 def _row_type(kind: type) -> Any:
     """The type of an array of such rows; one object, which numba recognises quickly."""
@@ -128,5 +123,5 @@ def _row_type(kind: type) -> Any:
 
 PLAIN = Kernel(
     False, fill_flows, follow_orbits, correct_orbit, certify_orbit, settle_cells, stretch_events,
-    measure_loads,
+    measure_loads, enclose_landing,
 )  # fmt: skip

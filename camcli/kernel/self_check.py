@@ -15,6 +15,7 @@ from camcli.kernel.bordered import tables_for
 from camcli.kernel.cam_table import ORDERS, PIECE, TERMS, TURN, Cam, Stretch
 from camcli.kernel.cells import Cells, Point, Progress, Rest, Room, Targets
 from camcli.kernel.contact_search import Tally
+from camcli.kernel.enclosed_landing import COLUMNS
 from camcli.kernel.flight import BOUNCED, FREE
 from camcli.kernel.flow import RPM, Constants, Flow, constants_of
 from camcli.kernel.follow import Run
@@ -201,6 +202,13 @@ def _certify_orbit(kernel: Kernel) -> tuple:
     return _cam(kernel), machine, n, turns, whole, x, rates, flows, found, works
 
 
+def _enclose_landing(kernel: Kernel) -> tuple:
+    """A flight over a join of two parabolas."""
+    errors, sizes = [1e-17] * 5, [0.5, 0.25, BEND, 0.0, 0.0]
+    room = [*MACHINE, *errors, *sizes, 1.0, 0.2, 1e-17, 1e-17]
+    return _cam(kernel), kernel.numbers(room + [0.0] * (COLUMNS - len(room)))
+
+
 CASES: dict[str, Callable[[Kernel], tuple]] = {
     "fill_flows": _fill_flows,
     "follow_orbits": _follow_orbits,
@@ -209,4 +217,5 @@ CASES: dict[str, Callable[[Kernel], tuple]] = {
     "measure_loads": _measure_loads,
     "correct_orbit": _correct_orbit,
     "certify_orbit": _certify_orbit,
+    "enclose_landing": _enclose_landing,
 }

@@ -12,6 +12,7 @@ from conftest import chapter_system
 from mpmath import iv, mp, mpf
 
 import camcli
+from camcli.analysis.orbits.orbit import region_names
 from camcli.scene import load_scene
 from tests.support.oracle import ArcsCam
 from tests.support.orbit_oracle import DIGITS, Machine, admissible, solve
@@ -64,7 +65,7 @@ def oracles(key, value, orbit, regions=None):
 
 def regions_of(orbit):
     """The smooth region of each impact of the solved equations, in their order."""
-    names = system().region_names
+    names = region_names(system())
     return [names[orbit.root.whole[2 * k]] for k in range(orbit.root.count)]
 
 

@@ -1,0 +1,412 @@
+"""`BallMotion` with fewer balls: doubles find each landing, and only its digits are balls.
+
+`kernel.enclosed_landing` shows in doubles which landing is the first, and encloses it and its
+derivatives to some 12 digits. Where it does, the phase and the rate are refined in balls to all
+digits in use, and the spread of errors is carried in doubles with an exponent of its own. Where it
+does not (a departure from rest, a near graze, a landing beside a corner), `BallMotion` does the
+step. Every decision is as certain as there.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from math import frexp, ldexp, log2
+from typing import Any, NamedTuple
+
+from flint import arb, arb_mat, ctx
+
+from camcli.cams.balls import COARSE, UndecidedError
+from camcli.cams.compile import Shape
+from camcli.exact.machine import BallMachine
+from camcli.exact.motion import BLOW, GUARD, BallMotion, Parallelogram
+from camcli.exact.table_bounds import table_and_bounds
+from camcli.kernel import backend
+from camcli.kernel.enclosed_landing import (
+    ACCEL,
+    ANGLE,
+    COLUMNS,
+    ENCLOSED,
+    ERROR,
+    J11,
+    J12,
+    J21,
+    J22,
+    JERK,
+    PHASE,
+    RATE,
+    RATE_RADIUS,
+    SIZE,
+    SLIVER,
+    SNAP,
+    THETA,
+    THETA_RADIUS,
+    WRAPS,
+    U,
+)
+from camcli.kernel.forms import plain
+from camcli.system import Follower, System
+
+SPARE = 1.0 + 1e-9  # covers the roundings in a bound
+ULPS = 2.0**-50  # relative error of a sum of few products
+SURE = 1.01  # times an estimate in doubles, where a test in balls would say the same
+ORDER = 4  # of a step of Newton's method with three derivatives
+ENOUGH = 128  # bits of what is compared or printed
+LOST = 24  # bits, that such a step may lose to the sizes of derivatives
+
+
+@contextmanager
+def fewer_bits(bits: int) -> Iterator[None]:
+    """Calculate with no more than so many bits."""
+    full = ctx.prec
+    ctx.prec = min(full, bits)
+    try:
+        yield
+    finally:
+        ctx.prec = full
+
+
+Matrix = tuple[float, float, float, float]  # rows one after the other
+
+
+class Spread(NamedTuple):
+    """p t + Q e about a middle, |t| <= 1 (see `motion.Parallelogram`), in doubles.
+
+    lean: p; frame: Q; sizes, exponent: |e_k| <= sizes[k] 2^exponent.
+    """
+
+    lean: tuple[float, float]
+    frame: Matrix
+    sizes: tuple[float, float]
+    exponent: int
+
+    def radii(self) -> tuple[arb, arb]:
+        """Of the two numbers."""
+        a, b, c, d = self.frame
+        x, y = self.sizes
+        scale = arb(2) ** self.exponent
+        first = scale * (SPARE * (abs(a) * x + abs(b) * y))
+        second = scale * (SPARE * (abs(c) * x + abs(d) * y))
+        p, r = self.lean
+        if p or r:
+            first += abs(p)
+            second += abs(r)
+        return first, second
+
+    def image(
+        self, jacobian: Matrix, error: Matrix, unit: tuple[float, float], rest: Sequence[arb],
+        drift: Sequence[tuple[float, float]],
+    ) -> Spread:  # fmt: skip
+        """Of a map whose derivatives are within `error` of `jacobian`.
+
+        unit: gap'' and gap' there, in which the new frame is orthonormal; rest: radii of the image
+        of the middle; drift: derivative by t, each with its radius.
+        """
+        a, b, c, d = self.frame
+        j, k, m, n = jacobian
+        s0, s1, s2, s3 = spread = j * a + k * c, j * b + k * d, m * a + n * c, m * b + n * d
+        frame = p, q, r, s = self._frame(spread, *unit)
+        det = p * s - q * r
+        doubt = ULPS * (abs(p * s) + abs(q * r))
+        if not abs(det) > 2.0 * doubt:
+            raise UndecidedError
+        lean, more = self.lean, (0.0, 0.0)
+        if drift or lean[0] or lean[1]:
+            lean, more = _leaning(jacobian, error, lean, drift)
+        scale = arb(2) ** -self.exponent
+        x, y = self.sizes
+        # what J Q e leaves out: errors of J and roundings, on the sides |Q e| of the box
+        side, other = abs(a) * x + abs(b) * y, abs(c) * x + abs(d) * y
+        first = (error[0] + ULPS * abs(j)) * side + (error[1] + ULPS * abs(k)) * other
+        second = (error[2] + ULPS * abs(m)) * side + (error[3] + ULPS * abs(n)) * other
+        first += ULPS * (abs(s0) * x + abs(s1) * y) + float((rest[0] + more[0]) * scale)
+        second += ULPS * (abs(s2) * x + abs(s3) * y) + float((rest[1] + more[1]) * scale)
+        p, q, r, s = abs(p), abs(q), abs(r), abs(s)
+        turned = frame[3] * s0 - frame[1] * s2, frame[3] * s1 - frame[1] * s3
+        across = frame[0] * s2 - frame[2] * s0, frame[0] * s3 - frame[2] * s1
+        per = SPARE / (abs(det) - doubt)
+        new = per * (abs(turned[0]) * x + abs(turned[1]) * y + SPARE * (s * first + q * second))
+        low = per * (abs(across[0]) * x + abs(across[1]) * y + SPARE * (r * first + p * second))
+        shift = frexp(max(new, low))[1]
+        sizes = ldexp(SPARE * new, -shift), ldexp(SPARE * low, -shift)
+        return Spread(lean, frame, sizes, self.exponent + shift)
+
+    def _frame(self, spread: Sequence[float], accel: float, u: float) -> Matrix:
+        """A frame of which the longer side of the image keeps its direction."""
+        a, b = spread[0], spread[1]
+        c, d = (spread[2] - accel * a) / u, (spread[3] - accel * b) / u
+        x, y = self.sizes
+        if (a * a + c * c) * x * x <= (b * b + d * d) * y * y:
+            a, c = b, d
+        length = (a * a + c * c) ** 0.5
+        if not length > 0.0:
+            raise UndecidedError
+        a, c = a / length, c / length
+        return a, -c, accel * a + u * c, u * a - accel * c
+
+
+def _leaning(
+    jacobian: Matrix, error: Matrix, lean: tuple[float, float], drift: Sequence
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """(J p + d, radii of what this leaves out)."""
+    found, doubts = [], []
+    for k in (0, 1):
+        row, doubt = jacobian[2 * k : 2 * k + 2], error[2 * k : 2 * k + 2]
+        own, own_doubt = drift[k] if drift else (0.0, 0.0)
+        found.append(row[0] * lean[0] + row[1] * lean[1] + own)
+        size = abs(row[0] * lean[0]) + abs(row[1] * lean[1]) + abs(own)
+        doubts.append(doubt[0] * abs(lean[0]) + doubt[1] * abs(lean[1]) + own_doubt + ULPS * size)
+    return (found[0], found[1]), (doubts[0], doubts[1])
+
+
+class Table:
+    """The kernel's table of a machine, what bounds its errors, and room for one landing."""
+
+    def __init__(self, shape: Shape, follower: Follower, strobe: float, rpm: float):
+        kernel = backend.current()
+        cam, bounds = table_and_bounds(shape, strobe)
+        system = System(follower, cam, shape)
+        self.search = kernel.enclose_landing
+        self.cam = kernel.cam(cam)
+        self.known = bounds is not None
+        self.snap = bounds[SIZE + 4 - ERROR] if bounds is not None else 0.0
+        columns = [*system.machine(rpm), *(bounds or ())]
+        self.room = kernel.numbers(columns + [0.0] * (COLUMNS - len(columns)))
+
+    def enclosed(self, theta: arb, rate: arb) -> list[float] | None:
+        """The column of `kernel.enclosed_landing` after a flight from the cam, or None."""
+        if not self.known:
+            return None
+        room = self.room
+        room[THETA], room[RATE] = x, y = float(theta), float(rate)
+        room[THETA_RADIUS] = (float(theta.rad()) + abs(x) * ULPS) * SPARE
+        room[RATE_RADIUS] = (float(rate.rad()) + abs(y) * ULPS) * SPARE
+        return plain(room) if self.search(self.cam, room) == ENCLOSED else None
+
+
+class QuickMotion(BallMotion):
+    """The same motion, quicker."""
+
+    spread: Spread | None  # about `middle`; None where `at` says it
+
+    def __init__(self, machine: BallMachine, strobe: float, theta: float, table: Table):
+        self.table = table
+        self.begins = [float(at.start) for at in machine.stretches]
+        self.ends = [*self.begins[1:], float(machine.stretches[-1].end)]
+        self.felt = True  # whether q, w and fall are those of the start
+        super().__init__(machine, strobe, theta)
+
+    def _off(self, at: Parallelogram, order: int) -> None:
+        super()._off(at, order)
+        self.felt = True
+        self.middle = at.middle[0, 0], at.middle[1, 0]
+        self.spread = None
+
+    def _begun(self) -> Spread:
+        """Take over from `BallMotion`: the spread about the middle."""
+        at = self.at
+        center = self.machine.center
+        phi, rate = self.middle
+        level, slope = self._cam(phi, self.i, self.n, 1)
+        self.here = level, slope + rate
+        self.pull = center.G + center.W2 * level
+        a, b, c, d = map(float, at.frame.mid().entries())
+        x, y = map(float, at.lean.mid().entries())
+        with fewer_bits(COARSE):
+            exact = arb_mat([[a, b], [c, d]])
+            off = (at.lean - arb_mat([[x], [y]])) * arb(0, 1) + at.frame * at.error
+            try:
+                first, second = (x.abs_upper() for x in (exact.inv() * off).entries())
+            except ZeroDivisionError:
+                raise UndecidedError from None
+        exponent = _exponent(first.max(second))
+        scale = arb(2) ** -exponent
+        sizes = float(first * scale) * SPARE, float(second * scale) * SPARE
+        return Spread((x, y), (a, b, c, d), sizes, exponent)
+
+    def _feel(self) -> None:
+        """q, w and fall of the start, to as many digits as anybody asks for."""
+        if self.felt:
+            return
+        machine = self.machine
+        with fewer_bits(ENOUGH):
+            c = self._cam(self.phi, self.i, self.n)
+            self.q, self.w = c[0], c[1] + self.rate
+            self.fall = machine.G + machine.W2 * self.q + 2 * machine.Z * self.w + c[2]
+        self.felt = True
+
+    def _give_back(self) -> None:
+        """The start as `BallMotion` knows it."""
+        spread = self.spread
+        if spread is None:
+            return
+        a, b, c, d = spread.frame
+        scale = arb(2) ** spread.exponent
+        self._off(
+            Parallelogram(
+                arb_mat([[x] for x in self.middle]),
+                arb_mat([[x] for x in spread.lean]),
+                arb_mat([[a, b], [c, d]]),
+                arb_mat([[arb(0, scale * x)] for x in spread.sizes]),
+            ),
+            BLOW,
+        )
+
+    def step(self) -> None:
+        if self.order != BLOW or not self.machine.r > 0 or not self._quick_step():
+            self._give_back()
+            super().step()
+
+    def _quick_step(self) -> bool:
+        """`step` where doubles enclose the landing."""
+        machine = self.machine
+        theta = self.phi - self.n * self.turn
+        found = self.table.enclosed(theta, self.rate)
+        if found is None:
+            return False
+        i = self._stretch(found[PHASE], found[SLIVER])
+        if i < 0:
+            return False
+        if self.spread is None:
+            self.spread = self._begun()
+        n = self.n + int(found[WRAPS])
+        landed = self._landed(found, i, n)
+        if landed is None:
+            return False
+        later, rate, c, c1 = landed
+        phi, rate = self.middle[0] + later, -machine.r * rate
+        drift = self._drift(found) if machine.width else ()
+        spread = self.spread.image(
+            (found[J11], found[J12], found[J21], found[J22]),
+            (found[J11 + 1], found[J12 + 1], found[J21 + 1], found[J22 + 1]),
+            (found[ACCEL], found[U]),
+            (phi.rad(), rate.rad()),
+            drift,
+        )
+        middle = phi.mid(), rate.mid()
+        radii = spread.radii()
+        phi, rate = arb(middle[0], radii[0]), arb(middle[1], radii[1])
+        if not self._next_strobe() > phi:
+            self._feel()
+            with fewer_bits(ENOUGH):
+                self._strobes(phi)
+        self.i, self.n = i, n
+        self.middle = middle
+        self.spread = spread
+        self.phi, self.rate = phi, rate
+        self.here = c, c1 + middle[1]
+        self.pull = machine.center.G + machine.center.W2 * c
+        self.felt = False
+        known = max(phi.rel_accuracy_bits(), rate.rel_accuracy_bits())
+        ctx.prec = min(self.bits, known + GUARD)
+        self._struck(-rate / machine.r)
+        if self._may_accumulate(found):
+            self._feel()
+            with fewer_bits(ENOUGH):
+                self.resting = bool(self.fall > 0) and self._accumulates()
+            if self.resting:
+                self._leave()
+        return True
+
+    def _stretch(self, phase: float, room: float) -> int:
+        """The stretch that holds a phase and all around it, or -1."""
+        i = bisect(self.begins, phase) - 1
+        return i if self.begins[i] + room < phase < self.ends[i] - room else -1
+
+    def _landed(self, found: Sequence[float], i: int, n: int) -> tuple[arb, arb, arb, arb] | None:
+        """(angle of flight, gap', c, c') at the landing of the start in the middle, or None.
+
+        Newton's method with three derivatives, in as many bits as the next step makes of them. Its
+        last step d is the fixed point of -(g + d^2 (a/2 + d j/6 + d^2 k/24))/u with |k| <= K, which
+        maps a ball about it into itself (Brouwer); there is no other zero where doubles found one.
+        """
+        full = ctx.prec
+        phi = self.middle[0] - n * self.turn
+        stretch = self.machine.stretches[i]
+        s = arb(found[ANGLE], found[ANGLE + 1])
+        x = arb(found[ANGLE])
+        bits = int(-log2(found[ANGLE + 1]))
+        enough = full // (ORDER - 1) + LOST
+        try:
+            while bits < enough:
+                bits = min(ORDER * bits - LOST, enough)
+                ctx.prec = bits + LOST
+                gap, _ = self._at(x, stretch, phi)
+                x = (x + _newton(gap)).mid()
+        finally:
+            ctx.prec = full
+        gap, cam = self._at(x, stretch, phi)
+        g, u, a, j = gap
+        d = _newton(gap)
+        around = arb(d, 4 * g.rad() / abs(u) + d**4 * _rest(found))
+        k = arb(0, found[SNAP])
+        step = -(g + around * around * (a / 2 + around * (j / 6 + around * (k / 24)))) / u
+        if not (around.contains_interior(step) and s.contains(x + around)):
+            return None
+        d = step
+        rate = u + d * (a + d * (j / 2 + d * (k / 6)))
+        c, c1, c2, c3 = cam
+        k = arb(0, self.table.snap)
+        level = c + d * (c1 + d * (c2 / 2 + d * (c3 / 6 + d * (k / 24))))
+        return x + d, rate, level, c1 + d * (c2 + d * (c3 / 2 + d * (k / 6)))
+
+    def _at(self, s: arb, stretch: Any, phi: arb) -> tuple[list[arb], list[arb]]:
+        """The gap of the start in the middle after s rad, and the cam, with three derivatives."""
+        center = self.machine.center
+        b, b1, p = center.flow(s)
+        q, w = self.here
+        pull = self.pull
+        q, w = q + w * b - pull * p, w * b1 - pull * b
+        y = -(center.G + center.W2 * q)
+        z = -center.W2 * w
+        if not center.undamped:
+            y -= center.Z2 * w
+            z -= center.Z2 * y
+        cam = stretch.derivatives(phi + s, 3)
+        return [q - cam[0], w - cam[1], y - cam[2], z - cam[3]], cam
+
+    def _drift(self, found: Sequence[float]) -> list[tuple[float, float]]:
+        """How far the speeds spread the next start, with radii."""
+        self._feel()
+        with fewer_bits(COARSE):
+            s = arb(found[ANGLE], found[ANGLE + 1])
+            u = arb(found[U], found[U + 1])
+            accel = arb(found[ACCEL], found[ACCEL + 1])
+            dq, dw = self.machine.drift(self.q, self.w, s).entries()
+            later = -dq / u
+            values = later, -self.machine.r * (dw + accel * later)
+            return [(float(x), float(x.rad()) * SPARE + abs(float(x)) * ULPS) for x in values]
+
+    def _may_accumulate(self, found: Sequence[float]) -> bool:
+        """False where `_accumulates` certainly says no: hops of that length leave the stretch."""
+        machine = self.machine
+        r, rate = float(machine.r), float(self.rate)
+        fall = -found[ACCEL] - 2.0 * float(machine.Z) * (1.0 + r) * found[U]
+        phi = float(self.phi)
+        room = min(float(self._end(self.i, self.n)), float(self._next_strobe())) - phi
+        return r < 1.0 and 3.0 * rate <= SURE * (abs(fall) + 1e-9) * (1.0 - r) * (room + 1e-9)
+
+
+def _newton(gap: Sequence[arb]) -> arb:
+    """The zero of g + u d + a d^2/2 + j d^3/6 up to the fourth power of g."""
+    g, u, a, j = gap
+    per = 1 / u
+    d = -g * per
+    bend, jerk = a * per / 2, j * per / 6
+    return (d - d * d * (bend + d * (jerk - 2 * bend * bend))).mid()
+
+
+def _rest(found: Sequence[float]) -> float:
+    """More than the factor of d^4 in what `_newton` leaves out."""
+    u = found[U]
+    bend, jerk, snap = found[ACCEL] / u, found[JERK] / u, found[SNAP] / u
+    return abs(bend) ** 3 + abs(bend * jerk) + abs(snap)
+
+
+def _exponent(size: arb) -> int:
+    """Such that size 2^-exponent is about one."""
+    if size == 0:
+        return -ctx.prec
+    man, exp = size.mid().man_exp()
+    return int(exp) + int(man).bit_length()

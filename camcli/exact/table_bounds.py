@@ -1,0 +1,125 @@
+"""How far the kernel's table of a cam may be from the cam itself, proved in balls.
+
+The table is polynomials with doubles for coefficients (`kernel.cam_table`). About the middle m of a
+cell of a piece, c - p = sum d_k x^k for |x| <= h. For k < TERMS, d_k is the difference of two power
+series at m. From there on p has no terms, and c's own coefficient of order TERMS over the whole
+cell is the remainder (Lagrange).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from itertools import pairwise
+from math import isfinite, perm
+
+from flint import arb, arb_series
+
+from camcli.cams.balls import precision
+from camcli.cams.compile import CUTS, Shape, build
+from camcli.exact.machine import BallStretch, stretches_of
+from camcli.kernel.cam_table import LIFT, PIECE, TERMS, Cam, Stretch
+from camcli.kernel.enclosed_landing import ROOM
+
+DIGITS = 40
+HIGHEST = 4  # derivative that is bounded
+EDGE = 2e-15  # rad: ends of stretches are rounded, and no further apart in the table
+SLIVER = 1e-12  # rad: a shorter stretch may be missing in the table
+WIDER = 1.0 + 1e-9  # a cell, so that roundings of an angle stay in it
+REMEMBERED = 64
+
+
+@lru_cache(maxsize=REMEMBERED)
+def table_and_bounds(shape: Shape, strobe: float) -> tuple[Cam, tuple[float, ...] | None]:
+    """The table of a cam, and its `table_bounds`."""
+    cam = build(shape, strobe)
+    return cam, table_bounds(shape, cam)
+
+
+def table_bounds(shape: Shape, cam: Cam) -> tuple[float, ...] | None:
+    """The columns `bounds` of `kernel.enclosed_landing` for a cam and its table.
+
+    None where the table is not of these stretches, or nothing can be shown.
+    """
+    with precision(DIGITS):
+        stretches = stretches_of(shape)
+        if not _matches(stretches, cam):
+            return None
+        errors, sizes = [0.0] * (HIGHEST + 1), [0.0] * (HIGHEST + 1)
+        for row in cam.stretches:
+            for k in range(row.piece_count):
+                piece = cam.pieces[(row.first_piece + k) * PIECE :][:PIECE]
+                for own, size in _of_piece(stretches, row, piece):
+                    errors = [max(x, y) for x, y in zip(errors, own, strict=True)]
+                    sizes = [max(x, y) for x, y in zip(sizes, size, strict=True)]
+        jumps = _jumps(stretches, cam)
+    errors = [x + y + ROOM * z for x, y, z in zip(errors, jumps, sizes, strict=True)]
+    sizes = [WIDER * x + y for x, y in zip(sizes, errors, strict=True)]
+    bounds = (*errors, *sizes)
+    return bounds if all(map(isfinite, bounds)) else None
+
+
+def _edges(cam: Cam) -> list[float]:
+    """Where the pieces of the table begin, and 2 pi."""
+    edges = [
+        row.start + (row.end - row.start) * (k / row.piece_count)
+        for row in cam.stretches
+        for k in range(row.piece_count)
+    ]
+    return [*edges, cam.stretches[-1].end]
+
+
+def _matches(stretches: Sequence[BallStretch], cam: Cam) -> bool:
+    """Whether each stretch begins where a piece of the table does, and none is a sliver."""
+    edges = _edges(cam)
+    at_edges = all(min(abs(float(one.start) - edge) for edge in edges) <= EDGE for one in stretches)
+    return at_edges and all(one.end - one.start > SLIVER for one in stretches)
+
+
+def _of_piece(
+    stretches: Sequence[BallStretch], row: Stretch, piece: Sequence[float]
+) -> list[tuple[list[float], list[float]]]:
+    """(errors, sizes) of c and its derivatives in each cell of a piece."""
+    half = (row.end - row.start) / (2 * row.piece_count)
+    found = []
+    for cell in range(CUTS):
+        h = half / CUTS
+        middle = piece[0] + half * ((2 * cell + 1) / CUTS - 1)
+        h *= WIDER
+        own = next((one for one in stretches if one.start < middle < one.end), stretches[0])
+        x = arb_series([middle, 1], TERMS + 1)
+        wide = arb_series([arb(middle, h), 1], TERMS + 1)
+        exact, rest = _series(own, x), _series(own, wide)[TERMS]
+        table = arb_series([0], TERMS + 1)
+        for coefficient in reversed(piece[LIFT : LIFT + TERMS]):
+            table = table * (x - arb(piece[0])) + arb(coefficient)
+        terms = [*((exact[k] - table[k]).abs_upper() for k in range(TERMS)), rest.abs_upper()]
+        own_sizes = [*(table[k].abs_upper() for k in range(TERMS)), arb(0)]
+        found.append((_derivatives(terms, h), _derivatives(own_sizes, h)))
+    return found
+
+
+def _derivatives(terms: Sequence[arb], h: float) -> list[float]:
+    """Bounds of |sum terms[k] x^k| and of its derivatives for |x| <= h."""
+    return [
+        float(sum((terms[k] * perm(k, order) * arb(h) ** (k - order)
+                   for k in range(order, len(terms))), arb(0)).upper()) * WIDER
+        for order in range(HIGHEST + 1)
+    ]  # fmt: skip
+
+
+def _series(stretch: BallStretch, x: arb_series) -> arb_series:
+    return arb_series([stretch.level], TERMS + 1) if stretch.lift is None else stretch.lift(x)
+
+
+def _jumps(stretches: Sequence[BallStretch], cam: Cam) -> list[float]:
+    """Of c and its derivatives where a stretch ends within one of the table, which goes on."""
+    starts = [row.start for row in cam.stretches]
+    jumps = [0.0] * (HIGHEST + 1)
+    for before, after in pairwise(stretches):
+        if min(abs(float(after.start) - start) for start in starts) > EDGE:
+            left = before.derivatives(after.start, HIGHEST)
+            right = after.derivatives(after.start, HIGHEST)
+            sizes = [float(abs(x - y).upper()) for x, y in zip(left, right, strict=True)]
+            jumps = [max(x, y) for x, y in zip(jumps, sizes, strict=True)]
+    return jumps

@@ -1,0 +1,201 @@
+"""The quick motion is that in balls: the oracle's events, as many digits, as small errors."""
+
+import json
+from fractions import Fraction
+from itertools import product
+from pathlib import Path
+
+import pytest
+from flint import arb, arb_mat, ctx
+
+from camcli.analysis.integrate import Orbit
+from camcli.analysis.orbits.identify import departures
+from camcli.cams.arcs import ArcsCam
+from camcli.cams.balls import UndecidedError, precision
+from camcli.exact.machine import BallMachine
+from camcli.exact.motion import BallMotion
+from camcli.exact.quick_motion import QuickMotion, Spread, Table
+from camcli.scene import load_scene
+from camcli.system import Follower, System
+from tests.conftest import settings
+from tests.support.kernel_runs import GEOMETRY
+from tests.support.make_flights import CHAPTER
+
+FLIGHTS = json.loads((Path(__file__).parents[1] / "support/flights.json").read_text())
+CORNER_B = 2.621124501166232  # rad
+ARCS = ArcsCam(kind="arcs", **GEOMETRY)
+
+
+class Counted(QuickMotion):
+    """Counts the steps that doubles and balls do."""
+
+    quick = slow = 0
+
+    def _quick_step(self) -> bool:
+        done = super()._quick_step()
+        self.quick += done
+        self.slow += not done
+        return done
+
+
+def quick(follower, rpm, shape=ARCS, theta=CORNER_B, machine=None) -> Counted:
+    machine = machine or BallMachine(shape, follower, rpm)
+    return Counted(machine, 0.0, theta, Table(shape, follower, 0.0, rpm))
+
+
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_the_events_are_the_oracles(name):
+    """As far as the first chatter: each impact and departure to 25 digits, and none between."""
+    case = FLIGHTS[name]
+    follower = Follower(**{**CHAPTER, **case["changes"]})
+    with precision(200):
+        motion = quick(follower, case["rpm"])
+        theirs = [(arb(phi), arb(u)) for kind, phi, u in case["events"] if kind == "impact"]
+        while len(motion.trail.states) < case["turns"]:
+            motion.step()
+        trail = motion.trail
+        first = trail.chatters[0].lower() if trail.chatters else arb(1e9)
+        mine = [hit for hit in trail.impacts if hit[0] < first][: len(theirs)]
+        assert len(mine) >= 3
+        for (phi, u), (their_phi, their_u) in zip(mine, theirs, strict=False):
+            assert phi.rad() < 1e-40
+            assert (phi + arb(0, "1e-25")).contains(their_phi)
+            assert (u + arb(0, "1e-25")).contains(their_u)
+    assert motion.quick > 3 * motion.slow
+
+
+@pytest.mark.parametrize("digits", [60, 380])
+@pytest.mark.parametrize("rpm", [190.0, 345.3, 358.0, 745.0])
+def test_it_is_the_motion_in_balls(rpm, digits):
+    """Impacts overlap in both, symbols and strobes are the same, and errors are as small."""
+    with precision(digits):
+        balls = BallMotion(BallMachine(ARCS, Follower(**CHAPTER), rpm), 0.0, CORNER_B)
+        doubles = quick(Follower(**CHAPTER), rpm)
+        for _ in range(45 if digits == 60 else 12):
+            balls.step()
+            doubles.step()
+        same_trails(balls, doubles)
+        assert doubles.phi.rad() < 1e3 * balls.phi.rad()
+    assert doubles.quick > 3 * doubles.slow
+
+
+def same_trails(balls, doubles):
+    for name in ("impacts", "states"):
+        pairs = zip(getattr(balls.trail, name), getattr(doubles.trail, name), strict=True)
+        assert all(x.overlaps(y) for one, other in pairs for x, y in zip(one, other, strict=True))
+    for name in ("leaves", "chatters"):
+        pairs = zip(getattr(balls.trail, name), getattr(doubles.trail, name), strict=True)
+        assert all(x.overlaps(y) for x, y in pairs)
+    assert balls.trail.symbols == doubles.trail.symbols
+
+
+@pytest.mark.parametrize("name", ["law-cycloidal", "eccentric", "valve-train", "lift-table"])
+def test_every_kind_of_cam_and_a_damped_follower(name):
+    """Departures as the kernel finds them; doubles do most of the steps."""
+    scene = load_scene(f"configs/{name}.yaml")
+    follower = Follower(**scene.follower.model_dump())
+    system = System.build(follower, scene.cam)
+    rpm = {"valve-train": 6500.0, "lift-table": 5000.0}.get(name, 300.0)
+    found = departures(Orbit(system, rpm, settings(0, 5)).run())
+    if not found:
+        pytest.skip("it does not leave from rest")
+    _, theta = found[0]
+    with precision(60):
+        balls = BallMotion(BallMachine(scene.cam, follower, rpm), 0.0, theta)
+        doubles = quick(follower, rpm, scene.cam, theta)
+        for _ in range(15):
+            balls.step()
+            doubles.step()
+        same_trails(balls, doubles)
+    assert doubles.quick > doubles.slow
+
+
+@pytest.mark.parametrize("rpm", [198.7, 203.0, 345.3])
+def test_all_machines_of_a_speed_hold_each_of_them(rpm):
+    """Impacts of the speeds half a digit off lie in those of all speeds that round so."""
+    follower = Follower(**CHAPTER)
+    with precision(60):
+        every = quick(follower, rpm, machine=BallMachine.within_last_digit(ARCS, follower, rpm))
+        beside = [
+            BallMotion(BallMachine(ARCS, follower, rpm, share), 0.0, CORNER_B)
+            for share in (Fraction("5e-17"), Fraction("-5e-17"))
+        ]
+        for _ in range(25):
+            every.step()
+            for one in beside:
+                one.step()
+        for one in beside:
+            for wide, sharp in zip(every.trail.impacts, one.trail.impacts, strict=True):
+                assert all(a.contains(b) for a, b in zip(wide, sharp, strict=True))
+        assert 1e-16 < float(every.phi.rad()) < 1e-9
+        balls = BallMotion(BallMachine.within_last_digit(ARCS, follower, rpm), 0.0, CORNER_B)
+        for _ in range(25):
+            balls.step()
+        assert every.phi.rad() < 2 * balls.phi.rad()
+
+
+@pytest.mark.parametrize("per", [0.0, 1e-300])
+def test_a_spread_holds_the_image_of_all_its_points(per):
+    """Of a map with errors, below what doubles can hold; `per`: change by a parameter t."""
+    with precision(400):
+        small = arb(2) ** -1200
+        jacobian, error = (1.0, 36.7, -0.2, 5.9), (1e-3, 1e-2, 1e-2, 1e-3)
+        spread = Spread((per, -0.25 * per), (1.0, 0.0, 0.0, 1.0), (1.0, 0.25), -1200)
+        ends = [(x * small, y * small / 4, t) for x in (-1, 1) for y in (-1, 1) for t in (-1, 1)]
+        points = [(x + t * arb(per), y - t * arb(0.25 * per), t) for x, y, t in ends]
+        rest, off = (small * 9, small * 7), arb(1e-10 * per)
+        drift = ((2.0 * per, 1e-10 * per), (per, 1e-10 * per)) if per else ()
+        for signs in product((-1, 1), repeat=6):
+            true = [arb(j) + n * arb(e) for n, j, e in zip(signs, jacobian, error, strict=False)]
+            x_off, y_off = signs[4] * rest[0], signs[5] * rest[1]
+            points = [
+                (
+                    true[0] * x + true[1] * y + t * (arb(2.0 * per) + off) + x_off,
+                    true[2] * x + true[3] * y + t * (arb(per) - off) + y_off,
+                    t,
+                )
+                for x, y, t in points
+            ]
+            spread = spread.image(jacobian, error, (0.3, 0.5), rest, drift)
+            frame = arb_mat([spread.frame[:2], spread.frame[2:]])
+            scale = arb(2) ** spread.exponent
+            for x, y, t in points:
+                away = arb_mat([[x - t * arb(spread.lean[0])], [y - t * arb(spread.lean[1])]])
+                for e, size in zip((frame.inv() * away).entries(), spread.sizes, strict=True):
+                    assert abs(e) <= scale * size
+                assert abs(x) <= spread.radii()[0]
+                assert abs(y) <= spread.radii()[1]
+        assert 0.5 <= max(spread.sizes) < 1.0
+        with pytest.raises(UndecidedError):
+            spread.image((0.0, 0.0, 0.0, 0.0), error, (0.3, 0.5), rest, drift)
+
+
+@pytest.mark.parametrize("entry", range(4))
+def test_each_error_of_a_map_widens_its_image(entry):
+    """Of [[3, 0], [0, 1]] with one entry off by a half, in the unit square."""
+    error = [0.5 if k == entry else 0.0 for k in range(4)]
+    spread = Spread((0.0, 0.0), (1.0, 0.0, 0.0, 1.0), (1.0, 1.0), 0)
+    image = spread.image((3.0, 0.0, 0.0, 1.0), tuple(error), (0.0, 1.0), (arb(0), arb(0)), ())
+    widths = [float(radius) for radius in image.radii()]
+    expected = [3.0 + sum(error[:2]), 1.0 + sum(error[2:])]
+    assert widths == pytest.approx(expected, rel=1e-7)
+
+
+def test_a_cam_without_bounds_is_left_to_balls():
+    with precision(60):
+        motion = quick(Follower(**CHAPTER), 358.0)
+        motion.table.known = False
+        balls = BallMotion(BallMachine(ARCS, Follower(**CHAPTER), 358.0), 0.0, CORNER_B)
+        for _ in range(6):
+            motion.step()
+            balls.step()
+        assert motion.quick == 0
+        same_trails(balls, motion)
+
+
+def test_digits_in_use_shrink_with_what_is_known():
+    with precision(200):
+        motion = quick(Follower(**CHAPTER), 345.3)
+        for _ in range(60):
+            motion.step()
+        assert 400 < ctx.prec < 690

@@ -1,0 +1,215 @@
+"""First landings enclosed in doubles: mpmath and balls lie inside; near a graze nothing is said.
+
+mpmath flies over the circles of the cam in closed form (`tests.support.oracle`) and knows nothing
+of the package; the judge in balls knows every kind of cam.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from flint import arb
+from mpmath import mp, mpf
+
+from camcli.cams.balls import precision
+from camcli.cams.compile import build
+from camcli.exact.machine import BallMachine
+from camcli.exact.table_bounds import table_bounds
+from camcli.kernel.cam_table import LIFT, PIECE, derivative, lift_at, stretch_at
+from camcli.kernel.enclosed_landing import (
+    ACCEL,
+    ANGLE,
+    COLUMNS,
+    ENCLOSED,
+    J11,
+    JERK,
+    RATE,
+    THETA,
+    UNDECIDED,
+    U,
+    enclose_landing,
+)
+from camcli.system import Follower, System
+from tests.support import oracle
+from tests.support.kernel_runs import CHAPTER, ORACLE_CAM, machine
+from tests.support.random_flights import CAMS, cam_of, machine_on, true_contact
+
+BOUNDS = {name: table_bounds(cam_of(name).shape, cam_of(name).cam) for name in CAMS}
+
+
+def enclosed(system, rpm, theta, rate, radii=(0.0, 0.0), bounds=BOUNDS["chapter"]):
+    """The code, and the column that `enclose_landing` leaves."""
+    room = [*system.machine(rpm), *bounds, theta, rate, *radii]
+    room += [0.0] * (COLUMNS - len(room))
+    return enclose_landing(system.cam, room), room
+
+
+def holds(room, column, value) -> bool:
+    return abs(mpf(room[column]) - value) <= room[column + 1]
+
+
+class Truth:
+    """The map from one impact to the next on the chapter's cam, in mpmath."""
+
+    def __init__(self, rpm, **changes):
+        data = {"damping": 0.0, "gravity": 0.0, "preload": 0.0, **CHAPTER, **changes}
+        self.r = mpf(data.pop("restitution"))
+        self.omega = mpf(rpm) * mp.pi / 30
+        self.follower = oracle.Follower.make(**data)
+
+    def __call__(self, theta, rate):
+        """(rad of flight, rate after, gap', gap'', gap''') in m and rad, or None."""
+        c, c1, _ = ORACLE_CAM.laws(theta)
+        flight = oracle.Flight(
+            ORACLE_CAM, self.follower, self.omega, theta, c, self.omega * (c1 + rate)
+        )
+        hit = flight.first_contact(12 * mp.pi / self.omega, True)
+        if hit is None:
+            return None
+        s, u = hit.t * self.omega, hit.g1 / self.omega
+
+        def accel(x):
+            arc = next(ORACLE_CAM.segments(theta + s, -1))
+            return flight.at(x / self.omega, arc).g2 / self.omega**2
+
+        return s, -self.r * u, u, accel(s), mp.diff(accel, s)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_mpmath_finds_lies_within(seed):
+    """Phase, rate, derivatives of the gap, and the derivatives of the map by its start."""
+    rng, count = np.random.default_rng(seed), 0
+    with mp.workdps(50):
+        for _ in range(30):
+            rpm = float(rng.uniform(100.0, 900.0))
+            changes = {
+                "damping": float(rng.choice([0.0, 20.0, 150.0])),
+                "gravity": float(rng.choice([0.0, 9.81])),
+                "restitution": float(rng.uniform(0.2, 1.0)),
+            }
+            system = machine(0.0).with_follower(**{**CHAPTER, **changes})
+            theta, rate = float(rng.uniform(0.0, 6.28)), float(10 ** rng.uniform(-3, 0.3))
+            code, room = enclosed(system, rpm, theta, rate)
+            if code != ENCLOSED:
+                continue
+            count += 1
+            truth = Truth(rpm, **changes)
+            s, after, *gap = truth(mpf(theta), mpf(rate))
+            assert holds(room, ANGLE, s)
+            for column, value in zip((U, ACCEL, JERK), gap, strict=True):
+                assert holds(room, column, value), column
+            assert room[ANGLE + 1] < 1e-9
+            step = mpf("1e-22")
+            for k, (dtheta, drate) in enumerate(((step, 0), (0, step))):
+                s1, after1, *_ = truth(theta + dtheta, rate + drate)
+                assert holds(room, J11 + 2 * k, (s1 + dtheta - s) / step)
+                assert holds(room, J11 + 2 * k + 4, (after1 - after) / step)
+    assert count > 20
+
+
+def test_it_holds_for_all_starts_within_their_radii():
+    rng, count = np.random.default_rng(3), 0
+    with mp.workdps(40):
+        truth = Truth(358.0)
+        for _ in range(12):
+            theta, rate = float(rng.uniform(0.0, 6.28)), float(10 ** rng.uniform(-2, 0.3))
+            radii = [float(10 ** rng.uniform(-12, -6)) for _ in range(2)]
+            code, room = enclosed(machine(0.0), 358.0, theta, rate, radii)
+            if code == ENCLOSED:
+                count += 1
+                for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+                    start = (theta + signs[0] * mpf(radii[0]), rate + signs[1] * mpf(radii[1]))
+                    s, _, *gap = truth(*start)
+                    assert holds(room, ANGLE, s)
+                    for column, value in zip((U, ACCEL, JERK), gap, strict=True):
+                        assert holds(room, column, value), column
+    assert count > 5
+
+
+def judged(name, system, rpm, theta, rate) -> int:
+    """The code of a flight, after a look at what balls say of its first contact."""
+    code, room = enclosed(system, rpm, theta, rate, bounds=BOUNDS[name])
+    if code == ENCLOSED and room[ANGLE] < 15.0:
+        with precision(60):
+            machine = BallMachine(system.shape, system.follower, rpm)
+            i = next(k for k, part in enumerate(machine.stretches) if part.end > theta)
+            w = machine.stretches[i].derivatives(arb(theta), 1)[1] + rate
+            flight = SimpleNamespace(system=system, rpm=rpm, theta=theta, w=w, contact=True)
+            s, u = true_contact(flight)
+            assert abs(s - room[ANGLE]) < room[ANGLE + 1]
+            assert abs(u - room[U]) < room[U + 1]
+    return code
+
+
+@pytest.mark.parametrize("name", CAMS)
+def test_no_contact_is_missed_on_any_cam(name):
+    rng, count = np.random.default_rng(11), 0
+    for _ in range(60):
+        system, rpm, lift = machine_on(name, rng)
+        theta, rate = float(rng.uniform(0.0, 6.28)), lift * float(10 ** rng.uniform(-3, 1.0))
+        count += judged(name, system, rpm, theta, rate) == ENCLOSED
+    assert count > 20
+
+
+def test_beside_a_graze_the_earlier_contact_is_found_or_nothing_said():
+    """The rate at which the first landing jumps, to its last digit, and beside it."""
+    system, told, grazes = machine(0.0), 0, 0
+    for theta in np.linspace(1.6, 4.6, 40):
+        rates = np.linspace(0.02, 0.6, 25)
+        ends = [enclosed(system, 358.0, float(theta), float(rate))[1][ANGLE] for rate in rates]
+        for low, high, before, after in zip(rates, rates[1:], ends, ends[1:], strict=False):
+            if before == 0.0 or after == 0.0 or abs(after - before) < 0.3:
+                continue
+            while low < (middle := 0.5 * (low + high)) < high:
+                room = enclosed(system, 358.0, float(theta), float(middle))[1]
+                nearer = abs(room[ANGLE] - before) < abs(room[ANGLE] - after)
+                low, high = (middle, high) if nearer else (low, middle)
+            grazes += 1
+            for off in (0.0, 1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8):
+                for sign in (-1.0, 1.0):
+                    code = judged("chapter", system, 358.0, float(theta), float(low + sign * off))
+                    told += code == ENCLOSED
+    assert grazes > 3
+    assert told > 5 * grazes
+
+
+@pytest.mark.parametrize("column", [THETA, RATE])
+def test_nothing_is_said_where_nothing_is_shown(column):
+    """A start on a corner, one that does not rise, one known too badly, and no number at all."""
+    system = machine(0.0)
+    assert enclosed(system, 358.0, system.corners[1], 0.2)[0] == UNDECIDED
+    assert enclosed(system, 358.0, 2.0, 0.0)[0] == UNDECIDED
+    assert enclosed(system, 358.0, 2.0, -0.1)[0] == UNDECIDED
+    radii = (1e-3, 0.0) if column == THETA else (0.0, 1e-3)
+    assert enclosed(system, 358.0, 2.0, 0.2, radii)[0] == UNDECIDED
+    start = [2.0, 0.2]
+    start[column - THETA] = float("nan")
+    assert enclosed(system, 358.0, *start)[0] == UNDECIDED
+
+
+def test_the_bounds_hold_where_the_table_is_compared_with_mpmath():
+    """c to c''' at random phases of the circles, and a coefficient changed is seen."""
+    rng, system = np.random.default_rng(5), machine(0.0)
+    errors, sizes = BOUNDS["chapter"][:5], BOUNDS["chapter"][5:]
+    with mp.workdps(40):
+        for theta in map(float, rng.uniform(0.0, 6.28, 60)):
+            i = stretch_at(system.cam, theta)
+            c = [*lift_at(system.cam, i, theta)]
+            c.append(derivative(system.cam, 3, i, theta))
+            true = [*ORACLE_CAM.laws(theta)]
+            true.append(mp.diff(lambda x: ORACLE_CAM.laws(x)[2], mpf(theta), h=mpf("1e-15")))
+            for k in range(4):
+                assert abs(mpf(c[k]) - true[k]) <= errors[k] + mpf("1e-16") * sizes[k] * k
+                assert abs(c[k]) <= sizes[k]
+    assert errors[0] < 1e-14
+    table = build(system.shape)
+    pieces = list(table.pieces)
+    pieces[system.cam.stretches[1].first_piece * PIECE + LIFT + 3] += 1e-9  # of x^3
+    half = (table.stretches[1].end - table.stretches[1].start) / 16.0
+    off = table_bounds(system.shape, table._replace(pieces=pieces))[0]
+    assert 0.9e-9 * half**3 < off - errors[0] < 1.1e-9 * half**3
+
+
+def test_a_table_of_another_cam_has_no_bounds():
+    other = System.build(Follower(**CHAPTER), cam_of("law-smooth").shape)
+    assert table_bounds(machine(0.0).shape, other.cam) is None
