@@ -7,6 +7,7 @@ from functools import cached_property
 from math import floor, isfinite, log10, pi, tau
 
 from camcli.cams.compile import Shape, build, column, corners, lift_range
+from camcli.cams.regions import regions
 from camcli.errors import Fault, SceneError
 from camcli.kernel.cam_table import Cam
 from camcli.kernel.flow import RAD_PER_S, Constants, constants_of
@@ -91,6 +92,11 @@ class System:
         """Phases of the cam's corners, rad."""
         starts = column(self.cam, "start")
         return [starts[n] for n in corners(self.cam)]
+
+    @cached_property
+    def region_names(self) -> dict[int, str]:
+        """Name of the smooth region of every stretch."""
+        return {i: region.name for region in regions(self.cam) for i in region.stretches}
 
     def constants(self, rpm: float, tolerance: float, impact_budget: int) -> Constants:
         """The dimensionless constants at one speed; tolerance as a fraction of a turn."""

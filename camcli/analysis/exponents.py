@@ -12,8 +12,8 @@ from camcli.analysis.orbits.orbit import PeriodicOrbit
 from camcli.kernel import backend
 from camcli.kernel.arithmetic import natural_log
 from camcli.kernel.cam_table import TURN
-from camcli.kernel.forms import row_of
-from camcli.kernel.variational import Growth, Pair, log_factor
+from camcli.kernel.forms import rows_of
+from camcli.kernel.variational import Growth, Pair
 from camcli.system import System
 
 BATCHES = 20  # for the error bar: the exponents of equal parts of the record
@@ -84,14 +84,14 @@ def of_record(system: System, rpm: float, record: Record) -> Exponents | None:
     columns = [kernel.numbers(x, int) for x in (record.kind, record.period)]
     columns += [kernel.numbers(x) for x in (record.theta, record.u)]
     kernel.stretch_events(cam, const, *columns, pairs, growths)
-    for growth in (row_of(Growth, row) for row in growths):
+    for growth in rows_of(Growth, growths):
         chatters += growth.chatters
         if not growth.length > 0.0 or growth.first == 0.0 or growth.area == 0.0:
             continue
-        first = log_factor(growth.first, growth.first_twos)
-        area = log_factor(growth.area, growth.area_twos)
-        logs.append((first, growth.length))
-        for j, value in enumerate((first, area, growth.impacts, growth.length)):
+        logs.append((growth.first_log, growth.length))
+        for j, value in enumerate(
+            (growth.first_log, growth.area_log, growth.impacts, growth.length)
+        ):
             sums[j] += value
     if chatters:
         return Exponents(-inf, -inf, 0.0, -inf, inf)

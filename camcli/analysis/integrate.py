@@ -24,7 +24,7 @@ from camcli.kernel.contact_search import Tally
 from camcli.kernel.flight import BOUNCED, FREE
 from camcli.kernel.flow import Constants, Flow
 from camcli.kernel.follow import Run
-from camcli.kernel.forms import Kernel, row_of
+from camcli.kernel.forms import Kernel, rows_of
 from camcli.kernel.loads import SHUT, Loads
 from camcli.kernel.orbit_loop import RESTING, State
 from camcli.piece_faults import attempt
@@ -290,7 +290,7 @@ class _Batch:
         while len(records) < len(self.orbits):
             begin = len(records)
             reached = self._call(begin)
-            records += [self._record(k) for k in range(begin, reached)]
+            records += self._records(slice(begin, reached))
             self._count(reached)
             if reached == len(self.orbits):
                 break
@@ -348,13 +348,25 @@ class _Batch:
         run.log_first, run.log_last = 0, count
         self.states[k].logged = count
 
-    def _record(self, k: int) -> Record:
+    def _records(self, some: slice) -> list[Record]:
+        """The records of orbits that are at their ends."""
+        rows = (
+            self.orbits[some],
+            rows_of(Run, self.runs[some]),
+            rows_of(State, self.states[some]),
+            rows_of(Tally, self.works[some]),
+            rows_of(Loads, self.loads[some]),
+            self.before[some],
+        )
+        return [self._record(*own) for own in zip(*rows, strict=True)]
+
+    def _record(
+        self, orbit: Orbit, run: Run, state: State, work: Tally, loads: Loads, before: int
+    ) -> Record:
         """The record of an orbit that is at its end."""
-        orbit, run = self.orbits[k], row_of(Run, self.runs[k])
-        state, work = row_of(State, self.states[k]), row_of(Tally, self.works[k])
         state.logged = 0
         orbit.state, orbit.work = state, work
-        self.done += _spent(work, run.log_last - run.log_first) - self.before[k]
+        self.done += _spent(work, run.log_last - run.log_first) - before
         started = min(run.periods + 1, run.strobe_rows) if state.period >= 0 else 0
         logged = slice(run.log_first, run.log_last)
         strobes = slice(run.strobe_first, run.strobe_first + started)
@@ -381,7 +393,7 @@ class _Batch:
             chatters=run.chatters,
             repeats=run.repeats,
             near=bool(run.near),
-            loads=row_of(Loads, self.loads[k]) if measured else None,
+            loads=loads if measured else None,
         )
 
 

@@ -17,7 +17,7 @@ from camcli.kernel.cam_table import TURN, Cam, lift, stretch_at
 from camcli.kernel.flow import move
 from camcli.kernel.orbit_loop import CHATTER, DETACHMENT, IMPACT, EventKind
 from camcli.kernel.sticking import contact_accel
-from camcli.kernel.variational import Growth, Pair, log_factor
+from camcli.kernel.variational import Growth, Pair
 from camcli.system import System
 
 FLIGHT, STICKING = "flight", "sticking"
@@ -128,7 +128,7 @@ def one_of_many_from(
         if kind == CHATTER:
             growths = kernel.table(Growth, [Growth()])
         kernel.stretch_events(cam, const, *(x[k : k + 1] for x in columns), pairs, growths)
-        if log_factor(growths[0].first, growths[0].first_twos) > natural_log(TOO_LARGE):
+        if growths[0].first_log > natural_log(TOO_LARGE):
             return int(whole.period[k]) - settings.transient
     return None
 

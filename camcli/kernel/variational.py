@@ -50,6 +50,8 @@ class Growth:
     impacts: int = 0
     length: float = 0.0  # rad of flight
     chatters: int = 0  # complete ones: they map every difference to zero
+    first_log: float = 0.0  # logarithms of the two factors, 0 where a factor is none
+    area_log: float = 0.0
 
 
 @inlined
@@ -96,7 +98,8 @@ def after_impact(const, lifts, u, qq, qw, wq, ww):
 def stretch_events(cam, const, kind, period, theta, u, pairs, growths):
     """Carry pairs[0] through logged events; lengths and area multiply into the growths.
 
-    growths[k] is of the k-th of as many equal parts; what is left over belongs to the last.
+    growths[k] is of the k-th of as many equal parts; what is left over belongs to the last. The
+    logarithms of all factors are renewed at the end.
     """
     pair = pairs[0]
     size = len(kind) // len(growths)
@@ -113,6 +116,10 @@ def stretch_events(cam, const, kind, period, theta, u, pairs, growths):
             pair.seen = 1
             pair.theta = theta[n]
             pair.period = period[n]
+    for k in range(len(growths)):
+        growth = growths[k]
+        growth.first_log = log_factor(growth.first, growth.first_twos)
+        growth.area_log = log_factor(growth.area, growth.area_twos)
 
 
 @inlined
@@ -155,6 +162,9 @@ def _normed(value):
     return value, twos
 
 
+@inlined
 def log_factor(value, twos):
-    """Logarithm of a factor of `Growth`."""
+    """Logarithm of a factor of `Growth`, 0 for one that is zero."""
+    if not value > 0.0:
+        return 0.0
     return natural_log(value) + twos * (64.0 * LN2)

@@ -1,24 +1,26 @@
-"""Finished pieces on disk: a plain file that is only appended to, a piece in each line.
+"""Finished pieces on disk: a plain file that is only appended to, a record for each piece.
 
-    CRC-32 of the rest, [place, number, value] as JSON; see `pack`
+    a line: CRC-32 of the rest, bytes of the arrays, [place, number, value] as JSON; see `pack`
+    the arrays of the value, as they are in memory
 
-The first line says what the others belong to. A line is appended by one write, so that a kill at
-any moment, a full disk or a power cut leaves whole lines and at most one torn one at the end, which
-is cut off when the file is opened again. The newest line of a name counts. Pieces of the first
-QUICK seconds wait for the next one after them, or for the end of a run that fails or is cut off.
+The first record says what the others belong to. A record is appended by one write, so that a kill
+at any moment, a full disk or a power cut leaves whole records and at most one torn one at the end,
+which is cut off when the file is opened again. The newest record of a name counts. Pieces of the
+first QUICK seconds wait for the next one after them, or for the end of a run that fails or is cut
+off.
 """
 
 import errno
 import json
 import os
 import re
-from binascii import a2b_base64, b2a_base64
 from collections.abc import Iterator
+from math import prod
 from pathlib import Path
 from stat import S_ISREG
 from threading import Lock
 from time import monotonic
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
 
 from camcli.errors import Fault, SceneError
@@ -26,16 +28,28 @@ from camcli.interrupts import held
 from camcli.parallel.threads import memory
 
 DTYPES = ("<f8", "<i8", "<i4", "<i2", "|i1", "|b1", "|u1")
+ALIGNED = 8  # bytes: an array begins at a multiple of so many
 MOST_KEY = 1 << 24  # bytes of the first line
 SUM = 8  # bytes that a line begins with
 HEAD = re.compile(rb"[0-9a-f]{8} ")  # of a line; a hole in a file is none, however long it is
-SHARE_OF_MEMORY = 0.25  # of this machine, that a line may take
+SIZE = re.compile(rb"[0-9]{1,15}")
+SHARE_OF_MEMORY = 0.25  # of this machine, that a line may take, and that arrays may
 CAUTIOUS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
-APPENDING = os.O_WRONLY | os.O_CREAT | os.O_APPEND
+APPENDING = os.O_RDWR | os.O_CREAT | os.O_APPEND
 QUICK = 1.0  # s: a run that takes no longer writes no pieces,
 MOST_WAITING = 1 << 26  # unless their arrays take more bytes
 SYNC = 1.0  # s between two waits for the disk: what a power cut costs
-KEY, END = "key", "end"  # places of the first line, and of the one that completes a shard
+KEY, END = "key", "end"  # places of the first record, and of the one that completes a shard
+
+
+class Stored(NamedTuple):
+    """A record of a file, and where it stands in it."""
+
+    place: str
+    number: int
+    value: Any
+    begin: int
+    end: int
 
 
 class Checkpoint:
@@ -47,8 +61,8 @@ class Checkpoint:
     def __init__(self, path: Path, key: str, parts: tuple[Path, ...] = ()):
         """Open or create; raises SceneError for a file with pieces of another key, OSError."""
         self.path = path
-        self.size = 0  # bytes of all lines
-        self._found: dict[tuple[str, int], tuple[Path, int]] = {}
+        self.size = 0  # bytes of all records
+        self._found: dict[tuple[str, int], tuple[Path, int, int]] = {}  # file, begin, end
         self._waiting: dict[tuple[str, int], Any] = {}  # values to be written
         self._waiting_bytes = 0
         self._lock = Lock()
@@ -62,7 +76,7 @@ class Checkpoint:
             self.torn = self._file.seek(0, os.SEEK_END) - end  # bytes
             self._file.truncate(end)
             if end == 0:
-                self._file.write(_line(KEY, 0, key))
+                self._file.write(_record(KEY, 0, key))
         except BaseException:
             self._file.close()
             raise
@@ -70,19 +84,19 @@ class Checkpoint:
         self.resumed = self.pieces  # pieces there were at the beginning
 
     def _read(self, file: BinaryIO, key: str, path: Path) -> int:
-        """Take note of the whole lines of a file; where they end."""
+        """Take note of the whole records of a file; where they end."""
         end, first = 0, None
-        for place, number, value, begin, after in records(file):
-            if begin:
-                self._found[place, number] = path, begin
+        for one in records(file):
+            if one.begin:
+                self._found[one.place, one.number] = path, one.begin, one.end
             else:
-                first = place, number, value
-            end = after
+                first = one.place, one.number, one.value
+            end = one.end
         self.size += end
         if first is None and path == self.path:
             file.seek(0)
             head = file.read(SUM)  # of nothing, of a first line that was cut, or of zeros
-            if _line(KEY, 0, key).startswith(head) or head == bytes(SUM):
+            if _record(KEY, 0, key).startswith(head) or head == bytes(SUM):
                 return 0
         if first != (KEY, 0, key):
             raise refused(path, "found no pieces of this run", "expected them")
@@ -101,15 +115,22 @@ class Checkpoint:
         if (place, number) in self._waiting:
             with self._lock:
                 self._write()
-        path, begin = self._found[place, number]
-        with open_pieces(path) as file:
-            file.seek(begin)
-            for *name, value, _, _ in records(file):
-                if name == [place, number]:
-                    return value
-                break
+        path, begin, end = self._found[place, number]
+        data = self._bytes(path, begin, end)
+        arrays_begin = data.find(b"\n") + 1
+        named = _parsed(data[:arrays_begin], data[arrays_begin:])
+        if named is not None and named[:2] == (place, number):
+            return named[2]
         found = f"piece {place}/{number} was changed or damaged while the run was at work"
         raise refused(path, found, "expected it whole")
+
+    def _bytes(self, path: Path, begin: int, end: int) -> bytes:
+        """A part of a file; that of this run stays open, those of shards may be too many."""
+        if path == self.path and not self._file.closed:
+            return os.pread(self._file.fileno(), end - begin, begin)
+        with open_pieces(path) as file:
+            file.seek(begin)
+            return file.read(end - begin)
 
     def path_of(self, place: str, number: int) -> Path:
         """The file that holds a piece that is there."""
@@ -127,7 +148,7 @@ class Checkpoint:
     def _write(self) -> None:
         """Append what waits."""
         for name in list(self._waiting):
-            rest = memoryview(line := _line(*name, self._waiting[name]))
+            rest = memoryview(record := _record(*name, self._waiting[name]))
             begin = self._file.seek(0, os.SEEK_END)
             try:
                 while rest:
@@ -143,8 +164,8 @@ class Checkpoint:
             except BaseException:  # an interrupt
                 self._file.truncate(begin)
                 raise
-            self._found[name] = self.path, begin
-            self.size += len(line)
+            self._found[name] = self.path, begin, begin + len(record)
+            self.size += len(record)
             del self._waiting[name]
         self._waiting_bytes = 0
 
@@ -180,47 +201,68 @@ def open_pieces(path: Path, mode: str = "rb") -> Any:
 
 
 def key_of(path: Path) -> tuple[str, dict]:
-    """(key, value of the line END or {}) of a file of pieces; raises SceneError, OSError."""
+    """(key, value of the record END or {}) of a file of pieces; raises SceneError, OSError."""
     key, end = None, {}
     with open_pieces(path) as file:
-        for place, _, value, begin, _ in records(file):
-            if begin == 0:
-                key = value if place == KEY else None
-            elif place == END and isinstance(value, dict):
-                end = value
+        for one in records(file):
+            if one.begin == 0:
+                key = one.value if one.place == KEY else None
+            elif one.place == END and isinstance(one.value, dict):
+                end = one.value
     if not isinstance(key, str):
         raise refused(path, "found no pieces", "expected a file of --shard I/N")
     return key, end
 
 
 def most_line() -> int:
-    """The bytes of a line that are read at most: a file may be longer than any memory."""
+    """The bytes of a line, or of arrays, that are read at most: a file may exceed any memory."""
     return int(SHARE_OF_MEMORY * memory())
 
 
-def records(file: BinaryIO) -> Iterator[tuple[str, int, Any, int, int]]:
-    """(place, number, value, begin, end) of each line from here, up to the first damaged one."""
-    end = file.tell()
+def records(file: BinaryIO) -> Iterator[Stored]:
+    """The records from here, up to the first damaged one."""
+    begin = file.tell()
+    whole = file.seek(0, os.SEEK_END)
+    file.seek(begin)
     while HEAD.fullmatch(head := file.read(SUM + 1)):
-        line = file.readline(MOST_KEY if end == 0 else most_line())
-        begin, end = end, end + len(head) + len(line)
-        data = line[:-1]
-        if line[-1:] != b"\n" or head[:SUM] != _check(data):
+        line = head + file.readline(MOST_KEY if begin == 0 else most_line())
+        arrays_begin = begin + len(line)
+        size = _size_of_arrays(line)
+        if size is None or size > min(most_line(), whole - arrays_begin):
             return
-        try:
-            named = unpack(data)
-        except ValueError:
+        named = _parsed(line, file.read(size))
+        if named is None:
             return
-        match named:
-            case [str(place), int(number), value]:
-                yield place, number, value, begin, end
-            case _:
-                return
+        end = arrays_begin + size
+        yield Stored(*named, begin, end)
+        begin = end
 
 
-def _line(place: str, number: int, value: Any) -> bytes:
-    data = pack([place, number, value])
-    return _check(data) + b" " + data + b"\n"
+def _record(place: str, number: int, value: Any) -> bytes:
+    data, arrays = pack([place, number, value])
+    rest = b"%d %s\n" % (len(arrays), data)
+    return b"".join([_check(rest, arrays), b" ", rest, arrays])
+
+
+def _size_of_arrays(line: bytes) -> int | None:
+    """What a line says of the arrays that follow it; None where it is no whole line."""
+    size = line[SUM + 1 :].partition(b" ")[0]
+    return int(size) if SIZE.fullmatch(size) and line.endswith(b"\n") else None
+
+
+def _parsed(line: bytes, arrays: bytes) -> tuple[str, int, Any] | None:
+    """Place, number and value of a record; None where it is damaged."""
+    rest = line[SUM + 1 :]
+    if line[:SUM] != _check(rest, arrays):
+        return None
+    try:
+        named = unpack(rest.partition(b" ")[2], arrays)
+    except ValueError:
+        return None
+    match named:
+        case [str(place), int(number), value]:
+            return place, number, value
+    return None
 
 
 def _bytes_of(value: Any) -> int:
@@ -232,8 +274,8 @@ def _bytes_of(value: Any) -> int:
     return getattr(value, "nbytes", 0)
 
 
-def _check(data: bytes) -> bytes:
-    return b"%08x" % crc32(data)
+def _check(rest: bytes, arrays: bytes) -> bytes:
+    return b"%08x" % crc32(arrays, crc32(rest))
 
 
 def refused(path: Path, found: str, expected: str) -> SceneError:
@@ -243,41 +285,52 @@ def refused(path: Path, found: str, expected: str) -> SceneError:
     )
 
 
-def pack(value: Any) -> bytes:
-    """JSON of a plain value; an array in it is {"dtype", "shape", "base64"}.
+def pack(value: Any) -> tuple[bytes, bytes]:
+    """JSON of a plain value, and the bytes of the arrays in it.
 
+    In the JSON an array is {"dtype", "shape", "at"}; `at` is where it begins in these bytes.
     Floats keep every bit (of a NaN outside an array, that it is one); tuples and ranges come back
     as lists, arrays as views that may not be written. Raises TypeError for what is none of this:
     nothing is pickled, nothing read can run code.
     """
-    return json.dumps(value, default=_outline, separators=(",", ":")).encode()
+    parts: list[bytes] = []
+    size = 0
 
-
-def _outline(value: Any) -> Any:
-    if isinstance(value, range):
-        return list(value)
-    if hasattr(value, "dtype") and value.ndim == 0:
-        return value.item()
-    if hasattr(value, "dtype"):
+    def outline(value: Any) -> Any:
+        nonlocal size
+        if isinstance(value, range):
+            return list(value)
+        if not hasattr(value, "dtype"):
+            raise TypeError(f"a {type(value).__name__} cannot be kept")
+        if value.ndim == 0:
+            return value.item()
         little = value.astype(value.dtype.newbyteorder("<"), copy=False)
-        if little.dtype.str in DTYPES:
-            text = b2a_base64(little.tobytes(), newline=False).decode()
-            return {"dtype": little.dtype.str, "shape": little.shape, "base64": text}
-    raise TypeError(f"a {type(value).__name__} cannot be kept")
+        if little.dtype.str not in DTYPES:
+            raise TypeError(f"an array of {little.dtype} cannot be kept")
+        at = size
+        parts.append(little.tobytes())
+        parts.append(bytes(-little.nbytes % ALIGNED))
+        size += little.nbytes + len(parts[-1])
+        return {"dtype": little.dtype.str, "shape": little.shape, "at": at}
+
+    text = json.dumps(value, default=outline, separators=(",", ":"))
+    return text.encode(), b"".join(parts)
 
 
-def unpack(data: bytes) -> Any:
+def unpack(data: bytes, arrays: bytes = b"") -> Any:
     """The value of these bytes; raises ValueError where they are not from `pack`."""
+
+    def array(outline: dict) -> Any:
+        match outline:
+            case {"dtype": str(name), "shape": list(shape), "at": int(at)} if name in DTYPES:
+                import numpy as np
+
+                if min(shape, default=0) < 0:
+                    raise ValueError("found a shape below nothing")
+                return np.frombuffer(arrays, name, prod(shape), at).reshape(shape)
+        return outline
+
     try:
-        return json.loads(data, object_hook=_array)
+        return json.loads(data, object_hook=array)
     except (TypeError, OverflowError, RecursionError) as error:
         raise ValueError(f"no value ({error})") from None
-
-
-def _array(outline: dict) -> Any:
-    match outline:
-        case {"dtype": str(name), "shape": list(shape), "base64": str(text)} if name in DTYPES:
-            import numpy as np
-
-            return np.frombuffer(a2b_base64(text, strict_mode=True), name).reshape(shape)
-    return outline

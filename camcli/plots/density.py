@@ -89,6 +89,22 @@ class Columns:
         return cls(low, high, len(rising), which, np.where(far, -1, nearest))
 
 
+class _OfFew(LogNorm):
+    """LogNorm of images of which most is blank: its ends are given, and blank cells stay blank."""
+
+    def autoscale_None(self, A: Any) -> None:  # noqa: N802 - matplotlib's names
+        """Nothing: the ends are given."""
+
+    def __call__(self, value: Any, clip: bool | None = None) -> Any:
+        """What LogNorm gives; only cells that are not blank are looked at."""
+        if np.ndim(value) == 0:
+            return super().__call__(value, clip)
+        blank = np.ma.getmaskarray(value)
+        found = np.zeros(blank.shape)
+        found[~blank] = super().__call__(np.ma.getdata(value)[~blank], clip)
+        return np.ma.array(found, mask=blank)
+
+
 class Image:
     """Values counted per bin and row of an image from `low` to `high`."""
 
@@ -128,5 +144,6 @@ class Image:
         shades = LinearSegmentedColormap.from_list("points", [pale, colour])
         axes.imshow(
             self.shares(), extent=extent, origin="lower", aspect="auto", interpolation="nearest",
-            cmap=shades, norm=LogNorm(least, FULLEST, clip=True), zorder=2,
+            interpolation_stage="data",  # the same pixels, in half the time
+            cmap=shades, norm=_OfFew(least, FULLEST, clip=True), zorder=2,
         )  # fmt: skip

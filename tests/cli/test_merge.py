@@ -8,7 +8,7 @@ from zlib import crc32
 
 import pytest
 
-from camcli.parallel.checkpoint import Checkpoint, key_of, pack
+from camcli.parallel.checkpoint import Checkpoint, key_of
 from tests.conftest import refused
 from tests.support.long_runs import but_record, files
 
@@ -94,8 +94,8 @@ def test_nothing_to_merge_or_to_share(cam, tmp_path):
 
 
 def line(place: str, value) -> bytes:
-    data = pack([place, 0, value])
-    return b"%08x %s\n" % (crc32(data), data)
+    rest = b"0 %s\n" % json.dumps([place, 0, value]).encode()
+    return b"%08x %s" % (crc32(rest), rest)
 
 
 END = line("end", {"shard": [1, 1], "scene": {}, "plot": False})

@@ -176,7 +176,7 @@ def test_a_shard_with_a_fault_is_merged(cam, tmp_path, breaking, monkeypatch):
         done = cam(line, "--shard 1/2 -o parts", code=1)
         assert "fault: rpm = 700.0: ZeroDivisionError" in done.stderr
         assert "report it with parts/sweep-1-of-2.pieces" in done.stderr
-        assert "Traceback" in (tmp_path / "parts/sweep-1-of-2.pieces").read_text()
+        assert b"Traceback" in (tmp_path / "parts/sweep-1-of-2.pieces").read_bytes()
         cam(line, "--shard 2/2 -o parts", code=0)
         done = cam("merge parts -o again", code=1)
         assert "fault: rpm = 700.0" in done.stderr

@@ -12,7 +12,6 @@ from conftest import chapter_system
 from mpmath import iv, mp, mpf
 
 import camcli
-from camcli.analysis.orbits.orbit import region_names
 from camcli.scene import load_scene
 from tests.support.oracle import ArcsCam
 from tests.support.orbit_oracle import DIGITS, Machine, admissible, solve
@@ -65,7 +64,7 @@ def oracles(key, value, orbit, regions=None):
 
 def regions_of(orbit):
     """The smooth region of each impact of the solved equations, in their order."""
-    names = region_names(system())
+    names = system().region_names
     return [names[orbit.root.whole[2 * k]] for k in range(orbit.root.count)]
 
 

@@ -23,11 +23,12 @@ RUNS = {
     "basins": "basins --rpm 700 --cells 8 --no-plot",
 }
 ARRAYS = [
-    {"dtype": "<f8", "shape": [0], "base64": ""},
-    {"dtype": "<f8", "shape": [1], "base64": "AAAAAAAA+H8="},  # a NaN
-    {"dtype": "|b1", "shape": [2], "base64": "AQA="},
-    {"dtype": "<f8", "shape": [0, 10**12], "base64": ""},
+    {"dtype": "<f8", "shape": [0], "at": 0},
+    {"dtype": "<f8", "shape": [1], "at": 0},  # a NaN, see `edited`
+    {"dtype": "|b1", "shape": [2], "at": 0},
+    {"dtype": "<f8", "shape": [0, 10**12], "at": 0},
 ]
+NAN = bytes.fromhex("000000000000f87f")
 ODD = st.sampled_from(
     [None, True, -1, 0, 1, 1e308, float("nan"), float("inf"), -1e9, 2**70, 10**6, "", "x", "\x1b",
      "contact", "aperiodic", "P(3;3:3:2)", "-" * 5000, [], {}, [1], [[1]], {"a": 1}, *ARRAYS]
@@ -70,10 +71,11 @@ def changed(value: Any, place: tuple, data: st.DataObject) -> Any:
 
 
 def edited(original: bytes, data: st.DataObject) -> bytes:
-    """The file with one value changed, and the sum of its line right again."""
-    lines = original.splitlines()
-    k = data.draw(st.integers(0, len(lines) - 1))
-    value = json.loads(lines[k].partition(b" ")[2])
+    """The file with one value or some bytes of arrays changed, and the sum right again."""
+    split = list(texts_and_arrays(original))
+    k = data.draw(st.integers(0, len(split) - 1))
+    text, arrays = split[k]
+    value = json.loads(text)
     if k == 0:  # the key, a text of JSON
         key = json.loads(value[2])
         place = data.draw(st.sampled_from(list(places(key))))
@@ -81,9 +83,23 @@ def edited(original: bytes, data: st.DataObject) -> bytes:
     else:
         place = data.draw(st.sampled_from(list(places(value))[1:]))
         value = changed(value, place, data)
-    text = json.dumps(value, separators=(",", ":")).encode()
-    lines[k] = b"%08x %s" % (crc32(text), text)
-    return b"\n".join(lines) + b"\n"
+    if arrays and data.draw(st.booleans()):
+        arrays = NAN + arrays[len(NAN) :]
+    split[k] = json.dumps(value, separators=(",", ":")).encode(), arrays
+    whole = b""
+    for text, arrays in split:
+        rest = b"%d %s\n" % (len(arrays), text)
+        whole += b"%08x %s%s" % (crc32(arrays, crc32(rest)), rest, arrays)
+    return whole
+
+
+def texts_and_arrays(whole: bytes) -> Iterator[tuple[bytes, bytes]]:
+    """The JSON of each record of a file, and the bytes of its arrays."""
+    while whole:
+        line, _, whole = whole.partition(b"\n")
+        _, size, text = line.split(b" ", 2)
+        yield text, whole[: int(size)]
+        whole = whole[int(size) :]
 
 
 @pytest.mark.parametrize("run", RUNS)
@@ -109,7 +125,7 @@ def test_an_edited_part_is_merged_or_refused_by_its_name(parts, run, data):
         assert any(name in done.stderr for name in names), done.stderr
 
 
-@pytest.mark.parametrize("begin", [b"", b"01234567 "])
+@pytest.mark.parametrize("begin", [b"", b"01234567 ", b"01234567 999999999999999 \n"])
 def test_a_line_that_no_memory_holds_is_not_read(parts, monkeypatch, begin):
     """A sparse file of a terabyte is one line that never ends."""
     monkeypatch.setattr("camcli.parallel.checkpoint.most_line", lambda: 1 << 20)

@@ -14,7 +14,6 @@ from camcli.analysis.labels import (
     UNDECIDED,
     Label,
     label,
-    passages,
     returns,
     sections,
 )
@@ -93,33 +92,31 @@ def identify(
     n = record.periods
     if record.status != Status.OK or n < 2:
         return None
-    states, symbols = passages(record)
+    sections_of_turns, symbols = sections(record)
+
+    def last(turns: int) -> list[tuple[float, float]]:
+        return [(q, w) for q, w in sections_of_turns[-turns:].tolist()]
+
     if not record.touches:
-        return resting_orbit(system, rpm, states[-1:], symbols[-1:], [])
+        return resting_orbit(system, rpm, last(1), symbols[-1:], [])
     shooter = Shooter(system, rpm)
-    for m, gap in _returns(record, longest):
+    for m, gap in returns(sections_of_turns, longest):
+        if symbols[n - m :] != symbols[n - 2 * m : n - m]:
+            continue
         orbit = None
         window = range(n - m, n)
         lifts_off = any(kind == DETACHMENT for kind, *_ in _events(record, window))
         if not lifts_off and not any(record.chatter[k] for k in window):
-            orbit = _bouncing(shooter, impacts_of(record, window), m, gap, states[-1], symbols[-m:])
+            (end,) = last(1)
+            orbit = _bouncing(shooter, impacts_of(record, window), m, gap, end, symbols[-m:])
         elif gap <= CLOSED:
             grown = largest_growth(system, rpm, record, range(max(0, n - 2 * m), n))
             if grown <= TOO_LARGE:  # else rounding, not the machine, closed the cycle
                 leaves = [(at - window.start, x) for at, x in departures(record) if at in window]
-                orbit = resting_orbit(system, rpm, states[-m:], symbols[-m:], leaves)
+                orbit = resting_orbit(system, rpm, last(m), symbols[-m:], leaves)
         if orbit is not None:
             return orbit
     return None
-
-
-def _returns(record: Record, longest: int) -> Iterator[tuple[int, float]]:
-    """(turns, distance) of the periods after which a record ends near where it was, alike."""
-    states, symbols = sections(record)
-    n = len(states)
-    for m, gap in returns(states, longest):
-        if symbols[n - m :] == symbols[n - 2 * m : n - m]:
-            yield m, gap
 
 
 def _events(record: Record, window: range) -> Iterator[tuple[int, int, float, float]]:
@@ -202,7 +199,7 @@ def _solved(shooter: Shooter, impacts: Sequence[Impact], m: int) -> PeriodicOrbi
     root = newton_from(shooter, impacts, m)
     if root is None:
         return None
-    turns = shortest_period(section_states(shooter.system, root)[0])
+    turns = 1 if m == 1 else shortest_period(section_states(shooter.system, root)[0])
     if turns < m:  # the orbit itself, which the root goes through several times
         n = root.count * turns // m
         root = shooter.at_value(

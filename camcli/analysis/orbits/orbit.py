@@ -10,7 +10,6 @@ from camcli.analysis.bracketing import lowest
 from camcli.analysis.labels import CONTACT, Label, rotation
 from camcli.analysis.orbits.same_orbit import shortest_period
 from camcli.analysis.orbits.shooter import Root
-from camcli.cams.regions import regions
 from camcli.kernel.arithmetic import exp_decay
 from camcli.kernel.cam_table import TURN, Cam, lift, stretch_at
 from camcli.kernel.certify import Verdict
@@ -88,7 +87,7 @@ def from_root(system: System, root: Root, verdict: int = Verdict.ADMISSIBLE) -> 
     states, symbols = section_states(system, root)
     first = _first_turn(symbols, states)
     order = _rotated([k for _, k in _since_strobe(system, root)], int(sum(symbols[:first])))
-    names = region_names(system)
+    names = system.region_names
     return PeriodicOrbit(
         rpm=root.machine[RPM],
         value=root.value,
@@ -108,7 +107,7 @@ def from_root(system: System, root: Root, verdict: int = Verdict.ADMISSIBLE) -> 
 def resting_orbit(system: System, rpm: float, states, symbols, leaves) -> PeriodicOrbit:
     """An orbit through rests: states at the strobes, symbols of the turns, leaves (turn, rad)."""
     first = _first_turn(symbols, states)
-    names = region_names(system)
+    names = system.region_names
     turns = _rotated(range(len(states)), first)
     thetas = tuple(theta for j in turns for turn, theta in leaves if turn == j)
     return PeriodicOrbit(
@@ -158,11 +157,6 @@ def _highest(cam: Cam) -> float:
         return lowest(lambda x: -lift(cam, i, x)[0], stretch.start, stretch.end, SAMPLES)[0]
 
     return -min(map(depth, range(len(cam.stretches))))
-
-
-def region_names(system: System) -> dict[int, str]:
-    """Name of the smooth region of every stretch."""
-    return {i: region.name for region in regions(system.cam) for i in region.stretches}
 
 
 def section_states(system: System, root: Root) -> tuple[list[tuple[float, float]], list[float]]:
