@@ -34,6 +34,7 @@ from camcli.kernel import backend
 from camcli.kernel.cam_table import lift_at
 from camcli.kernel.orbit_loop import IMPACT
 from camcli.parallel import Codec, Work, stored
+from camcli.parallel.work import Kept
 from camcli.piece_faults import PieceFault, attempt
 from camcli.system import System
 
@@ -99,6 +100,11 @@ class Sweep:
             names.append("start")
         return tuple(names)
 
+    def section(self, name: str) -> Iterator[tuple[float, tuple]]:
+        """(value, columns) of each speed: `impacts` or `strobe`, whichever was asked for."""
+        for k, speed in enumerate(self.bare):
+            yield speed.value, _columns(self.speeds, k, name)
+
     @property
     def troubled(self) -> list[Speed]:
         """Speeds whose status is not ok, without their sections."""
@@ -138,7 +144,7 @@ class Map:
 
 def bare(speed: Speed) -> Speed:
     """The speed without its sections: what a summary keeps of it."""
-    return replace(speed, impacts=None, strobe=None)
+    return Speed(**{**vars(speed), "impacts": None, "strobe": None})
 
 
 def rpm_grid(start: float, stop: float, num: int) -> list[float]:
@@ -302,6 +308,16 @@ class _Joined(Sequence[Speed]):
             return [self[n] for n in range(*k.indices(len(self)))]
         n, own = self.places[k]
         return self.parts[n][own]
+
+
+def _columns(speeds: Sequence[Speed], k: int, name: str) -> tuple:
+    """A section of a speed; nothing else of it is read where it is on disk."""
+    while isinstance(speeds, _Joined):
+        n, k = speeds.places[k]
+        speeds = speeds.parts[n]
+    if isinstance(speeds, Kept) and k not in speeds.unkept:
+        return speeds.part(k, lambda stored: _load_section(name, stored))
+    return getattr(speeds[k], name)
 
 
 def _between(speeds: Sequence[Speed]) -> list[float]:
@@ -669,8 +685,18 @@ CHECKS: dict[str, Callable[[Any], Any]] = {  # of what `_store` makes of a speed
 
 
 def _load(value: Any) -> Speed:
-    speed = Speed(**stored.fields(value, CHECKS))
-    return replace(speed, strobe=speed.strobe and (range(len(speed.strobe[0])), *speed.strobe))
+    found = stored.fields(value, CHECKS)
+    return Speed(**{**found, "strobe": _numbered(found["strobe"])})
+
+
+def _load_section(name: str, value: Any) -> Any:
+    columns = CHECKS[name](value[name])
+    return _numbered(columns) if name == "strobe" else columns
+
+
+def _numbered(strobe: tuple | None) -> tuple | None:
+    """The columns of a strobe section with the periods before them, which are not kept."""
+    return strobe and (range(len(strobe[0])), *strobe)
 
 
 def _load_line(value: Any) -> list[Speed]:

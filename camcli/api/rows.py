@@ -80,10 +80,9 @@ CORNERS = BIFURCATIONS._replace(
 
 def blocks(found: Sweep, section: str) -> Iterator[Block]:
     """The rows of the table of a section."""
-    for speed, way in zip(found.speeds, found.ways, strict=True):
-        columns = getattr(speed, section)
+    for (value, columns), way in zip(found.section(section), found.ways, strict=True):
         if len(columns[0]):
-            yield speed.value, *columns, *way
+            yield value, *columns, *way
 
 
 def speed_row(speed: Speed) -> tuple:

@@ -27,6 +27,7 @@ from camcli.errors import Fault, SceneError
 from camcli.interrupts import held
 from camcli.parallel.threads import memory
 
+OUTLINE = {"dtype", "shape", "at"}  # of an array, in the JSON
 DTYPES = ("<f8", "<i8", "<i4", "<i2", "|i1", "|b1", "|u1")
 ALIGNED = 8  # bytes: an array begins at a multiple of so many
 MOST_KEY = 1 << 24  # bytes of the first line
@@ -321,14 +322,16 @@ def unpack(data: bytes, arrays: bytes = b"") -> Any:
     """The value of these bytes; raises ValueError where they are not from `pack`."""
 
     def array(outline: dict) -> Any:
-        match outline:
-            case {"dtype": str(name), "shape": list(shape), "at": int(at)} if name in DTYPES:
-                import numpy as np
+        if outline.keys() != OUTLINE:
+            return outline
+        name, shape, at = outline["dtype"], outline["shape"], outline["at"]
+        if name not in DTYPES or not isinstance(shape, list) or not isinstance(at, int):
+            return outline
+        import numpy as np
 
-                if min(shape, default=0) < 0:
-                    raise ValueError("found a shape below nothing")
-                return np.frombuffer(arrays, name, prod(shape), at).reshape(shape)
-        return outline
+        if min(shape, default=0) < 0:
+            raise ValueError("found a shape below nothing")
+        return np.frombuffer(arrays, name, prod(shape), at).reshape(shape)
 
     try:
         return json.loads(data, object_hook=array)

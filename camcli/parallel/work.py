@@ -240,19 +240,28 @@ class Kept(Sequence):
         k = range(len(self.pieces))[k]
         if k in self.unkept:
             return self.unkept[k]
-        assert self.checkpoint is not None
         assert self.codec is not None
-        try:
-            result = self.codec.load(self.checkpoint.get(self.place, k))
-            if not self.codec.fits(result, self.pieces[k]):
+        codec = self.codec
+
+        def load(stored: Any) -> Any:
+            result = codec.load(stored)
+            if not codec.fits(result, self.pieces[k]):
                 raise ValueError("it is that of another piece")
+            return result
+
+        return self.part(k, load)
+
+    def part(self, k: int, load: Callable[[Any], Any]) -> Any:
+        """What `load` makes of the plain values of piece k, which is on disk."""
+        assert self.checkpoint is not None
+        try:
+            return load(self.checkpoint.get(self.place, k))
         except SceneError:
             raise
         except MISFITS as error:
             found = f"piece {self.place}/{k} holds no result ({shown(str(error), 200)})"
             path = self.checkpoint.path_of(self.place, k)
             raise refused(path, found, "expected pieces of this run") from None
-        return result
 
     def put(self, k: int, result: Any, sound: bool = True) -> Any:
         """Keep the result of piece k, and return it.

@@ -11,7 +11,7 @@ from tests.support.long_runs import begin, command, ended, files
 
 SOME = {
     "one long piece": "sweep --rpm 745 --set run.transient=100000000",
-    "explain": "sweep --rpm 735:745 --points 200 --explain",
+    "explain": "sweep --rpm 735:745 --points 4000 --explain",
 }
 ALL = {
     **SOME,
