@@ -66,9 +66,10 @@ def _at_one_speed(result: Any, crank: float) -> str:
 
 def _past(result: Any) -> Iterator[str]:
     """What was seen past the loss of contact."""
-    speeds = result.tables.get("speeds")
-    if speeds is None or not {"rpm", "max_impact_m_per_s"} <= set(speeds.columns):
+    table = result.tables.get("speeds")
+    if table is None or not {"rpm", "max_impact_m_per_s"} <= set(table.columns):
         return
+    speeds = table.arrays()  # all at once: the rows of a table are made anew for each column
     names = "max_impact_m_per_s landing_deg landing_lift_m max_gap_m rpm shut_bounces_per_turn"
     columns = (speeds[name] for name in names.split())
     rows = [row for row in zip(*columns, strict=True) if row[0] > 0.0]
