@@ -142,10 +142,14 @@ class Table(Columns):
 
     def csv(self) -> Iterator[str]:
         """The text of the CSV file, a block at a time."""
-        yield ",".join(self.columns) + "\n"
+        return (chunk.decode() for chunk in self._csv())
+
+    def _csv(self) -> Iterator[bytes]:
+        """Its bytes."""
+        yield (",".join(self.columns) + "\n").encode()
         for block in self.blocks():
             alike = next((k for k, entry in enumerate(block) if _is_column(entry)), 0)
-            begin = to_json(_cells(block[:alike]))[1:-1]  # of each row
+            begin = to_json(_cells(block[:alike]))[1:-1].replace(b'"', b"")  # of each row
             if alike > 0:
                 begin += b","
             width = len(block) - alike + 1
@@ -156,11 +160,11 @@ class Table(Columns):
             if cells:  # JSON has the same shortest digits as Python, several times as fast
                 text = (to_json(cells)[1:-1] + b",").replace(b',"\\n",', b"\n" + begin)
                 text = begin + text[: len(text) - len(begin)]
-                yield text.replace(b'"', b"").decode()
+                yield text.replace(b'"', b"") if b'"' in text else text
 
     def write_csv(self, file: BinaryIO) -> None:
         """Write the CSV file."""
-        file.writelines(chunk.encode() for chunk in self.csv())
+        file.writelines(self._csv())
 
     def npz(self, file: BinaryIO) -> None:
         """Write the columns as numpy.load reads them; no time stands in the archive.
@@ -289,6 +293,8 @@ def _cells(column: Any) -> list:
     Raises TypeError for a value of another kind than Python's own numbers and texts.
     """
     values = column.tolist() if hasattr(column, "tolist") else list(column)
+    if isinstance(column, range) or (hasattr(column, "dtype") and column.dtype.kind == "i"):
+        return values
     if hasattr(column, "dtype") and column.dtype.kind == "f":
         size = abs(column)
         odd = (~((size >= SAME_FORM) & (size < EXPONENT))).nonzero()[0].tolist()
