@@ -23,6 +23,8 @@ from camcli.analysis.orbits.identify import departures
 from camcli.analysis.orbits.same_orbit import distance, size_of
 from camcli.cams.balls import DIGITS, UndecidedError, decided
 from camcli.cams.compile import Shape
+from camcli.kernel import backend
+from camcli.parallel.helpers import Turns
 from camcli.system import Follower, System
 
 if TYPE_CHECKING:
@@ -37,6 +39,7 @@ CLOSE = 1e-8  # relative distance of a state to the one a period before
 SHRINKS = 0.95  # what a period leaves of that distance
 NOTHING_LEFT = 1e-13  # a distance that need not shrink
 REMEMBERED = 4096  # motions
+TURNS = Turns()  # of threads at balls
 
 
 class HoldsFor(StrEnum):
@@ -112,18 +115,34 @@ def of_shape(
 
     Other starts at a speed, and a sweep the other way, come to the same rest: it is followed once.
     """
+    compiled = backend.current().compiled
+    return TURNS.call(followed, shape, follower, strobe, rpm, theta, every, compiled)
+
+
+def followed(
+    shape: Shape,
+    follower: Follower,
+    strobe: float,
+    rpm: float,
+    theta: float,
+    every: bool,
+    compiled: bool,
+) -> After:
+    """`of_shape`, computed by this process, with the compiled kernel or plain Python."""
     from camcli.exact.machine import BallMachine
     from camcli.exact.motion import EndlessError
     from camcli.exact.quick_motion import QuickMotion, Table
 
+    if compiled:
+        backend.compiled()
     table = Table(shape, follower, strobe, rpm)
 
-    def followed() -> After:
+    def after() -> After:
         make = BallMachine.within_last_digit if every else BallMachine
         return _followed(QuickMotion(make(shape, follower, rpm), strobe, theta, table))
 
     try:
-        return decided(followed, LAST_DIGIT_DIGITS if every else DIGITS)
+        return decided(after, LAST_DIGIT_DIGITS if every else DIGITS)
     except (UndecidedError, EndlessError):
         return After(UNKNOWN)
 

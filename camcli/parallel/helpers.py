@@ -1,0 +1,185 @@
+"""Helper processes for work that only one thread of a process can do at a time.
+
+Balls have one precision for all threads, and Python one lock. Results do not depend on who does
+the work.
+
+A helper is another Python that reads pickled calls and writes pickled results. It ends when its
+input does, however this process ends. Where one fails, the work is done here.
+"""
+
+from __future__ import annotations
+
+import atexit
+import os
+import pickle
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from threading import Condition, Thread, get_ident
+from time import perf_counter
+from typing import IO, Any
+
+from camcli.parallel.threads import thread_count
+
+WORTH_HELPERS = 1.0  # s of work, some time more than a helper takes to start
+START = "import sys; sys.path[:] = {path!r}; from camcli.parallel.helpers import serve; serve()"
+READY = "ready"
+
+
+class HelperFailedError(Exception):
+    """A helper has ended, or what it was asked for raised something."""
+
+
+class Helper:
+    """A process that computes what it is asked for, one after the other."""
+
+    def __init__(self) -> None:
+        command = [sys.executable, "-c", START.format(path=sys.path)]
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL)
+
+    def call(self, function: Callable, *args: Any) -> Any:
+        """function(*args) as the helper computes it; raises HelperFailedError."""
+        assert self.process.stdin is not None
+        try:
+            pickle.dump((function, args), self.process.stdin)
+            self.process.stdin.flush()
+        except (OSError, pickle.PicklingError, AttributeError, TypeError, ValueError):
+            raise HelperFailedError from None
+        return self.answer()
+
+    def answer(self) -> Any:
+        """The next result."""
+        assert self.process.stdout is not None
+        try:
+            done, result = pickle.load(self.process.stdout)
+        except Exception:
+            raise HelperFailedError from None
+        if not done:
+            raise HelperFailedError
+        return result
+
+    def end(self) -> None:
+        """End it, whatever it does: nobody waits for it any more."""
+        self.process.kill()
+        self.process.wait()
+        for pipe in (self.process.stdin, self.process.stdout):
+            with suppress(OSError):
+                assert pipe is not None
+                pipe.close()
+
+
+def serve() -> None:
+    """What a helper does; an interrupt from the keyboard is for the process that asks."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    asked, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what anybody prints is no answer
+    with suppress(EOFError, OSError):  # who asks has ended
+        _answer(answers, True, READY)
+        while True:
+            function, args = pickle.load(asked)
+            try:
+                result = function(*args)
+            except Exception:
+                _answer(answers, False, None)
+            else:
+                _answer(answers, True, result)
+
+
+def _answer(answers: IO[bytes], done: bool, result: Any) -> None:
+    pickle.dump((done, result), answers)
+    answers.flush()
+
+
+class Turns:
+    """Threads take turns at some work here, until there is enough of it for helpers to do it all.
+
+    Enough: the threads, more than one, have done it for longer than a helper takes to start. From
+    then on this process does none: who waits for Python's lock would wait until it is done.
+    """
+
+    def __init__(self, most: int | None = None, enough: float = WORTH_HELPERS):
+        """most: helpers, one per processor unless given; enough: s."""
+        self.most = thread_count(None) if most is None else most
+        self.enough = enough
+        self.helpers: list[Helper] = []  # those that are ready
+        self._free: list[Helper] = []  # and have nothing to do
+        self._busy = self._asked_for = False  # this process; helpers
+        self._spent = 0.0  # s, here
+        self._threads: set[int] = set()
+        self._change = Condition()
+
+    def call(self, function: Callable, *args: Any) -> Any:
+        """function(*args), as soon as it is somebody's turn.
+
+        A helper imports the function by its name, and everything else is pickled.
+        """
+        helper = self._take()
+        if helper is None:
+            begun = perf_counter()
+            try:
+                return function(*args)
+            finally:
+                self._done_here(perf_counter() - begun)
+        try:
+            result = helper.call(function, *args)
+        except HelperFailedError:
+            self._lose(helper)
+            return self.call(function, *args)
+        except BaseException:  # an interrupt, between a question and its answer
+            self._lose(helper)
+            raise
+        with self._change:
+            self._free.append(helper)
+            self._change.notify_all()
+        return result
+
+    def _take(self) -> Helper | None:
+        """Who does the work: a helper, or this process where there is none."""
+        with self._change:
+            self._change.wait_for(lambda: self._free or not (self.helpers or self._busy))
+            if self._free:
+                return self._free.pop()
+            self._busy = True
+            return None
+
+    def _done_here(self, seconds: float) -> None:
+        """The next one; helpers are asked for where it is enough."""
+        with self._change:
+            self._busy = False
+            self._spent += seconds
+            self._threads.add(get_ident())
+            self._change.notify_all()
+            much = self._spent > self.enough and len(self._threads) > 1
+            if self._asked_for or not much:
+                return
+            self._asked_for = True
+        for _ in range(self.most if self.most > 1 else 0):
+            Thread(target=self._start, daemon=True).start()
+
+    def _start(self) -> None:
+        """Start a helper, and let it work as soon as it is ready."""
+        try:
+            helper = Helper()
+        except (OSError, TypeError):  # no more processes; no Python to start
+            return
+        try:
+            helper.answer()
+        except HelperFailedError:
+            helper.end()
+            return
+        atexit.register(helper.end)
+        with self._change:
+            self.helpers.append(helper)
+            self._free.append(helper)
+            self._change.notify_all()
+
+    def _lose(self, helper: Helper) -> None:
+        """A helper that has failed; what is left to do is left to the others."""
+        with self._change:
+            self.helpers.remove(helper)
+            self._change.notify_all()
+        atexit.unregister(helper.end)
+        helper.end()
