@@ -257,40 +257,55 @@ def _watch_ends(
     A row that was watched takes the place of the one before.
     """
     ends = _Ends(replace(task, patient=True))
-    ranked = sorted(own, key=lambda row: rows[row.at].value)
-    while todo := _unwatched(ranked, rows):
+    ranges = _ranges_of_chaos(sorted(own, key=lambda row: rows[row.at].value), rows)
+    while True:
+        todo: list[_Row] = []
+        unfinished = []
+        for members in ranges:
+            unwatched = _unwatched(members, rows)
+            if unwatched:
+                todo += unwatched
+                unfinished.append(members)
+        if not todo:
+            return
+        ranges = unfinished
+        todo.sort(key=lambda row: rows[row.at].value)
         pieces, first = [(rows[row.at].value, row.start) for row in todo], len(rows)
         parts.append(work.collect(ends, pieces, OF_ENDS, lambda speed: rows.append(bare(speed))))
         for k, row in enumerate(todo):
             row.at, row.watched = first + k, True
 
 
-def _unwatched(ranked: Sequence[_Row], rows: Sequence[Speed]) -> list[_Row]:
-    """The rows to be watched next, in the order of their values, see `_watch_ends`.
+def _ranges_of_chaos(ranked: Sequence[_Row], rows: Sequence[Speed]) -> list[list[_Row]]:
+    """The rows of each range of motions that look aperiodic, or came to a rest among such.
 
     Chaos that may come to a rest does so at some speeds within the record and at others later, by
-    chance: a row that rested is no end of the range that it stands in.
+    chance: a row that rested is no end of the range that it stands in. A row that was watched stays
+    in its range whatever it turned out to be, so that the ranges stay as they are.
     """
 
-    def aperiodic(row: _Row) -> bool:
-        return rows[row.at].label == APERIODIC
-
     def in_chaos(row: _Row) -> bool:
-        rested = rows[row.at].label == UNDECIDED or bool(rows[row.at].holds_for)
-        return row.watched or rested or aperiodic(row)
+        speed = rows[row.at]
+        rested = speed.label == UNDECIDED or bool(speed.holds_for)
+        return row.watched or rested or speed.label == APERIODIC
 
+    return [list(members) for chaos, members in groupby(ranked, in_chaos) if chaos]
+
+
+def _unwatched(members: Sequence[_Row], rows: Sequence[Speed]) -> list[_Row]:
+    """The rows of a range to be watched next, from both ends inwards, see `_watch_ends`."""
     found: dict[int, _Row] = {}
-    for of_range, members in groupby(ranked, in_chaos):
-        inwards = [row for row in members if row.watched or aperiodic(row)] if of_range else []
-        for way in (inwards, inwards[::-1]):
-            stay = 0  # in a row, or still to be seen
-            for row in way:
-                if stay == SURE:
-                    break
-                if not row.watched:
-                    found[row.at] = row
-                stay = stay + 1 if aperiodic(row) else 0
-    return sorted(found.values(), key=lambda row: rows[row.at].value)
+    for way in (members, reversed(members)):
+        stay = 0  # in a row, or still to be seen
+        for row in way:
+            if stay == SURE:
+                break
+            aperiodic = rows[row.at].label == APERIODIC
+            if not row.watched and aperiodic:
+                found[row.at] = row
+            if row.watched or aperiodic:
+                stay = stay + 1 if aperiodic else 0
+    return list(found.values())
 
 
 class _Joined(Sequence[Speed]):
