@@ -95,16 +95,16 @@ class Table(Columns):
         parts = [np.asarray(_missing(_spread(block, k))) for block in self.blocks()]
         return _typed(column, _joined(parts))
 
-    def arrays(self) -> dict[str, np.ndarray]:
-        """All columns as arrays; the rows are made once, not once for each column."""
+    def arrays(self, *names: str) -> dict[str, np.ndarray]:
+        """These columns as arrays, or all; the rows are made once, not once for each column."""
         import numpy as np
 
-        parts: list[list[np.ndarray]] = [[] for _ in self.columns]
+        parts: dict[str, list[np.ndarray]] = {column: [] for column in names or self.columns}
+        places = {column: self.columns.index(column) for column in parts}
         for block in self.blocks():
-            for k, part in enumerate(parts):
-                part.append(np.asarray(_missing(_spread(block, k))))
-        joined = zip(self.columns, map(_joined, parts), strict=True)
-        return {column: _typed(column, values) for column, values in joined}
+            for column, part in parts.items():
+                part.append(np.asarray(_missing(_spread(block, places[column]))))
+        return {column: _typed(column, _joined(part)) for column, part in parts.items()}
 
     def __contains__(self, column: object) -> bool:
         return column in self.columns

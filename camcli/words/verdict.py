@@ -69,10 +69,9 @@ def _past(result: Any) -> Iterator[str]:
     table = result.tables.get("speeds")
     if table is None or not {"rpm", "max_impact_m_per_s"} <= set(table.columns):
         return
-    speeds = table.arrays()  # all at once: the rows of a table are made anew for each column
     names = "max_impact_m_per_s landing_deg landing_lift_m max_gap_m rpm shut_bounces_per_turn"
-    columns = (speeds[name] for name in names.split())
-    rows = [row for row in zip(*columns, strict=True) if row[0] > 0.0]
+    speeds = table.arrays(*names.split())
+    rows = [row for row in zip(*speeds.values(), strict=True) if row[0] > 0.0]
     if not rows:
         return
     u, theta, lift, *_ = max(rows)
