@@ -12,7 +12,7 @@ grow much, the answer is about these very data and hangs on digits that no measu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -38,6 +38,7 @@ SAME = 1e-5  # of the states: motions that settled on one orbit are nearer than 
 CLOSE = 1e-8  # relative distance of a state to the one a period before
 SHRINKS = 0.95  # what a period leaves of that distance
 NOTHING_LEFT = 1e-13  # a distance that need not shrink
+HOPELESS = 100  # bits lost; 27 make what 2.0**-53 of a speed changes wider than CLOSE
 REMEMBERED = 4096  # motions
 TURNS = Turns()  # of threads at balls
 
@@ -59,7 +60,7 @@ class After:
 
     states: of the strobes of one period, the last one `turns` turns after the departure; symbols:
     of the turns that end there; leaves: (turn, rad) of the departures of a cycle; holds_for: None
-    where nothing is decided.
+    where nothing is decided; lost: bits that errors have grown by.
     """
 
     kind: str
@@ -68,6 +69,7 @@ class After:
     symbols: tuple[float, ...] = ()
     leaves: tuple[tuple[int, float], ...] = ()
     holds_for: HoldsFor | None = None
+    lost: int = field(default=0, compare=False)
 
     def start(self, system: System, rpm: float) -> Start | None:
         """The last state, to go on from in doubles; None where nothing is known."""
@@ -87,6 +89,8 @@ def after_rest(system: System, rpm: float, theta: float) -> After:
     found = of_machine(system, rpm, theta)
     if found.kind not in (SETTLED, CYCLE):
         return found
+    if found.lost > HOPELESS:
+        return replace(found, holds_for=HoldsFor.EXACT_DATA)
     every = of_machine(system, rpm, theta, every=True)
     alike = every.kind == found.kind and every.symbols == found.symbols and _same(every, found)
     return replace(found, holds_for=HoldsFor.LAST_DIGIT if alike else HoldsFor.EXACT_DATA)
@@ -139,7 +143,8 @@ def followed(
 
     def after() -> After:
         make = BallMachine.within_last_digit if every else BallMachine
-        return _followed(QuickMotion(make(shape, follower, rpm), strobe, theta, table))
+        motion = QuickMotion(make(shape, follower, rpm), strobe, theta, table)
+        return replace(_followed(motion), lost=motion.lost)
 
     try:
         return decided(after, LAST_DIGIT_DIGITS if every else DIGITS)

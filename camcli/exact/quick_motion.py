@@ -194,6 +194,8 @@ class QuickMotion(BallMotion):
         self.table = table
         self.begins = [float(at.start) for at in machine.stretches]
         self.ends = [*self.begins[1:], float(machine.stretches[-1].end)]
+        self.lost = 0  # bits of the first ones that errors have used up, at most
+        self.constants = float(machine.r), float(machine.Z)
         self.felt = True  # whether q, w and fall are those of the start
         super().__init__(machine, strobe, theta)
 
@@ -206,11 +208,9 @@ class QuickMotion(BallMotion):
     def _begun(self) -> Spread:
         """Take over from `BallMotion`: the spread about the middle."""
         at = self.at
-        center = self.machine.center
         phi, rate = self.middle
         level, slope = self._cam(phi, self.i, self.n, 1)
-        self.here = level, slope + rate
-        self.pull = center.G + center.W2 * level
+        self._fly_from(level, slope + rate)
         a, b, c, d = map(float, at.frame.mid().entries())
         x, y = map(float, at.lean.mid().entries())
         with fewer_bits(COARSE):
@@ -287,27 +287,42 @@ class QuickMotion(BallMotion):
         middle = phi.mid(), rate.mid()
         radii = spread.radii()
         phi, rate = arb(middle[0], radii[0]), arb(middle[1], radii[1])
-        if not self._next_strobe() > phi:
+        strobe = self._next_strobe()
+        if not strobe > phi:
             self._feel()
             with fewer_bits(ENOUGH):
                 self._strobes(phi)
+                strobe = self._next_strobe()
         self.i, self.n = i, n
         self.middle = middle
         self.spread = spread
         self.phi, self.rate = phi, rate
-        self.here = c, c1 + middle[1]
-        self.pull = machine.center.G + machine.center.W2 * c
+        self._fly_from(c, c1 + middle[1])
         self.felt = False
         known = max(phi.rel_accuracy_bits(), rate.rel_accuracy_bits())
+        self.lost = max(self.lost, self.bits - known)
         ctx.prec = min(self.bits, known + GUARD)
         self._struck(-rate / machine.r)
-        if self._may_accumulate(found):
+        if self._may_accumulate(found, float(strobe)):
             self._feel()
             with fewer_bits(ENOUGH):
                 self.resting = bool(self.fall > 0) and self._accumulates()
             if self.resting:
                 self._leave()
         return True
+
+    def _fly_from(self, q: arb, w: arb) -> None:
+        """Take q and w of the start in the middle.
+
+        Without damping q = level + (w/f) sin(f s) + far cos(f s), f = W: `swing` holds level, w/f
+        and far, the distance to the equilibrium at -G/W^2.
+        """
+        center = self.machine.center
+        self.here = q, w
+        self.swing = None
+        if center.undamped and center.sprung and not center.near_critical:
+            rest = center.G / center.W2
+            self.swing = -rest, w / center.frequency, q + rest
 
     def _stretch(self, phase: float, room: float) -> int:
         """The stretch that holds a phase and all around it, or -1."""
@@ -333,36 +348,38 @@ class QuickMotion(BallMotion):
                 bits = min(ORDER * bits - LOST, enough)
                 ctx.prec = bits + LOST
                 gap, _ = self._at(x, stretch, phi)
-                x = (x + _newton(gap)).mid()
+                x = (x + _newton(gap)[0]).mid()
         finally:
             ctx.prec = full
         gap, cam = self._at(x, stretch, phi)
-        g, u, a, j = gap
-        d = _newton(gap)
-        around = arb(d, 4 * g.rad() / abs(u) + d**4 * _rest(found))
-        k = arb(0, found[SNAP])
-        step = -(g + around * around * (a / 2 + around * (j / 6 + around * (k / 24)))) / u
+        u, a, j = gap[1:]
+        d, (linear, bend, jerk) = _newton(gap)
+        around = arb(d, 4 * linear.rad() + d**4 * _rest(found))
+        fourth = arb(0, 1.01 * found[SNAP] / (24.0 * found[U]))
+        step = linear - around * around * (bend + around * (jerk + around * fourth))
         if not (around.contains_interior(step) and s.contains(x + around)):
             return None
         d = step
-        rate = u + d * (a + d * (j / 2 + d * (k / 6)))
+        half = d / 2
+        third = d / 3
+        rate = u + d * (a + half * (j + third * arb(0, found[SNAP])))
         c, c1, c2, c3 = cam
-        k = arb(0, self.table.snap)
-        level = c + d * (c1 + d * (c2 / 2 + d * (c3 / 6 + d * (k / 24))))
-        return x + d, rate, level, c1 + d * (c2 + d * (c3 / 2 + d * (k / 6)))
+        bent = c2 + third * (c3 + half * arb(0, self.table.snap))
+        tilt = c2 + half * (c3 + third * arb(0, self.table.snap))
+        return x + d, rate, c + d * (c1 + half * bent), c1 + d * tilt
 
     def _at(self, s: arb, stretch: Any, phi: arb) -> tuple[list[arb], list[arb]]:
         """The gap of the start in the middle after s rad, and the cam, with three derivatives."""
         center = self.machine.center
-        b, b1, p = center.flow(s)
-        q, w = self.here
-        pull = self.pull
-        q, w = q + w * b - pull * p, w * b1 - pull * b
-        y = -(center.G + center.W2 * q)
-        z = -center.W2 * w
-        if not center.undamped:
-            y -= center.Z2 * w
-            z -= center.Z2 * y
+        if self.swing is None:
+            q, w, y, z = center.move(*self.here, s)
+        else:
+            level, w0, far = self.swing
+            frequency = center.frequency
+            sine, cosine = (frequency * s).sin_cos()
+            off = w0 * sine + far * cosine
+            q, w = level + off, (w0 * cosine - far * sine) * frequency
+            y, z = -center.W2 * off, -center.W2 * w
         cam = stretch.derivatives(phi + s, 3)
         return [q - cam[0], w - cam[1], y - cam[2], z - cam[3]], cam
 
@@ -378,23 +395,22 @@ class QuickMotion(BallMotion):
             values = later, -self.machine.r * (dw + accel * later)
             return [(float(x), float(x.rad()) * SPARE + abs(float(x)) * ULPS) for x in values]
 
-    def _may_accumulate(self, found: Sequence[float]) -> bool:
+    def _may_accumulate(self, found: Sequence[float], strobe: float) -> bool:
         """False where `_accumulates` certainly says no: hops of that length leave the stretch."""
-        machine = self.machine
-        r, rate = float(machine.r), float(self.rate)
-        fall = -found[ACCEL] - 2.0 * float(machine.Z) * (1.0 + r) * found[U]
-        phi = float(self.phi)
-        room = min(float(self._end(self.i, self.n)), float(self._next_strobe())) - phi
-        return r < 1.0 and 3.0 * rate <= SURE * (abs(fall) + 1e-9) * (1.0 - r) * (room + 1e-9)
+        r, damp = self.constants
+        fall = abs(-found[ACCEL] - 2.0 * damp * (1.0 + r) * found[U]) + 1e-9
+        room = min(self.ends[self.i] - found[PHASE], strobe - float(self.phi)) + 1e-9
+        return r < 1.0 and 3.0 * float(self.rate) <= SURE * fall * (1.0 - r) * room
 
 
-def _newton(gap: Sequence[arb]) -> arb:
-    """The zero of g + u d + a d^2/2 + j d^3/6 up to the fourth power of g."""
+def _newton(gap: Sequence[arb]) -> tuple[arb, tuple[arb, arb, arb]]:
+    """The zero of g + u d + a d^2/2 + j d^3/6 up to the fourth power of g; -g/u, a/2u, j/6u."""
     g, u, a, j = gap
     per = 1 / u
     d = -g * per
     bend, jerk = a * per / 2, j * per / 6
-    return (d - d * d * (bend + d * (jerk - 2 * bend * bend))).mid()
+    zero = d - d * d * (bend + d * (jerk - 2 * bend * bend))
+    return zero.mid(), (d, bend, jerk)
 
 
 def _rest(found: Sequence[float]) -> float:

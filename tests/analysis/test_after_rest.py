@@ -1,7 +1,7 @@
 """Where the motion after a rest ends: cycles, orbits, wandering, and what cannot be said."""
 
 import json
-from math import inf
+from math import inf, log2
 from pathlib import Path
 
 import pytest
@@ -30,6 +30,7 @@ from tests.support.oracle import ArcsCam as OracleCam
 from tests.support.oracle import Oracle
 
 RUN = settings(600, 400)
+CORNER_B = 2.621124501166232  # rad
 FLIGHTS = json.loads((Path(__file__).parents[1] / "support/flights.json").read_text())
 
 
@@ -48,6 +49,23 @@ def test_which_machines_an_answer_is_about(chapter, monkeypatch):
         answers = iter([one, every])
         monkeypatch.setattr(module, "of_machine", lambda *words, a=answers, **more: next(a))
         assert after_rest(chapter, 358.0, 2.6).holds_for == holds_for
+
+
+def test_speeds_are_not_followed_all_at_once_where_errors_have_grown_beyond_hope(
+    chapter, monkeypatch
+):
+    """At 358.0 errors grow by 1e46: all speeds that round so cannot come back together."""
+    motion = module.of_machine(chapter, 358.0, CORNER_B)
+    assert motion.lost == pytest.approx(46 * log2(10.0), abs=8.0)
+    assert module.of_machine(chapter, 358.0, CORNER_B, every=True).kind == UNKNOWN
+    asked = []
+    follow = module.of_machine
+    monkeypatch.setattr(
+        module, "of_machine", lambda *words, **more: asked.append(more) or follow(*words, **more)
+    )
+    assert after_rest(chapter, 358.0, CORNER_B).holds_for == "exact-data"
+    assert after_rest(chapter, 203.0, CORNER_B).holds_for == "last-digit"
+    assert asked == [{}, {}, {"every": True}]
 
 
 @pytest.mark.parametrize("rpm", [357.9, 358.0, 358.5, 359.0])
