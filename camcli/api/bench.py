@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, astuple, dataclass, replace
 from functools import cache, partial
 from math import isnan, nan
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter
 
@@ -90,13 +90,31 @@ HEADS = (
         ),
     ),
 )  # fmt: skip
-DRAWN = ("precision", "stability")
-STUDIES: dict[str, tuple[Callable[..., Result], float, dict[str, Any]]] = {  # with their turns
-    "sweep": (sweep, 401_000, {"sweep.rpm": {"start": 660.0, "stop": 760.0, "num": 401}}),
-    "map": (
-        sweep,
-        2_880_000,
-        {
+DRAWN = ("precision", "stability")  # the parts that have a picture
+
+
+class WholeStudy(NamedTuple):
+    """A study of the part `scale`: the API function that is timed, and what it is asked.
+
+    turns: of all its orbits, the transients with them; NaN where they are not counted. keys: of the
+    scene, beside the default one.
+    """
+
+    run: Callable[..., Result]
+    turns: float
+    keys: Mapping[str, Any]
+
+
+STUDIES = {
+    "sweep": WholeStudy(
+        run=sweep,
+        turns=401_000,
+        keys={"sweep.rpm": {"start": 660.0, "stop": 760.0, "num": 401}},
+    ),
+    "map": WholeStudy(
+        run=sweep,
+        turns=2_880_000,
+        keys={
             "run.record": 200,
             "sweep.vary": [
                 {"key": "rpm", "start": 660.0, "stop": 760.0, "num": 60},
@@ -104,10 +122,11 @@ STUDIES: dict[str, tuple[Callable[..., Result], float, dict[str, Any]]] = {  # w
             ],
         },
     ),
-    "basins": (basins, nan, {"basins.cells": [256, 256]}),
+    "basins": WholeStudy(run=basins, turns=nan, keys={"basins.cells": [256, 256]}),
 }
-PER_ROW = 0.5  # s of an extreme case, about
-PER_STUDY = 5.0  # s on one thread and on all, about
+# For the plan of a run, about: seconds of an extreme case, and of a study on one thread and on all.
+PER_ROW = 0.5
+PER_STUDY = 5.0
 
 
 @cache
@@ -142,20 +161,23 @@ def bench(
     """
     scene = scene or load_scene()
     with stopwatch() as watch, gathering() as faults:
-        found = {name: _measured(name, scene, progress, work or Work()) for name in parts_of(scene)}
-    results = {name: RESULTS[name](rows) for name, rows in found.items()}
-    trouble = [f"{name}: {line}" for name, (_, failed) in results.items() for line in failed]
-    ours = [m for m in found.get("precision", ()) if m.ours]
-    absent = any(m.status == precision.ABSENT for m in found.get("precision", ()))
+        rows = {name: _measured(name, scene, progress, work or Work()) for name in parts_of(scene)}
+    results = {name: RESULTS[name](rows[name]) for name in rows}
+    trouble = [f"{name}: {line}" for name, part in results.items() for line in part.failures]
+    measured = rows.get("precision", ())
+    ours = [row for row in measured if row.ours]
+    absent = any(row.status == precision.ABSENT for row in measured)
     return Result(
         command="bench",
         scene=scene,
         system=None,
-        values=found,
-        tables={one.name: _table(one, found[one.name]) for one in HEADS if one.name in found},
-        summary={name: result for name, (result, _) in results.items()},
-        pictures={k: drawn_by(f"bench.draw_{k}", found[k]) for k in DRAWN if k in found},
-        cost=Cost(sum(m.impacts for m in ours), sum(m.evaluations for m in ours)),
+        values=rows,
+        tables={head.name: _table(head, rows[head.name]) for head in HEADS if head.name in rows},
+        summary={name: part.record for name, part in results.items()},
+        pictures={
+            name: drawn_by(f"bench.draw_{name}", rows[name]) for name in DRAWN if name in rows
+        },
+        cost=Cost(sum(row.impacts for row in ours), sum(row.evaluations for row in ours)),
         seconds=watch.seconds,
         notes=(*trouble, *[NO_HEYOKA] * absent),
         complete=not trouble,
@@ -169,112 +191,146 @@ def parts_of(scene: Scene) -> list[str]:
 
 
 def plan(scene: Scene) -> dict[str, dict[str, Any]]:
-    """How many runs a part has, and the seconds of all: at most, or about."""
-    each = {name: _pieces(name, scene) for name in parts_of(scene)}
-    return {name: {"runs": len(few), "seconds": most} for name, (few, _, most) in each.items()}
+    """How many runs each part has, and the seconds of all of them: at most, or about."""
+    parts = {name: _part_plan(name, scene) for name in parts_of(scene)}
+    return {name: {"runs": len(p.pieces), "seconds": p.seconds} for name, p in parts.items()}
 
 
-def _pieces(name: str, scene: Scene) -> tuple[Sequence, Callable, float]:
-    """The pieces of a part, what measures one, and the seconds of all."""
+class PartPlan(NamedTuple):
+    """The work of a part: its pieces, the function that measures one, the seconds of all."""
+
+    pieces: Sequence[Any]
+    measure: Callable[[Any], Any]
+    seconds: float
+
+
+def _part_plan(name: str, scene: Scene) -> PartPlan:
+    """The work of the part of this name, as the scene's section `bench` asks for it."""
     section = scene.bench
+    measure: Callable[[Any], Any]
     if name == "stability":
-        rows = list(stability.ROWS.values())
-        return rows, partial(stability.measure, machines=machines()), PER_ROW * len(rows)
+        cases = list(stability.ROWS.values())
+        measure = partial(stability.measure, machines=machines())
+        return PartPlan(cases, measure, PER_ROW * len(cases))
     repeats = 1 if section.quick else section.repeats
     if name == "scale":
-        return list(STUDIES), partial(_studied, repeats=repeats), PER_STUDY * repeats * len(STUDIES)
-    points = precision.points(section.methods, section.quick)
+        studies = list(STUDIES)
+        measure = partial(_throughput, repeats=repeats)
+        return PartPlan(studies, measure, PER_STUDY * repeats * len(studies))
+    settings = precision.points(section.methods, section.quick)
+    points = [precision.Point(case, setting) for case in section.cases for setting in settings]
     allowed = precision.QUICK_ALLOWED if section.quick else precision.ALLOWED
     measure = partial(precision.measure, machines=machines(), allowed=allowed, repeats=repeats)
-    pieces = [(case, point) for case in section.cases for point in points]
-    return pieces, measure, (allowed + repeats * precision.LONG) * len(pieces)
+    return PartPlan(points, measure, (allowed + repeats * precision.LONG) * len(points))
 
 
-def _studied(name: str, repeats: int) -> Throughput:
-    """The row of a study."""
-    study, turns, changes = STUDIES[name]
-    scene, threads = load_scene(None, changes), thread_count(None)
+def _throughput(name: str, repeats: int) -> Throughput:
+    """The row of a study of this name, run `repeats` times on one thread and on all, in turn."""
+    study = STUDIES[name]
+    scene = load_scene(None, study.keys)
+    threads = thread_count(None)
     seconds: dict[int, list[float]] = {1: [], threads: []}
     for _ in range(repeats):
         for count, times in seconds.items():
             of_shape.cache_clear()  # what one run has followed in balls, another would not
-            found = study(scene, work=Work(count))
-            times.append(found.seconds)
-    one, several, impacts = min(seconds[1]), min(seconds[threads]), found.cost.impacts
-    ratios = one / several, impacts / several
-    return Throughput(name, turns, impacts, threads, one, several, *ratios)
+            result = study.run(scene, work=Work(count))
+            times.append(result.seconds)
+    impacts = result.cost.impacts
+    one_thread, all_threads = min(seconds[1]), min(seconds[threads])
+    return Throughput(
+        case=name,
+        turns=study.turns,
+        impacts=impacts,
+        threads=threads,
+        seconds_one_thread=one_thread,
+        seconds=all_threads,
+        speedup=one_thread / all_threads,
+        impacts_per_s=impacts / all_threads,
+    )
 
 
 def _measured(name: str, scene: Scene, progress: Progress | None, work: Work) -> list:
-    """A row for every piece, measured one after the other.
+    """The rows of a part, one for every piece, measured one after the other.
 
-    Of a piece that raises what nobody foresaw: a row of status FAULT where rows have one.
+    A piece that raised what nobody foresaw is gathered with the faults of the run. It has a row of
+    status `fault` in precision.csv, and none in the other tables.
     """
-    pieces, measure, _ = _pieces(name, scene)
+    plan = _part_plan(name, scene)
     codec = Codec(
         lambda row: list(astuple(row)),
         lambda stored: PARTS[name](*stored),
         faults=lambda row: [row] if isinstance(row, PieceFault) else [],
     )
-    alone = replace(work.within(name), threads=1)
-    task = partial(_attempted, name, measure)
-    found = alone.collect(task, pieces, codec, ticks(progress, name, len(pieces)))
-    gather(row for row in found if isinstance(row, PieceFault))
+    alone = replace(work.within(name), threads=1)  # a time is that of a machine with nothing else
+    task = partial(_attempted, name, plan.measure)
+    tick = ticks(progress, name, len(plan.pieces))
+    outcomes = alone.collect(task, plan.pieces, codec, tick)
+    gather(outcome for outcome in outcomes if isinstance(outcome, PieceFault))
     rows = []
-    for piece, row in zip(pieces, found, strict=True):
-        if not isinstance(row, PieceFault):
-            rows.append(row)
+    for piece, outcome in zip(plan.pieces, outcomes, strict=True):
+        if not isinstance(outcome, PieceFault):
+            rows.append(outcome)
         elif name == "precision":
-            case, point = piece
-            status = Status.FAULT.text
-            rows.append(precision.Measured(case, point.method, point.setting, status=status))
+            rows.append(piece.row(status=Status.FAULT.text))
     return rows
 
 
 def _attempted(part: str, measure: Callable[[Any], Any], piece: Any) -> Any:
-    """The row of a piece, or what it failed of."""
+    """The row of a piece, or the `PieceFault` that an unforeseen exception makes of it."""
     words = piece
     if part == "precision":
-        case, point = piece
-        words = f"{case}, {point.method} {point.setting}"
+        words = f"{piece.case}, {piece.setting.method} {piece.setting.setting}"
     return attempt(f"{part}: {words}", lambda: measure(piece))
 
 
 def _table(head: Head, rows: Sequence) -> Table:
-    """The fields of each row, in their order, under the names of the columns."""
+    """A table of a part; rows: dataclasses whose fields are the columns, in their order."""
     cells = [[_cell(value) for value in astuple(row)] for row in rows]
     return Table.of_rows(head.names(), lambda: cells)
 
 
 def _cell(value: Any) -> Any:
-    """Text that needs no quotes, a number, or nothing."""
+    """A value as a cell of a CSV: text without what needs quotes, a number, or None for NaN."""
     if isinstance(value, str):
         return " ".join(value.replace(",", ";").replace('"', "'").split())
     return None if isinstance(value, float) and isnan(value) else value
 
 
-def _precision_result(rows: Sequence[precision.Measured]) -> tuple[Any, list[str]]:
-    """(result of run.json, a line for every failure)."""
-    bad = [m for m in rows if m.ours and m.status != precision.OK]
-    tally = Counter((m.method, m.status) for m in rows)
-    result = {
-        "cases": [asdict(v) for v in precision.verdicts(rows)],
-        "points": [{"method": a, "status": b, "points": n} for (a, b), n in tally.items()],
-        "failed": [f"{m.case}, {m.setting}: {m.status}" for m in bad],
+class PartResult(NamedTuple):
+    """What the rows of a part say: its entry of run.json, and a line for every failure."""
+
+    record: dict[str, Any]
+    failures: list[str]
+
+
+def _precision_result(rows: Sequence[precision.Measured]) -> PartResult:
+    """The verdict on each case, how often each method ended how, and what ours failed in."""
+    bad = [row for row in rows if row.ours and row.status != precision.OK]
+    tally = Counter((row.method, row.status) for row in rows)
+    record = {
+        "cases": [asdict(verdict) for verdict in precision.verdicts(rows)],
+        "points": [
+            {"method": method, "status": status, "points": count}
+            for (method, status), count in tally.items()
+        ],
+        "failed": [f"{row.case}, {row.setting}: {row.status}" for row in bad],
     }
-    return result, precision_notes(bad)
+    return PartResult(record, precision_notes(bad))
 
 
-def _stability_result(rows: Sequence[stability.RowOutcome]) -> tuple[Any, list[str]]:
-    bad = [o for o in rows if o.status != stability.OK]
-    return {"rows": len(rows), "failed": [o.case for o in bad]}, stability_notes(bad)
+def _stability_result(rows: Sequence[stability.RowOutcome]) -> PartResult:
+    """How many extreme cases were run, and which of them failed."""
+    bad = [row for row in rows if row.status != stability.OK]
+    record = {"rows": len(rows), "failed": [row.case for row in bad]}
+    return PartResult(record, stability_notes(bad))
 
 
-def _scale_result(rows: Sequence[Throughput]) -> tuple[Any, list[str]]:
-    return {"studies": [asdict(row) for row in rows]}, []
+def _scale_result(rows: Sequence[Throughput]) -> PartResult:
+    """The rows as they are: a time cannot fail."""
+    return PartResult({"studies": [asdict(row) for row in rows]}, [])
 
 
-RESULTS: dict[str, Callable] = {
+RESULTS: dict[str, Callable[[Any], PartResult]] = {
     "precision": _precision_result,
     "stability": _stability_result,
     "scale": _scale_result,

@@ -26,7 +26,7 @@ from camcli.analysis.bench.peers import (
     Lift,
     PeerMachine,
     PeerState,
-    fly,
+    next_landing,
     solve_ivp,
 )
 from tests.support.random_flights import (
@@ -69,10 +69,12 @@ def careful(lift: Lift, f: Flight) -> float | None:
     """DOP853 as in the precision part; phase of the contact."""
     omega = f.rpm * pi / 30
     c, c1, _ = lift.at(f.theta)
-    machine = PeerMachine(f.system.follower, lift, omega, TURNS + 1.0, 0.0, SLOWEST)
+    machine = PeerMachine(
+        f.system.follower, lift, omega=omega, turns=TURNS + 1.0, chatter=0.0, seconds=SLOWEST
+    )
     start = PeerState(0, f.theta, max(f.q - c, 0.0), (f.w - c1) * omega)
     try:
-        hit, end = fly(machine, solve_ivp("dop853", TOLERANCE, 1.0 / 16.0), start)
+        hit, end = next_landing(machine, solve_ivp("dop853", TOLERANCE, 1.0 / 16.0), start)
     except (BudgetError, ArithmeticError, ValueError):
         return None
     return end.turn * TWO_PI + end.theta - f.theta if hit else None

@@ -8,7 +8,7 @@ import pytest
 
 import camcli.api.bench as bench_module
 from camcli.analysis.bench import precision, stability
-from camcli.api.bench import RESULTS, STUDIES, Throughput
+from camcli.api.bench import RESULTS, STUDIES, PartResult, Throughput, WholeStudy
 from camcli.scene import load_scene
 from tests.conftest import rows
 
@@ -50,8 +50,9 @@ def test_a_failed_row_is_exit_code_3(cam, tmp_path, monkeypatch):
 
 def test_scale(cam, tmp_path, monkeypatch):
     little = {"sweep.rpm": {"start": 690.0, "stop": 700.0, "num": 3}, "run.record": 40}
-    study, *_ = STUDIES["sweep"]
-    monkeypatch.setattr("camcli.api.bench.STUDIES", {"sweep": (study, 1920, little)})
+    study = STUDIES["sweep"].run
+    small = WholeStudy(run=study, turns=1920, keys=little)
+    monkeypatch.setattr("camcli.api.bench.STUDIES", {"sweep": small})
     done = cam("bench scale --quick -o .", code=0)
     (row,) = rows(tmp_path / "scale.csv")
     one, every = float(row["seconds_one_thread"]), float(row["seconds"])
@@ -97,6 +98,6 @@ def test_a_method_that_is_not_installed_is_told(statuses, monkeypatch):
     ]
     monkeypatch.setattr(bench_module, "_measured", lambda *_: measured)
     monkeypatch.setattr(bench_module, "_table", lambda *_: None)
-    monkeypatch.setattr(bench_module, "RESULTS", {"precision": lambda rows: ({}, [])})
+    monkeypatch.setattr(bench_module, "RESULTS", {"precision": lambda rows: PartResult({}, [])})
     notes = bench_module.bench(load_scene(None, {"bench.part": "precision"})).notes
     assert (bench_module.NO_HEYOKA in notes) == ("absent" in statuses)

@@ -1,18 +1,19 @@
 """Work and precision of ours and of general integrators: `cam bench precision`.
 
-A case is a motion of whole turns with its reference, solved with many digits. A point is a method
-with one setting; it is run on a case, compared with the reference, and timed.
+A case is a motion of whole turns with its reference, solved with many digits. A point is a case and
+a method with one setting; it is run, compared with the reference, and timed. "Ours" is the kernel
+of this package, a peer one of the general integrators of `peers`.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cache, partial
 from importlib.util import find_spec
 from math import inf, isnan, nan, pi
 from statistics import median
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,9 +24,15 @@ from camcli.kernel import backend
 from camcli.kernel.orbit_loop import CHATTER, IMPACT
 from camcli.system import Follower, System, omega_of
 
-CORE, RK4, HEYOKA = "core", "rk4", "heyoka"
-OK, OVER, MISSED, INVENTED = "ok", "over-bound", "missed", "invented"
-GIVEN_UP, FAILED, ABSENT = "given-up", "failed", "not-installed"
+CORE, RK4, HEYOKA = "core", "rk4", "heyoka"  # methods that are no name of solve_ivp
+# the statuses of a row
+OK = "ok"
+OVER = "over-bound"  # an error of ours is larger than its bound
+MISSED = "missed"  # an impact of the reference was not found
+INVENTED = "invented"  # an impact was found that the reference has not
+GIVEN_UP = "given-up"  # the budget of seconds or impacts was spent
+FAILED = "failed"  # the method raised an error of its own
+ABSENT = "not-installed"
 
 # --- cases
 
@@ -35,13 +42,16 @@ ALLOWANCE = 8  # roundings of ours in one event; how far one goes is `growth`, f
 
 
 class ReferenceEvent(NamedTuple):
-    """An event of the reference: phase as two doubles (rad), our bound (turns)."""
+    """An event of the reference: when it happens, and how far off ours may be.
+
+    The phase is theta + rest, two doubles (rad), so that errors below one ulp can be seen.
+    """
 
     turn: int
     theta: float
-    rest: float  # theta - its double
-    bound: float
-    optional: bool
+    rest: float  # what the double theta leaves of the phase
+    bound: float  # of our error, turns
+    optional: bool  # whether nobody is asked for it, since a chatter accumulates soon after it
 
     @property
     def at(self) -> float:
@@ -59,26 +69,31 @@ class Case:
 
     title: str
     follower: Follower
-    cam: dict
+    cam: dict  # a section `cam` of a scene
     rpm: float
     turns: int
-    start: tuple[float | None, float | None]
+    start: tuple[float | None, float | None]  # q (m), v (m/s)
     hits: Sequence[ReferenceEvent]
-    rests: Sequence[ReferenceEvent]  # accumulations
-    final: tuple[float, float, float]  # q, v, and our bound there
+    rests: Sequence[ReferenceEvent]  # where chatters accumulate
+    final: tuple[float, float, float]  # q (m), v (m/s), and our bound there (turns)
 
 
 @cache
 def case(name: str) -> Case:
-    """A stored case."""
+    """A stored case, by its name in `camcli.scene.schema.CASES`."""
     data = reference(name)
-    marks: dict[str, list[ReferenceEvent]] = {"impact": [], "chatter": [], "detachment": []}
-    for e in reversed(data["events"]):
-        exact = Decimal(e["theta"])
-        rest = float(exact - Decimal(float(exact)))
-        mark = ReferenceEvent(e["turn"], float(exact), rest, _bound(e["growth"]), False)
-        near = any(0.0 <= end.at - mark.at < OPTIONAL for end in marks["chatter"])
-        marks[e["kind"]].insert(0, mark._replace(optional=near))
+    by_kind: dict[str, list[ReferenceEvent]] = {"impact": [], "chatter": [], "detachment": []}
+    for stored in reversed(data["events"]):  # the chatters after an event are known before it
+        exact = Decimal(stored["theta"])
+        event = ReferenceEvent(
+            turn=stored["turn"],
+            theta=float(exact),
+            rest=float(exact - Decimal(float(exact))),
+            bound=_bound(stored["growth"]),
+            optional=False,
+        )
+        near = any(0.0 <= end.at - event.at < OPTIONAL for end in by_kind["chatter"])
+        by_kind[stored["kind"]].insert(0, event._replace(optional=near))
     end = data["final"]
     return Case(
         title=data["title"],
@@ -87,14 +102,18 @@ def case(name: str) -> Case:
         rpm=data["rpm"],
         turns=data["turns"],
         start=(data["start"]["q"], data["start"]["v"]),
-        hits=marks["impact"],
-        rests=marks["chatter"],
+        hits=by_kind["impact"],
+        rests=by_kind["chatter"],
         final=(float(end["q"]), float(end["v"]), _bound(end["growth"])),
     )
 
 
 def _bound(growth: float) -> float:
-    """What is promised of ours: a few roundings in every event, as far as the motion takes them."""
+    """What is promised of ours: a few roundings in every event, as far as the motion takes them.
+
+    growth: how much the motion has magnified the roundings of all events until then, from the
+    reference (turns per unit of rounding).
+    """
     return ALLOWANCE * ULP * growth
 
 
@@ -105,13 +124,23 @@ WIDEST = 0.05  # turns: an impact further off is another one
 
 @dataclass(frozen=True)
 class Agreement:
-    """How a run agrees with the reference; errors in turns, of the state q over the cam's top."""
+    """How a run agrees with the reference.
 
-    error: float
-    missed: int
-    extra: int
+    Errors of events are in turns; those of the last state are shares of the cam's top.
+    """
+
+    error: float  # the largest one
+    missed: int  # impacts of the reference that the run has not
+    extra: int  # impacts of the run that the reference has not
     excess: float  # largest error over its bound, of ours
     bound: float  # where the largest error is
+
+
+class BoundedError(NamedTuple):
+    """An error and its bound, which is promised of ours; both in turns, or both shares."""
+
+    error: float
+    bound: float
 
 
 def compare(case: Case, trace: PeerTrace, tolerance: float = 0.0) -> Agreement:
@@ -121,50 +150,67 @@ def compare(case: Case, trace: PeerTrace, tolerance: float = 0.0) -> Agreement:
     that a chatter map has replaced are not missed, and the last ones before an accumulation neither
     missed nor invented.
     """
-    marks = np.array([mark.at for mark in case.hits])
+    wanted = np.array([event.at for event in case.hits])  # turns since the start
     hits = np.array([turn + theta / (2.0 * pi) for turn, theta, _ in trace.hits])
-    pairs = _pairs(marks, hits)
-    errors = [(abs(case.hits[i].late(*trace.hits[j][:2])), case.hits[i].bound) for i, j in pairs]
-    replaced = np.zeros(len(marks), bool)
-    for mark in case.rests:
-        late = min((mark.late(*rest) for rest in trace.rests), key=abs, default=inf)
+    pairs = _pairs(wanted, hits)
+    errors = []
+    for i, j in pairs:
+        hit = trace.hits[j]
+        errors.append(BoundedError(abs(case.hits[i].late(hit.turn, hit.theta)), case.hits[i].bound))
+    replaced = np.zeros(len(wanted), bool)  # by the map that has closed a chatter
+    for rest in case.rests:
+        late = min((rest.late(*seen) for seen in trace.rests), key=abs, default=inf)
         if abs(late) < WIDEST:
-            errors.append((abs(late), tolerance + mark.bound))
-            before = hits[hits <= mark.at + late]
-            replaced |= (marks > (before[-1] if len(before) else 0.0)) & (marks <= mark.at)
+            errors.append(BoundedError(abs(late), tolerance + rest.bound))
+            before = hits[hits <= rest.at + late]
+            last_hit = before[-1] if len(before) else 0.0
+            replaced |= (wanted > last_hit) & (wanted <= rest.at)
     if trace.final is not None:
-        q, v, bound = case.final
-        top = abs(Lift(case.cam).top)  # q is measured by the lift, v by omega times it
-        off = abs(trace.final[0] - q) / top, abs(trace.final[1] - v) / (omega_of(case.rpm) * top)
-        errors.append((max(off), bound))
-    lost = np.ones(len(marks), bool)
+        errors.append(_error_of_the_end(case, trace.final))
+    lost = np.ones(len(wanted), bool)
     lost[[i for i, _ in pairs]] = False
-    if trace.given_up:
+    if trace.given_up:  # what would have come later is not missed
         lost[max((i + 1 for i, _ in pairs), default=0) :] = False
+    optional = np.array([event.optional for event in case.hits], bool)
     new = np.ones(len(hits), bool)
     new[[j for _, j in pairs]] = False
-    for mark in (*(m for m in case.hits if m.optional), *case.rests):
-        new &= abs(hits - mark.at) >= OPTIONAL
-    error, bound = max(errors, default=(nan, nan))
+    for event in (*(e for e in case.hits if e.optional), *case.rests):
+        new &= abs(hits - event.at) >= OPTIONAL
+    largest = max(errors, default=BoundedError(nan, nan))
     return Agreement(
-        error,
-        int((lost & ~replaced & ~np.array([m.optional for m in case.hits], bool)).sum()),
-        int(new.sum()),
-        max((e / b for e, b in errors), default=nan),
-        bound,
+        error=largest.error,
+        missed=int((lost & ~replaced & ~optional).sum()),
+        extra=int(new.sum()),
+        excess=max((error / bound for error, bound in errors), default=nan),
+        bound=largest.bound,
     )
 
 
-def _pairs(marks: np.ndarray, hits: np.ndarray) -> list[tuple[int, int]]:
-    """(i, j) where marks[i] and hits[j] are each the nearest to the other."""
+def _error_of_the_end(case: Case, final: tuple[float, float]) -> BoundedError:
+    """The error of the last state (q in m, v in m/s): the larger one of its two shares.
+
+    The position is measured by the top of the cam, the velocity by omega times it.
+    """
+    q, v, bound = case.final
+    top = abs(Lift(case.cam).top)
+    of_q = abs(final[0] - q) / top
+    of_v = abs(final[1] - v) / (omega_of(case.rpm) * top)
+    return BoundedError(max(of_q, of_v), bound)
+
+
+def _pairs(wanted: np.ndarray, hits: np.ndarray) -> list[tuple[int, int]]:
+    """(i, j) where wanted[i] and hits[j] (turns) are each the nearest to the other."""
     from scipy.spatial import KDTree
 
-    if not len(marks) or not len(hits):
+    if not len(wanted) or not len(hits):
         return []
-    apart, there = KDTree(hits[:, None]).query(marks[:, None])
-    back = KDTree(marks[:, None]).query(hits[:, None])[1]
-    pairs = enumerate(there.tolist())
-    return [(i, j) for i, j in pairs if back[j] == i and apart[i] < WIDEST]
+    apart, nearest_hit = KDTree(hits[:, None]).query(wanted[:, None])
+    nearest_wanted = KDTree(wanted[:, None]).query(hits[:, None])[1]
+    return [
+        (i, j)
+        for i, j in enumerate(nearest_hit.tolist())
+        if nearest_wanted[j] == i and apart[i] < WIDEST
+    ]
 
 
 # --- methods
@@ -172,18 +218,39 @@ def _pairs(marks: np.ndarray, hits: np.ndarray) -> list[tuple[int, int]]:
 MAX_TURN = 1.0 / 16.0  # largest step where there is a limit
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)  # rtol = atol; and ours, of chatter alone
 STEPS = (100, 400, 1600, 6400)  # per turn, of the fixed steps
-BOTH = (TOLERANCES, TOLERANCES), ((1e-3, 1e-8, 1e-13), (1e-8,))
-SETTINGS = {  # values without and with a limit of steps, of all points and of a quick run
-    CORE: (((*TOLERANCES, 1e-15), ()), ((1e-3, 1e-8, 1e-15), ())),
-    "radau": (
-        (TOLERANCES, TOLERANCES),
-        ((1e-3, 1e-6), (1e-6,)),
-    ),  # order 5, implicit: beyond 1e-6 it takes seconds
-    HEYOKA: ((TOLERANCES[1:], ()), ((1e-8, 1e-13), ())),
-    RK4: ((STEPS, ()), ((100, 1600), ())),
+
+
+class SettingValues(NamedTuple):
+    """The values that a method is run with: tolerances, or of RK4 steps per turn.
+
+    free: with steps as long as the method takes them; limited: with none above MAX_TURN.
+    """
+
+    free: tuple[float, ...]
+    limited: tuple[float, ...] = ()
+
+
+class MethodValues(NamedTuple):
+    """The values of a method: those of all points, and those of a quick run."""
+
+    all: SettingValues
+    quick: SettingValues
+
+
+EVERY = SettingValues(TOLERANCES, TOLERANCES)
+OTHERS = MethodValues(EVERY, SettingValues((1e-3, 1e-8, 1e-13), (1e-8,)))  # of solve_ivp
+SETTINGS = {
+    CORE: MethodValues(SettingValues((*TOLERANCES, 1e-15)), SettingValues((1e-3, 1e-8, 1e-15))),
+    # order 5, implicit: beyond 1e-6 it takes seconds
+    "radau": MethodValues(EVERY, SettingValues((1e-3, 1e-6), (1e-6,))),
+    HEYOKA: MethodValues(SettingValues(TOLERANCES[1:]), SettingValues((1e-8, 1e-13))),
+    RK4: MethodValues(SettingValues(STEPS), SettingValues((100, 1600))),
 }
 TIGHTEST = 1e-9  # turns: the peers' chatter tolerance is their tolerance, at least this
-MOST_IMPACTS = 20  # times those of the reference, before a run is given up
+# A run is given up after FEW_IMPACTS and MOST_IMPACTS times those of the reference: a method that
+# does not see where a chatter accumulates makes thousands.
+FEW_IMPACTS = 200
+MOST_IMPACTS = 20
 
 
 class MethodSetting(NamedTuple):
@@ -196,16 +263,22 @@ class MethodSetting(NamedTuple):
 
 
 def points(methods: Sequence[str], quick: bool) -> list[MethodSetting]:
-    """All points of one case, in order."""
-    return [
-        _point(method, value, limit)
-        for method in methods
-        for limit, values in zip((inf, MAX_TURN), SETTINGS.get(method, BOTH)[quick], strict=True)
-        for value in values
-    ]
+    """All points of one case, in order: first those without a limit of the step."""
+    found = []
+    for method in methods:
+        values = SETTINGS.get(method, OTHERS)
+        chosen = values.quick if quick else values.all
+        found += [_point(method, value, inf) for value in chosen.free]
+        found += [_point(method, value, MAX_TURN) for value in chosen.limited]
+    return found
 
 
 def _point(method: str, value: float, limit: float) -> MethodSetting:
+    """A method with one of its values; limit: turns of a step at most, inf for none.
+
+    A peer closes a chatter at its own tolerance, but at TIGHTEST turns at the closest; of fixed
+    steps of order four that tolerance is steps^-4.
+    """
     if method == CORE:
         return MethodSetting(method, f"chatter {value:.0e}", value, None)
     if method == RK4:
@@ -226,11 +299,15 @@ def run_core(system: System, case: Case, tolerance: float) -> PeerTrace:
     q, v = case.start
     ours = orbit(system, case.rpm, case.turns, tolerance=tolerance, q=q, v=v)
     record = ours.run(strobes=False)
-    q, w = ours.position()
+    q, w = ours.position()  # at the end of the run; w and u are per radian
     rows = record.events()
     return PeerTrace(
-        hits=[(p, x, u * ours.omega) for k, p, x, _, u in rows if k == IMPACT],
-        rests=[(p, x) for k, p, x, *_ in rows if k == CHATTER],
+        hits=[
+            peers.PeerImpact(turn, theta, u * ours.omega)
+            for kind, turn, theta, _, u in rows
+            if kind == IMPACT
+        ],
+        rests=[peers.PeerRest(turn, theta) for kind, turn, theta, *_ in rows if kind == CHATTER],
         final=(q, w * ours.omega),
         evaluations=record.cost.evaluations,
     )
@@ -238,20 +315,29 @@ def run_core(system: System, case: Case, tolerance: float) -> PeerTrace:
 
 def run_peer(method: peers.Method, case: Case, chatter: float, seconds: float = inf) -> PeerTrace:
     """A peer on a case, within a budget of seconds."""
-    most = 200 + MOST_IMPACTS * len(case.hits)
+    most = FEW_IMPACTS + MOST_IMPACTS * len(case.hits)
     lift = Lift(case.cam)
     omega = omega_of(case.rpm)
-    machine = peers.PeerMachine(case.follower, lift, omega, case.turns, chatter, seconds, most)
+    machine = peers.PeerMachine(
+        case.follower,
+        lift,
+        omega=omega,
+        turns=case.turns,
+        chatter=chatter,
+        seconds=seconds,
+        most_impacts=most,
+    )
     return peers.follow(machine, method, *case.start)
 
 
 # --- measurements
 
-ALLOWED, QUICK_ALLOWED = 1.0, 0.25  # s at most for one run of a peer
-COMPILING = 60.0  # s for a first call, which may import and compile
-SHORT = 5e-3  # s: shorter calls are timed BATCH times more often
+# Seconds of the processor. None of them changes a result: they bound how long the bench takes.
+ALLOWED, QUICK_ALLOWED = 1.0, 0.25  # at most for one run of a peer
+COMPILING = 60.0  # for a first call, which may import and compile
+SHORT = 5e-3  # a call that takes less is timed BATCH times more often
 BATCH = 7
-LONG = 0.2  # s: longer calls are not repeated
+LONG = 0.2  # a call that takes more is not repeated
 
 
 @dataclass(frozen=True)
@@ -277,24 +363,29 @@ class Measured:
         return self.method == CORE
 
 
-def measure(
-    piece: tuple[str, MethodSetting], *, machines: Machines, allowed: float, repeats: int
-) -> Measured:
-    """The row of a case and a point, `allowed` seconds for a run."""
-    name, point = piece
-    some = case(name)
-    row = partial(Measured, name, point.method, point.setting)
-    if point.method == HEYOKA and find_spec("heyoka") is None:
-        return row()
-    call: Callable[[float], PeerTrace]
-    if point.peer is None:
-        system = machines.system(some.follower, some.cam)
-        backend.compiled()
-        call = lambda _: run_core(system, some, point.chatter)  # noqa: E731
-    else:
-        call = partial(run_peer, point.peer, some, point.chatter)
+class Point(NamedTuple):
+    """What one row measures: a method with one setting on a case."""
+
+    case: str
+    setting: MethodSetting
+
+    def row(self, **values: Any) -> Measured:
+        """Its row, with these values; what is left out is not known."""
+        return Measured(self.case, self.setting.method, self.setting.setting, **values)
+
+
+def measure(point: Point, *, machines: Machines, allowed: float, repeats: int) -> Measured:
+    """The row of a point.
+
+    A run may take `allowed` seconds. The time is the median of `repeats` further runs, where one is
+    short enough; the errors are those of the first.
+    """
+    method = point.setting.method
+    if method == HEYOKA and find_spec("heyoka") is None:
+        return point.row()
+    call = _run_of(point, machines)
     try:
-        if point.method in (CORE, HEYOKA):  # imports and compilation are not timed
+        if method in (CORE, HEYOKA):  # imports and compilation are not timed
             call(COMPILING)
         began = perf_counter()
         trace = call(allowed)
@@ -302,16 +393,20 @@ def measure(
         if not trace.given_up:
             seconds = repeated(partial(call, COMPILING), repeats, seconds)
     except (ArithmeticError, ValueError):  # solve_ivp: step too small, bracket without a root
-        return row(status=FAILED)
-    comparison = compare(some, trace, point.chatter)
-    ours = point.peer is None
+        return point.row(status=FAILED)
+    comparison = compare(case(point.case), trace, point.setting.chatter)
+    ours = method == CORE
     if ours and not comparison.excess <= 1.0:
         status = OVER
     elif trace.given_up:
         status = GIVEN_UP
+    elif comparison.missed:
+        status = MISSED
+    elif comparison.extra:
+        status = INVENTED
     else:
-        status = MISSED if comparison.missed else INVENTED if comparison.extra else OK
-    return row(
+        status = OK
+    return point.row(
         seconds=seconds,
         error=comparison.error,
         impacts=len(trace.hits),
@@ -324,8 +419,24 @@ def measure(
     )
 
 
+def _run_of(point: Point, machines: Machines) -> Callable[[float], PeerTrace]:
+    """A function that runs the point once, within the seconds it is called with.
+
+    Ours takes no limit of time.
+    """
+    motion, setting = case(point.case), point.setting
+    if setting.peer is not None:
+        return partial(run_peer, setting.peer, motion, setting.chatter)
+    system = machines.system(motion.follower, motion.cam)
+    backend.compiled()
+    return lambda _: run_core(system, motion, setting.chatter)
+
+
 def repeated(call: Callable[[], object], repeats: int, first: float) -> float:
-    """Median time of further calls, more of them where one is short; a long one's is `first`."""
+    """Median time (s) of further calls; first: the time of the first call.
+
+    There are more of them where one is short, and none where the first was long: then that is it.
+    """
     if first >= LONG:
         return first
     times = []
@@ -357,19 +468,34 @@ class CaseVerdict:
 
 def verdicts(measured: Sequence[Measured]) -> list[CaseVerdict]:
     """One for each case that ours was measured in, in order."""
-    results = []
-    for name in dict.fromkeys(m.case for m in measured):
-        here = [m for m in measured if m.case == name and not isnan(m.seconds)]
-        peers = [m for m in here if not m.ours and m.status == OK]
-        fastest = min((m for m in peers if m.error <= EXACT), key=lambda m: m.seconds, default=None)
-        best = min(peers, key=lambda m: m.error, default=None)
-        for ours in [m for m in here if m.ours][-1:]:
-            others: dict = {}
-            if fastest is not None:
-                others["fastest_other"] = f"{fastest.method} {fastest.setting}"
-                others["ratio"] = fastest.seconds / ours.seconds
-            if best is not None:
-                others["most_exact_other"] = f"{best.method} {best.setting}"
-                others["its_error_turns"] = best.error
-            results.append(CaseVerdict(name, ours.seconds, ours.error, ours.of_bound, **others))
-    return results
+    cases = dict.fromkeys(row.case for row in measured)
+    found = (_verdict(name, [row for row in measured if row.case == name]) for name in cases)
+    return [verdict for verdict in found if verdict is not None]
+
+
+def _verdict(name: str, rows: Sequence[Measured]) -> CaseVerdict | None:
+    """What the rows of one case say; None where ours is not among them."""
+    timed = [row for row in rows if not isnan(row.seconds)]
+    ours = [row for row in timed if row.ours]
+    if not ours:
+        return None
+    tightest = ours[-1]
+    verdict = CaseVerdict(name, tightest.seconds, tightest.error, tightest.of_bound)
+    peers = [row for row in timed if not row.ours and row.status == OK]
+    if not peers:
+        return verdict
+    most_exact = min(peers, key=lambda row: row.error)
+    verdict = replace(
+        verdict,
+        most_exact_other=f"{most_exact.method} {most_exact.setting}",
+        its_error_turns=most_exact.error,
+    )
+    exact = [row for row in peers if row.error <= EXACT]
+    if not exact:
+        return verdict
+    fastest = min(exact, key=lambda row: row.seconds)
+    return replace(
+        verdict,
+        fastest_other=f"{fastest.method} {fastest.setting}",
+        ratio=fastest.seconds / tightest.seconds,
+    )

@@ -23,7 +23,11 @@ from camcli.errors import Status
 from camcli.system import System
 
 COMMAND_TIME = 60.0  # s, beyond which a command is stopped
-Check = Callable[[Machines], str]
+Check = Callable[[Machines], str]  # returns what was observed
+# rpm of the example (Osorio, di Bernardo and Santini, 2008)
+CHATTERING = 190.0  # a complete chatter in every turn
+DETACHING = 114.979326744  # the first loss of contact, at the corner b
+COMPLETING = 198.5605  # from here on chatter is incomplete
 
 
 class MismatchError(Exception):
@@ -79,7 +83,10 @@ def measure(row: Row, machines: Machines) -> RowOutcome:
 
 
 def need(holds: bool, seen: str) -> None:
-    """Raise MismatchError with what was seen unless it is as expected."""
+    """Raise MismatchError with what was seen unless it is as expected.
+
+    holds: whether it is; seen: what `observed` shall say.
+    """
     if not holds:
         raise MismatchError(seen)
 
@@ -113,18 +120,21 @@ def said(words: str, *texts: str, code: int = 0) -> str:
 
 @row(1, "r = 0", "one impact then sticking if a < 0; no chatter test")
 def _plastic(machines: Machines) -> str:
+    """With r = 0 every landing ends in rest, so no chatter has to be recognised."""
     machine = machines.example(restitution=0.0)
-    record = run(machine, 190.0, record=4)
+    record = run(machine, CHATTERING, record=4)
     need(kinds(record)[:3] == ["detachment", "impact", "detachment"], f"events {kinds(record)[:3]}")
     need(list(record.impacts) == [2] * 4, f"impacts per turn {list(record.impacts)}")
     need(not any(record.chatter), "a chatter was recorded")
-    order = [event[1:3] for event in events(fine(run(machine, 700.0, record=20)))]
+    rows = events(fine(run(machine, 700.0, record=20)))
+    order = [(event.turn, event.theta) for event in rows]
     need(order == sorted(order), "events out of order at 700 rpm")
     return f"{label(record)}; {len(order)} events in order at 700 rpm; no chatter"
 
 
 @row(2, "r = 1", "runs; warning")
 def _elastic(machines: Machines) -> str:
+    """Bounces on the dwell keep their speed; the command says that nothing ever comes to rest."""
     bouncing = machines.example(restitution=1.0, stiffness=0.0, gravity=9.81)
     rows = events(run(bouncing, 0.05, record=1, q=0.11, v=0.0))
     speeds = [e.u for e in rows if e.kind == "impact" and e.theta < 1.5]  # rad: on the dwell
@@ -142,6 +152,7 @@ def _elastic(machines: Machines) -> str:
 
 @row(3, "r = 0.999999", "impact budget with status or chatter map in tolerance")
 def _nearly_elastic(machines: Machines) -> str:
+    """A chatter of more than a million impacts ends with its map, or with the budget of impacts."""
     system = machines.example(restitution=0.999999, gravity=9.81)
     record = run(system, 2.0, record=2, budget=5000, q=0.1001, v=0.0)
     seen = f"{record.status.text} after {record.cost.impacts} impacts"
@@ -152,6 +163,7 @@ def _nearly_elastic(machines: Machines) -> str:
 
 @row(5, "b critical +- 1 ulp and +- 1e-12", "continuous; same digits on both sides")
 def _critical(machines: Machines) -> str:
+    """Three formulas of the flight meet at critical damping: none of them jumps there."""
     b = 2.0 * sqrt(1430.8 * 1.221)  # N s/m, 83.594...
     beside = [b, nextafter(b, 99.0), nextafter(b, 0.0), b * (1.0 + 1e-12), b * (1.0 - 1e-12)]
     worst = 0.0
@@ -182,11 +194,13 @@ SAME_DEPARTURE = 2e-15  # rad, 4 roundings of an angle below 4 rad
 
 @row(6, "b > 6.6e3 at 115 rpm; > 4e4 at 700 rpm", "the oracle's stored value")
 def _heavy(machines: Machines) -> str:
+    """A follower that its damper hardly lets move."""
     return heights(machines, "6.7e3 at 115", "4.1e4 at 700")
 
 
 @row(7, "b = 1e9 and 1e12", "against the oracle within the rounding of its steps")
 def _heaviest(machines: Machines) -> str:
+    """A follower that its damper does not let move in a turn."""
     return heights(machines, "1e9 at 115", "1e12 at 115")
 
 
@@ -233,6 +247,7 @@ def heights(machines: Machines, *names: str) -> str:
 
 @row(8, "k = 0; ball dropped from 1 m", "rests at 4.06371277 s")
 def _dropped_ball(machines: Machines) -> str:
+    """A ball on the dwell rests where the geometric series of its hops ends, at any tolerance."""
     g, h, r = 9.81, 1.0, 0.8  # at rest after sqrt(2 h/g) (1 + r)/(1 - r), whatever the tolerance
     system = machines.example(stiffness=0.0, gravity=g, restitution=r)
     start = orbit(system, 1.0).position()[0] + h
@@ -250,6 +265,7 @@ def _dropped_ball(machines: Machines) -> str:
 
 @row(9, "k = b = g = preload = 0", "separating follower: no-return")
 def _flown_off(machines: Machines) -> str:
+    """Where nothing pulls back the follower does not return, and the status says so."""
     free, damped = (machines.example(stiffness=0.0, damping=b) for b in (0.0, 5.0))
     for system in (free, damped):
         record = run(system, 500.0, record=50, q=0.5, v=30.0)
@@ -264,6 +280,7 @@ def _flown_off(machines: Machines) -> str:
 def _no_spring_needed(machines: Machines) -> str:
     # k c <= 0 pulls away, so only a preload helps; a weight that presses harder than the cam falls
     # away needs no spring
+    """What `cam detach` says of springs where a spring pulls away, and where none is needed."""
     words = "detach --no-plot --json --points 2 --set cam.offset=0.7"
     light = json.loads(said(f"{words} --rpm 110:120 --hold-to 120"))["result"]
     sentences = "; ".join(light["words"])
@@ -281,9 +298,10 @@ def _no_spring_needed(machines: Machines) -> str:
 
 @row(25, "chatter at 1e-300 m/s", "signs compared; not products")
 def _tiny_restitution(machines: Machines) -> str:
-    zero = phases(run(machines.example(restitution=0.0), 190.0))  # a complete chatter a turn
+    """Velocities whose products are no doubles any more: the motion is that of r = 0."""
+    zero = phases(run(machines.example(restitution=0.0), CHATTERING))
     for r in (1e-200, 1e-300, 5e-324):
-        record = fine(run(machines.example(restitution=r), 190.0), f"r = {r}")
+        record = fine(run(machines.example(restitution=r), CHATTERING), f"r = {r}")
         need(phases(record) == zero, f"r = {r}: {len(phases(record))} impacts")
     # With a tolerance of 0 no chatter is closed by its series: every impact is followed, down to
     # velocities whose square is below the smallest double.
@@ -298,6 +316,7 @@ def _tiny_restitution(machines: Machines) -> str:
 
 @row(10, "k 4^n; rpm and v 2^n; n = +-20", "bit-identical phases")
 def _faster(machines: Machines) -> str:
+    """Time measured in other units, by powers of two: every phase keeps its bits."""
     compared = 0
     for b in (0.0, 20.0):
         machine = machines.example(damping=b, gravity=1.0)
@@ -314,6 +333,7 @@ def _faster(machines: Machines) -> str:
 
 @row(11, "m; k; b times 2^n", "bit-identical phases")
 def _heavier(machines: Machines) -> str:
+    """Mass and forces measured in other units, by powers of two: every phase keeps its bits."""
     base = {"mass": 1.221, "stiffness": 1430.8, "damping": 3.0, "preload": 5.0}
     plain = list(run(machines.example(**base), 700.0, record=60).theta)
     for n in (-40, -1, 7, 40):
@@ -324,6 +344,7 @@ def _heavier(machines: Machines) -> str:
 
 @row(12, "1e-3 rpm; many turns", "sticks throughout; phases exact after many turns")
 def _slow(machines: Machines) -> str:
+    """Far below any loss of contact the follower sticks, and phases do not drift with the turns."""
     machine = machines.example()
     record = fine(run(machine, 1e-3, record=2000))
     need(label(record) == "contact", label(record))
@@ -334,6 +355,7 @@ def _slow(machines: Machines) -> str:
 
 @row(13, "1e6 rpm", "bounded cost; warning")
 def _fast(machines: Machines) -> str:
+    """A follower thrown far above the cam costs little, and the command warns."""
     cost = fine(run(machines.example(), 1e6, record=20_000)).cost
     seen = f"{cost.impacts} impacts; {cost.evaluations} evaluations; {cost.crossings} crossings"
     few = 5 < cost.impacts < 100 and cost.evaluations < 20 * cost.impacts
@@ -345,6 +367,7 @@ def _fast(machines: Machines) -> str:
 
 @row(14, "k = 1e8 N/m at 50000 rpm", "as exact as the example's machine")
 def _stiff(machines: Machines) -> str:
+    """A valve spring at the speed of a racing engine, against the stored reference."""
     stored = case("stiff")
     tolerance = 1e-13
     trace = run_core(machines.system(stored.follower, stored.cam), stored, tolerance)
@@ -359,8 +382,12 @@ def _stiff(machines: Machines) -> str:
 # --- critical speeds, corners and the strobe
 
 
+ON_A_CORNER = 1e-12  # rad: an event so near to a corner is on it
+HOPS_UNTIL = 3.2  # rad, on the top dwell behind c: hops are counted up to here
+
+
 def corner(machine: System, number: int) -> float:
-    """Phase of a corner, counted from a = 0; rad."""
+    """Phase (rad) of a corner; number: 0 for a, 1 for b, and so on."""
     return machine.corners[number]
 
 
@@ -374,16 +401,20 @@ def neighbours(x: float, count: int) -> list[float]:
 
 @row(15, "114.979326744 rpm +- 1e-5", "no impact below; detachment at b above")
 def _first_detachment(machines: Machines) -> str:
+    """On either side of the first loss of contact: at rest, and thrown off at the corner b."""
     machine = machines.example()
-    low, high = (events(run(machine, 114.979326744 + d, record=3)) for d in (-1e-5, 1e-5))
-    need(not low, f"{len(low)} events below")
-    off = abs(high[0].theta - corner(machine, 1))
-    need(high[0][:2] == ("detachment", 0) and off < 1e-15, f"{high[0]} above")
+    below, above = (events(run(machine, DETACHING + d, record=3)) for d in (-1e-5, 1e-5))
+    need(not below, f"{len(below)} events below")
+    first = above[0]
+    off = abs(first.theta - corner(machine, 1))
+    at_b = first.kind == "detachment" and first.turn == 0 and off < 1e-15
+    need(at_b, f"{first} above")
     return "no event below; detachment at b above"
 
 
 @row(16, "114.98 rpm", "impacts of about 1e-7 m/s resolved")
 def _weak_impacts(machines: Machines) -> str:
+    """Just above the first loss of contact: impacts as in the reference, each weaker."""
     stored = reference("stability")["weak"]
     omega = stored["rpm"] * pi / 30.0
     wanted = stored["impacts"]
@@ -398,6 +429,7 @@ def _weak_impacts(machines: Machines) -> str:
 
 @row(21, "impact exactly on a corner", "once")
 def _on_a_corner(machines: Machines) -> str:
+    """At the speed, to the last bit, at which the first impact meets a corner: one impact there."""
     machine = machines.example()
     low, high, c = 124.99, 125.01, corner(machine, 2)  # the first impact is on c between them
     while nextafter(low, high) < high:
@@ -406,14 +438,15 @@ def _on_a_corner(machines: Machines) -> str:
         low, high = (middle, high) if first < c else (low, middle)
     for rpm in (around := neighbours(low, 6)):
         rows = events(run(machine, rpm, record=1, tolerance=1e-16))
-        here = [e.kind for e in rows if abs(e.theta - c) < 1e-12]
-        hops = [e for e in rows if e.kind == "impact" and c + 1e-12 < e.theta < 3.2]
+        here = [e.kind for e in rows if abs(e.theta - c) < ON_A_CORNER]
+        hops = [e for e in rows if e.kind == "impact" and c + ON_A_CORNER < e.theta < HOPS_UNTIL]
         need(here == ["impact"] and len(hops) > 2, f"{here} and {len(hops)} hops at {rpm!r} rpm")
     return f"one impact on c at {len(around)} speeds around {low:.9f} rpm; its hops follow"
 
 
 @row(22, "event exactly at the strobe", "counted in exactly one period")
 def _on_the_strobe(machines: Machines) -> str:
+    """An impact at the strobe, or a few doubles beside it, belongs to one turn and not to two."""
     example = machines.example()
     phase = phases(run(example, 700.0, record=1, transient=2000))[0]
     for strobe in (around := neighbours(phase, 8)):
@@ -421,15 +454,16 @@ def _on_the_strobe(machines: Machines) -> str:
         total = int(sum(record.impacts))
         logged = len(phases(record))
         need(total == logged and 49 <= total <= 51, f"{total} counted; {logged} logged")
-    first = events(run(example, 190.0, record=1, v=-3.0))[0][:3]
+    first = events(run(example, CHATTERING, record=1, v=-3.0))[0][:3]
     need(first == ("impact", 0, 0.0), f"first event {first}")
     return f"counted once for {len(around)} strobes within 8 ulp; a start on it too"
 
 
 @row(23, "198.5605 +- 0.01 rpm", "complete to incomplete chatter once")
 def _completion(machines: Machines) -> str:
+    """Where complete chatter becomes incomplete, 0.01 rpm to either side in steps of 0.001."""
     machine = machines.example()
-    speeds = [198.5505 + 0.001 * k for k in range(21)]
+    speeds = [COMPLETING - 0.01 + 0.001 * k for k in range(21)]
     complete = [bool(run(machine, rpm, record=2).chatter[1]) for rpm in speeds]
     once = complete == sorted(complete, reverse=True) and complete[0] and not complete[-1]
     need(once, f"complete: {complete}")
@@ -442,6 +476,7 @@ def _completion(machines: Machines) -> str:
 
 @row(17, "exact graze +- 1 ulp", "at most one contact of near-zero speed")
 def _graze(machines: Machines) -> str:
+    """Flights that touch the cam to the last bit: one contact there at most, and a slow one."""
     machine = machines.example()
     flights = reference("stability")["grazes"]
     rates: list[float] = []
@@ -461,12 +496,13 @@ def _graze(machines: Machines) -> str:
 
 @row(18, "start with q = c; u = 0", "leaves or sticks; no impact recorded")
 def _at_rest(machines: Machines) -> str:
+    """Starts at rest on the cam: pressed on they stick, pulled off they leave; no impact."""
     machine = machines.example()
     for degrees in (0.0, 100.0, 150.17, 170.0, 250.0):
-        record = run(machine, 100.0, record=1, theta=radians(degrees))
+        record = run(machine, 100.0, record=1, theta=radians(degrees))  # below DETACHING
         need(not events(record) and record.resting, f"does not stick at {degrees} deg")
-    for degrees in (151.0, 155.0, 159.0):
-        first = events(run(machine, 190.0, record=1, theta=radians(degrees)), 1)[0]
+    for degrees in (151.0, 155.0, 159.0):  # past the corner b, where the follower is pulled off
+        first = events(run(machine, CHATTERING, record=1, theta=radians(degrees)), 1)[0]
         later = first.kind == "impact" and first.theta > radians(degrees) + 0.01
         need(later and first.u < 0.0, f"{first.kind} at {first.theta} rad from {degrees} deg")
     damped = machines.example(damping=40.0)  # at rest where a sticking ends: a = 0, a' > 0
@@ -481,20 +517,23 @@ def _at_rest(machines: Machines) -> str:
 
 @row(19, "start with q = c; u < 0", "one impact at t = 0")
 def _into_the_cam(machines: Machines) -> str:
+    """Starts on the cam with a velocity into it: an impact at once."""
     for degrees in (0.0, 100.0, 155.0, 300.0):
-        record = run(machines.example(), 190.0, record=1, theta=radians(degrees), v=-20.0)
-        rows = events(record, 0 if degrees == 0.0 else 1)
-        first = rows[0].kind == "impact" and rows[0].theta == radians(degrees)
-        need(first and rows[1][1:3] > rows[0][1:3], f"{rows[:2]} from {degrees} deg")
+        record = run(machines.example(), CHATTERING, record=1, theta=radians(degrees), v=-20.0)
+        first, second, *_ = rows = events(record, 0 if degrees == 0.0 else 1)
+        at_once = first.kind == "impact" and first.theta == radians(degrees)
+        later = (second.turn, second.theta) > (first.turn, first.theta)
+        need(at_once and later, f"{rows[:2]} from {degrees} deg")
     return "one impact at t = 0 from each of 4 phases"
 
 
 @row(20, "start below the cam", "exit 2 with the depth")
 def _below_the_cam(machines: Machines) -> str:
+    """One double below the cam is on it; half a decimetre below it the command refuses."""
     machine = machines.example()
-    c = orbit(machine, 190.0).position()[0]
+    c = orbit(machine, CHATTERING).position()[0]
     for q in (nextafter(c, 0.0), nextafter(c, 1.0)):
-        fine(run(machine, 190.0, record=1, q=q, v=0.0), f"{q - c:.1g} m off the cam")
+        fine(run(machine, CHATTERING, record=1, q=q, v=0.0), f"{q - c:.1g} m off the cam")
     said("simulate --no-plot --rpm 190 --set run.start.q=0.05", "0.05 m below", code=2)
     return "exit 2; 'found q = 0.05 m; 0.05 m below the cam'; one ulp below is on it"
 
