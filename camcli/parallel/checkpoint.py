@@ -305,14 +305,19 @@ def pack(value: Any) -> tuple[bytes, bytes]:
             raise TypeError(f"a {type(value).__name__} cannot be kept")
         if value.ndim == 0:
             return value.item()
-        little = value.astype(value.dtype.newbyteorder("<"), copy=False)
-        if little.dtype.str not in DTYPES:
-            raise TypeError(f"an array of {little.dtype} cannot be kept")
+        name = value.dtype.str
+        if name not in DTYPES:  # of a machine with another order of bytes, or none of ours
+            value = value.astype(value.dtype.newbyteorder("<"))
+            name = value.dtype.str
+        if name not in DTYPES:
+            raise TypeError(f"an array of {value.dtype} cannot be kept")
         at = size
-        parts.append(little.tobytes())
-        parts.append(bytes(-little.nbytes % ALIGNED))
-        size += little.nbytes + len(parts[-1])
-        return {"dtype": little.dtype.str, "shape": little.shape, "at": at}
+        parts.append(value.tobytes())
+        size += value.nbytes
+        if value.nbytes % ALIGNED:
+            parts.append(bytes(-value.nbytes % ALIGNED))
+            size += len(parts[-1])
+        return {"dtype": name, "shape": value.shape, "at": at}
 
     text = json.dumps(value, default=outline, separators=(",", ":"))
     return text.encode(), b"".join(parts)
