@@ -47,6 +47,7 @@ __all__ = ["__version__", *_PLACES]
 
 
 def __getattr__(name: str) -> "Any":
+    """A public name, imported when it is first asked for; raises AttributeError for another one."""
     from importlib import import_module
 
     if name == "__version__":

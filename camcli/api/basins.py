@@ -104,6 +104,7 @@ def basins(
     done = 0
 
     def on_cells(cells: int) -> None:
+        """Count cells that are done, of all speeds together."""
         nonlocal done
         done += cells
         if progress is not None:
@@ -167,6 +168,10 @@ def _attractors_table(found: Study, key: str) -> Table:
 
 
 def _rows(speed: Basins):
+    """The rows of attractors.csv of one speed: attractors by their number, then what is none.
+
+    Without the value that is varied, which comes first where it is not the speed.
+    """
     order = sorted(range(len(speed.attractors)), key=lambda k: speed.branches[k])
     for k in order:
         attractor = speed.attractors[k]
@@ -182,7 +187,11 @@ def _rows(speed: Basins):
 
 
 def _growth(speed: Basins, k: int | None) -> list:
-    """Multipliers and exponent of an attractor, empty where there are none."""
+    """The columns GROWTH of an attractor: its multipliers and its exponent, empty where unknown.
+
+    k: its place in `speed.attractors`, or None for cells that belong to no attractor. The list is
+    empty where exponents were not asked for.
+    """
     if speed.exponents is None:
         return []
     if k is None:
@@ -194,6 +203,7 @@ def _growth(speed: Basins, k: int | None) -> list:
 
 
 def _saddle_rows(found: Study) -> Iterator[tuple]:
+    """The rows of saddles.csv, by speed."""
     for speed in found.speeds:
         for saddle in speed.saddles or ():
             q, w = saddle.orbit.states[0]
@@ -202,7 +212,11 @@ def _saddle_rows(found: Study) -> Iterator[tuple]:
 
 
 def _cell_blocks(grids: Sequence[Basins], refine: int, key: str) -> Iterator[Block]:
-    """Speed by speed, row by row in v, then q; of a refined grid the cells that were not cut."""
+    """The rows of basins.csv in blocks: speed by speed, row by row in v, then by q.
+
+    Of a refined grid there are the cells that were not cut in four. key: what is varied; its value
+    is a column where there are several grids.
+    """
     for grid in grids:
         numbers = np.array([*grid.branches, *range(grid.codes.min(initial=0), 1)])
         for q, v, codes in _cells(grid, refine):
@@ -212,6 +226,11 @@ def _cell_blocks(grids: Sequence[Basins], refine: int, key: str) -> Iterator[Blo
 
 
 def _cells(grid: Basins, refine: int) -> Iterator[Block]:
+    """The cells of a grid in blocks (q in m, v in m/s, codes).
+
+    A code k > 0 is the k-th attractor of the grid. refine: how often cells may have been cut in
+    four.
+    """
     window = grid.window
     if grid.level is None:
         q = window.q_of(np.arange(window.nq))
@@ -246,6 +265,7 @@ def _summary(result: Study, question: BasinsQuestion) -> dict[str, Any]:
 
 
 def _record(speed: Basins, question: BasinsQuestion) -> dict[str, Any]:
+    """The entry of run.json for one speed: attractors, cells, rests, entropies, saddles."""
     doubt = speed.uncertainty
     return {
         "value": speed.value,
@@ -276,6 +296,11 @@ def _record(speed: Basins, question: BasinsQuestion) -> dict[str, Any]:
 
 
 def _attractor(speed: Basins, k: int) -> dict[str, Any]:
+    """The entry of run.json for an attractor, by its place in `speed.attractors`.
+
+    Where a region about its points was proved to shrink its size is there too, else how many turns
+    the motion has stayed in boxes that it had visited before.
+    """
     attractor, region = speed.attractors[k], speed.regions[k]
     fraction, error = speed.fractions[k + 1]
     found: dict[str, Any] = {
@@ -307,6 +332,10 @@ SHOWN_SPEEDS = 3  # whose cells become a table
 
 
 def _size(scene: Scene) -> Size:
+    """Each cell of each speed is an orbit; a table of cells is written of a few speeds only.
+
+    Bytes of memory and disk are measured, for each cell.
+    """
     section = scene.basins
     (nq, nv), levels = section.cells, section.refine
     orbits = nq * nv * section.count
@@ -319,6 +348,7 @@ def _size(scene: Scene) -> Size:
 
 
 def _sample(scene: Scene, n: int) -> Scene:
+    """The window with 8 n cells along each side at most, at one speed, not refined."""
     cells = tuple(min(8 * n, side) for side in scene.basins.cells)
     return sample(scene, "basins", refine=0, cells=cells, **fewer(scene.basins, 1))
 

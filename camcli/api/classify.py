@@ -151,6 +151,7 @@ def classify(
 def _summary(
     motions: list[ClassifiedMotion], explanation: Explanation | None, key: str
 ) -> dict[str, Any]:
+    """What run.json keeps: remarks in sentences, the motions, and with explain the changes."""
     return {
         "words": remarks(motions, key),
         "motions": [_motion(m) for m in motions],
@@ -159,6 +160,7 @@ def _summary(
 
 
 def _row(m: ClassifiedMotion) -> tuple:
+    """A row of classify.csv."""
     stable = None if m.stable is None else int(m.stable)
     exponent = None if m.exponents is None else m.exponents.largest
     impacts = None if m.fault is not None else m.impacts
@@ -167,6 +169,7 @@ def _row(m: ClassifiedMotion) -> tuple:
 
 
 def _motion(m: ClassifiedMotion) -> dict[str, Any]:
+    """The entry of run.json for a motion; angles in degrees, numbers in SI."""
     e = m.exponents
     return {
         "value": m.value, "rpm": m.rpm, "label": m.label, "period": m.period,
@@ -193,6 +196,7 @@ SAMPLED_STARTS = 5  # at each speed of a sample: more find hardly more attractor
 
 
 def _size(scene: Scene) -> Size:
+    """Each start at each speed is an orbit. Bytes are measured."""
     run, speeds, starts = scene.run, scene.classify.count, scene.classify.starts + 1
     orbits, turns = speeds * starts, run.transient + run.record
     memory = 45.0 * speeds * run.record
@@ -201,6 +205,7 @@ def _size(scene: Scene) -> Size:
 
 
 def _sample(scene: Scene, n: int) -> Scene:
+    """n speeds with few starts each, and no explanation."""
     section = scene.classify
     few = {"starts": min(SAMPLED_STARTS, section.starts), "explain": False}
     return sample(scene, "classify", **few, **fewer(section, n))

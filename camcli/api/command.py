@@ -61,7 +61,7 @@ def one_run(scene: Scene) -> Size:
 
 
 def whole(scene: Scene, n: int) -> Scene:
-    """A sample of a command whose work does not grow with anything: short, and else the scene."""
+    """A sample of a command whose work is always the same: the scene with few turns."""
     return sample(scene, None)
 
 
@@ -86,6 +86,7 @@ def fewer(section: Any, n: int) -> dict[str, Any]:
     """
 
     def inside(axis: Axis) -> Axis:
+        """The range with n values at most, moved in from both ends by half a step."""
         if n >= axis.num:
             return axis
         aside = 0.5 * (axis.stop - axis.start) / n

@@ -223,6 +223,7 @@ def _summary(result: ContactLoss) -> dict[str, Any]:
 
 
 def _lift_off(seen: LiftOff) -> dict[str, Any]:
+    """The entry of run.json for the lift-off just above the speed at which a region opens."""
     return {
         "region": seen.region, "kind": seen.kind, "corner": seen.corner, "rpm": seen.rpm,
         "release_deg": degrees(seen.release), "landing_deg": degrees(seen.landing),
@@ -231,6 +232,7 @@ def _lift_off(seen: LiftOff) -> dict[str, Any]:
 
 
 def _hold(hold: Hold) -> dict[str, Any]:
+    """The entry of run.json for a spring that holds contact; stiffness in N/m, forces in N."""
     return {
         "quantity": hold.quantity, "status": hold.status, "stiffness": hold.stiffness,
         "preload": hold.preload, "region": hold.region, "theta_deg": _degrees(hold.theta),
@@ -241,10 +243,12 @@ def _hold(hold: Hold) -> dict[str, Any]:
 
 
 def _degrees(theta: float | None) -> float | None:
+    """An angle in degrees; None, where there is none, stays None."""
     return None if theta is None else degrees(theta)
 
 
 def _critical(c: CriticalSpeed) -> dict[str, Any]:
+    """The entry of run.json for a critical speed with its bracket."""
     values = {"theta_deg": degrees(c.theta) if c.finite else None, "rpm": c.rpm}
     ends = {"low_rpm": c.low, "high_rpm": c.high, "status": c.status}
     burst = {"burst": c.burst} if c.burst else {}
@@ -252,6 +256,11 @@ def _critical(c: CriticalSpeed) -> dict[str, Any]:
 
 
 def _hit(hit: CornerHit) -> dict[str, Any]:
+    """The entry of run.json for a speed at which an impact lands on a corner.
+
+    Where the curve of these speeds ends, the phases of the impact just before and after that are
+    there.
+    """
     row = {"impact": hit.impact, "corner": hit.corner, "rpm": hit.rpm, "burst": hit.burst}
     ends = {"low_rpm": hit.low, "high_rpm": hit.high, "status": hit.status}
     phases = dict(zip(("before_deg", "after_deg"), map(degrees, hit.ends or ()), strict=False))
@@ -270,7 +279,7 @@ def _critical_rows(found: ContactLoss) -> Iterator[tuple]:
 
 
 def _known(*speeds: float | None) -> list[float | None]:
-    """What is not known is empty."""
+    """The speeds, with None for those that are not known (NaN)."""
     return [None if rpm is None or isnan(rpm) else rpm for rpm in speeds]
 
 
@@ -295,16 +304,19 @@ REPORT = 130e3  # bytes of the page for print, about
 
 
 def _size(scene: Scene) -> Size:
+    """Each speed at which a chatter is followed is a run. Bytes are measured."""
     n = scene.detach.rpm.num
     return Size(f"{n} runs", n, n, 0.0, n, 300.0 * n, 100.0 * n, 0.0)
 
 
 def _sample(scene: Scene, n: int) -> Scene:
+    """The analysis at few speeds: one is quick, so 25 for each piece. No tolerances."""
     rpm = fewer(scene.detach, 25 * n)["rpm"]
     return sample(scene, "detach", rpm=rpm, tolerance=())
 
 
 def _check(scene: Scene) -> None:
+    """Raise SceneError for a tolerance on a number that the machine has not."""
     if scene.detach.tolerance:
         tolerated(machine_of(scene))
 

@@ -81,6 +81,7 @@ def with_ranges(found: ContactLoss, system: System) -> ContactLoss:
 
 
 def _between(speed: CriticalSpeed, ends: tuple[float, float]) -> CriticalSpeed:
+    """The critical speed with another bracket; ends: its ends in rpm."""
     return replace(speed, low=ends[0], high=ends[1])
 
 

@@ -145,12 +145,16 @@ def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, Chosen]]:
 
 
 def _lift(system: System) -> tuple[float, float]:
-    """(lowest c, highest minus lowest), m; the bounds of stretches may lie a little beyond."""
+    """(lowest c, highest minus lowest), m; 1 m where the cam is flat.
+
+    The bounds of stretches may lie a little beyond the lift itself.
+    """
     low, high = system.lift_range
     return low, (high - low) or 1.0
 
 
 def _round(value: float) -> float:
+    """A number to three digits, as a person would choose it."""
     return float(f"{value:.3g}")
 
 
@@ -231,6 +235,10 @@ class Varied:
         return system, speed, machine.settings
 
     def _loaded(self, changes: dict[str, Any]) -> Scene:
+        """The scene with these keys changed, checked as if a user had given them.
+
+        changes: values by path. A cam that is allowed outside the scene's folder stays allowed.
+        """
         scene = self.machine.scene
         named = {path: (value, self.option) for path, value in changes.items()}
         if getattr(scene.cam, "outside", ""):

@@ -101,6 +101,7 @@ def question_of(scene: Scene, varied: list[Varied]) -> OrbitsQuestion:
 
 
 def _ends(varied: Varied) -> tuple[float, float]:
+    """Both ends of the range."""
     return varied.low, varied.high
 
 
@@ -118,14 +119,14 @@ def _speed_of_orbits(scene: Scene, first: Varied) -> float:
 
 
 def _speeds(scene: Scene) -> Varied:
-    """The speeds of `rpm`."""
+    """The speeds `orbits.rpm` of the scene, the lower end first."""
     section = scene.orbits.rpm
     low, high = sorted((section.start, section.stop))
     return Varied("rpm", low, high, section.num)
 
 
 def _by_key(axis: Axis) -> Varied:
-    """A number that `vary` names."""
+    """What an entry of `orbits.vary` names; raises SceneError for what no branch can vary."""
     name = "rpm" if axis.path == "run.rpm" else axis.path.removeprefix("follower.")
     if name not in PARAMETERS:
         expected = f"rpm or a constant of the follower: {', '.join(FOLLOWER)}"
@@ -196,4 +197,5 @@ def _check(scene: Scene, varied: Varied, key: str) -> None:
 
 
 def _refusal(key: str, found: str, expected: str, cure: str) -> SceneError:
+    """A fault of the key orbits.KEY; expected: what should stand there."""
     return SceneError(Fault("", f"orbits.{key}", found, f"expected {expected}", cure))

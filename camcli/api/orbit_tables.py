@@ -115,6 +115,7 @@ def branch_table(found: OrbitsResult, keys: Keys) -> Table:
         columns.append(PROVED.column)
 
     def row(number: int, orbit: PeriodicOrbit, more: list) -> list:
+        """A row of branch.csv; proved: its cell PROVED, or nothing."""
         q, w = orbit.states[0]
         thetas = [degrees(theta) for theta in orbit.theta]
         omega = omega_of(orbit.rpm)
@@ -132,6 +133,7 @@ def branch_table(found: OrbitsResult, keys: Keys) -> Table:
 
 
 def _yes(proof: Proof) -> str:
+    """Whether a proof holds, as a cell."""
     return "yes" if proof.proved else "no"
 
 
@@ -165,6 +167,7 @@ def curve_table(curves: list[Curve], plane: Plane, keys: Keys) -> Table:
     names = {name: quantity.column for name, quantity in PARAMETERS.items()} | dict(keys)
 
     def rows() -> Iterator[tuple]:
+        """The rows of curve.csv, curve by curve."""
         for number, curve in enumerate(curves, 1):
             named = (number, curve.kind, curve.label, curve.corner)
             for point in curve.points:

@@ -169,6 +169,7 @@ def _simulated(machine: Machine, question: OrbitsQuestion, count: int) -> Sweep:
     key = question.parameter
 
     def setup(value: float) -> Setup:
+        """The machine with the parameter at a value."""
         return system.with_follower(**{key: value}), question.rpm, machine.settings
 
     values = rpm_grid(span.low, span.high, count)
@@ -209,6 +210,7 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
     from camcli.words.proofs import FAILED, LEFT
 
     def proof(p: Proof) -> dict[str, Any]:
+        """The entry of one proof: whether it holds, for which machines, and what failed."""
         return {
             "proved": p.proved, "holds_for": p.holds_for if p.proved else None,
             "refuted": p.refuted, "failed_step": None if p.step is None else FAILED[p.step],
@@ -217,6 +219,7 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
         }  # fmt: skip
 
     def range_(one: Range) -> dict[str, Any]:
+        """The entry of a stretch of a branch between two events."""
         step = one.failed_step
         return {**vars(one), "failed_step": None if step is None else FAILED[step]}
 
@@ -229,6 +232,7 @@ def _proofs(proofs: Proofs) -> dict[str, Any]:
 
 
 def _orbit(orbit: PeriodicOrbit) -> dict[str, Any]:
+    """The entry of run.json for an orbit: phases in degrees, speeds of its impacts in m/s."""
     return {
         "label": orbit.label, "rpm": orbit.rpm, "stable": orbit.stable,
         "verdict": VERDICTS[orbit.verdict],
@@ -240,6 +244,7 @@ def _orbit(orbit: PeriodicOrbit) -> dict[str, Any]:
 
 
 def _event(b: Bifurcation) -> dict[str, Any]:
+    """The entry of run.json for a bifurcation, with the inequalities that its class rests on."""
     rests_on = () if b.corner_impact is None else b.corner_impact.collision.inequalities
     return {
         "branch": b.branch, "label": b.label, "kind": b.kind, "value": b.value, "error": b.error,
@@ -253,6 +258,7 @@ def _event(b: Bifurcation) -> dict[str, Any]:
 
 
 def _size(scene: Scene) -> Size:
+    """Each start for the search is a run; how long branches are is not known before."""
     n = scene.orbits.starts + 1
     return Size(f"{n} runs", n, n, 0.0, n, 300.0 * n, 100.0 * n, 0.0)
 

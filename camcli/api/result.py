@@ -122,6 +122,7 @@ class Result:
         return {**self._error_of_an_event(), "lift_table": table}
 
     def _error_of_an_event(self) -> dict[str, Any]:
+        """What the chatter tolerance of the scene means for one event; nothing of `bench`."""
         tolerance = self.scene.run.chatter_tolerance
         return {} if self.system is None else error_record(tolerance, self.system)
 
@@ -192,6 +193,11 @@ class Result:
         blamed: list[Exception] = []
 
         def made(name: str, write: Callable[..., Any], fill: Callable[[BinaryIO], Any]) -> None:
+            """Write one file; keep an error that the scene or the system is to blame for.
+
+            Where the folder itself cannot be written, or the run is interrupted, the error is
+            raised at once.
+            """
             try:
                 piece(name, partial(write, name, fill))
             except Exception as error:
@@ -316,6 +322,7 @@ def drawn_by(place: str, *args: Any) -> Callable[[], Picture]:
 
 
 def _drawing(place: str, *args: Any) -> Picture:
+    """Draw by the function `module.function` of camcli.plots."""
     module, _, name = place.partition(".")
     return getattr(import_module(f"camcli.plots.{module}"), name)(*args)
 
@@ -325,6 +332,7 @@ def ticks(progress: Progress | None, what: str, total: int) -> Callable[..., Non
     done = 0
 
     def tick(*_: object) -> None:
+        """One more is done."""
         nonlocal done
         done += 1
         if progress is not None:

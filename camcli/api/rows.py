@@ -79,20 +79,24 @@ CORNERS = BIFURCATIONS._replace(
 
 
 def blocks(found: Sweep, section: str) -> Iterator[Block]:
-    """The rows of the table of a section."""
+    """The rows of a table in blocks of columns, a block for each speed.
+
+    section: `impacts` or `strobe`. The value of the speed comes first; direction or start, where a
+    sweep has several, last.
+    """
     for (value, columns), way in zip(found.section(section), found.ways, strict=True):
         if len(columns[0]):
             yield value, *columns, *way
 
 
 def speed_row(speed: Speed) -> tuple:
-    """A row of speeds.csv."""
+    """A row of speeds.csv, in the order of SPEEDS without the columns that only some runs have."""
     named = speed.label, speed.impact_count, speed.exponent, status_name(speed.status)
     return speed.value, *named, *load_row(speed.loads), speed.holds_for, speed.watched
 
 
 def multiplier_columns(pair: tuple[complex, complex]) -> list[float]:
-    """The entries of the columns MULTIPLIERS."""
+    """The entries of the columns MULTIPLIERS: real and imaginary part of each, 0 never as -0."""
     return [part for z in pair for part in (z.real + 0.0, z.imag + 0.0)]
 
 

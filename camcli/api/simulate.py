@@ -198,6 +198,7 @@ def _profile(machine: Machine) -> Result:
     omega = omega_of(rpm)
 
     def rows(one: Profile) -> Iterator[tuple]:
+        """The rows of profile.csv of a cam, with the force of a follower that stays on it."""
         for theta, c, c1, c2 in zip(one.theta, one.c, one.c1, one.c2, strict=True):
             spring = f.mass * f.gravity + f.preload + f.stiffness * c
             yield (
@@ -242,7 +243,10 @@ def _draw_profiles(
 
 
 def _with_range(found: Profile, system: System) -> Profile:
-    """The profile with the first detachment between the speeds that a measured cam leaves."""
+    """The profile with the bracket of its first detachment.
+
+    Of a measured cam that is what the error of its table leaves; else it stays.
+    """
     between = lost_between(system)
     if between is None or found.first is None:
         return found
@@ -250,10 +254,15 @@ def _with_range(found: Profile, system: System) -> Profile:
 
 
 def _extreme(extreme: Extreme) -> dict[str, float]:
+    """An entry of run.json: the value, and the angle at which it occurs (deg)."""
     return {"value": extreme.value, "theta_deg": degrees(extreme.theta)}
 
 
 def _profile_summary(result: Profile, ratio: float) -> dict[str, Any]:
+    """What run.json says of a cam: extremes, least force, first detachment, curvature.
+
+    ratio: of the rocker, 1 without one.
+    """
     bent, first = result.curvature, result.first
     return {
         "rpm": result.force.rpm,
@@ -292,6 +301,10 @@ FILM = 400e3  # bytes of the animations, about
 
 
 def _size(scene: Scene) -> Size:
+    """A motion has samples in every recorded turn; a profile in one turn of each cam.
+
+    Bytes are measured.
+    """
     samples, run = scene.simulate.samples, scene.run
     if scene.simulate.profile_only:
         n = samples * (1 + len(scene.simulate.beside))
@@ -302,6 +315,7 @@ def _size(scene: Scene) -> Size:
 
 
 def _drawing(scene: Scene) -> Drawing:
+    """A picture of a motion takes memory for the points of its curves beside that of its pixels."""
     points = 0
     if not scene.simulate.profile_only:
         rows = scene.simulate.samples * min(scene.simulate.plot_turns, scene.run.record)
@@ -310,6 +324,7 @@ def _drawing(scene: Scene) -> Drawing:
 
 
 def _sample(scene: Scene, n: int) -> Scene:
+    """As many turns as fill SAMPLED_ROWS rows, n times."""
     turns = max(1, SAMPLED_ROWS * n // scene.simulate.samples)
     return sample(scene, None, record=turns)
 

@@ -148,7 +148,7 @@ def sweep(
 
 
 def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
-    """The map over two numbers."""
+    """The result for two numbers: the kind of motion at each point, without the records."""
     section = machine.scene.sweep
     if section.direction == BOTH:
         cure = "choose one, e.g. sweep.direction=up"
@@ -173,6 +173,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
     notes = (*map_notes(found, section.decide), *status_notes(troubled, one.key))
 
     def rows() -> Iterator[tuple]:
+        """The rows of map.csv, line by line of the second number."""
         for second, line in zip(found.second, found.lines, strict=True):
             for speed in line:
                 turns, period = machine.settings.record, period_of(speed.label) or None
@@ -204,7 +205,7 @@ def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
 def _explained(
     machine: Machine, found: Sweep, progress: Progress | None, work: Work
 ) -> tuple[list[ClassifiedMotion], Explanation]:
-    """The motions from the scene's own start, and the causes of their changes."""
+    """The motions from the scene's own start with their exponents, and why they change."""
     from camcli.analysis.classify import classify
     from camcli.api.explanation import explanation_of
 
@@ -227,7 +228,7 @@ def _result(
     motions: list[ClassifiedMotion],
     explanation: Explanation | None,
 ) -> Result:
-    """What was found, without its time and its faults."""
+    """The result of a sweep over one number, still without its time and its faults."""
     scene, section = machine.scene, machine.scene.sweep
     cost, cut = found.cost, list[str]()
     summary = piece("the summary", lambda: _summary(found), {})
@@ -269,6 +270,7 @@ def _result(
 
 
 def _summary(found: Sweep) -> dict[str, Any]:
+    """What run.json keeps: the ranges of one label, and how many labels hold for which machines."""
     return {
         "direction": found.direction,
         "holds_for": Counter(filter(None, (speed.holds_for for speed in found.bare))),
@@ -296,6 +298,7 @@ def ranges(found: Sweep) -> list[tuple[str, str, tuple[str | int, ...], Speed, S
 
 
 def _size(scene: Scene) -> Size:
+    """Each value, from each start and in each direction, is an orbit. Bytes are measured."""
     section, run = scene.sweep, scene.run
     turns = run.transient + run.record
     n = section.count + sum(part.num for part in section.zoom)
@@ -315,12 +318,14 @@ def _size(scene: Scene) -> Size:
 
 
 def _drawing(scene: Scene) -> Drawing:
+    """A map takes more memory for each pixel than a diagram does, but less for itself."""
     if len(scene.sweep.vary) == 2:  # map.png
         return Drawing(80e3, 130e6, 30.0)
     return Drawing(360e3, 230e6, 15.0)
 
 
 def _sample(scene: Scene, n: int) -> Scene:
+    """n speeds, without what comes on top of them."""
     few = fewer(scene.sweep, n)
     return sample(scene, "sweep", zoom=(), also=(), explain=False, adaptive=False, **few)
 

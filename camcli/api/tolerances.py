@@ -60,6 +60,12 @@ class _Holds:
         return attempt(f"the machine with {keys} = {numbers}", lambda: self._speeds(piece))
 
     def _speeds(self, piece: Sequence[float]) -> list[float]:
+        """First losses of contact (rpm): of the machine as it is, then with each spring.
+
+        piece: values of the axes, and at the end of a measured cam the share of its error, -1 to 1.
+        A spring of the list was made for the nominal machine; a machine whose own spring is off by
+        a factor gets it off by the same factor.
+        """
         known = len(self.machines.axes)
         system, _, _ = self.machines(*piece[:known])
         share = piece[known] if len(piece) > known else 0.0
@@ -125,7 +131,11 @@ def tolerances(
 def _summary(
     rows: Sequence[Sequence[Any]], corners: int, springs: Sequence[Hold], section: Any
 ) -> dict[str, Any] | None:
-    """Chance and worst case of the machines that are known; None where none in between is."""
+    """Chance and worst case of the machines that are known; None where none in between is.
+
+    rows: the speeds of each machine as `_Holds` gives them; the first `corners` of them are corners
+    of the tolerances, which count for the worst case but not for the chance.
+    """
     sampled = [row for row in rows[corners:] if None not in row]
     if not sampled:
         return None
@@ -147,7 +157,10 @@ def _summary(
 
 
 def _axis(machine: Machine, key: str, percent: float) -> Axis:
-    """The range of a number of the machine."""
+    """The range of a number of the machine that may be off by a percentage.
+
+    Raises SceneError where the key names no number, or one that is zero.
+    """
     try:
         value = reduce(lambda at, name: at[name], key.split("."), resolved(machine.scene))
     except (LookupError, TypeError):
