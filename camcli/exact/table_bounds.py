@@ -8,14 +8,15 @@ cell is the remainder (Lagrange).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from itertools import pairwise
 from math import isfinite, perm
 
-from flint import arb, arb_series
+from flint import arb, arb_series, ctx
 
-from camcli.cams.balls import precision
+from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.compile import CUTS, Shape, build
 from camcli.exact.machine import BallStretch, stretches_of
 from camcli.kernel.cam_table import LIFT, PIECE, TERMS, Cam, Stretch
@@ -41,22 +42,30 @@ def table_bounds(shape: Shape, cam: Cam) -> tuple[float, ...] | None:
 
     None where the table is not of these stretches, or nothing can be shown.
     """
-    with precision(DIGITS):
-        stretches = stretches_of(shape)
-        if not _matches(stretches, cam):
-            return None
-        errors, sizes = [0.0] * (HIGHEST + 1), [0.0] * (HIGHEST + 1)
-        for row in cam.stretches:
-            for k in range(row.piece_count):
-                piece = cam.pieces[(row.first_piece + k) * PIECE :][:PIECE]
-                for own, size in _of_piece(stretches, row, piece):
-                    errors = [max(x, y) for x, y in zip(errors, own, strict=True)]
-                    sizes = [max(x, y) for x, y in zip(sizes, size, strict=True)]
-        jumps = _jumps(stretches, cam)
+    try:
+        with precision(DIGITS), _long_series():
+            stretches = stretches_of(shape)
+            if not _matches(stretches, cam):
+                return None
+            errors, sizes = _of_table(stretches, cam)
+            jumps = _jumps(stretches, cam)
+    except UndecidedError:
+        return None
     errors = [x + y + ROOM * z for x, y, z in zip(errors, jumps, sizes, strict=True)]
     sizes = [WIDER * x + y for x, y in zip(sizes, errors, strict=True)]
-    bounds = (*errors, *sizes)
-    return bounds if all(map(isfinite, bounds)) else None
+    return (*errors, *sizes)
+
+
+def _of_table(stretches: Sequence[BallStretch], cam: Cam) -> tuple[list[float], list[float]]:
+    """(errors, sizes) of c and its derivatives in all pieces."""
+    errors, sizes = [0.0] * (HIGHEST + 1), [0.0] * (HIGHEST + 1)
+    for row in cam.stretches:
+        for k in range(row.piece_count):
+            piece = cam.pieces[(row.first_piece + k) * PIECE :][:PIECE]
+            for own, size in _of_piece(stretches, row, piece):
+                errors = [max(x, y) for x, y in zip(errors, own, strict=True)]
+                sizes = [max(x, y) for x, y in zip(sizes, size, strict=True)]
+    return errors, sizes
 
 
 def _edges(cam: Cam) -> list[float]:
@@ -101,15 +110,42 @@ def _of_piece(
 
 def _derivatives(terms: Sequence[arb], h: float) -> list[float]:
     """Bounds of |sum terms[k] x^k| and of its derivatives for |x| <= h."""
-    return [
-        float(sum((terms[k] * perm(k, order) * arb(h) ** (k - order)
-                   for k in range(order, len(terms))), arb(0)).upper()) * WIDER
-        for order in range(HIGHEST + 1)
-    ]  # fmt: skip
+    bounds = []
+    for order in range(HIGHEST + 1):
+        total = arb(0)
+        for k in range(order, len(terms)):
+            total += terms[k] * perm(k, order) * arb(h) ** (k - order)
+        bounds.append(_finite(total))
+    return bounds
+
+
+def _finite(x: arb) -> float:
+    """A double above x; raises UndecidedError where there is none."""
+    bound = WIDER * float(x.upper())
+    if not isfinite(bound):
+        raise UndecidedError
+    return bound
 
 
 def _series(stretch: BallStretch, x: arb_series) -> arb_series:
-    return arb_series([stretch.level], TERMS + 1) if stretch.lift is None else stretch.lift(x)
+    """c about an angle; raises UndecidedError where it is shorter than it was asked for."""
+    if stretch.lift is None:
+        return arb_series([stretch.level], TERMS + 1)
+    series = arb_series(stretch.lift(x))
+    if series.prec < TERMS + 1:
+        raise UndecidedError
+    return series
+
+
+@contextmanager
+def _long_series() -> Iterator[None]:
+    """Let series have as many terms as are needed here: python-flint cuts all at `ctx.cap`."""
+    before = ctx.cap
+    ctx.cap = max(before, TERMS + 1)
+    try:
+        yield
+    finally:
+        ctx.cap = before
 
 
 def _jumps(stretches: Sequence[BallStretch], cam: Cam) -> list[float]:
@@ -120,6 +156,6 @@ def _jumps(stretches: Sequence[BallStretch], cam: Cam) -> list[float]:
         if min(abs(float(after.start) - start) for start in starts) > EDGE:
             left = before.derivatives(after.start, HIGHEST)
             right = after.derivatives(after.start, HIGHEST)
-            sizes = [float(abs(x - y).upper()) for x, y in zip(left, right, strict=True)]
+            sizes = [_finite(abs(x - y)) for x, y in zip(left, right, strict=True)]
             jumps = [max(x, y) for x, y in zip(jumps, sizes, strict=True)]
     return jumps

@@ -4,18 +4,20 @@ mpmath flies over the circles of the cam in closed form (`tests.support.oracle`)
 of the package; the judge in balls knows every kind of cam.
 """
 
+from math import exp, factorial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, arb_series
 from mpmath import mp, mpf
 
-from camcli.cams.balls import precision
+from camcli.cams.balls import UndecidedError, precision
 from camcli.cams.compile import build
-from camcli.exact.machine import BallMachine
-from camcli.exact.table_bounds import table_bounds
-from camcli.kernel.cam_table import LIFT, PIECE, derivative, lift_at, stretch_at
+from camcli.exact import table_bounds as table_bounds_module
+from camcli.exact.machine import BallMachine, BallStretch
+from camcli.exact.table_bounds import _long_series, _of_piece, table_bounds
+from camcli.kernel.cam_table import LIFT, PIECE, TERMS, derivative, lift_at, stretch_at
 from camcli.kernel.enclosed_landing import (
     ACCEL,
     ANGLE,
@@ -208,6 +210,32 @@ def test_the_bounds_hold_where_the_table_is_compared_with_mpmath():
     half = (table.stretches[1].end - table.stretches[1].start) / 16.0
     off = table_bounds(system.shape, table._replace(pieces=pieces))[0]
     assert 0.9e-9 * half**3 < off - errors[0] < 1.1e-9 * half**3
+
+
+def test_what_a_polynomial_leaves_out_is_bounded():
+    """Of exp on [-1, 1] by its first 14 terms: e - sum 1/k! there, and its derivatives."""
+    terms = [1.0 / factorial(k) for k in range(TERMS)]
+    piece = [0.0, *terms, *[0.0] * (PIECE - 1 - TERMS)]
+    row = SimpleNamespace(start=-1.0, end=1.0, piece_count=1)
+    with precision(40), _long_series():
+        stretch = BallStretch(arb(-1), arb(1), lambda theta: theta.exp(), arb(0))
+        cells = _of_piece([stretch], row, piece)
+    for order in range(5):
+        left_out = sum(1.0 / factorial(k) for k in range(TERMS - order, 40))
+        largest = max(errors[order] for errors, _ in cells)
+        assert left_out * 0.999 < largest < 1.2 * left_out
+        assert max(sizes[order] for _, sizes in cells) > exp(1.0) * 0.999
+    with precision(40), pytest.raises(UndecidedError):
+        _of_piece([stretch], row, piece)
+
+
+@pytest.mark.parametrize("lift", [lambda x: x.log(), lambda x: arb_series([x[0], 1], 5)])
+def test_a_cam_of_which_nothing_can_be_shown_has_no_bounds(lift, monkeypatch):
+    """Its series is no number on some cells, or too short."""
+    system = cam_of("eccentric")
+    shown = BallStretch(arb(0), 2 * arb.pi(), lift, arb(0))
+    monkeypatch.setattr(table_bounds_module, "stretches_of", lambda shape: [shown])
+    assert table_bounds(system.shape, system.cam) is None
 
 
 def test_a_table_of_another_cam_has_no_bounds():
