@@ -229,6 +229,16 @@ def test_what_a_polynomial_leaves_out_is_bounded():
         _of_piece([stretch], row, piece)
 
 
+def test_what_lies_beyond_the_order_of_a_polynomial_is_bounded():
+    """Of x^20 on [-1, 1] by nothing: 1 and 20 at its end."""
+    row = SimpleNamespace(start=-1.0, end=1.0, piece_count=1)
+    with precision(40), _long_series():
+        stretch = BallStretch(arb(-1), arb(1), lambda theta: theta**20, arb(0))
+        cells = _of_piece([stretch], row, [0.0] * PIECE)
+    for order, largest in enumerate((1.0, 20.0)):
+        assert largest <= max(errors[order] for errors, _ in cells) < 1.1 * largest
+
+
 @pytest.mark.parametrize("lift", [lambda x: x.log(), lambda x: arb_series([x[0], 1], 5)])
 def test_a_cam_of_which_nothing_can_be_shown_has_no_bounds(lift, monkeypatch):
     """Its series is no number on some cells, or too short."""
