@@ -1,13 +1,23 @@
 """Cost of an impact, scaling over threads and Dask processes, and what a piece costs besides.
 
-Run it by hand on a quiet machine: `python tests/bench/bench_scale.py` (extra `cluster`). All ratios
-are of times measured in one run, the least of REPEATS, interleaved.
+    python tests/bench/bench_scale.py [--only scaling exponents shell tables]
+
+Run it by hand on a quiet machine; scaling needs the extra `cluster`. All ratios are of times
+measured in one run, interleaved: the least of REPEATS, of commands the median of RUNS, with the
+processor time beside the wall's.
 """
 
 from __future__ import annotations
 
+import argparse
+import os
+import subprocess
+import sys
 from contextlib import ExitStack
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from statistics import median
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
@@ -23,13 +33,65 @@ from camcli.system import Follower, System
 REPEATS = 3
 LONG = Settings(40_000, 100, 1e-9, 1_000_000)  # turns of a speed: the kernel is all that matters
 SHORT = Settings(0, 1, 1e-9, 1_000_000)  # one turn: what a piece costs besides
-SPEEDS, PIECES = 200, 4_000
+WHOLE = Settings(600, 400, 1e-9, 1_000_000)  # those of the default sweep
+SPEEDS, PIECES, SWEPT, MANY = 200, 4_000, 401, 5_000
+RUNS = 5
+SHELL = f"sweep --rpm 660:760 --points {SWEPT} --quiet"
+LONGER = f"sweep --rpm 660:760 --points {MANY} --quiet --no-plot --set sweep.tables="
 
 
 def main() -> None:
+    """Measure and print what is asked for, or all."""
+    parts = {"scaling": scaling, "exponents": exponents, "shell": shell, "tables": tables}
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", nargs="+", choices=parts, default=list(parts))
     scene = load_scene(None)
     system = System.build(Follower(**scene.follower.model_dump()), scene.cam)
     backend.compiled()
+    for name in parser.parse_args().only:
+        parts[name](system)
+
+
+def shell(_: System) -> None:
+    """The default sweep as a user waits for it, without its picture and with it."""
+    print_commands({"no picture": f"{SHELL} --no-plot", "with its picture": SHELL})
+
+
+def tables(_: System) -> None:
+    """What the tables of many speeds cost."""
+    print_commands({f"{MANY} speeds, {kind}": LONGER + kind for kind in ("none", "csv", "npz")})
+
+
+def print_commands(lines: dict[str, str]) -> None:
+    """Print the times of commands, the first run of each left out."""
+    times: dict[str, list] = {name: [] for name in lines}
+    with TemporaryDirectory() as folder:
+        for _ in range(1 + RUNS):
+            for name, line in lines.items():
+                words = [sys.executable, "-m", "camcli", *line.split(), "-o", name.split(",")[-1]]
+                before, began = os.times(), perf_counter()
+                subprocess.run(words, cwd=folder, check=True, capture_output=True)
+                wall, after = perf_counter() - began, os.times()
+                cpu = after.children_user - before.children_user
+                times[name].append((wall, cpu + after.children_system - before.children_system))
+    for name, (_, *later) in times.items():
+        wall, cpu = (median(column) for column in zip(*later, strict=True))
+        print(f"{name}: {wall:.2f} s, of processors {cpu:.2f} s")
+
+
+def exponents(system: System) -> None:
+    """A sweep with exponents over one without."""
+    for settings in (WHOLE, replace(WHOLE, patience=0)):
+        for threads in (1, 2):
+            work = Work(threads=threads)
+            measure = partial(timed, system, work, settings, SWEPT)
+            found = best({"without": False, "with": True}, measure)
+            ratio = found["with"][0] / found["without"][0]
+            print(f"exponents, {threads} threads, patience {settings.patience}: {ratio:.2f} times")
+
+
+def scaling(system: System) -> None:
+    """Long orbits, which are the kernel alone, and pieces of one turn, threads and processes."""
     with ExitStack() as stack:
         folder = Path(stack.enter_context(TemporaryDirectory()))
         ways = {"1 thread": Work(threads=1), "2 threads": Work(threads=2)}
@@ -67,10 +129,13 @@ def main() -> None:
         print(f"kept on disk: {(kept - plain) / PIECES * 1e6:.0f} us more")
 
 
-def timed(system: System, work: Work, settings: Settings, speeds: int) -> tuple[float, int]:
+def timed(
+    system: System, work: Work, settings: Settings, speeds: int, lyapunov: bool = False
+) -> tuple[float, int]:
     """(seconds, impacts) of a sweep."""
+    rpms = rpm_grid(660.0, 760.0, speeds)
     began = perf_counter()
-    result = sweep(system, rpm_grid(660.0, 760.0, speeds), settings, impacts=False, work=work)
+    result = sweep(system, rpms, settings, impacts=False, lyapunov=lyapunov, work=work)
     return perf_counter() - began, result.cost.impacts
 
 
