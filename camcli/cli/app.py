@@ -61,6 +61,7 @@ def application(*asked: str) -> typer.Typer:
 
 
 def _version(asked: bool) -> None:
+    """Print the version and end, where it is asked for."""
     if asked:
         import camcli
 
@@ -73,7 +74,7 @@ def _of_all_commands(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
-    pass
+    """Take the options that stand before a command."""
 
 
 def main() -> None:
@@ -82,6 +83,7 @@ def main() -> None:
     from camcli.cli.exit_codes import INTERRUPTED, guarded, hold_output
 
     def run() -> object:
+        """Run the command line, interruptible."""
         interrupts.install()
         return app(standalone_mode=False)
 

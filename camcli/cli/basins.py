@@ -130,6 +130,7 @@ def show(result: Result, verbose: bool) -> None:
 
 
 def _show_range(found: Study, key: str) -> None:
+    """Print, of several speeds, the attractors of each with their shares."""
     from camcli.words.basins import grids_title, share_words
 
     rows = []
@@ -145,4 +146,5 @@ def _show_range(found: Study, key: str) -> None:
 
 
 def _share(share: tuple[float, float]) -> str:
+    """A share and its standard error, in percent; share: (fraction, standard error)."""
     return f"{100.0 * share[0]:.4f} +- {100.0 * share[1]:.4f} %"

@@ -92,11 +92,13 @@ def show(result: Result, _: bool) -> None:
 
 
 def _show(title: str, columns: list[str], rows: list) -> None:
+    """Print a table; columns: names of fields of the rows."""
     cells = [[_text(getattr(row, column)) for column in columns] for row in rows]
     table(title, [column.replace("_", " ") for column in columns], cells)
 
 
 def _text(value: Any) -> str:
+    """A value as a cell: three digits of a number, `-` for what is not known."""
     if value is None or value != value:
         return "-"
     return f"{value:.3g}" if isinstance(value, float) else str(value)

@@ -104,6 +104,7 @@ def show(result: Result, verbose: bool) -> None:
 
 
 def _range_row(group: list[ClassifiedMotion]) -> list[str]:
+    """The line on the screen for consecutive motions of one label and status."""
     from camcli.words.labels import motion
 
     a, b = group[0], group[-1]
@@ -117,6 +118,7 @@ def _range_row(group: list[ClassifiedMotion]) -> list[str]:
 
 
 def _exponent(group: list[ClassifiedMotion]) -> str:
+    """The largest exponent of the motions: one with its error, or the range of several."""
     found = [m.exponents for m in group if m.exponents is not None]
     if not found:
         return ""
@@ -177,6 +179,7 @@ def _border_collision(request: Request, trace: str | None, det: str | None) -> i
 
 
 def _show_collision(left: Side, right: Side, result: Collision) -> None:
+    """Print both sides, the inequalities, fixed points and 2-cycle, and what follows."""
     from camcli.words.border_collision import collision_words, inequality_text
 
     rows = [
@@ -200,6 +203,7 @@ def _show_collision(left: Side, right: Side, result: Collision) -> None:
 
 
 def _record(left: Side, right: Side, result: Collision) -> dict[str, Any]:
+    """The content of border_collision.json."""
     from camcli.words.border_collision import collision_words, inequality_record
 
     return {

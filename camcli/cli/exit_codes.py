@@ -95,6 +95,7 @@ def failure(error: Exception) -> tuple[int, list[Fault]]:
 
 
 def _refused_by_the_system(error: OSError) -> Fault:
+    """The fault for a file, folder or process that the system would not give."""
     try:
         os.getcwd()
     except OSError:

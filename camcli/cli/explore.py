@@ -89,6 +89,7 @@ def source_of(request: Request) -> str:
 
 
 def _show(result: Result, _: bool) -> None:
+    """Print how much the page shows."""
     from camcli.words.explore import page_line
 
     print(page_line(**result.summary, written=bool(result.files)))

@@ -218,6 +218,7 @@ def figures_in(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
     """All figures of a folder, 3.9 before 3.10; raises SceneError with the faults of all scenes."""
 
     def natural(path: Path) -> list:
+        """A key by which `2` sorts before `10`: the name in parts of digits and others."""
         parts = re.findall(r"\d+|\D+", path.stem)
         return [(int(part), "") if part.isdigit() else (0, part) for part in parts]
 
@@ -237,6 +238,7 @@ def figures_in(folder: Path, sets: Sequence[str] = ()) -> list[Figure]:
 
 
 def _figure(path: Path, sets: Sequence[str]) -> Figure:
+    """A figure from its scene file, with hashes of all that it depends on; raises SceneError."""
     if not path.stem.strip("."):  # its folder would not lie in the output folder
         found, cure = f"found a scene named '{path.name}'", "rename it: the folder has its name"
         raise SceneError(Fault(str(path), "", found, "expected a name with a letter", cure))
@@ -397,6 +399,7 @@ def _compute(
     finished, faults = 0, dict[str, PieceFault]()
 
     def compute_one(figure: Figure) -> State:
+        """Compute a figure and say so; a fault of camcli costs this figure alone."""
         nonlocal finished
         name = figure.name
         found = attempt(name, lambda: _computed(figure, replace(own, out=out / name)))
@@ -520,6 +523,7 @@ def _entry(figure: Figure, folder: Path) -> GalleryFigure:
 
 
 def _shown(figure: Figure, folder: Path) -> GalleryFigure:
+    """A figure as the gallery shows it, from what its last run left in the folder."""
     about, state = figure.scene.figure, read(State, folder / STATE)
     assert about is not None
     text = figure.path.read_text(encoding="utf-8-sig")

@@ -98,6 +98,7 @@ def forecast(command: Command, scene: Scene, request: Request, shard: Shard | No
 
 
 def _cell(name: str, value: Any) -> str:
+    """An estimate with its unit, as a cell of the table."""
     if value is None:
         return "not known before"
     if name in ("bytes", "disk", "memory"):
@@ -146,6 +147,7 @@ def _extrapolated(
     samples: list[tuple[Scene, Cost]] = []
 
     def tick(*_: object) -> None:
+        """End the sample where all samples together have taken too long."""
         if watch.passed() > MOST:
             raise CutOffError
 

@@ -53,6 +53,7 @@ def flag(words: str, *names: str) -> Any:
 
 
 def _folder(text: str) -> Path:
+    """The folder of -o; an empty name is refused."""
     if not text:
         raise typer.BadParameter("found '', expected the name of a folder, e.g. -o .")
     return Path(text)
@@ -116,6 +117,7 @@ class Request:
     dry_run: bool = flag("Validate, print the plan and its cost; write nothing.")
 
     def __post_init__(self) -> None:
+        """Put the default where an option was not given: typer's description of it stands there."""
         for f in fields(self):
             if isinstance(value := getattr(self, f.name), OptionInfo):  # not given
                 object.__setattr__(self, f.name, value.default)
@@ -227,6 +229,7 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
     parameters = [*shared, *own]
 
     def call(**values: Any) -> None:
+        """Run the command with the options given, and end with its exit code."""
         request = Request(**{p.name: values.pop(p.name) for p in shared})
         threads = request.threads
         if threads is not None and not 1 <= threads <= MOST_THREADS:

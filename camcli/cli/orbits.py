@@ -105,6 +105,7 @@ def orbits(
 
 
 def _speeds(request: Request) -> Values:
+    """The speed or the range of --rpm as keys of the scene; none without --rpm."""
     from camcli.scene import parse_rpm
 
     if request.rpm is None:
@@ -167,6 +168,7 @@ def show(result: Result, verbose: bool) -> None:
 
 
 def _phases(orbit: PeriodicOrbit) -> str:
+    """The phases of the impacts (deg), the first SHOWN_PHASES of them."""
     words = [f"{degrees(theta):.8g}" for theta in orbit.theta[:SHOWN_PHASES]]
     more = len(orbit.theta) - len(words)
     return ", ".join(words) + (f" and {more} more" if more > 0 else "")

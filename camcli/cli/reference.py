@@ -149,6 +149,7 @@ def _sections(value: dict, defs: dict) -> Iterator[tuple[str, dict]]:
 
 
 def _default(entry: dict) -> str:
+    """The default of a key as code, empty where there is none."""
     if "default" not in entry or entry["default"] is None:
         return ""
     default = entry["default"]
@@ -177,6 +178,7 @@ def _plain(text: str) -> str:
 
 
 def _cell(text: str) -> str:
+    """Text as a cell of a table in Markdown."""
     return text.replace("|", "\\|").replace("\n", " ")
 
 

@@ -324,6 +324,7 @@ def compiling(request: Request) -> AbstractContextManager[Stopwatch]:
     told: set[News] = set()
 
     def tell(news: News) -> None:
+        """Say once what the kernel does before it can run."""
         if news not in told:
             told.add(news)
             note(NEWS[news].format(folder=cache_dir(), numba=version("numba")))

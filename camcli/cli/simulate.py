@@ -92,6 +92,10 @@ def show(result: Result, _: bool) -> None:
 
 
 def _show_profile(result: Any) -> None:
+    """Print the extremes of the cam, where contact is lost first, and what followers need.
+
+    Values are in the units of the machine, each with the angle at which it occurs.
+    """
     from camcli.system import is_measured, units_of
     from camcli.words.machine import digits_of
     from camcli.words.speeds import range_words
@@ -100,6 +104,7 @@ def _show_profile(result: Any) -> None:
     rows = []
 
     def row(what: str, value: float, theta: float) -> None:
+        """Add a line: what it is, its value in the unit shown, and the angle in rad."""
         rows.append([what, f"{value:.{digits}g}", f"{degrees(theta):.{digits}g}"])
 
     for name, (low, high) in found.ranges.items():

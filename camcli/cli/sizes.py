@@ -28,6 +28,7 @@ def drawing_of(command: Command, scene: Scene) -> tuple[float, float]:
 
 
 def _pixels(plot: Plot) -> float:
+    """The pixels of a picture of this size and style; one without a height is as high as a page."""
     per_inch = PER_INCH
     if plot.style is not None:
         from camcli.plots.style import dpi_of

@@ -137,6 +137,7 @@ def _solved(name: str, columns: Columns) -> Named:
 
 
 def _quantiles(name: str, columns: Columns) -> Named:
+    """The LEVELS of each column of numbers, and how often each text of the others occurs."""
     for column, values in columns.items():
         if column in SKIPPED:
             continue
@@ -149,6 +150,7 @@ def _quantiles(name: str, columns: Columns) -> Named:
 
 
 def _counts(name: str, values: np.ndarray) -> Named:
+    """How often each of the MOST_WORDS commonest values occurs, and of how many there are."""
     counts = Counter(_text(value) for value in values.tolist())
     for word, count in counts.most_common(MOST_WORDS):
         yield f"{name} = {word}", count
@@ -162,6 +164,7 @@ def _number(value: np.floating) -> float | str:
 
 
 def _text(value: Any) -> str:
+    """A value as a word of a name."""
     return f"{value:g}" if isinstance(value, float | np.floating) else _short(str(value))
 
 
@@ -180,6 +183,7 @@ def caption(text: str, values: Mapping[str, Any]) -> str:
     """
 
     def value(match: re.Match[str]) -> str:
+        """The number that the name in braces stands for, in its format."""
         name, _, form = match[1].partition("|")
         found = values[name.strip()]
         return f"{found:{form or '.10g'}}" if isinstance(found, float) else str(found)

@@ -64,11 +64,13 @@ def page(figures: Sequence[GalleryFigure]) -> str:
 
 
 def _thumbnail(p: GalleryFigure) -> str:
+    """The figure in the list at the top of the page: a small picture and its heading."""
     image = f'<img src="{p.pictures[0]}" loading="lazy" alt="">' if p.pictures else ""
     return f'<li><a href="#{p.id}">{image}{p.heading}</a></li>\n'
 
 
 def _article(p: GalleryFigure) -> str:
+    """The figure with all that belongs to it: pictures, command, notes, numbers, scene."""
     none = "This command draws no picture." if p.files else "Not computed yet."
     pages = [quote(f"{p.name}/{file}") for file in p.files if file.endswith(".html")]
     words = escape(p.caption or p.title)
@@ -100,6 +102,7 @@ def _image(p: GalleryFigure, source: str) -> str:
 
 
 def _figure(p: GalleryFigure, source: str) -> str:
+    """A picture with its caption beneath it."""
     return f"""<figure>
 <a href="{source}">{_image(p, source)}</a>
 <figcaption>{escape(p.caption or p.title)}</figcaption>
@@ -149,6 +152,10 @@ def _html(value: Any, name: str, figure: str) -> str:
 
 
 def _table(rows: Sequence[Mapping[str, Any]], label: str) -> str:
+    """Maps as a table in HTML; label: its name for those who do not see it.
+
+    The columns are the keys with plain values, MOST_COLUMNS of them; MOST_ROWS rows are shown.
+    """
     every = dict.fromkeys(k for row in rows for k, v in row.items() if _is_plain(v))
     keys = list(every)[:MOST_COLUMNS]
     head = _tagged('th scope="col"', [key.replace("_", " ") for key in keys])
@@ -162,16 +169,19 @@ def _table(rows: Sequence[Mapping[str, Any]], label: str) -> str:
 
 
 def _tagged(tag: str, texts: Iterable[str]) -> str:
+    """Each text between this tag, which may have attributes."""
     return "".join(f"<{tag}>{escape(text)}</{tag.split()[0]}>" for text in texts)
 
 
 def _is_plain(value: Any) -> bool:
+    """Whether a value fits a cell: no map, and no long or nested list."""
     if isinstance(value, list):
         return len(value) <= 6 and not any(isinstance(x, list | Mapping) for x in value)
     return not isinstance(value, Mapping)
 
 
 def _text(value: Any) -> str:
+    """A value as text: numbers to twelve digits, lists with commas, nothing for None."""
     if isinstance(value, list):
         return ", ".join(map(_text, value))
     return "" if value is None else f"{value:.12g}" if isinstance(value, float) else str(value)

@@ -44,5 +44,6 @@ def result_html(sentences: Iterable[str], figure: Any, tables: dict[str, Table])
 
 
 def _cell(value: Any) -> str:
+    """A value as a cell of a table in HTML."""
     text = f"{value:.6g}" if isinstance(value, float) else str(value)
     return f"<td>{escape(text)}</td>"

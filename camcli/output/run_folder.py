@@ -36,6 +36,7 @@ class RunFolder:
     """What a run writes, and how its pieces are run (see `run_folder`)."""
 
     def __init__(self, folder: Path, work: Work):
+        """Work in this folder, and run pieces as `work` says."""
         self.folder = folder
         self.work = work
         self.hashes: dict[str, str] = {}  # of what was written, in this order
@@ -219,6 +220,11 @@ def run_folder(
 
 
 def _name_of_pieces(command: str, key: str, shard: Shard | None) -> str:
+    """The name of the file that keeps finished pieces.
+
+    key: all that the pieces depend on, in a text. That of a shard is visible, since somebody moves
+    it.
+    """
     if shard is not None:
         return f"{command}-{shard.number}-of-{shard.total}{PIECES}"
     return f".{command}-{sha256(key.encode()).hexdigest()[:12]}{PIECES}"
@@ -328,6 +334,7 @@ def _locked(path: Path) -> Iterator[bool]:
 
 
 def _remove(path: Path) -> None:
+    """Remove a file, if it is there; raises UnwritableError where that cannot be done."""
     try:
         path.unlink(missing_ok=True)
     except OSError as error:
@@ -344,7 +351,10 @@ def listed_in(record: Path) -> dict[str, str]:
 
 
 def unchanged(folder: Path, listed: Mapping[str, str]) -> dict[str, str]:
-    """What of it is in the folder with just these bytes."""
+    """Those of the listed files that are in the folder with just these bytes.
+
+    listed: SHA-256 by name, as `listed_in` gives them. A name that leads elsewhere is left out.
+    """
     return {
         name: digest
         for name, digest in listed.items()
@@ -356,14 +366,17 @@ def unchanged(folder: Path, listed: Mapping[str, str]) -> dict[str, str]:
 
 
 def _hash(path: Path) -> str:
+    """The SHA-256 of a file."""
     with open(path, "rb") as file:
         return file_digest(file, "sha256").hexdigest()
 
 
 def _unwritable(folder: Path, name: str, error: OSError) -> UnwritableError:
+    """What to raise where the system would not write a file."""
     return _refused(folder, f"{name} could not be written ({error.strerror})")
 
 
 def _refused(folder: Path, found: str) -> UnwritableError:
+    """What to raise where a folder cannot be used, with what was found."""
     expected, cure = "expected a writable folder", "choose another"
     return UnwritableError(Fault("-o", str(folder), found, expected, cure))

@@ -72,6 +72,7 @@ class DaskCluster:
         return self
 
     def __exit__(self, *failure: object) -> None:
+        """Let go of the scheduler; after a failure kill the workers of a local cluster at once."""
         with held():  # an interrupt leaves no process behind
             if self.local is not None and failure[0] is not None:
                 for nanny in self.local.workers.values():  # what they are at is not waited for

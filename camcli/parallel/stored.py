@@ -56,6 +56,7 @@ def one_of(*known: Any) -> Callable[[Any], Any]:
     """One of the values known, of the same kind."""
 
     def check(value: Any) -> Any:
+        """The value, if it is one of those known, of the same type; else ValueError."""
         if not any(value == one and type(value) is type(one) for one in known):
             raise ValueError(f"found {value!r:.40}, expected one of {len(known)} values")
         return value
@@ -67,6 +68,7 @@ def items(check: Callable[[Any], Any], count: int | None = None) -> Callable[[An
     """A list of what the check takes, so many where their number is known."""
 
     def check_all(value: Any) -> list:
+        """The list with each entry checked; ValueError where it is none, or of another length."""
         if not isinstance(value, list) or count not in (None, len(value)):
             raise ValueError(f"expected a list of {'values' if count is None else count}")
         return [check(one) for one in value]
@@ -91,6 +93,7 @@ def columns(count: int) -> Callable[[Any], tuple]:
     """So many columns of equal length: finite numbers."""
 
     def check(value: Any) -> tuple:
+        """The columns as a tuple; ValueError where they are not `count` lists of equal length."""
         import numpy as np
 
         if not isinstance(value, list) or len(value) != count:
@@ -119,6 +122,7 @@ def table(value: Any, wide: int, kinds: str) -> Any:
 
 
 def _numeric(array: Any) -> bool:
+    """Whether an array holds finite numbers, or nothing."""
     import numpy as np
 
     return array.size == 0 or (array.dtype.kind in "iuf" and bool(np.isfinite(array).all()))

@@ -133,6 +133,7 @@ class Work:
         kept = self._kept(codec, pieces)
 
         def chain() -> Iterator:
+            """The results in order; each that is on disk is taken from there, with no step."""
             result = first
             for k, piece in enumerate(pieces):
                 if kept.has(k):
@@ -157,6 +158,10 @@ class Work:
         self.failed = self.failed or bool(faults)
 
     def _run(self, kept: Kept, task: Callable, pieces: Sequence, share: bool) -> Iterator:
+        """Results in the order of the pieces: from disk where they are there, else computed.
+
+        share: whether a shard computes only its part of the pieces. It then ends with ShardDone.
+        """
         first, step = 0, 1
         if share and self.shard is not None:
             first, step = self.shard.number - 1, self.shard.total
@@ -203,6 +208,11 @@ def _fresh(
 
 
 def _collected(kept: Kept, running: Iterator, on_result: Callable[[Any], None]) -> Sequence:
+    """All results, and `on_result` called with each.
+
+    They are a list while what is kept on disk stays below IN_MEMORY bytes; beyond that they are
+    read again from there when they are asked for.
+    """
     results, store = [], kept.checkpoint
     for result in running:
         on_result(result)
@@ -235,6 +245,10 @@ class Kept(Sequence):
         return self.checkpoint is not None and (self.place, k) in self.checkpoint
 
     def __getitem__(self, k):
+        """The result of piece k, or a list of a slice of them.
+
+        What could not be kept on disk is in memory; the rest is read, and must fit its piece.
+        """
         if isinstance(k, slice):
             return [self[n] for n in range(*k.indices(len(self)))]
         k = range(len(self.pieces))[k]
@@ -244,6 +258,7 @@ class Kept(Sequence):
         codec = self.codec
 
         def load(stored: Any) -> Any:
+            """The result from what is on disk; ValueError where it is that of another piece."""
             result = codec.load(stored)
             if not codec.fits(result, self.pieces[k]):
                 raise ValueError("it is that of another piece")

@@ -83,6 +83,7 @@ class Document:
     """
 
     def __init__(self, start: Mark):
+        """An empty document; start: where its first line is."""
         self.data: Any = None
         self.places: dict[Path, Place] = {(): Place(start, start)}
         self.findings: list[Finding] = []
@@ -167,6 +168,7 @@ class Document:
         return value if known else _text(str(value))
 
     def _count(self, mark: Mark, path: Path) -> None:
+        """Count one more node; stop reading where there are too many, or they nest too deep."""
         self.size += 1
         what = _excess(len(path), self.size)
         if what:
@@ -245,6 +247,7 @@ def _limit(text: str) -> None:
 
 
 def _refuse_surrogates(mark: Mark, path: Path, text: str) -> None:
+    """Stop reading at a text with half a character, which no file could be written with."""
     if not text.isascii() and _UNPRINTABLE.search(text):
         found = "found an escape that is no character"
         raise _StopReading(mark, path, found, "expected text", "remove it")

@@ -83,6 +83,11 @@ def _refused(document: Document, path: Path, cause: SceneError) -> Iterator[Find
 
 
 def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Finding:
+    """What one error of pydantic means to who wrote the scene: place, found, expected, cure.
+
+    path: of the key it is about. detail: the error as `ValidationError.errors` gives it: `type`,
+    `loc`, `msg`, and in `ctx` what the type knows more.
+    """
     kind, ctx = detail["type"], detail.get("ctx", {})
     if kind == "missing" and isinstance(detail["loc"][-1], int):  # in a list of fixed length
         path, kind = path[:-1], "too_short"
@@ -186,6 +191,11 @@ def _map(keys: list[str]) -> str:
 
 
 def _unknown_key(path: Path, document: Document, hint: bool) -> tuple[str, str, str]:
+    """(found, expected, cure) for a key that its section has not.
+
+    hint: whether to look for the name that may have been meant: a longer one, the same in another
+    section, or one that is spelt alike.
+    """
     key = path[-1]
     known = [name for s in _schemas(path[:-1], document) for name in s.get("properties", ())]
     expected = "expected one of " + ", ".join(known)

@@ -139,6 +139,7 @@ def parse_rpm(text: str, option: str = "--rpm") -> float | tuple[float, float]:
 
 
 def _read(file: Path) -> Document:
+    """A scene file with its places; `-` is stdin. What cannot be read becomes a finding."""
     name = shown(str(file), 500)
     cure = "check the name, or leave out -c for the default scene"
     try:
@@ -164,6 +165,7 @@ def _read(file: Path) -> Document:
 
 
 def _no_map(document: Document) -> Finding:
+    """The finding for a file whose content is not a map of sections."""
     kind = "list" if isinstance(document.data, list) else "single value"
     found = "found nothing in this file" if document.data is None else f"found a {kind}"
     expected = f"expected a map with the sections {', '.join(Scene.model_fields)}"

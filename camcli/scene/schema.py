@@ -64,6 +64,7 @@ def items(value: Any) -> Any:
 
 
 def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
+    """The values; refused where one is there twice."""
     if len(set(values)) < len(values):
         twice = next(name for k, name in enumerate(values) if name in values[:k])
         found = f"found the same name twice: '{twice}'"
@@ -78,6 +79,7 @@ def _each_once(sections: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def _ascending(values: tuple[float, float]) -> tuple[float, float]:
+    """The two ends; refused where the first is not below the second."""
     if not values[0] < values[1]:
         found = f"found [{values[0]:.15g}, {values[1]:.15g}]"
         same = values[0] == values[1]
@@ -288,6 +290,7 @@ class Axis(Section):
 
     @model_validator(mode="after")
     def _of_the_machine(self) -> Axis:
+        """Refuse a key of another section: only numbers of the machine and of its run vary."""
         if self.key != "rpm":
             _refuse_other_sections(self.key, ("follower", "cam", "run"), "follower.restitution")
         return self
@@ -342,6 +345,7 @@ class Simulate(Section):
 
     @model_validator(mode="after")
     def _of_a_motion_or_of_a_cam(self) -> Simulate:
+        """Refuse base_radius without profile_only, and animate with it."""
         if self.base_radius is not None and not self.profile_only:
             found, cure = "found it without profile_only", "add --profile-only"
             raise SceneError(Fault("", "base_radius", found, "it means nothing there", cure))
@@ -388,6 +392,7 @@ class Sweep(Varying):
     @field_validator("zoom")
     @classmethod
     def _zooms_inside(cls, zoom: Items[Zoom], info: ValidationInfo) -> Items[Zoom]:
+        """Refuse a zoom that leaves the range, and any zoom of a map."""
         vary, rpm = (info.data.get(name) for name in ("vary", "rpm"))
         if vary is None or rpm is None:  # a fault of its own
             return zoom
@@ -513,6 +518,7 @@ class Classify(Varying):
 
     @model_validator(mode="after")
     def _few_enough(self) -> Classify:
+        """Refuse more motions than can be held at once."""
         motions = self.count * (self.starts + 1)
         if motions > MOST_MOTIONS:
             raise refused(

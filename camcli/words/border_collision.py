@@ -82,6 +82,7 @@ def collision_words(found: Collision) -> list[str]:
 
 
 def _ends(found: Prediction) -> str:
+    """What attracts on one side of the collision, as a clause."""
     known = found.exponent is not None
     measured = f"{found.exponent:.4g} +- {found.spread:.1g} per step" if known else ""
     exponent = f", largest exponent {measured}" if known else ""
@@ -99,6 +100,7 @@ def _ends(found: Prediction) -> str:
 
 
 def _two_cycle(found: Cycle) -> list[str]:
+    """A sentence on the cycle LR, none where it exists on neither side."""
     if not found.exists_for:
         return []
     first = found.multipliers[0]
@@ -110,6 +112,10 @@ def _two_cycle(found: Cycle) -> list[str]:
 
 
 def _no_theorem(found: Collision) -> list[str]:
+    """A sentence on why the theorem on robust chaos does not apply, none where it does.
+
+    None either where its first condition fails already: chaos is then not in question.
+    """
     last = found.chaos[-1]
     if len(found.chaos) < 2 or last.holds:
         return []

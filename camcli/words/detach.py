@@ -77,6 +77,7 @@ def unresolved_notes(result: ContactLoss) -> list[str]:
 
 
 def _always(place: AlwaysLost) -> str:
+    """Why contact is lost at every speed, as a clause, with what would help."""
     at = f"{degrees(place.theta):.10g} deg"
     if place.reason is Reason.KINK:
         drop = f"the cam's slope drops by {place.value:.6g} m/rad at {at}"

@@ -45,6 +45,7 @@ def event_sentence(event: CriticalEvent) -> str:
 
 
 def _bifurcation(b: Bifurcation) -> str:
+    """What happens to a motion at a bifurcation, as a clause."""
     what = {
         Kind.PERIOD_DOUBLING: f"a multiplier of {b.label} passes -1",
         Kind.FOLD: f"{b.label} meets an unstable orbit and both vanish",

@@ -75,6 +75,7 @@ def start_words(sweep: Sweep, settings: Settings) -> str:
 
 
 def _place(start: Start) -> str:
+    """Where a start is, in words; what it leaves open is that of the cam."""
     if start.q is None and start.v is None:
         return "at rest on the cam"
     q = "on the cam" if start.q is None else f"q = {start.q:g} m"
