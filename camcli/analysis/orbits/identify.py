@@ -99,7 +99,7 @@ def identify(
 
     if not record.touches:
         return resting_orbit(system, rpm, last(1), symbols[-1:], [])
-    shooter = Shooter(system, rpm)
+    shooter = None
     for m, gap in returns(sections_of_turns, longest):
         if symbols[n - m :] != symbols[n - 2 * m : n - m]:
             continue
@@ -107,6 +107,7 @@ def identify(
         window = range(n - m, n)
         lifts_off = any(kind == DETACHMENT for kind, *_ in _events(record, window))
         if not lifts_off and not any(record.chatter[k] for k in window):
+            shooter = shooter or Shooter(system, rpm)
             (end,) = last(1)
             orbit = _bouncing(shooter, impacts_of(record, window), m, gap, end, symbols[-m:])
         elif gap <= CLOSED:
