@@ -25,12 +25,15 @@ from camcli.kernel.enclosed_landing import (
     ENCLOSED,
     J11,
     JERK,
+    LONGEST,
     RATE,
+    ROOM,
     THETA,
     UNDECIDED,
     U,
     enclose_landing,
 )
+from camcli.kernel.flow import constants_of, flow
 from camcli.system import Follower, System
 from tests.support import oracle
 from tests.support.kernel_runs import CHAPTER, ORACLE_CAM, machine
@@ -75,6 +78,37 @@ class Truth:
             return flight.at(x / self.omega, arc).g2 / self.omega**2
 
         return s, -self.r * u, u, accel(s), mp.diff(accel, s)
+
+
+def true_flow(rpm, stiffness, damping, s):
+    """B, B' and P of a follower of 1 kg after s rad, in 160 digits."""
+    omega = mpf(rpm) * mp.pi / 30
+    w2, z, s = mpf(stiffness) / omega**2, mpf(damping) / 2 / omega, mpf(s)
+    root = mp.sqrt(abs(z * z - w2)) or mpf("1e-60")
+    sine, cosine = (mp.sinh, mp.cosh) if z * z > w2 else (mp.sin, mp.cos)
+    b = mp.exp(-z * s) * sine(root * s) / root
+    b1 = mp.exp(-z * s) * cosine(root * s) - z * b
+    return b, b1, (1 - b1 - 2 * z * b) / w2
+
+
+def test_the_flow_is_better_than_its_room():
+    """By five times, for any frequency and damping, near critical damping too."""
+    rng, worst = np.random.default_rng(9), 0.0
+    with mp.workdps(160):
+        for _ in range(400):
+            rpm, W = float(10 ** rng.uniform(0, 5)), 10 ** rng.uniform(-6, 3)
+            near = W * (1 + rng.choice([-1, 1]) * 10 ** rng.uniform(-15, -3))
+            Z = rng.choice([0.0, near, W * 10 ** rng.uniform(-6, 4)])
+            omega, s = rpm * np.pi / 30, float(10 ** rng.uniform(-8, 2.5))
+            stiffness, damping = float((W * omega) ** 2), float(2 * Z * omega)
+            const = constants_of((rpm, 1.0, stiffness, damping, 0.0, 0.0, 0.5), -1.0, 0)
+            if (const.W + const.Z) * s > LONGEST:
+                continue
+            room = ROOM * (1.0 + (const.W + const.Z) * s)
+            true = true_flow(rpm, stiffness, damping, s)
+            for x, y, unit in zip(flow(const, s), true, (s, 1.0, s * s), strict=True):
+                worst = max(worst, float(abs(x - y) / (room * unit)))
+    assert 0.01 < worst < 0.2
 
 
 @pytest.mark.parametrize("seed", range(3))
