@@ -23,7 +23,7 @@ from typing import IO, Any
 
 from camcli.parallel.threads import thread_count
 
-WORTH_HELPERS = 1.0  # s of work, some time more than a helper takes to start
+WORTH_HELPERS = 0.5  # s of work, some more than a helper takes to start
 START = "import sys; sys.path[:] = {path!r}; from camcli.parallel.helpers import serve; serve()"
 READY = "ready"
 
