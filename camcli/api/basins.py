@@ -135,8 +135,8 @@ def basins(
     if section.saddles:
         tables["saddles"] = Table.of_rows(SADDLES.names(key), lambda: _saddle_rows(found))
 
-    own = attempt("", lambda: system if setup is None else setup(values[0])[0])
-    own = system if isinstance(own, PieceFault) else own  # its cam is drawn
+    drawn = attempt("", lambda: system if setup is None else setup(values[0])[0])
+    drawn = system if isinstance(drawn, PieceFault) else drawn  # its cam is drawn
     return Result(
         command="basins",
         scene=scene,
@@ -144,7 +144,7 @@ def basins(
         values=(found, question),
         tables=tables,
         summary=summary,
-        pictures={"basins": drawn_by("basins.draw_basins", found, question, own, key)},
+        pictures={"basins": drawn_by("basins.draw_basins", found, question, drawn, key)},
         cost=found.cost,
         seconds=watch.seconds,
         notes=(*heights, *basins_notes(found, question.budget)),
@@ -153,17 +153,17 @@ def basins(
     )
 
 
-def _attractors_table(found: Study, key: str) -> Table:
+def _attractors_table(study: Study, key: str) -> Table:
     """By speed and number; what belongs to no attractor has a code of 0 or less.
 
     Another number than the speed comes first, under its key.
     With exponents asked for, multipliers of solved orbits and the largest exponent are appended.
     """
-    asked = any(speed.exponents is not None for speed in found.speeds)
+    asked = any(speed.exponents is not None for speed in study.speeds)
     first = () if key == "rpm" else (key,)
     return Table.of_rows(
         (*first, *ATTRACTORS.names(), *(GROWTH if asked else ())),
-        lambda: ((*[s.value] * len(first), *row) for s in found.speeds for row in _rows(s)),
+        lambda: ((*[s.value] * len(first), *row) for s in study.speeds for row in _rows(s)),
     )
 
 
@@ -202,9 +202,9 @@ def _growth(speed: Basins, k: int | None) -> list:
     return [*multiplier_columns(pair), exponent]
 
 
-def _saddle_rows(found: Study) -> Iterator[tuple]:
+def _saddle_rows(study: Study) -> Iterator[tuple]:
     """The rows of saddles.csv, by speed."""
-    for speed in found.speeds:
+    for speed in study.speeds:
         for saddle in speed.saddles or ():
             q, w = saddle.orbit.states[0]
             at = speed.value, saddle.orbit.label, q, w * omega_of(speed.rpm)
@@ -241,16 +241,16 @@ def _cells(grid: Basins, refine: int) -> Iterator[Block]:
     sizes = [window.with_cells(window.nq // side, window.nv // side) for side in sides]
     q_of = [size.q_of(np.arange(size.nq)) for size in sizes]
     v_of = [size.v_of(np.arange(size.nv)) for size in sizes]
-    found = leaves(grid.level, refine)
-    for begin in range(0, len(found), ROWS):
-        some = found[begin : begin + ROWS]
-        rows, columns = some // window.nq, some % window.nq
+    uncut = leaves(grid.level, refine)
+    for begin in range(0, len(uncut), ROWS):
+        chunk = uncut[begin : begin + ROWS]
+        rows, columns = chunk // window.nq, chunk % window.nq
         level = grid.level[rows, columns]
-        q_m, v_m_per_s = np.empty(len(some)), np.empty(len(some))
+        q_m, v_m_per_s = np.empty(len(chunk)), np.empty(len(chunk))
         for n in range(refine + 1):
-            own = level == n
-            q_m[own] = q_of[n][columns[own] >> (refine - n)]
-            v_m_per_s[own] = v_of[n][rows[own] >> (refine - n)]
+            of_level = level == n
+            q_m[of_level] = q_of[n][columns[of_level] >> (refine - n)]
+            v_m_per_s[of_level] = v_of[n][rows[of_level] >> (refine - n)]
         yield q_m, v_m_per_s, grid.codes[rows, columns]
 
 
@@ -303,7 +303,7 @@ def _attractor(speed: Basins, k: int) -> dict[str, Any]:
     """
     attractor, region = speed.attractors[k], speed.regions[k]
     fraction, error = speed.fractions[k + 1]
-    found: dict[str, Any] = {
+    record: dict[str, Any] = {
         "attractor": speed.branches[k],
         "label": attractor.label,
         "turns": attractor.turns or None,
@@ -313,9 +313,9 @@ def _attractor(speed: Basins, k: int) -> dict[str, Any]:
         "standard_error": error,
     }
     if region is None:
-        return {**found, "turns_in_boxes": speed.stays[k]}
+        return {**record, "turns_in_boxes": speed.stays[k]}
     return {
-        **found,
+        **record,
         "ellipse_radius_over_size": region.radius,
         "form_shrinks_by": region.shrink,
         "ring_of_starts_returns": region.returns,

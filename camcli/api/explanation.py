@@ -28,18 +28,18 @@ def explanation_of(
     """
     from camcli.analysis.explain.changes import Explanation, explain
 
-    own = [m for m in motions if m.start == machine.settings.start and m.fault is None]
-    if len(own) < 2:
+    from_start = [m for m in motions if m.start == machine.settings.start and m.fault is None]
+    if len(from_start) < 2:
         return Explanation([], [], [], Cost())
-    tick = ticks(progress, "changes", len(own) - 1)
+    tick = ticks(progress, "changes", len(from_start) - 1)
     nothing = Explanation([], [], [], Cost(), Status.FAULT)
     with budget_of(machine.scene, progress) as budget:
-        found = piece(
+        explanation = piece(
             "the explanation",
-            lambda: explain(machine.system, machine.settings, own, tick),
+            lambda: explain(machine.system, machine.settings, from_start, tick),
             nothing,
         )
-    return found if found is nothing else replace(found, status=budget.status)
+    return explanation if explanation is nothing else replace(explanation, status=budget.status)
 
 
 def explained(explanation: Explanation) -> dict[str, Any]:
@@ -68,6 +68,6 @@ def explained(explanation: Explanation) -> dict[str, Any]:
 
 def corners_table(explanation: Explanation | None) -> Table:
     """corners.csv: corner impacts of the followed branches."""
-    found = [] if explanation is None else explanation.bifurcations
-    corners = [b for b in found if b.kind == Kind.CORNER_IMPACT]
+    bifurcations = [] if explanation is None else explanation.bifurcations
+    corners = [b for b in bifurcations if b.kind == Kind.CORNER_IMPACT]
     return Table.of_rows(CORNERS.names(), lambda: (bifurcation_row(b, "rpm") for b in corners))

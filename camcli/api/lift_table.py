@@ -36,7 +36,7 @@ def lost_between(system: System) -> tuple[float, float] | None:
     return loss_range(system, cam.errors.bounds, System(system.follower, table, shape))
 
 
-def widened(found: Detachment, system: System) -> Detachment:
+def widened(detachment: Detachment, system: System) -> Detachment:
     """The critical speeds with brackets as wide as the error of a measured cam leaves them.
 
     Its cam is smooth, so one region: it opens at the first detachment, and is never filled, since
@@ -44,38 +44,38 @@ def widened(found: Detachment, system: System) -> Detachment:
     """
     between = lost_between(system)
     if between is None:
-        return found
-    first = found.first and _between(found.first, between)
+        return detachment
+    first = detachment.first and _between(detachment.first, between)
     losses = []
-    for loss in found.losses:
-        leading = found.first is not None and loss.region.name == found.first.region
+    for loss in detachment.losses:
+        leading = detachment.first is not None and loss.region.name == detachment.first.region
         opens = _between(loss.opens, between if leading else UNKNOWN)
         fills = _between(loss.fills, UNKNOWN) if loss.fills.finite else loss.fills
         losses.append(replace(loss, opens=opens, fills=fills))
-    return replace(found, first=first, losses=tuple(losses))
+    return replace(detachment, first=first, losses=tuple(losses))
 
 
-def with_ranges(found: ContactLoss, system: System) -> ContactLoss:
+def with_ranges(loss: ContactLoss, system: System) -> ContactLoss:
     """Everything about the loss of contact, with such brackets; NaN where only chatter tells.
 
     A chatter has more to do with the table than one phase, and how much more is not known.
     """
     if lost_between(system) is None:
-        return found
+        return loss
     from camcli.analysis.contact_loss.hold import replaced
 
     holds = []
-    for hold in found.holds:
+    for hold in loss.holds:
         if hold.detaches is not None:
             with_spring = replaced(system, hold.stiffness or 0.0, hold.preload or 0.0)
             low, high = lost_between(with_spring) or UNKNOWN
             hold = replace(hold, low=low, high=high)
         holds.append(hold)
     return replace(
-        found,
-        detachment=widened(found.detachment, system),
-        ends=tuple(_between(speed, UNKNOWN) for speed in found.ends),
-        completion=tuple(_between(speed, UNKNOWN) for speed in found.completion),
+        loss,
+        detachment=widened(loss.detachment, system),
+        ends=tuple(_between(speed, UNKNOWN) for speed in loss.ends),
+        completion=tuple(_between(speed, UNKNOWN) for speed in loss.completion),
         holds=tuple(holds),
     )
 

@@ -98,20 +98,20 @@ def _columns(parameter: str, keys: Keys) -> tuple[list[str], list[str]]:
     return [], [PARAMETERS[parameter].column]
 
 
-def branch_table(found: OrbitsResult, keys: Keys) -> Table:
+def branch_table(result: OrbitsResult, keys: Keys) -> Table:
     """A row per point; of one speed only, a row per orbit found, branch 0."""
-    first, last = _columns(found.question.parameter, keys)
-    rows = [(0, orbit) for orbit in found.orbits] if found.question.span is None else []
-    rows += [(branch.number, orbit) for branch in found.branches for orbit in branch.points]
+    first, last = _columns(result.question.parameter, keys)
+    rows = [(0, orbit) for orbit in result.orbits] if result.question.span is None else []
+    rows += [(branch.number, orbit) for branch in result.branches for orbit in branch.points]
     proved: list[list] = [[] for _ in rows]
-    if found.proofs is not None:
-        proofs = found.proofs.orbits if found.question.span is None else []
-        proved = [[_yes(p)] for p in chain(proofs, *found.proofs.points)]
+    if result.proofs is not None:
+        proofs = result.proofs.orbits if result.question.span is None else []
+        proved = [[_yes(p)] for p in chain(proofs, *result.proofs.points)]
     most = max((len(orbit.theta) for _, orbit in rows), default=1) or 1
     columns = [*first, *BRANCHES.names(impacts=most)]
     after_det = columns.index("det") + 1
     columns[after_det:after_det] = last
-    if found.proofs is not None:
+    if result.proofs is not None:
         columns.append(PROVED.column)
 
     def row(number: int, orbit: PeriodicOrbit, more: list) -> list:
@@ -137,21 +137,21 @@ def _yes(proof: Proof) -> str:
     return "yes" if proof.proved else "no"
 
 
-def bifurcations_table(found: OrbitsResult, keys: Keys) -> Table:
+def bifurcations_table(result: OrbitsResult, keys: Keys) -> Table:
     """The events, a row each.
 
     A parameter that is not rpm has its own column of values and, at the end, of errors. Where there
     are proofs, each row ends with the proof and its enclosure of the parameter.
     """
-    first, last = _columns(found.question.parameter, keys)
+    first, last = _columns(result.question.parameter, keys)
     columns = [*first, *EVENTS.names(), *last, *(f"{name}_error" for name in (*first, *last))]
-    rows = [bifurcation_row(b, found.question.parameter) for b in found.bifurcations]
+    rows = [bifurcation_row(b, result.question.parameter) for b in result.bifurcations]
     if first:  # `vary` names the parameter: its value goes to the front
         rows = [[value, *row, error] for *row, value, error in rows]
-    if found.proofs is not None:
+    if result.proofs is not None:
         columns += [one.column for one in EVENTS.more["with prove"]]
         parameter = columns.index([*first, *last, "rpm"][0])
-        for row, proof in zip(rows, found.proofs.events, strict=True):
+        for row, proof in zip(rows, result.proofs.events, strict=True):
             if proof.proved and proof.low is not None and proof.high is not None:
                 # the double may lie an ulp beside the enclosure
                 row[parameter] = min(max(row[parameter], proof.low), proof.high)

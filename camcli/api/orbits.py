@@ -143,20 +143,20 @@ def orbits(
     )
 
 
-def _tables(found: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[str, Table]:
+def _tables(result: OrbitsResult, simulated: Sweep | None, keys: Keys) -> dict[str, Table]:
     """The tables by name; one that cannot be made is left out."""
     makes = {
-        "branch": partial(branch_table, found, keys),
-        "bifurcations": partial(bifurcations_table, found, keys),
+        "branch": partial(branch_table, result, keys),
+        "bifurcations": partial(bifurcations_table, result, keys),
     }
     if simulated is not None:
         key = keys.get(simulated.key, PARAMETERS[simulated.key].column)
         for head in (IMPACTS, STROBE):
             rows = partial(blocks, simulated, head.name)
             makes[head.name] = partial(Table, head.names(key), rows)
-    plane = found.question.plane
+    plane = result.question.plane
     if plane is not None:
-        makes["curve"] = partial(curve_table, found.curves, plane, keys)
+        makes["curve"] = partial(curve_table, result.curves, plane, keys)
     made = {name: piece(f"{name}.csv", make) for name, make in makes.items()}
     return {name: table for name, table in made.items() if table is not None}
 

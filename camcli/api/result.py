@@ -227,14 +227,14 @@ class Result:
     ) -> dict[str, Any]:
         """The content of run.json."""
         errors = piece("lift_table", lambda: self.error, self._error_of_an_event())
-        said = piece("verdict", lambda: self.verdict, [])
+        verdict = piece("verdict", lambda: self.verdict, [])
         return run_record(
             command=self.command,
             scene=resolved(self.scene),
             scene_sha256=scene_hash(self.scene),
             cost=cost_record(self.cost, self.seconds, from_disk),
             error=errors,
-            verdict=said,
+            verdict=verdict,
             result=self.summary,
             piece_faults=fault_records(faults),
             artefacts=artefacts,
@@ -305,10 +305,10 @@ def plot(
         raise SceneError(*(Fault("", "plot.panels", *no_panel(one, known)) for one in missing))
     if axes is None:
         return drawn.figure(changed)
-    own = list(axes) if isinstance(axes, Iterable) else [axes]
-    for panel, place in zip(drawn.chosen(changed.panels).values(), own, strict=False):
+    given_axes = list(axes) if isinstance(axes, Iterable) else [axes]
+    for panel, place in zip(drawn.chosen(changed.panels).values(), given_axes, strict=False):
         panel.draw(place)
-    figure = own[0].get_figure(root=True)
+    figure = given_axes[0].get_figure(root=True)
     assert figure is not None
     return figure
 

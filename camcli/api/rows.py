@@ -78,13 +78,13 @@ CORNERS = BIFURCATIONS._replace(
 )
 
 
-def blocks(found: Sweep, section: str) -> Iterator[Block]:
+def blocks(sweep: Sweep, section: str) -> Iterator[Block]:
     """The rows of a table in blocks of columns, a block for each speed.
 
     section: `impacts` or `strobe`. The value of the speed comes first; direction or start, where a
     sweep has several, last.
     """
-    for (value, columns), way in zip(found.section(section), found.ways, strict=True):
+    for (value, columns), way in zip(sweep.section(section), sweep.ways, strict=True):
         if len(columns[0]):
             yield value, *columns, *way
 

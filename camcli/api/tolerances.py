@@ -70,14 +70,14 @@ class _Holds:
         system, _, _ = self.machines(*piece[:known])
         share = piece[known] if len(piece) > known else 0.0
         errors = accel_errors(system.shape)
-        nominal, own = self.machines.machine.system.follower, system.follower
-        found = [first_loss(system, errors, share)]
+        nominal, follower = self.machines.machine.system.follower, system.follower
+        speeds = [first_loss(system, errors, share)]
         for hold in self.springs:
             k, preload = hold.stiffness or 0.0, hold.preload or 0.0
-            k *= own.stiffness / nominal.stiffness if nominal.stiffness else 1.0
-            preload *= own.preload / nominal.preload if nominal.preload else 1.0
-            found.append(first_loss(replaced(system, k, preload), errors, share))
-        return found
+            k *= follower.stiffness / nominal.stiffness if nominal.stiffness else 1.0
+            preload *= follower.preload / nominal.preload if nominal.preload else 1.0
+            speeds.append(first_loss(replaced(system, k, preload), errors, share))
+        return speeds
 
 
 def tolerated(machine: Machine) -> Varied:

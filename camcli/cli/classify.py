@@ -76,9 +76,9 @@ def classify(
     if trace is not None or det is not None:
         names = "-c", "--set", "--rpm", "--vary", "--starts", "--explain"
         given_too = request.config, request.sets, request.rpm, vary, starts, explain
-        said = "with --trace", "leave it out: no machine"
+        why = "with --trace", "leave it out: no machine"
         beside = zip(names, given_too, strict=True)
-        refuse_idle(*((x not in (None, False), name, *said) for name, x in beside))
+        refuse_idle(*((x not in (None, False), name, *why) for name, x in beside))
         return _border_collision(request, trace, det)
     values = ranges(request, "classify", vary)
     values |= given("classify", starts=starts, seed=seed, explain=explain)
@@ -119,13 +119,13 @@ def _range_row(group: list[ClassifiedMotion]) -> list[str]:
 
 def _exponent(group: list[ClassifiedMotion]) -> str:
     """The largest exponent of the motions: one with its error, or the range of several."""
-    found = [m.exponents for m in group if m.exponents is not None]
-    if not found:
+    exponents = [m.exponents for m in group if m.exponents is not None]
+    if not exponents:
         return ""
-    if len(found) == 1:
-        e = found[0]
+    if len(exponents) == 1:
+        e = exponents[0]
         return f"{e.largest:.6g}" + (f" +- {e.spread:.1g}" if e.spread > 0.0 else "")
-    values = [e.largest for e in found]
+    values = [e.largest for e in exponents]
     low, high = f"{min(values):.4g}", f"{max(values):.4g}"
     return low if low == high else f"{low} to {high}"
 

@@ -106,19 +106,19 @@ def _show_theory(result: Result) -> None:
     """Critical speeds, corner hits and bursts."""
     from camcli.words.detach import burst_ranges
 
-    found: ContactLoss = result.values
+    loss: ContactLoss = result.values
     digits = _digits_of_a_table if result.scene.cam.kind == "table" else _digits_of_a_law
     critical = [
         [c.quantity.replace("accumulation", "accumulates").replace("_", " "), c.region, *digits(c),
          c.status]
-        for c in found.critical_speeds
+        for c in loss.critical_speeds
         if c.finite
     ]  # fmt: skip
     hits = [
         [str(h.impact), h.corner, f"{h.rpm:.9f}", f"{h.high - h.low:.1e}", h.status]
-        for h in found.hits
+        for h in loss.hits
     ]
-    bursts = [[said, f"{a:.10g}", f"{b:.10g}", str(n)] for said, a, b, n in burst_ranges(found)]
+    bursts = [[words, f"{a:.10g}", f"{b:.10g}", str(n)] for words, a, b, n in burst_ranges(loss)]
     bracket, *ends = (headed(what, RPM.unit) for what in ("bracket", "from", "to"))
     for title, columns, rows in (
         ("Critical speeds", ["speed", "region", THETA.heading, "rpm", bracket, "status"], critical),

@@ -395,19 +395,19 @@ def _compute(
     ordered = sorted(wanted, key=lambda f: -(seconds[f.name] or 1e9))  # unknown ones come first
     count = thread_count(request.threads)
     each = max(1, count // max(1, len(wanted)))
-    own = replace(request, quiet=True, threads=each)
+    one_request = replace(request, quiet=True, threads=each)
     finished, faults = 0, dict[str, PieceFault]()
 
     def compute_one(figure: Figure) -> State:
         """Compute a figure and say so; a fault of camcli costs this figure alone."""
         nonlocal finished
         name = figure.name
-        found = attempt(name, lambda: _computed(figure, replace(own, out=out / name)))
-        if isinstance(found, PieceFault):
-            faults[name] = found
+        outcome = attempt(name, lambda: _computed(figure, replace(one_request, out=out / name)))
+        if isinstance(outcome, PieceFault):
+            faults[name] = outcome
             done = State(hashes=figure.hashes, exit=INTERNAL, notes=["fault, see below"])
         else:
-            done = found
+            done = outcome
         finished += 1
         if progress is not None:
             progress("figures", finished, len(wanted))
@@ -531,12 +531,12 @@ def _shown(figure: Figure, folder: Path) -> GalleryFigure:
     if state is None:
         return shown
     try:
-        said = caption(about.shows, state.values)
+        words = caption(about.shows, state.values)
     except KeyError as name:
-        said = caption_lacks(name)
+        words = caption_lacks(name)
     return replace(
         shown,
-        caption=said,
+        caption=words,
         files=list(state.files),
         seconds=state.seconds,
         notes=state.notes,

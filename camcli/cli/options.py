@@ -171,11 +171,11 @@ class _Command(TyperCommand):
 
     def format_help_text(self, ctx: Any, formatter: Any) -> None:
         """The sentence, the examples and the files; the guide has the rest."""
-        told = parts_of(self.help or "")
+        help_text = parts_of(self.help or "")
         write = formatter.write
-        sentence = f"{told.sentence} More: cam guide {self.name}."
+        sentence = f"{help_text.sentence} More: cam guide {self.name}."
         write(f"\n{_indented(sentence, formatter.width)}\n")
-        for heading, lines in (("Examples", told.examples), ("Files", told.files)):
+        for heading, lines in (("Examples", help_text.examples), ("Files", help_text.files)):
             if lines:
                 write(f"\n{heading}:\n" + "".join(f"  {line}\n" for line in lines))
 
@@ -224,9 +224,9 @@ def register(app: typer.Typer, run: Callable[..., int], without: Collection[str]
 
     Its docstring is the help text. `without` names shared options that mean nothing to it.
     """
-    own = _parameters(run)[1:]
+    parameters_of_run = _parameters(run)[1:]
     shared = [p for p in _parameters(Request) if p.name not in without]
-    parameters = [*shared, *own]
+    parameters = [*shared, *parameters_of_run]
 
     def call(**values: Any) -> None:
         """Run the command with the options given, and end with its exit code."""

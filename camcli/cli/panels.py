@@ -57,10 +57,10 @@ def check_panels(command: str, scene: Scene, request: Request) -> None:
 def _fault(where: str, command: str, name: str, known: list[str]) -> Fault:
     """A panel that is not drawn: what would draw it, or the nearest one that is."""
     found, expected, cure = no_panel(name, known)
-    own = [picture for picture, names in PANELS[command].items() if name in names]
+    of_command = [picture for picture, names in PANELS[command].items() if name in names]
     others = [other for other, pictures in PANELS.items() if name in sum(pictures.values(), ())]
-    if own:
-        cure = CURES[own[0]]
+    if of_command:
+        cure = CURES[of_command[0]]
     elif "did you mean" not in cure:
         cure = f"it is a panel of cam {others[0]}"
     return Fault(where, "plot.panels", found, expected, cure)

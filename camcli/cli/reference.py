@@ -47,9 +47,9 @@ def command_page(name: str) -> str:
 
     from camcli.cli.app import application
 
-    told = parts_of(getattr(import_module(f"camcli.cli.{name}"), name).__doc__)
-    lines = [f"# cam {name}", "", told.sentence, ""]
-    lines += ["```text", *told.examples, "```", ""]
+    help_text = parts_of(getattr(import_module(f"camcli.cli.{name}"), name).__doc__)
+    lines = [f"# cam {name}", "", help_text.sentence, ""]
+    lines += ["```text", *help_text.examples, "```", ""]
     group: Any = typer.main.get_command(application(name))
     command = group.commands[name]
     context = command.context_class(command, info_name=name)
@@ -63,8 +63,8 @@ def command_page(name: str) -> str:
     about = about_tables(name)
     if about:
         lines += ["", *_listed(about)]
-    if told.rest:
-        lines += ["", "## More", "", *_listed(told.rest)]
+    if help_text.rest:
+        lines += ["", "## More", "", *_listed(help_text.rest)]
     return _page(lines)
 
 
@@ -128,8 +128,8 @@ def notebook() -> str:
         if words.strip():
             cells.append({"cell_type": "markdown", "metadata": {}, "source": words.strip()})
         if kind == "python":
-            own = {"execution_count": None, "outputs": [], "source": block.rstrip("\n")}
-            cells.append({"cell_type": "code", "metadata": {}, **own})
+            code_cell = {"execution_count": None, "outputs": [], "source": block.rstrip("\n")}
+            cells.append({"cell_type": "code", "metadata": {}, **code_cell})
     for number, cell in enumerate(cells):
         cell["id"] = f"cell-{number}"
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}

@@ -79,9 +79,9 @@ def sweep(
 
     zooms = [span_of(text, "--zoom", "LO:HI", "739.2:739.5") for text in zoom or ()]
     if zooms and "," in (request.points or ""):
-        points, own = points_of(request, 2)
+        points, points_of_zoom = points_of(request, 2)
         request = replace(request, points=str(points))
-        zooms = [{**part, "num": own} for part in zooms]
+        zooms = [{**part, "num": points_of_zoom} for part in zooms]
     values = ranges(request, "sweep", vary, most=2)
     values |= given("sweep", zoom=zooms or None, lyapunov=lyapunov, explain=explain)
     values |= given("sweep", "--both", direction="both" if both else None)

@@ -198,8 +198,8 @@ def _fresh(
     count = max(1, min(count, share))
 
     def done(numbers: Sequence[int]) -> list:
-        own = [pieces[k] for k in numbers]
-        results = [task(own[0])] if len(own) == 1 else task.many(own)
+        chosen = [pieces[k] for k in numbers]
+        results = [task(chosen[0])] if len(chosen) == 1 else task.many(chosen)
         return [kept.put(k, result) for k, result in zip(numbers, results, strict=True)]
 
     parts = [missing[k : k + count] for k in range(0, len(missing), count)]

@@ -117,10 +117,10 @@ def _finding(document: Document, path: Path, detail: Mapping[str, Any]) -> Findi
         if keys and "kind" not in keys:
             expected += f" or {_map(keys)}"
     else:
-        said = re.split("should (?:be |have )", detail["msg"], maxsplit=1)[-1]
-        said = said.replace("a valid ", "a ").partition(" after validation")[0]
-        expected = _EXPECTED[kind].format(**ctx) if kind in _EXPECTED else said
-        if said == "Field required":
+        wanted = re.split("should (?:be |have )", detail["msg"], maxsplit=1)[-1]
+        wanted = wanted.replace("a valid ", "a ").partition(" after validation")[0]
+        expected = _EXPECTED[kind].format(**ctx) if kind in _EXPECTED else wanted
+        if wanted == "Field required":
             expected = f"{next(s['minItems'] for s in schemas if 'minItems' in s)} values"
     found = f"found {_shown(document, path)}"
     cure = _cure(value, path, kind, words) + about

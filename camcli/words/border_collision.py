@@ -57,70 +57,78 @@ def inequality_text(found: Inequality) -> str:
     return formula.format(s=found.side, o="R" if found.side == "L" else "L")
 
 
-def inequality_record(found: Inequality) -> dict[str, str | float | bool]:
+def inequality_record(inequality: Inequality) -> dict[str, str | float | bool]:
     """The inequality for run.json."""
-    text = inequality_text(found)
-    return {"text": text, "left": found.left, "right": found.right, "holds": found.holds}
+    text = inequality_text(inequality)
+    return {
+        "text": text,
+        "left": inequality.left,
+        "right": inequality.right,
+        "holds": inequality.holds,
+    }
 
 
-def equality_words(where: str, found: Equal) -> str:
+def equality_words(where: str, equality: Equal) -> str:
     """An equality within rounding; where: the side, or LR for the cycle."""
-    if found is Equal.TANGENCY:
+    if equality is Equal.TANGENCY:
         return "the unstable manifold of a fixed point touches the stable one of the saddle"
-    return f"{'along' if where == 'LR' else 'on'} {where}, {EQUALITIES[found]}"
+    return f"{'along' if where == 'LR' else 'on'} {where}, {EQUALITIES[equality]}"
 
 
-def collision_words(found: Collision) -> list[str]:
+def collision_words(collision: Collision) -> list[str]:
     """Sentences: the class, what is open, what attracts, and why there is no robust chaos."""
-    said = [f"{found.kind}: {KINDS[found.kind]}."]
-    said += [f"Equal within rounding: {equality_words(*one)}." for one in found.equal]
-    if found.growth is not None and abs(found.growth.left) <= DECIDED:
-        grows = f"The growth at the event, {found.growth.left:.2g} per step,"
-        said.append(f"{grows} is too small to exclude that the event is dangerous.")
-    said += [f"{SIDES[-1]}, {_ends(found.below)}.", f"{SIDES[1]}, {_ends(found.above)}."]
-    return said + _two_cycle(found.cycles[2]) + _no_theorem(found)
+    sentences = [f"{collision.kind}: {KINDS[collision.kind]}."]
+    sentences += [f"Equal within rounding: {equality_words(*one)}." for one in collision.equal]
+    if collision.growth is not None and abs(collision.growth.left) <= DECIDED:
+        grows = f"The growth at the event, {collision.growth.left:.2g} per step,"
+        sentences.append(f"{grows} is too small to exclude that the event is dangerous.")
+    sentences += [
+        f"{SIDES[-1]}, {_ends(collision.below)}.",
+        f"{SIDES[1]}, {_ends(collision.above)}.",
+    ]
+    return sentences + _two_cycle(collision.cycles[2]) + _no_theorem(collision)
 
 
-def _ends(found: Prediction) -> str:
+def _ends(prediction: Prediction) -> str:
     """What attracts on one side of the collision, as a clause."""
-    known = found.exponent is not None
-    measured = f"{found.exponent:.4g} +- {found.spread:.1g} per step" if known else ""
+    known = prediction.exponent is not None
+    measured = f"{prediction.exponent:.4g} +- {prediction.spread:.1g} per step" if known else ""
     exponent = f", largest exponent {measured}" if known else ""
     return {
         "none": "nothing bounded attracts",
-        "fixed-point": f"the fixed point {found.word} attracts",
-        "cycle": f"the cycle {found.word} of period {found.period} attracts",
+        "fixed-point": f"the fixed point {prediction.word} attracts",
+        "cycle": f"the cycle {prediction.word} of period {prediction.period} attracts",
         "chaos": f"there is a chaotic attractor{exponent}",
-        "several": f"several attract: {found.word}",
+        "several": f"several attract: {prediction.word}",
         "undecided": (
             "what attracts is not decided: orbits stay bounded, "
-            f"{found.word or 'without a period'}{exponent}"
+            f"{prediction.word or 'without a period'}{exponent}"
         ),
-    }[found.kind]
+    }[prediction.kind]
 
 
-def _two_cycle(found: Cycle) -> list[str]:
+def _two_cycle(cycle: Cycle) -> list[str]:
     """A sentence on the cycle LR, none where it exists on neither side."""
-    if not found.exists_for:
+    if not cycle.exists_for:
         return []
-    first = found.multipliers[0]
+    first = cycle.multipliers[0]
     size = f"larger multiplier {first.real:.6g}"
     if first.imag != 0.0:
         size = f"multipliers {first.real:.6g} +- {first.imag:.6g} i"
-    state = "stable" if found.stable else "unstable"
-    return [f"{SIDES[found.exists_for]}, the cycle LR exists and is {state}: {size}."]
+    state = "stable" if cycle.stable else "unstable"
+    return [f"{SIDES[cycle.exists_for]}, the cycle LR exists and is {state}: {size}."]
 
 
-def _no_theorem(found: Collision) -> list[str]:
+def _no_theorem(collision: Collision) -> list[str]:
     """A sentence on why the theorem on robust chaos does not apply, none where it does.
 
     None either where its first condition fails already: chaos is then not in question.
     """
-    last = found.chaos[-1]
-    if len(found.chaos) < 2 or last.holds:
+    last = collision.chaos[-1]
+    if len(collision.chaos) < 2 or last.holds:
         return []
     numbers = f"{last.left:.6g} against {last.right:.6g}"
     open_end = ", which leaves it open whether a chaotic attractor exists"
-    more = open_end if len(found.chaos) == THEOREM else ""
+    more = open_end if len(collision.chaos) == THEOREM else ""
     fails = f"{inequality_text(last)} fails, {numbers}{more}"
     return [f"The theorem on robust chaos does not apply: {fails}."]

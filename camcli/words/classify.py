@@ -22,37 +22,37 @@ def motions_title(motions: list[ClassifiedMotion], key: str, ranges: int) -> str
 
 def remarks(motions: list[ClassifiedMotion], key: str = "rpm", verbose: bool = True) -> list[str]:
     """Sentences on what is undecided; verbose: and on exponents, rests and how long was watched."""
-    said = _on_exponents(motions) if verbose else []
-    said += decided_notes((m.holds_for for m in motions), "motion")
+    sentences = _on_exponents(motions) if verbose else []
+    sentences += decided_notes((m.holds_for for m in motions), "motion")
     if verbose:
         unsolved = [m for m in motions if m.orbit is None and m.status == Status.OK]
-        said += _unsolved_notes(unsolved, key)
+        sentences += _unsolved_notes(unsolved, key)
     undecided = [m.value for m in motions if m.label == UNDECIDED and m.fault is None]
     if undecided:
-        said.append(
+        sentences.append(
             f"the motion at {counted(undecided, key)} is undecided: no orbit up to 64 turns could "
             "be solved and no positive exponent be shown, or doubles lose the motion between one "
             "rest and the next"
         )
-    return said
+    return sentences
 
 
 def _on_exponents(motions: list[ClassifiedMotion]) -> list[str]:
     """Sentences: the sum rule, and what a rest does to exponents."""
-    said = []
+    sentences = []
     known = [m.exponents for m in motions if m.exponents]
     defects = [abs(e.defect) for e in known if isfinite(e.largest) and isfinite(e.second)]
     if defects:
-        said.append(
+        sentences.append(
             f"the exponents of {plural(len(defects), 'motion')} add up to (2 ln r) impacts per "
             f"turn - b T/m within {max(defects):.1g}"
         )
     if any(e.largest == -inf for e in known):
-        said.append(
+        sentences.append(
             "where the follower rests on the cam, both exponents are -inf: a rest wipes out "
             "every difference between two motions"
         )
-    return said
+    return sentences
 
 
 def _unsolved_notes(unsolved: list[ClassifiedMotion], key: str) -> Iterator[str]:

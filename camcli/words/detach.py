@@ -26,19 +26,23 @@ def sentences(result: ContactLoss) -> list[str]:
 
 def plainly(result: ContactLoss) -> list[str]:
     """What everybody should know."""
-    found, rpms = result.detachment, [speed.rpm for speed in result.speeds]
-    first = found.first
-    said = [_always(place) for place in found.always]
-    if found.never:
-        said.append("contact is never lost: the contact force stays positive at every speed")
+    detachment, rpms = result.detachment, [speed.rpm for speed in result.speeds]
+    first = detachment.first
+    sentences = [_always(place) for place in detachment.always]
+    if detachment.never:
+        sentences.append("contact is never lost: the contact force stays positive at every speed")
     if first is not None:
         if first.rpm > max(rpms):
-            said.append(f"contact is held at every speed asked for, up to {max(rpms):.10g} rpm")
+            sentences.append(
+                f"contact is held at every speed asked for, up to {max(rpms):.10g} rpm"
+            )
         elif first.rpm < min(rpms):
             beyond = " and above" if len(rpms) > 1 else ""
-            said.append(f"contact is lost at every speed asked for, {min(rpms):.10g} rpm{beyond}")
-    told = [h for h in result.holds if h.status is not HoldStatus.OK]
-    return said + [f"{way(h)}: {spring(h)}" for h in told]
+            sentences.append(
+                f"contact is lost at every speed asked for, {min(rpms):.10g} rpm{beyond}"
+            )
+    failed = [h for h in result.holds if h.status is not HoldStatus.OK]
+    return sentences + [f"{way(h)}: {spring(h)}" for h in failed]
 
 
 def theory(result: ContactLoss) -> list[str]:
@@ -46,22 +50,22 @@ def theory(result: ContactLoss) -> list[str]:
     losses = result.detachment.losses
     never = [loss.region.name for loss in losses if loss.opens.rpm == inf]
     places = {loss.region.name: degrees(loss.opens.theta) for loss in losses}
-    said = []
+    sentences = []
     if never and result.detachment.first is not None:
-        said.append(f"contact is never lost in {', '.join(never)}, at any speed")
-    said += [
+        sentences.append(f"contact is never lost in {', '.join(never)}, at any speed")
+    sentences += [
         f"at {f.rpm:.10g} rpm, a little above the opening of {f.region}, "
         + _lift_off(f, places[f.region])
         for f in result.lift_offs
     ]
     for hit in result.ended:
         before, after = map(degrees, hit.ends or (inf, inf))
-        said.append(
+        sentences.append(
             f"at {hit.rpm:.10g} rpm impact {hit.impact} of the burst from {hit.burst} vanishes "
             f"before it reaches {hit.corner}: it was at {before:.6g} deg, and the next contact is "
             f"at {after:.6g} deg"
         )
-    return said + [
+    return sentences + [
         f"at {c.rpm:.10g} rpm the end of the burst from {c.burst} jumps over {c.region}"
         for c in result.jumps
     ]
@@ -91,14 +95,14 @@ def _always(place: AlwaysLost) -> str:
     )
 
 
-def _lift_off(seen: LiftOff, place: float) -> str:
+def _lift_off(lift_off: LiftOff, place: float) -> str:
     """place: the phase (deg) at which the region opens."""
-    corner, lands = seen.corner, "does not land within two turns"
-    if seen.landing < inf:
-        lands = f"lands {degrees(seen.landing) - place:.3g} deg after {corner or 'that phase'}"
-    if seen.rest < inf:
-        lands += f", and rests again {degrees(seen.rest) - place:.3g} deg after it"
-    released = f"the follower is released {place - degrees(seen.release):.3g} deg before"
+    corner, lands = lift_off.corner, "does not land within two turns"
+    if lift_off.landing < inf:
+        lands = f"lands {degrees(lift_off.landing) - place:.3g} deg after {corner or 'that phase'}"
+    if lift_off.rest < inf:
+        lands += f", and rests again {degrees(lift_off.rest) - place:.3g} deg after it"
+    released = f"the follower is released {place - degrees(lift_off.release):.3g} deg before"
     return {
         LiftOffKind.FLIES_OFF: (
             f"the follower flies off at {corner}, where the force drops: it {lands}"
@@ -106,7 +110,7 @@ def _lift_off(seen: LiftOff, place: float) -> str:
         LiftOffKind.CAUGHT: f"{released} {corner}, where the force fades: it {lands}",
         LiftOffKind.WITHIN: f"{released} the weakest phase: it {lands}",
         LiftOffKind.UNSEEN: "no lift-off was seen: contact is lost at no phase after a rest",
-    }[seen.kind]
+    }[lift_off.kind]
 
 
 def way(hold: Hold) -> str:
@@ -164,11 +168,11 @@ def bursts_text(speed: SettledMotion) -> str:
     """A2 complete, A4 complete; none where the follower stays on the cam; or a status."""
     if speed.status != Status.OK:
         return Status(speed.status).text
-    said = [
+    texts = [
         f"{b.region} {'complete' if b.end is not None else 'incomplete'}".strip()
         for b in speed.bursts
     ]
-    return ", ".join(dict.fromkeys(said)) or "none"
+    return ", ".join(dict.fromkeys(texts)) or "none"
 
 
 def burst_ranges(result: ContactLoss) -> list[tuple[str, float, float, int]]:

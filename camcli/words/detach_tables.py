@@ -43,7 +43,7 @@ def answers(result: Any) -> list[tuple[str, list[str], list[list[str]]]]:
         return _cell(load(loads, column), scale, DIGITS[column])
 
     def between(low: float | None, high: float | None) -> str:
-        """Two numbers of a spring with `to` between them, empty where they are not known."""
+        """Two forces (N) as a range in the unit shown; empty where they are not known."""
         if low is None or high is None:
             return ""
         return f"{_zero(low) * per_newton:.4g} to {high * per_newton:.4g}"

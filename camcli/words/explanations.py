@@ -66,18 +66,22 @@ def change_sentence(change: LabelChange, events: Sequence[CriticalEvent]) -> str
     if change.status != Status.OK:
         return f"{change.status.text}: {CAUSES[change.status]}"
     if change.cause == UNEXPLAINED:
-        said = "no bifurcation of a solved branch lies between them, and no branch through both is "
-        said += "stable"
+        sentence = (
+            "no bifurcation of a solved branch lies between them, and no branch through both is "
+        )
+        sentence += "stable"
         if change.persists:
             beside = " and ".join(change.persists)
             attracts = "attracts" if len(change.persists) == 1 else "attract"
-            said = f"{beside} {attracts} at both speeds; whether the chaos beside lives on at both "
-            said += "is not known"
+            sentence = (
+                f"{beside} {attracts} at both speeds; whether the chaos beside lives on at both "
+            )
+            sentence += "is not known"
         if tried:
-            said = " ".join([f"{said}.", *tried])
+            sentence = " ".join([f"{sentence}.", *tried])
         if not change.may_search:
-            said += f"; crises are looked for in the first {MOST_CRISES} changes only"
-        return said
+            sentence += f"; crises are looked for in the first {MOST_CRISES} changes only"
+        return sentence
     listed = (Bifurcation, CriticalSpeed, CornerHit)
     return "; ".join(
         f"{e.kind} at {e.rpm:.10g} rpm ({e.label})"
@@ -114,30 +118,30 @@ def crisis_sentences(crisis: Crisis) -> list[str]:
             f"range at {crisis.rpm:.10g} rpm."
         ]
     stays, leaves = crisis.bracket
-    said = [
+    sentences = [
         f"Runs of {crisis.turns} turns {near} first leave the attractor's range at "
         f"{speed_text(leaves, abs(leaves - stays))} rpm.",
         f"Saddles seen: {crisis.inside} in the attractor, {crisis.beyond} beyond it.",
     ]
     if crisis.lost:
         are = "is" if crisis.lost == 1 else "are"
-        said.append(f"{crisis.lost} of them could not be followed and {are} left out.")
+        sentences.append(f"{crisis.lost} of them could not be followed and {are} left out.")
     for meeting in crisis.met:
         orbit, at = meeting.orbit, f"at {speed_text(meeting.rpm, meeting.error)} rpm"
         if meeting is crisis.met[0]:
-            said.append(
+            sentences.append(
                 f"The attractor meets the stable manifold of {orbit.label} (larger multiplier "
                 f"{orbit.multipliers[0].real:.4g}) {at}."
             )
         else:
-            said.append(f"{orbit.label} would be met later, {at}.")
+            sentences.append(f"{orbit.label} would be met later, {at}.")
     unmet = "leads out, but no fold was seen to touch its stable manifold."
-    said += [f"{orbit.label} {unmet}" for orbit in crisis.unmet]
+    sentences += [f"{orbit.label} {unmet}" for orbit in crisis.unmet]
     if crisis.met:
         corner = crisis.corner
         fold = f"the image of an impact at corner {corner.name}" if corner else "a smooth fold"
-        said.append(f"What touches the manifold is {fold}.")
-    return said
+        sentences.append(f"What touches the manifold is {fold}.")
+    return sentences
 
 
 # --- beside the pictures

@@ -15,6 +15,6 @@ def motion(label: str) -> str:
     turns, resting = len(symbols), symbols.count(inf)
     repeats = "every turn alike" if turns == 1 else f"repeats every {turns} turns"
     if resting:
-        some = "" if resting == turns else f" in {resting} of them"
-        return f"{repeats}, bounces to rest{some}"
+        in_turns = "" if resting == turns else f" in {resting} of them"
+        return f"{repeats}, bounces to rest{in_turns}"
     return f"{repeats}, {plural(int(sum(symbols)), 'impact')}"

@@ -33,24 +33,26 @@ def end_words(end: Kind) -> str:
     return CURVE_ENDS.get(end, str(end))
 
 
-def notes(found: OrbitsResult) -> list[str]:
+def notes(result: OrbitsResult) -> list[str]:
     """What has no safe bracket, or could not be followed."""
-    said = [
+    sentences = [
         f"{Bracket.UNRESOLVED}: {b.kind} of {b.label} near {b.value:.10g} has no safe bracket"
-        for b in found.bifurcations
+        for b in result.bifurcations
         if b.status == Bracket.UNRESOLVED
     ]
-    for branch in found.branches:
+    for branch in result.branches:
         if Kind.LOST in branch.ends:
             value = branch.points[0 if branch.ends[0] == Kind.LOST else -1].value
             beyond = f"beyond {value:.10g}, where it is unresolved"
-            said.append(f"branch {branch.number} could not be followed {beyond}")
+            sentences.append(f"branch {branch.number} could not be followed {beyond}")
         if Kind.FAULT in branch.ends:
             value = branch.points[0 if branch.ends[0] == Kind.FAULT else -1].value
-            said += trouble(Status.FAULT, f" on branch {branch.number} beyond {value:.10g}")
-    if found.question.curve and not any(curve.points for curve in found.curves):
-        said.append(f"no {found.question.curve} was located, so there is no curve to continue")
-    return said
+            sentences += trouble(Status.FAULT, f" on branch {branch.number} beyond {value:.10g}")
+    if result.question.curve and not any(curve.points for curve in result.curves):
+        sentences.append(
+            f"no {result.question.curve} was located, so there is no curve to continue"
+        )
+    return sentences
 
 
 def orbits_title(result: OrbitsResult) -> str:
@@ -66,27 +68,27 @@ def curve_title(number: int, curve: Curve) -> str:
 
 def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
     """Sentences: absent labels, virtual orbits, corner impacts; verbose: with what they rest on."""
-    said = []
+    sentences = []
     absent = result.absent
     if absent is not None:
         text = f"{result.question.label} was not found at {absent.rpm:.10g} rpm"
         if absent.nearest is None:
             between = f"{absent.low:.10g} to {absent.high:.10g} rpm"
-            said.append(f"{text}, nor at 24 speeds from {between}")
+            sentences.append(f"{text}, nor at 24 speeds from {between}")
         else:
             speed, cause = absent.nearest
             nearest = f"the nearest speed at which it was found is {speed:.13g} rpm"
-            said.append(f"{text}; {nearest}, where it ends: {cause.replace('-', ' ')}")
+            sentences.append(f"{text}; {nearest}, where it ends: {cause.replace('-', ' ')}")
     elif not result.orbits and not result.continua:
-        said.append(f"no periodic orbit was found at {result.question.rpm:.10g} rpm")
-    said += [
+        sentences.append(f"no periodic orbit was found at {result.question.rpm:.10g} rpm")
+    sentences += [
         f"{c.label} exists with its impact anywhere from {degrees(c.start):.8g} to "
         f"{degrees(c.end):.8g} deg, a dwell: a continuum of orbits, of which none is isolated "
         "and none attracts (both multipliers are 1)"
         for c in result.continua
     ]
     if result.virtual:
-        said.append(
+        sentences.append(
             f"{len(result.virtual)} further roots at {result.question.rpm:.10g} rpm are virtual: "
             "they penetrate the cam or would pull (run.json)"
         )
@@ -94,18 +96,18 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
     for b in result.bifurcations:
         if words := event_words(b):
             event = f"{b.kind} of {b.label} at {b.value:.10g}"
-            told = f": {' '.join(words)}{_rests_on(b)}"
+            words_of_event = f": {' '.join(words)}{_rests_on(b)}"
             if b.corner_impact is not None and not verbose:
-                told = f": {corner_line(b.corner_impact)}"
-            events.setdefault(event, told)
-    said += [event + words for event, words in events.items()]
+                words_of_event = f": {corner_line(b.corner_impact)}"
+            events.setdefault(event, words_of_event)
+    sentences += [event + words for event, words in events.items()]
     if result.proofs is not None:
         from camcli.words.proofs import proof_sentences  # it imports ball arithmetic
 
-        said += proof_sentences(result)
+        sentences += proof_sentences(result)
     if result.branches and verbose:
         largest = max(orbit.det for branch in result.branches for orbit in branch.points)
-        said.append(
+        sentences.append(
             "Neimark-Sacker bifurcations are impossible: det = r^(2 impacts) exp(-b T/m) is at "
             f"most {largest:.6g} on these branches, below 1"
             if largest < 1.0
@@ -114,19 +116,19 @@ def remarks(result: OrbitsResult, verbose: bool = True) -> list[str]:
     for number, c in enumerate(result.curves, 1):
         ends = zip(c.ends, c.limits, strict=True)
         why = [f"{end_words(end)} of {name}" if name else end_words(end) for end, name in ends]
-        said.append(f"curve {number} ends: {'; '.join(why)}")
-    return said
+        sentences.append(f"curve {number} ends: {'; '.join(why)}")
+    return sentences
 
 
 def _rests_on(b: Bifurcation) -> str:
     """The two inequalities that decide between the classes, with their numbers."""
     if b.corner_impact is None:
         return ""
-    told = [
+    inequalities = [
         f"{inequality_text(i)} {'holds' if i.holds else 'fails'} ({i.left:.6g})"
         for i in b.corner_impact.collision.inequalities[:2]
     ]
-    return f" The class rests on: {'; '.join(told)}."
+    return f" The class rests on: {'; '.join(inequalities)}."
 
 
 # --- beside the pictures
@@ -178,10 +180,10 @@ def side_words(event: Bifurcation) -> list[str]:
     return [f"impact {where}: {_side(side)}" for where, side in sides if side is not None]
 
 
-def _side(one: Side) -> str:
+def _side(side: Side) -> str:
     """Trace, determinant and multipliers of one side."""
-    trace = f"{one.trace:.6g}".replace("-", "−")
-    return f"trace {trace}, determinant {one.det:.6g}, multipliers {pair(one.trace, one.det)}"
+    trace = f"{side.trace:.6g}".replace("-", "−")
+    return f"trace {trace}, determinant {side.det:.6g}, multipliers {pair(side.trace, side.det)}"
 
 
 def curve_name(curve: Curve) -> str:

@@ -39,18 +39,20 @@ def rounding_notes(turn: int | None) -> list[str]:
     ]
 
 
-def end_notes(found: Simulation) -> list[str]:
+def end_notes(simulation: Simulation) -> list[str]:
     """What becomes of a motion whose record looks aperiodic."""
-    if found.ends is None or found.ends.watched is None:
+    if simulation.ends is None or simulation.ends.watched is None:
         return []
-    turns = found.ends.watched
-    if found.ends.orbit is not None:
-        said = f"a transient: followed for {turns} turns, the motion has settled on {found.label}"
-    elif found.ends.chatters:
-        said = f"no period, and after {turns} turns a rest: what follows is not known"
+    turns = simulation.ends.watched
+    if simulation.ends.orbit is not None:
+        words = (
+            f"a transient: followed for {turns} turns, the motion has settled on {simulation.label}"
+        )
+    elif simulation.ends.chatters:
+        words = f"no period, and after {turns} turns a rest: what follows is not known"
     else:
-        said = f"no period; it was followed for {turns} turns"
-    return [f"the record shows {said}"]
+        words = f"no period; it was followed for {turns} turns"
+    return [f"the record shows {words}"]
 
 
 def undercut_notes(profile: Profile, system: System) -> list[str]:

@@ -33,8 +33,8 @@ def verdict(
     if found.first is None:
         return ["Contact holds at every speed."]
     low, high = lift_table["first_detachment_rpm"] if lift_table else (None, None)
-    said = f"Contact holds up to {_speed(found.first.rpm, low, high, crank)}"
-    sentences = [said + "".join(_past(result)), *_springs(result), *_tolerances(result)]
+    holds = f"Contact holds up to {_speed(found.first.rpm, low, high, crank)}"
+    sentences = [holds + "".join(_past(result)), *_springs(result), *_tolerances(result)]
     return [f"{sentence}." for sentence in sentences]
 
 
@@ -109,17 +109,17 @@ def _springs(result: Any) -> Iterator[str]:
 
 def _tolerances(result: Any) -> Iterator[str]:
     """The chance and the worst case within the tolerances."""
-    found = result.summary.get("tolerance")
-    if found is None:
+    summary = result.summary.get("tolerance")
+    if summary is None:
         return
     off = ", ".join(f"{t.key} {t.percent:g} %" for t in result.scene.detach.tolerance)
     off += ", the error of the table" if result.scene.cam.kind == "table" else ""
     yield (
-        f"Within the tolerances ({off}) contact holds up to {found['median_rpm']:.4g} rpm of the "
-        f"cam in half of the machines, up to {found['worst_rpm']:.4g} in the worst"
+        f"Within the tolerances ({off}) contact holds up to {summary['median_rpm']:.4g} rpm of the "
+        f"cam in half of the machines, up to {summary['worst_rpm']:.4g} in the worst"
     )
     for hold in result.values.holds:
-        spring = found["springs"].get(hold.quantity)
+        spring = summary["springs"].get(hold.quantity)
         if spring is None or hold.status is not HoldStatus.OK:
             continue
         yield (
