@@ -102,12 +102,9 @@ def detach(
     ----------
     Chatter and its map: C. Budd and F. Dux, Phil. Trans. R. Soc. A 347 (1994) 365-389.
     """
-    machine = machine_of(with_arguments(scene, "detach", report=report))
-    section, system, cam = machine.scene.detach, machine.system, machine.scene.cam
-    scene, spring = machine.scene, machine.scene.spring
-    if section.report and section.hold_to is None:
-        scene = with_values(scene, "detach", hold_to=max(section.rpm.start, section.rpm.stop))
-        section, machine = scene.detach, replace(machine, scene=scene)
+    machine = _held_in_report(machine_of(with_arguments(scene, "detach", report=report)))
+    scene, system = machine.scene, machine.system
+    section, spring = scene.detach, scene.spring
     machines = tolerated(machine)
     rpms = rpm_grid(section.rpm.start, section.rpm.stop, section.rpm.num)
     with stopwatch() as watch, budget_of(scene, progress) as budget, gathering() as faults:
@@ -121,7 +118,7 @@ def detach(
             hold_speed=section.hold_to,
             margin=section.margin_n,
             precompression=section.precompression_m,
-            accel_error=accel_errors(cam),
+            accel_error=accel_errors(scene.cam),
             solid=inf if spring is None or spring.solid_at is None else spring.solid_at,
             hertz=_hertz(machine),
             on_speed=ticks(progress, "speeds", len(rpms)),
@@ -134,10 +131,6 @@ def detach(
             done = tolerances(machines, found, work or Work(), progress)
             tables["tolerance"], values["tolerance"] = done
 
-    # two rows at a corner, one for each side
-    forces = [
-        (f.rpm, [*map(degrees, f.theta)], f.force_n, f.pressure_pa or None) for f in found.forces
-    ]
     notes = status_notes(found.troubled)
     if budget.status not in (status for _, status in found.troubled):
         notes += trouble(budget.status)
@@ -147,20 +140,7 @@ def detach(
         scene=scene,
         system=system,
         values=found,
-        tables={
-            "detach": Table.of_rows(DETACH.names(), lambda: _critical_rows(found)),
-            "accumulation": Table.of_rows(
-                ACCUMULATION.names(),
-                lambda: ((s.rpm, degrees(end)) for s in found.speeds for end in s.ends),
-            ),
-            "corner_hits": Table.of_rows(
-                CORNER_HITS.names(),
-                lambda: ((hit.impact, hit.corner, hit.rpm) for hit in found.hits),
-            ),
-            "force": Table(FORCES.names(), lambda: iter(forces)),
-            "speeds": Table.of_rows(PAST.names(), lambda: map(speed_row, found.past)),
-            **tables,
-        },
+        tables={**_tables(found), **tables},
         summary={"status": budget.status.text, **values},
         pictures={"detach": drawn_by("detach.draw_detach", found, system)},
         cost=found.cost,
@@ -174,8 +154,41 @@ def detach(
     return replace(result, files={"report.pdf": partial(_write_report, result, system)})
 
 
+def _held_in_report(machine: Machine) -> Machine:
+    """The machine, asked for springs that hold to the end of the range where a report needs some.
+
+    They are asked for already where the scene has detach.hold_to.
+    """
+    section = machine.scene.detach
+    if not section.report or section.hold_to is not None:
+        return machine
+    fastest = max(section.rpm.start, section.rpm.stop)
+    return replace(machine, scene=with_values(machine.scene, "detach", hold_to=fastest))
+
+
+def _tables(found: ContactLoss) -> dict[str, Table]:
+    """The tables by name, but for that of the tolerances."""
+    # two rows at a corner, one for each side
+    forces = [
+        (f.rpm, [*map(degrees, f.theta)], f.force_n, f.pressure_pa or None) for f in found.forces
+    ]
+    return {
+        "detach": Table.of_rows(DETACH.names(), lambda: _critical_rows(found)),
+        "accumulation": Table.of_rows(
+            ACCUMULATION.names(),
+            lambda: ((s.rpm, degrees(end)) for s in found.speeds for end in s.ends),
+        ),
+        "corner_hits": Table.of_rows(
+            CORNER_HITS.names(),
+            lambda: ((hit.impact, hit.corner, hit.rpm) for hit in found.hits),
+        ),
+        "force": Table(FORCES.names(), lambda: iter(forces)),
+        "speeds": Table.of_rows(PAST.names(), lambda: map(speed_row, found.past)),
+    }
+
+
 def _write_report(result: Result, system: System, file: BinaryIO) -> None:
-    """The page of --report."""
+    """Write report.pdf, the page of --report: the machine drawn, the verdict, tables and curves."""
     from camcli.output.pictures import write_picture
     from camcli.plots.detach import draw_report
     from camcli.plots.mechanism import Outline

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, fields
 from math import radians
 from os import PathLike
 from threading import Lock
-from typing import Any
+from typing import Any, NamedTuple
 
 from camcli.analysis.integrate import Settings, Start
 from camcli.analysis.natural_speed import Basis, Chosen, NaturalSpeed, natural_speed
@@ -22,15 +22,30 @@ from camcli.system import Follower, System, omega_of
 
 MOST_COMPILED = 256  # machines of a varied number that are kept
 MOST_CAMS = 32  # compiled cams that are kept in a process
-RANGES = {  # of the first loss of contact; of the natural frequency where contact is never lost
-    "sweep": (0.9, 1.5, 0.5, 2.0),
-    "detach": (0.9, 1.3, 0.5, 2.0),
-    "orbits": (1.0, 1.4, 0.5, 2.0),
-    "classify": (1.0, 1.4, 0.5, 2.0),
+
+
+class Share(NamedTuple):
+    """A range of speeds, in shares of the speed that a machine is known by."""
+
+    low: float
+    high: float
+
+
+# The speeds of a section that leaves them open. They lie about the first loss of contact, a little
+# below it where the motion before it is of interest; where contact is never lost, widely about the
+# natural frequency.
+ABOUT_FIRST_LOSS = {
+    "sweep": Share(0.9, 1.5),
+    "detach": Share(0.9, 1.3),
+    "orbits": Share(1.0, 1.4),
+    "classify": Share(1.0, 1.4),
 }
-PAST = 1.05  # one speed, of the first loss of contact
-HIGH, FAST = 2.0, 4.0  # of the lift above it, and of lift times omega: windows of starts
-LEAST_LIFT = 1e-12  # of |c|: a window of a smaller lift is so high
+ABOUT_NATURAL_FREQUENCY = Share(0.5, 2.0)
+# The window of starts of basins that leave it open, at one speed past the first loss of contact: as
+# high above the top of the cam as HIGH lifts, as fast as FAST times lift times omega.
+PAST = 1.05  # of the speed of the first loss
+HIGH, FAST = 2.0, 4.0
+LEAST_LIFT = 1e-12  # of |c|: a window of a smaller lift is made as if the lift were so high
 ANGLE_ROUNDING = 4e-16  # relative: two roundings, of pi/180 and of the product
 SLOWEST = 1e-300  # m/s, where lift times omega is no double
 
@@ -114,34 +129,50 @@ def ranged(scene: Scene, system: System) -> tuple[Scene, dict[str, Chosen]]:
     They are those of its machine: about the first loss of contact, or the natural frequency where
     contact is never or always lost. What the scene gives stays.
     """
-    sections = [name for name in (*RANGES, "basins") if is_open(scene, name)]
+    sections = [name for name in (*ABOUT_FIRST_LOSS, "basins") if is_open(scene, name)]
     natural = natural_speed(system) if sections else None
     if natural is None or natural.rpm == 0.0:
         return scene, {}
-    speed, lost = natural.rpm, natural.basis is Basis.FIRST_LOSS
-    chosen, update = {}, {}
+    filled: dict[str, Any] = {}
+    chosen: dict[str, Chosen] = {}
     for name in sections:
         section = getattr(scene, name)
-        by: NaturalSpeed | None = natural
+        values: dict[str, Any] = {}
         if name == "basins":
-            given = "rpm" in scene.run.model_fields_set or section.vary
-            low = high = scene.run.rpm if given else _round(PAST * speed)
-            by = None if given else natural
-            bottom, lift = _lift(system)
-            fast = _round(FAST * lift * omega_of(low)) or SLOWEST
-            ends = _round(bottom), _round(bottom + (1.0 + HIGH) * lift)
-            if not ends[0] < ends[1]:  # a lift below the digits that are shown
-                ends = bottom, bottom + (1.0 + HIGH) * max(lift, LEAST_LIFT * abs(bottom))
-            window = {"q": ends, "v": (-fast, fast)}
+            speeds = _speed_of_basins(scene, natural)
+            window = _window_of_starts(system, speeds.low)
+            values = {k: v for k, v in window.items() if k not in section.model_fields_set}
         else:
-            shares, window = RANGES[name][0 if lost else 2 :], {}
-            low, high = (_round(share * speed) for share in shares[:2])
-        window["rpm"] = section.rpm.model_copy(update={"start": low, "stop": high})
-        left = {k: v for k, v in window.items() if k == "rpm" or k not in section.model_fields_set}
-        update[name] = section.model_copy(update=left)
+            lost = natural.basis is Basis.FIRST_LOSS
+            share = ABOUT_FIRST_LOSS[name] if lost else ABOUT_NATURAL_FREQUENCY
+            low, high = _round(share.low * natural.rpm), _round(share.high * natural.rpm)
+            speeds = Chosen(low, high, natural)
+        values["rpm"] = section.rpm.model_copy(update={"start": speeds.low, "stop": speeds.high})
+        filled[name] = section.model_copy(update=values)
         if not getattr(section, "vary", ()):
-            chosen[name] = Chosen(low, high, by)
-    return scene.model_copy(update=update), chosen
+            chosen[name] = speeds
+    return scene.model_copy(update=filled), chosen
+
+
+def _speed_of_basins(scene: Scene, natural: NaturalSpeed) -> Chosen:
+    """The one speed of basins: that of the run where the scene gives it, else past the first loss.
+
+    Where the section varies another number it is that of the run, too.
+    """
+    if "rpm" in scene.run.model_fields_set or scene.basins.vary:
+        return Chosen(scene.run.rpm, scene.run.rpm, None)
+    rpm = _round(PAST * natural.rpm)
+    return Chosen(rpm, rpm, natural)
+
+
+def _window_of_starts(system: System, rpm: float) -> dict[str, tuple[float, float]]:
+    """The window of starts for basins: positions q (m) and velocities v (m/s), each (low, high)."""
+    bottom, lift = _lift(system)
+    fast = _round(FAST * lift * omega_of(rpm)) or SLOWEST
+    positions = _round(bottom), _round(bottom + (1.0 + HIGH) * lift)
+    if not positions[0] < positions[1]:  # a lift below the digits that are shown
+        positions = bottom, bottom + (1.0 + HIGH) * max(lift, LEAST_LIFT * abs(bottom))
+    return {"q": positions, "v": (-fast, fast)}
 
 
 def _lift(system: System) -> tuple[float, float]:
@@ -217,10 +248,14 @@ class Varied:
                 self._loaded({axis.path: value})
 
     def __call__(self, *values: float) -> tuple[System, float, Settings]:
-        """(system, rpm, settings) at a value of each axis."""
+        """(system, rpm, settings) at a value of each axis.
+
+        The speed and constants of the follower are changed in the machine that is there; for any
+        other number a machine is compiled, and the last MOST_COMPILED of these are kept.
+        """
         changes = dict(zip((axis.path for axis in self.axes), values, strict=True))
         rpm = changes.pop("run.rpm", None)
-        quick = {k: changes.pop(k) for k in list(changes) if k.startswith("follower.")}
+        of_follower = {k: changes.pop(k) for k in list(changes) if k.startswith("follower.")}
         key = tuple(changes.items())
         machine = self.compiled.get(key)
         if machine is None:
@@ -228,11 +263,11 @@ class Varied:
             if len(self.compiled) >= MOST_COMPILED:
                 self.compiled.clear()
             self.compiled[key] = machine
-        system, speed = machine.system, machine.scene.run.rpm if rpm is None else rpm
-        if quick:
-            named = {path.partition(".")[2]: value for path, value in quick.items()}
-            system = system.with_follower(**named)
-        return system, speed, machine.settings
+        system = machine.system
+        if of_follower:
+            constants = {path.partition(".")[2]: value for path, value in of_follower.items()}
+            system = system.with_follower(**constants)
+        return system, machine.scene.run.rpm if rpm is None else rpm, machine.settings
 
     def _loaded(self, changes: dict[str, Any]) -> Scene:
         """The scene with these keys changed, checked as if a user had given them.

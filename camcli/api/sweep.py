@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import groupby
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from camcli.analysis.labels import period_of
 from camcli.analysis.sweep import BOTH, FIXED, Speed, Sweep, rpm_grid, status_name, sweep_map
@@ -48,6 +48,7 @@ from camcli.words.sweep import map_notes, sweep_notes
 if TYPE_CHECKING:
     from camcli.analysis.classify import ClassifiedMotion
     from camcli.analysis.explain.changes import Explanation
+    from camcli.scene.schema import Sweep as SweepSection
 
 MAP = Head(
     "map",
@@ -102,17 +103,9 @@ def sweep(
     """
     machine = machine_of(scene)
     scene, section = machine.scene, machine.scene.sweep
-    if section.explain and section.direction != FIXED:
-        what, cure = f"found {section.direction}", "leave --explain out, or set it to fixed"
-        raise SceneError(Fault("--explain", "sweep.direction", what, "expected fixed", cure))
-    if section.explain:
-        refuse_to_explain(section, "sweep")
+    _refuse_what_contradicts(section)
     if len(section.vary) == 2:
         return _mapped(machine, progress, work or Work())
-    if section.curves is not None:
-        cure = "vary a second number: --vary KEY=LO:HI"
-        fault = Fault("--curves", "sweep.vary", "found no map", "expected two numbers", cure)
-        raise SceneError(fault)
     key, values, setup = span_of(machine, section)
     branches = [] if section.branches is None else read_branches(section.branches, key)
     if section.zoom:
@@ -145,6 +138,19 @@ def sweep(
             motions, explanation = _explained(machine, found, progress, work)
         result = _result(machine, found, branches, motions, explanation)
     return replace(result, seconds=watch.seconds, faults=tuple(faults))
+
+
+def _refuse_what_contradicts(section: SweepSection) -> None:
+    """Raise SceneError for an explanation of a carried state, and for curves without a map."""
+    if section.explain and section.direction != FIXED:
+        found, cure = f"found {section.direction}", "leave --explain out, or set it to fixed"
+        raise SceneError(Fault("--explain", "sweep.direction", found, "expected fixed", cure))
+    if section.explain:
+        refuse_to_explain(section, "sweep")
+    if section.curves is not None and len(section.vary) != 2:
+        cure = "vary a second number: --vary KEY=LO:HI"
+        fault = Fault("--curves", "sweep.vary", "found no map", "expected two numbers", cure)
+        raise SceneError(fault)
 
 
 def _mapped(machine: Machine, progress: Progress | None, work: Work) -> Result:
@@ -275,22 +281,42 @@ def _summary(found: Sweep) -> dict[str, Any]:
         "direction": found.direction,
         "holds_for": Counter(filter(None, (speed.holds_for for speed in found.bare))),
         "ranges": [
-            {"label": label, "status": status, "from_rpm": a.value, "to_rpm": b.value, "speeds": n}
-            | dict(zip(found.way_names, way, strict=True))
-            for label, status, way, a, b, n in ranges(found)
+            {
+                "label": alike.label,
+                "status": alike.status,
+                "from_rpm": alike.first.value,
+                "to_rpm": alike.last.value,
+                "speeds": alike.speeds,
+                **dict(zip(found.way_names, alike.way, strict=True)),
+            }
+            for alike in ranges(found)
         ],
     }
 
 
-def ranges(found: Sweep) -> list[tuple[str, str, tuple[str | int, ...], Speed, Speed, int]]:
-    """(label, status, way, first, last, count) of consecutive speeds alike in the first three."""
+class LabelRange(NamedTuple):
+    """Consecutive speeds with one label and status, computed in one way.
+
+    way: the direction, or the number of the start, where a sweep has several; else empty.
+    """
+
+    label: str
+    status: str
+    way: tuple[str | int, ...]
+    first: Speed
+    last: Speed
+    speeds: int
+
+
+def ranges(found: Sweep) -> list[LabelRange]:
+    """The speeds of a sweep in ranges of one label, in the order in which they were computed."""
     groups = []
     for (label, status, way), members in groupby(
         zip(found.bare, found.ways, strict=True),
         lambda pair: (pair[0].label, status_name(pair[0].status), pair[1]),
     ):
-        same = [speed for speed, _ in members]
-        groups.append((label, status, way, same[0], same[-1], len(same)))
+        alike = [speed for speed, _ in members]
+        groups.append(LabelRange(label, status, way, alike[0], alike[-1], len(alike)))
     return groups
 
 

@@ -105,15 +105,15 @@ def show(result: Result, verbose: bool) -> None:
     groups = ranges(found)
     rows = [
         [
-            shown(label),
-            motion(label),
-            f"{a.value:.10g}",
-            f"{b.value:.10g}",
-            *map(str, way),
-            str(n),
-            status,
+            shown(alike.label),
+            motion(alike.label),
+            f"{alike.first.value:.10g}",
+            f"{alike.last.value:.10g}",
+            *map(str, alike.way),
+            str(alike.speeds),
+            alike.status,
         ]
-        for label, status, way, a, b, n in groups
+        for alike in groups
     ]
     what = "speed" if found.key == "rpm" else "value"
     title = sweep_title(found, len(groups))
