@@ -56,6 +56,9 @@ ENOUGH = 128  # bits of what is compared or printed
 LOST = 24  # bits, that such a step may lose to the sizes of derivatives
 
 
+Matrix = tuple[float, float, float, float]  # rows one after the other
+
+
 @contextmanager
 def fewer_bits(bits: int) -> Iterator[None]:
     """Calculate with no more than so many bits."""
@@ -65,9 +68,6 @@ def fewer_bits(bits: int) -> Iterator[None]:
         yield
     finally:
         ctx.prec = full
-
-
-Matrix = tuple[float, float, float, float]  # rows one after the other
 
 
 class Spread(NamedTuple):

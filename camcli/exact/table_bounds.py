@@ -38,9 +38,10 @@ def table_and_bounds(shape: Shape, strobe: float) -> tuple[Cam, tuple[float, ...
 
 
 def table_bounds(shape: Shape, cam: Cam) -> tuple[float, ...] | None:
-    """The columns `bounds` of `kernel.enclosed_landing` for a cam and its table.
+    """Errors, then sizes, of c and its derivatives, as `kernel.enclosed_landing` takes them.
 
-    None where the table is not of these stretches, or nothing can be shown.
+    Of what the table says of the cam (m, rad), with the roundings of its evaluation. None where
+    the table is not of these stretches, or nothing can be shown.
     """
     try:
         with precision(DIGITS), _long_series():
