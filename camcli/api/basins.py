@@ -13,7 +13,7 @@ from camcli.analysis.basins.window import Window
 from camcli.analysis.labels import Label
 from camcli.analysis.sweep import status_name
 from camcli.analysis.throw import throw
-from camcli.api.command import Command, Drawing, Size, fewer, sample
+from camcli.api.command import Command, Drawing, Repeated, Size, fewer, sample
 from camcli.api.machine import machine_of, span_of, with_values
 from camcli.api.result import Progress, Result, drawn_by
 from camcli.api.rows import multiplier_columns
@@ -353,11 +353,12 @@ def _sample(scene: Scene, n: int) -> Scene:
     return sample(scene, "basins", refine=0, cells=cells, **fewer(scene.basins, 1))
 
 
-def _repeated(scene: Scene) -> tuple[Scene, int]:
+def _repeated(scene: Scene) -> Repeated:
     """Each speed, or value, has attractors to be found, and cells; the middle stands for all."""
     count = scene.basins.count
-    middle = with_values(scene, "basins", **fewer(scene.basins, 1))
-    return (middle, count) if count > 1 else (scene, 1)
+    if count == 1:
+        return Repeated(scene, times=1)
+    return Repeated(with_values(scene, "basins", **fewer(scene.basins, 1)), times=count)
 
 
 COMMAND = Command(

@@ -45,14 +45,29 @@ class Drawing(NamedTuple):
     per_pixel: float
 
 
-class Page(NamedTuple):
-    """A page made of other analyses: the command and scene of each by name, and its bytes.
+class Part(NamedTuple):
+    """An analysis that is part of a page: the name of its command, and its scene."""
 
-    size: (machine, samples of the parts by name) -> bytes.
+    command: str
+    scene: Scene
+
+
+class Page(NamedTuple):
+    """A page made of other analyses.
+
+    parts: from the scene of the page, its parts by name. size: from the machine, and the results of
+    samples of the parts by name, the bytes of the page.
     """
 
-    parts: Callable[[Scene], Mapping[str, tuple[str, Scene]]]
+    parts: Callable[[Scene], Mapping[str, Part]]
     size: Callable[[Machine, Mapping[str, Result]], float]
+
+
+class Repeated(NamedTuple):
+    """One of several works that are alike, as a scene of its own, and how many they are."""
+
+    scene: Scene
+    times: int
 
 
 def one_run(scene: Scene) -> Size:
@@ -106,9 +121,9 @@ def no_pieces(scene: Scene) -> bool:
     return False
 
 
-def all_at_once(scene: Scene) -> tuple[Scene, int]:
+def all_at_once(scene: Scene) -> Repeated:
     """A command of which a sample is a part of all its work."""
-    return scene, 1
+    return Repeated(scene, times=1)
 
 
 def no_bytes(scene: Scene) -> float:
@@ -160,7 +175,7 @@ class Command:
     drawing: Callable[[Scene], Drawing] = lambda scene: Drawing(200e3, 100e6, 5.0)
     beside: Callable[[Scene], float] = no_bytes
     sample: Callable[[Scene, int], Scene] | None = whole
-    repeated: Callable[[Scene], tuple[Scene, int]] = all_at_once
+    repeated: Callable[[Scene], Repeated] = all_at_once
     check: Callable[[Scene], None] = check_nothing
     not_foreseen: Callable[[Scene], list[str]] = nothing
     keeps_pieces: Callable[[Scene], bool] = no_pieces
@@ -211,9 +226,9 @@ def columns_of(command: Command) -> Iterator[Column]:
     """Every column of every table of a command, in the order of the files."""
     for head in command.tables:
         for when, quantities in (("", head.columns), *head.more.items()):
-            for one in quantities:
-                name = f"{one.column}_1.." if one.numbered else one.column
-                yield Column(head.name, name, one.unit, one.meaning, when)
+            for quantity in quantities:
+                name = f"{quantity.column}_1.." if quantity.numbered else quantity.column
+                yield Column(head.name, name, quantity.unit, quantity.meaning, when)
 
 
 def command_of(name: str) -> Command:

@@ -19,7 +19,7 @@ from camcli.analysis.labels import APERIODIC, CONTACT, UNDECIDED, Label, period_
 from camcli.analysis.orbits.same_orbit import distance_to
 from camcli.analysis.simulate import STICKING, Simulation, simulate
 from camcli.api.basins import basins
-from camcli.api.command import Command, Drawing, Page, Size
+from camcli.api.command import Command, Drawing, Page, Part, Size
 from camcli.api.lift_table import lost_between
 from camcli.api.machine import Machine, Varied, machine_of, with_arguments, with_values
 from camcli.api.orbits import orbits
@@ -166,7 +166,7 @@ def explore(
     asked = parts_of(scene)
     samples = _samples_of(machine)
     _refuse_too_many(span, samples)
-    of_map = _samples_of_map(machine, asked["map"][1].sweep.vary) if section.map else samples
+    of_map = _samples_of_map(machine, asked["map"].scene.sweep.vary) if section.map else samples
     with stopwatch() as watch, gathering() as faults:
         runs = len(DIRECTIONS) * span.num + scene.orbits.starts
         for_work(runs * (scene.run.transient + scene.run.record))
@@ -238,20 +238,20 @@ def _write_page(machine: Machine, explored: Explored, file: BinaryIO) -> None:
     file.write(page(data).encode())
 
 
-def parts_of(scene: Scene) -> dict[str, tuple[str, Scene]]:
+def parts_of(scene: Scene) -> dict[str, Part]:
     """The analyses that a page is made of: the command and the scene of each, by name."""
     whole = {"vary": (), "lyapunov": True, "sections": ("impacts", "strobe"), "tables": "csv"}
     whole |= {"zoom": (), "adaptive": False, "explain": False}  # the speeds of the page alone
     parts = {
-        f"sweep {way}": ("sweep", with_values(scene, "sweep", **whole, direction=way))
+        f"sweep {way}": Part("sweep", with_values(scene, "sweep", **whole, direction=way))
         for way in DIRECTIONS
     }
-    parts["orbits"] = "orbits", _orbits_scene(scene)
+    parts["orbits"] = Part("orbits", _orbits_scene(scene))
     if scene.explore.basins:  # at one speed, with cells of one size
         speed = scene.basins.rpm.model_copy(update={"stop": scene.basins.rpm.start})
-        parts["basins"] = "basins", with_values(scene, "basins", rpm=speed, refine=0)
+        parts["basins"] = Part("basins", with_values(scene, "basins", rpm=speed, refine=0))
     if scene.explore.map:
-        parts["map"] = "sweep", with_values(scene, "sweep", vary=_axes_of_map(scene))
+        parts["map"] = Part("sweep", with_values(scene, "sweep", vary=_axes_of_map(scene)))
     return parts
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from camcli.api.command import Command, Page, command_of
 from camcli.cli.options import Request
 from camcli.cli.report import table
-from camcli.cli.sizes import PROGRAM, drawing_of, in_words
+from camcli.cli.sizes import NOT_DRAWN, PROGRAM, drawing_of, in_words
 from camcli.interrupts import CutOffError, until
 from camcli.kernel.backend import LITTLE_WORK, Stopwatch, for_work, stopwatch
 from camcli.parallel import Shard, Work
@@ -24,20 +24,42 @@ if TYPE_CHECKING:
 RECORD = 5e3  # bytes of run.json
 MOST = 10.0  # s of all samples, then nothing more is foreseen
 ENOUGH = 1.0  # s after which no larger sample is run
-PER_WORK = 2e-7  # s, for one of it, measured: 1e-7 to 4e-7
-LARGEST = 32  # the largest sample; each is twice the one before
+PER_WORK = 2e-7  # s for one unit of run.work_budget, measured: 1e-7 to 4e-7
+# A sample has so many pieces: first FIRST, then twice as many each time, LARGEST at most. Where the
+# turns of the whole are known one sample can be enough; else two are compared.
+FIRST, FIRST_OF_TWO = 8, 2
+LARGEST = 32
 # tables that grow with the record, or the cells
 LARGE = ("impacts", "strobe", "trajectory", "events", "basins")
 
 
 class Cost(NamedTuple):
-    """What a sample, or a whole run, takes: bytes of LARGE tables, of others, and of pieces."""
+    """What a sample, or a whole run, takes."""
 
     impacts: float
     seconds: float
-    recorded: float
-    rows: float
-    kept: float
+    recorded: float  # bytes of LARGE tables
+    rows: float  # bytes of other tables, and of the summary
+    kept: float  # bytes of finished pieces on disk
+
+    def times(self, count: float) -> Cost:
+        """The cost of so many runs that are alike."""
+        return Cost(*(count * part for part in self))
+
+
+class Sample(NamedTuple):
+    """A sample that was run: its scene, its cost, its result."""
+
+    scene: Scene
+    cost: Cost
+    result: Result
+
+
+class Foreseen(NamedTuple):
+    """The cost of a whole run, and the result of the largest sample of it."""
+
+    cost: Cost
+    result: Result
 
 
 class _Weighed(Checkpoint):
@@ -61,7 +83,7 @@ def forecast(command: Command, scene: Scene, request: Request, shard: Shard | No
     notes += command.not_foreseen(scene)
     cost = None
     if size.orbits == 0:
-        cost = Cost(0.0, 0.0, 0.0, size.tables, 0.0)
+        cost = Cost(impacts=0.0, seconds=0.0, recorded=0.0, rows=size.tables, kept=0.0)
     elif command.sample is not None:
         with stopwatch() as watch, until(lambda: watch.passed() > MOST):
             try:
@@ -73,11 +95,11 @@ def forecast(command: Command, scene: Scene, request: Request, shard: Shard | No
         most = scene.run.work_budget
         notes.append(plan.budget_ends(most, PER_WORK * most))
     drawn = not request.no_plot and shard is None
-    drawing, pictures = drawing_of(command, scene) if drawn else (0.0, 0.0)
-    more = command.beside(scene)
+    pictures = drawing_of(command, scene) if drawn else NOT_DRAWN
+    beside = command.beside(scene)
     files = kept = None
     if cost is not None:
-        files = 0 if shard else ceil(cost.recorded + cost.rows + RECORD + pictures + more)
+        files = 0 if shard else ceil(cost.recorded + cost.rows + RECORD + pictures.files + beside)
         kept = ceil(cost.kept / share) if command.keeps_pieces(scene) else 0
     planned = {
         "orbits": ceil(size.orbits / share),
@@ -86,7 +108,7 @@ def forecast(command: Command, scene: Scene, request: Request, shard: Shard | No
         "seconds": None if cost is None else cost.seconds / share,
         "bytes": files,
         "disk": None if files is None or kept is None else files + kept,
-        "memory": round(PROGRAM + drawing + size.memory),
+        "memory": round(PROGRAM + pictures.memory + size.memory),
     }
     if request.json:
         print(json.dumps({"command": command.name, "plan": {**planned, "notes": notes}}, indent=2))
@@ -110,11 +132,11 @@ def _sampled(command: Command, scene: Scene, request: Request, watch: Stopwatch)
     """The cost of a command from samples of it, or of the commands that it is made of."""
     if command.page is not None:
         return _of_page(command.page, scene, request, watch)
-    one, times = command.repeated(scene)
-    cost, _ = _extrapolated(command, one, request, watch)
-    if times > 1 and command.size(scene).rows == 0:  # what grows is not written then
+    repeated = command.repeated(scene)
+    cost = _extrapolated(command, repeated.scene, request, watch).cost
+    if repeated.times > 1 and command.size(scene).rows == 0:  # what grows is not written then
         cost = cost._replace(recorded=0.0)
-    return Cost(*(times * part for part in cost))
+    return cost.times(repeated.times)
 
 
 def _of_page(page: Page, scene: Scene, request: Request, watch: Stopwatch) -> Cost:
@@ -122,61 +144,90 @@ def _of_page(page: Page, scene: Scene, request: Request, watch: Stopwatch) -> Co
     from camcli.api.machine import machine_of
 
     machine = machine_of(scene)
-    samples = {}
-    for name, (part, own) in page.parts(machine.scene).items():
-        command = command_of(part)
+    foreseen = {}
+    for name, part in page.parts(machine.scene).items():
+        command = command_of(part.command)
         if command.sample is not None:
-            samples[name] = _extrapolated(command, own, request, watch)
-    costs = [cost for cost, _ in samples.values()]
-    results = {name: result for name, (_, result) in samples.items()}
-    length = page.size(machine, results)
-    return Cost(sum(c.impacts for c in costs), sum(c.seconds for c in costs), 0.0, length, 0.0)
+            foreseen[name] = _extrapolated(command, part.scene, request, watch)
+    length = page.size(machine, {name: one.result for name, one in foreseen.items()})
+    return Cost(
+        impacts=sum(part.cost.impacts for part in foreseen.values()),
+        seconds=sum(part.cost.seconds for part in foreseen.values()),
+        recorded=0.0,
+        rows=length,
+        kept=0.0,
+    )
 
 
-def _extrapolated(
-    command: Command, scene: Scene, request: Request, watch: Stopwatch
-) -> tuple[Cost, Result]:
-    """The cost, from samples of growing size, and the result of the largest of them.
+def _extrapolated(command: Command, scene: Scene, request: Request, watch: Stopwatch) -> Foreseen:
+    """The cost of a run, from samples of growing size.
 
-    In proportion to the turns, recorded turns and rows where their number is known, else fixed +
-    pieces * each, from the two largest samples: a cost that comes once must be told from the rest.
+    watch: the time of all samples of the forecast, which must not take longer than MOST.
     """
+    samples = _samples(command, scene, request, watch)
+    if command.size(scene).turns:
+        cost = _by_turns(command, scene, samples[-1])
+    else:
+        cost = _by_pieces(command, scene, samples)
+    return Foreseen(cost, samples[-1].result)
+
+
+def _samples(command: Command, scene: Scene, request: Request, watch: Stopwatch) -> list[Sample]:
+    """Samples, each of twice the pieces of the one before, until they have taken ENOUGH time."""
     assert command.sample is not None
     size = command.size(scene)
     for_work(size.turns or LITTLE_WORK + 1)  # a sample runs as the whole will
-    samples: list[tuple[Scene, Cost]] = []
+    samples: list[Sample] = []
 
     def tick(*_: object) -> None:
         """End the sample where all samples together have taken too long."""
         if watch.passed() > MOST:
             raise CutOffError
 
-    n, enough = (8, 1) if size.turns else (2, 2)
-    with stopwatch() as own:
-        while n <= LARGEST and (len(samples) < enough or own.passed() < ENOUGH):
-            small, weighed = command.sample(scene, n), _Weighed()
-            pieces = command.size(small).pieces
+    pieces, least = (FIRST, 1) if size.turns else (FIRST_OF_TWO, 2)
+    with stopwatch() as of_these:
+        while pieces <= LARGEST and (len(samples) < least or of_these.passed() < ENOUGH):
+            small, weighed = command.sample(scene, pieces), _Weighed()
+            is_all = command.size(small).pieces == size.pieces
             result = command.in_pieces(Work(request.threads, weighed))(small, tick)
-            samples.append((small, _cost_of(result, weighed.bytes)))
-            if pieces == size.pieces:
+            samples.append(Sample(small, _cost_of(result, weighed.bytes), result))
+            if is_all:
                 break
-            n *= 2
-    small, last = samples[-1]
-    part = command.size(small)
-    if size.turns:
-        turns, rows = size.turns / part.turns, size.rows / max(1, part.rows)
-        recorded = size.orbits * scene.run.record / (part.orbits * small.run.record)
-        kept = recorded if last.recorded else rows
-        scales = Cost(turns, turns, recorded, rows, kept)
-        return Cost(*(cost * scale for cost, scale in zip(last, scales, strict=True))), result
+            pieces *= 2
+    return samples
+
+
+def _by_turns(command: Command, scene: Scene, sample: Sample) -> Cost:
+    """The cost of the whole, in proportion to its turns, recorded turns and rows."""
+    size, part = command.size(scene), command.size(sample.scene)
+    turns = size.turns / part.turns
+    rows = size.rows / max(1, part.rows)
+    recorded = size.orbits * scene.run.record / (part.orbits * sample.scene.run.record)
+    cost = sample.cost
+    return Cost(
+        impacts=cost.impacts * turns,
+        seconds=cost.seconds * turns,
+        recorded=cost.recorded * recorded,
+        rows=cost.rows * rows,
+        kept=cost.kept * (recorded if cost.recorded else rows),
+    )
+
+
+def _by_pieces(command: Command, scene: Scene, samples: list[Sample]) -> Cost:
+    """The cost of the whole as fixed + pieces * each, from the two largest samples.
+
+    A cost that comes once must be told from the rest; with one sample nothing is taken to be fixed.
+    """
+    last = samples[-1].cost
+    pieces = command.size(samples[-1].scene).pieces
     fixed = Cost(0.0, 0.0, 0.0, 0.0, 0.0)
     if len(samples) > 1:
-        before, earlier = samples[-2]
-        share = part.pieces / (part.pieces - command.size(before).pieces)
-        pairs = zip(earlier, last, strict=True)
+        before = samples[-2].cost
+        share = pieces / (pieces - command.size(samples[-2].scene).pieces)
+        pairs = zip(before, last, strict=True)
         fixed = Cost(*(min(b, max(0.0, b - share * (b - a))) for a, b in pairs))
-    scale = size.pieces / part.pieces
-    return Cost(*(f + (c - f) * scale for f, c in zip(fixed, last, strict=True))), result
+    scale = command.size(scene).pieces / pieces
+    return Cost(*(f + (c - f) * scale for f, c in zip(fixed, last, strict=True)))
 
 
 def _cost_of(result: Result, kept: int) -> Cost:

@@ -78,7 +78,8 @@ def numbers(text: str | None, option: str, form: str, example: str) -> list[floa
 def refuse_idle(*faults: tuple[object, str, str, str]) -> None:
     """Raise SceneError for options that mean nothing together.
 
-    Of each (whether that is so, its name, without or with what, what to do).
+    Each is (whether it was given so, its name, without or with what, what to do): for instance
+    `(seed and not starts, "--seed", "without --starts", "add --starts N")`.
     """
     found = [
         Fault(name, "", f"found it {beside}", "it means nothing there", cure)

@@ -73,18 +73,20 @@ def rerun(
             run_folder(out, threads=request.threads, names=[*command.artefacts])
         )
         result, made = compute(command, scene, request, place, found.draws)
-    now = made["artefacts"]
-    verdicts = {
-        name: MISSING if name not in now
-        else OTHER if now[name] != digest
-        else CHANGED if name in changed
-        else SAME
-        for name, digest in found.artefacts.items()
-    }  # fmt: skip
+    verdicts = {}
+    for name, digest in found.artefacts.items():
+        if name not in made["artefacts"]:
+            verdicts[name] = MISSING
+        elif made["artefacts"][name] != digest:
+            verdicts[name] = OTHER
+        elif name in changed:
+            verdicts[name] = CHANGED
+        else:
+            verdicts[name] = SAME
     differ = [name for name, verdict in verdicts.items() if verdict != SAME]
     if request.json:
-        said = {"command": found.command, "same": not differ, "artefacts": verdicts}
-        print(json.dumps(said, indent=2))
+        answer = {"command": found.command, "same": not differ, "artefacts": verdicts}
+        print(json.dumps(answer, indent=2))
     else:
         title = rerun_title(found.command, not differ)
         table(title, ["artefact", "verdict"], [list(row) for row in verdicts.items()])
@@ -184,4 +186,5 @@ def read_record(path: Path) -> Record:
 
 
 def _unreadable(path: Path, found: str) -> SceneError:
+    """The fault of a file that is no run.json, with what was found."""
     return SceneError(Fault(str(path), "", found, EXPECTED, CURE))

@@ -112,7 +112,10 @@ def points_of(request: Request, axes: int = 1) -> Sequence[int | None]:
 
 
 def span_of(text: str, option: str, form: str, example: str) -> dict[str, Any]:
-    """LO:HI as the start and stop of a section."""
+    """The numbers of LO:HI as keys of a scene, `start` and `stop`.
+
+    option: what the text was given with; form and example: how it should look, for the fault.
+    """
     ends = numbers(text, option, form, example) or ()
     return dict(zip(("start", "stop"), ends, strict=True))
 
@@ -128,7 +131,8 @@ def run(
 ) -> int:
     """Run the command of this name as the user asked for it; returns the exit code.
 
-    values: what the options set in the scene.
+    values: what the options set in the scene. show: prints the result of the run. shard, cluster:
+    the texts of --shard and --cluster. With --dry-run nothing is run but the samples of a forecast.
     """
     from camcli.cli.panels import check_panels
 
@@ -218,7 +222,7 @@ def compute(
     folder: RunFolder,
     plot: bool,
 ) -> tuple[Result, Mapping[str, Any]]:
-    """The result of an analysis and its run.json, after its artefacts are written."""
+    """Run an analysis, write its artefacts into the folder, and return (result, its run.json)."""
     with compiling(request), progress_bar(request.quiet) as progress:
         result = command.in_pieces(folder.work)(scene, progress)
         return result, result.write(folder, plot=plot, from_disk=folder.resumed)

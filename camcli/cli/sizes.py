@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from pathlib import Path
+from typing import NamedTuple
 
 from camcli.api.command import Command
 from camcli.errors import Fault, SceneError
@@ -12,19 +13,29 @@ from camcli.parallel import Shard, memory
 from camcli.scene import Scene
 from camcli.scene.schema import Plot
 
-SHARE_OF_MEMORY = 0.8
+SHARE_OF_MEMORY = 0.8  # that a run may need; the words of `refuse_too_large` say 80%
 PROGRAM = 110e6  # bytes of memory of the program with the compiled kernel, measured
 MUCH = 200e6  # bytes of files that are worth a word
 PAGE, PER_INCH = (170.0, 230.0), 300.0  # mm; dots
 PER_PIXEL = 0.01  # bytes of a PNG for each pixel more
 
 
-def drawing_of(command: Command, scene: Scene) -> tuple[float, float]:
-    """(bytes of memory to draw the pictures of a command, bytes of their files)."""
-    drawing = command.drawing(scene)
+class Drawn(NamedTuple):
+    """Bytes of memory to draw the pictures of a command, and bytes of their files."""
+
+    memory: float
+    files: float
+
+
+NOT_DRAWN = Drawn(0.0, 0.0)
+
+
+def drawing_of(command: Command, scene: Scene) -> Drawn:
+    """What drawing takes, from that of a picture of usual size and the pixels beyond it."""
+    usual = command.drawing(scene)
     more = max(0.0, _pixels(scene.plot) - _pixels(Plot()))
-    files = len(scene.plot.formats) * (drawing.file + PER_PIXEL * more)
-    return drawing.memory + drawing.per_pixel * more, files
+    files = len(scene.plot.formats) * (usual.file + PER_PIXEL * more)
+    return Drawn(usual.memory + usual.per_pixel * more, files)
 
 
 def _pixels(plot: Plot) -> float:
@@ -37,6 +48,13 @@ def _pixels(plot: Plot) -> float:
     return plot.width * (plot.height or PAGE[1]) * (per_inch / 25.4) ** 2
 
 
+class Limit(NamedTuple):
+    """How many bytes there may be, and why, in words."""
+
+    bytes: float
+    words: str
+
+
 def refuse_too_large(
     command: Command,
     scene: Scene,
@@ -46,22 +64,22 @@ def refuse_too_large(
     shard: Shard | None = None,
 ) -> None:
     """Raise SceneError for a run whose least need is more than this machine has."""
-    need, share = command.size(scene), 1 if shard is None else shard.total
-    drawing = drawing_of(command, scene)[0] if drawn and shard is None else 0.0
-    files = need.kept if shard is not None else need.kept + need.tables
+    size, share = command.size(scene), 1 if shard is None else shard.total
+    drawing = drawing_of(command, scene) if drawn and shard is None else NOT_DRAWN
+    files = size.kept if shard is not None else size.kept + size.tables
+    of_memory = Limit(SHARE_OF_MEMORY * memory(), "80% of this machine's")
+    of_disk = Limit(free_disk(folder), f"free on the disk of {folder}")
+    smaller = "draw smaller: plot.width, plot.height, or the dpi of plot.style"
     faults = []
-    for have, needed, of, where, cure in (
-        (SHARE_OF_MEMORY * memory(), need.memory, "memory", "80% of this machine's",
-         "ask for fewer"),
-        (SHARE_OF_MEMORY * memory(), drawing, "memory to draw", "80% of this machine's",
-         "draw smaller: plot.width, plot.height, or the dpi of plot.style"),
-        (free_disk(folder), files / share, "files",
-         f"free on the disk of {folder}", "ask for fewer, or choose another -o"),
-    ):  # fmt: skip
-        if needed > have:
-            found = f"found {need.what}, at least {in_words(needed)} of {of}"
-            limit = f"expected at most {in_words(have)}, {where}"
-            faults.append(Fault("", command.name, found, limit, cure))
+    for needed, limit, what, cure in (
+        (size.memory, of_memory, "memory", "ask for fewer"),
+        (drawing.memory, of_memory, "memory to draw", smaller),
+        (files / share, of_disk, "files", "ask for fewer, or choose another -o"),
+    ):
+        if needed > limit.bytes:
+            found = f"found {size.what}, at least {in_words(needed)} of {what}"
+            expected = f"expected at most {in_words(limit.bytes)}, {limit.words}"
+            faults.append(Fault("", command.name, found, expected, cure))
     if faults:
         raise SceneError(*faults)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from math import ceil, degrees
-from typing import Any
+from typing import Any, NamedTuple
 
 import camcli.analysis.contact_loss.detachment as loss
 from camcli.analysis.contact_loss.hold import Hold, HoldStatus
@@ -64,27 +64,41 @@ def _at_one_speed(result: Any, crank: float) -> str:
     return f"At {speed} contact is lost: the follower lands at up to {landing:.2g} m/s."
 
 
+class _Landing(NamedTuple):
+    """Columns of speeds.csv, of a speed at which the follower lands; compared by the first."""
+
+    max_impact_m_per_s: float
+    landing_deg: float
+    landing_lift_m: float
+    max_gap_m: float
+    rpm: float
+    shut_bounces_per_turn: float
+
+
 def _past(result: Any) -> Iterator[str]:
-    """What was seen past the loss of contact."""
+    """Clauses on what was seen past the loss of contact, none where nothing was."""
     table = result.tables.get("speeds")
     if table is None or not {"rpm", "max_impact_m_per_s"} <= set(table.columns):
         return
-    names = "max_impact_m_per_s landing_deg landing_lift_m max_gap_m rpm shut_bounces_per_turn"
-    speeds = table.arrays(*names.split())
-    rows = [row for row in zip(*speeds.values(), strict=True) if row[0] > 0.0]
-    if not rows:
+    columns = table.arrays(*_Landing._fields)
+    rows = [_Landing(*row) for row in zip(*columns.values(), strict=True)]
+    landings = [row for row in rows if row.max_impact_m_per_s > 0.0]
+    if not landings:
         return
-    u, theta, lift, *_ = max(rows)
-    gap, top, shut = (max(row[k] for row in rows) for k in (3, 4, 5))
-    lowest = min(row[4] for row in rows)
-    mm, speed = units_of(result.system).lengths, f"{u:.0f}" if u >= 10.0 else f"{u:.2g}"
-    where = f"at {top:.6g} rpm"
-    if lowest < top:
-        ends = (round(x, decimals(spacing(speeds["rpm"]))) for x in (lowest, top))
-        where = "from {:.10g} to {:.10g} rpm".format(*ends)
+    hardest = max(landings)
+    gap = max(row.max_gap_m for row in landings)
+    bounces = max(row.shut_bounces_per_turn for row in landings)
+    slowest, fastest = min(row.rpm for row in landings), max(row.rpm for row in landings)
+    where = f"at {fastest:.6g} rpm"
+    if slowest < fastest:
+        digits = decimals(spacing(columns["rpm"]))
+        where = f"from {round(slowest, digits):.10g} to {round(fastest, digits):.10g} rpm"
+    u, lengths = hardest.max_impact_m_per_s, units_of(result.system).lengths
+    speed = f"{u:.0f}" if u >= 10.0 else f"{u:.2g}"
+    place = f"{hardest.landing_deg:.4g} deg, {lengths(hardest.landing_lift_m)} above its lowest"
     yield f"; past it, {where}, the follower lands at up to {speed} m/s"
-    yield f" ({theta:.4g} deg, {mm(lift)} above its lowest), flies up to {mm(gap)} off the cam"
-    yield f", and bounces on the shut cam ({shut:.2g} a turn at most)" if shut else ""
+    yield f" ({place}), flies up to {lengths(gap)} off the cam"
+    yield f", and bounces on the shut cam ({bounces:.2g} a turn at most)" if bounces else ""
 
 
 def _springs(result: Any) -> Iterator[str]:
