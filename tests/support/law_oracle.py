@@ -44,6 +44,11 @@ class Law:
     """s(x) from zones [(end, acceleration), ...] that start at x = 0 with s = s' = 0."""
 
     def __init__(self, zones):
+        """A law of motion from zones: (end, wave) each, waves as second derivatives of the lift.
+
+        Each zone begins with the height and the rate at which the one before it ends. The whole is
+        scaled to a lift of 1.
+        """
         self.zones, start, height, rate = [], mpf(0), mpf(0), mpf(0)
         for end, zone in zones:
             self.zones.append((start, mpf(end), zone, height, rate))
@@ -66,6 +71,7 @@ class Law:
 
     @staticmethod
     def _at(zone, x):
+        """(None, height, rate) at x in a zone: the wave integrated twice, and once."""
         start, _, wave, height, rate = zone
         gained = wave.at(x, -1) - wave.at(start, -1)
         moved = wave.at(x, -2) - wave.at(start, -2) - wave.at(start, -1) * (x - start)

@@ -41,6 +41,11 @@ class Fork:
     """`cam` in a fork of this process; `arm` is called in it before."""
 
     def __init__(self, words: tuple[str, ...], cwd: Path, arm: Callable[[], None] = lambda: None):
+        """Fork; the child becomes `cam WORDS` in a folder, with stderr in a file and no stdout.
+
+        It ends with the exit code of the command: 130 where it is interrupted before the command
+        has begun, 99 where something else went wrong.
+        """
         self.said = TemporaryFile("w+")  # noqa: SIM115 - as long as the process
         self.pid = os.fork()
         if self.pid == 0:
@@ -63,7 +68,7 @@ class Fork:
                 os._exit(99)
 
     def poll(self) -> bool | None:
-        """None as long as it runs."""
+        """None while it runs, then True; the child stays to be waited for."""
         return os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) and True
 
     def send_signal(self, which: int) -> None:
@@ -129,6 +134,7 @@ def dying(where: str, number: int, how: str) -> Callable[[], None]:
         os.kill(os.getpid(), signal.Signals[how])
 
     def counted(*args, **options):
+        """The call, or at the last one that is wanted the end of the process."""
         nonlocal left
         left -= 1
         if left == 0 and where == "half":

@@ -18,6 +18,7 @@ class ArcsCam:
     """Circles tangent to each other: base, flank, nose and top dwell, less the offset."""
 
     def __init__(self):
+        """The corners of the example's cam, deg."""
         self.corners = {
             "a": 90.0, "b": 150.1793714951576, "c": 160.0, "d": 200.0, "e": 209.8206285048424,
             "f": 270.0,

@@ -28,6 +28,7 @@ def polynomial(terms: dict[int, float]):
     """(s, s', s'') of a law given by its powers of x."""
 
     def law(x, lib):
+        """(s, ds/dx, d2s/dx2) of the polynomial at x, in numbers of any library."""
         s = sum(a * x**n for n, a in terms.items())
         first = sum(a * n * x ** (n - 1) for n, a in terms.items())
         second = sum(a * n * (n - 1) * x ** (n - 2) for n, a in terms.items() if n > 1)
@@ -146,6 +147,7 @@ def eccentric(base: float, lift: float) -> Lift:
     """c = base + lift (1 - cos theta)/2."""
 
     def part(theta, lib):
+        """(c, dc/dtheta, d2c/dtheta2) at an angle."""
         half = lift / 2
         return (
             base + half * (1 - lib.cos(theta)), half * lib.sin(theta), half * lib.cos(theta)
@@ -159,7 +161,10 @@ def motions(base, lift, start_deg, rise_deg, top_deg, fall_deg, rise, fall) -> L
     rows = []  # begin, end in deg, function of deg since the rise began
 
     def moving(law, begin, length, low, step):
+        """The part of a rise or fall by `step` m in `length` deg from `begin` deg, by a law."""
+
         def part(since, lib):
+            """(c, dc/dtheta, d2c/dtheta2), since: deg."""
             beta = length * (lib.pi / 180)
             s, first, second = LAWS[law]((since - begin) / length, lib)
             return low + step * s, step / beta * first, step / beta**2 * second
@@ -242,6 +247,7 @@ class Machine:
 
     @cached_property
     def _exact(self) -> oracle.Follower:
+        """The same follower with exact constants, whose free flight is known in closed form."""
         with mp.workdps(40):
             return oracle.Follower.make(
                 self.mass, self.stiffness, self.damping, self.gravity, self.preload
@@ -321,6 +327,7 @@ class Machine:
                 return self._exact.flow(s / omega, q, v)[0] - self.lift.exactly(theta + s)[0]
 
             def highest(low, high):
+                """The largest gap between two times, by golden section; it has one maximum there."""
                 ratio = (mp.sqrt(5) - 1) / 2
                 for _ in range(60):
                     a, b = high - ratio * (high - low), low + ratio * (high - low)

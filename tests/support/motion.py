@@ -50,6 +50,7 @@ class Motion:
     """
 
     def __init__(self, machine: Machine, turns: int, begin_deg: float = 0.0, q=None, v=None):
+        """Follow a machine for some turns, from rest on the cam where q (m) or v is None."""
         self.machine, self.turns = machine, turns
         with mp.workdps(DIGITS):
             self.omega = mpf(machine.rpm) * mp.pi / 30
@@ -68,6 +69,12 @@ class Motion:
         return float(q), float(v), False
 
     def _run(self, begin_deg, q, v) -> Iterator[Event]:
+        """The events in order; the parts between them are gathered in `parts`.
+
+        A motion rests on the cam until the force falls to zero, or flies until the gap closes. A
+        chatter whose next hop is shorter than CLOSED is ended by its geometric series. All of it is
+        in radians; the time `at` counts from the first strobe, below zero before it.
+        """
         machine, r = self.machine, mpf(self.machine.restitution)
         theta = mpf(begin_deg) * mp.pi / 180
         at = -((mpf(machine.strobe) - theta) % (2 * mp.pi))
@@ -120,6 +127,7 @@ class Motion:
         return mpf(near % TURN) if abs(near - float(theta)) < EDGE else theta
 
     def _pressed(self, theta) -> bool:
+        """Whether the cam presses on a follower at rest."""
         return bool(self.machine.force(float(theta))[0] > 0.0)
 
     def _released(self, theta):
@@ -140,6 +148,7 @@ class Motion:
         return None
 
     def _force(self, theta):
+        """The contact force at an angle of a follower that rests on the cam, N."""
         own = self.machine
         c, c1, c2 = self._cam(theta)
         load = mpf(own.mass) * mpf(own.gravity) + mpf(own.preload)
@@ -152,11 +161,13 @@ class Motion:
         q, v = c + gap, c1 + u
 
         def exact(s):
+            """(gap, its rate) after s rad of flight."""
             there, speed = own._exact.flow(s / self.omega, q, v)
             lift, slope, _ = self._cam(theta + s)
             return there - lift, speed - slope
 
         def polished(s):
+            """Newton's method from s: (rad of flight, relative velocity at the contact)."""
             s = mpf(s)
             for _ in range(12):
                 g, rate = exact(s)

@@ -89,6 +89,11 @@ class ArcsCam:
         self, base_radius=0.4, flank_center=0.45, flank_radius=0.85,
         nose_center=0.40393320723821, nose_radius=0.15, top_dwell_deg=40.0, offset=0.3,
     ):  # fmt: skip
+        """Three tangent circles; lengths in m. Raises ValueError where they do not touch.
+
+        The breakpoints are the corners a to f; each arc is a circle (centre, radius) about its own
+        origin.
+        """
         with mp.workdps(CAM_DPS):
             lengths = flank_center, flank_radius, nose_center, nose_radius, offset
             k1, R1, k2, R2, off = map(_num, lengths)
@@ -207,6 +212,11 @@ class Flight:
         self.double = (follower.rough(), float(omega), float(q), float(v))
 
     def _sample(self, follower, omega, q0, v0, arc: Arc, x0, t) -> Sample:
+        """The gap, its rate and its acceleration t seconds after the flight began.
+
+        size: the sum of the terms of the acceleration without their signs, which its rounding is a
+        share of.
+        """
         c, c1, c2 = arc.laws(follower.lib, x0 + omega * t)
         q, v = follower.flow(t, q0, v0)
         drag, pull, push = 2 * follower.zeta * v, follower.w2 * q + follower.load, omega**2 * c2
@@ -440,6 +450,7 @@ class Oracle:
         self, cam: ArcsCam, *, mass, stiffness, damping=0, gravity=0, preload=0,
         restitution, rpm, digits=50,
     ):  # fmt: skip
+        """A machine in SI, at a speed in rpm, to be followed with so many digits."""
         self.cam, self.digits = cam, max(int(digits), 40)
         self.data = tuple(map(_num, (mass, stiffness, damping, gravity, preload)))
         self.r, self.rpm = _num(restitution), _num(rpm)
@@ -484,6 +495,10 @@ class Oracle:
                 yield (*base[:i], base[i] * (1 + sign * mpf(PERTURBATION)), *base[i + 1 :])
 
     def _run(self, psi, end, cut, impacts, rpm, r, q, v) -> list[_Raw]:
+        """Events until an angle `end`, or without one until so many impacts.
+
+        psi: the angle at the start; cut: where a chatter is ended by its series.
+        """
         follower = Follower.make(*self.data)
         orbit = _Orbit(self.cam, follower, r, rpm * mp.pi / 30, psi, end, cut)
         out, hits = [], 0

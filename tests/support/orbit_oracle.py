@@ -319,6 +319,7 @@ def finite_difference_monodromy(cam, machine, rpm, orbit: Orbit, step="1e-20"):
         h, omega, period = mpf(step), _omega(rpm), 2 * mp.pi * orbit.turns
 
         def strobe(q, v):
+            """The state a whole number of turns after (q, v) at the strobe."""
             events = oracle.run(q=q, v=v, turns=orbit.turns)
             if [e.kind for e in events] != ["impact"] * len(orbit.thetas):
                 raise ArithmeticError("the run has other events than the orbit")
@@ -407,6 +408,7 @@ def gap_graze_rpm(cam, machine, impacts, turns, k, rpm, theta) -> GapGraze:
         arc = _arc(cam, piece_at(cam, touch), touch)
 
         def equations(family, z):
+            """The orbit's equations, and gap and its rate where the flight grazes: all zero."""
             x, omega, psi = z[: 2 * n], z[2 * n], z[2 * n + 1]
             leg, (c, c1, _) = family.legs(omega, x)[k], arc.laws(mp, psi - arc.origin)
             q, v = family.follower.flow((psi - leg.theta) / omega, leg.q0, leg.v0)

@@ -77,7 +77,7 @@ class Exact:
 
 
 def impacts_of(motion: Motion, turns: int) -> tuple[list[float], list[float]]:
-    """(at, up) of the impacts of the first turns of a motion."""
+    """(angles in rad, rates after impact) of the impacts of the first turns of a motion."""
     own = [e for e in motion.events if e.kind == "impact" and 0.0 <= e.at < TURN * turns]
     return [event.at for event in own], [event.u_plus for event in own]
 
@@ -112,6 +112,11 @@ def event(machine: Machine, kind: str, motion: Motion, turns: int, corner: float
             nearest = int(np.argmin(apart))
 
         def residual(*x):
+            """What is zero at the bifurcation: shooting equations, and the condition of its kind.
+
+            x: angles of the impacts, rates after them, the speed, and of a grazing the angle where
+            it touches; each over its scale.
+            """
             x = [value * scale for value, scale in zip(x, scales, strict=True)]
             own = Exact(machine, x[2 * n])
             found = own.shooting(x[:n], x[n : 2 * n], turns)

@@ -121,6 +121,7 @@ class Image:
     """An image as what it shows at places of its axes."""
 
     def __init__(self, artist):
+        """A picture of cells with the ends of both axes; rows from the lowest up."""
         self.artist = artist
         self.left, self.right, self.low, self.high = artist.get_extent()
         first_below = artist.origin == "lower"
@@ -147,6 +148,7 @@ class Panel:
     """One pair of axes, the narrow curves beside it and its colour bars; see the module."""
 
     def __init__(self, name, axes, besides=(), bars=()):
+        """All artists of axes but frame, title and legend; `left`: those not explained yet."""
         self.name, self.axes, self.besides, self.bars = name, axes, besides, bars
         frame = {axes.patch, axes.xaxis, axes.yaxis, *axes.spines.values(), *axes.child_axes}
         frame |= {axes.title, axes._left_title, axes._right_title, axes.get_legend()}
